@@ -1,0 +1,1 @@
+"""Closure relations: one phenomenon per module, one formula per function."""

@@ -1,0 +1,1 @@
+"""TOML case files to frozen cases: units, keys, messages."""

@@ -1,0 +1,14 @@
+"""Types, constants, errors and registry that every layer may use.
+
+========== ===========================================================
+module     responsibility
+========== ===========================================================
+types      array aliases
+constants  physical constants and reference states
+errors     exceptions that a user sees as one line
+status     outcome of a run, with advice
+units      quantities with units in text, converted to SI
+registry   machine types found by name (built in or entry points)
+compiled   numba with a cache that follows the package's sources
+========== ===========================================================
+"""

@@ -1,0 +1,51 @@
+"""Numba with a cache folder that follows the package's sources.
+
+Numba's own cache does not notice a change in a function imported from another
+module. The cache folder is therefore keyed by a hash of all sources of the package.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import sys
+from pathlib import Path
+
+_PACKAGE = Path(__file__).resolve().parent.parent
+
+
+def _sources_hash() -> str:
+    digest = hashlib.sha256()
+    for path in sorted(_PACKAGE.rglob("*.py")):
+        digest.update(str(path.relative_to(_PACKAGE)).encode())
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _cache_folder() -> Path:
+    base = os.environ.get("TOOTHSPACE_CACHE") or os.environ.get("XDG_CACHE_HOME")
+    root = Path(base) if base else Path.home() / ".cache"
+    return root / "toothspace" / f"compiled-{_sources_hash()}"
+
+
+CACHE_FOLDER = _cache_folder()
+os.environ.setdefault("NUMBA_CACHE_DIR", str(CACHE_FOLDER))
+
+import numba  # noqa: E402  (the cache folder must be set first)
+from numba.extending import register_jitable  # noqa: E402
+
+njit = numba.njit
+prange = numba.prange
+inlined = register_jitable
+"""Marks a formula that stays plain Python and is compiled where compiled code calls it."""
+
+
+def announce_first_compilation() -> None:
+    """Tell the user once that compiled code is being built and will be kept."""
+    if not CACHE_FOLDER.exists():
+        sys.stderr.write(
+            "First use on this machine: compiling (about half a minute, kept for later).\n"
+        )
+
+
+__all__ = ["CACHE_FOLDER", "announce_first_compilation", "inlined", "njit", "prange"]

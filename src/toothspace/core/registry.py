@@ -1,0 +1,30 @@
+"""Machine types found by name: built in, or shipped by others through an entry point."""
+
+from __future__ import annotations
+
+from importlib.metadata import entry_points
+from typing import Any
+
+from toothspace.core.errors import CaseError
+
+ENTRY_POINT_GROUP = "toothspace.machines"
+
+
+def machine_type_names() -> list[str]:
+    """Return the names of all installed machine types."""
+    return sorted({point.name for point in entry_points(group=ENTRY_POINT_GROUP)})
+
+
+def machine_type(name: str) -> Any:
+    """Return the machine type of a name.
+
+    Raises
+    ------
+    CaseError
+        If no installed package provides it.
+    """
+    for point in entry_points(group=ENTRY_POINT_GROUP):
+        if point.name == name:
+            return point.load()
+    allowed = ", ".join(machine_type_names())
+    raise CaseError(f"machine.type: found {name!r}, allowed: {allowed}")

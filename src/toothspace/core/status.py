@@ -1,0 +1,29 @@
+"""Outcome of a run."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+
+class Status(Enum):
+    """Outcome of a run; the text says what to do next."""
+
+    DONE = "Done."
+    NOT_CYCLIC = (
+        "The run reached its last revolution before two successive revolutions agreed. "
+        "Raise run.max_revolutions, or set run.revolutions if the last state is enough."
+    )
+    STEP_TOO_SMALL = (
+        "The time step fell below its limit. Look at the last events in the result; "
+        "loosen run.relative_tolerance or check clearances and pressures."
+    )
+    MAX_STEPS = "The maximum number of steps was reached. Raise run.max_steps."
+    NOT_CONVERGED = (
+        "An iteration did not converge. Start from a nearby condition or refine the grid."
+    )
+    INTERRUPTED = "Interrupted by the user; what was computed is kept."
+
+    @property
+    def succeeded(self) -> bool:
+        """Whether the run did what was asked."""
+        return self is Status.DONE

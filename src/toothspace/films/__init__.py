@@ -1,0 +1,1 @@
+"""Stand-alone thin-film bearings and pads."""

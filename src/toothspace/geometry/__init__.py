@@ -1,0 +1,1 @@
+"""Curves, tooth profiles, CAD files and areas."""

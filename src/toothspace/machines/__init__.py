@@ -1,0 +1,1 @@
+"""Machine types: each turns its parameters into a MachineDescription."""

@@ -1,0 +1,1 @@
+"""External gear pumps and motors."""

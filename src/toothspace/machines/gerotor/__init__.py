@@ -1,0 +1,1 @@
+"""Gerotor pumps and motors."""

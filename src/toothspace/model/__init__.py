@@ -1,0 +1,1 @@
+"""The contract between machine types and solver, and the right-hand side built from it."""

@@ -1,0 +1,427 @@
+"""The one seam: what a machine type tells the solver, as tables over angles.
+
+A machine type fills a :class:`MachineDescription`; model and solver see nothing else.
+
+Frame and signs: origin at the drive gear (gerotor: centre of the outer rotor), y towards
+the driven gear, x towards the outlet, angles right-handed, shaft turning positive.
+Every table angle grows with the shaft angle: ``angle = phase + angle_ratio * shaft_angle``.
+
+Nodes of the network are numbered: chambers of the families in their order, then
+``inlet``, ``outlet`` and ``drain``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Literal, final
+
+import numpy as np
+
+from toothspace.core.types import Array, IntArray
+from toothspace.numerics.periodic_table import PeriodicTable
+
+PathKind = Literal["orifice", "parallel_gap", "curved_gap"]
+
+PATH_CHANNELS: Mapping[PathKind, tuple[str, ...]] = {
+    "orifice": ("area", "hydraulic_diameter"),
+    "parallel_gap": ("height", "width", "length"),
+    "curved_gap": ("height", "width", "relative_radius"),
+}
+"""Channels of the geometry table of each kind of path. [m2, m] or [m, m, m]"""
+
+CONTACT_CHANNELS = (
+    "gap",
+    "load_share",
+    "radius_a",
+    "radius_b",
+    "sliding_speed",
+    "rolling_speed_sum",
+)
+"""Channels of a contact table: [m], [-], [m], [m], [m/rad], [m/rad] (per shaft radian)."""
+
+
+@final
+@dataclass(frozen=True)
+class Body:
+    """A rigid body that turns with the shaft and may move by micrometres.
+
+    Parameters
+    ----------
+    name : str
+        Label in results, for example ``drive_gear``.
+    center : tuple of float
+        Nominal centre. [m]
+    speed_ratio : float
+        Angular speed over shaft speed, negative if it turns the other way. [-]
+    mass : float
+        Mass. [kg]
+    inertia : float
+        Moment of inertia about its axis. [kg m2]
+    """
+
+    name: str
+    center: tuple[float, float]
+    speed_ratio: float
+    mass: float
+    inertia: float
+
+
+@final
+@dataclass(frozen=True)
+class Motion:
+    """One micro-motion q of a body: ``x``, ``y``, ``z`` [m] or ``rotation`` [rad]."""
+
+    body: str
+    axis: Literal["x", "y", "z", "rotation"]
+
+
+@final
+@dataclass(frozen=True)
+class ChamberFamily:
+    r"""Chambers that are copies of one another, shifted in angle.
+
+    Parameters
+    ----------
+    name : str
+        Label, for example ``drive_gear``.
+    angle_ratio : float
+        Growth of the table angle per shaft angle, positive. [-]
+    phases : ndarray, shape (count,)
+        Table angle of each chamber at shaft angle zero. [rad]
+    volume : PeriodicTable, 1 channel
+        Volume over the table angle, with exact slopes. [m3]
+    volume_by_motion : PeriodicTable, one channel per motion of the description
+        Derivative of the volume with respect to every micro-motion. It is also the
+        generalised force of the chamber's pressure on that motion. [m3/m] or [m3/rad]
+
+    Notes
+    -----
+    .. math:: V = V_0(\theta) + \sum_k \frac{\partial V}{\partial q_k}(\theta)\, q_k
+    """
+
+    name: str
+    angle_ratio: float
+    phases: Array
+    volume: PeriodicTable
+    volume_by_motion: PeriodicTable
+
+    @property
+    def count(self) -> int:
+        """Number of chambers."""
+        return int(self.phases.size)
+
+
+@final
+@dataclass(frozen=True)
+class FlowPath:
+    r"""Paths of one kind that join pairs of nodes, with geometry over an angle.
+
+    Parameters
+    ----------
+    name : str
+        Label, unique in the machine, for example ``tooth_tip_drive``.
+    category : str
+        What the ledger books it under: ``inlet_port``, ``outlet_port``, ``inlet_groove``,
+        ``outlet_groove``, ``tooth_tip``, ``flank``, ``lateral``, ``drain``, ``tip``, ``radial``.
+    kind : str
+        ``orifice``, ``parallel_gap`` or ``curved_gap``.
+    nodes_a, nodes_b : ndarray of int, shape (count,)
+        Nodes at both ends; flow is counted from a to b.
+    angle_ratio : float
+        Growth of the table angle per shaft angle. [-]
+    phases : ndarray, shape (count,)
+        Table angle of each path at shaft angle zero. [rad]
+    geometry : PeriodicTable
+        Channels of :data:`PATH_CHANNELS`. A closed path has zero area or width.
+    height_by_motion : PeriodicTable or None
+        Derivative of the gap height with respect to every micro-motion. [-] or [m/rad]
+    drag_speed : PeriodicTable or None, 1 channel
+        Mean speed of the walls towards b, relative to the throat, per shaft speed: drag flow
+        from a to b is ``width * height * drag_speed * shaft_speed``. [m/rad]
+    shear_speed : PeriodicTable or None, 1 channel
+        Speed of one wall relative to the other per shaft speed, for viscous friction in the
+        gap, booked under ``tip_shear``. [m/rad]
+    multiplicity : float
+        Equal paths in parallel, for example both faces. [-]
+    partner_shift : int
+        Shift of node b (within its family) each time the table angle passes a full period:
+        tooth pairing of gears with unequal tooth counts.
+    wears : bool
+        Whether the gap is cut deeper by running-in where bodies would touch the casing.
+    minimum_height : float
+        Residual height that the gap keeps, level of the roughness. [m]
+    """
+
+    name: str
+    category: str
+    kind: PathKind
+    nodes_a: IntArray
+    nodes_b: IntArray
+    angle_ratio: float
+    phases: Array
+    geometry: PeriodicTable
+    height_by_motion: PeriodicTable | None = None
+    drag_speed: PeriodicTable | None = None
+    shear_speed: PeriodicTable | None = None
+    multiplicity: float = 1.0
+    partner_shift: int = 0
+    wears: bool = False
+    minimum_height: float = 1e-6
+
+    @property
+    def count(self) -> int:
+        """Number of paths."""
+        return int(self.phases.size)
+
+
+@final
+@dataclass(frozen=True)
+class JournalBearing:
+    """Equal journal bearings of one body, sharing its radial load.
+
+    Parameters
+    ----------
+    body : str
+        Body that they carry.
+    count : int
+        Number of bearings.
+    diameter, length, radial_clearance : float
+        Size of each bearing. [m]
+    roughness : float
+        Combined root mean square roughness of journal and bush. [m]
+    correlation_length : float
+        Half-height correlation length of the combined roughness. [m]
+    effective_modulus : float
+        E' = 2 / [(1 - nu1^2)/E1 + (1 - nu2^2)/E2]. [Pa]
+    hardness : float
+        Hardness of the softer surface. [Pa]
+    boundary_friction : float
+        Friction coefficient of touching asperities. [-]
+    seat_clearance : float
+        Radial clearance of the bearing blocks in the housing; they rest against the wall
+        in the direction of the mean load. [m]
+    """
+
+    body: str
+    count: int
+    diameter: float
+    length: float
+    radial_clearance: float
+    roughness: float
+    correlation_length: float
+    effective_modulus: float
+    hardness: float
+    boundary_friction: float
+    seat_clearance: float = 0.0
+
+
+@final
+@dataclass(frozen=True)
+class LateralFilm:
+    """Film on the faces of one body, with a closed form for its friction.
+
+    Parameters
+    ----------
+    body : str
+        Body whose faces it covers.
+    faces : int
+        Number of faces.
+    height : float
+        Film height at the axis. [m]
+    inner_radius, root_radius, outer_radius : float
+        Shaft, full annulus and tooth tip radius. [m]
+    tooth_area_fraction : float
+        Part of the ring between root and outer radius that is tooth, weighted with r^2. [-]
+    tilt : float
+        Change of height at the outer radius over the height at the axis (0 parallel). [-]
+    """
+
+    body: str
+    faces: int
+    height: float
+    inner_radius: float
+    root_radius: float
+    outer_radius: float
+    tooth_area_fraction: float
+    tilt: float = 0.0
+
+
+@final
+@dataclass(frozen=True)
+class ContactPair:
+    """Contacts of one kind between two bodies over an angle.
+
+    Parameters
+    ----------
+    name : str
+        Label, for example ``drive_flank``.
+    body_a, body_b : str
+        Bodies in contact; the normal points from a to b.
+    angle_ratio : float
+        Growth of the table angle per shaft angle. [-]
+    phases : ndarray, shape (count,)
+        Table angle of each contact at shaft angle zero. [rad]
+    geometry : PeriodicTable
+        Channels of :data:`CONTACT_CHANNELS`; a negative radius is concave.
+    gap_by_motion : PeriodicTable, one channel per motion
+        Derivative of the gap; also the generalised direction of the contact force. [-], [m/rad]
+    width : float
+        Length of the contact line. [m]
+    effective_modulus : float
+        E' = 2 / [...] of the pair. [Pa]
+    roughness : float
+        Combined root mean square roughness of the flanks. [m]
+    boundary_friction : float
+        Friction coefficient of touching asperities. [-]
+    limiting_shear : float
+        Limiting shear strength proportionality of the lubricant (gamma). [-]
+    """
+
+    name: str
+    body_a: str
+    body_b: str
+    angle_ratio: float
+    phases: Array
+    geometry: PeriodicTable
+    gap_by_motion: PeriodicTable
+    width: float
+    effective_modulus: float
+    roughness: float
+    boundary_friction: float = 0.10
+    limiting_shear: float = 0.05
+
+    @property
+    def count(self) -> int:
+        """Number of contacts."""
+        return int(self.phases.size)
+
+
+@final
+@dataclass(frozen=True)
+class RigidMesh:
+    """Contact of rigid flanks that ties one rotation to the other motions.
+
+    Parameters
+    ----------
+    contact : str
+        Name of the :class:`ContactPair` that carries the load.
+    motion : int
+        Index of the rotation that follows from contact.
+    coefficients : ndarray, one per motion
+        ``q[motion] = coefficients @ q`` of the other motions. [1/m]
+    lever : float
+        Base radius of the body that is driven through the mesh: force = torque / lever. [m]
+    """
+
+    contact: str
+    motion: int
+    coefficients: Array
+    lever: float
+
+
+@final
+@dataclass(frozen=True)
+class DesignCheck:
+    """One line of the design-rule report: value, unit, allowed range, verdict and why it matters."""
+
+    name: str
+    value: float
+    unit: str
+    allowed: str
+    passed: bool
+    reason: str
+
+
+@final
+@dataclass(frozen=True)
+class MachineDescription:
+    """A machine as the solver sees it.
+
+    Parameters
+    ----------
+    name, mode : str
+        Machine type, and ``pump`` or ``motor``.
+    displacement : float
+        Geometric volume per shaft radian, single flank. [m3/rad]
+    bodies, motions, families, paths, journals, laterals, contacts, mesh
+        Parts, see their classes.
+    seal_torque : float
+        Constant shaft seal torque. [N m]
+    port_volumes : tuple of float
+        Volumes at inlet and outlet. [m3]
+    drain : str
+        Node that collects the drain: ``inlet``, ``outlet`` or ``external``.
+    outlines : mapping of name to ndarray, shape (points, 2)
+        Closed polygons for drawing: one per body (own frame, at shaft angle zero), plus
+        ``casing``, grooves and ports in the machine frame. [m]
+    geometry_summary : mapping
+        Numbers of ``toothspace geometry --json``, names with unit suffix.
+    checks : tuple of DesignCheck
+        Design-rule report.
+    """
+
+    name: str
+    mode: Literal["pump", "motor"]
+    displacement: float
+    bodies: tuple[Body, ...]
+    motions: tuple[Motion, ...]
+    families: tuple[ChamberFamily, ...]
+    paths: tuple[FlowPath, ...]
+    journals: tuple[JournalBearing, ...] = ()
+    laterals: tuple[LateralFilm, ...] = ()
+    contacts: tuple[ContactPair, ...] = ()
+    mesh: RigidMesh | None = None
+    seal_torque: float = 0.0
+    port_volumes: tuple[float, float] = (50e-6, 50e-6)
+    drain: Literal["inlet", "outlet", "external"] = "inlet"
+    outlines: Mapping[str, Array] = field(default_factory=dict)
+    geometry_summary: Mapping[str, object] = field(default_factory=dict)
+    checks: tuple[DesignCheck, ...] = ()
+
+    @property
+    def chamber_count(self) -> int:
+        """Number of chambers of all families."""
+        return sum(family.count for family in self.families)
+
+    @property
+    def inlet_node(self) -> int:
+        """Node number of the inlet."""
+        return self.chamber_count
+
+    @property
+    def outlet_node(self) -> int:
+        """Node number of the outlet."""
+        return self.chamber_count + 1
+
+    @property
+    def drain_node(self) -> int:
+        """Node number of the drain."""
+        return self.chamber_count + 2
+
+    @property
+    def chamber_labels(self) -> list[str]:
+        """Labels of the chambers, family and number."""
+        return [f"{family.name}_{k}" for family in self.families for k in range(family.count)]
+
+    def body_index(self, name: str) -> int:
+        """Position of a body in :attr:`bodies`."""
+        return [body.name for body in self.bodies].index(name)
+
+    def motion_index(self, body: str, axis: str) -> int:
+        """Position of a motion in :attr:`motions`."""
+        return [f"{m.body}.{m.axis}" for m in self.motions].index(f"{body}.{axis}")
+
+    def with_running_in(self, depths: Mapping[str, Array]) -> MachineDescription:
+        """Deepen wearing gaps by running-in depths given at their table nodes. [m]."""
+        paths = tuple(_deepened(p, depths[p.name]) if p.name in depths else p for p in self.paths)
+        return replace(self, paths=paths)
+
+
+def _deepened(path: FlowPath, depth: Array) -> FlowPath:
+    table = path.geometry
+    step = table.period / table.values.shape[0]
+    values, slopes = table.values.copy(), table.slopes.copy()
+    values[:, 0] += depth
+    slopes[:, 0] += (np.roll(depth, -1) - np.roll(depth, 1)) / (2.0 * step)
+    return replace(path, geometry=PeriodicTable(table.period, values, slopes))

@@ -1,0 +1,1 @@
+"""Tables, grids, linear and nonlinear solvers; knows no physics."""

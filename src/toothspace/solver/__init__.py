@@ -1,0 +1,1 @@
+"""March in time, find the cyclic state, log events."""
