@@ -1,0 +1,54 @@
+# Every target prepares .venv from requirements/lock.txt when it is missing.
+PYTHON ?= python3
+VENV ?= .venv
+BIN := $(VENV)/bin
+READY := $(VENV)/.ready
+WORKERS ?= 2
+DEMO := demo_report
+
+.DEFAULT_GOAL := help
+.PHONY: help setup demo test validate bench docs lint format clean
+
+help:  ## list the targets
+	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
+
+$(READY): requirements/lock.txt pyproject.toml
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements/lock.txt
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	touch $@
+
+setup: $(READY)  ## create the virtual environment
+
+demo: $(READY)  ## simulate the 12-tooth motor from parameters and from a CAD profile, with reports
+	mkdir -p $(DEMO)
+	$(BIN)/toothspace run cases/egm12_motor.toml -o $(DEMO)/egm12_motor.nc
+	$(BIN)/toothspace report $(DEMO)/egm12_motor.nc -o $(DEMO)/egm12_motor.html
+	$(BIN)/toothspace geometry cases/egm12_motor.toml --export dxf -o $(DEMO)/egm12_profile
+	$(BIN)/toothspace run cases/egm12_motor_profile.toml -o $(DEMO)/egm12_motor_profile.nc
+	$(BIN)/toothspace report $(DEMO)/egm12_motor_profile.nc -o $(DEMO)/egm12_motor_profile.html
+
+test: $(READY)  ## run the test suite (without the slow validation runs)
+	$(BIN)/python -m pytest -q -n $(WORKERS) --dist worksteal
+
+validate: $(READY)  ## run slow tests and validation against published numbers
+	$(BIN)/python -m pytest -q -n $(WORKERS) --dist worksteal -m "slow or validation"
+
+bench: $(READY)  ## print the table of benchmarks
+	$(BIN)/python -m benchmarks
+
+docs: $(READY)  ## build the documentation into docs/_build and check its links
+	$(BIN)/python docs/build.py
+
+lint: $(READY)  ## style, types and layers
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+format: $(READY)  ## apply the style
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+clean:  ## remove what can be rebuilt
+	rm -rf $(DEMO) docs/_build .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
