@@ -1,0 +1,78 @@
+"""Parsed sources of the package, shared by the tests of conventions."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+PACKAGE = REPOSITORY / "src" / "toothspace"
+
+FunctionNode = ast.FunctionDef | ast.AsyncFunctionDef
+
+
+@dataclass(frozen=True)
+class Source:
+    """One module of the package."""
+
+    path: Path
+
+    @cached_property
+    def text(self) -> str:
+        return self.path.read_text(encoding="utf-8")
+
+    @cached_property
+    def tree(self) -> ast.Module:
+        return ast.parse(self.text, filename=str(self.path))
+
+    @property
+    def label(self) -> str:
+        """Path inside the package, for messages."""
+        return self.path.relative_to(PACKAGE).as_posix()
+
+    def functions(self) -> Iterator[tuple[str, FunctionNode]]:
+        """Every function and method with its qualified name."""
+        yield from _functions(self.tree, "")
+
+    def public_functions(self) -> Iterator[tuple[str, FunctionNode]]:
+        """Functions and methods whose qualified name has no private part."""
+        for name, node in self.functions():
+            if not any(part.startswith("_") for part in name.split(".")):
+                yield name, node
+
+
+def _functions(node: ast.AST, prefix: str) -> Iterator[tuple[str, FunctionNode]]:
+    for child in ast.iter_child_nodes(node):
+        if isinstance(child, FunctionNode):
+            yield prefix + child.name, child
+            # a nested function is private to its owner
+            yield from _functions(child, f"{prefix}{child.name}._local.")
+        elif isinstance(child, ast.ClassDef):
+            yield from _functions(child, f"{prefix}{child.name}.")
+        else:
+            yield from _functions(child, prefix)
+
+
+def parameters(node: FunctionNode) -> list[ast.arg]:
+    """Parameters of a function without ``self`` and ``cls``."""
+    group = node.args
+    found = [*group.posonlyargs, *group.args, *group.kwonlyargs]
+    found += [extra for extra in (group.vararg, group.kwarg) if extra is not None]
+    return [argument for argument in found if argument.arg not in {"self", "cls"}]
+
+
+def body_lines(node: FunctionNode) -> int:
+    """Lines of a function from its ``def`` to its end, without the docstring."""
+    assert node.end_lineno is not None
+    length = node.end_lineno - node.lineno + 1
+    first = node.body[0]
+    if ast.get_docstring(node) is not None:
+        assert first.end_lineno is not None
+        length -= first.end_lineno - first.lineno + 1
+    return length
+
+
+SOURCES = [Source(path) for path in sorted(PACKAGE.rglob("*.py"))]

@@ -1,0 +1,95 @@
+"""Public functions say what they do; formulas give the unit of every quantity."""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import re
+
+import pytest
+
+from tests.architecture.sources import SOURCES, FunctionNode, Source, parameters
+
+UNIT = re.compile(r"\[[^\[\]]+\](?!_)")
+NUMERIC = re.compile(r"float|int\b|complex|Array|ndarray")
+ENTRY = re.compile(r"^(\w[\w, *]*?)\s*(?::.*)?$")
+
+CLOSURES = [source for source in SOURCES if source.label.startswith("closures/")]
+
+
+def section(doc: str, title: str) -> list[str]:
+    """Lines of a numpydoc section."""
+    match = re.search(rf"^{title}\n-+\n(.*?)(?=^\w[\w ]*\n-+\n|\Z)", doc, re.MULTILINE | re.DOTALL)
+    return match.group(1).splitlines() if match else []
+
+
+def described(lines: list[str]) -> dict[str, str]:
+    """Text of every entry of a section by name; ``a, b : float`` describes both."""
+    texts: dict[str, str] = {}
+    names: list[str] = []
+    for line in lines:
+        heading = ENTRY.match(line)
+        if heading and not line.startswith(" "):
+            names = [name.strip(" *") for name in heading.group(1).split(",")]
+            texts.update(dict.fromkeys(names, ""))
+        else:
+            for name in names:
+                texts[name] += line + "\n"
+    return texts
+
+
+def numeric(annotation: ast.expr | None) -> bool:
+    return annotation is not None and bool(NUMERIC.search(ast.unparse(annotation)))
+
+
+def missing_units(node: FunctionNode) -> list[str]:
+    """Numeric parameters, and the result, that the docstring gives no unit for."""
+    doc = inspect.cleandoc(ast.get_docstring(node) or "")
+    texts = described(section(doc, "Parameters"))
+    missing = [
+        argument.arg
+        for argument in parameters(node)
+        if numeric(argument.annotation) and not UNIT.search(texts.get(argument.arg, ""))
+    ]
+    if numeric(node.returns) and not UNIT.search("\n".join(section(doc, "Returns"))):
+        missing.append("result")
+    return missing
+
+
+@pytest.mark.parametrize("source", SOURCES, ids=lambda source: source.label)
+def test_public_functions_have_a_docstring(source: Source) -> None:
+    assert ast.get_docstring(source.tree), "module without docstring"
+    silent = [name for name, node in source.public_functions() if not ast.get_docstring(node)]
+    assert not silent
+
+
+@pytest.mark.parametrize("source", CLOSURES, ids=lambda source: source.label)
+def test_formulas_give_every_unit(source: Source) -> None:
+    missing = {name: missing_units(node) for name, node in source.public_functions()}
+    assert not {name: found for name, found in missing.items() if found}
+
+
+def test_a_missing_unit_is_noticed() -> None:
+    code = '''
+def flow(height: float, width: float, law: str) -> float:
+    """Flow.
+
+    Parameters
+    ----------
+    height, width : float
+        Size. [m]
+    law : str
+        Name.
+
+    Returns
+    -------
+    float
+        Flow. [m3/s]
+    """
+'''
+    (node,) = ast.parse(code).body
+    assert isinstance(node, ast.FunctionDef)
+    assert missing_units(node) == []
+    (node,) = ast.parse(code.replace("[m]", "").replace("[m3/s]", "")).body
+    assert isinstance(node, ast.FunctionDef)
+    assert missing_units(node) == ["height", "width", "result"]

@@ -1,0 +1,44 @@
+"""The command line starts light, and optional packages may be missing."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+HEAVY = {
+    "numba", "matplotlib", "scipy", "xarray", "pint", "shapely", "plotly", "trimesh", "ezdxf",
+    "networkx", "OCP", "sksundae", "pandas",
+}  # fmt: skip
+
+IMPORT_ALL = """
+import importlib, pkgutil, sys
+sys.modules[{hidden!r}] = None
+import toothspace
+for module in pkgutil.walk_packages(toothspace.__path__, "toothspace."):
+    if not module.name.endswith("__main__"):
+        importlib.import_module(module.name)
+"""
+
+
+def run(code: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+
+
+@pytest.mark.parametrize("module", ["toothspace", "toothspace.cli"])
+def test_start_is_light(module: str) -> None:
+    done = run(f"import sys, {module}\nprint(*{{name.split('.')[0] for name in sys.modules}})")
+    assert done.returncode == 0, done.stderr
+    assert not HEAVY & set(done.stdout.split())
+
+
+@pytest.mark.parametrize("hidden", ["OCP", "sksundae", "plotly", "matplotlib", "trimesh", "ezdxf"])
+def test_package_imports_without(hidden: str) -> None:
+    done = run(IMPORT_ALL.format(hidden=hidden))
+    assert done.returncode == 0, done.stderr
+
+
+def test_hiding_a_package_hides_it() -> None:
+    done = run("import sys\nsys.modules['numpy'] = None\nimport numpy\n")
+    assert done.returncode != 0

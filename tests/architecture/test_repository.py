@@ -1,0 +1,52 @@
+"""Tracked files hold nothing that belongs to one machine or to unfinished work."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+
+THIS = Path(__file__).name
+TEXT = {".py", ".md", ".toml", ".txt", ".yml", ".cff", ".cfg", ".html", ".j2", ".csv", ".json", ""}
+
+FORBIDDEN = {
+    "a path of one machine": r"(?<![\w.])/(?:work|root|home/\w+|Users/\w+|tmp)/|[A-Z]:\\Users",
+    "a package registry": r"pypi\.org|pythonhosted|index-url|find-links|/pypi",
+    "unfinished work": r"\b(?:TODO|FIXME|XXX)\b",
+}
+
+
+def tracked(repository: Path) -> list[Path]:
+    listing = subprocess.run(
+        ["git", "ls-files", "-z"], cwd=repository, capture_output=True, text=True, check=True
+    )
+    paths = [repository / name for name in listing.stdout.split("\0") if name]
+    return [path for path in paths if path.suffix in TEXT and path.is_file() and path.name != THIS]
+
+
+@pytest.mark.parametrize("what", FORBIDDEN)
+def test_tracked_files_are_free_of(what: str, repository: Path) -> None:
+    pattern = re.compile(FORBIDDEN[what])
+    found = [
+        f"{path.relative_to(repository)}:{number}"
+        for path in tracked(repository)
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1)
+        if pattern.search(line)
+    ]
+    assert not found
+
+
+def test_lock_file_is_plain(repository: Path) -> None:
+    lines = (repository / "requirements" / "lock.txt").read_text(encoding="utf-8").splitlines()
+    assert len(lines) > 20
+    assert all(re.fullmatch(r"[A-Za-z0-9_.\-]+==[A-Za-z0-9_.+!]+", line) for line in lines)
+
+
+def test_continuous_integration_runs_what_the_readme_says(repository: Path) -> None:
+    commands = (repository / ".ci" / "run").read_text(encoding="utf-8")
+    readme = (repository / "README.md").read_text(encoding="utf-8")
+    for command in ("make lint", "make test"):
+        assert command in commands
+    assert "make test" in readme
