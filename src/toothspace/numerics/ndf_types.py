@@ -1,0 +1,190 @@
+"""What the stiff integrator is given and what it keeps: plain tuples of arrays.
+
+All of them pass into compiled code unchanged. Arrays are written in place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from toothspace.core.types import Array, IntArray
+from toothspace.numerics.static_lu import LuProgram
+
+MAX_ORDER = 5
+DONE = 0
+TERMINAL_EVENT = 1
+STEP_TOO_SMALL = 2
+MAX_STEPS = 3
+NOT_FINITE = 4
+"""Return codes of :func:`toothspace.numerics.ndf.advance`."""
+
+LOG_EVENT = 0
+STOP_AT_EVENT = 1
+RESTART_AT_EVENT = 2
+"""What to do at a sign change of an event value: log; log and stop; log and restart at order 1."""
+
+CONTROL = np.dtype(
+    [
+        ("time", "f8"),
+        ("step", "f8"),
+        ("valid_until", "f8"),
+        ("next_step", "f8"),
+        ("rate", "f8"),
+        ("gamma_factored", "f8"),
+        ("order", "i8"),
+        ("next_order", "i8"),
+        ("equal_steps", "i8"),
+        ("pending", "i8"),
+        ("rate_known", "i8"),
+        ("jacobian_age", "i8"),
+        ("dense_factors", "i8"),
+        ("steps", "i8"),
+        ("rejected", "i8"),
+        ("rhs_calls", "i8"),
+        ("jacobian_calls", "i8"),
+        ("factorisations", "i8"),
+        ("newton_failures", "i8"),
+        ("iterations", "i8"),
+    ],
+    align=True,
+)
+"""Time, step, order and counters of the integrator (one record)."""
+
+
+class NdfCallbacks(NamedTuple):
+    """Compiled functions of the problem; build this tuple inside compiled code."""
+
+    rhs: Callable[..., None]
+    jacobian: Callable[..., None]
+    weights: Callable[..., None]
+    event_values: Callable[..., None]
+
+
+class NdfSettings(NamedTuple):
+    """Choices that hold for a whole integration.
+
+    Parameters
+    ----------
+    max_step : float
+        Largest step. [s]
+    min_step : float
+        Smallest step; below it the integration stops with STEP_TOO_SMALL. [s]
+    max_steps : int
+        Largest number of accepted and rejected steps over the life of the state.
+    lowest_order, highest_order : int
+        Orders allowed, 1 to 5.
+    max_norm_share : float
+        Share of the maximum norm in the error norm, the rest is root mean square, 0 to 1. [-]
+    event_actions : ndarray of int, shape (n_events,)
+        LOG_EVENT, STOP_AT_EVENT or RESTART_AT_EVENT of every event value.
+    """
+
+    max_step: float
+    min_step: float
+    max_steps: int
+    lowest_order: int
+    highest_order: int
+    max_norm_share: float
+    event_actions: IntArray
+
+
+class NdfRecord(NamedTuple):
+    """Where samples and events are written.
+
+    Parameters
+    ----------
+    sample_times : ndarray, shape (n_samples,)
+        Ascending times at which the state is wanted. [s]
+    samples : ndarray, shape (n_samples, n_total)
+        State at these times.
+    event_times : ndarray, shape (capacity,)
+        Times of the logged events. [s]
+    event_index, event_direction : ndarray of int, shape (capacity,)
+        Which event value changed its sign, and +1 for rising, -1 for falling.
+    counts : ndarray of int, shape (2,)
+        Samples written; events met (more than the capacity if the log was too short).
+    """
+
+    sample_times: Array
+    samples: Array
+    event_times: Array
+    event_index: IntArray
+    event_direction: IntArray
+    counts: IntArray
+
+
+class NdfState(NamedTuple):
+    """Everything the integrator remembers between calls.
+
+    ``y`` is the state where the last call stopped, shape (n_total,); ``control`` the record
+    :data:`CONTROL`; ``differences`` the backward differences at ``control.time``; the other
+    arrays are the saved Jacobian, its factors and work space.
+    """
+
+    control: NDArray[Any]
+    y: Array
+    differences: Array
+    jacobian: Array
+    factors: Array
+    pivots: IntArray
+    work: Array
+    inverse_weights: Array
+    delta: Array
+    change: Array
+    events: Array
+
+
+def make_settings(
+    event_actions: IntArray | None = None,
+    max_step: float = np.inf,
+    min_step: float = 0.0,
+    max_steps: int = 10_000_000,
+    orders: tuple[int, int] = (1, MAX_ORDER),
+    max_norm_share: float = 0.0,
+) -> NdfSettings:
+    """Return settings with defaults; see :class:`NdfSettings`."""
+    actions = np.zeros(0, dtype=np.int64) if event_actions is None else event_actions
+    return NdfSettings(
+        float(max_step),
+        float(min_step),
+        int(max_steps),
+        int(orders[0]),
+        int(orders[1]),
+        float(max_norm_share),
+        np.ascontiguousarray(actions, dtype=np.int64),
+    )
+
+
+def make_record(sample_times: Array, n_total: int, event_capacity: int = 1000) -> NdfRecord:
+    """Return an empty record for samples at ascending times [s] and a log of events."""
+    times = np.ascontiguousarray(sample_times, dtype=float)
+    return NdfRecord(
+        times,
+        np.full((times.size, n_total), np.nan),
+        np.full(event_capacity, np.nan),
+        np.zeros(event_capacity, dtype=np.int64),
+        np.zeros(event_capacity, dtype=np.int64),
+        np.zeros(2, dtype=np.int64),
+    )
+
+
+def make_state(program: LuProgram, n_total: int, n_events: int) -> NdfState:
+    """Allocate the memory of an integration; fill it with ``initial_state`` in compiled code."""
+    n_core = program.order.size
+    return NdfState(
+        control=np.zeros(1, dtype=CONTROL),
+        y=np.zeros(n_total),
+        differences=np.zeros((MAX_ORDER + 3, n_total)),
+        jacobian=np.zeros((n_total, n_core)),
+        factors=np.zeros(max(program.packed_size[0], n_core * n_core)),
+        pivots=np.zeros(n_core, dtype=np.int64),
+        work=np.zeros((6, n_total)),
+        inverse_weights=np.zeros(n_core),
+        delta=np.zeros(n_core),
+        change=np.zeros((2 * MAX_ORDER + 4, MAX_ORDER + 2)),
+        events=np.zeros((4, n_events)),
+    )

@@ -1,0 +1,3 @@
+"""LU factors of small sparse matrices whose pattern never changes."""
+
+from __future__ import annotations
