@@ -1,0 +1,200 @@
+"""Density of a liquid with free gas and vapour: one smooth, explicit equation of state.
+
+The mixture is described by an auxiliary pressure that is not limited by evaporation. The
+real pressure follows from it through a smooth maximum with the vapour pressure, so that
+pressure over density and density over pressure are both explicit.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from toothspace.closures.fluid_law import FluidLaw
+from toothspace.closures.smooth import positive_part, positive_part_slope, select
+from toothspace.core.compiled import inlined
+
+
+@inlined
+def free_gas_fraction(gas_fraction: Any, law: FluidLaw) -> Any:
+    r"""Mass fraction of free gas including the nuclei that never dissolve.
+
+    Parameters
+    ----------
+    gas_fraction : float or ndarray
+        Mass of free gas per mass of mixture, may be zero. [-]
+    law : FluidLaw
+        Constants of the fluid. [SI]
+
+    Returns
+    -------
+    float or ndarray
+        Smooth maximum of the fraction and zero, equal to the nuclei at zero. [-]
+    """
+    return positive_part(gas_fraction, law.nuclei_mass_fraction)
+
+
+@inlined
+def liquid_density(pressure: Any, law: FluidLaw) -> Any:
+    r"""Density of the liquid without gas.
+
+    Parameters
+    ----------
+    pressure : float or ndarray
+        Absolute pressure. [Pa]
+    law : FluidLaw
+        Constants of the fluid. [SI]
+
+    Returns
+    -------
+    float or ndarray
+        Density. [kg/m3]
+
+    Notes
+    -----
+    .. math:: \rho_l = \rho_0 \left(1 + \frac{a p}{1 + b p}\right)
+
+    with compliance a and stiffening b. Validity: 0 to 100 MPa. The bulk modulus is
+    1/a at zero pressure and rises by 1 + 2 b/a per pressure.
+    """
+    p = pressure
+    return law.reference_density * (1.0 + law.compliance * p / (1.0 + law.stiffening * p))
+
+
+@inlined
+def unlimited_pressure(pressure: Any, law: FluidLaw) -> Any:
+    r"""Auxiliary pressure that the mixture would have if the liquid could not evaporate.
+
+    Parameters
+    ----------
+    pressure : float or ndarray
+        Absolute pressure, above the vapour pressure. [Pa]
+    law : FluidLaw
+        Constants of the fluid. [SI]
+
+    Returns
+    -------
+    float or ndarray
+        Auxiliary pressure, positive. [Pa]
+
+    Notes
+    -----
+    .. math:: p_0 = p - \delta^2 / (p - p_v)
+
+    with the width :math:`\delta` of the transition. Below the lowest pressure that the law
+    can reach (1.06 p_v with the default width) it is held at a millionth of p_v.
+    """
+    excess = np.maximum(pressure - law.vapour_pressure, 1e-3 * law.vapour_smoothing)
+    p0 = pressure - law.vapour_smoothing * law.vapour_smoothing / excess
+    return np.maximum(p0, 1e-6 * law.vapour_pressure)
+
+
+@inlined
+def mixture_specific_volume(pressure: Any, gas_fraction: Any, law: FluidLaw) -> Any:
+    r"""Volume per mass of liquid with free gas and vapour.
+
+    Parameters
+    ----------
+    pressure : float or ndarray
+        Absolute pressure, above the vapour pressure. [Pa]
+    gas_fraction : float or ndarray
+        Mass of free gas per mass of mixture. [-]
+    law : FluidLaw
+        Constants of the fluid. [SI]
+
+    Returns
+    -------
+    float or ndarray
+        Specific volume. [m3/kg]
+
+    Notes
+    -----
+    .. math:: v = (1-f) v_0 \frac{1 + b p_0}{1 + (a+b) p_0} + f \frac{R T}{p_0}
+
+    with the auxiliary pressure of :func:`unlimited_pressure`. Validity: isothermal bubbles,
+    one common velocity; inverse of :func:`mixture_pressure`.
+    """
+    f = free_gas_fraction(gas_fraction, law)
+    p0 = unlimited_pressure(pressure, law)
+    b = law.stiffening
+    liquid = (1.0 + b * p0) / ((1.0 + (law.compliance + b) * p0) * law.reference_density)
+    return (1.0 - f) * liquid + f * law.gas_specific_energy / p0
+
+
+@inlined
+def mixture_density(pressure: Any, gas_fraction: Any, law: FluidLaw) -> Any:
+    """Density of liquid with free gas and vapour.
+
+    Parameters
+    ----------
+    pressure : float or ndarray
+        Absolute pressure, above the vapour pressure. [Pa]
+    gas_fraction : float or ndarray
+        Mass of free gas per mass of mixture. [-]
+    law : FluidLaw
+        Constants of the fluid. [SI]
+
+    Returns
+    -------
+    float or ndarray
+        Density. [kg/m3]
+    """
+    return 1.0 / mixture_specific_volume(pressure, gas_fraction, law)
+
+
+@inlined
+def _auxiliary_root(specific_volume: Any, f: Any, law: FluidLaw) -> Any:
+    """Positive root of the quadratic of the auxiliary pressure, without cancellation."""
+    v, v0, b = specific_volume, 1.0 / law.reference_density, law.stiffening
+    g, fC = law.compliance + b, f * law.gas_specific_energy
+    # Below the smallest volume of the liquid law the root is infinite: keep it finite.
+    quadratic = np.maximum(v * g - (1.0 - f) * v0 * b, 1e-6 * v0 * g)
+    linear = (1.0 - f) * v0 + fC * g - v
+    root = np.sqrt(linear * linear + 4.0 * quadratic * fC)
+    return select(linear > 0.0, 0.5 * (linear + root) / quadratic, 2.0 * fC / (root - linear))
+
+
+@inlined
+def mixture_pressure(specific_volume: Any, gas_fraction: Any, law: FluidLaw) -> Any:
+    r"""Pressure of liquid with free gas and vapour, with its derivatives.
+
+    Parameters
+    ----------
+    specific_volume : float or ndarray
+        Volume per mass of mixture. [m3/kg]
+    gas_fraction : float or ndarray
+        Mass of free gas per mass of mixture. [-]
+    law : FluidLaw
+        Constants of the fluid. [SI]
+
+    Returns
+    -------
+    pressure : float or ndarray
+        Absolute pressure, always above the vapour pressure. [Pa]
+    pressure_by_volume : float or ndarray
+        Derivative with respect to the specific volume, negative. [Pa kg/m3]
+    pressure_by_gas : float or ndarray
+        Derivative with respect to the gas fraction. [Pa]
+
+    Notes
+    -----
+    The auxiliary pressure is the positive root of
+
+    .. math:: [(1-f) v_0 b - v (a+b)] p_0^2 + [(1-f) v_0 + f R T (a+b) - v] p_0 + f R T = 0
+
+    and :math:`p = p_v + \tfrac12 (d + \sqrt{d^2 + 4 \delta^2})`, :math:`d = p_0 - p_v`.
+    Validity: isothermal bubbles; volumes above b/(a+b) of the liquid at zero pressure.
+    """
+    f = free_gas_fraction(gas_fraction, law)
+    p0 = _auxiliary_root(specific_volume, f, law)
+    v0, b = 1.0 / law.reference_density, law.stiffening
+    denominator = 1.0 + (law.compliance + b) * p0
+    liquid = v0 * (1.0 + b * p0) / denominator
+    gas = law.gas_specific_energy / p0
+    volume_slope = -(1.0 - f) * v0 * law.compliance / (denominator * denominator) - f * gas / p0
+    distance = p0 - law.vapour_pressure
+    pressure = law.vapour_pressure + positive_part(distance, law.vapour_smoothing)
+    by_volume = positive_part_slope(distance, law.vapour_smoothing) / volume_slope
+    gas_slope = positive_part_slope(gas_fraction, law.nuclei_mass_fraction)
+    return pressure, by_volume, -by_volume * (gas - liquid) * gas_slope

@@ -1,0 +1,59 @@
+"""Data of fluids and materials, each value with its source.
+
+=========== ===========================================================
+folder      responsibility
+=========== ===========================================================
+fluids      density, stiffness, viscosity, vapour and air of liquids
+materials   elasticity, hardness and boundary friction of solids
+=========== ===========================================================
+"""
+
+from __future__ import annotations
+
+import tomllib
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+from toothspace.core.errors import CaseError
+
+
+def library_names(kind: str) -> list[str]:
+    """Return the names in one folder of the library, ``fluids`` or ``materials``."""
+    folder = files(__name__) / kind
+    return sorted(entry.name[:-5] for entry in folder.iterdir() if entry.name.endswith(".toml"))
+
+
+@cache
+def library_entry(kind: str, name: str, key: str) -> dict[str, Any]:
+    """Return the table of one fluid or material.
+
+    Parameters
+    ----------
+    kind : str
+        ``fluids`` or ``materials``.
+    name : str
+        Name of the entry.
+    key : str
+        Key of the case file that asks, for the error message.
+
+    Raises
+    ------
+    CaseError
+        If the library has no such entry.
+    """
+    names = library_names(kind)
+    if name not in names:
+        raise CaseError(f"{key}: found {name!r}, allowed: {', '.join(names)}")
+    text = (files(__name__) / kind / f"{name}.toml").read_text(encoding="utf-8")
+    return tomllib.loads(text)
+
+
+def load_fluid(name: str) -> dict[str, Any]:
+    """Return the table of a fluid, or raise :class:`CaseError` with the allowed names."""
+    return library_entry("fluids", name, "fluid.name")
+
+
+def load_material(name: str, key: str = "material") -> dict[str, Any]:
+    """Return the table of a material, or raise :class:`CaseError` with the allowed names."""
+    return library_entry("materials", name, key)

@@ -1,0 +1,268 @@
+"""From a fluid's name or table to the constants that the right-hand side reads."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal, final
+
+import numpy as np
+
+from toothspace.closures.fluid_law import FluidLaw
+from toothspace.closures.viscosity import walther_constants, walther_viscosity
+from toothspace.core.constants import AIR_GAS_CONSTANT, ATMOSPHERIC_PRESSURE, ZERO_CELSIUS
+from toothspace.core.errors import CaseError
+from toothspace.library import load_fluid
+
+__all__ = ["FluidLaw", "GasModel", "LiquidState", "fluid_law", "library_liquid", "mixed_law"]
+
+GasLawName = Literal["dynamic", "equilibrium", "none"]
+
+EQUILIBRIUM_RATE = 1e5
+"""Exchange rate that stands for the equilibrium law. [1/s]"""
+
+NUCLEI_VOLUME_FRACTION = 1e-6
+"""Volume of bubble nuclei at one atmosphere over volume of liquid. [-]"""
+
+VAPOUR_SMOOTHING_RATIO = 0.25
+"""Width of the transition to the vapour pressure over the vapour pressure. [-]"""
+
+
+@final
+@dataclass(frozen=True)
+class LiquidState:
+    """Properties of a liquid at one temperature, without gas.
+
+    Parameters
+    ----------
+    density : float
+        At zero pressure. [kg/m3]
+    bulk_modulus : float
+        At zero pressure. [Pa]
+    bulk_modulus_slope : float
+        Rise of the bulk modulus per pressure. [-]
+    dynamic_viscosity : float
+        At zero pressure. [Pa s]
+    pressure_viscosity : float
+        Barus coefficient of the dynamic viscosity. [1/Pa]
+    vapour_pressure : float
+        Lowest pressure, numerical floor included. [Pa]
+    specific_heat_capacity : float
+        Specific heat capacity. [J/(kg K)]
+    dissolved_air_fraction : float
+        Default volume of dissolved air at one atmosphere over volume of liquid. [-]
+    """
+
+    density: float
+    bulk_modulus: float
+    bulk_modulus_slope: float
+    dynamic_viscosity: float
+    pressure_viscosity: float
+    vapour_pressure: float
+    specific_heat_capacity: float
+    dissolved_air_fraction: float
+
+    @property
+    def compliance(self) -> float:
+        """Compressibility a at zero pressure. [1/Pa]."""
+        return 1.0 / self.bulk_modulus
+
+    @property
+    def stiffening(self) -> float:
+        """Stiffening b of the density law. [1/Pa]."""
+        return 0.5 * self.compliance * (self.bulk_modulus_slope - 1.0)
+
+
+@final
+@dataclass(frozen=True)
+class GasModel:
+    """Air in the fluid.
+
+    Parameters
+    ----------
+    law : str
+        ``dynamic`` (finite rates), ``equilibrium`` (rates of 1e5 1/s) or ``none`` (the free
+        air stays as it is, nothing is released).
+    free_air_fraction : float
+        Volume of free air in the feed at one atmosphere over volume of liquid. [-]
+    dissolved_air_fraction : float or None
+        Volume of dissolved air over volume of liquid; None takes the fluid's default. [-]
+    saturation_pressure : float
+        Pressure of equilibrium of the dissolved air. [Pa]
+    release_time, absorption_time : float
+        Time constants of the dynamic law. [s]
+    """
+
+    law: GasLawName = "dynamic"
+    free_air_fraction: float = 0.002
+    dissolved_air_fraction: float | None = None
+    saturation_pressure: float = ATMOSPHERIC_PRESSURE
+    release_time: float = 0.02
+    absorption_time: float = 1.0
+
+    def rates(self) -> tuple[float, float]:
+        """Return release and absorption rate. [1/s]."""
+        allowed = {
+            "dynamic": (1.0 / self.release_time, 1.0 / self.absorption_time),
+            "equilibrium": (EQUILIBRIUM_RATE, EQUILIBRIUM_RATE),
+            "none": (0.0, 0.0),
+        }
+        if self.law not in allowed:
+            names = ", ".join(allowed)
+            raise CaseError(f"fluid.gas_law: found {self.law!r}, allowed: {names}")
+        return allowed[self.law]
+
+
+def _viscosity_pair(
+    table: Mapping[str, Any], temperature: float, state: Any
+) -> tuple[float, float]:
+    """Dynamic viscosity at zero pressure and its Barus coefficient."""
+    density, a, b = state
+    shift = table["walther_shift_cSt"]
+    if "points_cSt" in table:
+        kelvin = tuple(t + ZERO_CELSIUS for t in table["points_degC"])
+        viscosities = tuple(1e-6 * nu for nu in table["points_cSt"])
+        constants = walther_constants(kelvin, viscosities, shift)
+    else:
+        constants = (table["walther_intercept"], table["walther_slope"])
+    kinematic = float(walther_viscosity(temperature, *constants, shift))
+    # The density's share is the mean over 0 to 200 bar, where pumps work.
+    p = 2e7
+    alpha = table["kinematic_pressure_coefficient"] + np.log1p(a * p / (1.0 + b * p)) / p
+    at_zero = kinematic * density * np.exp(-alpha * table["reference_pressure"])
+    return float(at_zero), float(alpha)
+
+
+def _linear(table: Mapping[str, Any], temperature: float) -> float:
+    return float(table["at_20_degC"] + table["per_kelvin"] * (temperature - 20.0 - ZERO_CELSIUS))
+
+
+def _vapour_pressure(table: Mapping[str, Any], temperature: float) -> float:
+    inverse = 1.0 / temperature - 1.0 / (table["at_degC"] + ZERO_CELSIUS)
+    law = table["pressure"] * np.exp(-table["evaporation_temperature"] * inverse)
+    return float(max(law, table["floor"]))
+
+
+def library_liquid(name: str, temperature: float) -> LiquidState:
+    """Return the properties of a library fluid at a temperature.
+
+    Parameters
+    ----------
+    name : str
+        Name of the fluid. [-]
+    temperature : float
+        Absolute temperature. [K]
+
+    Raises
+    ------
+    CaseError
+        If the fluid is unknown or the temperature outside its range.
+    """
+    table = load_fluid(name)
+    low, high = table["temperature_range_degC"]
+    celsius = temperature - ZERO_CELSIUS
+    if not low <= celsius <= high:
+        allowed = f"{low:g} to {high:g} degC for {name}"
+        raise CaseError(f"fluid.temperature: found {celsius:g} degC, allowed {allowed}")
+    density = float(table["density"]["intercept"] + table["density"]["slope"] * temperature)
+    modulus, slope = (
+        _linear(table["bulk_modulus"], temperature),
+        table["bulk_modulus"]["per_pressure"],
+    )
+    a = 1.0 / modulus
+    state = (density, a, 0.5 * a * (slope - 1.0))
+    viscosity, barus = _viscosity_pair(table["viscosity"], temperature, state)
+    return LiquidState(
+        density=density,
+        bulk_modulus=modulus,
+        bulk_modulus_slope=slope,
+        dynamic_viscosity=viscosity,
+        pressure_viscosity=barus,
+        vapour_pressure=_vapour_pressure(table["vapour"], temperature),
+        specific_heat_capacity=_linear(table["thermal"], temperature),
+        dissolved_air_fraction=float(table["air"]["dissolved_fraction"]),
+    )
+
+
+def fluid_law(
+    source: str | Path,
+    temperature: float,
+    free_air_fraction: float = 0.002,
+    dissolved_air_fraction: float | None = None,
+    gas_law: GasLawName = "dynamic",
+    saturation_pressure: float = ATMOSPHERIC_PRESSURE,
+    release_time: float = 0.02,
+    absorption_time: float = 1.0,
+) -> FluidLaw:
+    """Return the constants of a fluid at a temperature.
+
+    Parameters
+    ----------
+    source : str or Path
+        Name of a library fluid, or path of a table (CSV). [-]
+    temperature : float
+        Absolute temperature. [K]
+    free_air_fraction : float
+        Volume of free air in the feed at one atmosphere over volume of liquid. [-]
+    dissolved_air_fraction : float or None
+        Volume of dissolved air over volume of liquid; None takes the fluid's default. [-]
+    gas_law : str
+        ``dynamic``, ``equilibrium`` or ``none``, see :class:`GasModel`. [-]
+    saturation_pressure : float
+        Pressure of equilibrium of the dissolved air. [Pa]
+    release_time, absorption_time : float
+        Time constants of the dynamic law. [s]
+
+    Returns
+    -------
+    FluidLaw
+        Constants for the compiled formulas. [SI]
+
+    Raises
+    ------
+    CaseError
+        If the fluid is unknown, the table is bad or a value is out of range.
+    """
+    gas = GasModel(
+        gas_law,
+        free_air_fraction,
+        dissolved_air_fraction,
+        saturation_pressure,
+        release_time,
+        absorption_time,
+    )
+    return mixed_law(library_liquid(str(source), temperature), temperature, gas)
+
+
+def mixed_law(liquid: LiquidState, temperature: float, gas: GasModel) -> FluidLaw:
+    """Return the constants of a liquid with air, at a temperature. [K]."""
+    air = AIR_GAS_CONSTANT * temperature
+    density_ratio = ATMOSPHERIC_PRESSURE / air / liquid.density
+
+    def mass_fraction(volume_ratio: float) -> float:
+        mass = volume_ratio * density_ratio
+        return mass / (1.0 + mass)
+
+    dissolved = gas.dissolved_air_fraction
+    dissolved = mass_fraction(liquid.dissolved_air_fraction if dissolved is None else dissolved)
+    feed = mass_fraction(gas.free_air_fraction)
+    release, absorption = gas.rates()
+    return FluidLaw(
+        reference_density=liquid.density,
+        compliance=liquid.compliance,
+        stiffening=liquid.stiffening,
+        vapour_pressure=liquid.vapour_pressure,
+        vapour_smoothing=VAPOUR_SMOOTHING_RATIO * liquid.vapour_pressure,
+        gas_specific_energy=air,
+        saturation_pressure=gas.saturation_pressure,
+        dissolved_mass_fraction=dissolved,
+        total_gas_mass_fraction=dissolved + feed,
+        feed_gas_mass_fraction=feed,
+        nuclei_mass_fraction=mass_fraction(NUCLEI_VOLUME_FRACTION),
+        release_rate=release,
+        absorption_rate=absorption,
+        dynamic_viscosity=liquid.dynamic_viscosity,
+        pressure_viscosity=liquid.pressure_viscosity,
+        specific_heat_capacity=liquid.specific_heat_capacity,
+    )
