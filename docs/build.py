@@ -25,7 +25,8 @@ PAGE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><title>{title}</title>
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <style>
-body {{ font: 16px/1.55 system-ui, sans-serif; max-width: 52rem; margin: 2rem auto; padding: 0 1rem }}
+body {{ font: 16px/1.55 system-ui, sans-serif; max-width: 52rem; margin: 2rem auto;
+       padding: 0 1rem }}
 table {{ border-collapse: collapse }} td, th {{ border: 1px solid #ccc; padding: .25rem .6rem }}
 pre {{ background: #f5f5f5; padding: .8rem; overflow-x: auto }} img {{ max-width: 100% }}
 </style></head><body><p><a href="{root}index.html">toothspace</a></p>
