@@ -1,0 +1,185 @@
+"""Results as NetCDF files."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike
+
+from toothspace.core.errors import CaseError
+from toothspace.core.status import Status
+from toothspace.results.ledger import Ledger
+from toothspace.results.solution import Event, Solution
+from toothspace.results.variables import dataset_from
+
+DATA_ATTRIBUTES = ("title", "machine", "mode")
+"""Attributes of the file that belong to the dataset; others are status, statistics, provenance."""
+
+_STATISTICS = "statistics_"
+_EVENT_FIELDS = {"event_shaft_angle": 0, "event_time": 1, "event_kind": 2, "event_label": 3}
+_LEDGER_FIELDS = ("ledger_mass", "ledger_energy", "window_duration", "window_shaft_angle")
+
+
+def save_solution(solution: Solution, path: str | Path) -> Path:
+    """Write a solution to one NetCDF file, atomically.
+
+    Parameters
+    ----------
+    solution : Solution
+        What to write.
+    path : str or Path
+        File to write; an existing one is replaced.
+
+    Returns
+    -------
+    Path
+        The file written.
+    """
+    dataset = xr.merge(
+        [solution.data, _ledger_dataset(solution.ledger), _event_dataset(solution.events)],
+        combine_attrs="drop_conflicts",
+        join="exact",
+        compat="no_conflicts",
+    )
+    dataset.attrs = {
+        **solution.data.attrs,
+        "status": solution.status.name,
+        **{f"{_STATISTICS}{key}": float(value) for key, value in solution.statistics.items()},
+        **solution.provenance,
+    }
+    return write_atomically(dataset, path)
+
+
+def load_solution(path: str | Path) -> Solution:
+    """Read a solution back.
+
+    Parameters
+    ----------
+    path : str or Path
+        File written by :func:`save_solution`.
+
+    Raises
+    ------
+    CaseError
+        If the file is missing or not a result of this package.
+    """
+    dataset = read_dataset(path)
+    if "status" not in dataset.attrs or "ledger_energy" not in dataset:
+        raise CaseError(f"{path}: not a result of toothspace; expected a file written by run -o")
+    attributes = {key: value for key, value in dataset.attrs.items() if key != "status"}
+    statistics = {k: v for k, v in attributes.items() if k.startswith(_STATISTICS)}
+    provenance = attributes.keys() - statistics.keys() - set(DATA_ATTRIBUTES)
+    extra = [*_LEDGER_FIELDS, *_EVENT_FIELDS, "mass_entry", "energy_entry"]
+    data = dataset.drop_vars(extra, errors="ignore")
+    data.attrs = {key: attributes[key] for key in DATA_ATTRIBUTES if key in attributes}
+    return Solution(
+        status=Status[dataset.attrs["status"]],
+        data=data,
+        ledger=_read_ledger(dataset),
+        statistics={k.removeprefix(_STATISTICS): float(v) for k, v in statistics.items()},
+        provenance={key: str(attributes[key]) for key in attributes if key in provenance},
+        events=_read_events(dataset),
+    )
+
+
+def write_atomically(dataset: xr.Dataset, path: str | Path) -> Path:
+    """Write a dataset beside its target, then move it there in one step.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        What to write.
+    path : str or Path
+        File to write.
+
+    Returns
+    -------
+    Path
+        The file written.
+    """
+    target = Path(path)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(suffix=".part", prefix=target.name, dir=target.parent)
+    os.close(handle)
+    try:
+        dataset.to_netcdf(name, engine="h5netcdf")
+        Path(name).chmod(0o644)
+        Path(name).replace(target)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise
+    return target
+
+
+def read_dataset(path: str | Path) -> xr.Dataset:
+    """Read a NetCDF file into memory, labels as text.
+
+    Parameters
+    ----------
+    path : str or Path
+        File to read.
+
+    Raises
+    ------
+    CaseError
+        If the file cannot be read as NetCDF.
+    """
+    try:
+        dataset = xr.load_dataset(
+            Path(path), engine="h5netcdf", decode_times=False, decode_timedelta=False
+        )
+    except OSError as error:
+        raise CaseError(f"{path}: cannot be read as a NetCDF file ({error})") from error
+    for name in dataset.variables:
+        if dataset[name].dtype.kind not in "fiub":
+            text = dataset[name].astype(str)
+            dataset[name] = (text.dims, text.values.astype(str), dataset[name].attrs)
+        dataset[name].encoding = {}
+    dataset.encoding = {}
+    return dataset
+
+
+def _ledger_dataset(ledger: Ledger) -> xr.Dataset:
+    values: dict[str, ArrayLike] = {
+        "ledger_mass": list(ledger.mass.values()),
+        "ledger_energy": list(ledger.energy.values()),
+        "window_duration": ledger.duration,
+        "window_shaft_angle": ledger.shaft_angle,
+    }
+    labels = {"mass_entry": list(ledger.mass), "energy_entry": list(ledger.energy)}
+    return dataset_from(values, labels)
+
+
+def _read_ledger(dataset: xr.Dataset) -> Ledger:
+    return Ledger(
+        duration=float(dataset["window_duration"]),
+        shaft_angle=float(dataset["window_shaft_angle"]),
+        mass=_by_label(dataset, "ledger_mass"),
+        energy=_by_label(dataset, "ledger_energy"),
+    )
+
+
+def _by_label(dataset: xr.Dataset, name: str) -> Mapping[str, float]:
+    array = dataset[name]
+    labels = array[array.dims[0]].values
+    return {str(label): float(value) for label, value in zip(labels, array.values, strict=True)}
+
+
+def _event_dataset(events: tuple[Event, ...]) -> xr.Dataset:
+    if not events:
+        return xr.Dataset()
+    columns = list(zip(*events, strict=True))
+    values = {name: np.asarray(columns[k]) for name, k in _EVENT_FIELDS.items()}
+    return dataset_from(values, {})
+
+
+def _read_events(dataset: xr.Dataset) -> tuple[Event, ...]:
+    if "event_time" not in dataset:
+        return ()
+    columns = [dataset[name].values.tolist() for name in _EVENT_FIELDS]
+    return tuple(Event(*row) for row in zip(*columns, strict=True))

@@ -1,0 +1,223 @@
+r"""The ledger: masses and energies over the evaluation window, and the table that closes.
+
+Signs: ``shaft`` is work done by the shaft on the machine (positive in a pump, negative in
+a motor), ``radial_load`` work of an external load on it; ``port_inlet`` is carried into the
+machine, ``port_outlet`` and ``port_drain`` out of it, each as
+:math:`\int \dot m\,h(p)\,\mathrm{d}t` with :math:`h = \int \mathrm{d}p/\rho` from one common
+reference; a loss is positive when it dissipates, a change when the machine stores.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal, final
+
+MASS_ENTRIES: Mapping[str, str] = {
+    "inlet": "into the machine through the inlet",
+    "outlet": "out of the machine through the outlet",
+    "drain": "out of the machine through an external drain",
+    "stored_change": "increase of the mass inside",
+}
+"""Mass accounts. [kg]"""
+
+BOUNDARY_ENTRIES: Mapping[str, str] = {
+    "shaft": "shaft",
+    "port_inlet": "inlet port",
+    "port_outlet": "outlet port",
+    "port_drain": "drain port",
+    "radial_load": "external radial load on the shaft",
+}
+"""Energies that cross the boundary of the machine. [J]"""
+
+LOSS_ENTRIES: Mapping[str, str] = {
+    "throttle_inlet_port": "throttling, inlet port",
+    "throttle_outlet_port": "throttling, outlet port",
+    "throttle_inlet_groove": "throttling, inlet groove",
+    "throttle_outlet_groove": "throttling, outlet groove",
+    "tooth_tip": "leakage, tooth tips",
+    "lateral": "leakage, lateral gaps",
+    "flank": "leakage, flanks",
+    "drain": "leakage, drain",
+    "tip": "leakage, rotor tips",
+    "radial": "leakage, outer journal",
+    "journal_viscous": "journal bearings, viscous",
+    "journal_asperity": "journal bearings, asperities",
+    "lateral_viscous": "lateral films, viscous",
+    "lateral_asperity": "lateral films, asperities",
+    "tip_shear": "tooth tips, shear",
+    "mesh_friction": "mesh friction",
+    "contact_friction": "contact friction",
+    "contact_damping": "contact and structure damping",
+    "shaft_seal": "shaft seal",
+    "startup": "start-up friction",
+    "gas_relaxation": "gas relaxation",
+}
+"""Dissipated energies. [J]"""
+
+CHANGE_ENTRIES: Mapping[str, str] = {
+    "stored_change": "increase of stored energy",
+    "kinetic_change": "increase of kinetic energy",
+    "elastic_change": "increase of elastic energy",
+}
+"""Energies kept in the machine over the window. [J]"""
+
+NOTE_ENTRIES: Mapping[str, str] = {
+    "load_orifice": "dissipated in the load, after the outlet",
+    "trapped_volume": "part of groove and flank throttling while a chamber is sealed",
+}
+"""Reported beside the balance, not further entries of it. [J]"""
+
+ENERGY_ENTRIES: Mapping[str, str] = {
+    **BOUNDARY_ENTRIES,
+    **LOSS_ENTRIES,
+    **CHANGE_ENTRIES,
+    **NOTE_ENTRIES,
+}
+"""All energy accounts with a readable name. [J]"""
+
+
+@final
+@dataclass(frozen=True)
+class Ledger:
+    """Integrals over the evaluation window; an account that is missing counts as zero.
+
+    Parameters
+    ----------
+    duration : float
+        Length of the window. [s]
+    shaft_angle : float
+        Angle that the shaft turns in the window. [rad]
+    mass : mapping
+        Masses named as in :data:`MASS_ENTRIES`. [kg]
+    energy : mapping
+        Energies named as in :data:`ENERGY_ENTRIES`. [J]
+
+    Raises
+    ------
+    KeyError
+        If an account has an unknown name.
+    """
+
+    duration: float
+    shaft_angle: float
+    mass: Mapping[str, float]
+    energy: Mapping[str, float]
+
+    def __post_init__(self) -> None:
+        unknown = (set(self.mass) - set(MASS_ENTRIES)) | (set(self.energy) - set(ENERGY_ENTRIES))
+        if unknown:
+            raise KeyError(f"unknown ledger entries {sorted(unknown)}")
+
+    @property
+    def port_energy(self) -> float:
+        """Hydraulic energy given to the fluid, out minus in, drain included. [J]."""
+        out = self.energy.get("port_outlet", 0.0) + self.energy.get("port_drain", 0.0)
+        return out - self.energy.get("port_inlet", 0.0)
+
+    @property
+    def shaft_energy(self) -> float:
+        """Work of the shaft on the machine. [J]."""
+        return self.energy.get("shaft", 0.0)
+
+    @property
+    def loss_energy(self) -> float:
+        """Sum of all dissipated energies. [J]."""
+        return sum(self.energy.get(name, 0.0) for name in LOSS_ENTRIES)
+
+    @property
+    def energy_remainder(self) -> float:
+        """What the energy balance leaves unexplained. [J]."""
+        kept = sum(self.energy.get(name, 0.0) for name in CHANGE_ENTRIES)
+        work = self.shaft_energy + self.energy.get("radial_load", 0.0)
+        return work - self.port_energy - self.loss_energy - kept
+
+    @property
+    def mass_remainder(self) -> float:
+        """What the mass balance leaves unexplained. [kg]."""
+        out = sum(self.mass.get(name, 0.0) for name in ("outlet", "drain", "stored_change"))
+        return self.mass.get("inlet", 0.0) - out
+
+    @property
+    def mass_balance_error(self) -> float:
+        """Unexplained mass over the larger of inlet and outlet mass. [-]."""
+        scale = max(abs(self.mass.get("inlet", 0.0)), abs(self.mass.get("outlet", 0.0)))
+        return abs(self.mass_remainder) / scale if scale > 0.0 else 0.0
+
+    @property
+    def energy_balance_error(self) -> float:
+        """Unexplained energy over the larger of shaft and port energy. [-]."""
+        scale = max(abs(self.shaft_energy), abs(self.port_energy))
+        return abs(self.energy_remainder) / scale if scale > 0.0 else 0.0
+
+
+def ledger_from(quantities: Mapping[str, float], duration: float, shaft_angle: float) -> Ledger:
+    """Build a ledger from one flat mapping, where masses start with ``mass_``.
+
+    Parameters
+    ----------
+    quantities : mapping
+        ``mass_inlet`` ... [kg] and energies [J].
+    duration : float
+        Length of the window. [s]
+    shaft_angle : float
+        Angle that the shaft turns in the window. [rad]
+    """
+    mass = {k[5:]: float(v) for k, v in quantities.items() if k.startswith("mass_")}
+    energy = {k: float(v) for k, v in quantities.items() if not k.startswith("mass_")}
+    return Ledger(duration, shaft_angle, mass, energy)
+
+
+@final
+@dataclass(frozen=True)
+class LedgerRow:
+    """One line of the power ledger.
+
+    Parameters
+    ----------
+    name : str
+        Account.
+    label : str
+        Readable name.
+    kind : str
+        ``supplied``, ``delivered``, ``loss``, ``stored`` or ``remainder``.
+    power : float
+        Mean power over the window, positive. [W]
+    share : float
+        Power over the supplied power. [-]
+    """
+
+    name: str
+    label: str
+    kind: Literal["supplied", "delivered", "loss", "stored", "remainder"]
+    power: float
+    share: float
+
+
+def power_ledger(ledger: Ledger) -> list[LedgerRow]:
+    """Return the ledger as mean powers; supplied = delivered + losses + stored + remainder.
+
+    Supplied is the shaft in a pump and the fluid in a motor. Accounts that are zero are
+    left out, except the remainder.
+    """
+    pumping = ledger.shaft_energy >= 0.0
+    shaft = ("shaft", "shaft", abs(ledger.shaft_energy))
+    fluid = ("ports", "fluid, through the ports", ledger.port_energy * (1.0 if pumping else -1.0))
+    supplied, delivered = (shaft, fluid) if pumping else (fluid, shaft)
+    scale = supplied[2] if supplied[2] != 0.0 else 1.0
+
+    def row(name: str, label: str, kind: str, energy: float) -> LedgerRow:
+        power = energy / ledger.duration if ledger.duration > 0.0 else 0.0
+        return LedgerRow(name, label, kind, power, energy / scale)  # type: ignore[arg-type]
+
+    rows = [row(*supplied[:2], "supplied", supplied[2])]
+    rows.append(row(*delivered[:2], "delivered", delivered[2]))
+    losses = [(n, s, ledger.energy.get(n, 0.0)) for n, s in LOSS_ENTRIES.items()]
+    losses.sort(key=lambda entry: -entry[2])
+    rows += [row(n, s, "loss", e) for n, s, e in losses if e != 0.0]
+    changes = [(n, s, ledger.energy.get(n, 0.0)) for n, s in CHANGE_ENTRIES.items()]
+    changes.append(
+        ("radial_load", "work against the radial load", -ledger.energy.get("radial_load", 0.0))
+    )
+    rows += [row(n, s, "stored", e) for n, s, e in changes if e != 0.0]
+    return [*rows, row("remainder", "unexplained remainder", "remainder", ledger.energy_remainder)]

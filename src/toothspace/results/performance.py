@@ -1,0 +1,189 @@
+r"""Efficiencies, mean values and temperatures of a run, from its samples and its ledger.
+
+The geometric displacement :math:`V` is the single-flank one, density :math:`\rho` is taken
+at the inlet pressure, and powers come from the ledger, not from samples.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from toothspace.core.constants import ZERO_CELSIUS
+from toothspace.results import ripple
+from toothspace.results.ledger import Ledger
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_LITRE_PER_MINUTE = 6e4
+_BAR = 1e5
+_TURN = 2.0 * np.pi
+
+DRAIN_HEAT = (
+    "drain",
+    "journal_viscous",
+    "journal_asperity",
+    "lateral_viscous",
+    "lateral_asperity",
+    "shaft_seal",
+)
+"""Losses that warm the drain flow."""
+
+
+def volumetric_efficiency(data: xr.Dataset, ledger: Ledger) -> float:
+    r"""Volumetric efficiency, referred to the density at the inlet. [-].
+
+    Notes
+    -----
+    .. math:: \eta_v = \frac{m_{out}}{\rho(p_{in})\, V \varphi}\ \text{(pump)},\qquad
+              \eta_v = \frac{\rho(p_{in})\, V \varphi}{m_{in}}\ \text{(motor)}
+
+    with masses over a window in which the shaft turns by :math:`\varphi`. Forward drag in
+    the tip gaps may lift it above 1 by a few tenths of a percent near zero pressure difference.
+    """
+    ideal = float(data["inlet_density"]) * float(data["displacement"]) * ledger.shaft_angle
+    if _is_motor(data):
+        return _ratio(ideal, ledger.mass.get("inlet", 0.0))
+    return _ratio(ledger.mass.get("outlet", 0.0), ideal)
+
+
+def overall_efficiency(data: xr.Dataset, ledger: Ledger) -> float:
+    r"""Delivered over supplied energy of the ledger. [-].
+
+    Notes
+    -----
+    Port energy over shaft energy in a pump, the inverse in a motor. The energy of an
+    external drain counts with the ports, so the result does not depend on the pressure
+    that enthalpies are counted from.
+    """
+    if _is_motor(data):
+        return _ratio(ledger.shaft_energy, ledger.port_energy)
+    return _ratio(ledger.port_energy, ledger.shaft_energy)
+
+
+def hydromechanical_efficiency(data: xr.Dataset, ledger: Ledger) -> float:
+    """Overall over volumetric efficiency. [-]."""
+    return _ratio(overall_efficiency(data, ledger), volumetric_efficiency(data, ledger))
+
+
+def mean_flow_rate(data: xr.Dataset, ledger: Ledger) -> float:
+    """Mass flow over density at the working port: pump outlet, motor inlet. [m3/s]."""
+    side = ripple.working_side(data)
+    mass = ledger.mass.get(side, 0.0)
+    return _ratio(mass, ledger.duration * float(data[f"{side}_density"]))
+
+
+def mean_torque(data: xr.Dataset, ledger: Ledger) -> float:
+    """Mean shaft torque from the ledger, absorbed by a pump, delivered by a motor. [N m]."""
+    sign = -1.0 if _is_motor(data) else 1.0
+    return sign * _ratio(ledger.shaft_energy, ledger.shaft_angle)
+
+
+def outlet_temperature(data: xr.Dataset, ledger: Ledger) -> float:
+    r"""Quasi-steady temperature at the outlet. [K].
+
+    Notes
+    -----
+    :math:`\Delta T = P_{loss}/(\dot m c_p)`. An external drain takes the heat of
+    :data:`DRAIN_HEAT` with it; an internal one returns it to the stream.
+    """
+    heat = ledger.loss_energy
+    if ledger.mass.get("drain", 0.0) > 0.0:
+        heat -= _drain_heat(ledger)
+    mass = ledger.mass.get("outlet", 0.0)
+    rise = _ratio(heat, mass * float(data["specific_heat_capacity"]))
+    return float(data["fluid_temperature"]) + rise
+
+
+def drain_temperature(data: xr.Dataset, ledger: Ledger) -> float:
+    """Quasi-steady temperature of the drain flow, external or internal. [K]."""
+    mass = ledger.mass.get("drain", 0.0) or _internal_drain_mass(data, ledger)
+    rise = _ratio(_drain_heat(ledger), mass * float(data["specific_heat_capacity"]))
+    return float(data["fluid_temperature"]) + rise
+
+
+def summary_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
+    """Return the summary numbers of a run, in engineering units named by their suffix."""
+    pressure = np.asarray(data["chamber_pressure"]) if "chamber_pressure" in data else np.nan
+    numbers = {
+        "displacement_cm3_per_rev": float(data["displacement"]) * _TURN * 1e6,
+        "mean_flow_L_per_min": mean_flow_rate(data, ledger) * _LITRE_PER_MINUTE,
+        "mean_torque_N_m": mean_torque(data, ledger),
+        "volumetric_efficiency": volumetric_efficiency(data, ledger),
+        "hydromechanical_efficiency": hydromechanical_efficiency(data, ledger),
+        "overall_efficiency": overall_efficiency(data, ledger),
+        "flow_ripple_percent": ripple.flow_ripple_percent(data),
+        "pressure_ripple_bar": ripple.pressure_ripple(data) / _BAR,
+        "torque_ripple_percent": ripple.torque_ripple_percent(data),
+        "max_chamber_pressure_bar": float(np.max(pressure)) / _BAR,
+        "min_chamber_pressure_bar": float(np.min(pressure)) / _BAR,
+        "mass_balance_error": ledger.mass_balance_error,
+        "energy_balance_error": ledger.energy_balance_error,
+    }
+    return {**numbers, **_operating_numbers(data, ledger), **_loss_numbers(data)}
+
+
+def _operating_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
+    duration = ledger.duration
+    return {
+        "shaft_speed_rpm": _ratio(ledger.shaft_angle, duration) * 60.0 / _TURN,
+        "inlet_pressure_bar": float(data["inlet_pressure"].mean()) / _BAR,
+        "outlet_pressure_bar": float(data["outlet_pressure"].mean()) / _BAR,
+        "shaft_power_W": abs(_ratio(ledger.shaft_energy, duration)),
+        "hydraulic_power_W": abs(_ratio(ledger.port_energy, duration)),
+        "power_loss_W": _ratio(ledger.loss_energy, duration),
+        "inlet_temperature_degC": float(data["fluid_temperature"]) - ZERO_CELSIUS,
+        "outlet_temperature_degC": outlet_temperature(data, ledger) - ZERO_CELSIUS,
+        "drain_temperature_degC": drain_temperature(data, ledger) - ZERO_CELSIUS,
+    }
+
+
+def _loss_numbers(data: xr.Dataset) -> dict[str, float]:
+    leakage = means_by_label(data, "leakage")
+    torque = means_by_label(data, "torque_loss")
+    return {
+        **{f"leakage_{k}_L_per_min": v * _LITRE_PER_MINUTE for k, v in leakage.items()},
+        **{f"torque_loss_{k}_N_m": v for k, v in torque.items()},
+    }
+
+
+def means_by_label(data: xr.Dataset, name: str) -> Mapping[str, float]:
+    """Mean over the samples of a variable with one label dimension, by label.
+
+    Parameters
+    ----------
+    data : Dataset
+        Dataset of a result.
+    name : str
+        Variable such as ``leakage`` or ``torque_loss``.
+
+    Returns
+    -------
+    mapping
+        Mean by label, empty if the result lacks the variable. [unit of the variable]
+    """
+    if name not in data:
+        return {}
+    array = data[name].mean(str(data[name].dims[0]))
+    labels = array[array.dims[0]].values
+    return {str(label): float(value) for label, value in zip(labels, array.values, strict=True)}
+
+
+def _internal_drain_mass(data: xr.Dataset, ledger: Ledger) -> float:
+    flow_rate = means_by_label(data, "leakage").get("drain", 0.0)
+    return flow_rate * float(data["inlet_density"]) * ledger.duration
+
+
+def _drain_heat(ledger: Ledger) -> float:
+    return sum(ledger.energy.get(name, 0.0) for name in DRAIN_HEAT)
+
+
+def _is_motor(data: xr.Dataset) -> bool:
+    return data.attrs.get("mode") == "motor"
+
+
+def _ratio(numerator: float, denominator: float) -> float:
+    return numerator / denominator if denominator != 0.0 else float("nan")

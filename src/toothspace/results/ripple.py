@@ -1,0 +1,125 @@
+"""Ripple of periodic results and their spectrum in orders of the shaft."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, final
+
+import numpy as np
+
+from toothspace.core.types import Array
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_TURN = 2.0 * np.pi
+
+
+@final
+@dataclass(frozen=True)
+class Spectrum:
+    """Single-sided amplitude spectrum over shaft orders.
+
+    Parameters
+    ----------
+    order : ndarray
+        Events per shaft revolution, from zero (the mean). [-]
+    amplitude : ndarray
+        Amplitude of each order; the mean at order zero. [unit of the signal]
+    phase : ndarray
+        Phase of the cosine of each order at shaft angle zero. [rad]
+    """
+
+    order: Array
+    amplitude: Array
+    phase: Array
+
+
+def whole_revolutions(shaft_angle: Array, signal: Array) -> tuple[Array, Array, int]:
+    """Cut the last whole revolutions and put them on a uniform angle, end point excluded.
+
+    Parameters
+    ----------
+    shaft_angle : ndarray, shape (samples,)
+        Growing shaft angle. [rad]
+    signal : ndarray, shape (samples,)
+        Signal. [any unit]
+
+    Returns
+    -------
+    shaft_angle : ndarray
+        Uniform angles. [rad]
+    signal : ndarray
+        Signal there. [unit of the signal]
+    revolutions : int
+        How many revolutions they span; at least 1.
+
+    Raises
+    ------
+    ValueError
+        If the samples span less than one revolution.
+    """
+    step = float(np.median(np.diff(shaft_angle)))
+    span = float(shaft_angle[-1] - shaft_angle[0])
+    revolutions = int(np.floor((span + step) / _TURN + 1e-6))
+    if revolutions < 1:
+        raise ValueError(f"samples span {span / _TURN:.3f} revolutions, at least 1 is needed")
+    count = max(round(_TURN / step), 2) * revolutions
+    end = shaft_angle[-1] + step if span < revolutions * _TURN - 0.5 * step else shaft_angle[-1]
+    uniform = end - revolutions * _TURN + np.arange(count) * (_TURN * revolutions / count)
+    return uniform, np.interp(uniform, shaft_angle, signal), revolutions
+
+
+def spectrum(shaft_angle: Array, signal: Array) -> Spectrum:
+    r"""Amplitudes of the harmonics of the shaft.
+
+    Parameters
+    ----------
+    shaft_angle : ndarray, shape (samples,)
+        Growing shaft angle over at least one revolution. [rad]
+    signal : ndarray, shape (samples,)
+        Signal. [any unit]
+
+    Returns
+    -------
+    Spectrum
+        Amplitude and phase over the order. [unit of the signal, rad]
+
+    Notes
+    -----
+    Discrete Fourier transform over a whole number of revolutions, so that no window is
+    needed: :math:`s(\varphi) = \bar s + \sum_k a_k \cos(k\varphi + \alpha_k)`.
+    """
+    angle, values, revolutions = whole_revolutions(shaft_angle, signal)
+    coefficients = np.fft.rfft(values) / values.size
+    order = np.arange(coefficients.size) / revolutions
+    amplitude = np.abs(coefficients) * 2.0
+    amplitude[0] = coefficients[0].real
+    phase = np.angle(coefficients * np.exp(-1j * order * angle[0]))
+    return Spectrum(order, amplitude, phase)
+
+
+def ripple_percent(signal: Array) -> float:
+    """Return the largest minus the smallest value over the magnitude of the mean. [%]."""
+    mean = abs(float(np.mean(signal)))
+    return 100.0 * float(np.ptp(signal)) / mean if mean > 0.0 else float("nan")
+
+
+def working_side(data: xr.Dataset) -> str:
+    """Return the port where a machine works on its circuit: pump outlet, motor inlet."""
+    return "inlet" if data.attrs.get("mode") == "motor" else "outlet"
+
+
+def flow_ripple_percent(data: xr.Dataset) -> float:
+    """Return the flow ripple at the working port. [%]."""
+    return ripple_percent(np.asarray(data[f"{working_side(data)}_flow_rate"]))
+
+
+def pressure_ripple(data: xr.Dataset) -> float:
+    """Return the peak-to-peak pressure at the working port. [Pa]."""
+    return float(np.ptp(np.asarray(data[f"{working_side(data)}_pressure"])))
+
+
+def torque_ripple_percent(data: xr.Dataset) -> float:
+    """Return the ripple of the shaft torque. [%]."""
+    return ripple_percent(np.asarray(data["shaft_torque"]))

@@ -1,0 +1,95 @@
+"""The outcome of one simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple, final
+
+from toothspace.core.status import Status
+from toothspace.results import performance
+from toothspace.results.ledger import Ledger
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+class Event(NamedTuple):
+    """Something that happened during a run.
+
+    Parameters
+    ----------
+    shaft_angle : float
+        Shaft angle. [rad]
+    time : float
+        Time. [s]
+    kind : str
+        For example ``cavitation_onset``, ``contact_change`` or ``body_at_stop``.
+    label : str
+        Chamber, contact or body concerned.
+    """
+
+    shaft_angle: float
+    time: float
+    kind: str
+    label: str
+
+
+@final
+@dataclass(frozen=True)
+class Solution:
+    """Result of one run, complete or not.
+
+    Parameters
+    ----------
+    status : Status
+        Outcome; the data are kept if the run failed on its way.
+    data : xarray.Dataset
+        Samples over ``shaft_angle`` or ``time``, built by
+        :func:`toothspace.results.variables.dataset_from`, with the attributes ``title``,
+        ``machine`` and ``mode`` and the scalars ``displacement``, ``inlet_density``,
+        ``outlet_density``, ``specific_heat_capacity`` and ``fluid_temperature``.
+    ledger : Ledger
+        Masses and energies over the evaluation window.
+    statistics : mapping
+        Counts and times of the solver: ``steps``, ``rhs``, ``jac``, ``lu``, ``revolutions``,
+        ``wall_time`` [s], ...
+    provenance : mapping of str to str
+        ``package_version``, ``case_toml``, ``case_hash``, ``preset``, ``overrides`` (one
+        ``key=value`` per line), ``python_version``, ``numba_version``, ``warnings``, ...
+    events : tuple of Event
+        What happened, in the order of time.
+    """
+
+    status: Status
+    data: xr.Dataset
+    ledger: Ledger
+    statistics: Mapping[str, float] = field(default_factory=dict)
+    provenance: Mapping[str, str] = field(default_factory=dict)
+    events: tuple[Event, ...] = ()
+
+    def summary(self) -> dict[str, float | str]:
+        """Return the summary numbers, with unit suffixes, status and wall time."""
+        return {
+            **performance.summary_numbers(self.data, self.ledger),
+            "status": self.status.name.lower(),
+            "wall_time_s": float(self.statistics.get("wall_time", float("nan"))),
+        }
+
+    def save(self, path: str | Path) -> Path:
+        """Write one NetCDF file; an interrupted write leaves no half file behind.
+
+        Parameters
+        ----------
+        path : str or Path
+            File to write, by custom ``*.nc``.
+
+        Returns
+        -------
+        Path
+            The file written.
+        """
+        from toothspace.results.io import save_solution
+
+        return save_solution(self, path)

@@ -1,0 +1,255 @@
+"""The one table of result variables: name, dimensions, unit and long name.
+
+Everything that goes into a result file is looked up here; a name that is not in the
+table is refused. The page ``docs/reference/results.md`` is generated from it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+SampleDimension = Literal["shaft_angle", "time"]
+
+SAMPLE = "sample"
+"""Stands for the dimension of the samples: ``shaft_angle`` (steady) or ``time`` (transient)."""
+
+
+@final
+@dataclass(frozen=True)
+class Variable:
+    """One result variable.
+
+    Parameters
+    ----------
+    name : str
+        Name in the file.
+    dimensions : tuple of str
+        Dimensions; ``sample`` stands for ``shaft_angle`` or ``time``.
+    units : str
+        SI unit, ``1`` if dimensionless.
+    long_name : str
+        Meaning and sign.
+    """
+
+    name: str
+    dimensions: tuple[str, ...]
+    units: str
+    long_name: str
+
+
+_ROWS: tuple[tuple[str, str, str, str], ...] = (
+    ("shaft_angle", "sample", "rad", "Angle of the drive shaft, counted from the start of the run"),
+    ("time", "sample", "s", "Time from the start of the run"),
+    ("shaft_speed", "sample", "rad/s", "Speed of the drive shaft"),
+    ("shaft_torque", "sample", "N m", "Shaft torque, absorbed by a pump, delivered by a motor"),
+    ("inlet_flow_rate", "sample", "m3/s", "Flow into the machine at inlet pressure"),
+    ("outlet_flow_rate", "sample", "m3/s", "Flow out of the machine at outlet pressure"),
+    ("inlet_pressure", "sample", "Pa", "Absolute pressure at the inlet"),
+    ("outlet_pressure", "sample", "Pa", "Absolute pressure at the outlet"),
+    ("chamber_pressure", "sample chamber", "Pa", "Absolute pressure in a chamber"),
+    ("chamber_volume", "sample chamber", "m3", "Volume of a chamber"),
+    ("chamber_gas_fraction", "sample chamber", "1", "Volume fraction of free gas in a chamber"),
+    ("chamber_vapour_fraction", "sample chamber", "1", "Volume fraction of vapour in a chamber"),
+    ("chamber_angle", "sample chamber", "rad", "Table angle of a chamber within its own period"),
+    ("opening_area", "sample chamber port", "m2", "Open area between a chamber and a port"),
+    ("body_position", "sample body axis", "m", "Displacement of a body from its nominal centre"),
+    ("body_velocity", "sample body axis", "m/s", "Velocity of the displacement of a body"),
+    ("body_rotation", "sample body", "rad", "Rotation of a body ahead of its kinematic angle"),
+    ("body_force", "sample body axis", "N", "Force of the fluid pressure on a body"),
+    ("body_moment", "sample body", "N m", "Moment of the fluid pressure about the axis of a body"),
+    ("journal_force", "sample body axis", "N", "Force of the journal bearings on a body"),
+    ("journal_eccentricity_ratio", "sample body", "1", "Eccentricity over journal clearance"),
+    ("journal_film_height", "sample body", "m", "Smallest film height in the journal bearings"),
+    ("seat_position", "body axis", "m", "Displacement of the bearing blocks in the housing"),
+    ("lateral_gap_height", "sample body", "m", "Film height on the faces of a body"),
+    ("tip_gap_height", "sample chamber", "m", "Gap at the tooth tip ahead of a chamber"),
+    ("contact_force", "sample contact", "N", "Normal force in a contact, positive pushing"),
+    ("contact_gap", "sample contact", "m", "Gap of a contact, negative if the flanks overlap"),
+    ("leakage", "sample path", "m3/s", "Leakage from high to low pressure at inlet density"),
+    ("torque_loss", "sample mechanism", "N m", "Friction torque, at the shaft, by mechanism"),
+    ("power_loss", "sample mechanism", "W", "Friction power by mechanism"),
+    ("film_pressure", "film film_row film_column", "Pa", "Absolute pressure in a film"),
+    ("film_height", "film film_row film_column", "m", "Height of a film, deformation included"),
+    ("film_contact_pressure", "film film_row film_column", "Pa", "Pressure carried by asperities"),
+    ("film_deformation", "film film_row film_column", "m", "Elastic deformation of the surfaces"),
+    ("film_fraction", "film film_row film_column", "1", "Part of the gap filled with liquid"),
+    ("bearing_position", "sample", "m", "Floating bearing at the drive gear, away from the gears"),
+    ("casing_angle", "casing_angle", "rad", "Angle about a body's own axis, from x towards y"),
+    ("running_in_depth", "body casing_angle", "m", "Depth cut into the casing by running-in"),
+    ("event_shaft_angle", "event", "rad", "Shaft angle of an event"),
+    ("event_time", "event", "s", "Time of an event"),
+    ("event_kind", "event", "", "Kind of an event"),
+    ("event_label", "event", "", "Where an event happened"),
+    ("ledger_mass", "mass_entry", "kg", "Mass over the evaluation window"),
+    ("ledger_energy", "energy_entry", "J", "Energy over the evaluation window"),
+    ("window_duration", "", "s", "Duration of the evaluation window"),
+    ("window_shaft_angle", "", "rad", "Angle turned by the shaft in the evaluation window"),
+    ("displacement", "", "m3/rad", "Geometric volume per shaft radian, single flank"),
+    ("inlet_density", "", "kg/m3", "Density at mean inlet pressure"),
+    ("outlet_density", "", "kg/m3", "Density at mean outlet pressure"),
+    ("specific_heat_capacity", "", "J/(kg K)", "Specific heat capacity of the liquid"),
+    ("fluid_temperature", "", "K", "Temperature of the fluid at the inlet"),
+)
+
+VARIABLES: Mapping[str, Variable] = {
+    name: Variable(name, tuple(dimensions.split()), units, long_name)
+    for name, dimensions, units, long_name in _ROWS
+}
+"""All result variables by name."""
+
+LABELS: Mapping[str, tuple[str, ...]] = {
+    "port": ("inlet", "outlet", "drain", "inlet_groove", "outlet_groove"),
+    "axis": ("x", "y", "z"),
+    "mechanism": (
+        "journal_viscous",
+        "journal_asperity",
+        "lateral_viscous",
+        "lateral_asperity",
+        "tip_shear",
+        "mesh_friction",
+        "contact_damping",
+        "shaft_seal",
+        "startup",
+        "contact_friction",
+    ),
+    "path": ("tooth_tip", "flank", "lateral", "drain", "tip", "radial"),
+}
+"""Labels allowed along dimensions with fixed labels; other labels come from the machine."""
+
+LABEL_DIMENSIONS: Mapping[str, str] = {
+    "chamber": "chamber, named by family and number",
+    "body": "body (drive_gear driven_gear floating_bearing; inner_rotor outer_rotor)",
+    "axis": "direction in the frame of the machine",
+    "contact": "contact, named by pair and number",
+    "path": "kind of leakage path",
+    "mechanism": "cause of a loss",
+    "port": "port or relief groove",
+    "film": "lubricating film",
+    "mass_entry": "mass account of the ledger",
+    "energy_entry": "energy account of the ledger",
+}
+"""Dimensions whose coordinate is a list of labels, with their meaning."""
+
+
+def variable(name: str) -> Variable:
+    """Look up a result variable.
+
+    Raises
+    ------
+    KeyError
+        If the name is not in the table.
+    """
+    if name not in VARIABLES:
+        raise KeyError(f"unknown result variable '{name}'; add it to results/variables.py")
+    return VARIABLES[name]
+
+
+def dataset_from(
+    values: Mapping[str, ArrayLike],
+    labels: Mapping[str, Sequence[str]],
+    *,
+    sample: SampleDimension = "shaft_angle",
+    attributes: Mapping[str, str] | None = None,
+) -> xr.Dataset:
+    """Build the dataset of a result, with units and long names from the table.
+
+    Parameters
+    ----------
+    values : mapping of name to array
+        Values in SI units, axes in the order of the table. With samples, both
+        ``shaft_angle`` and ``time`` belong to them.
+    labels : mapping of dimension to labels
+        Labels of the dimensions ``chamber``, ``body``, ``axis``, ``contact``, ``path``,
+        ``mechanism``, ``port`` that occur.
+    sample : str
+        Dimension of the samples, ``shaft_angle`` or ``time``.
+    attributes : mapping, optional
+        ``title``, ``machine`` and ``mode`` of the run.
+
+    Raises
+    ------
+    KeyError
+        If a name is not in the table.
+    ValueError
+        If an array does not fit its dimensions or labels.
+    """
+    import xarray as xr
+
+    _check_labels(labels)
+    arrays = {name: _data_array(name, value, sample) for name, value in values.items()}
+    dataset = xr.Dataset(arrays, attrs=dict(attributes or {}))
+    present = {dim: list(names) for dim, names in labels.items() if dim in dataset.sizes}
+    for dim, names in present.items():
+        dataset = dataset.assign_coords({dim: (dim, np.asarray(names, dtype=str))})
+        dataset[dim].attrs["long_name"] = LABEL_DIMENSIONS[dim]
+    coordinates = [name for name in ("shaft_angle", "time", "casing_angle") if name in dataset]
+    return dataset.set_coords(coordinates)
+
+
+def _data_array(name: str, value: ArrayLike, sample: str) -> tuple[object, ...]:
+    entry = variable(name)
+    dimensions = tuple(sample if dim == SAMPLE else dim for dim in entry.dimensions)
+    array = np.asarray(value)
+    if array.ndim != len(dimensions):
+        raise ValueError(f"{name} has {array.ndim} axes, the table says {dimensions}")
+    attributes = {"long_name": entry.long_name}
+    if entry.units:
+        attributes["units"] = entry.units
+    return dimensions, array, attributes
+
+
+def _check_labels(labels: Mapping[str, Sequence[str]]) -> None:
+    for dim, names in labels.items():
+        if dim not in LABEL_DIMENSIONS:
+            raise KeyError(f"unknown dimension '{dim}'; allowed: {', '.join(LABEL_DIMENSIONS)}")
+        unknown = set(names) - set(LABELS.get(dim, names))
+        if unknown:
+            raise ValueError(f"unknown {dim} label {sorted(unknown)}; allowed: {LABELS[dim]}")
+
+
+def reference_page() -> str:
+    """Return the reference page of all result variables as Markdown."""
+    lines = [
+        "# Result variables",
+        "",
+        "Generated from `src/toothspace/results/variables.py` by",
+        "`python -m toothspace.results.variables docs/reference/results.md`.",
+        "",
+        "A result is one NetCDF file. All values are in SI units; pressures are absolute.",
+        "`sample` stands for `shaft_angle` in a steady run and for `time` in a transient run;",
+        "the other one of the two is kept as a coordinate along it.",
+        "",
+        "| name | dimensions | unit | meaning |",
+        "|---|---|---|---|",
+    ]
+    lines += [
+        f"| `{v.name}` | {', '.join(v.dimensions) or '-'} | {v.units or '-'} | {v.long_name} |"
+        for v in VARIABLES.values()
+    ]
+    lines += ["", "## Labels", "", "| dimension | meaning | labels |", "|---|---|---|"]
+    lines += [
+        f"| `{dim}` | {meaning} | {' '.join(f'`{n}`' for n in LABELS.get(dim, ())) or '-'} |"
+        for dim, meaning in LABEL_DIMENSIONS.items()
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def main(arguments: Sequence[str]) -> None:
+    """Write the reference page to the file named by the only argument."""
+    from pathlib import Path
+
+    Path(arguments[0]).write_text(reference_page(), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    import sys
+
+    main(sys.argv[1:])

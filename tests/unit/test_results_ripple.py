@@ -1,0 +1,38 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from toothspace.results.ripple import ripple_percent, spectrum
+
+TURN = 2.0 * np.pi
+
+
+@pytest.mark.parametrize("end_point", [False, True])
+@pytest.mark.parametrize("revolutions", [1, 2])
+def test_spectrum_finds_amplitude_and_phase(end_point: bool, revolutions: int) -> None:
+    angle = 1.3 + np.linspace(0.0, revolutions * TURN, 720 * revolutions + 1)
+    angle = angle if end_point else angle[:-1]
+    result = spectrum(angle, 7.0 + 0.5 * np.cos(12.0 * angle + 0.4))
+    k = int(np.flatnonzero(np.isclose(result.order, 12.0))[0])
+    assert result.amplitude[0] == pytest.approx(7.0, abs=1e-9)
+    assert result.amplitude[k] == pytest.approx(0.5, abs=1e-9)
+    assert result.phase[k] == pytest.approx(0.4, abs=1e-9)
+    rest = np.delete(result.amplitude, [0, k])
+    assert np.max(rest) < 1e-9
+
+
+def test_surplus_samples_are_cut_to_whole_revolutions() -> None:
+    angle = np.arange(900) * TURN / 720.0
+    result = spectrum(angle, np.cos(10.0 * angle))
+    assert result.amplitude[10] == pytest.approx(1.0, abs=1e-9)
+
+
+def test_less_than_a_revolution_is_refused() -> None:
+    angle = np.linspace(0.0, 3.0, 100)
+    with pytest.raises(ValueError, match="at least 1"):
+        spectrum(angle, angle)
+
+
+def test_ripple_is_peak_to_peak_over_mean() -> None:
+    assert ripple_percent(np.array([9.0, 10.0, 11.0])) == pytest.approx(20.0)

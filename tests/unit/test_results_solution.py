@@ -1,0 +1,57 @@
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+import xarray as xr
+
+from tests.fake_solution import fake_solution
+from toothspace.core.errors import CaseError
+from toothspace.core.status import Status
+from toothspace.results.io import load_solution
+
+
+@pytest.mark.parametrize("status", list(Status))
+def test_round_trip_is_identical(tmp_path: Path, status: Status) -> None:
+    solution = replace(fake_solution(), status=status)
+    back = load_solution(solution.save(tmp_path / "result.nc"))
+    xr.testing.assert_identical(back.data, solution.data)
+    assert replace(back, data=solution.data) == solution
+    assert back.summary() == solution.summary()
+
+
+def test_round_trip_without_events(tmp_path: Path) -> None:
+    solution = replace(fake_solution(), events=())
+    assert load_solution(solution.save(tmp_path / "result.nc")).events == ()
+
+
+def test_file_is_self_describing(tmp_path: Path) -> None:
+    path = fake_solution().save(tmp_path / "result.nc")
+    with xr.open_dataset(path, engine="h5netcdf") as raw:
+        assert raw["chamber_pressure"].attrs["units"] == "Pa"
+        assert raw.attrs["status"] == "DONE"
+        assert raw.attrs["preset"] == "lumped"
+        assert "[machine]" in raw.attrs["case_toml"]
+
+
+def test_failed_write_leaves_the_old_file(tmp_path: Path) -> None:
+    path = fake_solution().save(tmp_path / "result.nc")
+    before = path.read_bytes()
+    broken = replace(fake_solution(), provenance={"preset": object()})  # type: ignore[dict-item]
+    with pytest.raises(TypeError):
+        broken.save(path)
+    assert path.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_other_files_are_refused_in_one_line(tmp_path: Path) -> None:
+    text = tmp_path / "notes.nc"
+    text.write_text("not a result")
+    with pytest.raises(CaseError, match=r"notes\.nc: cannot be read"):
+        load_solution(text)
+    with pytest.raises(CaseError, match="cannot be read"):
+        load_solution(tmp_path / "missing.nc")
+    xr.Dataset({"a": 1.0}).to_netcdf(tmp_path / "other.nc", engine="h5netcdf")
+    with pytest.raises(CaseError, match="not a result"):
+        load_solution(tmp_path / "other.nc")
