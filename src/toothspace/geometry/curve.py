@@ -48,7 +48,8 @@ def sample_segments(segments: list[CurveSegment], count: int) -> tuple[Array, tu
     breaks : tuple of int
         Index of the last point of every piece but the last.
     """
-    densities = [_density(segment) for segment in segments]
+    scale = sum(_length(segment) for segment in segments)
+    densities = [_density(segment, scale) for segment in segments]
     totals = np.array([cumulative[-1] for _, cumulative in densities])
     counts = _shares(totals, count)
     points, breaks = [segments[0].curve(np.zeros(1))], [0]
@@ -67,24 +68,30 @@ def _fine_parameters() -> Array:
                            [1.0]])  # fmt: skip
 
 
-def _density(segment: CurveSegment) -> tuple[Array, Array]:
-    # cumulative number of wanted points over the parameter, in units of one segment length
+def _length(segment: CurveSegment) -> float:
+    step = np.diff(segment.curve(_fine_parameters()), axis=0)
+    return float(np.sum(np.hypot(step[:, 0], step[:, 1])))
+
+
+def _density(segment: CurveSegment, scale: float) -> tuple[Array, Array]:
+    # cumulative number of wanted points over the parameter, up to a common factor
     parameter = _fine_parameters()
     step = np.diff(segment.curve(parameter), axis=0)
     length = np.hypot(step[:, 0], step[:, 1])
     along = np.concatenate([[0.0], np.cumsum(length)])
     middle, total = 0.5 * (along[1:] + along[:-1]), along[-1]
     heading = np.unwrap(np.arctan2(step[:, 1], step[:, 0]))
-    turning = np.abs(np.gradient(heading)) / 0.25
-    weight = length * (12.0 / total + _crowding(middle, total, segment.crowding)) + turning
+    turning = np.abs(np.gradient(heading)) / 0.2
+    even = length * (20.0 / scale + 3.0 / total)
+    weight = even + turning + length * _crowding(middle, total, scale, segment.crowding)
     return parameter, np.concatenate([[0.0], np.cumsum(weight)])
 
 
-def _crowding(along: Array, total: float, crowding: tuple[float, float]) -> Array:
+def _crowding(along: Array, total: float, scale: float, crowding: tuple[float, float]) -> Array:
     density = np.zeros_like(along)
     for level, distance in zip(crowding, (along, total - along), strict=True):
         if level > 0.0:
-            density += 1.2 / (distance + total * 10.0 ** (-2.0 - 2.5 * level))
+            density += 1.0 / (distance + scale * 10.0 ** (-3.0 - 1.5 * level))
     return density
 
 

@@ -1,4 +1,4 @@
-"""One tooth pitch of a gear with identical teeth: the form in which every later stage sees a gear."""
+"""One tooth pitch of a gear with identical teeth, the form in which later stages see a gear."""
 
 from __future__ import annotations
 
@@ -61,28 +61,28 @@ class GearProfile:
 
     @property
     def pitch_angle(self) -> float:
-        """Angle between neighbouring teeth. [rad]"""
+        """Angle between neighbouring teeth [rad]."""
         return 2.0 * np.pi / self.tooth_count
 
     @property
     def right_flank(self) -> Array:
-        """Points from root middle to tip corner on the clockwise side of the tooth. [m]"""
+        """Points from root middle to tip corner on the clockwise side of the tooth [m]."""
         return self.points[: self.tip_start + 1]
 
     @property
     def left_flank(self) -> Array:
-        """Points from tip corner to root middle on the counter-clockwise side of the tooth. [m]"""
+        """Points from tip corner to root middle on the counter-clockwise side of the tooth [m]."""
         return self.points[self.tip_end :]
 
     @property
     def area(self) -> float:
-        """Area of the full gear section inside its closed polygon. [m2]"""
+        """Area of the full gear section inside its closed polygon [m2]."""
         x, y = self.points.T
         return float(0.5 * self.tooth_count * np.sum(x[:-1] * y[1:] - x[1:] * y[:-1]))
 
     @property
     def tooth_space_area(self) -> float:
-        """Area of one tooth space between the profile and the tip circle. [m2]"""
+        """Area of one tooth space between the profile and the tip circle [m2]."""
         return float(np.pi * self.tip_radius**2 - self.area) / self.tooth_count
 
     def closed_polygon(

@@ -66,7 +66,7 @@ class InvoluteGear:
 
     def __post_init__(self) -> None:
         count = self.tooth_count
-        if count != count or int(count) != count or not MIN_TOOTH_COUNT <= count <= MAX_TOOTH_COUNT:
+        if not (MIN_TOOTH_COUNT <= count <= MAX_TOOTH_COUNT and int(count) == count):
             raise GeometryError(
                 f"tooth_count: found {count}, allowed an integer {MIN_TOOTH_COUNT} to "
                 f"{MAX_TOOTH_COUNT}"
@@ -99,7 +99,7 @@ class InvoluteGear:
 
     @property
     def rack_tip_radius(self) -> float:
-        """Radius of the rack's tip corners. [m]"""
+        """Radius of the rack's tip corners [m]."""
         radius = self.tool_tip_radius
         if radius is None:
             radius = min(DEFAULT_TOOL_TIP_RADIUS, self._largest_tool_tip_radius)
@@ -107,34 +107,34 @@ class InvoluteGear:
 
     @property
     def reference_radius(self) -> float:
-        """Radius at which the rack rolls. [m]"""
+        """Radius at which the rack rolls [m]."""
         return 0.5 * self.module * self.tooth_count
 
     @property
     def base_radius(self) -> float:
-        """Radius of the circle that the involute unwinds from. [m]"""
+        """Radius of the circle that the involute unwinds from [m]."""
         return float(self.reference_radius * np.cos(self.pressure_angle))
 
     @property
     def base_pitch(self) -> float:
-        """Distance of neighbouring flanks along their common normal. [m]"""
+        """Distance of neighbouring flanks along their common normal [m]."""
         return float(np.pi * self.module * np.cos(self.pressure_angle))
 
     @property
     def root_radius(self) -> float:
-        """Radius of the root circle. [m]"""
+        """Radius of the root circle [m]."""
         return self.reference_radius - (self.dedendum - self.profile_shift) * self.module
 
     @property
     def tip_radius(self) -> float:
-        """Radius of the tip circle. [m]"""
+        """Radius of the tip circle [m]."""
         if self.tip_diameter is not None:
             return 0.5 * self.tip_diameter
         return self.reference_radius + (1.0 + self.profile_shift) * self.module
 
     @property
     def base_half_angle(self) -> float:
-        """Half of the tooth's angular thickness on the base circle. [rad]"""
+        """Half of the tooth's angular thickness on the base circle [rad]."""
         half = 0.25 * np.pi + self.profile_shift * np.tan(self.pressure_angle)
         return float(2.0 * half / self.tooth_count + involute_function(self.pressure_angle))
 
@@ -155,12 +155,12 @@ class InvoluteGear:
         return self.base_half_angle - involute_function(angle)
 
     def tooth_thickness(self, radius: FloatOrArray) -> FloatOrArray:
-        """Arc thickness of the involute tooth at a radius of at least the base radius. [m]"""
+        """Arc thickness of the involute tooth at a radius of at least the base radius [m]."""
         return 2.0 * np.asarray(radius) * self.half_angle(radius)
 
     @property
     def smallest_shift_without_undercut(self) -> float:
-        """Profile shift below which the rack's tip corner cuts into the involute. [module]"""
+        """Profile shift below which the rack's tip corner cuts into the involute [module]."""
         alpha = self.pressure_angle
         corner = self.rack_tip_radius / self.module * (1.0 - np.sin(alpha))
         return float(self.dedendum - corner - 0.5 * self.tooth_count * np.sin(alpha) ** 2)
@@ -196,7 +196,7 @@ class ToothForm:
 
     @property
     def tip_land_angle(self) -> float:
-        """Angle covered by the tip land. [rad]"""
+        """Angle covered by the tip land [rad]."""
         return 2.0 * self.tip_half_angle
 
 
