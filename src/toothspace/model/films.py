@@ -1,0 +1,125 @@
+"""Closed-form films of the lumped preset as arrays: journal bearings and lateral films."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from toothspace.closures.bearing_lumped import build_journal_map
+from toothspace.closures.contact_rough import asperity_pressure
+from toothspace.core.compiled import njit
+from toothspace.core.errors import CaseError
+from toothspace.core.types import Array
+from toothspace.model.arrays import JournalArrays
+from toothspace.model.description import JournalBearing, LateralFilm, MachineDescription
+
+_INTERVALS = 240
+_CIRCUMFERENCE_POINTS = 720
+
+
+def journal_arrays(
+    description: MachineDescription,
+    free: list[int],
+    bush: Mapping[str, tuple[float, float]],
+) -> JournalArrays:
+    """Arrays of the bearings whose bodies are free to move."""
+    journals = [j for j in description.journals if j.body in bush]
+    ratios = {round(j.length / j.diameter, 9) for j in journals} or {1.0}
+    if len(ratios) > 1:
+        raise CaseError(
+            "machine.journal_bearings: found different length to diameter ratios "
+            f"{sorted(ratios)}, allowed: one ratio for all moving bodies"
+        )
+    speeds = {body.name: body.speed_ratio for body in description.bodies}
+    span = max((1.0 + 4.0 * j.roughness / j.radial_clearance for j in journals), default=1.0)
+    tables = [_asperity_tables(j, span) for j in journals]
+    shape = (len(journals), _INTERVALS, 4)
+    return JournalArrays(
+        motion_x=_index(free, [description.motion_index(j.body, "x") for j in journals]),
+        motion_y=_index(free, [description.motion_index(j.body, "y") for j in journals]),
+        bearings=np.array([float(j.count) for j in journals]),
+        radius=np.array([0.5 * j.diameter for j in journals]),
+        length=np.array([j.length for j in journals]),
+        clearance=np.array([j.radial_clearance for j in journals]),
+        speed_ratio=np.array([speeds[j.body] for j in journals]),
+        bush_x=np.array([bush[j.body][0] for j in journals]),
+        bush_y=np.array([bush[j.body][1] for j in journals]),
+        boundary_friction=np.array([j.boundary_friction for j in journals]),
+        asperity_force=np.array([t[0] for t in tables]).reshape(shape),
+        asperity_load=np.array([t[1] for t in tables]).reshape(shape),
+        asperity_range=span,
+        film=build_journal_map(ratios.pop()),
+    )
+
+
+def _index(free: list[int], motions: list[int]) -> Array:
+    return np.array([free.index(k) for k in motions], dtype=np.int64)
+
+
+def _asperity_tables(journal: JournalBearing, span: float) -> tuple[Array, Array]:
+    """Radial force and total normal load of asperities over the eccentricity ratio. [N]."""
+    ratios = np.linspace(0.0, span, _INTERVALS + 1)
+    force, load = _asperity_integrals(
+        ratios,
+        journal.radial_clearance,
+        journal.roughness,
+        journal.correlation_length,
+        journal.effective_modulus,
+        journal.hardness,
+    )
+    area = journal.count * 0.5 * journal.diameter * journal.length
+    return _spline(area * force), _spline(area * load)
+
+
+@njit(cache=True)
+def _asperity_integrals(
+    ratios: Array,
+    clearance: float,
+    roughness: float,
+    correlation_length: float,
+    effective_modulus: float,
+    hardness: float,
+) -> tuple[Array, Array]:
+    force, load = np.zeros(ratios.size), np.zeros(ratios.size)
+    step = 2.0 * np.pi / _CIRCUMFERENCE_POINTS
+    for i in range(ratios.size):
+        for k in range(_CIRCUMFERENCE_POINTS):
+            cosine = np.cos(k * step)
+            height = clearance * (1.0 - ratios[i] * cosine)
+            if height > 4.0 * roughness:
+                continue
+            p = asperity_pressure(
+                height, roughness, correlation_length, effective_modulus, hardness
+            )
+            force[i] += p * cosine * step
+            load[i] += p * step
+    return force, load
+
+
+def _spline(values: Array) -> Array:
+    """Coefficients of a monotone cubic through uniform nodes, one row per interval."""
+    difference = np.diff(values)
+    slope = np.zeros_like(values)
+    product = difference[1:] * difference[:-1]
+    total = np.where(product > 0.0, difference[1:] + difference[:-1], 1.0)
+    slope[1:-1] = np.where(product > 0.0, 2.0 * product / total, 0.0)
+    slope[-1] = difference[-1]
+    v0, v1, s0, s1 = values[:-1], values[1:], slope[:-1], slope[1:]
+    return np.stack([v0, s0, 3 * (v1 - v0) - 2 * s0 - s1, s0 + s1 - 2 * (v1 - v0)], axis=1)
+
+
+def lateral_torque_coefficient(description: MachineDescription) -> float:
+    """Lateral film torque at the shaft per viscosity and shaft speed. [m3]."""
+    speeds = {body.name: body.speed_ratio for body in description.bodies}
+    return sum(
+        film.faces * speeds[film.body] ** 2 * _face_torque(film) for film in description.laterals
+    )
+
+
+def _face_torque(film: LateralFilm) -> float:
+    from toothspace.closures.friction import lateral_film_torque
+
+    full = lateral_film_torque(1.0, 1.0, film.inner_radius, film.root_radius, film.height, film.tilt)
+    ring = lateral_film_torque(1.0, 1.0, film.root_radius, film.outer_radius, film.height, film.tilt)
+    return float(full + film.tooth_area_fraction * ring)

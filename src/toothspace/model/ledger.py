@@ -1,0 +1,59 @@
+"""Names and order of the integrated quantities (ledger states) of every run.
+
+Masses and energies *into* each port node, the work of the shaft on the machine, and one
+entry for every way in which mechanical energy is lost.
+"""
+
+from __future__ import annotations
+
+PORT_NODES = ("inlet", "outlet", "drain", "load")
+"""Nodes after the chambers: three ports and the far side of a load orifice."""
+
+PATH_CATEGORIES = (
+    "inlet_port",
+    "outlet_port",
+    "inlet_groove",
+    "outlet_groove",
+    "tooth_tip",
+    "flank",
+    "lateral",
+    "drain",
+    "tip",
+    "radial",
+    "load_orifice",
+)
+"""Categories of flow paths; their throttling loss is a ledger entry each."""
+
+FRICTION_MECHANISMS = (
+    "journal_viscous",
+    "journal_asperity",
+    "lateral_viscous",
+    "tip_shear",
+    "mesh_friction",
+    "shaft_seal",
+)
+"""Friction that the shaft has to overcome."""
+
+LEDGER_NAMES = (
+    *(f"mass_{name}" for name in PORT_NODES),
+    *(f"energy_{name}" for name in PORT_NODES),
+    "shaft",
+    *(f"throttling_{name}" for name in PATH_CATEGORIES),
+    *FRICTION_MECHANISMS,
+    "gas_relaxation",
+    "radial_load",
+)
+"""Order of the ledger states."""
+
+MASS = 0
+ENERGY = len(PORT_NODES)
+SHAFT = 2 * len(PORT_NODES)
+THROTTLING = SHAFT + 1
+FRICTION = THROTTLING + len(PATH_CATEGORIES)
+GAS_RELAXATION = FRICTION + len(FRICTION_MECHANISMS)
+RADIAL_LOAD = GAS_RELAXATION + 1
+LEDGER_SIZE = len(LEDGER_NAMES)
+
+JOURNAL_VISCOUS, JOURNAL_ASPERITY, LATERAL_VISCOUS, TIP_SHEAR, MESH_FRICTION, SHAFT_SEAL = range(
+    len(FRICTION_MECHANISMS)
+)

@@ -1,0 +1,105 @@
+"""Flow paths of a description as arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from toothspace.core.types import Array, IntArray
+from toothspace.model.arrays import PathArrays
+from toothspace.model.description import FlowPath, MachineDescription
+from toothspace.model.ledger import PATH_CATEGORIES
+from toothspace.model.operating_point import OperatingCondition
+from toothspace.numerics.periodic_table import PeriodicTable
+
+_KINDS = {"orifice": 0, "parallel_gap": 1, "curved_gap": 2}
+
+
+def load_orifice(description: MachineDescription, area: float) -> FlowPath:
+    """Return the orifice between the outlet volume and the load. ``area``: [m2]."""
+    constant = np.tile([area, np.sqrt(4.0 * area / np.pi)], (2, 1))
+    return FlowPath(
+        name="load_orifice",
+        category="load_orifice",
+        kind="orifice",
+        nodes_a=np.array([description.outlet_node]),
+        nodes_b=np.array([description.chamber_count + 3]),
+        angle_ratio=1.0,
+        phases=np.zeros(1),
+        geometry=PeriodicTable(2.0 * np.pi, constant, np.zeros_like(constant)),
+    )
+
+
+def path_table(path: FlowPath, motion_map: Array) -> PeriodicTable:
+    """Join the channels that compiled code reads: geometry (3), drag, shear, dh/dq."""
+    period, shape = path.geometry.period, path.geometry.values.shape
+    motions = motion_map.shape[1]
+    values = np.zeros((shape[0], 5 + motions))
+    slopes = np.zeros_like(values)
+    parts: list[tuple[PeriodicTable | None, slice, Array | None]] = [
+        (path.geometry, slice(0, shape[1]), None),
+        (path.drag_speed, slice(3, 4), None),
+        (path.shear_speed, slice(4, 5), None),
+        (path.height_by_motion, slice(5, 5 + motions), motion_map),
+    ]
+    for table, columns, mix in parts:
+        if table is None:
+            continue
+        if table.values.shape[0] != shape[0] or table.period != period:
+            raise ValueError(f"path {path.name}: tables differ in nodes or period")
+        values[:, columns] = table.values if mix is None else table.values @ mix
+        slopes[:, columns] = table.slopes if mix is None else table.slopes @ mix
+    return PeriodicTable(period, values, slopes)
+
+
+def pack_paths(
+    description: MachineDescription,
+    paths: Sequence[FlowPath],
+    first_table: int,
+    condition: OperatingCondition,
+) -> PathArrays:
+    """Repeat the data of each group of paths for its members."""
+    counts = [path.count for path in paths]
+    node_a = _drain_joined(description, np.concatenate([path.nodes_a for path in paths]))
+    node_b = _drain_joined(description, np.concatenate([path.nodes_b for path in paths]))
+    first, count = _families_of(description, node_b)
+
+    def repeated(values: Sequence[float], kind: type = float) -> Array:
+        return np.repeat(np.array(values, dtype=kind), counts)
+
+    return PathArrays(
+        table=np.repeat(np.arange(first_table, first_table + len(paths)), counts),
+        phase=np.concatenate([path.phases for path in paths]),
+        ratio=repeated([path.angle_ratio for path in paths]),
+        kind=repeated([_KINDS[path.kind] for path in paths], int),
+        category=repeated([PATH_CATEGORIES.index(path.category) for path in paths], int),
+        node_a=node_a,
+        node_b=node_b,
+        family_first=first,
+        family_count=count,
+        partner_shift=repeated([path.partner_shift for path in paths], int),
+        multiplicity=repeated([path.multiplicity for path in paths]),
+        minimum_height=repeated([path.minimum_height for path in paths]),
+    )
+
+
+def _drain_joined(description: MachineDescription, nodes: IntArray) -> IntArray:
+    """Lead the drain into the port that collects it."""
+    target = {
+        "inlet": description.inlet_node,
+        "outlet": description.outlet_node,
+        "external": description.drain_node,
+    }[description.drain]
+    return np.where(nodes == description.drain_node, target, nodes).astype(np.int64)
+
+
+def _families_of(description: MachineDescription, nodes: IntArray) -> tuple[IntArray, IntArray]:
+    first = np.zeros_like(nodes)
+    count = np.ones_like(nodes)
+    start = 0
+    for family in description.families:
+        inside = (nodes >= start) & (nodes < start + family.count)
+        first[inside], count[inside] = start, family.count
+        start += family.count
+    return first, count

@@ -1,0 +1,90 @@
+"""Pressures that ports and gaps would hold at rest: start values and load directions."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toothspace.core.types import Array
+from toothspace.model.description import FlowPath, MachineDescription
+from toothspace.model.operating_point import OperatingCondition
+
+_OPEN_AREA_CONDUCTANCE = 1e-7
+_ANGLES = 24
+
+
+def quasi_static_pressures(
+    description: MachineDescription, condition: OperatingCondition, shaft_angle: float
+) -> Array:
+    """Pressures of all chambers when volumes stand still and every path is laminar. [Pa].
+
+    Orifices count as wide open, gaps with their nominal height. The result orders chambers
+    between the ports by how well each is sealed from them.
+    """
+    nodes = description.chamber_count + 3
+    matrix = np.zeros((nodes, nodes))
+    for path in description.paths:
+        _add_path(matrix, path, shaft_angle)
+    chambers = description.chamber_count
+    ports = np.array([condition.inlet_pressure, condition.outlet_pressure, _drain(description, condition)])
+    diagonal = np.diag(matrix[:chambers].sum(axis=1) + 1e-30)
+    system = diagonal - matrix[:chambers, :chambers]
+    return np.linalg.solve(system, matrix[:chambers, chambers:] @ ports + 1e-30 * ports.min())
+
+
+def bush_positions(
+    description: MachineDescription,
+    condition: OperatingCondition,
+    motion_map: Array,
+    free: list[int],
+) -> dict[str, tuple[float, float]]:
+    """Positions of the bearing blocks: at the end of their seat along the mean load. [m]."""
+    if not free:
+        return {}
+    force = mean_force(description, condition) @ motion_map
+    result = {}
+    for journal in description.journals:
+        kx = free.index(description.motion_index(journal.body, "x"))
+        ky = free.index(description.motion_index(journal.body, "y"))
+        load = np.array([force[kx], force[ky]])
+        size = float(np.hypot(*load))
+        direction = load / size if size > 0.0 else np.zeros(2)
+        result[journal.body] = tuple(journal.seat_clearance * direction)
+    return result
+
+
+def mean_force(description: MachineDescription, condition: OperatingCondition) -> Array:
+    """Mean generalised force of quasi-static pressures on every micro-motion. [N] or [N m]."""
+    total = np.zeros(len(description.motions))
+    for shaft_angle in np.arange(_ANGLES) * 2.0 * np.pi / _ANGLES / 12.0:
+        pressure = quasi_static_pressures(description, condition, shaft_angle)
+        start = 0
+        for family in description.families:
+            angles = family.phases + family.angle_ratio * shaft_angle
+            total += pressure[start : start + family.count] @ family.volume_by_motion(angles)
+            start += family.count
+    return total / _ANGLES
+
+
+def _drain(description: MachineDescription, condition: OperatingCondition) -> float:
+    return {
+        "inlet": condition.inlet_pressure,
+        "outlet": condition.outlet_pressure,
+        "external": condition.drain_pressure,
+    }[description.drain]
+
+
+def _add_path(matrix: Array, path: FlowPath, shaft_angle: float) -> None:
+    geometry = path.geometry(path.phases + path.angle_ratio * shaft_angle)
+    conductance = path.multiplicity * _conductance(path, geometry)
+    np.add.at(matrix, (path.nodes_a, path.nodes_b), conductance)
+    np.add.at(matrix, (path.nodes_b, path.nodes_a), conductance)
+
+
+def _conductance(path: FlowPath, geometry: Array) -> Array:
+    if path.kind == "orifice":
+        return _OPEN_AREA_CONDUCTANCE * np.maximum(geometry[:, 0], 0.0)
+    height = np.maximum(geometry[:, 0], path.minimum_height)
+    width = np.maximum(geometry[:, 1], 0.0)
+    if path.kind == "parallel_gap":
+        return width * height**3 / (12.0 * np.maximum(geometry[:, 2], 1e-9))
+    return 0.05 * width * height**2.5 / np.sqrt(np.maximum(geometry[:, 2], 1e-9))
