@@ -1,3 +1,364 @@
-"""LU factors of small sparse matrices whose pattern never changes."""
+r"""LU factors of small sparse matrices :math:`I - \gamma J` whose pattern never changes.
+
+The pattern is analysed once (minimum degree order, fill-in); the factorisation is then a
+fixed list of row updates on packed values, cut into runs that the compiler vectorises.
+Rows are not exchanged: if a pivot is small, the matrix is factorised again as a dense
+one with partial pivoting. Patterns that fill up are dense from the start.
+
+References
+----------
+.. [1] I. S. Duff, A. M. Erisman and J. K. Reid, *Direct Methods for Sparse Matrices*,
+   2nd ed., Oxford University Press, 2017, chapters 7 and 10.
+"""
 
 from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from toothspace.core.compiled import njit
+from toothspace.core.types import Array, BoolArray, IntArray
+
+SPARSE_FACTORS = 0
+DENSE_FACTORS = 1
+SINGULAR = 2
+"""Return codes of :func:`factorise`."""
+
+_DENSE_SHARE = 0.75
+_SMALL_PIVOT = 1e-8
+
+Index = NDArray[np.uint32]
+
+
+class LuProgram(NamedTuple):
+    """List of operations of one pattern, made by :func:`analyse`.
+
+    Parameters
+    ----------
+    order : ndarray of int, shape (n,)
+        Row and column eliminated at each stage.
+    dense : ndarray of int, shape (1,)
+        1 if the factors are so full that dense ones are faster.
+    packed_size : ndarray of int, shape (1,)
+        Number of packed values.
+    source, source_place : ndarrays of int
+        Flat places in the Jacobian that may be nonzero, and their packed places.
+    row_start, diagonal, columns : ndarrays of int
+        Packed rows in elimination order: lower part, diagonal, upper part.
+    pair_start, pair_lower, run_start : ndarrays of int
+        For each stage the rows it updates: place of the multiplier, first run.
+    run_upper, run_target, run_length : ndarrays of int
+        Contiguous pieces of a row update.
+    ledger_start, ledger_columns : ndarrays of int
+        Nonzero columns of the rows below the core (compressed rows).
+    """
+
+    order: Index
+    dense: IntArray
+    packed_size: IntArray
+    source: Index
+    source_place: Index
+    row_start: Index
+    diagonal: Index
+    columns: Index
+    pair_start: Index
+    pair_lower: Index
+    run_start: Index
+    run_upper: Index
+    run_target: Index
+    run_length: Index
+    ledger_start: Index
+    ledger_columns: Index
+
+
+def analyse(pattern: BoolArray) -> LuProgram:
+    """Analyse the pattern of a Jacobian.
+
+    Parameters
+    ----------
+    pattern : ndarray of bool, shape (n_total, n_core), n_total >= n_core
+        True where the Jacobian may be nonzero. The first n_core rows are factorised; the
+        others (ledger) are only multiplied with vectors.
+
+    Returns
+    -------
+    LuProgram
+        Input of :func:`factorise`, :func:`solve` and :func:`ledger_product`.
+
+    Raises
+    ------
+    ValueError
+        If the pattern has fewer rows than columns.
+    """
+    n_total, n = pattern.shape
+    if n_total < n:
+        raise ValueError(f"pattern has {n_total} rows and {n} columns; rows >= columns are needed")
+    core = pattern[:n] | pattern[:n].T | np.eye(n, dtype=bool)
+    order = _minimum_degree(core)
+    filled = _fill_in(core[np.ix_(order, order)])
+    packed = np.full((n, n), -1, dtype=np.int64)
+    packed[filled] = np.arange(int(filled.sum()))
+    pairs = _row_updates(filled, packed)
+    rows, columns = np.nonzero(pattern[:n] | np.eye(n, dtype=bool))
+    rank = np.argsort(order)
+    ledger_rows, ledger_columns = np.nonzero(pattern[n:])
+    return LuProgram(
+        order=_index(order),
+        dense=np.array([int(filled.mean() > _DENSE_SHARE)]),
+        packed_size=np.array([int(filled.sum())]),
+        source=_index(rows * n + columns),
+        source_place=_index(packed[rank[rows], rank[columns]]),
+        row_start=_index(_starts(filled.sum(axis=1))),
+        diagonal=_index(np.diagonal(packed)),
+        columns=_index(np.nonzero(filled)[1]),
+        **pairs,
+        ledger_start=_index(_starts(np.bincount(ledger_rows, minlength=n_total - n))),
+        ledger_columns=_index(ledger_columns),
+    )
+
+
+def _index(values: IntArray) -> Index:
+    return np.ascontiguousarray(values, dtype=np.uint32)
+
+
+def _starts(counts: IntArray) -> IntArray:
+    return np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+
+
+def _minimum_degree(core: BoolArray) -> IntArray:
+    """Eliminate the node with the fewest neighbours first; ties go to the lower number."""
+    graph = core.copy()
+    np.fill_diagonal(graph, False)
+    left = np.ones(core.shape[0], dtype=bool)
+    order = np.zeros(core.shape[0], dtype=np.int64)
+    for stage in range(order.size):
+        degree = np.where(left, graph.sum(axis=1), core.shape[0] + 1)
+        node = int(np.argmin(degree))
+        order[stage] = node
+        neighbours = graph[node].copy()
+        graph[np.ix_(neighbours, neighbours)] = True
+        graph[node, :] = graph[:, node] = False
+        np.fill_diagonal(graph, False)
+        left[node] = False
+    return order
+
+
+def _fill_in(permuted: BoolArray) -> BoolArray:
+    filled = permuted.copy()
+    for k in range(filled.shape[0]):
+        below = k + 1 + np.nonzero(filled[k + 1 :, k])[0]
+        filled[np.ix_(below, below)] = True
+    return filled
+
+
+def _row_updates(filled: BoolArray, packed: IntArray) -> dict[str, Index]:
+    """List for every stage the rows it changes and the contiguous pieces of the change."""
+    pair_start, pair_lower, run_start = [0], [], [0]
+    runs: list[tuple[int, int, int]] = []
+    for k in range(filled.shape[0]):
+        right = k + 1 + np.nonzero(filled[k, k + 1 :])[0]
+        for i in right:
+            pair_lower.append(int(packed[i, k]))
+            runs += _runs(packed[k, right], packed[i, right])
+            run_start.append(len(runs))
+        pair_start.append(len(pair_lower))
+    table = np.array(runs, dtype=np.int64).reshape(-1, 3)
+    return {
+        "pair_start": _index(np.array(pair_start)),
+        "pair_lower": _index(np.array(pair_lower, dtype=np.int64)),
+        "run_start": _index(np.array(run_start)),
+        "run_upper": _index(table[:, 0]),
+        "run_target": _index(table[:, 1]),
+        "run_length": _index(table[:, 2]),
+    }
+
+
+def _runs(upper: IntArray, target: IntArray) -> list[tuple[int, int, int]]:
+    breaks = np.nonzero(np.diff(target) != 1)[0] + 1
+    pieces = np.split(np.arange(target.size), breaks)
+    return [(int(upper[p[0]]), int(target[p[0]]), int(p.size)) for p in pieces]
+
+
+@njit(error_model="numpy")
+def factorise(
+    program: LuProgram, jacobian: Array, gamma: float, values: Array, pivots: IntArray
+) -> int:
+    r"""Factorise :math:`I - \gamma J`.
+
+    Parameters
+    ----------
+    program : LuProgram
+        Analysed pattern.
+    jacobian : ndarray, shape (n_total, n)
+        Jacobian; rows from n on are not read.
+    gamma : float
+        Factor of the Jacobian. [s]
+    values : ndarray, shape (max(packed size, n * n),)
+        Receives the factors.
+    pivots : ndarray of int, shape (n,)
+        Receives the row exchanges of dense factors.
+
+    Returns
+    -------
+    int
+        SPARSE_FACTORS, DENSE_FACTORS or SINGULAR (also if an entry is not finite).
+    """
+    if program.dense[0] == 0:
+        _assemble(program, jacobian, gamma, values)
+        if _eliminate(program, values):
+            return SPARSE_FACTORS
+    return _factorise_dense(jacobian, gamma, values, pivots)
+
+
+@njit(error_model="numpy")
+def _assemble(program: LuProgram, jacobian: Array, gamma: float, values: Array) -> None:
+    flat = jacobian.reshape(-1)
+    values[: program.packed_size[0]] = 0.0
+    source, place = program.source, program.source_place
+    for entry in range(source.size):
+        values[place[entry]] = -gamma * flat[source[entry]]
+    for k in range(program.diagonal.size):
+        values[program.diagonal[k]] += 1.0
+
+
+@njit(error_model="numpy")
+def _eliminate(program: LuProgram, values: Array) -> bool:
+    """Eliminate without row exchanges; the diagonal is left inverted."""
+    pair_start, pair_lower, run_start = program.pair_start, program.pair_lower, program.run_start
+    run_upper, run_target, run_length = program.run_upper, program.run_target, program.run_length
+    sound = True
+    for k in range(program.diagonal.size):
+        pivot = values[program.diagonal[k]]
+        sound = sound and abs(pivot) > _SMALL_PIVOT and np.isfinite(pivot)
+        inverse = 1.0 / pivot
+        values[program.diagonal[k]] = inverse
+        for pair in range(pair_start[k], pair_start[k + 1]):
+            factor = values[pair_lower[pair]] * inverse
+            values[pair_lower[pair]] = factor
+            for run in range(run_start[pair], run_start[pair + 1]):
+                upper, target = run_upper[run], run_target[run]
+                for j in range(run_length[run]):
+                    values[target + j] -= factor * values[upper + j]
+    return sound
+
+
+@njit(error_model="numpy")
+def _factorise_dense(jacobian: Array, gamma: float, values: Array, pivots: IntArray) -> int:
+    n = pivots.size
+    a = values[: n * n].reshape((n, n))
+    for i in range(n):
+        for j in range(n):
+            a[i, j] = -gamma * jacobian[i, j]
+        a[i, i] += 1.0
+    for k in range(n):
+        best = k
+        for i in range(k + 1, n):
+            if abs(a[i, k]) > abs(a[best, k]):
+                best = i
+        pivots[k] = best
+        if not (abs(a[best, k]) > 0.0 and np.isfinite(a[best, k])):
+            return SINGULAR
+        _eliminate_dense_column(a, k, best)
+    return DENSE_FACTORS
+
+
+@njit(error_model="numpy")
+def _eliminate_dense_column(a: Array, k: int, best: int) -> None:
+    n = a.shape[0]
+    if best != k:
+        for j in range(n):
+            a[k, j], a[best, j] = a[best, j], a[k, j]
+    inverse = 1.0 / a[k, k]
+    a[k, k] = inverse
+    for i in range(k + 1, n):
+        factor = a[i, k] * inverse
+        if factor != 0.0:
+            a[i, k] = factor
+            for j in range(k + 1, n):
+                a[i, j] -= factor * a[k, j]
+
+
+@njit(error_model="numpy")
+def solve(
+    program: LuProgram, values: Array, pivots: IntArray, kind: int, right: Array, scratch: Array
+) -> None:
+    """Solve with the factors; the solution replaces the right-hand side.
+
+    Parameters
+    ----------
+    program : LuProgram
+        Analysed pattern.
+    values, pivots : ndarray
+        Factors from :func:`factorise`.
+    kind : int
+        What :func:`factorise` returned: SPARSE_FACTORS or DENSE_FACTORS.
+    right : ndarray, shape (n,)
+        Right-hand side, overwritten by the solution.
+    scratch : ndarray, shape (>= n,)
+        Work space.
+    """
+    if kind == SPARSE_FACTORS:
+        _solve_sparse(program, values, right, scratch)
+    else:
+        _solve_dense(values, pivots, right)
+
+
+@njit(error_model="numpy")
+def _solve_sparse(program: LuProgram, values: Array, right: Array, x: Array) -> None:
+    order, diagonal, columns = program.order, program.diagonal, program.columns
+    row_start = program.row_start
+    n = order.size
+    for i in range(n):
+        total = right[order[i]]
+        for entry in range(row_start[i], diagonal[i]):
+            total -= values[entry] * x[columns[entry]]
+        x[i] = total
+    for back in range(n):
+        i = n - 1 - back
+        total = x[i]
+        for entry in range(diagonal[i] + 1, row_start[i + 1]):
+            total -= values[entry] * x[columns[entry]]
+        x[i] = total * values[diagonal[i]]
+        right[order[i]] = x[i]
+
+
+@njit(error_model="numpy")
+def _solve_dense(values: Array, pivots: IntArray, right: Array) -> None:
+    n = pivots.size
+    a = values[: n * n].reshape((n, n))
+    for k in range(n):
+        right[k], right[pivots[k]] = right[pivots[k]], right[k]
+        for j in range(k):
+            right[k] -= a[k, j] * right[j]
+    for back in range(n):
+        i = n - 1 - back
+        for j in range(i + 1, n):
+            right[i] -= a[i, j] * right[j]
+        right[i] *= a[i, i]
+
+
+@njit(error_model="numpy")
+def ledger_product(program: LuProgram, jacobian: Array, vector: Array, product: Array) -> None:
+    """Multiply the ledger rows of the Jacobian with a core vector.
+
+    Parameters
+    ----------
+    program : LuProgram
+        Analysed pattern.
+    jacobian : ndarray, shape (n_total, n)
+        Jacobian.
+    vector : ndarray, shape (n,)
+        Factor.
+    product : ndarray, shape (n_total - n,)
+        Receives the product.
+    """
+    n = program.order.size
+    start, columns = program.ledger_start, program.ledger_columns
+    for row in range(start.size - 1):
+        total = 0.0
+        for entry in range(start[row], start[row + 1]):
+            column = columns[entry]
+            total += jacobian[n + row, column] * vector[column]
+        product[row] = total
