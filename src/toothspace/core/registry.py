@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from importlib.metadata import entry_points
+from pathlib import Path
 from typing import Any
 
 from toothspace.core.errors import CaseError
@@ -28,3 +29,16 @@ def machine_type(name: str) -> Any:
             return point.load()
     allowed = ", ".join(machine_type_names())
     raise CaseError(f"machine.type: found {name!r}, allowed: {allowed}")
+
+
+def machine_modules() -> dict[str, str]:
+    """Return the package that provides each machine type, by name.
+
+    The package holds a module ``parameters`` with the class ``PARAMETERS`` of its case keys.
+    """
+    folder = Path(__file__).resolve().parent.parent / "machines"
+    built_in = {
+        file.parent.name: f"toothspace.machines.{file.parent.name}"
+        for file in sorted(folder.glob("*/parameters.py"))
+    }
+    return {point.name: point.module for point in entry_points(group=ENTRY_POINT_GROUP)} | built_in

@@ -1,0 +1,121 @@
+"""Fluid, operating point and numerical settings."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import final
+
+from toothspace.core.constants import ATMOSPHERIC_PRESSURE
+from toothspace.core.keys import (
+    Quantity,
+    Row,
+    choice,
+    declare,
+    file_path,
+    forbid,
+    integer,
+    number,
+    quantity,
+    require,
+    text,
+)
+
+_FORCE = Quantity(unit="N", low=-1e6, high=1e6)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class FluidChoice:
+    """``[fluid]``: a fluid of the library or a user table, and its state."""
+
+    name: str | None = text("Fluid from the library.", default=None)
+    table: Path | None = file_path("Table of properties over temperature and pressure.", ".csv")
+    temperature: float = quantity("degC", "Temperature of the fluid.", low=-60, high=250)
+    free_air_fraction: float = number(
+        "Free air over liquid volume at one atmosphere.", low=0, high=0.2, default=0.002
+    )
+    dissolved_air_fraction: float | None = number(
+        "Dissolved air over liquid volume at one atmosphere; default that of the fluid.",
+        low=0,
+        high=0.5,
+        default=None,
+    )
+    saturation_pressure: float = quantity(
+        "bar",
+        "Absolute pressure at which the dissolved air is in equilibrium.",
+        above=0,
+        high=1000,
+        default=ATMOSPHERIC_PRESSURE,
+    )
+    gas_law: str = choice(
+        "Release and absorption of air.", "dynamic", "equilibrium", "none", default="dynamic"
+    )
+    release_time: float = quantity(
+        "s", "Time constant of air release.", above=0, high=100, default=0.02
+    )
+    absorption_time: float = quantity(
+        "s", "Time constant of air absorption.", above=0, high=1000, default=1.0
+    )
+
+    def __post_init__(self) -> None:
+        if self.table is None:
+            require(self, "unless a table is given", "name")
+        else:
+            forbid(self, "because a table is given", "name")
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class OperatingPoint:
+    """``[operating_point]``: steady condition; pressures are absolute."""
+
+    shaft_speed: float = quantity("rpm", "Speed of the drive shaft.", above=0, high=50000)
+    inlet_pressure: float = quantity("bar", "Absolute pressure.", above=0, high=1000)
+    outlet_pressure: float = quantity("bar", "Absolute pressure.", above=0, high=1000)
+    outlet_load: str = choice(
+        "Fixed pressure, or an orifice sized for the mean so that ripple is free.",
+        "fixed_pressure",
+        "orifice",
+        default="fixed_pressure",
+    )
+    shaft_radial_load: tuple[float, float] = declare(
+        Row(items=(_FORCE, _FORCE), doc="External force on the shaft (x, y)."), (0.0, 0.0)
+    )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class RunSettings:
+    """``[run]``: fidelity and numerical settings."""
+
+    fidelity: str = choice(
+        "Named set of models.", "ideal", "lumped", "films", "elastic", default="lumped"
+    )
+    until: str | None = choice(
+        "Stop when two successive revolutions agree.", "cyclic", default=None
+    )
+    revolutions: int | None = integer(
+        "Number of shaft revolutions to run.", low=1, high=100000, default=None
+    )
+    max_revolutions: int = integer(
+        "Most revolutions to look for the cyclic state.", low=2, high=100000, default=60
+    )
+    samples_per_revolution: int = integer(
+        "Samples that are kept of each revolution.", low=36, high=20000, default=720
+    )
+    relative_tolerance: float = number(
+        "Local error of the time integration.", low=1e-12, high=1e-4, default=1e-6
+    )
+    max_steps: int = integer("Most time steps of the run.", low=100, high=10**9, default=20_000_000)
+    flank_sealing: str = choice(
+        "Whether meshing chambers share one pressure (ideal preset).",
+        "single",
+        "dual",
+        default="single",
+    )
+    mesh: str = choice("Stiffness of the mesh.", "rigid", "elastic", default="rigid")
+
+    def __post_init__(self) -> None:
+        if self.until is not None:
+            forbid(self, 'because until = "cyclic" is given', "revolutions")

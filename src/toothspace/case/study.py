@@ -1,0 +1,219 @@
+"""``[study]``: named studies and their own keys."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import MISSING, dataclass
+from pathlib import Path
+from typing import Any, final
+
+from toothspace.core.keys import (
+    Free,
+    Grid,
+    Items,
+    KeyRuleError,
+    Named,
+    Number,
+    Quantity,
+    Row,
+    Table,
+    choice,
+    declare,
+    file_path,
+    integer,
+    number,
+    quantity,
+    text,
+)
+
+_SPEED = Quantity(unit="rpm", above=0, high=50000)
+_PRESSURE = Quantity(unit="bar", above=0, high=1000)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class StartupStudy:
+    """``kind = "startup"``: start-up over plateau speeds and start angles."""
+
+    plateau_speed: tuple[float, ...] | None = declare(
+        Grid(item=_SPEED, doc="Plateau speeds of the supply."), None
+    )
+    start_angle_count: int = integer(
+        "Start angles over one tooth pitch.", low=1, high=360, default=1
+    )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class EfficiencyMapStudy:
+    """``kind = "efficiency_map"``: steady points over speed and pressure difference."""
+
+    shaft_speed: tuple[float, ...] = declare(Grid(item=_SPEED, doc="Shaft speeds."))
+    pressure_difference: tuple[float, ...] = declare(
+        Grid(item=_PRESSURE, doc="High minus low pressure.")
+    )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class HysteresisStudy:
+    """``kind = "hysteresis"``: pressures up and down with bearing friction."""
+
+    outlet_pressures: tuple[float, ...] = declare(
+        Items(item=_PRESSURE, doc="Outlet pressures in their order.")
+    )
+    start_gap: float = quantity("um", "Gap that the first point starts from.", above=0, high=100)
+    friction_coefficient: float = number("Friction in the housing.", low=0, high=1)
+    breakaway_speed: float = quantity("mm/s", "Speed of the friction peak.", above=0, high=1e4)
+    friction_law: str = choice("Set-valued, or smooth.", "stick", "stribeck", default="stick")
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class NoseCondition:
+    """One of ``conditions``."""
+
+    name: str = text("Label.")
+    outlet_pressure: float = quantity("bar", "Absolute pressure.", above=0, high=1000)
+    shaft_speed: float = quantity("rpm", "Shaft speed.", above=0, high=50000)
+    inlet_pressure: float | None = quantity(
+        "bar", "Absolute pressure; default that of the operating point.", above=0, high=1000,
+        default=None,
+    )  # fmt: skip
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class NosePressureStudy:
+    """``kind = "nose_pressure"``: pressure on the nose patch of the floating bearing."""
+
+    nose_pressure_fractions: tuple[float, ...] = declare(
+        Items(
+            item=Number(low=0, high=1),
+            doc="Nose pressure over outlet pressure; 0 means inlet pressure.",
+        )
+    )
+    conditions: tuple[NoseCondition, ...] = declare(
+        Items(item=Table(spec=NoseCondition), doc="Operating conditions.")
+    )
+    friction_coefficient: float = number("Friction in the housing.", low=0, high=1, default=0.02)
+    breakaway_speed: float = quantity(
+        "mm/s", "Speed of the friction peak.", above=0, high=1e4, default=1.6e-3
+    )
+    start_gap: float = quantity(
+        "um", "Gap that every point starts from.", above=0, high=100, default=2e-6
+    )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class ContactSpanStudy:
+    """``kind = "contact_span"``: teeth that carry load over the angle."""
+
+    force_fraction: float = number(
+        "Share of the mean total contact force that counts as contact.",
+        above=0,
+        high=1,
+        default=0.01,
+    )
+    tip_clearance: tuple[float, ...] | None = declare(
+        Grid(item=Quantity(unit="um", above=0, high=500), doc="Tip clearances."), None
+    )
+    pressure_difference: tuple[float, ...] | None = declare(
+        Grid(item=_PRESSURE, doc="Outlet minus inlet pressure."), None
+    )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class CalibrateStudy:
+    """``kind = "calibrate"``: fit keys of the case to measured columns."""
+
+    data: Path = file_path("Columns time and names of results.", ".csv", default=MISSING)
+    fit: Mapping[str, tuple[Any, Any]] = declare(
+        Named(item=Row(items=(Free(), Free())), doc="Key paths with lower and upper bound.")
+    )
+    hold_out: float = number("Share of the data kept for the check.", low=0, high=0.9, default=0.3)
+
+
+_VARY = Named(item=Free(), doc="Key paths with a list of values, or {from, to, count}.")
+
+
+def check_vary(vary: Mapping[str, Any], key: str) -> None:
+    """Refuse varied keys without values.
+
+    Raises
+    ------
+    KeyRuleError
+        With the key concerned.
+    """
+    allowed = "a list of values, or {from, to, count}"
+    if not vary:
+        raise KeyRuleError(key, "nothing", "at least one key path with values")
+    for path, values in vary.items():
+        is_span = isinstance(values, dict) and set(values) == {"from", "to", "count"}
+        if not (is_span or (isinstance(values, list) and values)):
+            raise KeyRuleError(f"{key}.{path}", repr(values), allowed)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class SweepStudy:
+    """``kind = "sweep"``: many cases over varied keys."""
+
+    vary: Mapping[str, Any] = declare(_VARY)
+    method: str = choice(
+        "How points are placed.", "grid", "latin_hypercube", "sobol", default="grid"
+    )
+    sample_count: int | None = integer(
+        "Points of latin_hypercube and sobol.", low=1, high=10**6, default=None
+    )
+    seed: int = integer("Seed of the random numbers.", low=0, high=2**31, default=0)
+
+    def __post_init__(self) -> None:
+        check_vary(self.vary, "vary")
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class ToleranceStudy:
+    """``kind = "tolerance"``: scatter of results from scatter of dimensions."""
+
+    vary: Mapping[str, Any] = declare(_VARY)
+    sample_count: int = integer("Number of samples.", low=2, high=10**6, default=64)
+    method: str = choice(
+        "How points are placed.", "latin_hypercube", "sobol", default="latin_hypercube"
+    )
+    seed: int = integer("Seed of the random numbers.", low=0, high=2**31, default=0)
+
+    def __post_init__(self) -> None:
+        check_vary(self.vary, "vary")
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class OptimiseStudy:
+    """``kind = "optimise"``: best values of varied keys."""
+
+    vary: Mapping[str, Any] = declare(_VARY)
+    objective: str = text("Summary number.")
+    goal: str = choice("Direction.", "maximise", "minimise", default="maximise")
+    evaluation_count: int = integer("Most evaluations.", low=2, high=10**6, default=200)
+    seed: int = integer("Seed of the random numbers.", low=0, high=2**31, default=0)
+
+    def __post_init__(self) -> None:
+        check_vary(self.vary, "vary")
+
+
+STUDIES: Mapping[str, type] = {
+    "startup": StartupStudy,
+    "efficiency_map": EfficiencyMapStudy,
+    "hysteresis": HysteresisStudy,
+    "nose_pressure": NosePressureStudy,
+    "contact_span": ContactSpanStudy,
+    "calibrate": CalibrateStudy,
+    "tolerance": ToleranceStudy,
+    "optimise": OptimiseStudy,
+    "sweep": SweepStudy,
+}
+"""Studies by the value of their key ``kind``."""

@@ -1,0 +1,140 @@
+"""One case file to one frozen case."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from toothspace.case import Case, Circuit, FluidChoice, JournalBearingCase, OperatingPoint
+from toothspace.case.circuit import ELEMENT_KEY
+from toothspace.case.conditions import RunSettings
+from toothspace.case.stand_alone import FILMS
+from toothspace.case.study import STUDIES
+from toothspace.config.document import document_text, read_document
+from toothspace.config.overrides import apply_overrides
+from toothspace.config.reader import Reader, joined
+from toothspace.config.rules import check_together
+from toothspace.core.errors import CaseError
+from toothspace.core.keys import Integer, Key, KeyRuleError, Table, Text, Variant, keys_of
+from toothspace.core.registry import machine_modules
+
+SCHEMA_VERSION = 1
+
+TOP_LEVEL: dict[str, Key] = {
+    "schema": Integer(
+        low=SCHEMA_VERSION, high=SCHEMA_VERSION, doc="Version of the case file's keys."
+    ),
+    "title": Text(doc="What this case is."),
+    "machine": Table(spec=object, doc="The machine; keys by its type."),
+    "fluid": Table(spec=FluidChoice, doc="Fluid and temperature."),
+    "operating_point": Table(spec=OperatingPoint, doc="Steady condition."),
+    "circuit": Table(spec=Circuit, doc="Transient condition: elements and connections."),
+    "bearing": Table(spec=JournalBearingCase, doc="Stand-alone journal bearing."),
+    "film": Variant(tag="kind", variants=FILMS, doc="Stand-alone film."),
+    "study": Variant(tag="kind", variants=STUDIES, doc="Study that drives the condition."),
+    "run": Table(spec=RunSettings, doc="Fidelity and numerical settings."),
+}
+"""Keys at the top of a case file."""
+
+
+def machine_key() -> Variant:
+    """Return the key ``machine``: one variant per installed machine type."""
+    variants = {
+        name: import_module(f"{module}.parameters").PARAMETERS
+        for name, module in machine_modules().items()
+    }
+    return Variant(tag="type", variants=variants, doc="The machine; keys by its type.")
+
+
+def load_case(path: str | Path, overrides: Iterable[str] = ()) -> Case:
+    """Read and check a case file.
+
+    Parameters
+    ----------
+    path : str or Path
+        TOML file.
+    overrides : iterable of str
+        ``key.path=value``, applied before anything is read.
+
+    Returns
+    -------
+    Case
+        Everything in SI units.
+
+    Raises
+    ------
+    CaseError
+        One line with file, key, what was found and what is allowed.
+    """
+    overrides = tuple(overrides)
+    source = Path(path)
+    tables = apply_overrides(read_document(source, str(path)), overrides, str(path))
+    reader = Reader(label=str(path), folder=source.parent)
+    values = _read_tables(reader, tables)
+    text = document_text(tables)
+    case = Case(
+        **values, source=source, overrides=overrides, text=text, hash=_hash(text, reader.files)
+    )
+    check_together(case, reader)
+    return case
+
+
+def _read_tables(reader: Reader, tables: dict[str, Any]) -> dict[str, Any]:
+    reader.refuse_unknown(tables, list(TOP_LEVEL), "")
+    for name in ("schema", "title"):
+        if name not in tables:
+            example = f"{SCHEMA_VERSION}" if name == "schema" else "a text that is not empty"
+            reader.fail(name, "nothing", example)
+    special = {"machine": _read_machine, "circuit": _read_circuit}
+    values: dict[str, Any] = {}
+    for name, key in TOP_LEVEL.items():
+        if name in special and name in tables:
+            values |= special[name](reader, tables[name])
+        elif name in tables:
+            values[name] = reader.read(key, tables[name], name)
+    return values
+
+
+def _read_machine(reader: Reader, raw: Any) -> dict[str, Any]:
+    machine = reader.read(machine_key(), raw, "machine")
+    try:
+        spec = machine.assemble()
+    except KeyRuleError as error:
+        reader.fail(joined("machine", error.key), error.found, error.allowed)
+    except CaseError as error:
+        raise type(error)(f"{reader.label}: machine.{error}") from error
+    return {"machine_type": raw["type"], "machine": machine, "machine_spec": spec}
+
+
+def _read_circuit(reader: Reader, raw: Any) -> dict[str, Any]:
+    declared = list(keys_of(Circuit))
+    if not isinstance(raw, dict):
+        reader.table(Circuit, raw, "circuit")
+    elements = {
+        name: reader.read(ELEMENT_KEY, value, f"circuit.{name}")
+        for name, value in raw.items()
+        if name not in declared and isinstance(value, dict)
+    }
+    rest = {name: value for name, value in raw.items() if name not in elements}
+    plain = reader.table(Circuit, rest, "circuit")
+    circuit = Circuit(
+        duration=plain.duration,
+        initial_shaft_speed=plain.initial_shaft_speed,
+        connections=plain.connections,
+        elements=elements,
+    )
+    try:
+        circuit.check_connections()
+    except KeyRuleError as error:
+        reader.fail(joined("circuit", error.key), error.found, error.allowed)
+    return {"circuit": circuit}
+
+
+def _hash(text: str, files: list[Path]) -> str:
+    digest = hashlib.sha256(text.encode())
+    for file in files:
+        digest.update(file.read_bytes())
+    return digest.hexdigest()

@@ -1,0 +1,64 @@
+"""Overrides of the command line, ``key.path=value``."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterable
+from copy import deepcopy
+from typing import Any
+
+from toothspace.core.errors import CaseError
+
+_PATH = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*")
+
+
+def apply_overrides(tables: dict[str, Any], overrides: Iterable[str], label: str) -> dict[str, Any]:
+    """Return tables with overrides applied, in their order.
+
+    Parameters
+    ----------
+    tables : dict
+        Tables of a case file; not changed.
+    overrides : iterable of str
+        ``key.path=value``; the value is TOML, anything else is taken as text, so that
+        ``machine.gears.module=3 mm`` needs no inner quotes.
+    label : str
+        Name of the case file in messages.
+
+    Raises
+    ------
+    CaseError
+        If an override has no key, no value, or leads through a value.
+    """
+    changed = deepcopy(tables)
+    for override in overrides:
+        path, value = _split(override, label)
+        _insert(changed, path, value, label)
+    return changed
+
+
+def _split(override: str, label: str) -> tuple[list[str], Any]:
+    path, equals, value = (part.strip() for part in override.partition("="))
+    if not equals or not value or not _PATH.fullmatch(path):
+        raise CaseError(f"{label}: --set: found {override!r}, allowed key.path=value")
+    return path.split("."), _value(value)
+
+
+def _value(text: str) -> Any:
+    try:
+        parsed = tomllib.loads(f"value = {text}")
+    except tomllib.TOMLDecodeError:
+        return text
+    return parsed["value"] if list(parsed) == ["value"] else text
+
+
+def _insert(tables: dict[str, Any], path: list[str], value: Any, label: str) -> None:
+    table = tables
+    for depth, name in enumerate(path[:-1], start=1):
+        table = table.setdefault(name, {})
+        if not isinstance(table, dict):
+            found = f"{'.'.join(path)} below a value"
+            allowed = f"a path through tables, but {'.'.join(path[:depth])} is a value"
+            raise CaseError(f"{label}: --set: found {found}, allowed {allowed}")
+    table[path[-1]] = value

@@ -1,0 +1,204 @@
+"""Quantities written as text with a unit, converted to SI base units.
+
+The registry holds the units of machine drawings and fluid power only, and treats the angle
+as a dimension of its own: ``"25 Hz"`` is no shaft speed and ``"1 1/s"`` is no rad/s.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from functools import cache
+from typing import Any
+
+from toothspace.core.errors import CaseError
+
+_DEFINITIONS = """\
+milli- = 1e-3 = m-
+micro- = 1e-6 = u- = µ- = μ-
+nano- = 1e-9 = n-
+centi- = 1e-2 = c-
+kilo- = 1e3 = k-
+mega- = 1e6 = M-
+giga- = 1e9 = G-
+metre = [length] = m = meter
+second = [time] = s
+kilogram = [mass] = kg
+kelvin = [temperature] = K
+radian = [angle] = rad
+gram = 1e-3 kilogram = g
+tonne = 1000 kilogram = t
+inch = 0.0254 metre = in
+minute = 60 second = min
+hour = 3600 second = h
+hertz = 1 / second = Hz
+degree = 0.017453292519943295 radian = deg = °
+revolution = 6.283185307179586 radian = rev
+rpm = revolution / minute
+degree_Celsius = kelvin; offset: 273.15 = degC = °C
+degree_Fahrenheit = 5 / 9 * kelvin; offset: 255.3722222222222 = degF = °F
+newton = kilogram * metre / second ** 2 = N
+pascal = newton / metre ** 2 = Pa
+bar = 1e5 pascal
+psi = 6894.757293168361 pascal
+atmosphere = 101325 pascal = atm
+joule = newton * metre = J
+watt = joule / second = W
+litre = 1e-3 metre ** 3 = L = l = liter
+stokes = 1e-4 metre ** 2 / second = St
+poise = 0.1 pascal * second = P
+"""
+
+_NUMBER = re.compile(
+    r"\s*([+-]?(?:(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?|nan|inf(?:inity)?))\s*(.*?)\s*",
+    re.IGNORECASE | re.DOTALL,
+)
+_UNIT_TEXT = re.compile(r"[A-Za-zµμ°²³·*/^()\s\d.+-]*")
+_NAMES = {
+    "m": "a length",
+    "m ** 2": "an area",
+    "m ** 3": "a volume",
+    "rad": "an angle",
+    "rad / s": "an angular speed",
+    "m / s": "a speed",
+    "s": "a time",
+    "K": "a temperature",
+    "kg": "a mass",
+    "kg * m ** 2": "a moment of inertia",
+    "kg / m / s ** 2": "a pressure",
+    "kg / m / s": "a dynamic viscosity",
+    "kg * m / s ** 2": "a force",
+    "kg * m ** 2 / s ** 2": "a torque",
+    "m ** 3 / rad": "a displacement",
+}
+
+
+@cache
+def _registry() -> Any:
+    import pint
+
+    registry = pint.UnitRegistry(None, autoconvert_offset_to_baseunit=True)
+    registry.load_definitions(_DEFINITIONS.splitlines())
+    return registry
+
+
+@cache
+def _unit(text: str) -> Any:
+    if not _UNIT_TEXT.fullmatch(text):
+        raise CaseError(f"found an unknown unit {text!r}")
+    try:
+        return _registry().Unit(text.replace("·", "*"))
+    except Exception as error:
+        raise CaseError(f"found an unknown unit {text!r}") from error
+
+
+@cache
+def _scale(unit: str) -> tuple[float, float]:
+    """Return factor and offset of a unit to SI base units."""
+    registry = _registry()
+    zero = registry.Quantity(0.0, _unit(unit)).to_root_units().magnitude
+    one = registry.Quantity(1.0, _unit(unit)).to_root_units().magnitude
+    return float(one - zero), float(zero)
+
+
+@cache
+def dimension_name(unit: str) -> str:
+    """Return the name of what a unit measures, with its article, for messages."""
+    for known, name in _NAMES.items():
+        if _unit(known).dimensionality == _unit(unit).dimensionality:
+            return name
+    return f"a value in {unit}"
+
+
+def to_si(value: float, unit: str) -> float:
+    """Convert a number in a unit to SI base units (angles in rad).
+
+    Parameters
+    ----------
+    value : float
+        Number. [unit]
+    unit : str
+        Unit as written in a case file, for example ``"cm^3/rev"``.
+
+    Returns
+    -------
+    float
+        The same quantity. [SI unit]
+
+    Examples
+    --------
+    >>> to_si(200.0, "bar")
+    20000000.0
+    """
+    factor, offset = _scale(unit)
+    return value * factor + offset
+
+
+def from_si(value: float, unit: str) -> float:
+    """Convert an SI number to a unit; the inverse of :func:`to_si`. [unit]."""
+    factor, offset = _scale(unit)
+    return (value - offset) / factor
+
+
+def format_si(value: float, unit: str) -> str:
+    """Write an SI number as text in a unit, short enough for a message."""
+    return f"{from_si(value, unit):.10g} {unit}"
+
+
+def compatible(unit: str, other: str) -> bool:
+    """Tell whether two units measure the same thing."""
+    return bool(_unit(unit).dimensionality == _unit(other).dimensionality)
+
+
+def parse_quantity(text: str, unit: str, allowed: str = "") -> float:
+    """Read a number with a unit, such as ``"2.75 mm"``.
+
+    Parameters
+    ----------
+    text : str
+        Number, space, unit.
+    unit : str
+        A unit of the wanted dimension. A displacement (``cm^3/rev``) may also be written as
+        a volume, then per revolution.
+    allowed : str
+        What the message says is allowed; by default the dimension and an example.
+
+    Returns
+    -------
+    float
+        The quantity. [SI unit]
+
+    Raises
+    ------
+    CaseError
+        If the text is no finite number with a unit of that dimension.
+    """
+    example = allowed or f"{dimension_name(unit)} with its unit, such as '1 {unit}'"
+    match = _NUMBER.fullmatch(text)
+    if match is None:
+        raise CaseError(f"found {text!r}, allowed {example}")
+    number, found = float(match[1]), match[2]
+    if not math.isfinite(number):
+        raise CaseError(f"found {text!r}, which is not a finite number, allowed {example}")
+    if not found:
+        raise CaseError(f"found {text!r} without a unit, allowed {example}")
+    try:
+        found = _with_revolution(found, unit)
+        fits = compatible(found, unit)
+    except CaseError as error:
+        raise CaseError(f"{error} in {text!r}, allowed {example}") from error
+    if not fits:
+        raise CaseError(f"found {text!r}, {dimension_name(found)}, allowed {example}")
+    return _finite(to_si(number, found), text, example)
+
+
+def _with_revolution(found: str, wanted: str) -> str:
+    if dimension_name(wanted) == "a displacement" and dimension_name(found) == "a volume":
+        return f"({found})/rev"
+    return found
+
+
+def _finite(value: float, text: str, example: str) -> float:
+    if not math.isfinite(value):
+        raise CaseError(f"found {text!r}, which is too large, allowed {example}")
+    return value

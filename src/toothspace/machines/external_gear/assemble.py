@@ -1,0 +1,206 @@
+"""From the keys of a case file to the definition of an external gear machine."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import Any
+
+from toothspace.core.errors import CaseError, GeometryError
+from toothspace.core.keys import KeyRuleError
+from toothspace.geometry.gear_profile import GearProfile
+from toothspace.geometry.involute import InvoluteGear, tooth_form
+from toothspace.library import load_material
+from toothspace.machines.external_gear import parameters as keys
+from toothspace.machines.external_gear import spec
+
+_TOOTH_KEYS = (
+    "tooth_count",
+    "module",
+    "pressure_angle",
+    "profile_shift",
+    "dedendum",
+    "tool_tip_radius",
+    "tip_diameter",
+    "tip_rounding",
+)
+
+
+def assemble(machine: keys.ExternalGearParameters) -> spec.ExternalGearSpec:
+    """Build profiles, contours and materials of a machine.
+
+    Parameters
+    ----------
+    machine : ExternalGearParameters
+        Keys in SI units.
+
+    Returns
+    -------
+    ExternalGearSpec
+        Everything that the machine type needs.
+
+    Raises
+    ------
+    CaseError
+        With the key relative to ``[machine]``.
+    """
+    driven_keys = _driven_keys(machine)
+    return spec.ExternalGearSpec(
+        drive=_gear(machine.gears, "gears"),
+        driven=_gear(driven_keys, "driven_gear" if machine.driven_gear else "gears"),
+        casing=_casing(machine.casing),
+        journals=_journals(machine),
+        lateral=_lateral(machine.lateral),
+        grooves=_grooves(machine.relief_grooves),
+        mode=_mode(machine.mode),
+        center_distance=machine.gears.center_distance,
+        normal_backlash=machine.gears.normal_backlash,
+        drain=_drain(machine.drain),
+        seal_torque=machine.seals.shaft_seal_torque if machine.seals else 0.0,
+        inlet_volume=machine.inlet.volume,
+        outlet_volume=machine.outlet.volume,
+    )
+
+
+def _mode(mode: str) -> Any:
+    return mode
+
+
+def _drain(drain: str | None) -> Any:
+    return drain
+
+
+def _driven_keys(machine: keys.ExternalGearParameters) -> keys.GearParameters:
+    if machine.driven_gear is None:
+        return machine.gears
+    given = {
+        f.name: getattr(machine.driven_gear, f.name)
+        for f in fields(machine.driven_gear)
+        if getattr(machine.driven_gear, f.name) is not None
+    }
+    return replace(machine.gears, **given)
+
+
+def _gear(gear: keys.GearParameters, table: str) -> spec.Gear:
+    return spec.Gear(
+        tooth=_tooth(gear, table),
+        face_width=gear.face_width,
+        material=_material(gear.material, f"{table}.material"),
+        roughness=gear.roughness,
+        tip_rounding=gear.tip_rounding,
+    )
+
+
+def _tooth(gear: keys.GearParameters, table: str) -> InvoluteGear | GearProfile:
+    if gear.profile is not None:
+        return _profile(gear.profile, gear.profile_unit, f"{table}.profile")
+    values: dict[str, Any] = {name: getattr(gear, name) for name in _TOOTH_KEYS}
+    try:
+        tooth = InvoluteGear(**values)
+        tooth_form(tooth)
+    except GeometryError as error:
+        raise GeometryError(f"{table}.{error}") from error
+    return tooth
+
+
+def _material(name: str, key: str) -> spec.Material:
+    data = load_material(name, key)
+    return spec.Material(
+        elastic_modulus=data["elastic_modulus"],
+        poisson_ratio=data["poisson_ratio"],
+        hardness=data["hardness"],
+        density=data["density"],
+    )
+
+
+def _casing(casing: keys.CasingParameters) -> spec.Casing:
+    wear = casing.wear_in
+    return spec.Casing(
+        radial_clearance=casing.radial_clearance,
+        inlet_angle=casing.inlet_angle,
+        outlet_angle=casing.outlet_angle,
+        contour=None if casing.contour is None else _contours(casing.contour, "casing.contour")[0],
+        wear_in=wear
+        and spec.WearIn(
+            pressure=wear.pressure, shaft_speed=wear.shaft_speed, temperature=wear.temperature
+        ),
+    )
+
+
+def _journals(machine: keys.ExternalGearParameters) -> spec.JournalBearings:
+    bearing, blocks = machine.journal_bearings, machine.bearing_blocks
+    material = spec.LINED_STEEL_BUSH
+    if bearing.material is not None:
+        material = _material(bearing.material, "journal_bearings.material")
+    return spec.JournalBearings(
+        diameter=bearing.diameter,
+        length=bearing.length,
+        radial_clearance=bearing.radial_clearance,
+        roughness_shaft=bearing.roughness_shaft,
+        roughness_bush=bearing.roughness_bush,
+        boundary_friction=bearing.boundary_friction,
+        material=material,
+        seat_clearance=blocks.radial_clearance if blocks else 0.0,
+    )
+
+
+def _lateral(lateral: keys.LateralParameters) -> spec.LateralGaps:
+    floating = lateral.side_gap_floating if lateral.side_gap is None else lateral.side_gap
+    solid = lateral.side_gap_solid if lateral.side_gap is None else lateral.side_gap
+    assert floating is not None
+    assert solid is not None
+    return spec.LateralGaps(side_gap_floating=floating, side_gap_solid=solid, tilt=lateral.tilt)
+
+
+def _grooves(grooves: keys.ReliefGrooveParameters | None) -> spec.ReliefGrooves | None:
+    if grooves is None:
+        return None
+    sides = _groove_sides(grooves.contour) if grooves.contour else (None, None)
+    return spec.ReliefGrooves(
+        closing_side_offset=_offset(grooves.closing_side_offset, sides[0], 1.0),
+        opening_side_offset=_offset(grooves.opening_side_offset, sides[1], -1.0),
+        width=grooves.width,
+        radial_extent=grooves.radial_extent,
+        depth=grooves.depth,
+        closing_contour=sides[0],
+        opening_contour=sides[1],
+    )
+
+
+def _offset(given: float | None, contour: Any, side: float) -> float:
+    if given is not None:
+        return given
+    return 0.0 if contour is None else float((side * contour[:, 0]).min())
+
+
+def _groove_sides(file: Path) -> tuple[Any, Any]:
+    found: dict[bool, Any] = {}
+    for polygon in _contours(file, "relief_grooves.contour"):
+        closing = bool(polygon[:, 0].mean() > 0.0)
+        if closing in found:
+            side = "right" if closing else "left"
+            raise KeyRuleError(
+                "relief_grooves.contour",
+                f"two polygons {side} of the centre line in {file.name}",
+                "one polygon on each side",
+            )
+        found[closing] = polygon
+    return found.get(True), found.get(False)
+
+
+def _profile(file: Path, unit: str, key: str) -> GearProfile:
+    from toothspace.geometry.cad_import import load_gear_profile
+
+    try:
+        return load_gear_profile(file, unit=unit)
+    except GeometryError as error:
+        raise GeometryError(f"{key}: {file.name}: {error}") from error
+
+
+def _contours(file: Path, key: str) -> list[Any]:
+    from toothspace.geometry.cad_import import load_polygons
+
+    try:
+        return load_polygons(file)
+    except CaseError as error:
+        raise GeometryError(f"{key}: {file.name}: {error}") from error

@@ -1,0 +1,250 @@
+"""Keys of ``[machine]`` for gerotors, read to SI units."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, final
+
+from toothspace.core.keys import (
+    choice,
+    file_path,
+    forbid,
+    integer,
+    number,
+    quantity,
+    require,
+    table,
+    text,
+)
+
+PROFILE_SUFFIXES = (".txt", ".csv", ".dxf", ".stl", ".step", ".stp")
+CONTOUR_SUFFIXES = (".txt", ".csv", ".dxf")
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class RotorParameters:
+    """``[machine.rotors]``: a generated pair, or two profiles from files."""
+
+    kind: str | None = choice("Family of the profiles.", "trochoidal", "cycloidal", default=None)
+    inner_tooth_count: int = integer(
+        "Teeth of the inner rotor; the outer one has one more.", low=3, high=60
+    )
+    eccentricity: float = quantity("mm", "Distance of the rotor centres.", above=0, high=50)
+    generating_radius: float | None = quantity(
+        "mm",
+        "Radius of the lobe centres of a trochoidal pair.",
+        above=0,
+        high=500,
+        default=None,
+    )
+    lobe_radius: float | None = quantity(
+        "mm", "Radius of the outer rotor's lobes of a trochoidal pair.", above=0, high=200,
+        default=None,
+    )  # fmt: skip
+    inner_profile: Path | None = file_path("Closed profile of the inner rotor.", *PROFILE_SUFFIXES)
+    outer_profile: Path | None = file_path("Closed profile of the outer rotor.", *PROFILE_SUFFIXES)
+    profile_unit: str = choice(
+        "Length unit of the profile files.", "mm", "m", "um", "in", default="mm"
+    )
+    face_width: float = quantity("mm", "Axial width of the rotors.", above=0, high=500)
+    tip_clearance: float = quantity(
+        "um", "Normal gap between the centred rotors at a tip pair.", low=0, high=500
+    )
+    shaft_diameter: float | None = quantity(
+        "mm", "Bore of the inner rotor.", above=0, high=500, default=None
+    )
+    material: str = text("Material from the library.", default="sintered_steel")
+    roughness: float = quantity(
+        "um", "Root mean square roughness of flanks and faces.", low=0, high=10, default=0.6e-6
+    )
+
+    def __post_init__(self) -> None:
+        if self.kind is None:
+            require(self, "unless kind is given", "inner_profile", "outer_profile")
+        else:
+            forbid(self, "because kind is given", "inner_profile", "outer_profile")
+        if self.kind == "trochoidal":
+            require(self, 'with kind = "trochoidal"', "generating_radius", "lobe_radius")
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class HousingParameters:
+    """``[machine.housing]``: radial film round the outer rotor."""
+
+    outer_rotor_diameter: float = quantity(
+        "mm", "Outside diameter of the outer rotor.", above=0, high=1000
+    )
+    radial_clearance: float = quantity(
+        "um", "Housing bore radius minus rotor radius.", low=1, high=1000
+    )
+    end_condition: str = choice(
+        "What stands at the axial ends of the film.", "no_flow", "pressure", default="no_flow"
+    )
+    roughness: float = quantity(
+        "um", "Root mean square roughness of the bore.", low=0, high=10, default=0.4e-6
+    )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class PortContourParameters:
+    """``[machine.ports]``: kidneys about the centre of the outer rotor."""
+
+    timing: str | None = choice(
+        "Ports change over exactly at the largest and smallest volume.", "kinematic", default=None
+    )
+    land_max_half_angle: float | None = quantity(
+        "deg", "Half of the land at the largest volume.", above=0, high=90, default=None
+    )
+    land_min_half_angle: float | None = quantity(
+        "deg", "Half of the land at the smallest volume.", above=0, high=90, default=None
+    )
+    inner_radius: float | None = quantity(
+        "mm", "Inner radius of the kidneys.", above=0, high=500, default=None
+    )
+    outer_radius: float | None = quantity(
+        "mm", "Outer radius of the kidneys.", above=0, high=500, default=None
+    )
+    depth: float = quantity("mm", "Depth of the kidneys.", above=0, high=200, default=10e-3)
+    contour: Path | None = file_path("Closed port polygons.", *CONTOUR_SUFFIXES)
+
+    def __post_init__(self) -> None:
+        names = ("land_max_half_angle", "land_min_half_angle")
+        if self.timing is not None or self.contour is not None:
+            forbid(self, "because timing or contour is given", *names)
+        elif any(getattr(self, name) is not None for name in names):
+            require(self, "with the other land angle", *names)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class LateralParameters:
+    """``[machine.lateral]``: films between rotor faces and covers."""
+
+    side_gap: float | None = quantity(
+        "um", "Film height of both faces.", low=0.1, high=500, default=None
+    )
+    side_gap_a: float | None = quantity(
+        "um", "Film height at the face with the lower z.", low=0.1, high=500, default=None
+    )
+    side_gap_b: float | None = quantity(
+        "um", "Film height at the face with the higher z.", low=0.1, high=500, default=None
+    )
+
+    def __post_init__(self) -> None:
+        if self.side_gap is None:
+            require(self, "unless side_gap is given", "side_gap_a", "side_gap_b")
+        else:
+            forbid(self, "because side_gap is given", "side_gap_a", "side_gap_b")
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class ContactParameters:
+    """``[machine.contact]``: mechanics of the lobe pairs."""
+
+    law: str = choice(
+        "Force over penetration.", "hertz", "johnson", "pereira", "lankarani_nikravesh",
+        default="hertz",
+    )  # fmt: skip
+    theory: str = choice(
+        "Every pair may carry, or one only.", "multiple", "single", default="multiple"
+    )
+    restitution: float = number("Coefficient of restitution.", above=0, high=1, default=0.9)
+    boundary_friction: float = number(
+        "Friction coefficient of touching asperities.", low=0, high=1, default=0.10
+    )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class ShaftBearingParameters:
+    """``[machine.journal_bearings]``: bearings of a floating inner rotor's shaft."""
+
+    diameter: float = quantity("mm", "Journal diameter.", above=0, high=500)
+    length: float = quantity("mm", "Length of each bearing.", above=0, high=500)
+    radial_clearance: float = quantity("um", "Bush radius minus journal radius.", low=1, high=500)
+    roughness_shaft: float = quantity(
+        "um", "Root mean square roughness of the journal.", low=0, high=10, default=0.15e-6
+    )
+    roughness_bush: float = quantity(
+        "um", "Root mean square roughness of the bush.", low=0, high=10, default=0.30e-6
+    )
+    boundary_friction: float = number(
+        "Friction coefficient of touching asperities.", low=0, high=1, default=0.05
+    )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class SealParameters:
+    """``[machine.seals]``."""
+
+    shaft_seal_torque: float = quantity("N m", "Friction of the shaft seal.", low=0, high=100)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class PortVolumeParameters:
+    """``[machine.inlet]`` and ``[machine.outlet]``."""
+
+    volume: float = quantity(
+        "cm^3", "Fluid volume between machine and line.", low=0.1, high=1e5, default=50e-6
+    )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class GerotorParameters:
+    """``[machine]`` with ``type = "gerotor"``."""
+
+    mode: str = choice("What the machine is used as.", "pump", "motor")
+    drain: str | None = choice(
+        "Node that collects the drain; default the low-pressure port.",
+        "inlet",
+        "outlet",
+        "external",
+        default=None,
+    )
+    drain_pressure: float | None = quantity(
+        "bar", "Absolute pressure of an external drain.", above=0, high=100, default=None
+    )
+    rotors: RotorParameters = table(RotorParameters, "Inner and outer rotor.")
+    housing: HousingParameters = table(HousingParameters, "Radial film of the outer rotor.")
+    ports: PortContourParameters = table(
+        PortContourParameters,
+        "Kidney ports; default kinematic timing.",
+        default=PortContourParameters(timing="kinematic"),
+    )
+    lateral: LateralParameters = table(LateralParameters, "Lateral films.")
+    contact: ContactParameters = table(
+        ContactParameters, "Contacts of the lobes.", default=ContactParameters()
+    )
+    journal_bearings: ShaftBearingParameters | None = table(
+        ShaftBearingParameters, "Bearings of the inner rotor; leave out for a fixed shaft.",
+        default=None,
+    )  # fmt: skip
+    seals: SealParameters | None = table(SealParameters, "Shaft seal.", default=None)
+    inlet: PortVolumeParameters = table(
+        PortVolumeParameters, "Inlet volume.", default=PortVolumeParameters()
+    )
+    outlet: PortVolumeParameters = table(
+        PortVolumeParameters, "Outlet volume.", default=PortVolumeParameters()
+    )
+
+    def __post_init__(self) -> None:
+        if self.drain == "external":
+            require(self, 'with drain = "external"', "drain_pressure")
+        else:
+            forbid(self, 'unless drain = "external"', "drain_pressure")
+
+    def assemble(self) -> Any:
+        """Return the definition of the machine: these parameters themselves."""
+        return self
+
+
+PARAMETERS = GerotorParameters
+"""Found by the case reader under this name, in the module next to the machine's entry point."""
