@@ -23,8 +23,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from toothspace.closures.bearing_lumped import JournalMap
-from toothspace.core.types import Array, IntArray
 from toothspace.closures.fluid_law import FluidLaw
+from toothspace.core.types import Array, IntArray
 from toothspace.model.tables import TableBank
 
 

@@ -234,14 +234,32 @@ def _work(sizes: Sizes, paths: int, description: MachineDescription) -> WorkArra
     contacts = sum(c.count for c in _loaded_contacts(description))
     per_node = {
         name: np.zeros(nodes)
-        for name in (
-            "volume pressure pressure_by_mass pressure_by_gas pressure_by_volume gas density "
-            "liquid_enthalpy gas_enthalpy mass_rate gas_rate"
-        ).split()
+        for name in [
+            "volume",
+            "pressure",
+            "pressure_by_mass",
+            "pressure_by_gas",
+            "pressure_by_volume",
+            "gas",
+            "density",
+            "liquid_enthalpy",
+            "gas_enthalpy",
+            "mass_rate",
+            "gas_rate",
+        ]
     }
     per_path = {
         f"path_{name}": np.zeros(paths)
-        for name in "flow volume_flow by_pressure by_height height drag loss shear".split()
+        for name in [
+            "flow",
+            "volume_flow",
+            "by_pressure",
+            "by_height",
+            "height",
+            "drag",
+            "loss",
+            "shear",
+        ]
     }
     return WorkArrays(
         chamber_values=np.zeros((sizes.chambers, CHANNEL_MOTION + sizes.motions)),

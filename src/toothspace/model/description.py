@@ -322,6 +322,26 @@ class RigidMesh:
 
 @final
 @dataclass(frozen=True)
+class RunningIn:
+    """Condition at which the bodies cut their track into the casing before use.
+
+    Parameters
+    ----------
+    pressure : float
+        Absolute pressure on the high-pressure side; the low side is at one atmosphere. [Pa]
+    shaft_speed : float
+        Shaft speed. [rad/s]
+    temperature : float
+        Fluid temperature. [K]
+    """
+
+    pressure: float
+    shaft_speed: float
+    temperature: float
+
+
+@final
+@dataclass(frozen=True)
 class DesignCheck:
     """One line of the design-rule report: value, unit, allowed range, verdict and why it matters."""
 
@@ -352,6 +372,10 @@ class MachineDescription:
         Volumes at inlet and outlet. [m3]
     drain : str
         Node that collects the drain: ``inlet``, ``outlet`` or ``external``.
+    drain_pressure : float
+        Absolute pressure of an external drain. [Pa]
+    running_in : RunningIn or None
+        Condition of running-in; None leaves the casing as made.
     outlines : mapping of name to ndarray, shape (points, 2)
         Closed polygons for drawing: one per body (own frame, at shaft angle zero), plus
         ``casing``, grooves and ports in the machine frame. [m]
@@ -375,6 +399,8 @@ class MachineDescription:
     seal_torque: float = 0.0
     port_volumes: tuple[float, float] = (50e-6, 50e-6)
     drain: Literal["inlet", "outlet", "external"] = "inlet"
+    drain_pressure: float = 1e5
+    running_in: RunningIn | None = None
     outlines: Mapping[str, Array] = field(default_factory=dict)
     geometry_summary: Mapping[str, object] = field(default_factory=dict)
     checks: tuple[DesignCheck, ...] = ()

@@ -120,6 +120,10 @@ def lateral_torque_coefficient(description: MachineDescription) -> float:
 def _face_torque(film: LateralFilm) -> float:
     from toothspace.closures.friction import lateral_film_torque
 
-    full = lateral_film_torque(1.0, 1.0, film.inner_radius, film.root_radius, film.height, film.tilt)
-    ring = lateral_film_torque(1.0, 1.0, film.root_radius, film.outer_radius, film.height, film.tilt)
+    full = lateral_film_torque(
+        1.0, 1.0, film.inner_radius, film.root_radius, film.height, film.tilt
+    )
+    ring = lateral_film_torque(
+        1.0, 1.0, film.root_radius, film.outer_radius, film.height, film.tilt
+    )
     return float(full + film.tooth_area_fraction * ring)

@@ -20,7 +20,7 @@ from toothspace.closures.gap_flow import (
     parallel_gap_conductance,
 )
 from toothspace.closures.orifice import inertial_laminar_flow, orifice_conductance
-from toothspace.closures.viscosity import barus_viscosity
+from toothspace.closures.viscosity import dynamic_viscosity
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array
 from toothspace.model.arrays import SystemArrays
@@ -98,11 +98,7 @@ def update_path(s: SystemArrays, state: Array, j: int) -> None:
     a, b = paths.node_a[j], w.path_b[j]
     drop = w.pressure[a] - w.pressure[b]
     density = w.density[a] if drop >= 0.0 else w.density[b]
-    viscosity = barus_viscosity(
-        0.5 * (w.pressure[a] + w.pressure[b]),
-        s.fluid.dynamic_viscosity,
-        s.fluid.pressure_viscosity,
-    )
+    viscosity = dynamic_viscosity(0.5 * (w.pressure[a] + w.pressure[b]), s.fluid)
     drag, by_height, drag_by_height = 0.0, 0.0, 0.0
     if kind == ORIFICE:
         conductance = orifice_conductance(size, values[1], viscosity)

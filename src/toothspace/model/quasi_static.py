@@ -10,6 +10,7 @@ from toothspace.model.operating_point import OperatingCondition
 
 _OPEN_AREA_CONDUCTANCE = 1e-7
 _ANGLES = 24
+_ANGLE_STEP = 2.0 * np.pi * 0.381966
 
 
 def quasi_static_pressures(
@@ -25,7 +26,9 @@ def quasi_static_pressures(
     for path in description.paths:
         _add_path(matrix, path, shaft_angle)
     chambers = description.chamber_count
-    ports = np.array([condition.inlet_pressure, condition.outlet_pressure, _drain(description, condition)])
+    ports = np.array(
+        [condition.inlet_pressure, condition.outlet_pressure, _drain(description, condition)]
+    )
     diagonal = np.diag(matrix[:chambers].sum(axis=1) + 1e-30)
     system = diagonal - matrix[:chambers, :chambers]
     return np.linalg.solve(system, matrix[:chambers, chambers:] @ ports + 1e-30 * ports.min())
@@ -55,7 +58,7 @@ def bush_positions(
 def mean_force(description: MachineDescription, condition: OperatingCondition) -> Array:
     """Mean generalised force of quasi-static pressures on every micro-motion. [N] or [N m]."""
     total = np.zeros(len(description.motions))
-    for shaft_angle in np.arange(_ANGLES) * 2.0 * np.pi / _ANGLES / 12.0:
+    for shaft_angle in np.arange(_ANGLES) * _ANGLE_STEP:
         pressure = quasi_static_pressures(description, condition, shaft_angle)
         start = 0
         for family in description.families:

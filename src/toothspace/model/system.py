@@ -38,11 +38,17 @@ def update_tables(s: SystemArrays, shaft_angle: float) -> None:
 
 
 @njit(cache=True)
-def evaluate(s: SystemArrays, state: Array) -> None:
-    """Compute pressures, flows and forces of a state into the work arrays."""
+def evaluate_pressures(s: SystemArrays, state: Array) -> None:
+    """Compute the pressures of a state into the work arrays."""
     update_tables(s, state[0])
     update_volumes(s, state)
     update_pressures(s, state)
+
+
+@njit(cache=True)
+def evaluate(s: SystemArrays, state: Array) -> None:
+    """Compute pressures, flows and forces of a state into the work arrays."""
+    evaluate_pressures(s, state)
     update_network(s, state)
     update_pressure_forces(s)
     update_film_forces(s, state)
@@ -111,7 +117,7 @@ def error_weights(t: float, state: Array, s: SystemArrays, weight: Array) -> Non
     is low the mass itself is kept to ten times the relative tolerance.
     """
     w, size, tolerance = s.work, s.size, s.condition.relative_tolerance
-    evaluate(s, state)
+    evaluate_pressures(s, state)
     weight[0] = tolerance
     weight[1] = tolerance * max(abs(state[1]), 1.0)
     total_gas = max(s.fluid.total_gas_mass_fraction, 1e-8)
@@ -133,8 +139,8 @@ def error_weights(t: float, state: Array, s: SystemArrays, weight: Array) -> Non
 
 @njit(cache=True)
 def event_values(t: float, state: Array, s: SystemArrays, values: Array) -> None:
-    """Signed distances to events: vapour in each chamber, then the contact force."""
-    evaluate(s, state)
+    """Signed distances to events: onset of vapour in each chamber, then each body at its stop."""
+    evaluate_pressures(s, state)
     onset = s.fluid.vapour_pressure + 2.0 * s.fluid.vapour_smoothing
     for i in range(s.size.chambers):
         values[i] = (s.work.pressure[i] - onset) / onset

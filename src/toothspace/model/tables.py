@@ -61,9 +61,7 @@ def table_values(bank: TableBank, table: int, angle: float, out: Array) -> int:
     c = bank.coefficients
     for k in range(channels):
         i = base + k
-        out[k] = c[i] + t * (
-            c[i + channels] + t * (c[i + 2 * channels] + t * c[i + 3 * channels])
-        )
+        out[k] = c[i] + t * (c[i + channels] + t * (c[i + 2 * channels] + t * c[i + 3 * channels]))
     return int(turns)
 
 

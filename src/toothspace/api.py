@@ -1,0 +1,274 @@
+"""Composition root: the only place that sees machine types and solver together."""
+
+from __future__ import annotations
+
+import platform
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numba
+import numpy as np
+
+import toothspace
+from toothspace.case import Case
+from toothspace.closures.fluid_law import FluidLaw
+from toothspace.core.compiled import announce_first_compilation
+from toothspace.core.constants import ATMOSPHERIC_PRESSURE
+from toothspace.core.errors import CaseError
+from toothspace.core.registry import machine_type
+from toothspace.core.types import Array
+from toothspace.model.assembly import assemble
+from toothspace.model.description import MachineDescription
+from toothspace.model.fluid import fluid_law
+from toothspace.model.operating_point import OperatingCondition
+from toothspace.results.solution import Solution
+from toothspace.solver.cyclic import History, RunPlan, march_revolutions
+from toothspace.solver.ideal import ideal_solution
+from toothspace.solver.outcome import solution_from, window_ledger
+from toothspace.solver.running_in import running_in_depths
+
+Progress = Callable[[float, str], None]
+
+_RUNNING_IN_PLAN = RunPlan(max_revolutions=20, samples_per_revolution=720)
+_RUNNING_IN_TOLERANCE = 1e-5
+_LOAD_ROUNDS = 4
+_LOAD_MATCH = 2e-3
+
+
+def load_case(path: str | Path, overrides: Iterable[str] = ()) -> Case:
+    """Read a case file.
+
+    Raises
+    ------
+    CaseError
+        If the file asks for something impossible, in one line.
+    """
+    from toothspace.config import load_case as load
+
+    return load(Path(path), tuple(overrides))
+
+
+def describe(case: Case) -> MachineDescription:
+    """Turn the machine of a case into its tables."""
+    if case.machine_spec is None:
+        raise CaseError("machine: found none, allowed: a case with a [machine] table")
+    description: MachineDescription = machine_type(case.machine_type).describe(case.machine_spec)
+    return description
+
+
+def simulate(case: Case, progress: Progress | None = None) -> Solution:
+    """Run a case and return its solution; a numerical failure is a status of it.
+
+    Parameters
+    ----------
+    case : Case
+        What to run.
+    progress : callable, optional
+        Called with the finished share and a short text.
+    """
+    if case.operating_point is None:
+        raise CaseError("operating_point: found none, allowed: a case with an [operating_point]")
+    started = time.perf_counter()
+    announce_first_compilation()
+    description, fluid = describe(case), fluid_of(case)
+    condition = condition_of(case, description)
+    if case.run.fidelity == "ideal":
+        solution = ideal_solution(
+            description,
+            fluid,
+            condition,
+            samples=case.run.samples_per_revolution,
+            dual_flank=case.run.flank_sealing == "dual",
+            provenance=provenance_of(case),
+            extra={"fluid_temperature": np.asarray(_temperature(case))},
+        )
+    else:
+        solution = _simulate_lumped(case, description, fluid, condition, progress)
+    wall = time.perf_counter() - started
+    return replace(solution, statistics={**solution.statistics, "wall_time": wall})
+
+
+def simulate_all(cases: Iterable[Case], workers: int = 1) -> list[Solution | Exception]:
+    """Run several cases; a case that cannot run is returned as its exception."""
+    items = list(cases)
+    if workers <= 1:
+        return [_simulate_safely(case) for case in items]
+    from concurrent.futures import ProcessPoolExecutor
+
+    with ProcessPoolExecutor(workers) as pool:
+        return list(pool.map(_simulate_safely, items))
+
+
+def fluid_of(case: Case) -> FluidLaw:
+    """Constants of the fluid of a case at its temperature."""
+    return _fluid_at(case, _temperature(case))
+
+
+def condition_of(case: Case, description: MachineDescription) -> OperatingCondition:
+    """Operating condition of a case, before a load orifice is sized."""
+    point = case.operating_point
+    assert point is not None
+    return OperatingCondition(
+        shaft_speed=point.shaft_speed,
+        inlet_pressure=point.inlet_pressure,
+        outlet_pressure=point.outlet_pressure,
+        drain_pressure=description.drain_pressure,
+        radial_load=point.shaft_radial_load,
+        relative_tolerance=case.run.relative_tolerance,
+    )
+
+
+def provenance_of(case: Case) -> dict[str, str]:
+    """Where a result comes from, as text."""
+    return {
+        "title": case.title,
+        "package_version": toothspace.__version__,
+        "case_toml": case.to_toml(),
+        "case_hash": case.hash,
+        "preset": case.run.fidelity,
+        "overrides": "\n".join(case.overrides),
+        "python_version": platform.python_version(),
+        "numba_version": numba.__version__,
+        "numpy_version": np.__version__,
+    }
+
+
+def run_in(
+    case: Case, description: MachineDescription
+) -> tuple[MachineDescription, dict[str, Array]]:
+    """Cut the casing at the break-in condition; return the worn machine and the depths. [m]."""
+    state = description.running_in
+    if state is None:
+        return description, {}
+    high, low = state.pressure, ATMOSPHERIC_PRESSURE
+    motor = description.mode == "motor"
+    condition = OperatingCondition(
+        shaft_speed=state.shaft_speed,
+        inlet_pressure=high if motor else low,
+        outlet_pressure=low if motor else high,
+        drain_pressure=description.drain_pressure,
+        relative_tolerance=_RUNNING_IN_TOLERANCE,
+    )
+    system = assemble(description, _fluid_at(case, state.temperature), condition)
+    depths = running_in_depths(march_revolutions(system, _RUNNING_IN_PLAN))
+    return description.with_running_in(depths), depths
+
+
+def _simulate_lumped(
+    case: Case,
+    description: MachineDescription,
+    fluid: FluidLaw,
+    condition: OperatingCondition,
+    progress: Progress | None,
+) -> Solution:
+    worn, depths = run_in(case, description)
+    history = _march(case, worn, fluid, condition, progress)
+    extra: dict[str, Any] = {"fluid_temperature": np.asarray(_temperature(case))}
+    extra |= _running_in_values(description, depths)
+    return solution_from(history, provenance_of(case), extra, case.title)
+
+
+def _march(
+    case: Case,
+    description: MachineDescription,
+    fluid: FluidLaw,
+    condition: OperatingCondition,
+    progress: Progress | None,
+) -> History:
+    plan = RunPlan(
+        revolutions=case.run.revolutions,
+        max_revolutions=case.run.max_revolutions,
+        samples_per_revolution=case.run.samples_per_revolution,
+    )
+    assert case.operating_point is not None
+    if case.operating_point.outlet_load == "fixed_pressure":
+        return march_revolutions(assemble(description, fluid, condition), plan, progress)
+    return _march_against_orifice(description, fluid, condition, plan, progress)
+
+
+def _march_against_orifice(
+    description: MachineDescription,
+    fluid: FluidLaw,
+    condition: OperatingCondition,
+    plan: RunPlan,
+    progress: Progress | None,
+) -> History:
+    """Size the load orifice until the mean outlet pressure is the one asked for."""
+    wanted = condition.outlet_pressure - condition.load_pressure
+    flow = description.displacement * condition.shaft_speed
+    area = flow / (0.7 * np.sqrt(2.0 * wanted / fluid.reference_density))
+    state: Array | None = None
+    for _ in range(_LOAD_ROUNDS):
+        system = assemble(description, fluid, replace(condition, load_area=area))
+        history = march_revolutions(system, plan, progress, state)
+        found = mean_outlet_pressure(history) - condition.load_pressure
+        if abs(found / wanted - 1.0) < _LOAD_MATCH:
+            break
+        area *= np.sqrt(found / wanted)
+        state = history.states[-1].copy()
+        state[0] = np.mod(state[0], 2.0 * np.pi)
+    return history
+
+
+def mean_outlet_pressure(history: History) -> float:
+    """Mean pressure of the outlet volume over the last revolution. [Pa]."""
+    from toothspace.solver.observe import observe
+
+    seen = observe(history.system.arrays, history.states[:-1])
+    return float(seen.pressure[:, history.system.description.outlet_node].mean())
+
+
+def _running_in_values(
+    description: MachineDescription, depths: dict[str, Array]
+) -> dict[str, Array]:
+    if not depths:
+        return {}
+    nodes = next(iter(depths.values())).size
+    names = [body.name for body in description.bodies]
+    table = np.zeros((len(names), nodes))
+    for name, depth in depths.items():
+        body = next(b for b in names if name.endswith(b.split("_")[0]))
+        table[names.index(body)] = depth
+    return {
+        "running_in_depth": table,
+        "casing_angle": np.arange(nodes) * 2.0 * np.pi / nodes,
+    }
+
+
+def _fluid_at(case: Case, temperature: float) -> FluidLaw:
+    choice = case.fluid
+    if choice is None:
+        raise CaseError("fluid: found none, allowed: a case with a [fluid] table")
+    return fluid_law(
+        choice.table if choice.table is not None else choice.name,
+        temperature,
+        choice.free_air_fraction,
+        choice.dissolved_air_fraction,
+        choice.gas_law,
+    )
+
+
+def _temperature(case: Case) -> float:
+    assert case.fluid is not None
+    return case.fluid.temperature
+
+
+def _simulate_safely(case: Case) -> Solution | Exception:
+    try:
+        return simulate(case)
+    except CaseError as error:
+        return error
+
+
+__all__ = [
+    "condition_of",
+    "describe",
+    "fluid_of",
+    "load_case",
+    "simulate",
+    "simulate_all",
+    "window_ledger",
+]

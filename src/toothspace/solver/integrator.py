@@ -1,0 +1,142 @@
+"""Marches one system in time with the compiled stiff integrator."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, final
+
+import numpy as np
+
+from toothspace.core.compiled import njit
+from toothspace.core.status import Status
+from toothspace.core.types import Array
+from toothspace.model.assembly import System
+from toothspace.model.jacobian import jacobian
+from toothspace.model.system import error_weights, event_values, right_hand_side
+from toothspace.numerics.ndf import NdfCallbacks, advance, initial_state
+from toothspace.numerics.ndf_types import (
+    DONE,
+    MAX_STEPS,
+    NdfRecord,
+    NdfSettings,
+    NdfState,
+    make_record,
+    make_settings,
+    make_state,
+)
+from toothspace.numerics.static_lu import LuProgram, analyse
+from toothspace.results.solution import Event
+
+_EVENT_CAPACITY = 20_000
+_STEPS_PER_RADIAN = 40.0
+
+
+@njit(cache=True)
+def _begin(params: Any, program: Any, settings: Any, state: Any, t: float, y: Array) -> None:
+    callbacks = NdfCallbacks(right_hand_side, jacobian, error_weights, event_values)
+    initial_state(callbacks, params, program, settings, state, t, y)
+
+
+@njit(cache=True)
+def _advance(params: Any, program: Any, settings: Any, state: Any, record: Any, end: float) -> int:
+    callbacks = NdfCallbacks(right_hand_side, jacobian, error_weights, event_values)
+    return advance(callbacks, params, program, settings, state, record, end)
+
+
+@final
+@dataclass(frozen=True)
+class March:
+    """One integration under way: advance it piece by piece.
+
+    Parameters
+    ----------
+    system : System
+        What is integrated.
+    program, settings, state
+        Elimination program, settings and memory of the integrator.
+    """
+
+    system: System
+    program: LuProgram
+    settings: NdfSettings
+    state: NdfState
+
+    def advance(self, sample_times: Array) -> Piece:
+        """Integrate to the last sample time [s] and return the samples on the way."""
+        record = make_record(sample_times, self.system.arrays.size.total, _EVENT_CAPACITY)
+        end = float(sample_times[-1])
+        code = _advance(self.system.arrays, self.program, self.settings, self.state, record, end)
+        written = int(record.counts[0])
+        return Piece(
+            status=_status(code),
+            times=record.sample_times[:written],
+            states=record.samples[:written],
+            events=self._events(record),
+        )
+
+    @property
+    def statistics(self) -> dict[str, float]:
+        """Counters of the integrator since its start."""
+        control = self.state.control[0]
+        names = {
+            "steps": "steps",
+            "rejected": "rejected",
+            "rhs": "rhs_calls",
+            "jac": "jacobian_calls",
+            "lu": "factorisations",
+        }
+        return {key: float(control[name]) for key, name in names.items()}
+
+    def _events(self, record: NdfRecord) -> tuple[Event, ...]:
+        count = min(int(record.counts[1]), record.event_times.size)
+        speed = self.system.condition.shaft_speed
+        return tuple(
+            Event(
+                speed * float(record.event_times[k]),
+                float(record.event_times[k]),
+                *self._event_text(int(record.event_index[k]), int(record.event_direction[k])),
+            )
+            for k in range(count)
+        )
+
+    def _event_text(self, index: int, direction: int) -> tuple[str, str]:
+        description = self.system.description
+        if index < description.chamber_count:
+            kind = "cavitation_onset" if direction < 0 else "cavitation_end"
+            return kind, description.chamber_labels[index]
+        kind = "body_at_stop" if direction < 0 else "body_off_stop"
+        return kind, description.journals[index - description.chamber_count].body
+
+
+@final
+@dataclass(frozen=True)
+class Piece:
+    """Part of a history: states at the sample times, and events."""
+
+    status: Status
+    times: Array
+    states: Array
+    events: tuple[Event, ...]
+
+
+def start_march(system: System, state: Array, max_steps: int = 50_000_000) -> March:
+    """Prepare an integration from a state at time zero."""
+    size = system.arrays.size
+    events = size.chambers + system.arrays.journals.motion_x.size
+    program = analyse(system.pattern)
+    speed = abs(system.condition.shaft_speed)
+    settings = make_settings(
+        np.zeros(events, dtype=np.int64),
+        max_step=1.0 / (_STEPS_PER_RADIAN * speed),
+        min_step=1e-16 / speed,
+        max_steps=max_steps,
+    )
+    memory = make_state(program, size.total, events)
+    _begin(system.arrays, program, settings, memory, 0.0, state)
+    return March(system, program, settings, memory)
+
+
+def _status(code: int) -> Status:
+    if code == DONE:
+        return Status.DONE
+    return Status.MAX_STEPS if code == MAX_STEPS else Status.STEP_TOO_SMALL

@@ -1,0 +1,271 @@
+"""From the last revolution of a march to a :class:`Solution`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from toothspace.closures.aeration import gas_volume_fraction, vapour_fraction
+from toothspace.closures.density import (
+    mixture_density,
+    mixture_pressure,
+)
+from toothspace.closures.enthalpy import gas_enthalpy, liquid_enthalpy
+from toothspace.core.types import Array
+from toothspace.model.assembly import System
+from toothspace.model.description import MachineDescription
+from toothspace.model.ledger import FRICTION_MECHANISMS, LEDGER_NAMES, PATH_CATEGORIES
+from toothspace.results.ledger import Ledger, ledger_from
+from toothspace.results.solution import Solution
+from toothspace.results.variables import dataset_from
+from toothspace.solver.cyclic import History
+from toothspace.solver.observe import Observation, observe
+
+_LEAKAGE_PATHS = ("tooth_tip", "flank", "lateral", "drain", "tip", "radial")
+_RENAMED = {
+    "throttling_inlet_port": "throttle_inlet_port",
+    "throttling_outlet_port": "throttle_outlet_port",
+    "throttling_inlet_groove": "throttle_inlet_groove",
+    "throttling_outlet_groove": "throttle_outlet_groove",
+    **{f"throttling_{name}": name for name in (*_LEAKAGE_PATHS, "load_orifice")},
+}
+
+
+def solution_from(
+    history: History,
+    provenance: Mapping[str, str],
+    extra: Mapping[str, Any],
+    title: str,
+) -> Solution:
+    """Build the solution of one revolution.
+
+    Parameters
+    ----------
+    history : History
+        States of the revolution.
+    provenance : mapping
+        Where the result comes from, text by name.
+    extra : mapping
+        Further result variables, such as ``running_in_depth`` and ``fluid_temperature``.
+    title : str
+        Title of the case.
+    """
+    system = history.system
+    seen = observe(system.arrays, history.states)
+    values = {
+        **_port_values(history, seen),
+        **_chamber_values(history, seen),
+        **_body_values(history, seen),
+        **_loss_values(history, seen),
+        **extra,
+    }
+    data = dataset_from(
+        values,
+        _labels(system),
+        attributes={
+            "title": title,
+            "machine": system.description.name,
+            "mode": system.description.mode,
+        },
+    )
+    return Solution(
+        status=history.status,
+        data=data,
+        ledger=window_ledger(history),
+        statistics=history.statistics,
+        provenance=provenance,
+        events=history.events,
+    )
+
+
+def window_ledger(history: History) -> Ledger:
+    """Masses and energies between the first and the last state."""
+    system, size = history.system, history.system.arrays.size
+    first, last = history.states[0], history.states[-1]
+    change = dict(zip(LEDGER_NAMES, last[size.core :] - first[size.core :], strict=True))
+    entries = {_RENAMED.get(name, name): value for name, value in change.items()}
+    for name in ("mass_load", "energy_load", "energy_inlet", "energy_outlet", "energy_drain"):
+        entries.pop(name)
+    load = change["energy_load"] + change["throttling_load_orifice"]
+    entries |= {
+        "mass_inlet": -change["mass_inlet"],
+        "mass_outlet": change["mass_outlet"] + change["mass_load"],
+        "mass_stored_change": stored_mass(system, last) - stored_mass(system, first),
+        "port_inlet": -change["energy_inlet"],
+        "port_outlet": change["energy_outlet"] + load,
+        "port_drain": change["energy_drain"],
+        "stored_change": stored_energy(system, last) - stored_energy(system, first),
+        "kinetic_change": kinetic_energy(system, last) - kinetic_energy(system, first),
+    }
+    return ledger_from(
+        entries,
+        float(history.times[-1] - history.times[0]),
+        float(last[0] - first[0]),
+    )
+
+
+def stored_mass(system: System, state: Array) -> float:
+    """Mass of fluid in all dynamic nodes. [kg]."""
+    size = system.arrays.size
+    return float(state[size.mass : size.gas].sum())
+
+
+def stored_energy(system: System, state: Array) -> float:
+    """Compression energy of the fluid in all dynamic nodes. [J]."""
+    arrays, size = system.arrays, system.arrays.size
+    seen = observe(arrays, state[None])
+    dynamic = arrays.condition.dynamic_index >= 0
+    mass = state[size.mass : size.gas]
+    gas = state[size.gas : size.position]
+    volume = np.concatenate([seen.volume[0], arrays.work.volume[size.chambers :]])[dynamic]
+    pressure, _, _ = mixture_pressure(volume / mass, gas / mass, arrays.fluid)
+    liquid = (mass - gas) * liquid_enthalpy(pressure, arrays.fluid)
+    bubbles = gas * gas_enthalpy(pressure, arrays.fluid)
+    return float(np.sum(liquid + bubbles - pressure * volume))
+
+
+def kinetic_energy(system: System, state: Array) -> float:
+    """Kinetic energy of the micro-motions. [J]."""
+    size = system.arrays.size
+    velocity = state[size.velocity : size.core]
+    return float(0.5 * np.sum(system.arrays.motions.mass * velocity**2))
+
+
+def _port_values(history: History, seen: Observation) -> dict[str, Array]:
+    system = history.system
+    description, fluid = system.description, system.arrays.fluid
+    feed = fluid.feed_gas_mass_fraction
+    inlet, outlet = description.inlet_node, description.outlet_node
+    column = {name: k for k, name in enumerate(LEDGER_NAMES)}
+    into_outlet = (
+        seen.ledger_rate[:, column["mass_outlet"]] + seen.ledger_rate[:, column["mass_load"]]
+    )
+    sign = -1.0 if description.mode == "motor" else 1.0
+    mean_in, mean_out = seen.pressure[:, inlet].mean(), seen.pressure[:, outlet].mean()
+    return {
+        "shaft_angle": history.states[:, 0],
+        "time": history.times,
+        "shaft_speed": history.states[:, 1],
+        "shaft_torque": sign * seen.torque[:, -1],
+        "inlet_pressure": seen.pressure[:, inlet],
+        "outlet_pressure": seen.pressure[:, outlet],
+        "inlet_flow_rate": -seen.ledger_rate[:, column["mass_inlet"]] / seen.density[:, inlet],
+        "outlet_flow_rate": into_outlet / seen.density[:, outlet],
+        "displacement": np.asarray(description.displacement),
+        "inlet_density": np.asarray(mixture_density(mean_in, feed, fluid)),
+        "outlet_density": np.asarray(mixture_density(mean_out, feed, fluid)),
+        "specific_heat_capacity": np.asarray(fluid.specific_heat_capacity),
+    }
+
+
+def _chamber_values(history: History, seen: Observation) -> dict[str, Array]:
+    arrays, size = history.system.arrays, history.system.arrays.size
+    chambers = slice(0, size.chambers)
+    pressure, gas = seen.pressure[:, chambers], seen.gas[:, chambers]
+    specific = 1.0 / seen.density[:, chambers]
+    angle = arrays.chambers.phase + np.outer(history.states[:, 0], arrays.chambers.ratio)
+    return {
+        "chamber_pressure": pressure,
+        "chamber_volume": seen.volume,
+        "chamber_gas_fraction": gas_volume_fraction(pressure, gas, arrays.fluid),
+        "chamber_vapour_fraction": vapour_fraction(specific, pressure, gas, arrays.fluid),
+        "chamber_angle": np.mod(angle, 2.0 * np.pi),
+        "opening_area": _openings(history.system.description, history.states[:, 0]),
+    }
+
+
+def _openings(description: MachineDescription, shaft_angle: Array) -> Array:
+    ports = {"inlet_port": 0, "outlet_port": 1, "drain": 2, "inlet_groove": 3, "outlet_groove": 4}
+    area = np.zeros((shaft_angle.size, description.chamber_count, len(ports)))
+    for path in description.paths:
+        if path.kind != "orifice" or path.category not in ports:
+            continue
+        angles = path.phases + path.angle_ratio * shaft_angle[:, None]
+        open_area = path.multiplicity * path.geometry(angles)[..., 0]
+        area[:, path.nodes_a, ports[path.category]] += np.maximum(open_area, 0.0)
+    return area
+
+
+def _body_values(history: History, seen: Observation) -> dict[str, Array]:
+    system, size = history.system, history.system.arrays.size
+    names = [body.name for body in system.description.bodies]
+    shape = (history.times.size, len(names), 3)
+    values = {
+        name: np.zeros(shape)
+        for name in ("body_position", "body_velocity", "body_force", "journal_force")
+    }
+    for k, motion in enumerate(system.free_motions):
+        entry = system.description.motions[motion]
+        where = (slice(None), names.index(entry.body), "xyz".index(entry.axis))
+        values["body_position"][where] = history.states[:, size.position + k]
+        values["body_velocity"][where] = history.states[:, size.velocity + k]
+        values["body_force"][where] = seen.pressure_force[:, k]
+        values["journal_force"][where] = seen.film_force[:, k]
+    values |= _journal_values(system, values["body_position"], names)
+    if system.arrays.contacts.table.size:
+        values["contact_force"] = seen.contact_force
+        values["contact_gap"] = _contact_gaps(system, history.states[:, 0])
+    return values
+
+
+def _journal_values(system: System, position: Array, names: list[str]) -> dict[str, Array]:
+    ratio = np.zeros(position.shape[:2])
+    height = np.full(position.shape[:2], np.nan)
+    seat = np.zeros((len(names), 3))
+    journals = system.arrays.journals
+    for j in range(journals.motion_x.size):
+        body = system.description.motions[system.free_motions[journals.motion_x[j]]].body
+        b = names.index(body)
+        seat[b, :2] = journals.bush_x[j], journals.bush_y[j]
+        eccentricity = np.hypot(*(position[:, b, :2] - seat[b, :2]).T)
+        ratio[:, b] = eccentricity / journals.clearance[j]
+        height[:, b] = journals.clearance[j] - eccentricity
+    return {
+        "journal_eccentricity_ratio": ratio,
+        "journal_film_height": height,
+        "seat_position": seat,
+    }
+
+
+def _contact_gaps(system: System, shaft_angle: Array) -> Array:
+    assert system.description.mesh is not None
+    name = system.description.mesh.contact
+    contact = next(c for c in system.description.contacts if c.name == name)
+    return contact.geometry(contact.phases + contact.angle_ratio * shaft_angle[:, None])[..., 0]
+
+
+def _loss_values(history: History, seen: Observation) -> dict[str, Array]:
+    system = history.system
+    torque = seen.torque[:, : len(FRICTION_MECHANISMS)]
+    values = {"torque_loss": torque, "power_loss": torque * history.states[:, 1:2]}
+    values["leakage"] = _leakage(system, seen)
+    return values
+
+
+def _leakage(system: System, seen: Observation) -> Array:
+    """Flow that would lose the same power from the high to the low port, by path. [m3/s]."""
+    condition = system.condition
+    span = abs(condition.inlet_pressure - condition.outlet_pressure)
+    power = seen.path_flow * seen.path_drop / seen.density[:, [system.description.inlet_node]]
+    result = np.zeros((power.shape[0], len(_LEAKAGE_PATHS)))
+    for k, name in enumerate(_LEAKAGE_PATHS):
+        members = system.arrays.paths.category == PATH_CATEGORIES.index(name)
+        result[:, k] = power[:, members].sum(axis=1) / span if span > 0.0 else 0.0
+    return result
+
+
+def _labels(system: System) -> dict[str, list[str]]:
+    description = system.description
+    contacts = system.arrays.contacts.table.size
+    name = description.mesh.contact if description.mesh else ""
+    return {
+        "chamber": description.chamber_labels,
+        "body": [body.name for body in description.bodies],
+        "axis": ["x", "y", "z"],
+        "contact": [f"{name}_{k}" for k in range(contacts)],
+        "path": list(_LEAKAGE_PATHS),
+        "mechanism": list(FRICTION_MECHANISMS),
+        "port": ["inlet", "outlet", "drain", "inlet_groove", "outlet_groove"],
+    }
