@@ -105,3 +105,119 @@ def _shares(totals: Array, count: int) -> list[int]:
         shares[index] += 1
     shares[int(np.argmax(shares))] += count - int(shares.sum())
     return [int(value) for value in shares]
+
+
+def without_repeats(points: Array, tolerance: float = 0.0) -> Array:
+    """Drop consecutive equal points of a closed curve and its first point at the end.
+
+    Parameters
+    ----------
+    points : ndarray
+        Points, shape (n, 2). [m]
+    tolerance : float
+        Distance up to which points count as equal. [m]
+
+    Returns
+    -------
+    ndarray
+        Points that differ from their successor. [m]
+    """
+    step = np.roll(points, -1, axis=0) - points
+    return points[np.hypot(step[:, 0], step[:, 1]) > tolerance]
+
+
+def signed_area(points: Array) -> float:
+    """Area inside a closed curve of shape (n, 2), positive if counter-clockwise [m2]."""
+    x, y = (points - points.mean(axis=0)).T
+    return float(0.5 * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
+
+
+def counter_clockwise(points: Array) -> Array:
+    """Run a closed curve counter-clockwise, beginning at the same point [m]."""
+    if signed_area(points) >= 0.0:
+        return points
+    return np.vstack([points[:1], points[:0:-1]])
+
+
+def first_self_crossing(points: Array) -> tuple[float, float] | None:
+    """Place where a closed curve crosses or touches itself.
+
+    Parameters
+    ----------
+    points : ndarray
+        Points of a closed curve, shape (n, 2). [m]
+
+    Returns
+    -------
+    tuple of float or None
+        One crossing point; None for a simple curve. [m]
+    """
+    import shapely
+    from shapely.validation import explain_validity
+
+    polygon = shapely.Polygon(points)
+    if polygon.is_valid:
+        return None
+    text = explain_validity(polygon)
+    numbers = text[text.find("[") + 1 : text.find("]")].split()
+    return (float(numbers[0]), float(numbers[1])) if len(numbers) >= 2 else tuple(points[0])
+
+
+def arc_lengths(points: Array) -> Array:
+    """Distance along an open polyline from its first point, shape (n,) [m]."""
+    step = np.diff(points, axis=0)
+    return np.concatenate([[0.0], np.cumsum(np.hypot(step[:, 0], step[:, 1]))])
+
+
+def resample_by_curvature(points: Array, count: int) -> Array:
+    """Smooth open curve with points close together where it bends.
+
+    Parameters
+    ----------
+    points : ndarray
+        Points of a smooth open curve, shape (n, 2), n >= 4. [m]
+    count : int
+        Number of intervals wanted.
+
+    Returns
+    -------
+    ndarray
+        Points, shape (count + 1, 2), on the cubic spline through the given points; half of them
+        spread evenly, half by the angle that the curve turns through. [m]
+    """
+    from scipy.interpolate import CubicSpline
+
+    along = arc_lengths(points)
+    spline = CubicSpline(along, points)
+    fine = np.interp(np.linspace(0, len(along) - 1, 8 * len(along)), np.arange(len(along)), along)
+    slope = spline(fine, 1)
+    turning = np.abs(np.diff(np.unwrap(np.arctan2(slope[:, 1], slope[:, 0]))))
+    weight = np.diff(fine) / along[-1] + turning / max(float(turning.sum()), 1e-12)
+    cumulative = np.concatenate([[0.0], np.cumsum(weight)])
+    chosen = np.interp(np.linspace(0.0, cumulative[-1], count + 1), cumulative, fine)
+    chosen[-1] = along[-1]
+    return np.asarray(spline(chosen))
+
+
+def deviations(points: Array, reference: Array) -> Array:
+    """Signed distance of points from a closed reference curve.
+
+    Parameters
+    ----------
+    points : ndarray
+        Points, shape (n, 2). [m]
+    reference : ndarray
+        Closed curve, shape (k, 2). [m]
+
+    Returns
+    -------
+    ndarray
+        Distance to the reference polygon, positive outside, shape (n,). [m]
+    """
+    import shapely
+
+    polygon = shapely.Polygon(reference)
+    shapely.prepare(polygon)
+    cloud = shapely.points(points)
+    distance = shapely.distance(cloud, polygon.exterior)
+    return np.where(shapely.contains(polygon, cloud), -distance, distance)

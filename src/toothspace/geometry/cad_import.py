@@ -1,0 +1,155 @@
+"""Closed curves from CAD files: the format is chosen by the file's suffix."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from toothspace.core.errors import GeometryError
+from toothspace.core.types import Array
+from toothspace.geometry.curve import signed_area, without_repeats
+
+TEXT_SUFFIXES = (".txt", ".csv", ".dat")
+SUFFIXES = (*TEXT_SUFFIXES, ".dxf", ".stl", ".step", ".stp")
+
+
+def load_closed_curves(
+    path: Path,
+    unit: float = 1e-3,
+    plane_z: float | None = None,
+    layer: str | None = None,
+    body: int | None = None,
+) -> list[Array]:
+    """Read every closed curve of a file.
+
+    Parameters
+    ----------
+    path : Path
+        ``.txt``, ``.csv``, ``.dat`` (points), ``.dxf``, ``.stl`` (section), ``.step``, ``.stp``
+        (section).
+    unit : float
+        Length of one unit of the file; STEP files carry their own. [m]
+    plane_z : float or None
+        Height of the section plane of a solid; None for the middle of its extent. [m]
+    layer : str or None
+        DXF layer; None for all.
+    body : int or None
+        Number of the body in a solid file with several, largest volume first; None for all.
+
+    Returns
+    -------
+    list of ndarray
+        Curves, shape (n, 2), the first point not repeated, largest area first. [m]
+
+    Raises
+    ------
+    GeometryError
+        For a missing, empty, damaged or unknown file, an open curve or a body that is not closed;
+        the message names the file, what was found and what is allowed.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise GeometryError(f"{path}: found no such file, allowed a readable file")
+    if path.stat().st_size == 0:
+        raise GeometryError(f"{path}: found an empty file, allowed at least one closed curve")
+    curves = _read(path, unit, plane_z, layer, body)
+    clean = [without_repeats(curve) for curve in curves]
+    for curve in clean:
+        if len(curve) < 3:
+            raise GeometryError(
+                f"{path}: found a curve of {len(curve)} points, allowed at least 3 distinct points"
+            )
+    if not clean:
+        raise GeometryError(f"{path}: found no curve, allowed at least one closed curve")
+    return sorted(clean, key=lambda curve: -abs(signed_area(curve)))
+
+
+def chain_closed(pieces: list[Array], tolerance: float, name: str) -> list[Array]:
+    """Join open pieces end to end into closed curves.
+
+    Parameters
+    ----------
+    pieces : list of ndarray
+        Polylines in any order and direction, each shape (n, 2). [m]
+    tolerance : float
+        Largest distance between ends that belong together. [m]
+    name : str
+        File name for error messages.
+
+    Returns
+    -------
+    list of ndarray
+        Closed curves, the first point not repeated. [m]
+
+    Raises
+    ------
+    GeometryError
+        If an end has no partner.
+    """
+    remaining, closed = list(pieces), []
+    while remaining:
+        chain = remaining.pop(0)
+        while np.hypot(*(chain[-1] - chain[0])) > tolerance or len(chain) < 3:
+            chain = np.vstack([chain, _next_piece(chain[-1], remaining, tolerance, name)[1:]])
+        closed.append(chain[:-1])
+    return closed
+
+
+def _next_piece(end: Array, remaining: list[Array], tolerance: float, name: str) -> Array:
+    gaps = [
+        min((float(np.hypot(*(piece[side] - end))), index, side) for side in (0, -1))
+        for index, piece in enumerate(remaining)
+    ]
+    nearest = min(gaps, default=(np.inf, 0, 0))
+    if nearest[0] > tolerance:
+        gap = f"{nearest[0] * 1e3:.3g} mm" if gaps else "no further curve"
+        raise GeometryError(
+            f"{name}: found an open curve ending at x = {end[0] * 1e3:.5g} mm, y = "
+            f"{end[1] * 1e3:.5g} mm (next end: {gap}), allowed closed curves"
+        )
+    piece = remaining.pop(nearest[1])
+    return piece if nearest[2] == 0 else piece[::-1]
+
+
+def _read(
+    path: Path, unit: float, plane_z: float | None, layer: str | None, body: int | None
+) -> list[Array]:
+    suffix = path.suffix.lower()
+    readers: dict[str, Callable[[], list[Array]]] = {
+        ".dxf": lambda: _dxf(path, unit, layer),
+        ".stl": lambda: _stl(path, unit, plane_z, body),
+        ".step": lambda: _step(path, plane_z, body),
+        ".stp": lambda: _step(path, plane_z, body),
+    }
+    readers.update({text: lambda: _text(path, unit) for text in TEXT_SUFFIXES})
+    if suffix not in readers:
+        raise GeometryError(
+            f"{path}: found the suffix {suffix or 'none'!r}, allowed {', '.join(SUFFIXES)}"
+        )
+    return readers[suffix]()
+
+
+def _text(path: Path, unit: float) -> list[Array]:
+    from toothspace.geometry.point_file import read_point_file
+
+    return read_point_file(path, unit)
+
+
+def _dxf(path: Path, unit: float, layer: str | None) -> list[Array]:
+    from toothspace.geometry.dxf_import import read_dxf
+
+    return read_dxf(path, unit, layer)
+
+
+def _stl(path: Path, unit: float, plane_z: float | None, body: int | None) -> list[Array]:
+    from toothspace.geometry.solid_import import section_stl
+
+    return section_stl(path, unit, plane_z, body)
+
+
+def _step(path: Path, plane_z: float | None, body: int | None) -> list[Array]:
+    from toothspace.geometry.solid_import import section_step
+
+    return section_step(path, plane_z, body)

@@ -1,0 +1,162 @@
+"""Design rules of an involute gear pair in a pump or motor, each with the reason it matters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+from toothspace.geometry.gear_pair import GearPair, trapped_volume_change
+from toothspace.geometry.involute import InvoluteGear, ToothForm
+
+MIN_CONTACT_RATIO = 1.05
+MAX_SPUR_CONTACT_RATIO = 2.0
+MIN_TIP_LAND = 0.2
+MIN_ROOT_CLEARANCE = 0.1
+MAX_BACKLASH = 0.1
+
+
+@final
+@dataclass(frozen=True)
+class Finding:
+    """One line of the design-rule report.
+
+    Parameters
+    ----------
+    name : str
+        Rule.
+    value : float
+        Value found, in ``unit``.
+    unit : str
+        Unit of the value.
+    allowed : str
+        Allowed range in words.
+    passed : bool
+        Verdict.
+    reason : str
+        One sentence on why the rule matters.
+    """
+
+    name: str
+    value: float
+    unit: str
+    allowed: str
+    passed: bool
+    reason: str
+
+
+def design_findings(pair: GearPair, face_width: float) -> tuple[Finding, ...]:
+    """Geometric design rules of a gear pair.
+
+    Parameters
+    ----------
+    pair : GearPair
+        Gears in mesh.
+    face_width : float
+        Tooth length. [m]
+
+    Returns
+    -------
+    tuple of Finding
+        Contact ratio, tip land, undercut, interference, root clearance, backlash, trapped volume.
+    """
+    gears = (("drive gear", pair.drive), ("driven gear", pair.driven))
+    findings = [_contact_ratio(pair)]
+    for index, (owner, gear) in enumerate(gears):
+        form = pair.forms[index]
+        findings.append(_tip_land(owner, gear, form))
+        findings.append(_undercut(owner, gear, form))
+        findings.append(_interference(owner, form, pair.involute_margins[index]))
+        findings.append(_root_clearance(owner, gear, pair.root_clearances[index]))
+    return (*findings, _backlash(pair), _trapped_volume(pair, face_width))
+
+
+def _contact_ratio(pair: GearPair) -> Finding:
+    ratio = pair.contact_ratio
+    return Finding(
+        name="contact ratio",
+        value=ratio,
+        unit="1",
+        allowed=f"{MIN_CONTACT_RATIO:g} to {MAX_SPUR_CONTACT_RATIO:g}",
+        passed=MIN_CONTACT_RATIO <= ratio <= MAX_SPUR_CONTACT_RATIO,
+        reason="Below 1 the drive is handed over with a shock and the outlet opens to the inlet "
+        "through the mesh; a high ratio traps more fluid.",
+    )
+
+
+def _tip_land(owner: str, gear: InvoluteGear, form: ToothForm) -> Finding:
+    land = form.tip_land_angle * gear.tip_radius
+    return Finding(
+        name=f"tip land, {owner}",
+        value=land * 1e3,
+        unit="mm",
+        allowed=f"at least {MIN_TIP_LAND * gear.module * 1e3:.3g} mm ({MIN_TIP_LAND:g} modules)",
+        passed=land >= MIN_TIP_LAND * gear.module,
+        reason="The land is the seal between neighbouring tooth spaces and cuts the casing when "
+        "running in; a thin, hardened tip chips.",
+    )
+
+
+def _undercut(owner: str, gear: InvoluteGear, form: ToothForm) -> Finding:
+    return Finding(
+        name=f"undercut, {owner}",
+        value=form.undercut_depth * 1e3,
+        unit="mm",
+        allowed=f"0 mm (profile shift at least {gear.smallest_shift_without_undercut:.3f})",
+        passed=not form.undercut,
+        reason="Undercut removes involute near the base circle, which shortens the contact and "
+        "weakens the tooth root.",
+    )
+
+
+def _interference(owner: str, form: ToothForm, margin: float) -> Finding:
+    return Finding(
+        name=f"fillet interference, {owner}",
+        value=margin * 1e3,
+        unit="mm",
+        allowed="at least 0 mm of roll length between fillet and deepest contact",
+        passed=margin >= 0.0 or form.undercut,
+        reason="A mating tip that reaches below the involute runs on the root fillet, jams the "
+        "gears and destroys tip and root.",
+    )
+
+
+def _root_clearance(owner: str, gear: InvoluteGear, clearance: float) -> Finding:
+    return Finding(
+        name=f"root clearance, {owner}",
+        value=clearance * 1e3,
+        unit="mm",
+        allowed=f"at least {MIN_ROOT_CLEARANCE * gear.module * 1e3:.3g} mm "
+        f"({MIN_ROOT_CLEARANCE:g} modules)",
+        passed=clearance >= MIN_ROOT_CLEARANCE * gear.module,
+        reason="Bearing play moves the gears together, so the mating tip needs room in the root; "
+        "too much room is dead volume that carries compressed fluid back.",
+    )
+
+
+def _backlash(pair: GearPair) -> Finding:
+    module = pair.drive.module
+    backlash = pair.normal_backlash
+    return Finding(
+        name="normal backlash",
+        value=backlash * 1e3,
+        unit="mm",
+        allowed=f"above 0 to {MAX_BACKLASH * module * 1e3:.3g} mm ({MAX_BACKLASH:g} modules)",
+        passed=0.0 < backlash <= MAX_BACKLASH * module,
+        reason="Without backlash thermal growth jams the flanks; a wide one rattles and lets the "
+        "two sides of the mesh leak into each other.",
+    )
+
+
+def _trapped_volume(pair: GearPair, face_width: float) -> Finding:
+    change = trapped_volume_change(pair, face_width)
+    tooth_volume = face_width * pair.drive.module**2
+    return Finding(
+        name="trapped volume change",
+        value=change * 1e9,
+        unit="mm3",
+        allowed="below 0.5 face_width module^2, vented by relief grooves at most "
+        f"{pair.relief_groove_spacing * 1e3:.4g} mm apart",
+        passed=change <= 0.5 * tooth_volume,
+        reason="Fluid enclosed between two contacts is squeezed and stretched; unless grooves vent "
+        "it, pressure peaks load the bearings and then cavitation erodes the flanks.",
+    )

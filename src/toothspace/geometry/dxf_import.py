@@ -1,0 +1,105 @@
+"""Closed curves from DXF drawings."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from toothspace.core.errors import GeometryError
+from toothspace.core.types import Array
+from toothspace.geometry.cad_import import chain_closed
+
+_CURVES = ("LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE")
+_RELATIVE_SAGITTA = 1e-6
+_RELATIVE_GAP = 1e-5
+
+
+def read_dxf(path: Path, unit: float, layer: str | None = None) -> list[Array]:
+    """Read the closed curves of a drawing's model space.
+
+    Parameters
+    ----------
+    path : Path
+        DXF file.
+    unit : float
+        Length of one unit of the drawing. [m]
+    layer : str or None
+        Layer to read; None for all.
+
+    Returns
+    -------
+    list of ndarray
+        Curves, shape (n, 2): closed polylines with bulges, splines, circles, ellipses, and chains
+        of lines, arcs and open pieces that meet within 1e-5 of the drawing's size. [m]
+
+    Raises
+    ------
+    GeometryError
+        For damaged files, open curves, unknown layers and drawings without curves.
+    """
+    entities = _entities(path, layer)
+    size = _size(entities)
+    pieces = [_flattened(entity, size * _RELATIVE_SAGITTA) for entity in entities]
+    pieces = [piece * unit for piece in pieces if len(piece) >= 2]
+    return chain_closed(pieces, size * _RELATIVE_GAP * unit, str(path))
+
+
+def _entities(path: Path, layer: str | None) -> list[Any]:
+    import ezdxf
+
+    try:
+        drawing = ezdxf.readfile(path)
+    except (OSError, ezdxf.DXFError, UnicodeDecodeError, ValueError) as error:
+        raise GeometryError(f"{path}: found no readable DXF ({error}), allowed DXF") from error
+    found = [entity for entity in drawing.modelspace() if layer in (None, entity.dxf.layer)]
+    curves = [entity for entity in found if entity.dxftype() in _CURVES]
+    if not curves:
+        kinds = ", ".join(sorted({entity.dxftype() for entity in found})) or "nothing"
+        layers = ", ".join(sorted({entity.dxf.layer for entity in drawing.modelspace()}))
+        raise GeometryError(
+            f"{path}: found {kinds} on {'all layers' if layer is None else f'layer {layer!r}'} "
+            f"(layers: {layers or 'none'}), allowed {', '.join(_CURVES)}"
+        )
+    return curves
+
+
+def _size(entities: list[Any]) -> float:
+    from ezdxf import bbox
+
+    extents = bbox.extents(entities, fast=True)
+    return float(extents.size.magnitude) if extents.has_data else 1.0
+
+
+def _flattened(entity: Any, sagitta: float) -> Array:
+    if entity.dxftype() in ("LWPOLYLINE", "POLYLINE"):
+        return _polyline(entity, sagitta)
+    if entity.dxftype() == "LINE":
+        vertices = [entity.dxf.start, entity.dxf.end]
+    else:
+        vertices = list(entity.flattening(sagitta))
+    return np.array([[vertex.x, vertex.y] for vertex in vertices])
+
+
+def _polyline(entity: Any, sagitta: float) -> Array:
+    # lines and arcs are flattened one by one, so that bulges stay true arcs
+    pieces = [_flattened(part, sagitta) for part in entity.virtual_entities()]
+    pieces = [piece for piece in pieces if np.ptp(piece, axis=0).max() > 0.0]
+    if not pieces:
+        return np.zeros((0, 2))
+    joined = [pieces[0] if _ends_at(pieces, 0) else pieces[0][::-1]]
+    for piece in pieces[1:]:
+        ahead = np.hypot(*(piece[0] - joined[-1][-1])) <= np.hypot(*(piece[-1] - joined[-1][-1]))
+        joined.append((piece if ahead else piece[::-1])[1:])
+    return np.vstack(joined)
+
+
+def _ends_at(pieces: list[Array], index: int) -> bool:
+    # an arc of negative bulge comes out reversed; its neighbour tells
+    if len(pieces) == 1:
+        return True
+    ends = pieces[index + 1][[0, -1]]
+    gap_end = np.min(np.hypot(*(ends - pieces[index][-1]).T))
+    gap_start = np.min(np.hypot(*(ends - pieces[index][0]).T))
+    return bool(gap_end <= gap_start)

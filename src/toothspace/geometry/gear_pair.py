@@ -1,0 +1,473 @@
+"""Two involute gears in mesh: backlash, path of contact, ideal displacement and ripple.
+
+Frame: origin at the drive gear's centre, y towards the driven gear, x towards the outlet. The
+drive gear turns counter-clockwise. In a pump its leading flank pushes the driven gear; in a motor
+the driven gear's leading flank pushes the drive gear.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal, final
+
+import numpy as np
+from scipy.optimize import brentq
+
+from toothspace.core.errors import GeometryError
+from toothspace.core.types import Array, FloatOrArray
+from toothspace.geometry.gear_profile import GearProfile
+from toothspace.geometry.involute import InvoluteGear, ToothForm, involute_function, tooth_form
+
+Mode = Literal["pump", "motor"]
+Sealing = Literal["single", "dual"]
+
+
+@final
+@dataclass(frozen=True)
+class GearPair:
+    """Two gears at their operating centre distance; build it with one of the functions below.
+
+    Parameters
+    ----------
+    drive, driven : InvoluteGear
+        Gears of equal base pitch.
+    center_distance : float
+        Distance of the gear centres. [m]
+    """
+
+    drive: InvoluteGear
+    driven: InvoluteGear
+    center_distance: float
+
+    @cached_property
+    def forms(self) -> tuple[ToothForm, ToothForm]:
+        """Tooth forms of drive and driven gear."""
+        return tooth_form(self.drive), tooth_form(self.driven)
+
+    @property
+    def speed_ratio(self) -> float:
+        """Speed of the driven gear over that of the drive gear, negative."""
+        return -self.drive.tooth_count / self.driven.tooth_count
+
+    @property
+    def pitch_radii(self) -> tuple[float, float]:
+        """Operating pitch radii of drive and driven gear [m]."""
+        total = self.drive.tooth_count + self.driven.tooth_count
+        share = self.drive.tooth_count / total
+        return self.center_distance * share, self.center_distance * (1.0 - share)
+
+    @property
+    def operating_pressure_angle(self) -> float:
+        """Angle of the line of action to the common tangent of the pitch circles [rad]."""
+        return float(np.arccos(_base_radius_sum(self.drive, self.driven) / self.center_distance))
+
+    @property
+    def base_pitch(self) -> float:
+        """Distance of consecutive contacts along the line of action [m]."""
+        return self.drive.base_pitch
+
+    @property
+    def normal_backlash(self) -> float:
+        """Play between the flanks out of contact, along their normal [m]."""
+        total = _base_radius_sum(self.drive, self.driven)
+        excess = involute_function(self.operating_pressure_angle)
+        return float(2.0 * total * (excess - _tight_involute(self.drive, self.driven)))
+
+    @property
+    def circumferential_backlash(self) -> float:
+        """Play along the operating pitch circles [m]."""
+        return float(self.normal_backlash / np.cos(self.operating_pressure_angle))
+
+    @property
+    def pitch_roll_lengths(self) -> tuple[float, float]:
+        """Distance of the pitch point from the tangent point on each base circle [m]."""
+        first, second = self.pitch_radii
+        sine = float(np.sin(self.operating_pressure_angle))
+        return first * sine, second * sine
+
+    @property
+    def path_of_contact(self) -> tuple[float, float]:
+        """Positions at which a tooth pair of a pump begins and ends contact [m].
+
+        Measured from the pitch point along the motion of the contact: negative on the closing
+        side, where the driven tip limits, positive on the opening side, where the drive tip does.
+        Fillets that end the involute early (undercut) shorten the path.
+        """
+        (form_1, form_2), (roll_1, roll_2) = self.forms, self.pitch_roll_lengths
+        start = roll_2 - _roll_length(self.driven, form_2.tip_form_radius)
+        end = _roll_length(self.drive, form_1.tip_form_radius) - roll_1
+        if form_1.undercut:
+            start = max(start, _roll_length(self.drive, form_1.form_radius) - roll_1)
+        if form_2.undercut:
+            end = min(end, roll_2 - _roll_length(self.driven, form_2.form_radius))
+        return start, end
+
+    @property
+    def contact_ratio(self) -> float:
+        """Mean number of tooth pairs in contact."""
+        start, end = self.path_of_contact
+        return (end - start) / self.base_pitch
+
+    @property
+    def nominal_contact_ratio(self) -> float:
+        """Contact ratio with both flanks up to the tip circle, without tip rounding or undercut."""
+        length = sum(_roll_length(gear, gear.tip_radius) for gear in (self.drive, self.driven))
+        return (length - sum(self.pitch_roll_lengths)) / self.base_pitch
+
+    @property
+    def root_clearances(self) -> tuple[float, float]:
+        """Radial play of the mating tip in the drive gear's and in the driven gear's root [m]."""
+        return (
+            self.center_distance - self.drive.root_radius - self.driven.tip_radius,
+            self.center_distance - self.driven.root_radius - self.drive.tip_radius,
+        )
+
+    @property
+    def involute_margins(self) -> tuple[float, float]:
+        """Roll length between fillet and the deepest contact on drive and driven gear [m].
+
+        Negative where the mating tip reaches below the involute: fillet interference, or for an
+        undercut gear merely a shorter path.
+        """
+        (form_1, form_2), (roll_1, roll_2) = self.forms, self.pitch_roll_lengths
+        deepest_1 = roll_1 + roll_2 - _roll_length(self.driven, form_2.tip_form_radius)
+        deepest_2 = roll_1 + roll_2 - _roll_length(self.drive, form_1.tip_form_radius)
+        return (
+            deepest_1 - _roll_length(self.drive, form_1.form_radius),
+            deepest_2 - _roll_length(self.driven, form_2.form_radius),
+        )
+
+    @property
+    def relief_groove_spacing(self) -> float:
+        """Distance of the two groove edges at which a single-flank trap is never closed [m]."""
+        return float(self.base_pitch * np.cos(self.operating_pressure_angle))
+
+
+def pair_from_backlash(
+    drive: InvoluteGear, driven: InvoluteGear, normal_backlash: float
+) -> GearPair:
+    r"""Gears at the centre distance that leaves a given normal backlash.
+
+    Parameters
+    ----------
+    drive, driven : InvoluteGear
+        Gears of equal base pitch.
+    normal_backlash : float
+        Play between the flanks out of contact, along their normal, not negative. [m]
+
+    Returns
+    -------
+    GearPair
+        The pair.
+
+    Raises
+    ------
+    GeometryError
+        For unequal base pitches, backlash outside 0 to half a module, or no solution.
+
+    Notes
+    -----
+    .. math:: j_n = 2 (r_{b1} + r_{b2}) \left(\mathrm{inv}\,\alpha_w - \mathrm{inv}\,\alpha
+              - 2 \tan\alpha \frac{x_1 + x_2}{z_1 + z_2}\right)
+
+    References
+    ----------
+    .. [1] ISO 21771:2007, Gears: cylindrical involute gears and gear pairs, section 5.
+    """
+    _check_base_pitch(drive, driven)
+    if not 0.0 <= normal_backlash <= 0.5 * drive.module:
+        raise GeometryError(
+            f"normal_backlash: found {normal_backlash * 1e3:.4g} mm, allowed 0 to "
+            f"{0.5 * drive.module * 1e3:.4g} mm"
+        )
+    total = _base_radius_sum(drive, driven)
+    target = _tight_involute(drive, driven) + 0.5 * normal_backlash / total
+    if target <= 0.0:
+        raise GeometryError(
+            f"profile_shift: found a sum of {drive.profile_shift + driven.profile_shift:g}, "
+            f"allowed larger (no operating pressure angle exists)"
+        )
+    angle = brentq(lambda a: float(involute_function(a)) - target, 1e-9, 1.4, xtol=1e-15)
+    return _checked(GearPair(drive, driven, float(total / np.cos(angle))))
+
+
+def pair_from_center_distance(
+    drive: InvoluteGear, driven: InvoluteGear, center_distance: float
+) -> GearPair:
+    """Gears at a given centre distance; the backlash follows.
+
+    Parameters
+    ----------
+    drive, driven : InvoluteGear
+        Gears of equal base pitch.
+    center_distance : float
+        Distance of the gear centres. [m]
+
+    Returns
+    -------
+    GearPair
+        The pair.
+
+    Raises
+    ------
+    GeometryError
+        For unequal base pitches, or a distance at which flanks or roots interfere or the teeth
+        do not mesh.
+    """
+    _check_base_pitch(drive, driven)
+    tight = pair_from_backlash(drive, driven, 0.0).center_distance
+    longest = drive.tip_radius + driven.tip_radius
+    if not tight * (1.0 - 1e-12) <= center_distance < longest:
+        raise GeometryError(
+            f"center_distance: found {center_distance * 1e3:.5g} mm, allowed {tight * 1e3:.6g} mm "
+            f"(no backlash) to {longest * 1e3:.6g} mm (tips no longer meet)"
+        )
+    return _checked(GearPair(drive, driven, max(center_distance, tight)))
+
+
+def contact_points(pair: GearPair, position: FloatOrArray, mode: Mode = "pump") -> Array:
+    """Points on the line of action.
+
+    Parameters
+    ----------
+    pair : GearPair
+        Gears in mesh.
+    position : float or ndarray
+        Distance from the pitch point along the motion of the contact. [m]
+    mode : str
+        ``pump``: the drive gear's leading flank; ``motor``: its trailing flank.
+
+    Returns
+    -------
+    ndarray
+        Points, shape (n, 2), frame of the module. [m]
+    """
+    along = np.atleast_1d(np.asarray(position, dtype=float))
+    sine = np.sin(pair.operating_pressure_angle) * (1.0 if mode == "pump" else -1.0)
+    cosine = np.cos(pair.operating_pressure_angle)
+    return np.column_stack([-cosine * along, pair.pitch_radii[0] + sine * along])
+
+
+def curvature_radii(
+    pair: GearPair, position: FloatOrArray, mode: Mode = "pump"
+) -> tuple[FloatOrArray, FloatOrArray]:
+    """Radii of curvature of the drive and the driven flank in contact.
+
+    Parameters
+    ----------
+    pair : GearPair
+        Gears in mesh.
+    position : float or ndarray
+        Distance from the pitch point along the motion of the contact. [m]
+    mode : str
+        ``pump`` or ``motor``.
+
+    Returns
+    -------
+    tuple of float or ndarray
+        Drive and driven radius, both convex and positive between the base circles. [m]
+    """
+    roll_1, roll_2 = pair.pitch_roll_lengths
+    outward = np.asarray(position) if mode == "pump" else -np.asarray(position)
+    return roll_1 + outward, roll_2 - outward
+
+
+def ideal_flow_per_radian(
+    pair: GearPair, face_width: float, position: FloatOrArray
+) -> FloatOrArray:
+    r"""Volume delivered per radian of the shaft while the sealing contact is at a position.
+
+    Parameters
+    ----------
+    pair : GearPair
+        Gears in mesh.
+    face_width : float
+        Tooth length. [m]
+    position : float or ndarray
+        Distance of the sealing contact from the pitch point. [m]
+
+    Returns
+    -------
+    float or ndarray
+        Flow rate over shaft speed. [m3/rad]
+
+    Notes
+    -----
+    .. math:: \frac{Q}{\omega} = \frac{b}{2}\left[r_{a1}^2 - r_{w1}^2
+              + \frac{r_{w1}}{r_{w2}} (r_{a2}^2 - r_{w2}^2)
+              - \left(1 + \frac{r_{w1}}{r_{w2}}\right) u^2\right]
+
+    Validity: rigid fluid, no leakage.
+
+    References
+    ----------
+    .. [1] Manring, Kasaragadda, The theoretical flow ripple of an external gear pump, J. Dyn. Sys.
+       Meas. Control 125 (2003) 396-404, doi:10.1115/1.1592193.
+    """
+    ratio = -pair.speed_ratio
+    return 0.5 * face_width * (_swept(pair) - (1.0 + ratio) * np.asarray(position) ** 2)
+
+
+def displacement_per_radian(
+    pair: GearPair, face_width: float, flank_sealing: Sealing = "single"
+) -> float:
+    r"""Geometric displacement per radian of the shaft.
+
+    Parameters
+    ----------
+    pair : GearPair
+        Gears in mesh.
+    face_width : float
+        Tooth length. [m]
+    flank_sealing : str
+        ``single``: one flank seals and the contact that seals moves over one base pitch; ``dual``:
+        both flanks seal, it moves over half a base pitch.
+
+    Returns
+    -------
+    float
+        Mean of ``ideal_flow_per_radian`` over one pitch, contacts symmetric to the pitch point.
+        [m3/rad]
+    """
+    ratio = -pair.speed_ratio
+    span = pair.base_pitch * (1.0 if flank_sealing == "single" else 0.5)
+    return float(0.5 * face_width * (_swept(pair) - (1.0 + ratio) * span**2 / 12.0))
+
+
+def flow_ripple(pair: GearPair, flank_sealing: Sealing = "single") -> float:
+    """Peak to peak of the ideal flow over its mean.
+
+    Parameters
+    ----------
+    pair : GearPair
+        Gears in mesh.
+    flank_sealing : str
+        ``single`` or ``dual``, as in ``displacement_per_radian``.
+
+    Returns
+    -------
+    float
+        Ripple. [-]
+    """
+    ratio = -pair.speed_ratio
+    span = pair.base_pitch * (1.0 if flank_sealing == "single" else 0.5)
+    largest = 0.5 * (1.0 + ratio) * span**2 / 4.0
+    return float(largest / displacement_per_radian(pair, 1.0, flank_sealing))
+
+
+def trapped_volume_change(pair: GearPair, face_width: float) -> float:
+    r"""Volume by which the sealed mesh chamber shrinks from the second contact to its minimum.
+
+    Parameters
+    ----------
+    pair : GearPair
+        Gears in mesh.
+    face_width : float
+        Tooth length. [m]
+
+    Returns
+    -------
+    float
+        Volume that relief grooves must pass, 0 for a contact ratio of at most 1. [m3]
+
+    Notes
+    -----
+    With two contacts one base pitch apart, the rate is
+    :math:`b (1 + r_{w1}/r_{w2}) p_b s / r_{b1}` per radian, :math:`s` being the distance of their
+    midpoint from the pitch point; it is integrated from the first double contact to :math:`s = 0`.
+    Backlash is taken as open (single flank).
+    """
+    start, _ = pair.path_of_contact
+    distance = min(start + 0.5 * pair.base_pitch, 0.0)
+    ratio = 1.0 - pair.speed_ratio
+    return float(0.5 * face_width * ratio * pair.base_pitch * distance**2 / pair.drive.base_radius)
+
+
+def flank_clearance(
+    drive: GearProfile, driven: GearProfile, center_distance: float, phases: int = 161
+) -> float:
+    """Smallest circumferential play between two profiles that roll with centred backlash.
+
+    Parameters
+    ----------
+    drive, driven : GearProfile
+        Profiles of any origin whose radius rises from root to tip.
+    center_distance : float
+        Distance of the gear centres. [m]
+    phases : int
+        Number of positions over the passage of a tooth.
+
+    Returns
+    -------
+    float
+        Arc length between a tooth and the flanks of the mating space, about half the
+        circumferential backlash; negative where the gears overlap. [m]
+    """
+    return min(
+        _clearance_in_space(drive, driven, center_distance, phases),
+        _clearance_in_space(driven, drive, center_distance, phases),
+    )
+
+
+def _clearance_in_space(
+    space: GearProfile, tooth: GearProfile, center_distance: float, phases: int
+) -> float:
+    reach = 2.5 * max(space.pitch_angle, tooth.pitch_angle * tooth.tooth_count / space.tooth_count)
+    turn = np.linspace(-reach, reach, phases)[:, None]
+    # the mating tooth points from its centre (0, a) towards the space on the y axis
+    local = (tooth.points @ np.array([1.0, 1j]))[None, :]
+    mating = local * np.exp(-1j * turn * space.tooth_count / tooth.tooth_count)
+    placed = (center_distance - mating) * np.exp(-1j * turn)
+    radius, angle = np.abs(placed), np.abs(np.angle(placed))
+    flank = space.left_flank[::-1]
+    flank_radius = np.maximum.accumulate(np.hypot(flank[:, 0], flank[:, 1]))
+    half_space = 0.5 * space.pitch_angle - np.arctan2(flank[:, 1], flank[:, 0])
+    limit = np.interp(radius, flank_radius, half_space)
+    inside = radius < space.tip_radius
+    play = np.where(inside, radius * (limit - angle), np.inf)
+    return float(np.min(np.where(angle < 1.5 * space.pitch_angle, play, np.inf)))
+
+
+def _swept(pair: GearPair) -> float:
+    (pitch_1, pitch_2), ratio = pair.pitch_radii, -pair.speed_ratio
+    outer = pair.drive.tip_radius**2 - pitch_1**2
+    return outer + ratio * (pair.driven.tip_radius**2 - pitch_2**2)
+
+
+def _roll_length(gear: InvoluteGear, radius: float) -> float:
+    return float(np.sqrt(max(radius**2 - gear.base_radius**2, 0.0)))
+
+
+def _base_radius_sum(drive: InvoluteGear, driven: InvoluteGear) -> float:
+    return drive.base_radius + driven.base_radius
+
+
+def _tight_involute(drive: InvoluteGear, driven: InvoluteGear) -> float:
+    # involute function of the operating pressure angle without backlash
+    mean = drive.tooth_count * drive.base_half_angle + driven.tooth_count * driven.base_half_angle
+    return (mean - np.pi) / (drive.tooth_count + driven.tooth_count)
+
+
+def _check_base_pitch(drive: InvoluteGear, driven: InvoluteGear) -> None:
+    if abs(drive.base_pitch - driven.base_pitch) > 1e-9 * drive.base_pitch:
+        raise GeometryError(
+            f"driven_gear.module, driven_gear.pressure_angle: found a base pitch of "
+            f"{driven.base_pitch * 1e3:.5g} mm, allowed {drive.base_pitch * 1e3:.5g} mm (the drive "
+            f"gear's)"
+        )
+
+
+def _checked(pair: GearPair) -> GearPair:
+    for owner, clearance in zip(("drive", "driven"), pair.root_clearances, strict=True):
+        if clearance <= 0.0:
+            raise GeometryError(
+                f"center_distance: found {pair.center_distance * 1e3:.5g} mm: the mating tip "
+                f"reaches {-clearance * 1e3:.4g} mm into the {owner} gear's root, allowed a "
+                f"positive root clearance"
+            )
+    if pair.contact_ratio <= 0.0:
+        raise GeometryError(
+            f"tip_diameter: found a contact ratio of {pair.contact_ratio:.3f}, allowed above 0"
+        )
+    return pair

@@ -1,0 +1,92 @@
+"""Polygons of casings, ports and relief grooves: checks, areas, overlaps."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import shapely
+
+from toothspace.core.errors import GeometryError
+from toothspace.core.types import Array
+from toothspace.geometry.curve import counter_clockwise, first_self_crossing, without_repeats
+
+
+def checked_polygon(points: Array, key: str) -> Array:
+    """Check that a closed curve encloses an area without crossing itself.
+
+    Parameters
+    ----------
+    points : ndarray
+        Points of the closed curve, shape (n, 2); the first may be repeated at the end. [m]
+    key : str
+        Name for error messages.
+
+    Returns
+    -------
+    ndarray
+        Points, counter-clockwise, no point repeated. [m]
+
+    Raises
+    ------
+    GeometryError
+        For fewer than three points, values that are not finite, a self-crossing or no area.
+    """
+    if points.ndim != 2 or points.shape[1] != 2 or len(points) == 0:
+        raise GeometryError(f"{key}: found an empty curve, allowed a closed curve of 3 points")
+    if not np.all(np.isfinite(points)):
+        raise GeometryError(f"{key}: found a coordinate that is not finite, allowed numbers")
+    clean = without_repeats(points)
+    if len(clean) < 3:
+        raise GeometryError(f"{key}: found {len(clean)} distinct points, allowed at least 3")
+    crossing = first_self_crossing(clean)
+    if crossing is not None:
+        raise GeometryError(
+            f"{key}: found a curve that crosses itself at x = {crossing[0] * 1e3:.4g} mm, "
+            f"y = {crossing[1] * 1e3:.4g} mm, allowed a simple closed curve"
+        )
+    return counter_clockwise(clean)
+
+
+def load_polygons(path: Path, unit: float, layer: str | None = None) -> list[Array]:
+    """Read the closed curves of a DXF or text file as polygons.
+
+    Parameters
+    ----------
+    path : Path
+        File with suffix ``.dxf``, ``.txt`` or ``.csv``.
+    unit : float
+        Length of one unit of the file. [m]
+    layer : str or None
+        DXF layer; None for all.
+
+    Returns
+    -------
+    list of ndarray
+        Polygons, counter-clockwise, largest first. [m]
+
+    Raises
+    ------
+    GeometryError
+        As ``checked_polygon`` and ``load_closed_curves``.
+    """
+    from toothspace.geometry.cad_import import load_closed_curves
+
+    curves = load_closed_curves(path, unit, layer=layer)
+    return [checked_polygon(curve, path.name) for curve in curves]
+
+
+def polygon_area(points: Array) -> float:
+    """Area inside a closed curve, without regard to its orientation [m2]."""
+    return float(shapely.Polygon(points).area)
+
+
+def overlap_area(first: Array, second: Array) -> float:
+    """Area common to two polygons [m2]."""
+    return float(shapely.Polygon(first).intersection(shapely.Polygon(second)).area)
+
+
+def hydraulic_diameter(points: Array) -> float:
+    """Four times the area over the perimeter of a closed curve [m]."""
+    polygon = shapely.Polygon(points)
+    return float(4.0 * polygon.area / polygon.length)
