@@ -1,0 +1,79 @@
+"""Command line ``toothspace``.
+
+=========== ==========================================================
+module      responsibility
+=========== ==========================================================
+application the commands and their options
+commands    what each command does
+output      summaries as text or JSON, messages, progress
+=========== ==========================================================
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+
+from toothspace.core.errors import ToothspaceError
+
+EXIT_DONE = 0
+EXIT_BAD_INPUT = 2
+EXIT_NUMERICAL_FAILURE = 3
+EXIT_UNEXPECTED = 70
+EXIT_INTERRUPTED = 130
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line.
+
+    Parameters
+    ----------
+    arguments : sequence of str or None
+        Arguments without the program's name; None takes those of the process.
+
+    Returns
+    -------
+    int
+        0 done, 2 bad input, 3 numerical failure, 130 interrupted, 70 unexpected error. [-]
+    """
+    try:
+        from toothspace.cli.application import application
+
+        given = list(sys.argv[1:] if arguments is None else arguments)
+        code = application(args=given or ["--help"], prog_name="toothspace", standalone_mode=False)
+    except ToothspaceError as error:
+        return _complain(str(error), EXIT_BAD_INPUT)
+    except KeyboardInterrupt:
+        return _complain("Interrupted.", EXIT_INTERRUPTED)
+    except BrokenPipeError:
+        # the reader of a pipe has gone: nothing left to say
+        sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123, SIM115
+        return EXIT_DONE
+    except Exception as error:
+        return _unexpected(error)
+    return int(code or EXIT_DONE)
+
+
+def _unexpected(error: Exception) -> int:
+    # errors of the option parser know their own message and code
+    message = getattr(error, "format_message", None)
+    if message is not None:
+        return _complain(f"{message()} Try 'toothspace --help'.", EXIT_BAD_INPUT)
+    if type(error).__name__ == "Abort":
+        return _complain("Interrupted.", EXIT_INTERRUPTED)
+    if os.environ.get("TOOTHSPACE_DEBUG") == "1":
+        raise error
+    return _complain(
+        f"Unexpected {type(error).__name__}: {error}. Please report it with the case file; "
+        "TOOTHSPACE_DEBUG=1 shows where it happened.",
+        EXIT_UNEXPECTED,
+    )
+
+
+def _complain(message: str, code: int) -> int:
+    sys.stderr.write(" ".join(message.split()) + "\n")
+    return code
+
+
+__all__ = ["main"]

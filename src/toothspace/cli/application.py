@@ -1,0 +1,101 @@
+"""The commands and their options."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+import toothspace
+from toothspace.cli import commands
+
+application = typer.Typer(
+    name="toothspace",
+    help="Simulate hydraulic gear machines.",
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+CaseFile = Annotated[Path, typer.Argument(metavar="CASE.toml", help="Case file.")]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
+Overrides = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Override a key of the case, repeatable."),
+]
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"toothspace {toothspace.__version__}")
+        raise typer.Exit
+
+
+@application.callback()
+def _options(
+    _version: Annotated[
+        bool,
+        typer.Option("--version", callback=_show_version, is_eager=True, help="Show the version."),
+    ] = False,
+) -> None:
+    """Simulate hydraulic gear machines."""
+
+
+@application.command()
+def run(
+    case: CaseFile,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Result file; default CASE.nc here.")
+    ] = None,
+    as_json: Json = False,
+    fidelity: Annotated[
+        str | None, typer.Option(metavar="P", help="ideal, lumped, films or elastic.")
+    ] = None,
+    overrides: Overrides = None,
+) -> int:
+    """Simulate a case and write the result."""
+    given = [*(overrides or ()), *([f"run.fidelity={fidelity}"] if fidelity else ())]
+    return commands.run(case, output, given, as_json=as_json)
+
+
+@application.command()
+def geometry(
+    case: CaseFile,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Tables over the angle, NetCDF.")
+    ] = None,
+    text_folder: Annotated[
+        Path | None, typer.Option("--txt", metavar="DIR", help="Tables as plain text.")
+    ] = None,
+    as_json: Json = False,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE.png", help="Picture of the tables.")
+    ] = None,
+    export: Annotated[
+        str | None,
+        typer.Option(metavar="FORMAT", help="Profiles as dxf, stl, step or txt, written here."),
+    ] = None,
+    overrides: Overrides = None,
+) -> int:
+    """Build the geometry tables of a machine and check its design."""
+    outputs = commands.GeometryOutputs(output, text_folder, plot, export)
+    return commands.geometry(case, outputs, overrides or [], as_json=as_json)
+
+
+@application.command()
+def report(
+    result: Annotated[Path, typer.Argument(metavar="RESULT.nc", help="Result of a run.")],
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="HTML file; default RESULT.html.")
+    ] = None,
+) -> int:
+    """Write a self-contained HTML report of a result."""
+    return commands.report(result, output)
+
+
+@application.command()
+def schema() -> int:
+    """Print the JSON Schema of the case file."""
+    return commands.schema()

@@ -1,0 +1,144 @@
+"""What each command does; everything heavy is imported when it is needed."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, final
+
+from toothspace.cli import output
+from toothspace.core.errors import CaseError, ToothspaceError
+from toothspace.core.status import Status
+
+if TYPE_CHECKING:
+    from toothspace.case import Case
+
+EXPORT_FORMATS = ("dxf", "stl", "step", "txt")
+_EXIT_CODES = {Status.DONE: 0, Status.INTERRUPTED: 130}
+_NUMERICAL_FAILURE = 3
+
+
+@final
+@dataclass(frozen=True)
+class GeometryOutputs:
+    """Files that ``geometry`` writes; None for those not wanted.
+
+    Parameters
+    ----------
+    tables : Path or None
+        NetCDF file of the tables.
+    text_folder : Path or None
+        Folder of the tables as plain text.
+    plot : Path or None
+        Picture.
+    export : str or None
+        Format of the exported profiles.
+    """
+
+    tables: Path | None = None
+    text_folder: Path | None = None
+    plot: Path | None = None
+    export: str | None = None
+
+
+def run(case_file: Path, result: Path | None, overrides: Sequence[str], *, as_json: bool) -> int:
+    """Simulate a case, write the result and print its summary; returns the exit code."""
+    case = _load(case_file, overrides)
+    target = _writable(result or Path(f"{case_file.stem}.nc"), "-o")
+    from toothspace import api
+
+    with _file_named(case_file), output.progress(case.title) as progress:
+        solution = api.simulate(case, progress=progress)
+    solution.save(target)
+    output.write(solution.summary(), as_json=as_json)
+    if solution.status is not Status.DONE:
+        output.message(f"{case_file}: {solution.status.name.lower()}: {solution.status.value}")
+    output.message(f"Result: {target}")
+    return _EXIT_CODES.get(solution.status, _NUMERICAL_FAILURE)
+
+
+def geometry(
+    case_file: Path, outputs: GeometryOutputs, overrides: Sequence[str], *, as_json: bool
+) -> int:
+    """Describe a machine, write what is wanted and print its numbers; returns the exit code."""
+    if outputs.export is not None and outputs.export not in EXPORT_FORMATS:
+        allowed = ", ".join(EXPORT_FORMATS)
+        raise CaseError(f"{case_file}: --export: found {outputs.export!r}, allowed {allowed}")
+    case = _load(case_file, overrides)
+    from toothspace import api
+
+    with _file_named(case_file):
+        description = api.describe(case)
+        _write_geometry(case, description, outputs)
+    summary = dict(description.geometry_summary)
+    summary.setdefault("warnings", [check.name for check in description.checks if not check.passed])
+    output.write(summary, as_json=as_json)
+    if not as_json:
+        output.write_checks(description.checks)
+    return 0
+
+
+def report(result: Path, page: Path | None) -> int:
+    """Write the HTML report of a result; returns the exit code."""
+    from toothspace.report import write_report
+    from toothspace.results.io import load_solution
+
+    target = _writable(page or result.with_suffix(".html"), "-o")
+    write_report(load_solution(result), target)
+    output.message(f"Report: {target}")
+    return 0
+
+
+def schema() -> int:
+    """Print the JSON Schema of the case file; returns the exit code."""
+    from toothspace.config.json_schema import case_schema
+
+    output.line(json.dumps(case_schema(), indent=2, ensure_ascii=False))
+    return 0
+
+
+def _load(case_file: Path, overrides: Sequence[str]) -> Case:
+    from toothspace.config import load_case
+
+    return load_case(case_file, overrides)
+
+
+def _write_geometry(case: Case, description: Any, outputs: GeometryOutputs) -> None:
+    if outputs.tables is not None or outputs.text_folder is not None:
+        from toothspace.results.tables import save_tables, save_tables_txt
+
+        if outputs.tables is not None:
+            save_tables(description, _writable(outputs.tables, "-o"))
+        if outputs.text_folder is not None:
+            save_tables_txt(description, outputs.text_folder)
+    if outputs.plot is not None:
+        from toothspace.plotting.geometry import plot_tables
+
+        plot_tables(description, _writable(outputs.plot, "--plot"))
+    if outputs.export is not None:
+        from toothspace.api import export_profiles
+
+        for path in export_profiles(case, outputs.export, Path(case.name)):
+            output.message(f"Profile: {path}")
+
+
+def _writable(path: Path, option: str) -> Path:
+    if path.is_dir():
+        raise CaseError(f"{path}: {option}: found a directory, allowed a file name")
+    if not path.parent.is_dir():
+        raise CaseError(f"{path}: {option}: found no folder {path.parent}, allowed an existing one")
+    return path
+
+
+@contextmanager
+def _file_named(case_file: Path) -> Iterator[None]:
+    """Put the case file in front of messages of later stages."""
+    try:
+        yield
+    except ToothspaceError as error:
+        if str(error).startswith(str(case_file)):
+            raise
+        raise type(error)(f"{case_file}: {error}") from error

@@ -1,0 +1,87 @@
+"""Summaries as text or JSON on standard output, messages and progress on standard error."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from toothspace.model.description import DesignCheck
+
+Progress = Callable[[float, str], None]
+
+
+def line(text: str) -> None:
+    """Write one text to standard output."""
+    sys.stdout.write(text + "\n")
+
+
+def message(text: str) -> None:
+    """Write one line to standard error."""
+    sys.stderr.write(text + "\n")
+
+
+def plain(value: Any) -> Any:
+    """Return a value that JSON can hold; numbers that are not finite become null."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if hasattr(value, "tolist"):
+        return plain(value.tolist())
+    if isinstance(value, (list, tuple)):
+        return [plain(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value if isinstance(value, (str, int, float, bool, type(None))) else str(value)
+
+
+def write(summary: Mapping[str, Any], *, as_json: bool) -> None:
+    """Write named numbers, as one JSON object or as aligned text."""
+    values = plain(summary)
+    if as_json:
+        line(json.dumps(values, allow_nan=False))
+        return
+    width = max((len(name) for name in values), default=0)
+    for name, value in values.items():
+        line(f"{name:<{width}}  {_shown(value)}")
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, list):
+        return ", ".join(_shown(item) for item in value) or "none"
+    return "-" if value is None else str(value)
+
+
+def write_checks(checks: Sequence[DesignCheck]) -> None:
+    """Write the design-rule report as text."""
+    for check in checks:
+        verdict = "ok  " if check.passed else "LOOK"
+        unit = f" {check.unit}" if check.unit not in {"", "-"} else ""
+        line(f"{verdict}  {check.name}: {check.value:.4g}{unit} (allowed {check.allowed})")
+        if not check.passed:
+            line(f"      {check.reason}")
+
+
+@contextmanager
+def progress(title: str) -> Iterator[Progress | None]:
+    """Show a bar on standard error while a run lasts; None where nobody watches."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
+    from rich.progress import Progress as Bar
+
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
+    with Bar(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(title, total=1.0)
+
+        def advance(fraction: float, text: str = "") -> None:
+            bar.update(task, completed=fraction, description=f"{title} {text}".strip())
+
+        yield advance
