@@ -6,6 +6,7 @@ import io
 import os
 import tempfile
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -143,6 +144,9 @@ def _step_bytes(profile: GearProfile, face_width: float) -> bytes:
     from OCP.gp import gp_Vec
     from OCP.STEPControl import STEPControl_AsIs, STEPControl_Writer
 
+    from toothspace.geometry.solid_import import silence_ocp
+
+    silence_ocp()
     face = _step_face(profile)
     solid = BRepPrimAPI_MakePrism(face, gp_Vec(0.0, 0.0, face_width / _STEP_UNIT)).Shape()
     writer = STEPControl_Writer()
@@ -166,23 +170,33 @@ def _step_face(profile: GearProfile) -> Any:
 def _smooth_pieces(profile: GearProfile) -> list[Array]:
     inner = {*profile.breaks, profile.tip_start, profile.tip_end} - {0, len(profile.points) - 1}
     cuts = [0, *sorted(inner), len(profile.points) - 1]
-    return [profile.points[a : b + 1] for a, b in zip(cuts[:-1], cuts[1:], strict=True)]
+    return [profile.points[a : b + 1] for a, b in pairwise(cuts)]
 
 
 def _spline_edge(points: Array, rotation: float) -> Any:
     from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge
     from OCP.GeomAPI import GeomAPI_Interpolate
     from OCP.gp import gp_Pnt
-    from OCP.TColgp import TColgp_HArray1OfPnt
 
     cosine, sine = np.cos(rotation), np.sin(rotation)
     turned = points @ np.array([[cosine, sine], [-sine, cosine]]) / _STEP_UNIT
     step = np.hypot(*np.diff(turned, axis=0).T)
     kept = turned[np.concatenate([step > 2e-6, [True]])]
     kept[0] = turned[0]
-    array = TColgp_HArray1OfPnt(1, len(kept))
+    array = _point_array_type()(1, len(kept))
     for index, (x, y) in enumerate(kept):
         array.SetValue(index + 1, gp_Pnt(float(x), float(y), 0.0))
     builder = GeomAPI_Interpolate(array, False, 1e-7)
     builder.Perform()
     return BRepBuilderAPI_MakeEdge(builder.Curve()).Edge()
+
+
+def _point_array_type() -> Any:
+    # the class was renamed in version 8 of the package
+    try:
+        from OCP.collections import HArray1_gp_Pnt
+    except ImportError:
+        from OCP.TColgp import TColgp_HArray1OfPnt
+
+        return TColgp_HArray1OfPnt
+    return HArray1_gp_Pnt

@@ -95,6 +95,14 @@ def section_step(path: Path, plane_z: float | None = None, body: int | None = No
     return curves
 
 
+def silence_ocp() -> None:
+    """Keep the STEP library from writing its progress to standard output."""
+    from OCP.Message import Message, Message_Gravity
+
+    for printer in Message.DefaultMessenger_s().Printers():
+        printer.SetTraceLevel(Message_Gravity.Message_Fail)
+
+
 def _check_stl(path: Path) -> None:
     raw = path.read_bytes()
     head = raw[:80].lstrip().lower()
@@ -168,6 +176,7 @@ def _step_solids(path: Path) -> list[Any]:
 
     if not path.read_bytes()[:64].lstrip().startswith(b"ISO-10303-21"):
         raise GeometryError(f"{path}: found no STEP header, allowed a file of ISO-10303-21")
+    silence_ocp()
     reader = STEPControl_Reader()
     if reader.ReadFile(str(path)) != IFSelect_RetDone or reader.TransferRoots() == 0:
         raise GeometryError(f"{path}: found a damaged STEP file, allowed a complete one")
@@ -185,8 +194,7 @@ def _solid_extent(solid: Any) -> tuple[float, float]:
     box = Bnd_Box()
     box.SetGap(0.0)
     BRepBndLib.AddOptimal_s(solid, box, False, False)
-    corners = box.Get()
-    return corners[2] * _STEP_UNIT, corners[5] * _STEP_UNIT
+    return box.CornerMin().Z() * _STEP_UNIT, box.CornerMax().Z() * _STEP_UNIT
 
 
 def _step_section(solid: Any, height: float) -> list[Array]:
@@ -197,11 +205,13 @@ def _step_section(solid: Any, height: float) -> list[Array]:
     from OCP.TopExp import TopExp_Explorer
     from OCP.TopoDS import TopoDS
 
+    # the name of this cast was changed in version 8 of the package
+    as_edge = getattr(TopoDS, "Edge_s", None) or TopoDS.Edge
     plane = gp_Pln(gp_Pnt(0.0, 0.0, height), gp_Dir(0.0, 0.0, 1.0))
     section = BRepAlgoAPI_Section(solid, plane)
     explorer, pieces = TopExp_Explorer(section.Shape(), TopAbs_EDGE), []
     while explorer.More():
-        pieces.append(_edge_points(BRepAdaptor_Curve(TopoDS.Edge_s(explorer.Current()))))
+        pieces.append(_edge_points(BRepAdaptor_Curve(as_edge(explorer.Current()))))
         explorer.Next()
     return pieces
 
