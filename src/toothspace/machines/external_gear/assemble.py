@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from dataclasses import fields, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, cast
 
-from toothspace.core.errors import CaseError, GeometryError
+from toothspace.core.errors import GeometryError
 from toothspace.core.keys import KeyRuleError
+from toothspace.core.types import Array
+from toothspace.geometry.cad_import import load_closed_curves
+from toothspace.geometry.gear_pair import pair_from_backlash, pair_from_center_distance
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear, tooth_form
 from toothspace.library import load_material
@@ -45,29 +48,44 @@ def assemble(machine: keys.ExternalGearParameters) -> spec.ExternalGearSpec:
         With the key relative to ``[machine]``.
     """
     driven_keys = _driven_keys(machine)
+    drive = _gear(machine.gears, "gears")
+    driven = _gear(driven_keys, "driven_gear" if machine.driven_gear else "gears")
+    _check_pair(machine, drive, driven)
     return spec.ExternalGearSpec(
-        drive=_gear(machine.gears, "gears"),
-        driven=_gear(driven_keys, "driven_gear" if machine.driven_gear else "gears"),
+        drive=drive,
+        driven=driven,
         casing=_casing(machine.casing),
         journals=_journals(machine),
         lateral=_lateral(machine.lateral),
         grooves=_grooves(machine.relief_grooves),
-        mode=_mode(machine.mode),
+        mode=cast(Literal["pump", "motor"], machine.mode),
         center_distance=machine.gears.center_distance,
         normal_backlash=machine.gears.normal_backlash,
-        drain=_drain(machine.drain),
+        drain=cast(Literal["inlet", "outlet", "external"] | None, machine.drain),
+        drain_pressure=1e5 if machine.drain_pressure is None else machine.drain_pressure,
         seal_torque=machine.seals.shaft_seal_torque if machine.seals else 0.0,
         inlet_volume=machine.inlet.volume,
         outlet_volume=machine.outlet.volume,
     )
 
 
-def _mode(mode: str) -> Any:
-    return mode
-
-
-def _drain(drain: str | None) -> Any:
-    return drain
+def _check_pair(machine: keys.ExternalGearParameters, drive: spec.Gear, driven: spec.Gear) -> None:
+    first, second = drive.tooth, driven.tooth
+    root = min(gear.root_radius for gear in (first, second))
+    if machine.journal_bearings.diameter >= 2.0 * root:
+        found = f"{machine.journal_bearings.diameter * 1e3:.5g} mm"
+        allowed = f"below the root diameter of the gears, {root * 2e3:.5g} mm"
+        raise KeyRuleError("journal_bearings.diameter", found, allowed)
+    if not (isinstance(first, InvoluteGear) and isinstance(second, InvoluteGear)):
+        return
+    try:
+        if machine.gears.center_distance is not None:
+            pair_from_center_distance(first, second, machine.gears.center_distance)
+        else:
+            pair_from_backlash(first, second, machine.gears.normal_backlash or 0.0)
+    except GeometryError as error:
+        table = "" if str(error).startswith("driven_gear") else "gears."
+        raise GeometryError(f"{table}{error}") from error
 
 
 def _driven_keys(machine: keys.ExternalGearParameters) -> keys.GearParameters:
@@ -167,14 +185,14 @@ def _grooves(grooves: keys.ReliefGrooveParameters | None) -> spec.ReliefGrooves 
     )
 
 
-def _offset(given: float | None, contour: Any, side: float) -> float:
+def _offset(given: float | None, contour: Array | None, side: float) -> float:
     if given is not None:
         return given
     return 0.0 if contour is None else float((side * contour[:, 0]).min())
 
 
-def _groove_sides(file: Path) -> tuple[Any, Any]:
-    found: dict[bool, Any] = {}
+def _groove_sides(file: Path) -> tuple[Array | None, Array | None]:
+    found: dict[bool, Array] = {}
     for polygon in _contours(file, "relief_grooves.contour"):
         closing = bool(polygon[:, 0].mean() > 0.0)
         if closing in found:
@@ -189,18 +207,11 @@ def _groove_sides(file: Path) -> tuple[Any, Any]:
 
 
 def _profile(file: Path, unit: str, key: str) -> GearProfile:
-    from toothspace.geometry.cad_import import load_gear_profile
+    raise GeometryError(f"{key}: found {file.name}, allowed parameters only")
 
+
+def _contours(file: Path, key: str) -> list[Array]:
     try:
-        return load_gear_profile(file, unit=unit)
+        return load_closed_curves(file)
     except GeometryError as error:
-        raise GeometryError(f"{key}: {file.name}: {error}") from error
-
-
-def _contours(file: Path, key: str) -> list[Any]:
-    from toothspace.geometry.cad_import import load_polygons
-
-    try:
-        return load_polygons(file)
-    except CaseError as error:
-        raise GeometryError(f"{key}: {file.name}: {error}") from error
+        raise GeometryError(f"{key}: {error}") from error

@@ -217,6 +217,8 @@ class ExternalGearSpec:
         Backlash along the line of action; sets the centre distance of involute gears. [m]
     drain : str
         Node that collects the drain; None: inlet of a pump, outlet of a motor.
+    drain_pressure : float
+        Absolute pressure of an external drain. [Pa]
     seal_torque : float
         Torque of the shaft seal. [N m]
     inlet_volume, outlet_volume : float
@@ -233,6 +235,7 @@ class ExternalGearSpec:
     center_distance: float | None = None
     normal_backlash: float | None = None
     drain: Literal["inlet", "outlet", "external"] | None = None
+    drain_pressure: float = 1e5
     seal_torque: float = 0.0
     inlet_volume: float = 50e-6
     outlet_volume: float = 50e-6
