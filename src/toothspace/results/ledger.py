@@ -202,7 +202,7 @@ def power_ledger(ledger: Ledger) -> list[LedgerRow]:
     """
     pumping = ledger.shaft_energy >= 0.0
     shaft = ("shaft", "shaft", abs(ledger.shaft_energy))
-    fluid = ("ports", "fluid, through the ports", ledger.port_energy * (1.0 if pumping else -1.0))
+    fluid = ("ports", "fluid", ledger.port_energy * (1.0 if pumping else -1.0))
     supplied, delivered = (shaft, fluid) if pumping else (fluid, shaft)
     scale = supplied[2] if supplied[2] != 0.0 else 1.0
 

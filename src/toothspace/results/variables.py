@@ -73,7 +73,7 @@ _ROWS: tuple[tuple[str, str, str, str], ...] = (
     ("tip_gap_height", "sample chamber", "m", "Gap at the tooth tip ahead of a chamber"),
     ("contact_force", "sample contact", "N", "Normal force in a contact, positive pushing"),
     ("contact_gap", "sample contact", "m", "Gap of a contact, negative if the flanks overlap"),
-    ("leakage", "sample path", "m3/s", "Leakage from high to low pressure at inlet density"),
+    ("leakage", "sample path", "m3/s", "Flow from high to low pressure that would lose the same power"),
     ("torque_loss", "sample mechanism", "N m", "Friction torque, at the shaft, by mechanism"),
     ("power_loss", "sample mechanism", "W", "Friction power by mechanism"),
     ("film_pressure", "film film_row film_column", "Pa", "Absolute pressure in a film"),

@@ -1,0 +1,120 @@
+"""Motion of the bodies, forces on them and what they cut out of the casing."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from toothspace.core.types import Array
+from toothspace.model.description import JournalBearing, MachineDescription
+from toothspace.plotting.style import (
+    BLUE,
+    CYCLE,
+    GREY,
+    LIGHT,
+    ORANGE,
+    new_figure,
+    readable,
+    styled,
+)
+from toothspace.results.solution import Solution
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+
+@styled
+def journal_orbits(solution: Solution, description: MachineDescription | None = None) -> Figure:
+    """Orbit of each body inside the clearance circle of its journal bearings."""
+    bodies = _bodies(solution, "body_position")
+    figure = new_figure(3.6 * max(len(bodies), 2), 3.7)
+    for axes, body in zip(np.ravel(figure.subplots(1, len(bodies))), bodies, strict=True):
+        position = solution.data["body_position"].sel(body=body)
+        x, y = (1e6 * np.asarray(position.sel(axis=axis)) for axis in ("x", "y"))
+        seat = _seat(solution, body)
+        journal = _journal(description, body)
+        if journal is not None:
+            _clearance_circle(axes, seat, 1e6 * journal.radial_clearance)
+        axes.plot(x, y, color=BLUE, linewidth=1.2)
+        axes.plot(np.mean(x), np.mean(y), "o", color=ORANGE, markersize=4, label="Mean position")
+        axes.set_aspect("equal", adjustable="datalim")
+        axes.set_title(f"Journal orbit: {readable(body).lower()}")
+        axes.set_xlabel("x, towards the outlet (µm)")
+        axes.set_ylabel("y (µm)")
+        axes.legend(loc="lower right")
+    return figure
+
+
+def _clearance_circle(axes: Axes, seat: Array, clearance: float) -> None:
+    turn = np.linspace(0.0, 2.0 * np.pi, 181)
+    circle = seat[:, None] + clearance * np.array([np.cos(turn), np.sin(turn)])
+    axes.fill(*circle, color=LIGHT, alpha=0.6, linewidth=0.0, zorder=0)
+    axes.plot(*circle, color=GREY, linewidth=1.0, label=f"Clearance {clearance:.3g} µm")
+    axes.plot(*seat[:, None], "+", color=GREY, markersize=8)
+
+
+def _seat(solution: Solution, body: str) -> Array:
+    if "seat_position" not in solution.data:
+        return np.zeros(2)
+    return 1e6 * np.asarray(solution.data["seat_position"].sel(body=body, axis=["x", "y"]))
+
+
+def _journal(description: MachineDescription | None, body: str) -> JournalBearing | None:
+    journals = description.journals if description is not None else ()
+    return next((journal for journal in journals if journal.body == body), None)
+
+
+def _bodies(solution: Solution, name: str) -> list[str]:
+    """Return the bodies that move, or all of them if none does."""
+    array = solution.data[name]
+    names = [str(body) for body in array["body"].values]
+    moving = [body for body in names if float(np.ptp(np.asarray(array.sel(body=body)))) > 0.0]
+    return moving or names
+
+
+@styled
+def casing_wear(solution: Solution, description: MachineDescription | None = None) -> Figure:
+    """Running-in depth of the casing around each body, polar and over the angle."""
+    depth = solution.data["running_in_depth"]
+    angle = np.asarray(solution.data["casing_angle"])
+    figure = new_figure(7.2, 3.4)
+    polar = figure.add_subplot(1, 2, 1, projection="polar")
+    linear = figure.add_subplot(1, 2, 2)
+    for body, color in zip(depth["body"].values, CYCLE, strict=False):
+        values = 1e6 * np.asarray(depth.sel(body=body))
+        closed = np.append(angle, angle[0]), np.append(values, values[0])
+        polar.plot(*closed, color=color)
+        polar.fill(*closed, color=color, alpha=0.15)
+        linear.plot(np.degrees(angle), values, color=color, label=readable(str(body)))
+    polar.set_title("Running-in of the casing (µm)", pad=14)
+    polar.set_rlabel_position(60.0)  # type: ignore[attr-defined]
+    linear.set_xlabel("Angle about the gear, from x to y (deg)")
+    linear.set_ylabel("Depth (µm)")
+    linear.set_xlim(float(np.degrees(angle[0])), float(np.degrees(angle[-1])))
+    linear.set_ylim(bottom=0.0)
+    linear.legend(loc="upper right")
+    return figure
+
+
+@styled
+def force_polar(solution: Solution, description: MachineDescription | None = None) -> Figure:
+    """Direction and size of the pressure force on each body over a turn."""
+    force = solution.data["body_force"]
+    bodies = _bodies(solution, "body_force")
+    figure = new_figure(3.6 * max(len(bodies), 2), 3.7)
+    for k, body in enumerate(bodies):
+        axes = figure.add_subplot(1, len(bodies), k + 1, projection="polar")
+        x, y = (1e-3 * np.asarray(force.sel(body=body, axis=a)) for a in ("x", "y"))
+        axes.plot(np.arctan2(y, x), np.hypot(x, y), color=BLUE, linewidth=1.2)
+        mean_x, mean_y = float(np.mean(x)), float(np.mean(y))
+        direction, size = np.arctan2(mean_y, mean_x), float(np.hypot(mean_x, mean_y))
+        arrow = {"arrowstyle": "-|>", "color": ORANGE, "linewidth": 1.6, "shrinkA": 0, "shrinkB": 0}
+        axes.annotate("", xy=(direction, size), xytext=(0.0, 0.0), arrowprops=arrow)
+        axes.set_ylim(0.0, 1.15 * float(np.max(np.hypot(x, y))))
+        axes.set_rlabel_position(np.degrees(direction) + 90.0)  # type: ignore[attr-defined]
+        note = f"mean {size:.2f} kN at {np.degrees(direction) % 360:.0f}°"
+        axes.set_title(f"{readable(body)}: {note}", pad=14)
+    figure.suptitle("Pressure force (kN), 0° towards the outlet", x=0.01, ha="left", fontsize=9)
+    return figure

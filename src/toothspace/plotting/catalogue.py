@@ -1,0 +1,176 @@
+"""All figures of a result, with a caption each, and which of them a result can give."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, final
+
+from toothspace.model.description import MachineDescription
+from toothspace.plotting import bodies, geometry, losses, section, waveforms
+from toothspace.results.solution import Solution
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    Draw = Callable[[Solution, MachineDescription | None], Figure]
+
+
+@final
+@dataclass(frozen=True)
+class FigureEntry:
+    """One figure that a report can show.
+
+    Parameters
+    ----------
+    name : str
+        Name, also of the file when figures are written.
+    caption : str
+        What to see in it.
+    chapter : str
+        Chapter of the report.
+    draw : callable
+        Makes the figure from a solution and its machine.
+    needs : tuple of str
+        Result variables without which it cannot be drawn.
+    needs_machine : bool
+        Whether the machine description is needed.
+    """
+
+    name: str
+    caption: str
+    chapter: str
+    draw: Draw
+    needs: tuple[str, ...] = ()
+    needs_machine: bool = False
+
+
+def _section(solution: Solution, description: MachineDescription | None) -> Figure:
+    assert description is not None
+    return section.gear_section(solution, description)
+
+
+def _volumes(solution: Solution, description: MachineDescription | None) -> Figure:
+    assert description is not None
+    return geometry.volumes(description)
+
+
+def _openings(solution: Solution, description: MachineDescription | None) -> Figure:
+    assert description is not None
+    return geometry.openings(description)
+
+
+FIGURES: tuple[FigureEntry, ...] = (
+    FigureEntry(
+        "gear_section",
+        "Section with the pressure of every tooth space at four angles within one tooth pitch. "
+        "Dashed: relief grooves.",
+        "pressure",
+        _section,
+        ("chamber_pressure",),
+        needs_machine=True,
+    ),
+    FigureEntry(
+        "chamber_pressure",
+        "Pressure in one tooth space on its way round. Bars below: to which port or groove it is "
+        "open. Shaded: free gas and vapour, where there is any.",
+        "pressure",
+        waveforms.chamber_pressure_over_turn,
+        ("chamber_pressure",),
+    ),
+    FigureEntry(
+        "ripple",
+        "Flow and pressure at the working port and shaft torque over one turn, with spectra. "
+        "Grey bands: tooth frequency and its multiples.",
+        "ripple",
+        waveforms.ripple_and_spectrum,
+        ("inlet_flow_rate", "outlet_flow_rate", "shaft_torque"),
+    ),
+    FigureEntry(
+        "volumes",
+        "Volume of a tooth space and its exact derivative. The smallest volume is in the mesh.",
+        "geometry",
+        _volumes,
+        needs_machine=True,
+    ),
+    FigureEntry(
+        "openings",
+        "Open area from a tooth space to ports and relief grooves.",
+        "geometry",
+        _openings,
+        needs_machine=True,
+    ),
+    FigureEntry(
+        "journal_orbits",
+        "Path of the gear centres inside the clearance of their bearings. The cross marks the "
+        "centre of the bearing, which rests against the housing.",
+        "bodies",
+        bodies.journal_orbits,
+        ("body_position",),
+    ),
+    FigureEntry(
+        "force_polar",
+        "Pressure force on the gears over a turn; the arrow is its mean.",
+        "bodies",
+        bodies.force_polar,
+        ("body_force",),
+    ),
+    FigureEntry(
+        "contact_forces",
+        "Forces between the teeth; steps show where a tooth pair takes over.",
+        "bodies",
+        waveforms.contact_forces,
+        ("contact_force",),
+    ),
+    FigureEntry(
+        "casing_wear",
+        "Depth that the gears cut into the casing at the break-in condition. It belongs on the "
+        "low-pressure side.",
+        "bodies",
+        bodies.casing_wear,
+        ("running_in_depth",),
+    ),
+    FigureEntry(
+        "ledger_waterfall",
+        "From supplied to delivered power.",
+        "losses",
+        losses.ledger_waterfall,
+    ),
+    FigureEntry("loss_bars", "Every loss of the ledger.", "losses", losses.loss_bars),
+    FigureEntry(
+        "torque_breakdown",
+        "Friction torque by mechanism, as felt at the shaft.",
+        "losses",
+        losses.torque_breakdown,
+        ("torque_loss",),
+    ),
+    FigureEntry(
+        "leakage_by_path",
+        "Leakage by path, as the flow from high to low pressure that would lose the same power.",
+        "losses",
+        losses.leakage_by_path,
+        ("leakage",),
+    ),
+)
+"""Figures in the order of the report."""
+
+
+def available_figures(
+    solution: Solution, description: MachineDescription | None = None
+) -> list[FigureEntry]:
+    """List the figures that a result, with or without its machine, can give."""
+    return [entry for entry in FIGURES if _possible(entry, solution, description)]
+
+
+def _possible(
+    entry: FigureEntry, solution: Solution, description: MachineDescription | None
+) -> bool:
+    if any(name not in solution.data for name in entry.needs):
+        return False
+    if not entry.needs_machine:
+        return entry.chapter != "losses" or bool(solution.ledger.energy)
+    if description is None:
+        return False
+    names = {family.name for family in description.families}
+    gears = names <= {body.name for body in description.bodies} and len(names) == 2
+    return entry.name != "gear_section" or (gears and names <= set(description.outlines))

@@ -1,0 +1,130 @@
+"""Where the power goes: torque and power losses, leakage, ledger."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from toothspace.model.description import MachineDescription
+from toothspace.plotting.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    INK,
+    ORANGE,
+    PURPLE,
+    new_figure,
+    readable,
+    styled,
+)
+from toothspace.results.ledger import LedgerRow, power_ledger
+from toothspace.results.performance import means_by_label
+from toothspace.results.solution import Solution
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_LITRE_PER_MINUTE = 6e4
+
+
+@styled
+def torque_breakdown(solution: Solution, description: MachineDescription | None = None) -> Figure:
+    """Friction torque at the shaft by mechanism."""
+    torques = means_by_label(solution.data, "torque_loss")
+    return _bar_figure(torques, "Friction torque by mechanism", "Torque at the shaft (N m)", ORANGE)
+
+
+@styled
+def leakage_by_path(solution: Solution, description: MachineDescription | None = None) -> Figure:
+    """Mean leakage by kind of path."""
+    leakages = means_by_label(solution.data, "leakage")
+    flows = {name: value * _LITRE_PER_MINUTE for name, value in leakages.items()}
+    return _bar_figure(flows, "Leakage by path", "Mean leakage (L/min)", BLUE)
+
+
+@styled
+def loss_bars(solution: Solution, description: MachineDescription | None = None) -> Figure:
+    """Every loss of the ledger, largest first."""
+    losses = {r.label: r.power for r in power_ledger(solution.ledger) if r.kind == "loss"}
+    return _bar_figure(losses, "Power losses", "Power (W)", PURPLE)
+
+
+def _bar_figure(values: Mapping[str, float], title: str, label: str, color: str) -> Figure:
+    shown = {readable(name): value for name, value in values.items() if value != 0.0}
+    ordered = dict(sorted(shown.items(), key=lambda item: item[1]))
+    figure = new_figure(7.2, 1.1 + 0.27 * max(len(ordered), 2))
+    axes = figure.subplots()
+    bars = axes.barh(list(ordered), list(ordered.values()), color=color, height=0.62)
+    axes.bar_label(bars, fmt="{:.3g}", padding=4, fontsize=8, color=INK)
+    axes.grid(visible=False, axis="y")
+    axes.tick_params(axis="y", length=0)
+    axes.margins(x=0.12)
+    axes.set_title(title)
+    axes.set_xlabel(label)
+    return figure
+
+
+@styled
+def ledger_waterfall(solution: Solution, description: MachineDescription | None = None) -> Figure:
+    """From supplied power, loss by loss, to delivered power."""
+    rows = power_ledger(solution.ledger)
+    supplied = next(row for row in rows if row.kind == "supplied")
+    delivered = next(row for row in rows if row.kind == "delivered")
+    steps = _grouped([r for r in rows if r.kind in {"loss", "stored"}], supplied.power)
+    figure = new_figure(7.2, 4.2)
+    axes = figure.subplots()
+    _draw_waterfall(axes, supplied, steps, delivered)
+    axes.set_ylabel("Power (W)")
+    axes.set_title("Power ledger")
+    axes.tick_params(axis="x", rotation=40, length=0)
+    for label in axes.get_xticklabels():
+        label.set_horizontalalignment("right")
+        label.set_rotation_mode("anchor")
+    axes.grid(visible=False, axis="x")
+    return figure
+
+
+def _grouped(rows: Sequence[LedgerRow], supplied: float) -> list[tuple[str, float]]:
+    """Rows above 0.1 % of the supply, the others in one."""
+    large = [(readable(r.label), r.power) for r in rows if abs(r.power) > 1e-3 * abs(supplied)]
+    rest = sum(r.power for r in rows if abs(r.power) <= 1e-3 * abs(supplied))
+    return [*large, ("Others", rest)] if rest != 0.0 else large
+
+
+def _draw_waterfall(
+    axes: Axes, supplied: LedgerRow, steps: Sequence[tuple[str, float]], delivered: LedgerRow
+) -> None:
+    names = [
+        f"Supplied ({supplied.label})",
+        *(n for n, _ in steps),
+        f"Delivered ({delivered.label})",
+    ]
+    drops = np.array([power for _, power in steps])
+    level = supplied.power - np.concatenate([[0.0], np.cumsum(drops)])
+    bottoms = np.concatenate([[0.0], level[1:], [0.0]])
+    heights = np.concatenate([[supplied.power], drops, [delivered.power]])
+    colors = [BLUE, *([ORANGE] * len(steps)), GREEN]
+    axes.bar(np.arange(len(names)), heights, bottom=bottoms, color=colors, width=0.66)
+    for k in range(len(names) - 1):
+        axes.plot([k + 0.33, k + 0.67], [level[k], level[k]], color=GREY, linewidth=0.8)
+    for k, height in enumerate(heights):
+        top = bottoms[k] + max(height, 0.0)
+        axes.annotate(
+            f"{height:.4g}", (k, top), (0, 3), textcoords="offset points", ha="center", fontsize=8
+        )
+    axes.set_xticks(np.arange(len(names)), names)
+    losses = supplied.power - min(float(level[-1]), delivered.power)
+    if losses < 0.5 * supplied.power:
+        axes.set_ylim(max(0.0, delivered.power - 0.6 * losses), supplied.power + 0.15 * losses)
+        axes.annotate(
+            "axis does not start at zero",
+            (0.99, 0.97),
+            xycoords="axes fraction",
+            ha="right",
+            va="top",
+            fontsize=8,
+            color=GREY,
+        )

@@ -1,0 +1,296 @@
+"""Section through the machine with the fluid coloured by pressure."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, final
+
+import numpy as np
+
+from toothspace.core.types import Array
+from toothspace.model.description import Body, ChamberFamily, MachineDescription
+from toothspace.plotting.style import (
+    GREY,
+    INK,
+    LIGHT,
+    METAL,
+    PRESSURE_COLOURS,
+    new_figure,
+    styled,
+)
+from toothspace.results.solution import Solution
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.colors import Normalize
+    from matplotlib.figure import Figure
+
+_MM = 1e3
+_BAR = 1e5
+_WALL = 0.08  # drawn thickness of the housing over its height
+
+
+@final
+@dataclass(frozen=True)
+class FluidCell:
+    """Fluid of one chamber as polygons.
+
+    Parameters
+    ----------
+    chamber : int
+        Chamber, in the order of the description.
+    region : shapely geometry
+        Area that it fills. [m]
+    """
+
+    chamber: int
+    region: Any
+
+
+def turned_outline(description: MachineDescription, body: Body, shaft_angle: float) -> Array:
+    """Outline of a body in the frame of the machine at a shaft angle. [m]."""
+    turn = body.speed_ratio * shaft_angle
+    rotation = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+    points = description.outlines[body.name] @ rotation.T + np.asarray(body.center)
+    return np.asarray(points)
+
+
+def fluid_cells(description: MachineDescription, shaft_angle: float) -> list[FluidCell]:
+    """Cut the fluid of an external gear machine into tooth spaces.
+
+    Parameters
+    ----------
+    description : MachineDescription
+        Machine with one chamber family per gear, named like the gear.
+    shaft_angle : float
+        Shaft angle. [rad]
+
+    Returns
+    -------
+    list of FluidCell
+        Tooth spaces out to the tip circle. In the mesh, the pitch line divides the fluid
+        between the spaces of both gears; this serves drawing only.
+    """
+    import shapely
+
+    outlines = [turned_outline(description, body, shaft_angle) for body in description.bodies]
+    solids = shapely.union_all([shapely.make_valid(shapely.Polygon(o)) for o in outlines])
+    cells = []
+    first = 0
+    for family in description.families:
+        index = description.body_index(family.name)
+        side = _own_side(description, index)
+        for k, angle in enumerate(_space_angles(description, family, shaft_angle)):
+            sector = _sector(description, index, angle, np.pi / family.count)
+            region = sector.intersection(side).difference(solids)
+            cells.append(FluidCell(first + k, region))
+        first += family.count
+    return cells
+
+
+def _sector(description: MachineDescription, body: int, angle: float, half_width: float) -> Any:
+    import shapely
+
+    center = np.asarray(description.bodies[body].center)
+    turns = np.linspace(angle - half_width, angle + half_width, 25)
+    arc = _tip_radius(description, body) * np.column_stack([np.cos(turns), np.sin(turns)])
+    return shapely.Polygon(np.vstack([center[None], center + arc]))
+
+
+def _own_side(description: MachineDescription, index: int) -> Any:
+    """Half plane of a gear, up to the pitch line."""
+    import shapely
+
+    centers = [np.asarray(body.center) for body in description.bodies]
+    ratios = [abs(body.speed_ratio) for body in description.bodies]
+    pitch = centers[0][1] + (centers[1][1] - centers[0][1]) * ratios[1] / sum(ratios[:2])
+    far = 10.0 * abs(centers[1][1] - centers[0][1])
+    return shapely.box(-far, -far, far, pitch) if index == 0 else shapely.box(-far, pitch, far, far)
+
+
+def _tip_radius(description: MachineDescription, body: int) -> float:
+    points = description.outlines[description.bodies[body].name]
+    return float(np.max(np.hypot(points[:, 0], points[:, 1])))
+
+
+def _space_angles(
+    description: MachineDescription, family: ChamberFamily, shaft_angle: float
+) -> Array:
+    """Direction of the middle of every tooth space in the frame of the machine. [rad].
+
+    The chamber with the smallest volume is in the middle of the mesh; its angle is
+    rounded to the nearest tooth space of the outline.
+    """
+    index = description.body_index(family.name)
+    body = description.bodies[index]
+    grid = np.linspace(0.0, family.volume.period, 721)
+    least = grid[np.argmin(family.volume(grid)[:, 0])]
+    direction = 0.5 * np.pi if index == 0 else -0.5 * np.pi
+    sense = np.sign(body.speed_ratio)
+    rough = direction + sense * (family.phases[0] - least)
+    first = _first_space(description.outlines[body.name], family.count)
+    pitch = 2.0 * np.pi / family.count
+    nearest = first + pitch * np.round((rough - first) / pitch)
+    turned = family.phases - family.phases[0] + family.angle_ratio * shaft_angle
+    return np.asarray(nearest + sense * turned)
+
+
+def _first_space(outline: Array, count: int) -> float:
+    """Direction of the middle of one tooth space in the body's own frame. [rad]."""
+    angle = np.unwrap(np.arctan2(outline[:, 1], outline[:, 0]))
+    order = np.argsort(np.mod(angle, 2.0 * np.pi))
+    known = np.mod(angle, 2.0 * np.pi)[order]
+    radius = np.hypot(outline[:, 0], outline[:, 1])[order]
+    grid = 2.0 * np.pi * np.arange(4096) / 4096
+    uniform = np.interp(grid, known, radius, period=2.0 * np.pi)
+    harmonic = np.sum(uniform * np.exp(-1j * count * grid))
+    return float((np.pi - np.angle(harmonic)) / count)
+
+
+@styled
+def gear_section(
+    solution: Solution,
+    description: MachineDescription,
+    fractions: Sequence[float] = (0.0, 0.25, 0.5, 0.75),
+) -> Figure:
+    """Section of an external gear machine with pressures as colour.
+
+    Parameters
+    ----------
+    solution : Solution
+        Result.
+    description : MachineDescription
+        The machine that it belongs to.
+    fractions : sequence of float
+        Where within one tooth pitch to look, from 0 to 1. [-]
+
+    Returns
+    -------
+    Figure
+        One panel per angle.
+    """
+    angle = np.asarray(solution.data["shaft_angle"])
+    pitch = 2.0 * np.pi / description.families[0].count
+    columns = min(len(fractions), 2)
+    rows = -(-len(fractions) // columns)
+    figure = new_figure(3.5 * columns + 0.9, 5.3 * rows)
+    panels = np.ravel(figure.subplots(rows, columns, squeeze=False))
+    scale = _pressure_scale(solution)
+    for axes, fraction in zip(panels, fractions, strict=False):
+        sample = int(np.argmin(np.abs(angle - angle[0] - fraction * pitch)))
+        _draw_section(axes, solution, description, sample, scale)
+        axes.set_title(f"{np.degrees(angle[sample] - angle[0]):.1f}° of shaft angle")
+    for axes in panels[len(fractions) :]:
+        axes.remove()
+    _colour_bar(figure, list(panels[: len(fractions)]), scale)
+    return figure
+
+
+def _pressure_scale(solution: Solution) -> Normalize:
+    from matplotlib.colors import Normalize
+
+    pressure = np.asarray(solution.data["chamber_pressure"]) / _BAR
+    return Normalize(0.0, float(np.max(pressure)))
+
+
+def _colour_bar(figure: Figure, panels: Sequence[Axes], scale: Normalize) -> None:
+    from matplotlib.cm import ScalarMappable
+
+    mappable = ScalarMappable(scale, PRESSURE_COLOURS)
+    bar = figure.colorbar(mappable, ax=list(panels), shrink=0.6, aspect=30, pad=0.02)
+    bar.set_label("Absolute pressure (bar)")
+    bar.outline.set_visible(False)
+
+
+def _draw_section(
+    axes: Axes, solution: Solution, description: MachineDescription, sample: int, scale: Normalize
+) -> None:
+    import matplotlib as mpl
+
+    colours = mpl.colormaps[PRESSURE_COLOURS]
+    data = solution.data.isel({solution.data["shaft_speed"].dims[0]: sample})
+    shaft_angle = float(data["shaft_angle"])
+    _draw_housing(axes, description)
+    for port in ("inlet", "outlet"):
+        colour = colours(scale(float(data[f"{port}_pressure"]) / _BAR))
+        _fill(axes, _port_region(description, port), facecolor=colour, linewidth=0.0)
+    pressure = np.asarray(data["chamber_pressure"]) / _BAR
+    for cell in fluid_cells(description, shaft_angle):
+        colour = colours(scale(pressure[cell.chamber]))
+        _fill(axes, cell.region, facecolor=colour, edgecolor=colour, linewidth=0.4)
+    _draw_bodies(axes, description, shaft_angle)
+    _draw_grooves(axes, description)
+    axes.set_aspect("equal")
+    axes.set_axis_off()
+
+
+def _draw_housing(axes: Axes, description: MachineDescription) -> None:
+    import shapely
+
+    casing = shapely.make_valid(shapely.Polygon(description.outlines["casing"]))
+    bore = casing.union(_discs(description))
+    wall = _WALL * float(np.ptp(description.outlines["casing"][:, 1]))
+    _fill(axes, bore.buffer(wall).difference(bore), facecolor=LIGHT, edgecolor=GREY, linewidth=0.7)
+
+
+def _discs(description: MachineDescription) -> Any:
+    import shapely
+
+    discs = [
+        shapely.Point(body.center).buffer(_tip_radius(description, k), quad_segs=64)
+        for k, body in enumerate(description.bodies)
+    ]
+    return shapely.union_all(discs)
+
+
+def _port_region(description: MachineDescription, port: str) -> Any:
+    """Duct from the mesh out through the housing, on the side of a port."""
+    import shapely
+
+    low, high = sorted(body.center[1] for body in description.bodies)
+    middle, half = 0.5 * (low + high), 0.25 * (high - low)
+    casing = description.outlines["casing"]
+    far = float(np.max(np.abs(casing[:, 0]))) + _WALL * float(np.ptp(casing[:, 1]))
+    limits = (-far, 0.0) if port == "inlet" else (0.0, far)
+    duct = shapely.box(limits[0], middle - half, limits[1], middle + half)
+    bore = shapely.make_valid(shapely.Polygon(casing))
+    side = bore.intersection(shapely.box(limits[0], low, limits[1], high))
+    return duct.union(side).difference(_discs(description))
+
+
+def _draw_bodies(axes: Axes, description: MachineDescription, shaft_angle: float) -> None:
+    for body in description.bodies:
+        outline = turned_outline(description, body, shaft_angle) * _MM
+        axes.fill(*outline.T, facecolor=METAL, edgecolor=INK, linewidth=0.6)
+        journal = next((j for j in description.journals if j.body == body.name), None)
+        if journal is not None:
+            turn = np.linspace(0.0, 2.0 * np.pi, 181)
+            circle = 0.5 * journal.diameter * np.array([np.cos(turn), np.sin(turn)])
+            center = np.asarray(body.center)[:, None]
+            axes.plot(*((circle + center) * _MM), color=GREY, linewidth=0.7)
+        mark = _MM * np.asarray(body.center)
+        axes.plot(*mark, "+", color=INK, markersize=5, markeredgewidth=0.7)
+
+
+def _draw_grooves(axes: Axes, description: MachineDescription) -> None:
+    for name, outline in description.outlines.items():
+        if "groove" in name:
+            closed = np.vstack([outline, outline[:1]]) * _MM
+            axes.plot(*closed.T, color=INK, linewidth=0.8, linestyle=(0, (4, 2)))
+
+
+def _fill(axes: Axes, region: Any, **style: Any) -> None:
+    """Draw a polygon with holes, or several."""
+    from matplotlib.patches import PathPatch
+    from matplotlib.path import Path
+
+    for polygon in getattr(region, "geoms", [region]):
+        if polygon.is_empty or polygon.geom_type != "Polygon":
+            continue
+        rings = [
+            np.asarray(polygon.exterior.coords),
+            *(np.asarray(r.coords) for r in polygon.interiors),
+        ]
+        paths = [Path(_MM * ring[:, :2], closed=True) for ring in rings]
+        axes.add_patch(PathPatch(Path.make_compound_path(*paths), **style))

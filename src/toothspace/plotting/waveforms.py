@@ -1,0 +1,190 @@
+"""Results over the shaft angle: chamber pressure, ripple and spectra, contacts."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from toothspace.core.types import Array
+from toothspace.model.description import ChamberFamily, MachineDescription
+from toothspace.plotting.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    LIGHT,
+    ORANGE,
+    PORT_COLOURS,
+    angle_axis,
+    new_figure,
+    readable,
+    styled,
+)
+from toothspace.plotting.windows import opening_windows
+from toothspace.results.ripple import ripple_percent, spectrum, whole_revolutions, working_side
+from toothspace.results.solution import Solution
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_BAR = 1e5
+_LITRE_PER_MINUTE = 6e4
+
+
+@styled
+def chamber_pressure_over_turn(
+    solution: Solution, description: MachineDescription | None = None
+) -> Figure:
+    """Pressure of one chamber of each family over its own angle, with its openings marked."""
+    families = description.families if description is not None else (None,)
+    figure = new_figure(7.2, 2.9 * len(families))
+    for axes, family in zip(np.ravel(figure.subplots(len(families), 1)), families, strict=True):
+        if family is None or description is None:
+            _pressure_of_first_chamber(axes, solution)
+            continue
+        angle, pressure, gas = _over_own_angle(solution, description, family)
+        axes.plot(angle, pressure, color=BLUE)
+        if gas is not None and float(np.max(gas)) > 0.1:
+            _gas_axis(axes, angle, gas)
+        _mark_windows(axes, description, family)
+        span = float(np.degrees(family.volume.period))
+        angle_axis(axes, f"Angle of the {readable(family.name).lower()} chamber (deg)", span)
+        axes.set_ylabel("Pressure (bar)")
+        axes.set_title(readable(family.name))
+    return figure
+
+
+def _pressure_of_first_chamber(axes: Axes, solution: Solution) -> None:
+    degrees = _degrees(solution)
+    axes.plot(degrees, np.asarray(solution.data["chamber_pressure"])[:, 0] / _BAR)
+    axes.set_title("Pressure of the first chamber")
+    axes.set_ylabel("Pressure (bar)")
+    angle_axis(axes, span=float(degrees[-1]))
+
+
+def _over_own_angle(
+    solution: Solution, description: MachineDescription, family: ChamberFamily
+) -> tuple[Array, Array, Array | None]:
+    """Samples of the first chamber that has them all, in the order of its own angle."""
+    column = description.chamber_labels.index(f"{family.name}_0")
+    shaft_angle = np.asarray(solution.data["shaft_angle"])
+    turn = shaft_angle >= shaft_angle[-1] - family.volume.period / family.angle_ratio
+    own = np.mod(family.phases[0] + family.angle_ratio * shaft_angle[turn], family.volume.period)
+    order = np.argsort(own)
+    pressure = np.asarray(solution.data["chamber_pressure"])[turn, column] / _BAR
+    gas = None
+    if "chamber_gas_fraction" in solution.data:
+        gas = np.asarray(solution.data["chamber_gas_fraction"])[turn, column][order]
+    return np.degrees(own[order]), pressure[order], gas
+
+
+def _gas_axis(axes: Axes, angle: Array, gas: Array) -> None:
+    twin = axes.twinx()
+    twin.fill_between(angle, 100.0 * gas, color=GREEN, alpha=0.2, linewidth=0.0)
+    twin.set_ylim(0.0, 100.0)
+    twin.set_ylabel("Gas and vapour (vol %)", color=GREEN)
+    twin.grid(visible=False)
+
+
+def _mark_windows(axes: Axes, description: MachineDescription, family: ChamberFamily) -> None:
+    low, high = axes.get_ylim()
+    shown = [c for c in PORT_COLOURS if opening_windows(description, family, c)]
+    step = 0.055 * (high - low)
+    for k, category in enumerate(shown):
+        level = low - (k + 1) * step
+        for start, end in opening_windows(description, family, category):
+            color = PORT_COLOURS[category]
+            axes.plot(
+                np.degrees([start, end]),
+                [level, level],
+                color=color,
+                linewidth=4.0,
+                solid_capstyle="butt",
+            )
+        axes.plot([], [], color=PORT_COLOURS[category], linewidth=4.0, label=readable(category))
+    axes.set_yticks([tick for tick in axes.get_yticks() if 0.0 <= tick <= high])
+    axes.set_ylim(low - (len(shown) + 1) * step, high)
+    if shown:
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, borderaxespad=0.2)
+
+
+@styled
+def ripple_and_spectrum(
+    solution: Solution, description: MachineDescription | None = None
+) -> Figure:
+    """Flow, pressure and torque over one turn, each with its spectrum in shaft orders."""
+    data = solution.data
+    side = working_side(data)
+    rows = (
+        (f"{side}_flow_rate", f"{readable(side)} flow (L/min)", _LITRE_PER_MINUTE, BLUE),
+        (f"{side}_pressure", f"{readable(side)} pressure (bar)", 1.0 / _BAR, ORANGE),
+        ("shaft_torque", "Shaft torque (N m)", 1.0, GREEN),
+    )
+    teeth = description.families[0].count if description is not None else None
+    figure = new_figure(7.2, 6.4)
+    grid = figure.subplots(3, 2, width_ratios=(3, 2))
+    angle = np.asarray(data["shaft_angle"])
+    for (left, right), (name, label, factor, color) in zip(grid, rows, strict=True):
+        signal = factor * np.asarray(data[name])
+        _waveform(left, angle, signal, label, color)
+        _order_bars(right, angle, signal, label, color, teeth)
+    grid[0][0].set_title("Over one turn")
+    grid[0][1].set_title("Spectrum")
+    angle_axis(grid[2][0])
+    grid[2][1].set_xlabel("Shaft order (-)")
+    return figure
+
+
+def _waveform(axes: Axes, angle: Array, signal: Array, label: str, color: str) -> None:
+    uniform, values, revolutions = whole_revolutions(angle, signal)
+    last = slice(-(uniform.size // revolutions), None)
+    degrees = np.degrees(uniform[last] - uniform[last][0])
+    axes.plot(degrees, values[last], color=color)
+    axes.axhline(float(np.mean(values)), color=GREY, linewidth=0.8, linestyle="--")
+    axes.set_ylabel(label)
+    angle_axis(axes, label="")
+    if np.ptp(values) < 1e-6 * max(abs(float(np.mean(values))), 1e-30):
+        axes.set_ylim(0.0, 1.2 * float(np.max(values)) or 1.0)
+    relative = f" ({ripple_percent(values):.2f} %)" if "bar" not in label else ""
+    note = f"mean {np.mean(values):.4g}, peak to peak {np.ptp(values):.3g}{relative}"
+    axes.text(1.0, 1.02, note, transform=axes.transAxes, ha="right", fontsize=8, color=GREY)
+
+
+def _order_bars(
+    axes: Axes, angle: Array, signal: Array, label: str, color: str, teeth: int | None
+) -> None:
+    result = spectrum(angle, signal)
+    shown = (result.order > 0.5) & (result.order <= (6 * teeth + 1 if teeth else 100))
+    for k in range(1, 7 if teeth else 1):
+        axes.axvline(k * (teeth or 0), color=LIGHT, linewidth=5.0, zorder=0)
+    axes.vlines(result.order[shown], 0.0, result.amplitude[shown], color=color, linewidth=1.6)
+    if teeth:
+        axes.set_xticks([k * teeth for k in range(7)])
+    axes.set_ylim(bottom=0.0, top=1.1 * float(np.max(result.amplitude[shown])) or 1.0)
+    axes.set_ylabel("Amplitude (" + label.rsplit("(", maxsplit=1)[1])
+
+
+@styled
+def contact_forces(solution: Solution, description: MachineDescription | None = None) -> Figure:
+    """Normal force of every contact over the shaft angle, and their sum."""
+    degrees = _degrees(solution)
+    force = np.asarray(solution.data["contact_force"])
+    names = sorted({str(c).rsplit("_", 1)[0] for c in solution.data["contact"].values})
+    figure = new_figure(7.2, 3.0)
+    axes = figure.subplots()
+    for name, color in zip(names, (BLUE, ORANGE, GREEN, GREY), strict=False):
+        members = [str(c).rsplit("_", 1)[0] == name for c in solution.data["contact"].values]
+        axes.plot(degrees, force[:, members] / 1e3, color=color, linewidth=1.0)
+        axes.plot([], [], color=color, label=readable(name))
+    axes.plot(degrees, force.sum(axis=1) / 1e3, color=GREY, linestyle="--", label="Sum")
+    axes.set_ylabel("Contact force (kN)")
+    axes.set_title("Contact forces between the teeth")
+    angle_axis(axes, span=float(degrees[-1]))
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, borderaxespad=0.2)
+    return figure
+
+
+def _degrees(solution: Solution) -> Array:
+    angle = np.asarray(solution.data["shaft_angle"])
+    return np.asarray(np.degrees(angle - angle[0]))

@@ -1,0 +1,69 @@
+"""Where a chamber is open to ports and grooves, over its own table angle."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toothspace.core.types import Array
+from toothspace.model.description import ChamberFamily, FlowPath, MachineDescription
+
+
+def opening_area(
+    description: MachineDescription, family: ChamberFamily, category: str, angle: Array
+) -> Array:
+    """Open area between one chamber and all paths of a category.
+
+    Parameters
+    ----------
+    description : MachineDescription
+        The machine.
+    family : ChamberFamily
+        Family of the chamber.
+    category : str
+        Category of the flow paths, for example ``inlet_port``.
+    angle : ndarray
+        Table angle of the chamber. [rad]
+
+    Returns
+    -------
+    ndarray
+        Area; zero where nothing is open. [m2]
+    """
+    first = _first_chamber(description, family)
+    area = np.zeros_like(angle)
+    for path in description.paths:
+        if path.category != category or path.kind != "orifice":
+            continue
+        for member in np.flatnonzero((path.nodes_a == first) | (path.nodes_b == first)):
+            offset = _offset(path, family, int(member))
+            scale = path.angle_ratio / family.angle_ratio
+            area = area + path.multiplicity * path.geometry(scale * angle + offset)[..., 0]
+    return area
+
+
+def opening_windows(
+    description: MachineDescription, family: ChamberFamily, category: str
+) -> list[tuple[float, float]]:
+    """Intervals of the chamber's table angle in which a category is open. [rad]."""
+    angle = np.linspace(0.0, family.volume.period, 721)
+    area = opening_area(description, family, category, angle)
+    opened = area > 1e-4 * max(float(area.max()), 1e-12)
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], opened, [False]]).astype(int)))
+    return [
+        (float(angle[start]), float(angle[end - 1]))
+        for start, end in zip(edges[::2], edges[1::2], strict=True)
+    ]
+
+
+def _offset(path: FlowPath, family: ChamberFamily, member: int) -> float:
+    scale = path.angle_ratio / family.angle_ratio
+    return float(path.phases[member] - scale * family.phases[0])
+
+
+def _first_chamber(description: MachineDescription, family: ChamberFamily) -> int:
+    before = 0
+    for other in description.families:
+        if other.name == family.name:
+            break
+        before += other.count
+    return before

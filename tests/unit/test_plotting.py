@@ -1,0 +1,94 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.fake_solution import TEETH, TIP_RADIUS, fake_description, fake_solution
+from toothspace.plotting.catalogue import FIGURES, FigureEntry, available_figures
+from toothspace.plotting.section import fluid_cells, turned_outline
+from toothspace.plotting.style import figure_to_png, figure_to_svg
+from toothspace.plotting.windows import opening_area, opening_windows
+
+
+@pytest.fixture(scope="module")
+def parts() -> tuple[object, object]:
+    return fake_solution(), fake_description()
+
+
+def test_every_figure_is_available_with_solution_and_machine(parts) -> None:
+    assert available_figures(*parts) == list(FIGURES)
+
+
+def test_figures_of_the_machine_need_the_machine(parts) -> None:
+    names = {entry.name for entry in available_figures(parts[0], None)}
+    assert names.isdisjoint({"gear_section", "volumes", "openings"})
+    assert "ripple" in names
+
+
+def test_figures_whose_variables_are_missing_are_left_out(parts) -> None:
+    from dataclasses import replace
+
+    solution = replace(parts[0], data=parts[0].data.drop_vars("contact_force"))
+    assert "contact_forces" not in {e.name for e in available_figures(solution, parts[1])}
+
+
+@pytest.mark.parametrize("entry", FIGURES, ids=lambda entry: entry.name)
+def test_figures_have_titles_and_labelled_axes(entry: FigureEntry, parts) -> None:
+    figure = entry.draw(*parts)
+    assert figure_to_png(figure, 40.0).startswith(b"\x89PNG")
+    titles = [axes.get_title(loc="left") + axes.get_title() for axes in figure.axes]
+    assert any(titles) or figure.get_suptitle()
+    for axes in figure.axes:
+        if axes.name == "rectilinear" and axes.axison and axes.get_ylabel():
+            assert "(" in axes.get_ylabel()  # every quantity says its unit
+
+
+def test_drawing_leaves_global_settings_alone(parts) -> None:
+    import matplotlib as mpl
+
+    before = dict(mpl.rcParams)
+    figure_to_svg(FIGURES[-1].draw(*parts))
+    assert dict(mpl.rcParams) == before
+
+
+def test_svg_is_reproducible(parts) -> None:
+    first, second = (figure_to_svg(FIGURES[-1].draw(*parts)) for _ in range(2))
+    assert first == second
+    assert first.startswith("<svg")
+
+
+@pytest.mark.parametrize("shaft_angle", [0.0, 0.2, 0.5, 3.0])
+def test_cells_fill_the_fluid_of_the_gears_once(shaft_angle: float) -> None:
+    import shapely
+
+    description = fake_description()
+    cells = fluid_cells(description, shaft_angle)
+    assert [cell.chamber for cell in cells] == list(range(2 * TEETH))
+    union = shapely.union_all([cell.region for cell in cells])
+    total = sum(cell.region.area for cell in cells)
+    assert union.area == pytest.approx(total, rel=1e-6)
+    bodies = description.bodies
+    discs = [shapely.Point(b.center).buffer(TIP_RADIUS, quad_segs=64) for b in bodies]
+    solids = [shapely.Polygon(turned_outline(description, b, shaft_angle)) for b in bodies]
+    fluid = shapely.union_all(discs).difference(shapely.union_all(solids))
+    assert total == pytest.approx(fluid.area, rel=2e-3)  # arcs are drawn as polygons
+
+
+def test_cells_turn_with_their_gear() -> None:
+    description = fake_description()
+    step = 0.1
+    before, after = fluid_cells(description, 1.0), fluid_cells(description, 1.0 + step)
+    start = np.array(before[9].region.centroid.coords[0])
+    end = np.array(after[9].region.centroid.coords[0])
+    turned = np.arctan2(end[1], end[0]) - np.arctan2(start[1], start[0])
+    assert turned == pytest.approx(step, abs=0.01)
+
+
+def test_opening_windows_enclose_the_open_area() -> None:
+    description = fake_description()
+    family = description.families[0]
+    ((start, end),) = opening_windows(description, family, "outlet_port")
+    outside = np.array([start - 0.05, end + 0.05])
+    assert np.all(opening_area(description, family, "outlet_port", outside) < 1e-8)
+    middle = np.array([0.5 * (start + end)])
+    assert opening_area(description, family, "outlet_port", middle)[0] > 1e-5
