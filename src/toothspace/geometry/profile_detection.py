@@ -1,0 +1,390 @@
+"""Find teeth, centre and phase in a closed gear outline and fold all teeth into one pitch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import final
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from toothspace.core.errors import GeometryError
+from toothspace.core.types import Array
+from toothspace.geometry.curve import (
+    arc_lengths,
+    counter_clockwise,
+    resample_by_curvature,
+    signed_area,
+)
+from toothspace.geometry.gear_profile import GearProfile
+from toothspace.geometry.involute import MAX_TOOTH_COUNT, MIN_TOOTH_COUNT
+from toothspace.geometry.involute_fit import fit_involute
+from toothspace.geometry.polygon import checked_polygon
+
+_CORNER_ANGLE = np.deg2rad(20.0)
+_SECTION_POINTS = 1501
+_CENTER_STEPS = 6
+_CENTER_TOLERANCE = 1e-9
+_FLAT_LAND = 2e-3
+# share of the outline's area that must vary with the tooth angle
+_SMALLEST_MODULATION = 5e-3
+
+
+@final
+@dataclass(frozen=True)
+class DetectedGear:
+    """What a gear outline contains.
+
+    Parameters
+    ----------
+    profile : GearProfile
+        Median of all teeth, own frame, tooth centred on the x axis.
+    center : tuple of float
+        Gear centre in the frame of the outline. [m]
+    phase : float
+        Polar angle of the first tooth axis about the centre, 0 to one pitch. [rad]
+    tooth_count : int
+        Number of teeth.
+    tooth_deviation : ndarray
+        Largest distance of each tooth from the median tooth, shape (tooth_count,). [m]
+    """
+
+    profile: GearProfile
+    center: tuple[float, float]
+    phase: float
+    tooth_count: int
+    tooth_deviation: Array
+
+
+def gear_profile_from_curve(
+    points: Array, points_per_tooth: int = 200, key: str = "profile"
+) -> DetectedGear:
+    r"""Gear in a closed outline of all its teeth.
+
+    Parameters
+    ----------
+    points : ndarray
+        Closed curve, shape (n, 2), in any position and direction. [m]
+    points_per_tooth : int
+        Number of intervals of the resulting pitch, even, at least 40.
+    key : str
+        Name of the outline for error messages.
+
+    Returns
+    -------
+    DetectedGear
+        Median tooth, centre, phase, tooth count, deviation of every tooth.
+
+    Raises
+    ------
+    GeometryError
+        For an empty or self-crossing curve, or one without 5 to 400 equal teeth.
+
+    Notes
+    -----
+    The tooth count is the strongest term of the area spectrum
+    :math:`c_k = \frac12 \oint r^2 e^{-ik\vartheta} d\vartheta`, which also holds for undercut
+    teeth whose radius is not a function of the angle; its argument gives the phase. The centre
+    starts at the centroid and is shifted until the mean of the opposing deviations vanishes.
+    """
+    outline = _smooth_outline(checked_polygon(points, key))
+    center = _centroid(outline)
+    tooth_count = _tooth_count(outline - center, key)
+    for _ in range(_CENTER_STEPS):
+        phase = _phase(outline - center, tooth_count)
+        teeth = _teeth_in_sections(outline - center, tooth_count, phase, key)
+        shift = _center_shift(teeth, phase)
+        center = center + shift
+        if np.hypot(*shift) < _CENTER_TOLERANCE:
+            break
+    median = np.median(teeth, axis=0)
+    turn = _flank_symmetry(median)
+    profile = _profile_from_tooth(_turned(median, -turn), tooth_count, points_per_tooth)
+    return DetectedGear(
+        profile=profile,
+        center=(float(center[0]), float(center[1])),
+        phase=float((phase + turn) % (2.0 * np.pi / tooth_count)),
+        tooth_count=tooth_count,
+        tooth_deviation=_tooth_deviations(teeth, median),
+    )
+
+
+def gear_profile_from_tooth(
+    points: Array, tooth_count: int, points_per_tooth: int = 200, key: str = "profile"
+) -> GearProfile:
+    """Gear from the open curve of a single pitch, root middle to root middle.
+
+    Parameters
+    ----------
+    points : ndarray
+        Open curve, shape (n, 2), gear centre at the origin, in either direction. [m]
+    tooth_count : int
+        Number of teeth.
+    points_per_tooth : int
+        Number of intervals of the resulting pitch.
+    key : str
+        Name of the curve for error messages.
+
+    Returns
+    -------
+    GearProfile
+        The pitch, tooth turned to the x axis.
+
+    Raises
+    ------
+    GeometryError
+        If the curve does not span one pitch within 1 %, or its ends differ in radius by over 1 %.
+    """
+    angle = np.unwrap(np.arctan2(points[:, 1], points[:, 0]))
+    ordered = points if angle[-1] > angle[0] else points[::-1]
+    span, pitch = abs(angle[-1] - angle[0]), 2.0 * np.pi / tooth_count
+    radius = np.hypot(ordered[:, 0], ordered[:, 1])
+    if abs(span - pitch) > 0.01 * pitch or abs(radius[0] - radius[-1]) > 0.01 * radius[0]:
+        raise GeometryError(
+            f"{key}: found an open curve over {np.rad2deg(span):.4g} deg with end radii "
+            f"{radius[0] * 1e3:.4g} and {radius[-1] * 1e3:.4g} mm, allowed one pitch of "
+            f"{np.rad2deg(pitch):.4g} deg between equal radii"
+        )
+    dense = _dense(ordered)
+    centered = _turned(dense, -0.5 * (angle[0] + angle[-1]))
+    tooth = _in_sections(centered, _tip_tolerance(centered))
+    return _profile_from_tooth(_turned(tooth, -_flank_symmetry(tooth)), tooth_count,
+                               points_per_tooth)  # fmt: skip
+
+
+def _smooth_outline(points: Array) -> Array:
+    # cubic splines between corners; the cut is a corner or, without any, an ordinary point
+    step = np.roll(points, -1, axis=0) - points
+    heading = np.arctan2(step[:, 1], step[:, 0])
+    bend = (heading - np.roll(heading, 1) + np.pi) % (2.0 * np.pi) - np.pi
+    corners = np.flatnonzero(np.abs(bend) > _CORNER_ANGLE)
+    start = int(corners[0]) if len(corners) else 0
+    rolled = np.roll(points, -start, axis=0)
+    cuts = np.unique(np.concatenate([[0], corners - start, [len(points)]]))
+    closed = np.vstack([rolled, rolled[:1]])
+    pieces = [_dense(closed[a : b + 1])[:-1] for a, b in pairwise(cuts)]
+    return np.vstack(pieces)
+
+
+def _dense(points: Array) -> Array:
+    # four points per interval; straight where a spline would swing out
+    along = arc_lengths(points)
+    count = 4 * (len(points) - 1)
+    fine = np.interp(np.arange(count + 1) / 4.0, np.arange(len(along)), along)
+    straight = np.column_stack([np.interp(fine, along, points[:, axis]) for axis in (0, 1)])
+    if len(points) < 5:
+        return straight
+    smooth = np.asarray(CubicSpline(along, points)(fine))
+    interval = np.repeat(np.diff(along), 4)
+    swing = np.hypot(*(smooth - straight).T)[:-1] > 0.1 * interval
+    chosen = np.where(np.append(swing, False)[:, None], straight, smooth)
+    chosen[::4] = points
+    return chosen
+
+
+def _centroid(points: Array) -> Array:
+    import shapely
+
+    middle = shapely.Polygon(points).centroid
+    return np.array([middle.x, middle.y])
+
+
+def _tooth_count(points: Array, key: str) -> int:
+    orders = np.arange(MIN_TOOTH_COUNT, MAX_TOOTH_COUNT + 1)
+    angle, weight = _area_elements(points)
+    if abs(weight.sum() - abs(signed_area(points))) > 0.05 * abs(signed_area(points)):
+        raise GeometryError(
+            f"{key}: found an outline that does not run round its centre, allowed a whole gear"
+        )
+    spectrum = np.abs(np.exp(-1j * orders[:, None] * angle[None, :]) @ weight)
+    strongest = int(np.argmax(spectrum))
+    if spectrum[strongest] < _SMALLEST_MODULATION * abs(signed_area(points)):
+        raise GeometryError(
+            f"{key}: found no repeating teeth, allowed an outline of {MIN_TOOTH_COUNT} to "
+            f"{MAX_TOOTH_COUNT} equal teeth"
+        )
+    return int(orders[strongest])
+
+
+def _phase(points: Array, tooth_count: int) -> float:
+    angle, weight = _area_elements(points)
+    term = np.sum(weight * np.exp(-1j * tooth_count * angle))
+    return float(-np.angle(term) / tooth_count) % (2.0 * np.pi / tooth_count)
+
+
+def _area_elements(points: Array) -> tuple[Array, Array]:
+    # sectors between neighbouring points: middle angle and area
+    following = np.roll(points, -1, axis=0)
+    area = 0.5 * (points[:, 0] * following[:, 1] - points[:, 1] * following[:, 0])
+    middle = points + following
+    return np.arctan2(middle[:, 1], middle[:, 0]), area
+
+
+def _teeth_in_sections(points: Array, tooth_count: int, phase: float, key: str) -> Array:
+    # every tooth turned to the x axis and described by the same number of points per section
+    outline = counter_clockwise(points)
+    angle = np.unwrap(np.arctan2(outline[:, 1], outline[:, 0]))
+    pitch = 2.0 * np.pi / tooth_count
+    start = phase - 0.5 * pitch
+    cut = int(np.argmin(np.abs((angle - start + np.pi) % (2.0 * np.pi) - np.pi)))
+    outline = np.roll(outline, -cut, axis=0)
+    angle = np.unwrap(np.arctan2(outline[:, 1], outline[:, 0]))
+    turns = np.round((angle[0] - start) / (2.0 * np.pi)) * 2.0 * np.pi
+    angle = np.append(angle - turns, angle[0] - turns + 2.0 * np.pi)
+    outline = np.vstack([outline, outline[:1]])
+    pieces = [
+        _turned(_between(outline, angle, start + k * pitch, pitch), -(phase + k * pitch))
+        for k in range(tooth_count)
+    ]
+    heights = [float(np.hypot(*piece.T).max()) for piece in pieces]
+    scatter = float(np.ptp(heights))
+    if scatter > 0.2 * (max(heights) - min(float(np.hypot(*p.T).min()) for p in pieces)):
+        raise GeometryError(
+            f"{key}: found teeth whose tip radii differ by {scatter * 1e3:.3g} mm, allowed "
+            f"{tooth_count} equal teeth"
+        )
+    return np.array([_in_sections(piece, _tip_tolerance(piece)) for piece in pieces])
+
+
+def _between(outline: Array, angle: Array, start: float, span: float) -> Array:
+    # first passage of both root middles, with the end points interpolated
+    first = int(np.argmax(angle >= start - 1e-12))
+    last = int(np.argmax(angle >= start + span - 1e-12))
+    last = last if last > first else len(angle) - 1
+    begin = _at_angle(outline, angle, first, start)
+    end = _at_angle(outline, angle, last, start + span)
+    inner = outline[first:last]
+    return np.vstack([begin, inner[1:] if _close(inner[0], begin) else inner, end])
+
+
+def _close(first: Array, second: Array) -> bool:
+    return bool(np.hypot(*(first - second)) < 1e-12)
+
+
+def _at_angle(outline: Array, angle: Array, index: int, at: float) -> Array:
+    below = max(index - 1, 0)
+    rise = angle[index] - angle[below]
+    share = 1.0 if rise == 0.0 else float(np.clip((at - angle[below]) / rise, 0.0, 1.0))
+    return outline[below] + share * (outline[index] - outline[below])
+
+
+def _tip_tolerance(tooth: Array) -> float:
+    # noise of the radius about a smooth curve on the middle half of the tip
+    radius = np.hypot(tooth[:, 0], tooth[:, 1])
+    height = float(np.ptp(radius))
+    top = np.flatnonzero(radius > radius.max() - 0.01 * height)
+    angle = np.arctan2(tooth[:, 1], tooth[:, 0])
+    low, high = angle[top].min(), angle[top].max()
+    middle = top[np.abs(angle[top] - 0.5 * (low + high)) < 0.25 * (high - low)]
+    noise = 0.0
+    if len(middle) > 12:
+        smooth = np.polynomial.Polynomial.fit(angle[middle], radius[middle], 4)(angle[middle])
+        noise = float(np.std(radius[middle] - smooth))
+    return max(2e-8, 1e-5 * height, 3.0 * noise)
+
+
+def _in_sections(tooth: Array, tolerance: float) -> Array:
+    radius = np.hypot(tooth[:, 0], tooth[:, 1])
+    top = np.flatnonzero(radius >= radius.max() - tolerance)
+    first, last = int(top[0]), int(top[-1])
+    if last - first < 1:
+        first, last = max(first - 1, 1), min(last + 1, len(tooth) - 2)
+    sections = (tooth[: first + 1], tooth[first : last + 1], tooth[last:])
+    return np.vstack([_evenly(section) for section in sections])
+
+
+def _evenly(points: Array) -> Array:
+    along = arc_lengths(points)
+    wanted = np.linspace(0.0, along[-1], _SECTION_POINTS)
+    return np.column_stack([np.interp(wanted, along, points[:, axis]) for axis in (0, 1)])
+
+
+def _center_shift(teeth: Array, phase: float) -> Array:
+    # a shift d moves every point by its normal part n.d: least squares over all teeth
+    median = np.median(teeth, axis=0)
+    tangent = np.gradient(median, axis=0)
+    length = np.hypot(tangent[:, 0], tangent[:, 1])
+    normal = np.column_stack([tangent[:, 1], -tangent[:, 0]]) / np.maximum(length, 1e-15)[:, None]
+    gap = np.sum((teeth - median) * normal, axis=2)
+    pitch = 2.0 * np.pi / len(teeth)
+    turned = [_turned(normal, phase + k * pitch) for k in range(len(teeth))]
+    directions = np.vstack(turned)
+    limit = 3.0 * np.median(np.abs(gap)) + 1e-12
+    weight = np.minimum(1.0, limit / np.maximum(np.abs(gap.ravel()), 1e-15))
+    weight *= np.tile(length, len(teeth))
+    matrix = directions.T @ (directions * weight[:, None])
+    return np.linalg.solve(matrix, directions.T @ (weight * gap.ravel()))
+
+
+def _tooth_deviations(teeth: Array, median: Array) -> Array:
+    import shapely
+
+    reference = shapely.LineString(median)
+    return np.array([shapely.distance(shapely.points(tooth[::8]), reference).max()
+                     for tooth in teeth])  # fmt: skip
+
+
+def _flank_symmetry(tooth: Array) -> float:
+    # mean polar angle of both flanks at half height
+    radius = np.hypot(tooth[:, 0], tooth[:, 1])
+    angle = np.arctan2(tooth[:, 1], tooth[:, 0])
+    right, left = slice(0, _SECTION_POINTS), slice(2 * _SECTION_POINTS, None)
+    top, bottom = radius.max(), radius.min()
+    levels = bottom + np.linspace(0.4, 0.8, 41) * (top - bottom)
+    rising = np.interp(levels, np.maximum.accumulate(radius[right]), angle[right])
+    falling = np.interp(levels, np.maximum.accumulate(radius[left][::-1]), angle[left][::-1])
+    return float(0.5 * np.mean(rising + falling))
+
+
+def _profile_from_tooth(tooth: Array, tooth_count: int, points_per_tooth: int) -> GearProfile:
+    right, land, left = np.split(_round_land(tooth), [_SECTION_POINTS, 2 * _SECTION_POINTS])
+    flank_intervals = int(0.46 * points_per_tooth)
+    tip_end = points_per_tooth - flank_intervals
+    first = resample_by_curvature(_thinned(right), flank_intervals)
+    top = resample_by_curvature(_thinned(land), tip_end - flank_intervals)
+    last = resample_by_curvature(_thinned(left), flank_intervals)
+    points = _joined_roots(np.vstack([first, top[1:], last[1:]]), tooth_count)
+    radius = np.hypot(points[:, 0], points[:, 1])
+    fit = fit_involute(tooth, _SECTION_POINTS - 1, 2 * _SECTION_POINTS)
+    return GearProfile(
+        tooth_count=tooth_count,
+        points=points,
+        tip_start=flank_intervals,
+        tip_end=tip_end,
+        tip_radius=float(radius.max()),
+        root_radius=float(radius.min()),
+        base_radius=None if fit is None else fit.base_radius,
+    )
+
+
+def _round_land(tooth: Array) -> Array:
+    # noise and facets of a nearly circular land are replaced by its median circle
+    radius = np.hypot(tooth[:, 0], tooth[:, 1])
+    land = slice(_SECTION_POINTS - 1, 2 * _SECTION_POINTS + 1)
+    middle = float(np.median(radius[land]))
+    if np.abs(radius[land] - middle).max() > _FLAT_LAND * np.ptp(radius):
+        return tooth
+    rounded = tooth.copy()
+    rounded[land] *= (middle / radius[land])[:, None]
+    return rounded
+
+
+def _thinned(points: Array) -> Array:
+    step = np.hypot(*np.diff(points, axis=0).T)
+    return points[np.concatenate([[True], step > 1e-12])]
+
+
+def _joined_roots(points: Array, tooth_count: int) -> Array:
+    # neighbouring pitches share their end point
+    half = np.pi / tooth_count
+    radius = 0.5 * (np.hypot(*points[0]) + np.hypot(*points[-1]))
+    joined = points.copy()
+    joined[0] = radius * np.cos(half), -radius * np.sin(half)
+    joined[-1] = radius * np.cos(half), radius * np.sin(half)
+    return joined
+
+
+def _turned(points: Array, angle: float) -> Array:
+    cosine, sine = np.cos(angle), np.sin(angle)
+    return points @ np.array([[cosine, sine], [-sine, cosine]])
