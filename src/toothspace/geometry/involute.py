@@ -13,157 +13,17 @@ from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array, FloatOrArray
 from toothspace.geometry.curve import CurveSegment, sample_segments
 from toothspace.geometry.gear_profile import GearProfile
+from toothspace.geometry.involute_gear import InvoluteGear, involute_function
 
-MIN_TOOTH_COUNT = 5
-MAX_TOOTH_COUNT = 400
-DEFAULT_TOOL_TIP_RADIUS = 0.38
-
-
-def involute_function(pressure_angle: FloatOrArray) -> FloatOrArray:
-    """Involute function, tan(a) - a, of a pressure angle in [rad]."""
-    return np.tan(pressure_angle) - pressure_angle
-
-
-@final
-@dataclass(frozen=True)
-class InvoluteGear:
-    """Parameters of a spur gear that a straight-sided rack with rounded tip would cut.
-
-    Parameters
-    ----------
-    tooth_count : int
-        Number of teeth, 5 to 400.
-    module : float
-        Reference diameter over tooth count. [m]
-    pressure_angle : float
-        Flank angle of the rack. [rad]
-    profile_shift : float
-        Distance of the rack from its standard place, positive away from the centre. [module]
-    tip_diameter : float or None
-        Outside diameter; None for ``module (tooth_count + 2 + 2 profile_shift)``. [m]
-    dedendum : float
-        Depth of the root below the rack's reference line. [module]
-    tool_tip_radius : float or None
-        Radius of the rack's tip corners; None for 0.38, or for the fully rounded tip where 0.38
-        does not fit. [module]
-    tip_rounding : float
-        Radius of the arc that joins flank and tip circle tangentially, 0 for a sharp corner. [m]
-
-    Raises
-    ------
-    GeometryError
-        If a value is outside its range; the tooth form is checked by ``tooth_form``.
-    """
-
-    tooth_count: int
-    module: float
-    pressure_angle: float = np.deg2rad(20.0)
-    profile_shift: float = 0.0
-    tip_diameter: float | None = None
-    dedendum: float = 1.25
-    tool_tip_radius: float | None = None
-    tip_rounding: float = 0.0
-
-    def __post_init__(self) -> None:
-        count = self.tooth_count
-        if not (MIN_TOOTH_COUNT <= count <= MAX_TOOTH_COUNT and int(count) == count):
-            raise GeometryError(
-                f"tooth_count: found {count}, allowed an integer {MIN_TOOTH_COUNT} to "
-                f"{MAX_TOOTH_COUNT}"
-            )
-        _check("module", self.module * 1e3, 1e-2, 1e3, "mm")
-        _check("pressure_angle", np.rad2deg(self.pressure_angle), 10.0, 35.0, "deg")
-        _check("profile_shift", self.profile_shift, -1.5, 2.5, "modules")
-        _check("dedendum", self.dedendum, 0.5, 2.0, "modules")
-        _check("tip_rounding", self.tip_rounding * 1e3, 0.0, 0.5 * self.module * 1e3, "mm")
-        if self.tip_diameter is not None:
-            upper = self.module * (self.tooth_count + 8.0)
-            _check("tip_diameter", self.tip_diameter * 1e3, 0.0, upper * 1e3, "mm", open_low=True)
-        self._check_tool()
-
-    def _check_tool(self) -> None:
-        if self._largest_tool_tip_radius < 0.0:
-            raise GeometryError(
-                f"dedendum: found {self.dedendum:g} modules, allowed up to "
-                f"{0.25 * np.pi / np.tan(self.pressure_angle):.4g} (the rack tooth is pointed)"
-            )
-        if self.tool_tip_radius is not None:
-            _check("tool_tip_radius", self.tool_tip_radius, 0.0, self._largest_tool_tip_radius,
-                   "modules")  # fmt: skip
-
-    @property
-    def _largest_tool_tip_radius(self) -> float:
-        alpha = self.pressure_angle
-        tip_half_width = 0.25 * np.pi - self.dedendum * np.tan(alpha)
-        return float(tip_half_width * np.cos(alpha) / (1.0 - np.sin(alpha)))
-
-    @property
-    def rack_tip_radius(self) -> float:
-        """Radius of the rack's tip corners [m]."""
-        radius = self.tool_tip_radius
-        if radius is None:
-            radius = min(DEFAULT_TOOL_TIP_RADIUS, self._largest_tool_tip_radius)
-        return self.module * radius
-
-    @property
-    def reference_radius(self) -> float:
-        """Radius at which the rack rolls [m]."""
-        return 0.5 * self.module * self.tooth_count
-
-    @property
-    def base_radius(self) -> float:
-        """Radius of the circle that the involute unwinds from [m]."""
-        return float(self.reference_radius * np.cos(self.pressure_angle))
-
-    @property
-    def base_pitch(self) -> float:
-        """Distance of neighbouring flanks along their common normal [m]."""
-        return float(np.pi * self.module * np.cos(self.pressure_angle))
-
-    @property
-    def root_radius(self) -> float:
-        """Radius of the root circle [m]."""
-        return self.reference_radius - (self.dedendum - self.profile_shift) * self.module
-
-    @property
-    def tip_radius(self) -> float:
-        """Radius of the tip circle [m]."""
-        if self.tip_diameter is not None:
-            return 0.5 * self.tip_diameter
-        return self.reference_radius + (1.0 + self.profile_shift) * self.module
-
-    @property
-    def base_half_angle(self) -> float:
-        """Half of the tooth's angular thickness on the base circle [rad]."""
-        half = 0.25 * np.pi + self.profile_shift * np.tan(self.pressure_angle)
-        return float(2.0 * half / self.tooth_count + involute_function(self.pressure_angle))
-
-    def half_angle(self, radius: FloatOrArray) -> FloatOrArray:
-        """Half of the angular thickness of the unlimited involute tooth.
-
-        Parameters
-        ----------
-        radius : float or ndarray
-            Distance from the centre, at least the base radius. [m]
-
-        Returns
-        -------
-        float or ndarray
-            Half angle; negative above the point where the flanks cross. [rad]
-        """
-        angle = np.arccos(np.minimum(self.base_radius / np.asarray(radius), 1.0))
-        return self.base_half_angle - involute_function(angle)
-
-    def tooth_thickness(self, radius: FloatOrArray) -> FloatOrArray:
-        """Arc thickness of the involute tooth at a radius of at least the base radius [m]."""
-        return 2.0 * np.asarray(radius) * self.half_angle(radius)
-
-    @property
-    def smallest_shift_without_undercut(self) -> float:
-        """Profile shift below which the rack's tip corner cuts into the involute [module]."""
-        alpha = self.pressure_angle
-        corner = self.rack_tip_radius / self.module * (1.0 - np.sin(alpha))
-        return float(self.dedendum - corner - 0.5 * self.tooth_count * np.sin(alpha) ** 2)
+__all__ = [
+    "InvoluteGear",
+    "ToothForm",
+    "fillet_point",
+    "generate_profile",
+    "involute_function",
+    "involute_point",
+    "tooth_form",
+]
 
 
 @final
@@ -432,17 +292,18 @@ def _pointed_radius(gear: InvoluteGear) -> float:
 
 def _half_tooth(gear: InvoluteGear, form: ToothForm) -> list[CurveSegment]:
     # from the tooth axis outwards: land, rounding, involute, fillet, root
-    segments = [_arc_segment(gear.tip_radius, 0.0, form.tip_half_angle, 0.0)]
-    if gear.tip_rounding > 0.0:
-        segments.append(CurveSegment(_rounding_arc(gear, form), (0.0, 1.0)))
-    segments.append(CurveSegment(_flank_curve(gear, form), (float(gear.tip_rounding > 0.0), 1.0)))
+    rounded = float(gear.tip_rounding > 0.0)
+    segments = [_arc_segment(gear.tip_radius, (0.0, form.tip_half_angle), (0.0, 0.7 * rounded))]
+    if rounded:
+        segments.append(CurveSegment(_rounding_arc(gear, form), (0.7, 1.0)))
+    segments.append(CurveSegment(_flank_curve(gear, form), (rounded, 1.0)))
     corner = 1.0 if _corner_center(gear)[1] > 0.0 else 0.0
     end = form.fillet_end
     segments.append(CurveSegment(lambda u: fillet_point(gear, end * (1.0 - u)), (1.0, corner)))
     root_angle = float(_fillet_polar(gear, np.zeros(1))[1][0])
     if corner > 0.0:
         pitch = np.pi / gear.tooth_count
-        segments.append(_arc_segment(gear.root_radius, pitch - root_angle, pitch, 1.0))
+        segments.append(_arc_segment(gear.root_radius, (pitch - root_angle, pitch), (1.0, 0.0)))
     if form.undercut:
         _sharpen(segments, -2 if corner == 0.0 else -3)
     return segments
@@ -454,11 +315,13 @@ def _sharpen(segments: list[CurveSegment], index: int) -> None:
     segments[index + 1] = CurveSegment(fillet.curve, (2.0, fillet.crowding[1]))
 
 
-def _arc_segment(radius: float, start: float, end: float, crowding: float) -> CurveSegment:
+def _arc_segment(
+    radius: float, span: tuple[float, float], crowding: tuple[float, float]
+) -> CurveSegment:
     def curve(u: Array) -> Array:
-        return _polar(np.full(len(u), radius), start + (end - start) * u)
+        return _polar(np.full(len(u), radius), span[0] + (span[1] - span[0]) * u)
 
-    return CurveSegment(curve, (crowding, 0.0))
+    return CurveSegment(curve, crowding)
 
 
 def _flank_curve(gear: InvoluteGear, form: ToothForm) -> Callable[[Array], Array]:
@@ -488,12 +351,3 @@ def _rounding_arc(gear: InvoluteGear, form: ToothForm) -> Callable[[Array], Arra
 
 def _polar(radius: Array, angle: Array) -> Array:
     return np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])
-
-
-def _check(
-    key: str, value: float, low: float, high: float, unit: str, *, open_low: bool = False
-) -> None:
-    # comparisons are false for NaN
-    if not (low < value <= high if open_low else low <= value <= high):
-        bound = "above" if open_low else "from"
-        raise GeometryError(f"{key}: found {value:g} {unit}, allowed {bound} {low:g} to {high:.4g}")

@@ -18,8 +18,8 @@ from toothspace.geometry.curve import (
     signed_area,
 )
 from toothspace.geometry.gear_profile import GearProfile
-from toothspace.geometry.involute import MAX_TOOTH_COUNT, MIN_TOOTH_COUNT
 from toothspace.geometry.involute_fit import fit_involute
+from toothspace.geometry.involute_gear import MAX_TOOTH_COUNT, MIN_TOOTH_COUNT
 from toothspace.geometry.polygon import checked_polygon
 
 _CORNER_ANGLE = np.deg2rad(20.0)
