@@ -50,13 +50,14 @@ def openings(description: MachineDescription) -> Figure:
     figure = new_figure(7.2, 1.2 + 2.0 * len(families))
     all_axes = np.ravel(figure.subplots(len(families), 1))
     for axes, family in zip(all_axes, families, strict=True):
-        angle = np.linspace(0.0, family.volume.period, 1441)
+        angle = np.linspace(0.0, family.volume.period, 721)
         for category, color in PORT_COLOURS.items():
             area = opening_area(description, family, category, angle) * 1e6
             if float(area.max()) > 0.0:
-                label = readable(category)
-                axes.fill_between(np.degrees(angle), area, color=color, alpha=0.15, linewidth=0.0)
-                axes.plot(np.degrees(angle), area, color=color, label=label)
+                area[area == 0.0] = np.nan
+                degrees = np.degrees(angle)
+                axes.fill_between(degrees, area, color=color, alpha=0.15, linewidth=0.0)
+                axes.plot(degrees, area, color=color, label=readable(category))
         axes.set_ylabel("Open area (mm²)")
         axes.set_ylim(bottom=0.0)
         axes.set_title(f"Openings: {readable(family.name).lower()}")

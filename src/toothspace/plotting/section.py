@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 _MM = 1e3
 _BAR = 1e5
+_DRAWN_ERROR = 4e-6  # what drawn outlines may deviate
 _WALL = 0.08  # drawn thickness of the housing over its height
 
 
@@ -260,9 +261,11 @@ def _port_region(description: MachineDescription, port: str) -> Any:
 
 
 def _draw_bodies(axes: Axes, description: MachineDescription, shaft_angle: float) -> None:
+    import shapely
+
     for body in description.bodies:
-        outline = turned_outline(description, body, shaft_angle) * _MM
-        axes.fill(*outline.T, facecolor=METAL, edgecolor=INK, linewidth=0.6)
+        solid = shapely.Polygon(turned_outline(description, body, shaft_angle))
+        _fill(axes, solid, facecolor=METAL, edgecolor=INK, linewidth=0.6)
         journal = next((j for j in description.journals if j.body == body.name), None)
         if journal is not None:
             turn = np.linspace(0.0, 2.0 * np.pi, 181)
@@ -285,6 +288,7 @@ def _fill(axes: Axes, region: Any, **style: Any) -> None:
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path
 
+    region = region.simplify(_DRAWN_ERROR)
     for polygon in getattr(region, "geoms", [region]):
         if polygon.is_empty or polygon.geom_type != "Polygon":
             continue

@@ -1,0 +1,89 @@
+"""Sentences that say what the numbers mean."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from toothspace.model.description import DesignCheck, MachineDescription
+from toothspace.results.ledger import power_ledger
+from toothspace.results.solution import Solution
+
+BALANCE_LIMITS: Mapping[str, float] = {"mass_balance_error": 1e-6, "energy_balance_error": 1e-4}
+"""Balance errors above which the report warns. [-]"""
+
+
+def verdict(solution: Solution) -> str:
+    """Return one or two sentences on what the machine does and where power is lost."""
+    numbers = solution.summary()
+    mode = solution.data.attrs.get("mode", "machine")
+    flow, torque = _number(numbers, "mean_flow_L_per_min"), _number(numbers, "mean_torque_N_m")
+    overall = _number(numbers, "overall_efficiency")
+    speed = _number(numbers, "shaft_speed_rpm")
+    if mode == "motor":
+        work = f"turns {flow:.2f} L/min into {torque:.2f} N m"
+    else:
+        work = f"delivers {flow:.2f} L/min for {torque:.2f} N m"
+    text = f"At {speed:.0f} rpm the {mode} {work}."
+    if math.isfinite(overall):
+        text += f" Overall efficiency is {100.0 * overall:.1f} %"
+        text += f" ({_efficiency_split(numbers)}){_largest_loss(solution)}."
+    return text
+
+
+def _efficiency_split(numbers: Mapping[str, float | str]) -> str:
+    volumetric = _number(numbers, "volumetric_efficiency")
+    hydromechanical = _number(numbers, "hydromechanical_efficiency")
+    return f"volumetric {100.0 * volumetric:.1f} %, hydromechanical {100.0 * hydromechanical:.1f} %"
+
+
+def _largest_loss(solution: Solution) -> str:
+    losses = [row for row in power_ledger(solution.ledger) if row.kind == "loss"]
+    total = sum(row.power for row in losses)
+    if not losses or total <= 0.0:
+        return ""
+    largest = max(losses, key=lambda row: row.power)
+    share = 100.0 * largest.power / total
+    return f"; the largest loss is {largest.label} with {largest.power:.0f} W, {share:.0f} % of all"
+
+
+def warnings_of(solution: Solution, description: MachineDescription | None) -> list[str]:
+    """List what a reader should know before trusting or building this machine.
+
+    Parameters
+    ----------
+    solution : Solution
+        Result.
+    description : MachineDescription, optional
+        The machine that it belongs to.
+    """
+    found = [line for line in solution.provenance.get("warnings", "").splitlines() if line]
+    if not solution.status.succeeded:
+        found.insert(0, f"Status {solution.status.name.lower()}: {solution.status.value}")
+    numbers = solution.summary()
+    for name, limit in BALANCE_LIMITS.items():
+        value = _number(numbers, name)
+        if value > limit:
+            text = f"{name.replace('_', ' ').capitalize()} is {value:.1e}, above {limit:.0e}; "
+            found.append(text + "tighten run.relative_tolerance.")
+    cavitating = sum(event.kind == "cavitation_onset" for event in solution.events)
+    if cavitating:
+        found.append(f"Cavitation begins {cavitating} times in the evaluation window; see events.")
+    return found + (_machine_warnings(description) if description is not None else [])
+
+
+def _machine_warnings(description: MachineDescription) -> list[str]:
+    notes = description.geometry_summary.get("warnings", ())
+    texts = [str(note) for note in notes] if isinstance(notes, list | tuple) else []
+    return texts + [_failed(check) for check in description.checks if not check.passed]
+
+
+def _failed(check: DesignCheck) -> str:
+    name = check.name.replace("_", " ").capitalize()
+    unit = "" if check.unit in {"", "1", "-"} else f" {check.unit}"
+    return f"{name} is {check.value:.4g}{unit}, allowed {check.allowed}. {check.reason}"
+
+
+def _number(numbers: Mapping[str, float | str], name: str) -> float:
+    value = numbers.get(name, math.nan)
+    return float(value) if not isinstance(value, str) else math.nan

@@ -1,0 +1,143 @@
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+from tests.fake_solution import fake_description, fake_solution
+from toothspace.core.status import Status
+from toothspace.plotting.catalogue import FIGURES
+from toothspace.report import report_html, write_report
+from toothspace.report.verdict import verdict, warnings_of
+from toothspace.report.wording import format_value, quantity
+from toothspace.results.io import load_solution
+
+
+class Resources(HTMLParser):
+    """Collects what a browser would load, and the text outside of scripts and styles."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.loaded: list[str] = []
+        self.text: list[str] = []
+        self.ids: set[str] = set()
+        self.links: list[str] = []
+        self._inside = ""
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self._inside = tag
+        for key, value in attrs:
+            if key == "id":
+                self.ids.add(str(value))
+            elif tag == "a" and key == "href":
+                self.links.append(str(value))
+            elif key in {"src", "href", "xlink:href", "data", "srcset"}:
+                self.loaded.append(str(value))
+
+    def handle_data(self, data: str) -> None:
+        if self._inside not in {"script", "style"}:
+            self.text.append(data)
+
+
+@pytest.fixture(scope="module")
+def page() -> str:
+    return report_html(fake_solution(), fake_description())
+
+
+@pytest.fixture(scope="module")
+def parsed(page: str) -> Resources:
+    parser = Resources()
+    parser.feed(page)
+    return parser
+
+
+def test_nothing_is_loaded_from_elsewhere(page: str, parsed: Resources) -> None:
+    assert [target for target in parsed.loaded if not target.startswith(("#", "data:"))] == []
+    outside = re.sub(r"<script>.*?</script>", "", page, flags=re.DOTALL)
+    assert "@import" not in outside
+    assert re.findall(r"url\(\s*['\"]?(?!#)", outside) == []
+    assert "<script src" not in page
+
+
+def test_links_stay_in_the_page(parsed: Resources) -> None:
+    assert parsed.links
+    assert {link.removeprefix("#") for link in parsed.links} <= parsed.ids
+
+
+def test_size_stays_below_eight_megabytes(page: str) -> None:
+    assert len(page.encode()) < 8e6
+    assert page.count("plotly.js v") == 1
+
+
+def test_report_shows_every_figure_and_chapter(page: str, parsed: Resources) -> None:
+    assert {f"figure_{entry.name}" for entry in FIGURES} <= parsed.ids
+    for part in ("key", "machine", "ledger", "numbers", "events", "provenance"):
+        assert part in parsed.ids
+    text = " ".join(parsed.text)
+    assert "Teeth must overlap." in text
+    assert "cavitation onset" in text
+    assert "0123abcd" in text
+
+
+def test_text_of_the_case_is_escaped(page: str) -> None:
+    assert "Fake &lt;motor&gt;" in page
+    assert "Fake <motor>" not in page
+
+
+def test_charts_are_valid_json(page: str) -> None:
+    charts = re.findall(r"var chart = (\{.*\});\n", page)
+    assert len(charts) == 2
+    turning, pressures = (json.loads(chart) for chart in charts)
+    assert len(turning["frames"]) == 16
+    assert len(pressures["data"]) == 24 + 2
+
+
+def test_report_without_machine_and_after_reading_back(tmp_path: Path) -> None:
+    solution = load_solution(fake_solution().save(tmp_path / "result.nc"))
+    path = write_report(solution, tmp_path / "out" / "report.html")
+    text = path.read_text(encoding="utf-8")
+    assert 'id="figure_ripple"' in text
+    assert 'id="machine"' not in text
+
+
+def test_verdict_names_work_efficiency_and_largest_loss() -> None:
+    text = verdict(fake_solution())
+    assert text.startswith("At 1500 rpm the motor turns 7.73 L/min into")
+    assert "volumetric 96.0 %" in text
+    assert "journal bearings, viscous with 55 W" in text
+
+
+def test_warnings_name_status_balances_and_failed_rules() -> None:
+    solution = fake_solution()
+    energy = {**solution.ledger.energy, "shaft": 0.9 * solution.ledger.energy["shaft"]}
+    broken = replace(
+        solution, status=Status.NOT_CYCLIC, ledger=replace(solution.ledger, energy=energy)
+    )
+    found = " ".join(warnings_of(broken, fake_description()))
+    assert "Status not_cyclic" in found
+    assert "Energy balance error" in found
+    assert "Tip land is 0.9 mm, allowed >= 1.0 mm" in found
+    assert "Contact ratio is" not in found
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "expected"),
+    [
+        ("mean_flow_L_per_min", 7.7321, ("Mean flow", "7.732", "L/min")),
+        ("overall_efficiency", 0.912345, ("Overall efficiency", "91.23", "%")),
+        ("trapped_volume_mm3", 12.0, ("Trapped volume", "12", "mm³")),
+        ("undercut", False, ("Undercut", "no", "")),
+        ("energy_balance_error", 2.5e-7, ("Energy balance error", "2.50e-07", "")),
+        ("operating_pressure_angle_deg", 25.25, ("Operating pressure angle", "25.25", "°")),
+    ],
+)
+def test_names_become_labels_and_units(name: str, value: object, expected: object) -> None:
+    assert quantity(name, value) == expected
+
+
+def test_missing_number_is_a_dash() -> None:
+    assert format_value(float("nan")) == "–"
