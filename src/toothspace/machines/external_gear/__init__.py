@@ -1,1 +1,5 @@
 """External gear pumps and motors."""
+
+from toothspace.machines.external_gear.describe import MACHINE
+
+__all__ = ["MACHINE"]

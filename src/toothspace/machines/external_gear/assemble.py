@@ -9,10 +9,12 @@ from typing import Any, Literal, cast
 from toothspace.core.errors import GeometryError
 from toothspace.core.keys import KeyRuleError
 from toothspace.core.types import Array
+from toothspace.core.units import to_si
 from toothspace.geometry.cad_import import load_closed_curves
 from toothspace.geometry.gear_pair import pair_from_backlash, pair_from_center_distance
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear, tooth_form
+from toothspace.geometry.profile_detection import gear_profile_from_curve
 from toothspace.library import load_material
 from toothspace.machines.external_gear import parameters as keys
 from toothspace.machines.external_gear import spec
@@ -111,7 +113,7 @@ def _gear(gear: keys.GearParameters, table: str) -> spec.Gear:
 
 def _tooth(gear: keys.GearParameters, table: str) -> InvoluteGear | GearProfile:
     if gear.profile is not None:
-        return _profile(gear.profile, gear.profile_unit, f"{table}.profile")
+        return _profile(gear, gear.profile, table)
     values: dict[str, Any] = {name: getattr(gear, name) for name in _TOOTH_KEYS}
     try:
         tooth = InvoluteGear(**values)
@@ -206,12 +208,21 @@ def _groove_sides(file: Path) -> tuple[Array | None, Array | None]:
     return found.get(True), found.get(False)
 
 
-def _profile(file: Path, unit: str, key: str) -> GearProfile:
-    raise GeometryError(f"{key}: found {file.name}, allowed parameters only")
+def _profile(gear: keys.GearParameters, file: Path, table: str) -> GearProfile:
+    curves = _contours(file, f"{table}.profile", gear.profile_unit)
+    detected = gear_profile_from_curve(curves[0], key=f"{table}.profile: {file.name}")
+    if gear.tooth_count not in (None, detected.tooth_count):
+        allowed = f"{detected.tooth_count} teeth as in {file.name}, or no tooth_count"
+        raise KeyRuleError(f"{table}.tooth_count", str(gear.tooth_count), allowed)
+    return detected.profile
 
 
-def _contours(file: Path, key: str) -> list[Array]:
+def _contours(file: Path, key: str, unit: str = "mm") -> list[Array]:
     try:
-        return load_closed_curves(file)
+        return load_closed_curves(file, unit=to_si(1.0, unit))
     except GeometryError as error:
         raise GeometryError(f"{key}: {error}") from error
+    except Exception as error:
+        # readers of damaged CAD files fail in ways of their own
+        found = f"{file.name} that cannot be read ({type(error).__name__})"
+        raise GeometryError(f"{key}: found {found}, allowed an intact file") from error

@@ -59,7 +59,7 @@ class Gear:
     roughness : float
         Root mean square roughness of flanks and faces. [m]
     tip_rounding : float
-        Radius that rounds the edge between flank and tip. [m]
+        Radius of the edge between flank and tip, for throats that end at a sharp corner. [m]
     """
 
     tooth: InvoluteGear | GearProfile
@@ -149,7 +149,7 @@ class JournalBearings:
 @final
 @dataclass(frozen=True, kw_only=True)
 class ReliefGrooves:
-    """Relief grooves in both faces; the closing side (+x) vents to the outlet, the other to the inlet.
+    """Relief grooves in both faces: closing side (+x) to the outlet, opening side to the inlet.
 
     Parameters
     ----------
@@ -219,6 +219,8 @@ class ExternalGearSpec:
         Node that collects the drain; None: inlet of a pump, outlet of a motor.
     drain_pressure : float
         Absolute pressure of an external drain. [Pa]
+    drain_pressure : float
+        Absolute pressure of an external drain. [Pa]
     seal_torque : float
         Torque of the shaft seal. [N m]
     inlet_volume, outlet_volume : float
@@ -235,6 +237,7 @@ class ExternalGearSpec:
     center_distance: float | None = None
     normal_backlash: float | None = None
     drain: Literal["inlet", "outlet", "external"] | None = None
+    drain_pressure: float = 1e5
     drain_pressure: float = 1e5
     seal_torque: float = 0.0
     inlet_volume: float = 50e-6

@@ -1,0 +1,233 @@
+"""Both gears put into mesh: profiles, centre distance, and contact on the loaded flank."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from toothspace.core.errors import GeometryError
+from toothspace.core.types import Array
+from toothspace.geometry.gear_pair import (
+    GearPair,
+    flank_clearance,
+    pair_from_backlash,
+    pair_from_center_distance,
+)
+from toothspace.geometry.gear_profile import GearProfile
+from toothspace.geometry.involute import InvoluteGear, generate_profile
+from toothspace.machines.external_gear.chambers import Spaces, drive_spaces, driven_spaces
+from toothspace.machines.external_gear.mesh_split import Mesh, Throats, throats
+from toothspace.machines.external_gear.profile import Tooth, tooth_curves
+from toothspace.machines.external_gear.spec import ExternalGearSpec, Gear
+
+POINTS_PER_TOOTH = 200
+_PHASE_SAMPLES = 181
+
+
+@final
+@dataclass(frozen=True)
+class Assembly:
+    """Two gears in mesh with the loaded flanks in contact.
+
+    Parameters
+    ----------
+    spec : ExternalGearSpec
+        Machine.
+    profiles : tuple of GearProfile
+        Drive and driven profile.
+    teeth : tuple of Tooth
+        Drive and driven flanks.
+    mesh : Mesh
+        Relative position.
+    pair : GearPair or None
+        Involute pair where both gears are given by parameters.
+    """
+
+    spec: ExternalGearSpec
+    profiles: tuple[GearProfile, GearProfile]
+    teeth: tuple[Tooth, Tooth]
+    mesh: Mesh
+    pair: GearPair | None
+
+    @property
+    def face_width(self) -> float:
+        """Width over which the gears mesh. [m]."""
+        return min(self.spec.drive.face_width, self.spec.driven.face_width)
+
+    @property
+    def counts(self) -> tuple[int, int]:
+        """Tooth counts."""
+        return self.teeth[0].tooth_count, self.teeth[1].tooth_count
+
+    @property
+    def loaded_is_left(self) -> bool:
+        """Whether the loaded flanks are the left ones (pump) or the right ones (motor)."""
+        return self.spec.mode == "pump"
+
+    def spaces(self, nodes: int) -> tuple[Spaces, Spaces]:
+        """Tooth spaces of both gears at evenly spread angles, beginning opposite to the mesh."""
+        angles = node_places(nodes)
+        return (
+            drive_spaces(*self.teeth, self.mesh, angles),
+            driven_spaces(*self.teeth, self.mesh, angles),
+        )
+
+
+def node_places(nodes: int) -> Array:
+    """Places of the table nodes from the centre line: -pi up to pi. [rad]."""
+    return -np.pi + 2.0 * np.pi * np.arange(nodes) / nodes
+
+
+def assemble(spec: ExternalGearSpec) -> Assembly:
+    """Put the gears of a machine into mesh.
+
+    Parameters
+    ----------
+    spec : ExternalGearSpec
+        Machine.
+
+    Returns
+    -------
+    Assembly
+        Gears with the loaded flank pair in contact.
+
+    Raises
+    ------
+    GeometryError
+        If the gears do not reach one another or overlap.
+    """
+    profiles = _profile(spec.drive), _profile(spec.driven)
+    pair = _involute_pair(spec)
+    distance = pair.center_distance if pair is not None else _profile_distance(spec, profiles)
+    teeth = tooth_curves(profiles[0]), tooth_curves(profiles[1])
+    mesh = _centred_mesh(teeth, distance)
+    return Assembly(spec, profiles, teeth, _in_contact(teeth, mesh, spec.mode == "pump"), pair)
+
+
+def _profile(gear: Gear) -> GearProfile:
+    if isinstance(gear.tooth, GearProfile):
+        return gear.tooth
+    return generate_profile(gear.tooth, POINTS_PER_TOOTH)
+
+
+def _involute_pair(spec: ExternalGearSpec) -> GearPair | None:
+    drive, driven = spec.drive.tooth, spec.driven.tooth
+    if not isinstance(drive, InvoluteGear) or not isinstance(driven, InvoluteGear):
+        return None
+    if spec.center_distance is not None:
+        return pair_from_center_distance(drive, driven, spec.center_distance)
+    return pair_from_backlash(drive, driven, _backlash(spec))
+
+
+def _backlash(spec: ExternalGearSpec) -> float:
+    if spec.normal_backlash is None:
+        raise GeometryError(
+            "machine.gears: found neither center_distance nor normal_backlash, allowed one of them"
+        )
+    return spec.normal_backlash
+
+
+def _profile_distance(spec: ExternalGearSpec, profiles: tuple[GearProfile, GearProfile]) -> float:
+    if spec.center_distance is not None:
+        return spec.center_distance
+    backlash = _backlash(spec)
+    near = max(
+        profiles[0].tip_radius + profiles[1].root_radius,
+        profiles[1].tip_radius + profiles[0].root_radius,
+    )
+    far = profiles[0].tip_radius + profiles[1].tip_radius
+
+    def excess(distance: float) -> float:
+        return float(2.0 * flank_clearance(*profiles, distance) - backlash)
+
+    for _ in range(40):
+        middle = 0.5 * (near + far)
+        near, far = (near, middle) if excess(middle) > 0.0 else (middle, far)
+    return _distance_for_backlash(profiles, 0.5 * (near + far), backlash)
+
+
+def _distance_for_backlash(
+    profiles: tuple[GearProfile, GearProfile], start: float, backlash: float
+) -> float:
+    # the play along the normal is exact only between the splines themselves
+    teeth = tooth_curves(profiles[0]), tooth_curves(profiles[1])
+    distance, step = start, 1e-3 * start
+    for _ in range(12):
+        found = [_play(teeth, distance + d) for d in (0.0, 1e-3 * step)]
+        change = (backlash - found[0]) * 1e-3 * step / (found[1] - found[0])
+        distance += min(max(change, -step), step)
+        if abs(change) < 1e-12:
+            break
+    return distance
+
+
+def _play(teeth: tuple[Tooth, Tooth], distance: float) -> float:
+    mesh = _centred_mesh(teeth, distance)
+    left, right = (_smallest_gap(teeth, mesh, is_left)[0] for is_left in (True, False))
+    return left + right
+
+
+def _centred_mesh(teeth: tuple[Tooth, Tooth], distance: float) -> Mesh:
+    drive, driven = teeth
+    if (
+        not abs(drive.tip_radius - driven.tip_radius)
+        < distance
+        < (drive.tip_radius + driven.tip_radius)
+    ):
+        reach = (drive.tip_radius + driven.tip_radius) * 1e3
+        raise GeometryError(
+            f"machine.gears.center_distance: found {distance * 1e3:.5g} mm, allowed below "
+            f"{reach:.5g} mm (the tip circles must overlap)"
+        )
+    return Mesh(
+        center_distance=distance,
+        ratio=drive.tooth_count / driven.tooth_count,
+        half_pitch=np.pi / drive.tooth_count,
+        turn=0.0,
+        lens_drive=_lens_angle(drive.tip_radius, driven.tip_radius, distance),
+        lens_driven=_lens_angle(driven.tip_radius, drive.tip_radius, distance),
+    )
+
+
+def _lens_angle(own: float, other: float, distance: float) -> float:
+    return float(np.arccos((distance**2 + own**2 - other**2) / (2.0 * distance * own)))
+
+
+def facing_throats(teeth: tuple[Tooth, Tooth], mesh: Mesh, is_left: bool, angles: Array) -> Throats:
+    """Throats between left flanks or between right flanks at angles [rad]."""
+    drive, driven = teeth
+    if is_left:
+        return throats(drive.left, driven.left, mesh, angles)
+    return throats(drive.right, driven.right, mesh, angles)
+
+
+def _smallest_gap(teeth: tuple[Tooth, Tooth], mesh: Mesh, is_left: bool) -> tuple[float, float]:
+    # smallest gap of a flank pair over its passage, and its change with the driven gear's rotation
+    reach = mesh.lens_drive + 2.0 * mesh.half_pitch
+    passage = facing_throats(teeth, mesh, is_left, np.linspace(-reach, reach, _PHASE_SAMPLES))
+    gap = np.where(passage.weight >= 1.0, passage.gap, np.inf)
+    best = int(np.argmin(gap))
+    return float(gap[best]), float(driven_lever(passage, mesh)[best])
+
+
+def driven_lever(side: Throats, mesh: Mesh) -> Array:
+    """Derivative of the gap with respect to the driven gear's right-handed rotation. [m/rad]."""
+    x, y = side.driven_point.T
+    return np.asarray(
+        -side.normal[:, 0] * (y - mesh.center_distance) + side.normal[:, 1] * x, dtype=float
+    )
+
+
+def _in_contact(teeth: tuple[Tooth, Tooth], mesh: Mesh, is_left: bool) -> Mesh:
+    for _ in range(4):
+        gap, lever = _smallest_gap(teeth, mesh, is_left)
+        mesh = mesh._replace(turn=mesh.turn - gap / lever)
+    play, _ = _smallest_gap(teeth, mesh, not is_left)
+    if play < -1e-6:
+        raise GeometryError(
+            f"machine.gears.center_distance: found {mesh.center_distance * 1e3:.5g} mm: the flanks "
+            f"overlap by {-play * 1e3:.4g} mm, allowed a distance with backlash"
+        )
+    return mesh

@@ -1,0 +1,250 @@
+"""Volumes of the tooth spaces, their exact derivatives and their shapes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from toothspace.core.types import Array
+from toothspace.machines.external_gear.mesh_split import Mesh, Throats, throats
+from toothspace.machines.external_gear.profile import Tooth
+
+
+@final
+@dataclass(frozen=True)
+class Spaces:
+    """Tooth spaces of one gear over their own angle, between their two throats.
+
+    Parameters
+    ----------
+    own, other : Tooth
+        The gear of the spaces, and the gear whose tooth enters them.
+    mesh : Mesh
+        Gears in mesh.
+    is_drive : bool
+        Whether the spaces belong to the drive gear.
+    angles : ndarray
+        Place of the middle of the space, from the centre line in the sense of rotation. [rad]
+    left, right : Throats
+        Throats between left flanks and between right flanks. The left one is at the tooth behind
+        a drive space and at the tooth ahead of a driven space.
+    """
+
+    own: Tooth
+    other: Tooth
+    mesh: Mesh
+    is_drive: bool
+    angles: Array
+    left: Throats
+    right: Throats
+
+    @property
+    def center(self) -> Array:
+        """Centre of the gear. [m]."""
+        return np.array([0.0, 0.0 if self.is_drive else self.mesh.center_distance])
+
+    @property
+    def other_center(self) -> Array:
+        """Centre of the other gear. [m]."""
+        return np.array([0.0, self.mesh.center_distance if self.is_drive else 0.0])
+
+    @property
+    def speeds(self) -> tuple[float, float]:
+        """Right-handed speeds of own and other gear over the shaft speed. [-]."""
+        drive, driven = 1.0, -self.mesh.ratio
+        return (drive, driven) if self.is_drive else (driven, drive)
+
+    @property
+    def angle_ratio(self) -> float:
+        """Growth of the angle per shaft angle. [-]."""
+        return 1.0 if self.is_drive else self.mesh.ratio
+
+
+def drive_spaces(drive: Tooth, driven: Tooth, mesh: Mesh, angles: Array) -> Spaces:
+    """Tooth spaces of the drive gear at angles [rad]."""
+    left = throats(drive.left, driven.left, mesh, angles)
+    right = throats(drive.right, driven.right, mesh, angles)
+    return Spaces(drive, driven, mesh, True, angles, left, right)
+
+
+def driven_spaces(drive: Tooth, driven: Tooth, mesh: Mesh, angles: Array) -> Spaces:
+    """Tooth spaces of the driven gear at angles [rad]."""
+    ahead = (angles + mesh.turn + 0.5 * driven.pitch_angle) / mesh.ratio
+    left = throats(drive.left, driven.left, mesh, ahead)
+    right = throats(drive.right, driven.right, mesh, ahead - 2.0 * mesh.half_pitch)
+    return Spaces(driven, drive, mesh, False, angles, left, right)
+
+
+def own_end(spaces: Spaces, side: Throats) -> tuple[Array, Array, Array]:
+    """Point [m], velocity [m/rad] and swept area [m2] of a throat's end on the own gear."""
+    if spaces.is_drive:
+        return side.drive_point, side.drive_velocity, side.drive_swept
+    return side.driven_point, side.driven_velocity, side.driven_swept
+
+
+def other_end(spaces: Spaces, side: Throats) -> tuple[Array, Array, Array]:
+    """Point [m], velocity [m/rad] and swept area [m2] of a throat's end on the other gear."""
+    if spaces.is_drive:
+        return side.driven_point, side.driven_velocity, side.driven_swept
+    return side.drive_point, side.drive_velocity, side.drive_swept
+
+
+def section_areas(spaces: Spaces) -> Array:
+    r"""Section area of the tooth spaces.
+
+    Parameters
+    ----------
+    spaces : Spaces
+        Tooth spaces over their angle.
+
+    Returns
+    -------
+    ndarray
+        Area inside the tip circles, up to the throats. [m2]
+
+    Notes
+    -----
+    Green's theorem :math:`A = \frac12 \oint (x\,dy - y\,dx)` along own flanks, throats, the
+    other gear's tooth and the tip circles; the flank parts are integrals of the splines.
+    """
+    (p_right, _, s_right), (p_left, _, s_left) = _both(spaces, own_end)
+    (q_right, _, t_right), (q_left, _, t_left) = _both(spaces, other_end)
+    own = s_left - s_right
+    tooth = spaces.other
+    tip = 0.5 * tooth.tip_radius**2 * (tooth.right.corner_angle - tooth.left.corner_angle)
+    beyond = (t_right - tooth.right.area[-1]) - (t_left - tooth.left.area[-1])
+    offset = spaces.other_center - spaces.center
+    shift = 0.5 * _cross(offset[None, :], q_right - q_left)
+    segments = 0.5 * (
+        _cross(p_left - spaces.center, q_left - spaces.center)
+        + _cross(q_right - spaces.center, p_right - spaces.center)
+    )
+    return own + tip + beyond + shift + segments
+
+
+def section_area_rates(spaces: Spaces) -> Array:
+    r"""Derivative of the section areas with respect to the shaft angle.
+
+    Parameters
+    ----------
+    spaces : Spaces
+        Tooth spaces over their angle.
+
+    Returns
+    -------
+    ndarray
+        Rate. [m2/rad]
+
+    Notes
+    -----
+    A wall that turns with speed :math:`\omega` between radii :math:`r_a` and :math:`r_b` sweeps
+    :math:`-\frac{\omega}{2}(r_b^2 - r_a^2)`; a throat sweeps its length times the normal
+    velocity of its middle.
+    """
+    (p_right, u_right, _), (p_left, u_left, _) = _both(spaces, own_end)
+    (q_right, v_right, _), (q_left, v_left, _) = _both(spaces, other_end)
+    own_speed, other_speed = spaces.speeds
+    own = -0.5 * own_speed * (_square(p_left - spaces.center) - _square(p_right - spaces.center))
+    other = (
+        -0.5
+        * other_speed
+        * (_square(q_right - spaces.other_center) - _square(q_left - spaces.other_center))
+    )
+    left = 0.5 * _cross(u_left + v_left, q_left - p_left)
+    right = 0.5 * _cross(u_right + v_right, p_right - q_right)
+    return own + other + left + right
+
+
+def wall_ends(spaces: Spaces, side: Throats, of_own: bool) -> Array:
+    """Where pressure on a gear's wall changes from one chamber to the next.
+
+    Parameters
+    ----------
+    spaces : Spaces
+        Tooth spaces over their angle.
+    side : Throats
+        Their left or right throats.
+    of_own : bool
+        Whether the wall belongs to the gear of the spaces or to the other gear.
+
+    Returns
+    -------
+    ndarray, shape (angles, 2)
+        Middle of the throat, middle of the tip land where there is no throat. [m]
+    """
+    drive_wall = of_own == spaces.is_drive
+    tooth = spaces.own if of_own else spaces.other
+    corner = side.drive_corner if drive_wall else side.driven_corner
+    flank = tooth.left if side is spaces.left else tooth.right
+    # places grow with the rotation: with the polar angle on the drive gear, against it on the other
+    along = corner - flank.corner_angle if drive_wall else corner + flank.corner_angle
+    rise = np.cos(along) if drive_wall else -np.cos(along)
+    height = 0.0 if drive_wall else spaces.mesh.center_distance
+    tip = np.column_stack([-np.sin(along), rise]) * tooth.tip_radius + np.array([0.0, height])
+    weight = side.weight[:, None]
+    return (1.0 - weight) * tip + weight * side.middle
+
+
+def area_by_motion(spaces: Spaces) -> Array:
+    r"""Derivative of the section areas with respect to the micro-motions of both gears.
+
+    Parameters
+    ----------
+    spaces : Spaces
+        Tooth spaces over their angle.
+
+    Returns
+    -------
+    ndarray, shape (angles, 5)
+        Drive x, drive y, driven x, driven y [m2/m], driven rotation [m2/rad].
+
+    Notes
+    -----
+    A wall from :math:`a` to :math:`b`, fluid on its left, sweeps :math:`e_x (y_b - y_a) -
+    e_y (x_b - x_a)` when shifted by :math:`e`. Throats are cut in half between the gears, so the
+    shear force in the throat is contained.
+    """
+    own = wall_ends(spaces, spaces.right, True), wall_ends(spaces, spaces.left, True)
+    other = wall_ends(spaces, spaces.left, False), wall_ends(spaces, spaces.right, False)
+    drive, driven = (own, other) if spaces.is_drive else (other, own)
+    center = np.array([0.0, spaces.mesh.center_distance])
+    turned = -0.5 * (_square(driven[1] - center) - _square(driven[0] - center))
+    return np.column_stack([*_translation(*drive), *_translation(*driven), turned])
+
+
+def space_outline(spaces: Spaces, index: int, points: int = 12) -> Array:
+    """Polygon of a tooth space at one angle.
+
+    Parameters
+    ----------
+    spaces : Spaces
+        Tooth spaces over their angle.
+    index : int
+        Which angle.
+    points : int
+        Points on a tip-circle arc.
+
+    Returns
+    -------
+    ndarray, shape (n, 2)
+        Points, counter-clockwise, machine frame. [m]
+    """
+    raise NotImplementedError((spaces, index, points))
+
+
+def _both(spaces: Spaces, end) -> tuple:  # type: ignore[no-untyped-def, type-arg]
+    return end(spaces, spaces.right), end(spaces, spaces.left)
+
+
+def _translation(start: Array, end: Array) -> tuple[Array, Array]:
+    return end[:, 1] - start[:, 1], start[:, 0] - end[:, 0]
+
+
+def _cross(a: Array, b: Array) -> Array:
+    return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+
+
+def _square(a: Array) -> Array:
+    return np.sum(a * a, axis=1)

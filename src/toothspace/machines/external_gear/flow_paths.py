@@ -1,0 +1,274 @@
+"""Flow paths of an external gear machine over the angle."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toothspace.core.types import Array, IntArray
+from toothspace.machines.external_gear.assembly import Assembly, driven_lever, node_places
+from toothspace.machines.external_gear.chambers import Spaces
+from toothspace.machines.external_gear.mesh_split import Throats
+from toothspace.machines.external_gear.numbering import FULL_TURN, Numbering
+from toothspace.machines.external_gear.openings import groove_openings, port_lengths
+from toothspace.model.description import FlowPath
+from toothspace.numerics.periodic_table import monotone_table, smooth_table
+
+GEARS = ("drive", "driven")
+MOTIONS = 5
+
+_RADIUS_RANGE = 5e-5, 5e-2
+_GROWN_THROAT = 0.05
+
+
+def flow_paths(
+    assembly: Assembly, numbering: Numbering, spaces: tuple[Spaces, Spaces]
+) -> tuple[FlowPath, ...]:
+    """All flow paths of the machine.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        Gears in mesh.
+    numbering : Numbering
+        Phases and nodes.
+    spaces : tuple of Spaces
+        Tooth spaces of both gears at the table nodes.
+
+    Returns
+    -------
+    tuple of FlowPath
+        Flanks, then per gear tips, ports, grooves, lateral and drain gaps.
+    """
+    paths = list(flank_paths(assembly, numbering, spaces[0]))
+    for gear in (0, 1):
+        paths.append(tip_path(assembly, numbering, gear, spaces[gear].angles.size))
+        paths.extend(port_paths(assembly, numbering, spaces[gear], gear))
+        paths.extend(groove_paths(assembly, numbering, spaces[gear], gear))
+        paths.append(lateral_path(assembly, numbering, gear))
+        paths.append(drain_path(assembly, numbering, gear))
+    return tuple(paths)
+
+
+def flank_paths(
+    assembly: Assembly, numbering: Numbering, spaces: Spaces
+) -> tuple[FlowPath, FlowPath]:
+    """Throats of the drive spaces: ahead to the last driven space, behind to the next one."""
+    return (
+        _flank_path(assembly, numbering, spaces.right, leading=True),
+        _flank_path(assembly, numbering, spaces.left, leading=False),
+    )
+
+
+def _flank_path(
+    assembly: Assembly, numbering: Numbering, side: Throats, *, leading: bool
+) -> FlowPath:
+    met = numbering.met_spaces - (1 if leading else 0)
+    nodes_b = numbering.nodes[1][np.mod(met, assembly.counts[1])]
+    grown = np.clip(side.weight / _GROWN_THROAT, 0.0, 1.0)
+    width = assembly.face_width * grown * grown * (3.0 - 2.0 * grown)
+    geometry = np.column_stack([side.gap, width, relative_radius(assembly, side)])
+    return FlowPath(
+        name="flank_leading" if leading else "flank_trailing",
+        category="flank",
+        kind="curved_gap",
+        nodes_a=numbering.nodes[0],
+        nodes_b=nodes_b,
+        angle_ratio=1.0,
+        phases=numbering.space_phases[0],
+        geometry=monotone_table(FULL_TURN, geometry),
+        height_by_motion=monotone_table(FULL_TURN, gap_by_motion(assembly, side)),
+        drag_speed=monotone_table(FULL_TURN, throat_drag(assembly, side, leading=leading)),
+        partner_shift=numbering.partner_shift,
+    )
+
+
+def relative_radius(assembly: Assembly, side: Throats) -> Array:
+    """Relative radius of curvature of a throat; a sharp corner counts with its edge. [m]."""
+    low, high = _RADIUS_RANGE
+    edge = max(min(assembly.spec.drive.tip_rounding, assembly.spec.driven.tip_rounding), low)
+    curvature = side.drive_curvature + side.driven_curvature
+    curvature = np.where(side.at_corner, np.maximum(curvature, 1.0 / edge), curvature)
+    return np.asarray(1.0 / np.clip(curvature, 1.0 / high, 1.0 / low), dtype=float)
+
+
+def gap_by_motion(assembly: Assembly, side: Throats) -> Array:
+    """Derivative of the flank gap with respect to the five micro-motions. [-], [m/rad]."""
+    lever = driven_lever(side, assembly.mesh)
+    weight = (side.weight > 0.0)[:, None]
+    return np.where(weight, np.column_stack([-side.normal, side.normal, lever]), 0.0)
+
+
+def throat_drag(assembly: Assembly, side: Throats, *, leading: bool) -> Array:
+    """Mean speed of both walls less that of the throat, from the drive space on. [m/rad]."""
+    mesh, middle = assembly.mesh, side.middle
+    drive = np.column_stack([-middle[:, 1], middle[:, 0]])
+    driven = mesh.ratio * np.column_stack([middle[:, 1] - mesh.center_distance, -middle[:, 0]])
+    throat = 0.5 * (side.drive_velocity + side.driven_velocity)
+    slip = 0.5 * (drive + driven) - throat
+    along = slip[:, 0] * side.normal[:, 1] - slip[:, 1] * side.normal[:, 0]
+    return np.where(side.weight > 0.0, -along if leading else along, 0.0)
+
+
+def tip_path(assembly: Assembly, numbering: Numbering, gear: int, nodes: int) -> FlowPath:
+    """Gap between tooth tips and casing bore, from the space behind to the space ahead."""
+    tooth, own = assembly.teeth[gear], numbering.nodes[gear]
+    places = node_places(nodes)
+    width = (assembly.spec.drive, assembly.spec.driven)[gear].face_width
+    geometry = np.empty((nodes, 3))
+    geometry[:, 0] = assembly.spec.casing.radial_clearance
+    geometry[:, 1] = width * bore_cover(assembly, gear, places)
+    geometry[:, 2] = tooth.land_angle * tooth.tip_radius
+    speed = tooth.tip_radius * numbering.ratios[gear]
+    return FlowPath(
+        name=f"tooth_tip_{GEARS[gear]}",
+        category="tooth_tip",
+        kind="parallel_gap",
+        nodes_a=np.roll(own, -1),
+        nodes_b=own,
+        angle_ratio=numbering.ratios[gear],
+        phases=numbering.tooth_phases[gear],
+        geometry=monotone_table(FULL_TURN, geometry),
+        height_by_motion=smooth_table(FULL_TURN, _clearance_by_motion(gear, places)),
+        drag_speed=monotone_table(FULL_TURN, np.full(nodes, 0.5 * speed)),
+        shear_speed=monotone_table(FULL_TURN, np.full(nodes, speed)),
+        wears=True,
+    )
+
+
+def bore_cover(assembly: Assembly, gear: int, places: Array) -> Array:
+    """Part of a tooth tip that seals against the bore, 0 where it stands in a port or the mesh.
+
+    It is 1 from the moment the leading tip corner leaves the inlet until the trailing corner
+    reaches the outlet, and rises and falls outside over the angle of the tip land.
+    """
+    tooth, casing = assembly.teeth[gear], assembly.spec.casing
+    land = max(tooth.land_angle, np.deg2rad(0.5))
+    ahead, behind = tooth.left.corner_angle, -tooth.right.corner_angle
+    if gear == 1:
+        ahead, behind = behind, ahead
+    round_bore = np.mod(places, FULL_TURN)
+    entered = (round_bore + ahead - casing.inlet_angle) / land + 1.0
+    left = (FULL_TURN - casing.outlet_angle - round_bore + behind) / land + 1.0
+    return _smooth(entered) * _smooth(left)
+
+
+def _clearance_by_motion(gear: int, places: Array) -> Array:
+    columns = np.zeros((places.size, MOTIONS))
+    columns[:, 2 * gear] = np.sin(places)
+    columns[:, 2 * gear + 1] = np.cos(places) * (-1.0 if gear == 0 else 1.0)
+    return columns
+
+
+def port_paths(
+    assembly: Assembly, numbering: Numbering, spaces: Spaces, gear: int
+) -> list[FlowPath]:
+    """Openings of the tooth spaces along the bore to inlet and outlet."""
+    width = (assembly.spec.drive, assembly.spec.driven)[gear].face_width
+    found = []
+    for port, length in zip(("inlet", "outlet"), port_lengths(assembly, spaces), strict=True):
+        diameter = 2.0 * width * length / (width + length)
+        table = np.column_stack([width * length, diameter])
+        node = numbering.inlet if port == "inlet" else numbering.outlet
+        name = f"port_{port}_{GEARS[gear]}"
+        found.append(_to_node(name, f"{port}_port", node, table, (numbering, gear)))
+    return found
+
+
+def groove_paths(
+    assembly: Assembly, numbering: Numbering, spaces: Spaces, gear: int
+) -> list[FlowPath]:
+    """Openings of the tooth spaces into the relief grooves of both faces."""
+    found = []
+    for port, table in groove_openings(assembly, spaces).items():
+        node = numbering.inlet if port == "inlet" else numbering.outlet
+        name = f"groove_{port}_{GEARS[gear]}"
+        found.append(_to_node(name, f"{port}_groove", node, table, (numbering, gear), 2.0))
+    return found
+
+
+def _to_node(
+    name: str,
+    category: str,
+    node: int,
+    table: Array,
+    place: tuple[Numbering, int],
+    multiplicity: float = 1.0,
+) -> FlowPath:
+    numbering, gear = place
+    own = numbering.nodes[gear]
+    return FlowPath(
+        name=name,
+        category=category,
+        kind="orifice",
+        nodes_a=own,
+        nodes_b=_repeated(node, own),
+        angle_ratio=numbering.ratios[gear],
+        phases=numbering.space_phases[gear],
+        geometry=monotone_table(FULL_TURN, table),
+        multiplicity=multiplicity,
+    )
+
+
+def lateral_path(assembly: Assembly, numbering: Numbering, gear: int) -> FlowPath:
+    """Gaps over the tooth faces, from the space behind to the space ahead."""
+    tooth, profile, own = assembly.teeth[gear], assembly.profiles[gear], numbering.nodes[gear]
+    height = profile.tip_radius - profile.root_radius
+    middle = 0.5 * (profile.tip_radius + profile.root_radius)
+    full = np.pi * (profile.tip_radius**2 - profile.root_radius**2) / tooth.tooth_count
+    thickness = (full - profile.tooth_space_area) / height
+    row = np.array([side_gap(assembly), height, thickness])
+    speed = middle * numbering.ratios[gear]
+    return FlowPath(
+        name=f"lateral_{GEARS[gear]}",
+        category="lateral",
+        kind="parallel_gap",
+        nodes_a=np.roll(own, -1),
+        nodes_b=own,
+        angle_ratio=numbering.ratios[gear],
+        phases=numbering.tooth_phases[gear],
+        geometry=monotone_table(FULL_TURN, np.tile(row, (4, 1))),
+        drag_speed=monotone_table(FULL_TURN, np.full(4, 0.5 * speed)),
+        multiplicity=2.0,
+    )
+
+
+def drain_path(assembly: Assembly, numbering: Numbering, gear: int) -> FlowPath:
+    """Gaps over the land between tooth root and shaft, to the drain.
+
+    A ring sector leaks like a parallel gap of its mean radius: width ``2 pi/z r`` and length
+    ``r ln(r_o/r_i)``; a tilt lets the cube of the height pass 1 + 1.5 (r/r_a tilt)^2 times more.
+    """
+    profile, own = assembly.profiles[gear], numbering.nodes[gear]
+    inner, outer = 0.5 * assembly.spec.journals.diameter, profile.root_radius
+    middle = 0.5 * (inner + outer)
+    tilt = assembly.spec.lateral.tilt * middle / profile.tip_radius
+    height = side_gap(assembly) * (1.0 + 1.5 * tilt**2) ** (1.0 / 3.0)
+    width = FULL_TURN / profile.tooth_count * middle
+    row = np.array([height, width, middle * np.log(outer / inner)])
+    return FlowPath(
+        name=f"drain_{GEARS[gear]}",
+        category="drain",
+        kind="parallel_gap",
+        nodes_a=own,
+        nodes_b=_repeated(numbering.drain, own),
+        angle_ratio=numbering.ratios[gear],
+        phases=numbering.space_phases[gear],
+        geometry=monotone_table(FULL_TURN, np.tile(row, (4, 1))),
+        multiplicity=2.0,
+    )
+
+
+def side_gap(assembly: Assembly) -> float:
+    """Height that lets the same leakage through as the gaps of both faces. [m]."""
+    lateral = assembly.spec.lateral
+    cubes = 0.5 * (lateral.side_gap_floating**3 + lateral.side_gap_solid**3)
+    return float(cubes ** (1.0 / 3.0))
+
+
+def _repeated(node: int, like: IntArray) -> IntArray:
+    return np.full(like.size, node, dtype=np.int64)
+
+
+def _smooth(t: Array) -> Array:
+    t = np.clip(t, 0.0, 1.0)
+    return t * t * (3.0 - 2.0 * t)

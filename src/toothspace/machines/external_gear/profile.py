@@ -1,0 +1,209 @@
+"""Tooth flanks as cubic splines: points, derivatives and swept areas for compiled code."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from toothspace.core.compiled import inlined
+from toothspace.core.types import Array
+from toothspace.geometry.gear_profile import GearProfile
+
+LEFT = 1.0
+"""Counter-clockwise side of a tooth that points outwards."""
+RIGHT = -1.0
+"""Clockwise side of a tooth that points outwards."""
+
+_TANGENT_JUMP = 0.02
+
+
+class Flank(NamedTuple):
+    """One flank from the root middle to the tip corner, tooth on the +x axis.
+
+    Parameters
+    ----------
+    knots : ndarray, shape (n,)
+        Curve parameter (chord length) at the spline knots, from 0 at the root middle. [m]
+    coefficients : ndarray, shape (n - 1, 8)
+        Cubic polynomials of x, then of y, in ascending powers. [m]
+    area : ndarray, shape (n,)
+        Area swept by the radius from the root middle to each knot, right-handed. [m2]
+    side : float
+        ``LEFT`` or ``RIGHT``.
+    corner_angle : float
+        Polar angle of the tip corner. [rad]
+    tip_radius : float
+        Tip circle. [m]
+    """
+
+    knots: Array
+    coefficients: Array
+    area: Array
+    side: float
+    corner_angle: float
+    tip_radius: float
+
+
+class Tooth(NamedTuple):
+    """Both flanks of a gear's tooth and the numbers that go with them.
+
+    Parameters
+    ----------
+    left, right : Flank
+        Flanks.
+    tooth_count : int
+        Number of teeth.
+    tip_radius : float
+        Tip circle. [m]
+    """
+
+    left: Flank
+    right: Flank
+    tooth_count: int
+    tip_radius: float
+
+    @property
+    def pitch_angle(self) -> float:
+        """Angle between neighbouring teeth. [rad]."""
+        return 2.0 * np.pi / self.tooth_count
+
+    @property
+    def land_angle(self) -> float:
+        """Angle covered by the tip land. [rad]."""
+        return self.left.corner_angle - self.right.corner_angle
+
+
+def tooth_curves(profile: GearProfile) -> Tooth:
+    """Splines through both flanks of a profile.
+
+    Parameters
+    ----------
+    profile : GearProfile
+        One tooth pitch.
+
+    Returns
+    -------
+    Tooth
+        Flanks from root middle to tip corner.
+    """
+    radius = profile.tip_radius
+    breaks = np.asarray(profile.breaks, dtype=int)
+    right = _flank(profile.right_flank, breaks, RIGHT, radius)
+    last = len(profile.points) - 1
+    left = _flank(profile.left_flank[::-1], last - breaks, LEFT, radius)
+    return Tooth(left, right, profile.tooth_count, radius)
+
+
+def _flank(points: Array, breaks: Array, side: float, tip_radius: float) -> Flank:
+    knots = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+    cuts = [0, *_corners(points, breaks), len(points) - 1]
+    pieces = [
+        _cubic(knots[first : last + 1], points[first : last + 1]) for first, last in pairwise(cuts)
+    ]
+    coefficients = np.ascontiguousarray(np.vstack(pieces))
+    area = np.concatenate([[0.0], np.cumsum(_segment_areas(knots, coefficients))])
+    corner = float(np.arctan2(points[-1, 1], points[-1, 0]))
+    return Flank(knots, coefficients, area, side, corner, tip_radius)
+
+
+def _corners(points: Array, breaks: Array) -> list[int]:
+    inner = sorted(int(k) for k in breaks if 2 <= k <= len(points) - 3)
+    found = []
+    for k in inner:
+        before, after = points[k] - points[k - 1], points[k + 1] - points[k]
+        turn = before[0] * after[1] - before[1] * after[0]
+        if abs(turn) > _TANGENT_JUMP * np.hypot(*before) * np.hypot(*after):
+            found.append(k)
+    return found
+
+
+def _cubic(knots: Array, points: Array) -> Array:
+    spline = CubicSpline(knots, points)
+    return np.hstack([spline.c[::-1, :, 0].T, spline.c[::-1, :, 1].T])
+
+
+def _segment_areas(knots: Array, coefficients: Array) -> Array:
+    steps = np.diff(knots)
+    nodes, weights = np.polynomial.legendre.leggauss(3)
+    total = np.zeros_like(steps)
+    for node, weight in zip(nodes, weights, strict=True):
+        t = 0.5 * steps * (1.0 + node)
+        c = coefficients.T
+        x = c[0] + t * (c[1] + t * (c[2] + t * c[3]))
+        y = c[4] + t * (c[5] + t * (c[6] + t * c[7]))
+        dx = c[1] + t * (2.0 * c[2] + 3.0 * t * c[3])
+        dy = c[5] + t * (2.0 * c[6] + 3.0 * t * c[7])
+        total += 0.25 * steps * weight * (x * dy - y * dx)
+    return total
+
+
+@inlined
+def flank_length(flank: Flank) -> float:
+    """Curve parameter of the tip corner. [m]."""
+    return flank.knots[-1]
+
+
+@inlined
+def flank_segment(flank: Flank, place: float) -> int:
+    """Index of the spline segment of a curve parameter in [m]."""
+    index = np.searchsorted(flank.knots, place, side="right") - 1
+    return min(max(index, 0), flank.knots.size - 2)
+
+
+@inlined
+def flank_point(flank: Flank, place: float) -> tuple[float, float]:
+    """Point at a curve parameter, tooth frame. [m]."""
+    k = flank_segment(flank, place)
+    t = place - flank.knots[k]
+    c = flank.coefficients[k]
+    return (
+        c[0] + t * (c[1] + t * (c[2] + t * c[3])),
+        c[4] + t * (c[5] + t * (c[6] + t * c[7])),
+    )
+
+
+@inlined
+def flank_tangent(flank: Flank, place: float) -> tuple[float, float, float, float]:
+    """First and second derivative of the curve, tooth frame. [-], [1/m]."""
+    k = flank_segment(flank, place)
+    t = place - flank.knots[k]
+    c = flank.coefficients[k]
+    return (
+        c[1] + t * (2.0 * c[2] + 3.0 * t * c[3]),
+        c[5] + t * (2.0 * c[6] + 3.0 * t * c[7]),
+        2.0 * c[2] + 6.0 * t * c[3],
+        2.0 * c[6] + 6.0 * t * c[7],
+    )
+
+
+@inlined
+def flank_swept_area(flank: Flank, place: float) -> float:
+    """Area swept by the radius from the root middle to a curve parameter. [m2]."""
+    k = flank_segment(flank, place)
+    t = place - flank.knots[k]
+    total = flank.area[k]
+    for node, weight in (
+        (-0.7745966692414834, 0.5555555555555556),
+        (0.0, 0.8888888888888888),
+        (0.7745966692414834, 0.5555555555555556),
+    ):
+        at = flank.knots[k] + 0.5 * t * (1.0 + node)
+        c = flank.coefficients[k]
+        u = at - flank.knots[k]
+        x = c[0] + u * (c[1] + u * (c[2] + u * c[3]))
+        y = c[4] + u * (c[5] + u * (c[6] + u * c[7]))
+        dx = c[1] + u * (2.0 * c[2] + 3.0 * u * c[3])
+        dy = c[5] + u * (2.0 * c[6] + 3.0 * u * c[7])
+        total += 0.25 * t * weight * (x * dy - y * dx)
+    return total
+
+
+@inlined
+def flank_curvature(flank: Flank, place: float) -> float:
+    """Curvature of the solid, positive where convex. [1/m]."""
+    dx, dy, ddx, ddy = flank_tangent(flank, place)
+    speed = np.sqrt(dx * dx + dy * dy)
+    return flank.side * (dy * ddx - dx * ddy) / speed**3

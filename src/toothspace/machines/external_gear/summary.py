@@ -1,0 +1,143 @@
+"""Numbers and verdicts of the geometry report."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toothspace.geometry.design_rules import design_findings
+from toothspace.geometry.gear_pair import flow_ripple
+from toothspace.geometry.involute import tooth_form
+from toothspace.machines.external_gear.assembly import Assembly
+from toothspace.machines.external_gear.chambers import Spaces, section_areas
+from toothspace.machines.external_gear.contacts import (
+    contact_range,
+    displacement,
+    flow_over_pitch,
+)
+from toothspace.model.description import DesignCheck
+
+
+def geometry_summary(assembly: Assembly, spaces: tuple[Spaces, Spaces]) -> dict[str, object]:
+    """Numbers of the geometry report.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        Gears in mesh.
+    spaces : tuple of Spaces
+        Tooth spaces of both gears at the table nodes.
+
+    Returns
+    -------
+    dict
+        Values by name; names carry their unit.
+    """
+    per_turn = displacement(assembly) * 2.0 * np.pi
+    start, end = contact_range(assembly)
+    ratio = (end - start) / (2.0 * assembly.mesh.half_pitch)
+    trapped, dead = trapped_volumes(assembly, spaces)
+    return {
+        "displacement_cm3_per_rev": per_turn * 1e6,
+        "contact_ratio": ratio if assembly.pair is None else assembly.pair.contact_ratio,
+        "tip_land_mm": min(t.land_angle * t.tip_radius for t in assembly.teeth) * 1e3,
+        "undercut": _undercut(assembly),
+        "root_clearance_mm": min(root_clearances(assembly)) * 1e3,
+        "center_distance_mm": assembly.mesh.center_distance * 1e3,
+        "base_diameter_mm": _base_diameter(assembly),
+        "operating_pressure_angle_deg": _pressure_angle(assembly),
+        "flow_ripple_percent": 100.0 * _ripple(assembly),
+        "trapped_volume_mm3": trapped * 1e9,
+        "dead_volume_mm3": dead * 1e9,
+        "warnings": [
+            f"{check.name}: {check.value:.4g} {check.unit}, allowed {check.allowed}"
+            for check in design_checks(assembly)
+            if not check.passed
+        ],
+    }
+
+
+def trapped_volumes(assembly: Assembly, spaces: tuple[Spaces, Spaces]) -> tuple[float, float]:
+    """Volume between two consecutive loaded contacts when the second one begins, and its minimum.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        Gears in mesh.
+    spaces : tuple of Spaces
+        Tooth spaces of both gears at the table nodes.
+
+    Returns
+    -------
+    tuple of float
+        Trapped volume and dead volume, which the mesh carries back. [m3]
+    """
+    drive, driven = spaces
+    mesh, width = assembly.mesh, assembly.face_width
+    pitch = 2.0 * mesh.half_pitch
+    start, end = contact_range(assembly)
+    # throat angle of the contact that lies behind
+    behind = np.linspace(start, max(end - pitch, start), 61)
+    left = assembly.loaded_is_left
+    lag = mesh.turn + 0.5 * assembly.teeth[1].pitch_angle
+    place_1 = behind if left else behind + pitch
+    place_2 = mesh.ratio * (behind + pitch) - lag
+    area = np.interp(place_1, drive.angles, section_areas(drive))
+    area += np.interp(place_2, driven.angles, section_areas(driven))
+    return float(area[0] * width), float(area.min() * width)
+
+
+def root_clearances(assembly: Assembly) -> tuple[float, float]:
+    """Radial play of the mating tip in the roots of drive and driven gear. [m]."""
+    (drive, driven), distance = assembly.profiles, assembly.mesh.center_distance
+    return (
+        distance - drive.root_radius - driven.tip_radius,
+        distance - driven.root_radius - drive.tip_radius,
+    )
+
+
+def design_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
+    """Design-rule report of the geometry."""
+    if assembly.pair is not None:
+        return tuple(
+            DesignCheck(f.name, f.value, f.unit, f.allowed, f.passed, f.reason)
+            for f in design_findings(assembly.pair, assembly.face_width)
+        )
+    start, end = contact_range(assembly)
+    ratio = (end - start) / (2.0 * assembly.mesh.half_pitch)
+    clearance = min(root_clearances(assembly))
+    return (
+        DesignCheck(
+            "contact ratio", ratio, "1", "1.05 to 2", 1.05 <= ratio <= 2.0,
+            "Below 1 the drive is handed over with a shock and the outlet opens to the inlet "
+            "through the mesh.",
+        ),
+        DesignCheck(
+            "root clearance", clearance * 1e3, "mm", "above 0 mm", clearance > 0.0,
+            "Bearing play moves the gears together, so the mating tip needs room in the root.",
+        ),
+    )  # fmt: skip
+
+
+def _ripple(assembly: Assembly) -> float:
+    if assembly.pair is not None:
+        return flow_ripple(assembly.pair)
+    flow = flow_over_pitch(assembly)
+    return float((flow.max() - flow.min()) / flow.mean())
+
+
+def _undercut(assembly: Assembly) -> bool:
+    if assembly.pair is None:
+        return False
+    return any(tooth_form(gear).undercut for gear in (assembly.pair.drive, assembly.pair.driven))
+
+
+def _base_diameter(assembly: Assembly) -> float | None:
+    base = assembly.profiles[0].base_radius
+    return None if base is None else 2e3 * base
+
+
+def _pressure_angle(assembly: Assembly) -> float | None:
+    bases = [profile.base_radius for profile in assembly.profiles]
+    if bases[0] is None or bases[1] is None:
+        return None
+    return float(np.rad2deg(np.arccos((bases[0] + bases[1]) / assembly.mesh.center_distance)))
