@@ -6,11 +6,14 @@ import json
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
 from toothspace.cli import output
 from toothspace.core.errors import CaseError, ToothspaceError
+from toothspace.core.registry import machine_modules
 from toothspace.core.status import Status
 
 if TYPE_CHECKING:
@@ -119,10 +122,17 @@ def _write_geometry(case: Case, description: Any, outputs: GeometryOutputs) -> N
 
         plot_tables(description, _writable(outputs.plot, "--plot"))
     if outputs.export is not None:
-        from toothspace.api import export_profiles
+        _export(case, outputs.export)
 
-        for path in export_profiles(case, outputs.export, Path(case.name)):
-            output.message(f"Profile: {path}")
+
+def _export(case: Case, suffix: str) -> None:
+    module = f"{machine_modules()[case.machine_type]}.export"
+    if find_spec(module) is None:
+        raise CaseError(
+            f"--export: found machine type {case.machine_type!r}, allowed external_gear"
+        )
+    for path in import_module(module).export_profiles(case.machine_spec, Path(case.name), suffix):
+        output.message(f"Profile: {path}")
 
 
 def _writable(path: Path, option: str) -> Path:

@@ -28,7 +28,7 @@ def machine_type(name: str) -> Any:
         if point.name == name:
             return point.load()
     allowed = ", ".join(machine_type_names())
-    raise CaseError(f"machine.type: found {name!r}, allowed: {allowed}")
+    raise CaseError(f"machine.type: found {name!r}, allowed {allowed}")
 
 
 def machine_modules() -> dict[str, str]:

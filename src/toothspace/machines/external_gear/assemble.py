@@ -51,7 +51,7 @@ def assemble(machine: keys.ExternalGearParameters) -> spec.ExternalGearSpec:
     """
     driven_keys = _driven_keys(machine)
     drive = _gear(machine.gears, "gears")
-    driven = _gear(driven_keys, "driven_gear" if machine.driven_gear else "gears")
+    driven = drive if driven_keys == machine.gears else _gear(driven_keys, "driven_gear")
     _check_pair(machine, drive, driven)
     return spec.ExternalGearSpec(
         drive=drive,
@@ -210,7 +210,12 @@ def _groove_sides(file: Path) -> tuple[Array | None, Array | None]:
 
 def _profile(gear: keys.GearParameters, file: Path, table: str) -> GearProfile:
     curves = _contours(file, f"{table}.profile", gear.profile_unit)
-    detected = gear_profile_from_curve(curves[0], key=f"{table}.profile: {file.name}")
+    key = f"{table}.profile: {file.name}"
+    try:
+        detected = gear_profile_from_curve(curves[0], key=key)
+    except (ArithmeticError, LookupError, ValueError) as error:
+        allowed = "the closed outline of a gear with equal teeth"
+        raise GeometryError(f"{key}: found a curve without teeth, allowed {allowed}") from error
     if gear.tooth_count not in (None, detected.tooth_count):
         allowed = f"{detected.tooth_count} teeth as in {file.name}, or no tooth_count"
         raise KeyRuleError(f"{table}.tooth_count", str(gear.tooth_count), allowed)

@@ -33,7 +33,7 @@ def export_profiles(spec: ExternalGearSpec, stem: Path, suffix: str) -> list[Pat
         If a tooth cannot be built or the format needs a package that is missing.
     """
     gears = {"drive": spec.drive}
-    if spec.driven != spec.drive:
+    if spec.driven is not spec.drive:
         gears["driven"] = spec.driven
     paths = []
     for name, gear in gears.items():
