@@ -198,3 +198,64 @@ def mixture_pressure(specific_volume: Any, gas_fraction: Any, law: FluidLaw) -> 
     by_volume = positive_part_slope(distance, law.vapour_smoothing) / volume_slope
     gas_slope = positive_part_slope(gas_fraction, law.nuclei_mass_fraction)
     return pressure, by_volume, -by_volume * (gas - liquid) * gas_slope
+
+
+@inlined
+def dowson_higginson_density(pressure: Any, reference_density: Any) -> Any:
+    r"""Density of a mineral oil at the pressures of rolling contacts.
+
+    Parameters
+    ----------
+    pressure : float or ndarray
+        Pressure above the atmosphere. [Pa]
+    reference_density : float or ndarray
+        Density at atmospheric pressure. [kg/m3]
+
+    Returns
+    -------
+    float or ndarray
+        Density. [kg/m3]
+
+    Notes
+    -----
+    .. math:: \rho = \rho_0 \frac{0.59\cdot10^9 + 1.34 p}{0.59\cdot10^9 + p}
+
+    Validity: to several GPa; its bulk modulus at zero pressure is 1.74 GPa.
+
+    References
+    ----------
+    .. [1] D. Dowson, G. R. Higginson, *Elasto-Hydrodynamic Lubrication*, Pergamon, 1966.
+    """
+    return reference_density * (0.59e9 + 1.34 * pressure) / (0.59e9 + pressure)
+
+
+@inlined
+def hlp_32_density(temperature: Any, pressure: Any) -> Any:
+    r"""Density of a measured hydraulic oil HLP 32.
+
+    Parameters
+    ----------
+    temperature : float or ndarray
+        Absolute temperature, 273 to 373 K. [K]
+    pressure : float or ndarray
+        Absolute pressure. [Pa]
+
+    Returns
+    -------
+    float or ndarray
+        Density. [kg/m3]
+
+    Notes
+    -----
+    .. math:: \rho = \frac{1047.03\,(1 - 5.761668\cdot10^{-4} T)}
+        {1 - 0.0732965 \ln[(B + p) / B]}, \quad B = 1965.02 - 2.96813\, T
+
+    with T in K and p in bar.
+
+    References
+    ----------
+    .. [1] Purdue FSTI/CASPAR, fluid HLP32.
+    """
+    stiffness = 1965.02 - 2.96813 * temperature
+    compression = 1.0 - 0.0732965 * np.log((stiffness + 1e-5 * pressure) / stiffness)
+    return 1047.03 * (1.0 - 5.761668e-4 * temperature) / compression

@@ -172,3 +172,35 @@ def roelands_exponent(viscosity: Any, pressure_viscosity: Any) -> Any:
     0.61
     """
     return pressure_viscosity / (5.1e-9 * (np.log(viscosity) + 9.67))
+
+
+@inlined
+def hlp_32_viscosity(temperature: Any, pressure: Any) -> Any:
+    r"""Dynamic viscosity of a measured hydraulic oil HLP 32.
+
+    Parameters
+    ----------
+    temperature : float or ndarray
+        Absolute temperature, 273 to 373 K. [K]
+    pressure : float or ndarray
+        Absolute pressure. [Pa]
+
+    Returns
+    -------
+    float or ndarray
+        Dynamic viscosity. [Pa s]
+
+    Notes
+    -----
+    .. math:: \mu = 0.01702 \exp\left[\frac{5.428 (50 - T)}{94.72 + T} + \alpha p\right]
+
+    with T in degC and :math:`\alpha = 2.278\cdot10^{-8} - 1.477\cdot10^{-10} T
+    + 5.127\cdot10^{-13} T^2`.
+
+    References
+    ----------
+    .. [1] Purdue FSTI/CASPAR, fluid HLP32.
+    """
+    t = temperature - 273.15
+    alpha = 2.278e-8 + t * (-1.477e-10 + 5.127e-13 * t)
+    return 1.702e-2 * np.exp(5.428 * (50.0 - t) / (94.72 + t) + alpha * pressure)

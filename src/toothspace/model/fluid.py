@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, final
+from typing import Any, final
 
 import numpy as np
 
@@ -16,8 +16,6 @@ from toothspace.core.errors import CaseError
 from toothspace.library import load_fluid
 
 __all__ = ["FluidLaw", "GasModel", "LiquidState", "fluid_law", "library_liquid", "mixed_law"]
-
-GasLawName = Literal["dynamic", "equilibrium", "none"]
 
 EQUILIBRIUM_RATE = 1e5
 """Exchange rate that stands for the equilibrium law. [1/s]"""
@@ -94,7 +92,7 @@ class GasModel:
         Time constants of the dynamic law. [s]
     """
 
-    law: GasLawName = "dynamic"
+    law: str = "dynamic"
     free_air_fraction: float = 0.002
     dissolved_air_fraction: float | None = None
     saturation_pressure: float = ATMOSPHERIC_PRESSURE
@@ -190,7 +188,7 @@ def fluid_law(
     temperature: float,
     free_air_fraction: float = 0.002,
     dissolved_air_fraction: float | None = None,
-    gas_law: GasLawName = "dynamic",
+    gas_law: str = "dynamic",
     saturation_pressure: float = ATMOSPHERIC_PRESSURE,
     release_time: float = 0.02,
     absorption_time: float = 1.0,

@@ -1,0 +1,223 @@
+"""Film thickness and traction of a lubricated line contact, from rest to full film."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from toothspace.closures.fluid_law import FluidLaw
+from toothspace.closures.smooth import select
+from toothspace.core.compiled import inlined
+
+_SLIDE_ROUNDING = 1e-4
+"""Slide to roll ratio that rounds the traction at pure rolling: regularisation. [-]"""
+
+_REST_SPEED = 1e-6
+"""Speed that keeps the slide to roll ratio finite at rest: regularisation. [m/s]"""
+
+_BOUNDARY_SPEED = 1e-3
+"""Sliding speed over which boundary friction builds up: regularisation. [m/s]"""
+
+
+class FlankSurface(NamedTuple):
+    """Constants of one pair of flanks."""
+
+    effective_modulus: float
+    """E' = 2 / [(1 - nu1^2)/E1 + (1 - nu2^2)/E2]. [Pa]"""
+    roughness: float
+    """Combined root mean square roughness. [m]"""
+    boundary_friction: float
+    """Friction coefficient without a film. [-]"""
+    limiting_shear: float
+    """Limiting shear strength over pressure. [-]"""
+
+
+@inlined
+def traction_coefficient(
+    slide_ratio: Any, speed_number: Any, load_number: Any, material_number: Any, limiting_shear: Any
+) -> Any:
+    r"""Traction coefficient of an elastohydrodynamic line contact (Jacobson and Hamrock).
+
+    Parameters
+    ----------
+    slide_ratio : float or ndarray
+        Sliding speed over sum of the surface speeds, 0 to 1. [-]
+    speed_number : float or ndarray
+        U = viscosity times SUM of surface speeds over E' R. [-]
+    load_number : float or ndarray
+        W = load over width, E' and R. [-]
+    material_number : float or ndarray
+        G = Barus coefficient times E'. [-]
+    limiting_shear : float or ndarray
+        Limiting shear strength over pressure (gamma), 0.04 to 0.09. [-]
+
+    Returns
+    -------
+    float or ndarray
+        Friction coefficient, zero in pure rolling. [-]
+
+    Notes
+    -----
+    .. math:: \mu_1 = 0.671\cdot10^{-6}\, (U^*)^{0.81} U^{0.26} (W G^2)^{3.32}
+
+    and :math:`\mu = \mu_1` up to :math:`0.8\gamma`, beyond it
+    :math:`\mu = 0.8\gamma + 0.021 \tanh(\mu_1/\gamma - 0.8)`. The power of the slide ratio is
+    rounded below 1e-4.
+
+    References
+    ----------
+    .. [1] B. O. Jacobson, B. J. Hamrock, "Non-Newtonian fluid model incorporated into
+       elastohydrodynamic lubrication of rectangular contacts", J. Tribology 106, 1984.
+    """
+    rounding = _SLIDE_ROUNDING**0.81
+    slide = (slide_ratio * slide_ratio + _SLIDE_ROUNDING * _SLIDE_ROUNDING) ** 0.405 - rounding
+    loading = (load_number * material_number * material_number) ** 3.32
+    newtonian = 0.671e-6 * slide * speed_number**0.26 * loading
+    cap = 0.8 * limiting_shear
+    limited = cap + 0.021 * np.tanh(newtonian / limiting_shear - 0.8)
+    return select(newtonian <= cap, newtonian, limited)
+
+
+@inlined
+def film_thickness_dowson_higginson(
+    mean_speed_number: Any, material_number: Any, load_number: Any
+) -> Any:
+    r"""Smallest film of a line contact over the relative radius (Dowson and Higginson).
+
+    Parameters
+    ----------
+    mean_speed_number : float or ndarray
+        Viscosity times MEAN of the surface speeds over E' R. [-]
+    material_number : float or ndarray
+        Barus coefficient times E'. [-]
+    load_number : float or ndarray
+        Load over width, E' and R. [-]
+
+    Returns
+    -------
+    float or ndarray
+        Film thickness over relative radius. [-]
+
+    Notes
+    -----
+    .. math:: H = 2.65\, U_m^{0.70} G^{0.54} W^{-0.13}
+
+    References
+    ----------
+    .. [1] D. Dowson, "Elastohydrodynamics", Proc. Instn Mech. Engrs 182, 1968.
+    """
+    return 2.65 * mean_speed_number**0.70 * material_number**0.54 / load_number**0.13
+
+
+@inlined
+def film_thickness_pan_hamrock(
+    mean_speed_number: Any, material_number: Any, load_number: Any
+) -> Any:
+    r"""Film thickness of a line contact over the relative radius (Pan and Hamrock).
+
+    Parameters
+    ----------
+    mean_speed_number : float or ndarray
+        Viscosity times MEAN of the surface speeds over E' R. [-]
+    material_number : float or ndarray
+        Barus coefficient times E'. [-]
+    load_number : float or ndarray
+        Load over width, E' and R. [-]
+
+    Returns
+    -------
+    minimum : float or ndarray
+        Smallest film over relative radius. [-]
+    central : float or ndarray
+        Central film over relative radius. [-]
+
+    Notes
+    -----
+    .. math:: H_{min} = 1.714\, U_m^{0.694} G^{0.568} W^{-0.128}, \quad
+        H_c = 2.922\, U_m^{0.692} G^{0.470} W^{-0.166}
+
+    References
+    ----------
+    .. [1] P. Pan, B. J. Hamrock, "Simple formulas for performance parameters used in
+       elastohydrodynamically lubricated line contacts", J. Tribology 111, 1989.
+    """
+    minimum = 1.714 * mean_speed_number**0.694 * material_number**0.568 / load_number**0.128
+    central = 2.922 * mean_speed_number**0.692 * material_number**0.470 / load_number**0.166
+    return minimum, central
+
+
+@inlined
+def boundary_share(film_ratio: Any) -> Any:
+    r"""Share of the load that asperities carry in a mixed film.
+
+    Parameters
+    ----------
+    film_ratio : float or ndarray
+        Film thickness over combined roughness (lambda). [-]
+
+    Returns
+    -------
+    float or ndarray
+        Share between 0 and 1. [-]
+
+    Notes
+    -----
+    .. math:: f = \exp(-1.8\, \lambda^{1.2})
+    """
+    return np.exp(-1.8 * film_ratio**1.2)
+
+
+@inlined
+def mesh_friction_coefficient(
+    line_load: Any,
+    radius_a: Any,
+    radius_b: Any,
+    sliding_speed: Any,
+    rolling_speed_sum: Any,
+    fluid: FluidLaw,
+    surface: FlankSurface,
+) -> Any:
+    r"""Friction coefficient of tooth flanks from rest to full film, with the sign of sliding.
+
+    Parameters
+    ----------
+    line_load : float or ndarray
+        Normal force per width, zero or positive. [N/m]
+    radius_a, radius_b : float or ndarray
+        Radii of curvature, concave negative. [m]
+    sliding_speed : float or ndarray
+        Difference of the surface speeds relative to the contact point. [m/s]
+    rolling_speed_sum : float or ndarray
+        Sum of the surface speeds relative to the contact point. [m/s]
+    fluid : FluidLaw
+        Constants of the fluid; viscosity is that at the entry of the contact. [SI]
+    surface : FlankSurface
+        Constants of the flanks, or anything with the same fields. [SI]
+
+    Returns
+    -------
+    float or ndarray
+        Friction coefficient, odd in the sliding speed, zero at rest. [-]
+
+    Notes
+    -----
+    .. math:: \mu = (1 - f)\, \mu_{EHL} + f \mu_b, \qquad f = \exp(-1.8\, \lambda^{1.2})
+
+    with the traction of :func:`traction_coefficient` and the film of Dowson and Higginson.
+    Smooth at rest and at pure rolling.
+    """
+    relative_radius = radius_a * radius_b / (radius_a + radius_b)
+    total = np.sqrt(rolling_speed_sum * rolling_speed_sum + _REST_SPEED * _REST_SPEED)
+    slide_ratio = np.minimum(np.abs(sliding_speed) / total, 1.0)
+    scale = surface.effective_modulus * relative_radius
+    speed_number = fluid.dynamic_viscosity * total / scale
+    load_number = np.maximum(line_load / scale, 1e-12)
+    material_number = fluid.pressure_viscosity * surface.effective_modulus
+    film = film_thickness_dowson_higginson(0.5 * speed_number, material_number, load_number)
+    share = boundary_share(film * relative_radius / surface.roughness)
+    traction = traction_coefficient(
+        slide_ratio, speed_number, load_number, material_number, surface.limiting_shear
+    )
+    boundary = surface.boundary_friction * np.tanh(sliding_speed / _BOUNDARY_SPEED)
+    return (1.0 - share) * traction * np.sign(sliding_speed) + share * boundary
