@@ -16,11 +16,19 @@ from scipy.optimize import brentq
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array, FloatOrArray
-from toothspace.geometry.gear_profile import GearProfile
-from toothspace.geometry.involute import InvoluteGear, ToothForm, involute_function, tooth_form
+from toothspace.geometry.involute import (
+    InvoluteGear,
+    ToothForm,
+    generate_profile,
+    involute_function,
+    tooth_form,
+)
+from toothspace.geometry.mesh_clearance import flank_clearance as flank_clearance
 
 Mode = Literal["pump", "motor"]
 Sealing = Literal["single", "dual"]
+
+_LARGEST_OVERLAP = 1e-6
 
 
 @final
@@ -384,51 +392,6 @@ def trapped_volume_change(pair: GearPair, face_width: float) -> float:
     return float(0.5 * face_width * ratio * pair.base_pitch * distance**2 / pair.drive.base_radius)
 
 
-def flank_clearance(
-    drive: GearProfile, driven: GearProfile, center_distance: float, phases: int = 161
-) -> float:
-    """Smallest circumferential play between two profiles that roll with centred backlash.
-
-    Parameters
-    ----------
-    drive, driven : GearProfile
-        Profiles of any origin whose radius rises from root to tip.
-    center_distance : float
-        Distance of the gear centres. [m]
-    phases : int
-        Number of positions over the passage of a tooth.
-
-    Returns
-    -------
-    float
-        Arc length between a tooth and the flanks of the mating space, about half the
-        circumferential backlash; negative where the gears overlap. [m]
-    """
-    return min(
-        _clearance_in_space(drive, driven, center_distance, phases),
-        _clearance_in_space(driven, drive, center_distance, phases),
-    )
-
-
-def _clearance_in_space(
-    space: GearProfile, tooth: GearProfile, center_distance: float, phases: int
-) -> float:
-    reach = 2.5 * max(space.pitch_angle, tooth.pitch_angle * tooth.tooth_count / space.tooth_count)
-    turn = np.linspace(-reach, reach, phases)[:, None]
-    # the mating tooth points from its centre (0, a) towards the space on the y axis
-    local = (tooth.points @ np.array([1.0, 1j]))[None, :]
-    mating = local * np.exp(-1j * turn * space.tooth_count / tooth.tooth_count)
-    placed = (center_distance - mating) * np.exp(-1j * turn)
-    radius, angle = np.abs(placed), np.abs(np.angle(placed))
-    flank = space.left_flank[::-1]
-    flank_radius = np.maximum.accumulate(np.hypot(flank[:, 0], flank[:, 1]))
-    half_space = 0.5 * space.pitch_angle - np.arctan2(flank[:, 1], flank[:, 0])
-    limit = np.interp(radius, flank_radius, half_space)
-    inside = radius < space.tip_radius
-    play = np.where(inside, radius * (limit - angle), np.inf)
-    return float(np.min(np.where(angle < 1.5 * space.pitch_angle, play, np.inf)))
-
-
 def _swept(pair: GearPair) -> float:
     (pitch_1, pitch_2), ratio = pair.pitch_radii, -pair.speed_ratio
     outer = pair.drive.tip_radius**2 - pitch_1**2
@@ -470,4 +433,19 @@ def _checked(pair: GearPair) -> GearPair:
         raise GeometryError(
             f"tip_diameter: found a contact ratio of {pair.contact_ratio:.3f}, allowed above 0"
         )
+    if min(pair.involute_margins) < 0.0:
+        _check_overlap(pair)
     return pair
+
+
+def _check_overlap(pair: GearPair) -> None:
+    # a tip below the involute may still clear the fillet, so the profiles decide
+    play = flank_clearance(
+        generate_profile(pair.drive, 100), generate_profile(pair.driven, 100), pair.center_distance
+    )
+    if play < -_LARGEST_OVERLAP:
+        tips = f"{pair.drive.tip_radius * 2e3:.5g} and {pair.driven.tip_radius * 2e3:.5g} mm"
+        raise GeometryError(
+            f"tip_diameter: found {tips}: the teeth interfere by {-play * 1e3:.4g} mm at a root "
+            f"fillet, allowed smaller tips or a larger profile_shift"
+        )

@@ -201,7 +201,8 @@ def _corner_center(gear: InvoluteGear) -> tuple[float, float]:
     m, rho, alpha = gear.module, gear.rack_tip_radius, gear.pressure_angle
     depth = (gear.dedendum - gear.profile_shift) * m - rho
     tip_half_width = m * (0.25 * np.pi - gear.dedendum * np.tan(alpha))
-    return depth, max(tip_half_width - rho * (1.0 - np.sin(alpha)) / np.cos(alpha), 0.0)
+    side = tip_half_width - rho * (1.0 - np.sin(alpha)) / np.cos(alpha)
+    return depth, side if side > 1e-6 * m else 0.0
 
 
 def _fillet_polar(gear: InvoluteGear, corner_angle: Array) -> tuple[Array, Array]:
