@@ -1,0 +1,97 @@
+"""Results of stand-alone film cases under the names of the command line."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+
+from toothspace.core.errors import CaseError
+from toothspace.films.journal_bearing import JournalBearing, JournalBearingSolution
+from toothspace.films.journal_film import Groove
+
+_LITRES_PER_MINUTE = 6e4
+_PASCAL_PER_BAR = 1e5
+
+
+def solve_bearing(case: Any) -> dict[str, Any]:
+    """Solve the table ``[bearing]`` of a case.
+
+    Parameters
+    ----------
+    case : Case
+        Case with a ``bearing`` in SI units.
+
+    Returns
+    -------
+    dict
+        Numbers with unit suffixes; forces and torques act on the shaft by the film.
+    """
+    started = time.perf_counter()
+    keys = case.bearing
+    bearing = _bearing(keys, _viscosity(case, keys))
+    if keys.load is not None:
+        film = bearing.equilibrium(load=tuple(keys.load), shaft_speed=keys.shaft_speed)
+    else:
+        film = bearing.solve(
+            eccentricity=tuple(keys.eccentricity),
+            shaft_speed=keys.shaft_speed,
+            velocity=tuple(keys.velocity),
+            tilt=tuple(keys.tilt),
+        )
+    return {**bearing_summary(film), "wall_time_s": time.perf_counter() - started}
+
+
+def bearing_summary(film: JournalBearingSolution) -> dict[str, Any]:
+    """Numbers of a journal film with unit suffixes."""
+    return {
+        "force_x_N": float(film.force[0]),
+        "force_y_N": float(film.force[1]),
+        "moment_x_N_m": float(film.moment[0]),
+        "moment_y_N_m": float(film.moment[1]),
+        "friction_torque_N_m": film.friction_torque,
+        "bush_friction_torque_N_m": film.bush_friction_torque,
+        "power_loss_W": film.power_loss,
+        "eccentricity_x": float(film.eccentricity[0]),
+        "eccentricity_y": float(film.eccentricity[1]),
+        "eccentricity_ratio": film.eccentricity_ratio,
+        "attitude_angle_deg": float(np.degrees(film.attitude_angle)),
+        "sommerfeld_number": _finite(film.sommerfeld_number),
+        "sommerfeld_number_din": _finite(film.sommerfeld_number_din),
+        "side_flow_L_per_min": film.side_flow * _LITRES_PER_MINUTE,
+        "supply_flow_L_per_min": film.supply_flow * _LITRES_PER_MINUTE,
+        "max_pressure_bar": film.max_pressure / _PASCAL_PER_BAR,
+        "min_film_um": film.min_gap_height * 1e6,
+        "cavitated_fraction": film.cavitated_fraction,
+        "mass_balance_error": film.mass_balance_error,
+        "stiffness_N_per_m": film.stiffness.tolist(),
+        "damping_N_s_per_m": film.damping.tolist(),
+        "status": film.status.name.lower(),
+    }
+
+
+def _finite(value: float) -> float | None:
+    return value if np.isfinite(value) else None
+
+
+def _bearing(keys: Any, dynamic_viscosity: float) -> JournalBearing:
+    grooves = tuple(Groove(g.angle, g.width, g.length, g.pressure) for g in keys.grooves)
+    return JournalBearing(
+        diameter=keys.diameter,
+        length=keys.length,
+        radial_clearance=keys.radial_clearance,
+        dynamic_viscosity=dynamic_viscosity,
+        grid=tuple(keys.grid),
+        cavitation=keys.cavitation,
+        grooves=grooves,
+        end_pressure=keys.end_pressure,
+        cavitation_pressure=keys.cavitation_pressure,
+    )
+
+
+def _viscosity(case: Any, keys: Any) -> float:
+    """Dynamic viscosity of a film table, or of the fluid of the case. [Pa s]."""
+    if keys.dynamic_viscosity is not None:
+        return float(keys.dynamic_viscosity)
+    raise CaseError("dynamic_viscosity: found nothing, allowed are a viscosity such as '0.01 Pa s'")

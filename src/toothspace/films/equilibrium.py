@@ -1,0 +1,102 @@
+"""Position of a shaft at which the film carries the load."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from toothspace.core.status import Status
+from toothspace.core.types import Array
+from toothspace.films.journal_bearing import solve_motion
+from toothspace.films.journal_film import MotionState
+
+if TYPE_CHECKING:
+    from toothspace.films.journal_bearing import (
+        JournalBearing,
+        JournalBearingSolution,
+        SurfaceSpeed,
+    )
+
+_SMALLEST_SHRINK = 0.3
+"""A step may shrink the smallest gap to this part."""
+
+
+def find_equilibrium(
+    bearing: JournalBearing,
+    load: Array,
+    speed: SurfaceSpeed,
+    start: tuple[float, float] | None,
+) -> JournalBearingSolution:
+    """Newton's method with the exact stiffness, on a coarse grid first.
+
+    See :meth:`JournalBearing.equilibrium`.
+    """
+    if start is None:
+        coarse = replace(bearing, grid=_coarse(bearing.grid))
+        guess = _newton(coarse, load, speed, _first_guess(load, speed), 1e-3)
+        # a coarse grid does not resolve a nearly closed gap, so it may go too far
+        place = guess.eccentricity * min(1.0, 0.97 / max(guess.eccentricity_ratio, 0.01))
+    else:
+        place = np.asarray(start, dtype=float)
+    return _newton(bearing, load, speed, place, 1e-9)
+
+
+def _coarse(grid: tuple[int, int]) -> tuple[int, int]:
+    return max(min(grid[0], 48), grid[0] // 4), max(min(grid[1], 9), grid[1] // 4)
+
+
+def _first_guess(load: Array, speed: SurfaceSpeed) -> Array:
+    """Half the clearance, 55 degrees from the load along the rotation."""
+    sense = -1.0 if speed.shaft + speed.bush < 0.0 else 1.0
+    angle = np.arctan2(load[1], load[0]) + sense * np.radians(55.0)
+    return 0.5 * np.array([np.cos(angle), np.sin(angle)])
+
+
+def _solve_at(
+    bearing: JournalBearing,
+    place: Array,
+    speed: SurfaceSpeed,
+    former: JournalBearingSolution | None = None,
+) -> JournalBearingSolution:
+    position = np.array([*(bearing.radial_clearance * place), 0.0, 0.0])
+    return solve_motion(bearing, MotionState(position, np.zeros(4)), speed, former=former)
+
+
+def _newton(
+    bearing: JournalBearing, load: Array, speed: SurfaceSpeed, place: Array, tolerance: float
+) -> JournalBearingSolution:
+    film = _solve_at(bearing, place, speed)
+    size = float(np.hypot(*load))
+    for _ in range(40):
+        error = film.force + load
+        if np.hypot(*error) <= tolerance * size:
+            return film
+        step: Array = np.linalg.solve(film.stiffness * bearing.radial_clearance, error)
+        film = _damped_step(bearing, load, film, step)
+    return replace(film, status=Status.NOT_CONVERGED)
+
+
+def _damped_step(
+    bearing: JournalBearing, load: Array, film: JournalBearingSolution, step: Array
+) -> JournalBearingSolution:
+    """Longest part of a step that keeps the gap open and does not raise the error much."""
+    place = film.eccentricity
+    step = _kept_inside(place, step)
+    error = float(np.hypot(*(film.force + load)))
+    for _ in range(8):
+        trial = _solve_at(bearing, place + step, film.speed, film)
+        if np.hypot(*(trial.force + load)) < error:
+            return trial
+        step = 0.5 * step
+    return trial
+
+
+def _kept_inside(place: Array, step: Array) -> Array:
+    limit = 1.0 - _SMALLEST_SHRINK * (1.0 - float(np.hypot(*place)))
+    for _ in range(60):
+        if np.hypot(*(place + step)) <= limit:
+            break
+        step = 0.8 * step
+    return step

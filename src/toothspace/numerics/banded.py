@@ -1,0 +1,162 @@
+"""Direct solution of five-point systems on structured grids, ordered lane by lane.
+
+The band of the matrix is as wide as one row of lanes. A ring is cut at one row; what the cut
+drops is left to the caller (:mod:`toothspace.numerics.krylov`).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toothspace.core.compiled import njit
+from toothspace.core.types import Array
+from toothspace.numerics.vectors import dot
+
+
+@njit(cache=True)
+def fill_band(stencil: Array, rows: int, lanes: int, cut: int, band: Array) -> None:
+    """Fill the band storage of a five-point matrix, rows counted from the cut.
+
+    Entry ``[r, lanes + c - r]`` holds row ``r`` and column ``c``. Columns of the stencil:
+    west, south, centre, north, east.
+    """
+    width = lanes
+    band[:] = 0.0
+    for position in range(rows):
+        i = (position + cut) % rows
+        for j in range(lanes):
+            r = position * lanes + j
+            s = i * lanes + j
+            band[r, width] = stencil[s, 2]
+            if position > 0:
+                band[r, width - lanes] += stencil[s, 0]
+            if position < rows - 1:
+                band[r, width + lanes] += stencil[s, 4]
+            if j > 0:
+                band[r, width - 1] += stencil[s, 1]
+            if j < lanes - 1:
+                band[r, width + 1] += stencil[s, 3]
+
+
+PANEL = 4
+"""Pivots that are eliminated together, so that a row is read and written once for all of them."""
+
+
+@njit(cache=True, fastmath={"contract"})
+def _factor_panel(flat: Array, columns: int, first: int, count: int) -> None:
+    """Eliminate among the rows of one panel."""
+    width = columns // 2
+    n = flat.size // columns
+    for m in range(count):
+        k = first + m
+        base = k * columns + width
+        reach = min(width, n - 1 - k)
+        for d in range(1, min(count - m, reach + 1)):
+            start = base + d * (columns - 1)
+            factor = flat[start] / flat[base]
+            flat[start] = factor
+            if factor != 0.0:
+                for c in range(1, reach + 1):
+                    flat[start + c] -= factor * flat[base + c]
+
+
+@njit(cache=True, fastmath={"contract"})
+def _update_row(flat: Array, columns: int, first: int, row: int) -> None:
+    """Eliminate the four columns of a panel from one row below it."""
+    width = columns // 2
+    n = flat.size // columns
+    at = row * columns + width - row  # flat[at + c] is column c of the row
+    p0 = first * columns + width - first
+    p1, p2, p3 = p0 + columns - 1, p0 + 2 * (columns - 1), p0 + 3 * (columns - 1)
+    lowest = row - width
+    f0 = flat[at + first] / flat[p0 + first] if first >= lowest else 0.0
+    f1, f2, f3 = 0.0, 0.0, 0.0
+    if first + 1 >= lowest:
+        f1 = (flat[at + first + 1] - f0 * flat[p0 + first + 1]) / flat[p1 + first + 1]
+    if first + 2 >= lowest:
+        f2 = flat[at + first + 2] - f0 * flat[p0 + first + 2] - f1 * flat[p1 + first + 2]
+        f2 /= flat[p2 + first + 2]
+    if first + 3 >= lowest:
+        f3 = flat[at + first + 3] - f0 * flat[p0 + first + 3] - f1 * flat[p1 + first + 3]
+        f3 = (f3 - f2 * flat[p2 + first + 3]) / flat[p3 + first + 3]
+    if f0 == 0.0 and f1 == 0.0 and f2 == 0.0 and f3 == 0.0:
+        return
+    last = min(first + width, n - 1)
+    # slices, because a loop counter from zero is known to need no wrap-around
+    start, stop = first + 4, last + 1
+    target = flat[at + start : at + stop]
+    r0, r1 = flat[p0 + start : p0 + stop], flat[p1 + start : p1 + stop]
+    r2, r3 = flat[p2 + start : p2 + stop], flat[p3 + start : p3 + stop]
+    for c in range(target.size):
+        target[c] -= f0 * r0[c] + f1 * r1[c] + f2 * r2[c] + f3 * r3[c]
+    for c in range(last + 1, min(first + 3 + width, n - 1) + 1):
+        total = f3 * flat[p3 + c]
+        if c <= first + 1 + width:
+            total += f1 * flat[p1 + c]
+        if c <= first + 2 + width:
+            total += f2 * flat[p2 + c]
+        flat[at + c] -= total
+    for m, factor in enumerate((f0, f1, f2, f3)):
+        if first + m >= lowest:
+            flat[at + first + m] = factor
+
+
+@njit(cache=True, fastmath={"contract"})
+def factor_band(band: Array) -> None:
+    """Triangular factors in place, without exchange of rows.
+
+    Safe for matrices whose columns are diagonally dominant, as cell balances are.
+    Rows without a multiplier are skipped, so that cells without fill cost nothing.
+    """
+    n, columns = band.shape
+    width = columns // 2
+    flat = band.reshape(n * columns)
+    for first in range(0, n, PANEL):
+        count = min(PANEL, n - first)
+        _factor_panel(flat, columns, first, count)
+        if count == PANEL:
+            for row in range(first + PANEL, min(first + PANEL + width, n)):
+                _update_row(flat, columns, first, row)
+
+
+@njit(cache=True)
+def solve_band(band: Array, rhs: Array, lanes: int, cut: int) -> Array:
+    """Solution for one right-hand side in grid order."""
+    n, columns = band.shape
+    width = columns // 2
+    shift = cut * lanes
+    x = np.empty(n)
+    x[: n - shift] = rhs[shift:]
+    x[n - shift :] = rhs[:shift]
+    for r in range(n):
+        reach = min(width, r)
+        x[r] -= dot(band[r, width - reach : width], x[r - reach : r])
+    for r in range(n - 1, -1, -1):
+        reach = min(width, n - 1 - r)
+        total = dot(band[r, width + 1 : width + 1 + reach], x[r + 1 : r + 1 + reach])
+        x[r] = (x[r] - total) / band[r, width]
+    result = np.empty(n)
+    result[shift:] = x[: n - shift]
+    result[:shift] = x[n - shift :]
+    return result
+
+
+@njit(cache=True)
+def stencil_product(stencil: Array, x: Array, rows: int, lanes: int) -> Array:
+    """Product of a five-point matrix on a ring and a vector in grid order."""
+    n = rows * lanes
+    y = np.empty(n)
+    for i in range(rows):
+        west = (i + rows - 1) % rows
+        east = (i + 1) % rows
+        for j in range(lanes):
+            r = i * lanes + j
+            total = stencil[r, 2] * x[r]
+            total += stencil[r, 0] * x[west * lanes + j]
+            total += stencil[r, 4] * x[east * lanes + j]
+            if j > 0:
+                total += stencil[r, 1] * x[r - 1]
+            if j < lanes - 1:
+                total += stencil[r, 3] * x[r + 1]
+            y[r] = total
+    return y

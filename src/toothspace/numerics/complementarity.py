@@ -1,0 +1,400 @@
+r"""Cell balances with a potential bounded below and a saturation bounded above.
+
+Find potential :math:`u \ge 0` and deficit :math:`\chi = 1 - s \ge 0` with
+:math:`u \chi = 0` in every cell such that the balance of
+:class:`~toothspace.numerics.structured_grid.CellBalance` holds. Newton's method on this
+semismooth system is an active-set method: a cell is either saturated (unknown: potential) or
+unsaturated (unknown: saturation), every pass is one linear solve.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import final
+
+import numpy as np
+
+from toothspace.core.compiled import njit
+from toothspace.core.types import Array, IntArray
+from toothspace.numerics.banded import factor_band, fill_band, solve_band, stencil_product
+from toothspace.numerics.krylov import gmres
+from toothspace.numerics.structured_grid import CellBalance, coarsened, grid_shape
+from toothspace.numerics.vectors import norm
+
+SATURATED = 0
+UNSATURATED = 1
+PRESCRIBED = 2
+
+
+class Constraint(IntEnum):
+    """What happens where the potential would become negative."""
+
+    NONE = 0
+    """Nothing: one linear solve."""
+    OBSTACLE = 1
+    """The potential is zero and the balance becomes an inequality."""
+    CONSERVING = 2
+    """The potential is zero, the saturation falls below one and the balance holds."""
+
+
+@njit(cache=True)
+def bordered(b: CellBalance, potential: Array, saturation: Array) -> tuple[Array, Array]:
+    """Fields with one more cell on every side: given potentials at full saturation, or the ring."""
+    rows, lanes = potential.shape
+    u = np.zeros((rows + 2, lanes + 2))
+    s = np.ones((rows + 2, lanes + 2))
+    u[1:-1, 1:-1] = potential
+    s[1:-1, 1:-1] = saturation
+    u[1:-1, 0] = b.south
+    u[1:-1, -1] = b.north
+    if b.ring:
+        u[0, 1:-1], s[0, 1:-1] = potential[-1], saturation[-1]
+        u[-1, 1:-1], s[-1, 1:-1] = potential[0], saturation[0]
+    else:
+        u[0, 1:-1] = b.west
+        u[-1, 1:-1] = b.east
+    return u, s
+
+
+@njit(cache=True)
+def _bordered_kind(kind: IntArray, ring: bool) -> IntArray:
+    rows, lanes = kind.shape
+    out = np.full((rows + 2, lanes + 2), 2)
+    out[1:-1, 1:-1] = kind
+    if ring:
+        out[0, 1:-1] = kind[-1]
+        out[-1, 1:-1] = kind[0]
+    return out
+
+
+@njit(cache=True)
+def assemble(b: CellBalance, kind: IntArray) -> tuple[Array, Array]:
+    """Five-point matrix and right-hand side for given kinds of the cells."""
+    rows, lanes = kind.shape
+    stencil = np.zeros((rows * lanes, 5))
+    rhs = np.empty(rows * lanes)
+    known, _ = bordered(b, b.prescribed, b.prescribed)
+    kinds = _bordered_kind(kind, b.ring)
+    gx, gy, cx, cy = b.conductance_x, b.conductance_y, b.advection_x, b.advection_y
+    storage, source = b.storage, b.source
+    for i in range(rows):
+        for j in range(lanes):
+            r = i * lanes + j
+            if kind[i, j] == 2:
+                stencil[r, 2] = 1.0
+                rhs[r] = known[i + 1, j + 1]
+                continue
+            leaving, conducted, right = storage[i, j], 0.0, source[i, j]
+            for place in (0, 1, 3, 4):
+                if place == 0:
+                    g, c, p, q = gx[i, j], -cx[i, j], i, j + 1
+                elif place == 1:
+                    g, c, p, q = gy[i, j], -cy[i, j], i + 1, j
+                elif place == 3:
+                    g, c, p, q = gy[i, j + 1], cy[i, j + 1], i + 1, j + 2
+                else:
+                    g, c, p, q = gx[i + 1, j], cx[i + 1, j], i + 2, j + 1
+                leaving += max(c, 0.0)
+                conducted += g
+                if kinds[p, q] == 0:
+                    stencil[r, place] = -g
+                    right += max(-c, 0.0)
+                elif kinds[p, q] == 1:
+                    stencil[r, place] = -max(-c, 0.0)
+                else:
+                    right += g * known[p, q] + max(-c, 0.0)
+            if kind[i, j] == 0:
+                stencil[r, 2] = conducted
+                rhs[r] = right - leaving
+            elif leaving > 0.0:
+                stencil[r, 2] = leaving
+                rhs[r] = right
+            else:
+                # nothing leaves the cell, so it fills up: the next pass takes it as saturated
+                stencil[r, :] = 0.0
+                stencil[r, 2] = 1.0
+                rhs[r] = 2.0
+    return stencil, rhs
+
+
+@njit(cache=True)
+def face_flows(
+    b: CellBalance, change: CellBalance, potential: Array, saturation: Array
+) -> tuple[Array, Array]:
+    """Flows through the faces, towards east and north, with the coefficients of ``change``.
+
+    With ``change = b`` the flows themselves, else their variation with the coefficients;
+    the upstream side of a face is always that of ``b``.
+    """
+    u, s = bordered(b, potential, saturation)
+    gx, gy, cx, cy = change.conductance_x, change.conductance_y, b.advection_x, b.advection_y
+    dx, dy = change.advection_x, change.advection_y
+    flow_x = np.empty(gx.shape)
+    flow_y = np.empty(gy.shape)
+    for i in range(gx.shape[0]):
+        for j in range(gx.shape[1]):
+            carried = s[i, j + 1] if cx[i, j] > 0.0 else s[i + 1, j + 1]
+            flow_x[i, j] = gx[i, j] * (u[i, j + 1] - u[i + 1, j + 1]) + dx[i, j] * carried
+    for i in range(gy.shape[0]):
+        for j in range(gy.shape[1]):
+            carried = s[i + 1, j] if cy[i, j] > 0.0 else s[i + 1, j + 1]
+            flow_y[i, j] = gy[i, j] * (u[i + 1, j] - u[i + 1, j + 1]) + dy[i, j] * carried
+    return flow_x, flow_y
+
+
+@njit(cache=True)
+def residual(b: CellBalance, change: CellBalance, potential: Array, saturation: Array) -> Array:
+    """Net flow out of every cell less its source, prescribed cells included.
+
+    ``change`` as in :func:`face_flows`: the residual itself or its variation.
+    """
+    flow_x, flow_y = face_flows(b, change, potential, saturation)
+    out = saturation * change.storage - change.source
+    rows, lanes = potential.shape
+    for i in range(rows):
+        for j in range(lanes):
+            out[i, j] += flow_x[i + 1, j] - flow_x[i, j] + flow_y[i, j + 1] - flow_y[i, j]
+    return out
+
+
+@njit(cache=True)
+def _settle(b: CellBalance, kind: IntArray, unknown: Array, backward: bool) -> None:
+    """Revise the kinds by one sweep along the flow, each cell solved on its own.
+
+    A strip of cells that changes its kind one after another settles at once this way.
+    """
+    rows, lanes = kind.shape
+    values = unknown.copy().reshape(rows, lanes)
+    potential = np.where(kind == 1, 0.0, values)
+    saturation = np.where(kind == 1, values, 1.0)
+    u, s = bordered(b, potential, saturation)
+    gx, gy, cx, cy = b.conductance_x, b.conductance_y, b.advection_x, b.advection_y
+    storage, source = b.storage, b.source
+    for step in range(rows):
+        i = rows - 1 - step if backward else step
+        for j in range(lanes):
+            if kind[i, j] == 2:
+                continue
+            p, q = i + 1, j + 1
+            supply = source[i, j] + gx[i, j] * u[p - 1, q] + gx[i + 1, j] * u[p + 1, q]
+            supply += gy[i, j] * u[p, q - 1] + gy[i, j + 1] * u[p, q + 1]
+            supply += max(cx[i, j], 0.0) * s[p - 1, q] - min(cx[i + 1, j], 0.0) * s[p + 1, q]
+            supply += max(cy[i, j], 0.0) * s[p, q - 1] - min(cy[i, j + 1], 0.0) * s[p, q + 1]
+            leaving = storage[i, j] + max(cx[i + 1, j], 0.0) - min(cx[i, j], 0.0)
+            leaving += max(cy[i, j + 1], 0.0) - min(cy[i, j], 0.0)
+            if supply >= leaving or leaving <= 0.0:
+                conducted = gx[i, j] + gx[i + 1, j] + gy[i, j] + gy[i, j + 1]
+                u[p, q], s[p, q] = max(supply - leaving, 0.0) / conducted, 1.0
+                kind[i, j] = 0
+            else:
+                u[p, q], s[p, q] = 0.0, supply / leaving
+                kind[i, j] = 1
+
+
+@njit(cache=True)
+def _revise_conserving(kind: IntArray, unknown: Array, scale: float) -> int:
+    """Exchange the kind of cells that break a bound; return how many did."""
+    changed = 0
+    lanes = kind.shape[1]
+    for i in range(kind.shape[0]):
+        for j in range(lanes):
+            value = unknown[i * lanes + j]
+            if kind[i, j] == 0 and value < -1e-12 * scale:
+                kind[i, j] = 1
+                changed += 1
+            elif kind[i, j] == 1 and value > 1.0 + 1e-12:
+                kind[i, j] = 0
+                changed += 1
+    return changed
+
+
+@njit(cache=True)
+def _revise_obstacle(b: CellBalance, kind: IntArray, unknown: Array, scale: float) -> int:
+    """Exchange cells on the obstacle that the balance pushes off, and the reverse."""
+    changed = 0
+    rows, lanes = kind.shape
+    potential = unknown.reshape(rows, lanes)
+    net = residual(b, b, potential, np.ones((rows, lanes)))
+    size = 1e-12 * np.abs(b.advection_x).max() + 1e-12 * np.abs(b.storage).max()
+    for i in range(rows):
+        for j in range(lanes):
+            if b.mark[i, j] == 2:
+                continue
+            if kind[i, j] == 0 and potential[i, j] < -1e-12 * scale:
+                kind[i, j] = 2
+                changed += 1
+            elif kind[i, j] == 2 and net[i, j] < -size:
+                kind[i, j] = 0
+                changed += 1
+    return changed
+
+
+@final
+@dataclass(frozen=True)
+class LinearSystem:
+    """Factored matrix of one pass; solves for further right-hand sides."""
+
+    stencil: Array
+    band: Array
+    rows: int
+    lanes: int
+    cut: int
+    ring: bool
+
+    def solve(self, rhs: Array) -> Array:
+        """Solution in grid order."""
+        x = self._precondition(rhs)
+        if not self.ring:
+            return x
+        remainder = rhs - self._product(x)
+        if norm(remainder) <= 1e-13 * norm(rhs):
+            return x
+        correction, _ = gmres(
+            self._product, self._precondition, remainder, relative_tolerance=1e-11
+        )
+        return np.asarray(x + correction)
+
+    def _product(self, x: Array) -> Array:
+        return stencil_product(self.stencil, x, self.rows, self.lanes)
+
+    def _precondition(self, x: Array) -> Array:
+        return solve_band(self.band, x, self.lanes, self.cut)
+
+
+@final
+@dataclass(frozen=True)
+class ComplementaritySolution:
+    """Potential and saturation of every cell, and the linearised system there."""
+
+    potential: Array
+    """Potential, zero where unsaturated. [unit of the potential]"""
+    saturation: Array
+    """Saturation, one where the potential is positive. [-]"""
+    kind: IntArray
+    """SATURATED, UNSATURATED or PRESCRIBED."""
+    system: LinearSystem
+    """Factored Jacobian at the solution."""
+    passes: int
+    """Number of linear solves on this grid. [-]"""
+    converged: bool
+    """Whether the last pass changed no cell."""
+
+
+def factorised(balance: CellBalance, stencil: Array, kind: IntArray, band: Array) -> LinearSystem:
+    """Factor the matrix of one pass in the given storage; a ring is cut where it couples least."""
+    rows, lanes = grid_shape(balance)
+    cut = int(np.argmax((kind != SATURATED).sum(axis=1))) if balance.ring else 0
+    cut = (cut + 1) % rows if balance.ring else 0
+    fill_band(stencil, rows, lanes, cut, band)
+    factor_band(band)
+    return LinearSystem(stencil, band, rows, lanes, cut, balance.ring)
+
+
+def solve_complementarity(
+    balance: CellBalance,
+    constraint: Constraint,
+    start: IntArray | None = None,
+    *,
+    max_passes: int = 60,
+) -> ComplementaritySolution:
+    """Solve a balance under a constraint, beginning with a guess found on coarser grids.
+
+    Parameters
+    ----------
+    balance : CellBalance
+        Coefficients. [any consistent units]
+    constraint : Constraint
+        Treatment of negative potentials.
+    start : ndarray of int, optional
+        Kinds of the cells to begin with, as in a former solution.
+    max_passes : int
+        Limit of the number of linear solves on one grid. [-]
+
+    Returns
+    -------
+    ComplementaritySolution
+        Fields and factored Jacobian. ``converged`` tells whether the active set settled.
+
+    References
+    ----------
+    .. [1] M. Hintermueller, K. Ito, K. Kunisch, The primal-dual active set strategy as a
+       semismooth Newton method, SIAM J. Optim. 13 (2002) 865-888.
+    """
+    kind = _initial_kind(balance, constraint, start)
+    scale = potential_scale(balance)
+    band = np.empty((kind.size, 2 * kind.shape[1] + 1))
+    backward = bool(balance.advection_x.sum() < 0.0)
+    for number in range(1, max_passes + 1):
+        if balance.ring and number <= _RING_CLOSURES:
+            _close_rings(balance, kind)
+        stencil, rhs = assemble(balance, kind)
+        system = factorised(balance, stencil, kind, band)
+        unknown = system.solve(rhs)
+        used = kind.copy()
+        if constraint is Constraint.CONSERVING:
+            changed = _revise_conserving(kind, unknown, scale)
+            if changed > 0:
+                _settle(balance, kind, unknown, backward)
+        elif constraint is Constraint.OBSTACLE:
+            changed = _revise_obstacle(balance, kind, unknown, scale)
+        else:
+            changed = 0
+        if changed == 0:
+            break
+    return _collect(used, unknown, system, number, changed == 0)
+
+
+_RING_CLOSURES = 8
+"""Passes in which rings without a saturated cell are given one."""
+
+
+def _close_rings(balance: CellBalance, kind: IntArray) -> None:
+    """Saturate the narrowest cell of every lane that is unsaturated all the way round.
+
+    Such a lane passes on whatever it holds and its saturation is undetermined; any inflow
+    fills it up to where it passes least.
+    """
+    lanes = np.flatnonzero((kind == UNSATURATED).all(axis=0))
+    narrowest = np.argmin(np.abs(balance.advection_x[1:, lanes]), axis=0)
+    kind[narrowest, lanes] = SATURATED
+
+
+def potential_scale(balance: CellBalance) -> float:
+    """Size of the potentials that the flows and the given potentials can cause."""
+    conductance = np.median(balance.conductance_x[1:-1]) + np.median(balance.conductance_y[:, 1:-1])
+    flow = max(
+        float(np.abs(balance.advection_x).max()),
+        float(np.abs(balance.storage).max()),
+        float(np.abs(balance.source).max()),
+    )
+    given = max(float(np.abs(a).max()) for a in (balance.prescribed, balance.west, balance.south))
+    return given + flow / float(conductance)
+
+
+def _initial_kind(balance: CellBalance, constraint: Constraint, start: IntArray | None) -> IntArray:
+    prescribed = balance.mark == PRESCRIBED
+    if start is not None:
+        kind = start.copy()
+        if constraint is not Constraint.OBSTACLE:
+            kind[kind == PRESCRIBED] = SATURATED
+    elif constraint is Constraint.NONE or min(grid_shape(balance)) < 8:
+        kind = np.full(grid_shape(balance), SATURATED, dtype=np.int64)
+    else:
+        coarse = solve_complementarity(coarsened(balance), constraint, max_passes=30)
+        rows, lanes = grid_shape(balance)
+        kind = np.repeat(np.repeat(coarse.kind, 2, axis=0), 2, axis=1)[:rows, :lanes].copy()
+        if constraint is Constraint.CONSERVING:
+            kind[kind == PRESCRIBED] = SATURATED
+    kind[prescribed] = PRESCRIBED
+    return kind
+
+
+def _collect(
+    kind: IntArray, unknown: Array, system: LinearSystem, passes: int, converged: bool
+) -> ComplementaritySolution:
+    values = unknown.reshape(kind.shape)
+    unsaturated = kind == UNSATURATED
+    potential = np.where(unsaturated, 0.0, values)
+    saturation = np.where(unsaturated, values, 1.0)
+    return ComplementaritySolution(potential, saturation, kind, system, passes, converged)

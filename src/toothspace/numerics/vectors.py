@@ -1,0 +1,28 @@
+"""Vector operations on one thread; library routines start threads that cost more than they give."""
+
+from __future__ import annotations
+
+from toothspace.core.compiled import njit
+from toothspace.core.types import Array
+
+
+@njit(cache=True, fastmath={"contract", "reassoc"})
+def dot(a: Array, b: Array) -> float:
+    """Inner product of two vectors."""
+    total = 0.0
+    for k in range(a.size):
+        total += a[k] * b[k]
+    return total
+
+
+@njit(cache=True)
+def norm(a: Array) -> float:
+    """Euclidean length of a vector."""
+    return float(dot(a, a) ** 0.5)
+
+
+@njit(cache=True, fastmath={"contract"})
+def add_scaled(a: Array, factor: float, b: Array) -> None:
+    """Add a multiple of the second vector to the first, in place."""
+    for k in range(a.size):
+        a[k] += factor * b[k]
