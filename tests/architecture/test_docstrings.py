@@ -11,7 +11,7 @@ import pytest
 from tests.architecture.sources import SOURCES, FunctionNode, Source, parameters
 
 UNIT = re.compile(r"\[[^\[\]]+\](?!_)")
-NUMERIC = re.compile(r"float|int\b|complex|Array|ndarray")
+NUMERIC = re.compile(r"float|int\b|Any|Array|ndarray")
 ENTRY = re.compile(r"^(\w[\w, *]*?)\s*(?::.*)?$")
 
 CLOSURES = [source for source in SOURCES if source.label.startswith("closures/")]

@@ -50,6 +50,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # the reader of a pipe has gone: nothing left to say
         sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123, SIM115
         return EXIT_DONE
+    except OSError as error:
+        name = f"{error.filename}: " if error.filename else ""
+        return _complain(f"{name}found {error.strerror or error}", EXIT_BAD_INPUT)
     except Exception as error:
         return _unexpected(error)
     return int(code or EXIT_DONE)

@@ -16,6 +16,6 @@ reference    reference page of all keys
 
 from __future__ import annotations
 
-from toothspace.config.load import load_case
+from toothspace.config.load import case_from_text, load_case
 
-__all__ = ["load_case"]
+__all__ = ["case_from_text", "load_case"]

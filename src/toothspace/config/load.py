@@ -13,7 +13,7 @@ from toothspace.case.circuit import ELEMENT_KEY
 from toothspace.case.conditions import RunSettings
 from toothspace.case.stand_alone import FILMS
 from toothspace.case.study import STUDIES
-from toothspace.config.document import document_text, read_document
+from toothspace.config.document import document_text, parse_document, read_document
 from toothspace.config.overrides import apply_overrides
 from toothspace.config.reader import Reader, joined
 from toothspace.config.rules import check_together
@@ -69,10 +69,38 @@ def load_case(path: str | Path, overrides: Iterable[str] = ()) -> Case:
     CaseError
         One line with file, key, what was found and what is allowed.
     """
-    overrides = tuple(overrides)
-    source = Path(path)
-    tables = apply_overrides(read_document(source, str(path)), overrides, str(path))
-    reader = Reader(label=str(path), folder=source.parent)
+    tables = read_document(Path(path), str(path))
+    return _case(tables, tuple(overrides), Path(path), str(path))
+
+
+def case_from_text(text: str, folder: str | Path = ".", label: str = "case") -> Case:
+    """Read and check a case from TOML text, such as the one kept in a result.
+
+    Parameters
+    ----------
+    text : str
+        TOML.
+    folder : str or Path
+        Folder that file paths are relative to.
+    label : str
+        Name of the text in messages.
+
+    Returns
+    -------
+    Case
+        Everything in SI units.
+
+    Raises
+    ------
+    CaseError
+        One line with label, key, what was found and what is allowed.
+    """
+    return _case(parse_document(text, label), (), Path(folder) / f"{label}.toml", label)
+
+
+def _case(tables: dict[str, Any], overrides: tuple[str, ...], source: Path, label: str) -> Case:
+    tables = apply_overrides(tables, overrides, label)
+    reader = Reader(label=label, folder=source.parent)
     values = _read_tables(reader, tables)
     text = document_text(tables)
     case = Case(

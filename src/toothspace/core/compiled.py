@@ -10,6 +10,7 @@ import hashlib
 import os
 import sys
 from pathlib import Path
+from typing import Any
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 
@@ -32,12 +33,23 @@ CACHE_FOLDER = _cache_folder()
 os.environ.setdefault("NUMBA_CACHE_DIR", str(CACHE_FOLDER))
 
 import numba  # noqa: E402  (the cache folder must be set first)
+import numba.experimental.function_type  # noqa: E402  (so that the rule below comes last)
+from numba.core.imputils import lower_constant  # noqa: E402
 from numba.extending import register_jitable  # noqa: E402
 
 njit = numba.njit
 prange = numba.prange
 inlined = register_jitable
 """Marks a formula that stays plain Python and is compiled where compiled code calls it."""
+
+
+@lower_constant(numba.types.Dispatcher)
+def _callable_without_address(context: Any, builder: Any, kind: Any, value: Any) -> Any:
+    """Lower a compiled function used as a value: calls are bound by its type.
+
+    Its address in this process, numba's own choice, would make callers uncacheable.
+    """
+    return context.get_dummy_value()
 
 
 def announce_first_compilation() -> None:

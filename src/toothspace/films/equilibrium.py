@@ -73,7 +73,9 @@ def _newton(
         error = film.force + load
         if np.hypot(*error) <= tolerance * size:
             return film
-        step: Array = np.linalg.solve(film.stiffness * bearing.radial_clearance, error)
+        step = np.asarray(
+            np.linalg.solve(film.stiffness * bearing.radial_clearance, error), dtype=np.float64
+        )
         film = _damped_step(bearing, load, film, step)
     return replace(film, status=Status.NOT_CONVERGED)
 

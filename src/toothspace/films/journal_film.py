@@ -74,7 +74,7 @@ def journal_mesh(
     """
     rows, lanes = grid
     step = 2.0 * np.pi / rows
-    faces: Array = length * (np.arange(lanes + 1) / lanes - 0.5)
+    faces = np.asarray(length * (np.arange(lanes + 1) / lanes - 0.5), dtype=np.float64)
     centres = 0.5 * (faces[1:] + faces[:-1])
     if half:
         first = lanes // 2

@@ -1,14 +1,13 @@
 r"""Thin-film flow on structured grids: from gap heights to cell balances and their variation.
 
-The equation is the average-flow Reynolds equation
+The equation is the Reynolds equation
 
 .. math::
 
-    \nabla\cdot\left(-\phi_p \frac{h^3}{12\mu}\nabla p
-        + s\,\bar{\mathbf v}\,\left(h_T + \ldots\right)\right) + s\,\frac{\partial h_T}{\partial t} = 0
+    \nabla\cdot\left(-\frac{h^3}{12\mu}\nabla p + s\,\bar{\mathbf v}\,h\right)
+        + s\,\frac{\partial h}{\partial t} = 0
 
-with film fraction :math:`s`, mean surface velocity :math:`\bar{\mathbf v}`, and the mean gap
-:math:`h_T` of rough surfaces (equal to :math:`h` for smooth ones).
+with film fraction :math:`s` and mean surface velocity :math:`\bar{\mathbf v}`.
 """
 
 from __future__ import annotations

@@ -226,7 +226,7 @@ def pair_from_center_distance(
     _check_base_pitch(drive, driven)
     tight = pair_from_backlash(drive, driven, 0.0).center_distance
     longest = drive.tip_radius + driven.tip_radius
-    if not tight * (1.0 - 1e-12) <= center_distance < longest:
+    if not tight - _LARGEST_OVERLAP <= center_distance < longest:
         raise GeometryError(
             f"center_distance: found {center_distance * 1e3:.5g} mm, allowed {tight * 1e3:.6g} mm "
             f"(no backlash) to {longest * 1e3:.6g} mm (tips no longer meet)"

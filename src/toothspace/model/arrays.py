@@ -22,7 +22,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from toothspace.closures.bearing_lumped import JournalMap
+from toothspace.closures.bearing_map import JournalMap
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.types import Array, IntArray
 from toothspace.model.tables import TableBank
@@ -157,7 +157,6 @@ class WorkArrays(NamedTuple):
     film_force: Array
     film_by_position: Array
     film_by_velocity: Array
-    friction_power: Array
     contact_force: Array
     torque: Array
 

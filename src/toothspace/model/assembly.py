@@ -30,6 +30,12 @@ from toothspace.model.quasi_static import bush_positions
 from toothspace.model.tables import pack_tables
 from toothspace.numerics.periodic_table import PeriodicTable, stack_tables
 
+_NODE_ARRAYS = (
+    "volume pressure pressure_by_mass pressure_by_gas pressure_by_volume gas density "
+    "liquid_enthalpy gas_enthalpy mass_rate gas_rate"
+)
+_PATH_ARRAYS = "flow volume_flow by_pressure by_height height drag loss shear"
+
 
 @final
 @dataclass(frozen=True)
@@ -232,35 +238,8 @@ def _conditions(
 def _work(sizes: Sizes, paths: int, description: MachineDescription) -> WorkArrays:
     nodes, motions = sizes.nodes, max(sizes.motions, 1)
     contacts = sum(c.count for c in _loaded_contacts(description))
-    per_node = {
-        name: np.zeros(nodes)
-        for name in [
-            "volume",
-            "pressure",
-            "pressure_by_mass",
-            "pressure_by_gas",
-            "pressure_by_volume",
-            "gas",
-            "density",
-            "liquid_enthalpy",
-            "gas_enthalpy",
-            "mass_rate",
-            "gas_rate",
-        ]
-    }
-    per_path = {
-        f"path_{name}": np.zeros(paths)
-        for name in [
-            "flow",
-            "volume_flow",
-            "by_pressure",
-            "by_height",
-            "height",
-            "drag",
-            "loss",
-            "shear",
-        ]
-    }
+    per_node = {name: np.zeros(nodes) for name in _NODE_ARRAYS.split()}
+    per_path = {f"path_{name}": np.zeros(paths) for name in _PATH_ARRAYS.split()}
     return WorkArrays(
         chamber_values=np.zeros((sizes.chambers, CHANNEL_MOTION + sizes.motions)),
         chamber_slopes=np.zeros((sizes.chambers, CHANNEL_MOTION + sizes.motions)),

@@ -15,7 +15,7 @@ import math
 
 import numpy as np
 
-from toothspace.closures.bearing_lumped import journal_force
+from toothspace.closures.bearing_map import journal_force
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array
 from toothspace.model.arrays import SystemArrays
@@ -62,23 +62,12 @@ def update_journal(s: SystemArrays, state: Array, j: int) -> None:
     viscosity = s.fluid.dynamic_viscosity
     scale = bearing.bearings[j] * viscosity * bearing.length[j]
     scale *= (bearing.radius[j] / bearing.clearance[j]) ** 3
-    fx, fy, partials = journal_force(
-        ex / bearing.clearance[j],
-        ey / bearing.clearance[j],
-        vx / bearing.clearance[j],
-        vy / bearing.clearance[j],
-        speed,
-        bearing.film,
-    )
-    w.film_force[kx] = scale * fx
-    w.film_force[ky] = scale * fy
-    c = bearing.clearance[j]
-    for row in range(2):
-        k = kx if row == 0 else ky
-        w.film_by_position[k, kx] = scale * partials[row][0] / c
-        w.film_by_position[k, ky] = scale * partials[row][1] / c
-        w.film_by_velocity[k, kx] = scale * partials[row][2] / c
-        w.film_by_velocity[k, ky] = scale * partials[row][3] / c
+    force = journal_force(ex, ey, vx, vy, speed, bearing.clearance[j], scale, bearing.film)
+    w.film_force[kx], w.film_force[ky] = force[0], force[1]
+    w.film_by_position[kx, kx], w.film_by_position[kx, ky] = force[2], force[3]
+    w.film_by_velocity[kx, kx], w.film_by_velocity[kx, ky] = force[4], force[5]
+    w.film_by_position[ky, kx], w.film_by_position[ky, ky] = force[6], force[7]
+    w.film_by_velocity[ky, kx], w.film_by_velocity[ky, ky] = force[8], force[9]
     add_asperity_force(s, j, ex, ey)
 
 

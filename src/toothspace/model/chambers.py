@@ -14,7 +14,8 @@ Mass, not pressure, is the state: sums over chambers and ports are then kept to 
 from __future__ import annotations
 
 from toothspace.closures.aeration import gas_exchange_rate
-from toothspace.closures.density import gas_enthalpy, liquid_enthalpy, mixture_pressure
+from toothspace.closures.density import mixture_pressure
+from toothspace.closures.enthalpy import gas_enthalpy, liquid_enthalpy
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array
 from toothspace.model.arrays import SystemArrays

@@ -343,7 +343,7 @@ class RunningIn:
 @final
 @dataclass(frozen=True)
 class DesignCheck:
-    """One line of the design-rule report: value, unit, allowed range, verdict and why it matters."""
+    """One line of the design-rule report: value, allowed range, verdict, why it matters."""
 
     name: str
     value: float

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from toothspace.closures.bearing_lumped import build_journal_map
+from toothspace.closures.bearing_map import build_journal_map
 from toothspace.closures.contact_rough import asperity_pressure
 from toothspace.core.compiled import njit
 from toothspace.core.errors import CaseError

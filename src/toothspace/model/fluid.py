@@ -14,8 +14,17 @@ from toothspace.closures.viscosity import walther_constants, walther_viscosity
 from toothspace.core.constants import AIR_GAS_CONSTANT, ATMOSPHERIC_PRESSURE, ZERO_CELSIUS
 from toothspace.core.errors import CaseError
 from toothspace.library import load_fluid
+from toothspace.model.fluid_table import fit_table
 
-__all__ = ["FluidLaw", "GasModel", "LiquidState", "fluid_law", "library_liquid", "mixed_law"]
+__all__ = [
+    "FluidLaw",
+    "GasModel",
+    "LiquidState",
+    "fluid_law",
+    "library_liquid",
+    "mixed_law",
+    "table_liquid",
+]
 
 EQUILIBRIUM_RATE = 1e5
 """Exchange rate that stands for the equilibrium law. [1/s]"""
@@ -25,6 +34,10 @@ NUCLEI_VOLUME_FRACTION = 1e-6
 
 VAPOUR_SMOOTHING_RATIO = 0.25
 """Width of the transition to the vapour pressure over the vapour pressure. [-]"""
+
+
+TABLE_AIR_FRACTION = 0.08
+"""Dissolved air at one atmosphere over volume of liquid, of a table. [-]"""
 
 
 @final
@@ -183,6 +196,34 @@ def library_liquid(name: str, temperature: float) -> LiquidState:
     )
 
 
+def table_liquid(path: Path, temperature: float) -> LiquidState:
+    """Return the properties of a liquid from a user's table at a temperature.
+
+    Parameters
+    ----------
+    path : Path
+        CSV file, see :mod:`toothspace.model.fluid_table`. [-]
+    temperature : float
+        Absolute temperature. [K]
+
+    Raises
+    ------
+    CaseError
+        If the table is bad or does not reach the temperature.
+    """
+    fit = fit_table(path, temperature)
+    return LiquidState(
+        density=fit.density,
+        bulk_modulus=1.0 / fit.compliance,
+        bulk_modulus_slope=1.0 + 2.0 * fit.stiffening / fit.compliance,
+        dynamic_viscosity=fit.dynamic_viscosity,
+        pressure_viscosity=fit.pressure_viscosity,
+        vapour_pressure=fit.vapour_pressure,
+        specific_heat_capacity=fit.specific_heat_capacity,
+        dissolved_air_fraction=TABLE_AIR_FRACTION,
+    )
+
+
 def fluid_law(
     source: str | Path,
     temperature: float,
@@ -230,11 +271,19 @@ def fluid_law(
         release_time,
         absorption_time,
     )
-    return mixed_law(library_liquid(str(source), temperature), temperature, gas)
+    if isinstance(source, Path) or source.endswith(".csv"):
+        liquid = table_liquid(Path(source), temperature)
+    else:
+        liquid = library_liquid(source, temperature)
+    return mixed_law(liquid, temperature, gas)
 
 
 def mixed_law(liquid: LiquidState, temperature: float, gas: GasModel) -> FluidLaw:
     """Return the constants of a liquid with air, at a temperature. [K]."""
+    if gas.saturation_pressure < 1.2 * liquid.vapour_pressure:
+        found = f"found {1e-5 * gas.saturation_pressure:g} bar"
+        lowest = f"{1.2e-5 * liquid.vapour_pressure:g} bar or more (1.2 times the vapour pressure)"
+        raise CaseError(f"fluid.saturation_pressure: {found}, allowed {lowest}")
     air = AIR_GAS_CONSTANT * temperature
     density_ratio = ATMOSPHERIC_PRESSURE / air / liquid.density
 

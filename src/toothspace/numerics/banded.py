@@ -61,44 +61,49 @@ def _factor_panel(flat: Array, columns: int, first: int, count: int) -> None:
 
 
 @njit(cache=True, fastmath={"contract"})
+def _multipliers(flat: Array, columns: int, first: int, row: int) -> tuple[float, ...]:
+    """Multipliers of the four pivots of a panel for one row below it, zero beyond the band."""
+    width = columns // 2
+    entry = row * columns + width - row  # flat[entry + c] is column c of the row
+    lowest = row - width
+    factors = np.zeros(4)
+    for m in range(4):
+        column = first + m
+        if column >= lowest:
+            value = flat[entry + column]
+            for k in range(m):
+                value -= factors[k] * flat[(first + k) * columns + width + m - k]
+            value /= flat[column * columns + width]
+            factors[m] = value
+            flat[entry + column] = value
+    return factors[0], factors[1], factors[2], factors[3]
+
+
+@njit(cache=True, fastmath={"contract"})
 def _update_row(flat: Array, columns: int, first: int, row: int) -> None:
     """Eliminate the four columns of a panel from one row below it."""
     width = columns // 2
     n = flat.size // columns
-    at = row * columns + width - row  # flat[at + c] is column c of the row
-    p0 = first * columns + width - first
-    p1, p2, p3 = p0 + columns - 1, p0 + 2 * (columns - 1), p0 + 3 * (columns - 1)
-    lowest = row - width
-    f0 = flat[at + first] / flat[p0 + first] if first >= lowest else 0.0
-    f1, f2, f3 = 0.0, 0.0, 0.0
-    if first + 1 >= lowest:
-        f1 = (flat[at + first + 1] - f0 * flat[p0 + first + 1]) / flat[p1 + first + 1]
-    if first + 2 >= lowest:
-        f2 = flat[at + first + 2] - f0 * flat[p0 + first + 2] - f1 * flat[p1 + first + 2]
-        f2 /= flat[p2 + first + 2]
-    if first + 3 >= lowest:
-        f3 = flat[at + first + 3] - f0 * flat[p0 + first + 3] - f1 * flat[p1 + first + 3]
-        f3 = (f3 - f2 * flat[p2 + first + 3]) / flat[p3 + first + 3]
+    f0, f1, f2, f3 = _multipliers(flat, columns, first, row)
     if f0 == 0.0 and f1 == 0.0 and f2 == 0.0 and f3 == 0.0:
         return
-    last = min(first + width, n - 1)
+    entry = row * columns + width - row
+    p0 = first * columns + width - first
+    p1, p2, p3 = p0 + columns - 1, p0 + 2 * (columns - 1), p0 + 3 * (columns - 1)
     # slices, because a loop counter from zero is known to need no wrap-around
-    start, stop = first + 4, last + 1
-    target = flat[at + start : at + stop]
+    start, stop = first + 4, min(first + width, n - 1) + 1
+    target = flat[entry + start : entry + stop]
     r0, r1 = flat[p0 + start : p0 + stop], flat[p1 + start : p1 + stop]
     r2, r3 = flat[p2 + start : p2 + stop], flat[p3 + start : p3 + stop]
     for c in range(target.size):
         target[c] -= f0 * r0[c] + f1 * r1[c] + f2 * r2[c] + f3 * r3[c]
-    for c in range(last + 1, min(first + 3 + width, n - 1) + 1):
+    for c in range(stop, min(first + 3 + width, n - 1) + 1):
         total = f3 * flat[p3 + c]
         if c <= first + 1 + width:
             total += f1 * flat[p1 + c]
         if c <= first + 2 + width:
             total += f2 * flat[p2 + c]
-        flat[at + c] -= total
-    for m, factor in enumerate((f0, f1, f2, f3)):
-        if first + m >= lowest:
-            flat[at + first + m] = factor
+        flat[entry + c] -= total
 
 
 @njit(cache=True, fastmath={"contract"})

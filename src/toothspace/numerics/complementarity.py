@@ -15,7 +15,7 @@ from typing import final
 
 import numpy as np
 
-from toothspace.core.compiled import njit
+from toothspace.core.compiled import inlined, njit
 from toothspace.core.types import Array, IntArray
 from toothspace.numerics.banded import factor_band, fill_band, solve_band, stencil_product
 from toothspace.numerics.krylov import gmres
@@ -68,6 +68,40 @@ def _bordered_kind(kind: IntArray, ring: bool) -> IntArray:
     return out
 
 
+@inlined
+def _one_face(
+    row: Array, place: int, conductance: float, outflow: float, kind: int, known: float
+) -> None:
+    """Add one face to a row.
+
+    Places 0, 1, 3, 4 are the neighbours, 2 gathers what leaves the cell when saturated,
+    5 the right-hand side, 6 the conductances.
+    """
+    row[2] += max(outflow, 0.0)
+    row[6] += conductance
+    entering = max(-outflow, 0.0)
+    if kind == 0:
+        row[place] = -conductance
+        row[5] += entering
+    elif kind == 1:
+        row[place] = -entering
+    else:
+        row[place] = 0.0
+        row[5] += conductance * known + entering
+
+
+@inlined
+def _close_row(row: Array, kind: int) -> None:
+    """Turn the gathered faces into matrix row and right-hand side."""
+    if kind == 0:
+        row[5] -= row[2]
+        row[2] = row[6]
+    elif row[2] <= 0.0:
+        # nothing leaves the cell, so it fills up: the next pass takes it as saturated
+        row[:5] = 0.0
+        row[2], row[5] = 1.0, 2.0
+
+
 @njit(cache=True)
 def assemble(b: CellBalance, kind: IntArray) -> tuple[Array, Array]:
     """Five-point matrix and right-hand side for given kinds of the cells."""
@@ -78,43 +112,23 @@ def assemble(b: CellBalance, kind: IntArray) -> tuple[Array, Array]:
     kinds = _bordered_kind(kind, b.ring)
     gx, gy, cx, cy = b.conductance_x, b.conductance_y, b.advection_x, b.advection_y
     storage, source = b.storage, b.source
+    row = np.empty(7)
     for i in range(rows):
         for j in range(lanes):
-            r = i * lanes + j
+            r, p, q = i * lanes + j, i + 1, j + 1
             if kind[i, j] == 2:
                 stencil[r, 2] = 1.0
-                rhs[r] = known[i + 1, j + 1]
+                rhs[r] = known[p, q]
                 continue
-            leaving, conducted, right = storage[i, j], 0.0, source[i, j]
-            for place in (0, 1, 3, 4):
-                if place == 0:
-                    g, c, p, q = gx[i, j], -cx[i, j], i, j + 1
-                elif place == 1:
-                    g, c, p, q = gy[i, j], -cy[i, j], i + 1, j
-                elif place == 3:
-                    g, c, p, q = gy[i, j + 1], cy[i, j + 1], i + 1, j + 2
-                else:
-                    g, c, p, q = gx[i + 1, j], cx[i + 1, j], i + 2, j + 1
-                leaving += max(c, 0.0)
-                conducted += g
-                if kinds[p, q] == 0:
-                    stencil[r, place] = -g
-                    right += max(-c, 0.0)
-                elif kinds[p, q] == 1:
-                    stencil[r, place] = -max(-c, 0.0)
-                else:
-                    right += g * known[p, q] + max(-c, 0.0)
-            if kind[i, j] == 0:
-                stencil[r, 2] = conducted
-                rhs[r] = right - leaving
-            elif leaving > 0.0:
-                stencil[r, 2] = leaving
-                rhs[r] = right
-            else:
-                # nothing leaves the cell, so it fills up: the next pass takes it as saturated
-                stencil[r, :] = 0.0
-                stencil[r, 2] = 1.0
-                rhs[r] = 2.0
+            row[2], row[5], row[6] = storage[i, j], source[i, j], 0.0
+            _one_face(row, 0, gx[i, j], -cx[i, j], kinds[p - 1, q], known[p - 1, q])
+            _one_face(row, 1, gy[i, j], -cy[i, j], kinds[p, q - 1], known[p, q - 1])
+            _one_face(row, 3, gy[i, j + 1], cy[i, j + 1], kinds[p, q + 1], known[p, q + 1])
+            _one_face(row, 4, gx[i + 1, j], cx[i + 1, j], kinds[p + 1, q], known[p + 1, q])
+            _close_row(row, kind[i, j])
+            for place in range(5):
+                stencil[r, place] = row[place]
+            rhs[r] = row[5]
     return stencil, rhs
 
 

@@ -70,7 +70,7 @@ _NOTHING = 0
 _EVENT_BITS = 60
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def initial_state(
     callbacks: NdfCallbacks,
     params: Any,
@@ -105,7 +105,7 @@ def initial_state(
     _begin(callbacks, params, settings, state, t0, y0)
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def advance(
     callbacks: NdfCallbacks,
     params: Any,
@@ -163,7 +163,7 @@ def advance(
         _find_events(callbacks, params, settings, state, record)
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def _begin(
     callbacks: NdfCallbacks,
     params: Any,
@@ -191,7 +191,7 @@ def _begin(
         callbacks.event_values(t0, state.differences[0], params, state.events[0])
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def _first_step(
     callbacks: NdfCallbacks, params: Any, settings: NdfSettings, state: NdfState
 ) -> float:
@@ -232,7 +232,7 @@ def _write_samples(state: NdfState, record: NdfRecord, limit: float) -> None:
     record.counts[0] = next_sample
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def _find_events(
     callbacks: NdfCallbacks, params: Any, settings: NdfSettings, state: NdfState, record: NdfRecord
 ) -> None:
@@ -260,7 +260,7 @@ def _find_events(
         before[e] = after[e]
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def _locate(callbacks: NdfCallbacks, params: Any, state: NdfState, event: int) -> float:
     """Bracket a sign change in the last step; return the end that has the new sign."""
     control = state.control[0]

@@ -51,12 +51,15 @@ ERROR_CONSTANT = (
 """Error over the (k+1)-th backward difference: kappa_k gamma_k + 1/(k+1)."""
 
 NEWTON_LIMIT = 4
-FIRST_TOLERANCE = 0.05
+FIRST_TOLERANCE = 0.1
 LATER_TOLERANCE = 0.3
 REFACTOR_CHANGE = 0.2
 JACOBIAN_AGE = 30
 SLOW_RATE = 0.3
-SAFETY = (1.3, 1.2, 1.4)
+FRESH_RATE = 0.2
+RESET_RATE = 0
+RATE_MEMORY = 0.3
+SAFETY = (1.4, 1.35, 1.5)
 LEAST_GROWTH = 1.15
 LEAST_CUT = 0.9
 MOST_GROWTH = 8.0
@@ -75,7 +78,7 @@ def error_norm(vector: Array, inverse_weights: Array, max_share: float) -> float
     return (1.0 - max_share) * np.sqrt(squares / n) + max_share * largest
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def update_weights(callbacks: NdfCallbacks, params: Any, state: NdfState) -> None:
     """Set the inverse error weights at the last accepted state."""
     inverse = state.inverse_weights
@@ -84,7 +87,7 @@ def update_weights(callbacks: NdfCallbacks, params: Any, state: NdfState) -> Non
         inverse[i] = 1.0 / inverse[i]
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def take_step(
     callbacks: NdfCallbacks, params: Any, program: LuProgram, settings: NdfSettings, state: NdfState
 ) -> int:
@@ -92,7 +95,6 @@ def take_step(
     control = state.control[0]
     _apply_plan(state)
     update_weights(callbacks, params, state)
-    fresh = False
     stale = control.jacobian_age >= JACOBIAN_AGE
     failed_before = False
     finite = True
@@ -103,24 +105,22 @@ def take_step(
             return STEP_TOO_SMALL if finite else NOT_FINITE
         _predict(state)
         if stale:
-            _refresh_jacobian(callbacks, params, state)
-        fresh = fresh or stale
-        stale = False
+            _refresh_jacobian(callbacks, params, state, state.work[0])
+            stale = False
         size = _iterate(callbacks, params, program, settings, state)
         if size < 0.0:
             control.newton_failures += 1
+            control.rejected += 1
             finite = size > -2.0
             stale = True
-            if fresh:
-                control.rejected += 1
-                _cut_step(state, 0.3)
-                fresh = False
+            _cut_step(state, 0.3)
             continue
         error = ERROR_CONSTANT[control.order] * size
         if error <= 1.0:
             _accept(settings, state, error)
             return DONE
         control.rejected += 1
+        control.jacobian_age += 1
         _reject(settings, state, error, failed_before)
         failed_before = True
 
@@ -163,13 +163,14 @@ def _predict(state: NdfState) -> None:
             constant[i] += weight * differences[j, i]
 
 
-@njit(error_model="numpy")
-def _refresh_jacobian(callbacks: NdfCallbacks, params: Any, state: NdfState) -> None:
+@njit(error_model="numpy", forceinline=True)
+def _refresh_jacobian(callbacks: NdfCallbacks, params: Any, state: NdfState, y: Array) -> None:
     control = state.control[0]
-    callbacks.jacobian(control.time + control.step, state.work[0], params, state.jacobian)
+    callbacks.jacobian(control.time + control.step, y, params, state.jacobian)
     control.jacobian_calls += 1
     control.jacobian_age = 0
     control.gamma_factored = 0.0
+    control.rate = FRESH_RATE
 
 
 @njit(error_model="numpy")
@@ -179,32 +180,32 @@ def _prepare_matrix(program: LuProgram, state: NdfState, gamma: float) -> bool:
     if abs(gamma - control.gamma_factored) > REFACTOR_CHANGE * gamma:
         control.factorisations += 1
         control.gamma_factored = gamma
-        control.rate_known = 0
+        if RESET_RATE:
+            control.rate_known = 0
         control.dense_factors = factorise(
             program, state.jacobian, gamma, state.factors, state.pivots
         )
     return control.dense_factors != SINGULAR
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def _iterate(
     callbacks: NdfCallbacks, params: Any, program: LuProgram, settings: NdfSettings, state: NdfState
 ) -> float:
     """Solve the formula; return the norm of y minus prediction, -1 no convergence, -2 not finite.
 
-    Work rows: 2 y minus prediction, 3 trial state, 4 derivative, 5 scratch.
+    A slow iteration with an old Jacobian goes on with a new one. Work rows: 2 y minus
+    prediction, 3 trial state, 4 derivative, 5 scratch.
     """
     control = state.control[0]
-    order = control.order
-    gamma = control.step / ((1.0 - KAPPA[order]) * HARMONIC[order])
+    gamma = control.step / ((1.0 - KAPPA[control.order]) * HARMONIC[control.order])
+    trial = state.work[3]
     if not _prepare_matrix(program, state, gamma):
         return -1.0
-    predicted, correction, trial = state.work[0], state.work[2], state.work[3]
-    for i in range(trial.size):
-        trial[i] = predicted[i]
-        correction[i] = 0.0
+    _start_trial(state)
     old_size = 0.0
-    for iteration in range(NEWTON_LIMIT):
+    iteration = 0
+    while True:
         callbacks.rhs(control.time + control.step, trial, params, state.work[4])
         control.rhs_calls += 1
         control.iterations += 1
@@ -214,11 +215,26 @@ def _iterate(
             return -2.0
         verdict = _judge(control, iteration, size, old_size)
         if verdict > 0:
-            return error_norm(correction, state.inverse_weights, settings.max_norm_share)
+            return error_norm(state.work[2], state.inverse_weights, settings.max_norm_share)
+        iteration += 1
         if verdict < 0:
-            return -1.0
+            if control.jacobian_age == 0:
+                return -1.0
+            if size > old_size:
+                _start_trial(state)
+            _refresh_jacobian(callbacks, params, state, trial)
+            if not _prepare_matrix(program, state, gamma):
+                return -1.0
+            iteration = 0
         old_size = size
-    return -1.0
+
+
+@njit(error_model="numpy")
+def _start_trial(state: NdfState) -> None:
+    predicted, correction, trial = state.work[0], state.work[2], state.work[3]
+    for i in range(trial.size):
+        trial[i] = predicted[i]
+        correction[i] = 0.0
 
 
 @njit(error_model="numpy")
@@ -257,7 +273,7 @@ def _judge(control: Any, iteration: int, size: float, old_size: float) -> int:
         return 1 if left <= FIRST_TOLERANCE else 0
     if size > 0.9 * old_size:
         return -1
-    control.rate = max(0.9 * control.rate, size / old_size)
+    control.rate = max(RATE_MEMORY * control.rate, size / old_size)
     control.rate_known = 1
     left = size * control.rate / (1.0 - control.rate)
     if left <= LATER_TOLERANCE:

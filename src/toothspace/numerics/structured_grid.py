@@ -106,7 +106,8 @@ def _coarsen_faces(fine: CellBalance, coarse: CellBalance) -> None:
 @njit(cache=True)
 def _coarsen_cells(fine: CellBalance, coarse: CellBalance) -> None:
     rows, lanes = fine.storage.shape
-    count = np.zeros(coarse.storage.shape)
+    merged_rows, merged_lanes = coarse.storage.shape
+    count = np.zeros((merged_rows, merged_lanes))
     for i in range(rows):
         for j in range(lanes):
             p, q = i // 2, j // 2
@@ -116,8 +117,8 @@ def _coarsen_cells(fine: CellBalance, coarse: CellBalance) -> None:
                 count[p, q] += 1.0
                 coarse.prescribed[p, q] += fine.prescribed[i, j]
                 coarse.mark[p, q] = 2
-    for p in range(count.shape[0]):
-        for q in range(count.shape[1]):
+    for p in range(merged_rows):
+        for q in range(merged_lanes):
             if count[p, q] > 0.0:
                 coarse.prescribed[p, q] /= count[p, q]
 

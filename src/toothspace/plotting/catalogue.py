@@ -6,6 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, final
 
+import numpy as np
+
 from toothspace.model.description import MachineDescription
 from toothspace.plotting import bodies, geometry, losses, section, waveforms
 from toothspace.results.solution import Solution
@@ -14,6 +16,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     Draw = Callable[[Solution, MachineDescription | None], Figure]
+
+
+_TURN = 2.0 * np.pi
 
 
 @final
@@ -35,6 +40,9 @@ class FigureEntry:
         Result variables without which it cannot be drawn.
     needs_machine : bool
         Whether the machine description is needed.
+    sampled : str
+        ``steady`` if it is over the shaft angle, ``transient`` if over time, ``turn`` if it
+        needs a whole revolution, empty if it can always be drawn.
     """
 
     name: str
@@ -43,6 +51,7 @@ class FigureEntry:
     draw: Draw
     needs: tuple[str, ...] = ()
     needs_machine: bool = False
+    sampled: str = ""
 
 
 def _section(solution: Solution, description: MachineDescription | None) -> Figure:
@@ -69,6 +78,7 @@ FIGURES: tuple[FigureEntry, ...] = (
         _section,
         ("chamber_pressure",),
         needs_machine=True,
+        sampled="steady",
     ),
     FigureEntry(
         "chamber_pressure",
@@ -77,6 +87,7 @@ FIGURES: tuple[FigureEntry, ...] = (
         "pressure",
         waveforms.chamber_pressure_over_turn,
         ("chamber_pressure",),
+        sampled="steady",
     ),
     FigureEntry(
         "ripple",
@@ -85,6 +96,15 @@ FIGURES: tuple[FigureEntry, ...] = (
         "ripple",
         waveforms.ripple_and_spectrum,
         ("inlet_flow_rate", "outlet_flow_rate", "shaft_torque"),
+        sampled="turn",
+    ),
+    FigureEntry(
+        "time_history",
+        "Speed, torque, pressures and flows over time.",
+        "ripple",
+        waveforms.time_history,
+        ("inlet_flow_rate", "outlet_flow_rate", "shaft_torque"),
+        sampled="transient",
     ),
     FigureEntry(
         "volumes",
@@ -121,6 +141,7 @@ FIGURES: tuple[FigureEntry, ...] = (
         "bodies",
         waveforms.contact_forces,
         ("contact_force",),
+        sampled="steady",
     ),
     FigureEntry(
         "casing_wear",
@@ -167,6 +188,8 @@ def _possible(
 ) -> bool:
     if any(name not in solution.data for name in entry.needs):
         return False
+    if entry.sampled and not _sampled(entry.sampled, solution):
+        return False
     if not entry.needs_machine:
         return entry.chapter != "losses" or bool(solution.ledger.energy)
     if description is None:
@@ -174,3 +197,14 @@ def _possible(
     names = {family.name for family in description.families}
     gears = names <= {body.name for body in description.bodies} and len(names) == 2
     return entry.name != "gear_section" or (gears and names <= set(description.outlines))
+
+
+def _sampled(kind: str, solution: Solution) -> bool:
+    steady = "shaft_angle" in solution.data.sizes
+    if kind == "transient":
+        return not steady
+    angle = solution.data["shaft_angle"].values
+    if not steady or angle.size < 3:
+        return False
+    step = angle[1] - angle[0]
+    return kind == "steady" or bool(angle[-1] - angle[0] + step > _TURN * (1.0 - 1e-6))

@@ -212,10 +212,11 @@ def _draw_section(
     colours = mpl.colormaps[PRESSURE_COLOURS]
     data = solution.data.isel({solution.data["shaft_speed"].dims[0]: sample})
     shaft_angle = float(data["shaft_angle"])
-    _draw_housing(axes, description)
+    _fill(axes, housing_region(description), facecolor=LIGHT, edgecolor=GREY, linewidth=0.7)
     for port in ("inlet", "outlet"):
         colour = colours(scale(float(data[f"{port}_pressure"]) / _BAR))
-        _fill(axes, _port_region(description, port), facecolor=colour, linewidth=0.0)
+        _fill(axes, port_region(description, port), facecolor=colour, linewidth=0.0)
+        _name_port(axes, description, port, colour)
     pressure = np.asarray(data["chamber_pressure"]) / _BAR
     for cell in fluid_cells(description, shaft_angle):
         colour = colours(scale(pressure[cell.chamber]))
@@ -226,13 +227,15 @@ def _draw_section(
     axes.set_axis_off()
 
 
-def _draw_housing(axes: Axes, description: MachineDescription) -> None:
+def housing_region(description: MachineDescription) -> Any:
+    """Wall of the housing around the bores, for drawing. [m]."""
     import shapely
 
     casing = shapely.make_valid(shapely.Polygon(description.outlines["casing"]))
     bore = casing.union(_discs(description))
     wall = _WALL * float(np.ptp(description.outlines["casing"][:, 1]))
-    _fill(axes, bore.buffer(wall).difference(bore), facecolor=LIGHT, edgecolor=GREY, linewidth=0.7)
+    ducts = [port_region(description, port) for port in ("inlet", "outlet")]
+    return bore.buffer(wall).difference(shapely.union_all([bore, *ducts]))
 
 
 def _discs(description: MachineDescription) -> Any:
@@ -245,8 +248,8 @@ def _discs(description: MachineDescription) -> Any:
     return shapely.union_all(discs)
 
 
-def _port_region(description: MachineDescription, port: str) -> Any:
-    """Duct from the mesh out through the housing, on the side of a port."""
+def port_region(description: MachineDescription, port: str) -> Any:
+    """Duct from the mesh out through the housing, on the side of a port, for drawing. [m]."""
     import shapely
 
     low, high = sorted(body.center[1] for body in description.bodies)
@@ -258,6 +261,26 @@ def _port_region(description: MachineDescription, port: str) -> Any:
     bore = shapely.make_valid(shapely.Polygon(casing))
     side = bore.intersection(shapely.box(limits[0], low, limits[1], high))
     return duct.union(side).difference(_discs(description))
+
+
+def _name_port(
+    axes: Axes, description: MachineDescription, port: str, colour: tuple[float, ...]
+) -> None:
+    low, high = sorted(body.center[1] for body in description.bodies)
+    casing = description.outlines["casing"]
+    wall = _WALL * float(np.ptp(casing[:, 1]))
+    far = float(np.max(np.abs(casing[:, 0]))) + 0.85 * wall
+    left = port == "inlet"
+    light = float(np.dot(colour[:3], (0.3, 0.6, 0.1))) > 0.5
+    axes.text(
+        (-far if left else far) * _MM,
+        0.5 * (low + high) * _MM,
+        port,
+        ha="left" if left else "right",
+        va="center",
+        fontsize=8,
+        color=INK if light else "white",
+    )
 
 
 def _draw_bodies(axes: Axes, description: MachineDescription, shaft_angle: float) -> None:
@@ -274,6 +297,19 @@ def _draw_bodies(axes: Axes, description: MachineDescription, shaft_angle: float
             axes.plot(*((circle + center) * _MM), color=GREY, linewidth=0.7)
         mark = _MM * np.asarray(body.center)
         axes.plot(*mark, "+", color=INK, markersize=5, markeredgewidth=0.7)
+        _draw_sense(axes, mark, 0.3 * _MM * _tip_radius(description, 0), body.speed_ratio)
+
+
+def _draw_sense(axes: Axes, center: Array, radius: float, speed_ratio: float) -> None:
+    """Arc with an arrow head in the sense of rotation."""
+    turn = np.radians(np.linspace(20.0, 160.0, 40)) * (1.0 if speed_ratio > 0.0 else -1.0)
+    turn += 0.0 if speed_ratio > 0.0 else np.pi
+    arc = center[:, None] + radius * np.array([np.cos(turn), np.sin(turn)])
+    axes.plot(*arc[:, :-3], color=INK, linewidth=0.9)
+    arrow = {"arrowstyle": "-|>", "color": INK, "linewidth": 0.9, "shrinkA": 0, "shrinkB": 0}
+    axes.annotate(
+        "", xy=(arc[0, -1], arc[1, -1]), xytext=(arc[0, -4], arc[1, -4]), arrowprops=arrow
+    )
 
 
 def _draw_grooves(axes: Axes, description: MachineDescription) -> None:

@@ -166,6 +166,29 @@ def _order_bars(
 
 
 @styled
+def time_history(solution: Solution, description: MachineDescription | None = None) -> Figure:
+    """Speed, torque, pressures and flows of a transient run over time."""
+    data = solution.data
+    time = np.asarray(data["time"])
+    figure = new_figure(7.2, 6.4)
+    speed, torque, pressure, flow = figure.subplots(4, 1, sharex=True)
+    speed.plot(time, np.asarray(data["shaft_speed"]) * 30.0 / np.pi, color=GREEN)
+    speed.set_ylabel("Speed (rpm)")
+    torque.plot(time, np.asarray(data["shaft_torque"]), color=GREEN)
+    torque.set_ylabel("Torque (N m)")
+    for port, color in (("inlet", BLUE), ("outlet", ORANGE)):
+        label = readable(port)
+        pressure.plot(time, np.asarray(data[f"{port}_pressure"]) / _BAR, color=color, label=label)
+        flow.plot(time, np.asarray(data[f"{port}_flow_rate"]) * _LITRE_PER_MINUTE, color=color)
+    pressure.set_ylabel("Pressure (bar)")
+    pressure.legend(loc="upper right", ncols=2)
+    flow.set_ylabel("Flow (L/min)")
+    flow.set_xlabel("Time (s)")
+    speed.set_title("Course of the run")
+    return figure
+
+
+@styled
 def contact_forces(solution: Solution, description: MachineDescription | None = None) -> Figure:
     """Normal force of every contact over the shaft angle, and their sum."""
     degrees = _degrees(solution)

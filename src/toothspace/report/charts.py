@@ -9,8 +9,8 @@ import numpy as np
 
 from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
-from toothspace.plotting.section import fluid_cells, turned_outline
-from toothspace.plotting.style import BLUE, CYCLE, INK, LIGHT, METAL, ORANGE, PRESSURE_COLOURS
+from toothspace.plotting.section import fluid_cells, housing_region, port_region, turned_outline
+from toothspace.plotting.style import BLUE, CYCLE, GREY, INK, LIGHT, METAL, ORANGE, PRESSURE_COLOURS
 from toothspace.results.solution import Solution
 
 if TYPE_CHECKING:
@@ -32,14 +32,12 @@ def chamber_pressure_chart(solution: Solution) -> go.Figure:
     figure = go.Figure()
     for k, name in enumerate(data["chamber"].values):
         pressure = np.asarray(data["chamber_pressure"])[::step, k] / _BAR
-        family = str(name).rsplit("_", 1)[0]
         figure.add_scatter(
             x=_rounded(angle, 2),
             y=_rounded(pressure, 3),
             name=str(name).replace("_", " "),
-            legendgroup=family,
-            line={"width": 1.4},
-            visible=True if k % 4 == 0 else "legendonly",
+            line={"width": 1.5, "color": CYCLE[(k + 2) % len(CYCLE)]},
+            visible=True if str(name).endswith("_0") else "legendonly",
         )
     for port, color in (("inlet", BLUE), ("outlet", ORANGE)):
         pressure = np.asarray(data[f"{port}_pressure"])[::step] / _BAR
@@ -50,7 +48,6 @@ def chamber_pressure_chart(solution: Solution) -> go.Figure:
         xaxis_title="Shaft angle (deg)",
         yaxis_title="Absolute pressure (bar)",
         hovermode="x",
-        colorway=list(CYCLE),
     )
     return figure
 
@@ -77,11 +74,12 @@ def turning_section_chart(
     samples = [int(np.argmin(np.abs(angle - value))) for value in wanted]
     top = float(solution.data["chamber_pressure"].max()) / _BAR
     shown = [_section_traces(solution, description, sample, top) for sample in samples]
+    still = [_area(housing_region(description), LIGHT, "housing", edge=GREY), _colour_scale(top)]
     names = [f"{np.degrees(angle[sample] - angle[0]):.1f}°" for sample in samples]
     figure = go.Figure(
-        data=[*shown[0], _colour_scale(top)],
+        data=[*still, *shown[0]],
         frames=[
-            go.Frame(data=traces, name=name, traces=list(range(len(traces))))
+            go.Frame(data=traces, name=name, traces=list(range(2, 2 + len(traces))))
             for traces, name in zip(shown, names, strict=True)
         ],
     )
@@ -105,14 +103,15 @@ def _section_traces(
     shaft_angle = float(data["shaft_angle"])
     pressure = np.asarray(data["chamber_pressure"]) / _BAR
     labels = description.chamber_labels
-    traces = [
-        _area(
-            cell.region,
-            to_hex(colours(pressure[cell.chamber] / top)),
-            f"{labels[cell.chamber].replace('_', ' ')}: {pressure[cell.chamber]:.1f} bar",
-        )
-        for cell in fluid_cells(description, shaft_angle)
-    ]
+    traces = []
+    for port in ("inlet", "outlet"):
+        value = float(data[f"{port}_pressure"]) / _BAR
+        colour = to_hex(colours(value / top))
+        traces.append(_area(port_region(description, port), colour, f"{port}: {value:.1f} bar"))
+    for cell in fluid_cells(description, shaft_angle):
+        value = float(pressure[cell.chamber])
+        text = f"{labels[cell.chamber].replace('_', ' ')}: {value:.1f} bar"
+        traces.append(_area(cell.region, to_hex(colours(value / top)), text))
     for body in description.bodies:
         solid = shapely.Polygon(turned_outline(description, body, shaft_angle))
         outline = np.asarray(solid.simplify(_DRAWN_ERROR).exterior.coords)
@@ -120,15 +119,19 @@ def _section_traces(
     return traces
 
 
-def _area(region: Any, colour: str, text: str) -> dict[str, Any]:
+def _area(region: Any, colour: str, text: str, edge: str | None = None) -> dict[str, Any]:
+    from shapely.geometry.polygon import orient
+
+    region = region.simplify(_DRAWN_ERROR)
+    polygons = [p for p in getattr(region, "geoms", [region]) if p.geom_type == "Polygon"]
     rings = [
-        np.asarray(polygon.simplify(_DRAWN_ERROR).exterior.coords)
-        for polygon in getattr(region, "geoms", [region])
-        if polygon.geom_type == "Polygon" and not polygon.is_empty
+        np.asarray(ring.coords)
+        for polygon in map(orient, (p for p in polygons if not p.is_empty))
+        for ring in (polygon.exterior, *polygon.interiors)
     ]
     gap = np.full((1, 2), np.nan)
     points = np.vstack([part for ring in rings for part in (ring, gap)]) if rings else gap
-    return _closed(points, colour, text, colour)
+    return _closed(points, colour, text, edge or colour)
 
 
 def _closed(points: Array, colour: str, text: str, edge: str) -> dict[str, Any]:

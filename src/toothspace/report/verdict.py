@@ -68,7 +68,8 @@ def warnings_of(solution: Solution, description: MachineDescription | None) -> l
             found.append(text + "tighten run.relative_tolerance.")
     cavitating = sum(event.kind == "cavitation_onset" for event in solution.events)
     if cavitating:
-        found.append(f"Cavitation begins {cavitating} times in the evaluation window; see events.")
+        times = "once" if cavitating == 1 else f"{cavitating} times"
+        found.append(f"Cavitation begins {times} in the evaluation window; see events.")
     return found + (_machine_warnings(description) if description is not None else [])
 
 

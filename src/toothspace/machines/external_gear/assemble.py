@@ -209,7 +209,13 @@ def _groove_sides(file: Path) -> tuple[Array | None, Array | None]:
 
 
 def _profile(gear: keys.GearParameters, file: Path, table: str) -> GearProfile:
-    curves = _contours(file, f"{table}.profile", gear.profile_unit)
+    section = {
+        "unit": to_si(1.0, gear.profile_unit),
+        "plane_z": gear.profile_plane,
+        "layer": gear.profile_layer,
+        "body": gear.profile_body,
+    }
+    curves = _contours(file, f"{table}.profile", **section)
     key = f"{table}.profile: {file.name}"
     try:
         detected = gear_profile_from_curve(curves[0], key=key)
@@ -222,9 +228,9 @@ def _profile(gear: keys.GearParameters, file: Path, table: str) -> GearProfile:
     return detected.profile
 
 
-def _contours(file: Path, key: str, unit: str = "mm") -> list[Array]:
+def _contours(file: Path, key: str, **section: Any) -> list[Array]:
     try:
-        return load_closed_curves(file, unit=to_si(1.0, unit))
+        return load_closed_curves(file, **section)
     except GeometryError as error:
         raise GeometryError(f"{key}: {error}") from error
     except Exception as error:

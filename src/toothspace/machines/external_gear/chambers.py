@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import final
 
@@ -77,14 +78,17 @@ def driven_spaces(drive: Tooth, driven: Tooth, mesh: Mesh, angles: Array) -> Spa
     return Spaces(driven, drive, mesh, False, angles, left, right)
 
 
-def own_end(spaces: Spaces, side: Throats) -> tuple[Array, Array, Array]:
+_End = tuple[Array, Array, Array]
+
+
+def own_end(spaces: Spaces, side: Throats) -> _End:
     """Point [m], velocity [m/rad] and swept area [m2] of a throat's end on the own gear."""
     if spaces.is_drive:
         return side.drive_point, side.drive_velocity, side.drive_swept
     return side.driven_point, side.driven_velocity, side.driven_swept
 
 
-def other_end(spaces: Spaces, side: Throats) -> tuple[Array, Array, Array]:
+def other_end(spaces: Spaces, side: Throats) -> _End:
     """Point [m], velocity [m/rad] and swept area [m2] of a throat's end on the other gear."""
     if spaces.is_drive:
         return side.driven_point, side.driven_velocity, side.driven_swept
@@ -214,27 +218,7 @@ def area_by_motion(spaces: Spaces) -> Array:
     return np.column_stack([*_translation(*drive), *_translation(*driven), turned])
 
 
-def space_outline(spaces: Spaces, index: int, points: int = 12) -> Array:
-    """Polygon of a tooth space at one angle.
-
-    Parameters
-    ----------
-    spaces : Spaces
-        Tooth spaces over their angle.
-    index : int
-        Which angle.
-    points : int
-        Points on a tip-circle arc.
-
-    Returns
-    -------
-    ndarray, shape (n, 2)
-        Points, counter-clockwise, machine frame. [m]
-    """
-    raise NotImplementedError((spaces, index, points))
-
-
-def _both(spaces: Spaces, end) -> tuple:  # type: ignore[no-untyped-def, type-arg]
+def _both(spaces: Spaces, end: Callable[[Spaces, Throats], _End]) -> tuple[_End, _End]:
     return end(spaces, spaces.right), end(spaces, spaces.left)
 
 

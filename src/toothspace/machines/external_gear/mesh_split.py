@@ -38,7 +38,7 @@ from toothspace.machines.external_gear.profile import (
 )
 
 _STEP = 2e-5
-_COLUMNS = 21
+_COLUMNS = 23
 
 
 class Mesh(NamedTuple):
@@ -114,6 +114,8 @@ class Throats:
         Curvature of the flanks at the ends, positive where convex. [1/m]
     at_corner : ndarray
         True where an end lies at a tip corner. [-]
+    drive_inward, driven_inward : ndarray
+        Curve length from the tip corner to the end, negative where it is on the tip circle. [m]
     """
 
     weight: Array
@@ -132,6 +134,8 @@ class Throats:
     drive_curvature: Array
     driven_curvature: Array
     at_corner: Array
+    drive_inward: Array
+    driven_inward: Array
 
     @property
     def middle(self) -> Array:
@@ -174,6 +178,8 @@ def throats(drive: Flank, driven: Flank, mesh: Mesh, angles: Array) -> Throats:
         drive_curvature=data[:, 18],
         driven_curvature=data[:, 19],
         at_corner=data[:, 20] != FREE,
+        drive_inward=data[:, 21],
+        driven_inward=data[:, 22],
     )
 
 
@@ -297,7 +303,7 @@ def _signed_gap(
     return sign * reach, sign * gx / reach, sign * gy / reach
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def _throat_rows(drive: Flank, driven: Flank, mesh: Mesh, angles: Array) -> Array:
     window = throat_window(drive, driven, mesh)
     rows = np.zeros((angles.size, _COLUMNS))
@@ -314,6 +320,7 @@ def _throat_rows(drive: Flank, driven: Flank, mesh: Mesh, angles: Array) -> Arra
         row[9] = _swept(drive, ends.inward1, ends.along1 - corner1)
         row[10] = _swept(driven, ends.inward2, corner2 - ends.along2)
         row[11], row[12], row[13], row[14] = ends.along1, ends.along2, corner1, corner2
+        row[21], row[22] = ends.inward1, ends.inward2
         row[16] = -1.0
         if not inside:
             continue

@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
+import shapely
+from numpy.typing import NDArray
 
 from toothspace.core.types import Array
 from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.external_gear.chambers import Spaces
+from toothspace.machines.external_gear.loads import groove_polygons
 from toothspace.machines.external_gear.mesh_split import Throats
+from toothspace.machines.external_gear.outlines import space_outline
+
+_LEAST_AREA = 1e-12
 
 
 def port_lengths(assembly: Assembly, spaces: Spaces) -> tuple[Array, Array]:
@@ -69,5 +75,71 @@ def _overlap(start: Array, end: Array, low: float, high: float) -> Array:
 
 
 def groove_openings(assembly: Assembly, spaces: Spaces) -> dict[str, Array]:
-    """Areas [m2] and hydraulic diameters [m] of the openings into the grooves of one face."""
-    return {}
+    r"""Openings of the tooth spaces into the relief grooves of one face.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        Gears in mesh and grooves.
+    spaces : Spaces
+        Tooth spaces of one gear at the table nodes.
+
+    Returns
+    -------
+    dict
+        For each port with a groove, an array of shape (nodes, 2): area [m2] and hydraulic
+        diameter [m].
+
+    Notes
+    -----
+    Fluid passes the overlap of tooth space and groove along the axis, then the groove's own
+    depth sideways; both areas act in series,
+
+    .. math:: A^{-2} = A_o^{-2} + (t\,w)^{-2},
+
+    with the overlap :math:`A_o`, its extent :math:`w` along y and the groove depth :math:`t`.
+    The hydraulic diameter is that of the overlap, four times its area over its perimeter.
+    """
+    grooves = assembly.spec.grooves
+    if grooves is None:
+        return {}
+    found = {}
+    for name, groove in groove_polygons(assembly).items():
+        near = np.flatnonzero(np.abs(spaces.angles) < _reach(spaces, groove))
+        table = np.zeros((spaces.angles.size, 2))
+        if near.size:
+            shapes = _valid(
+                np.array([shapely.Polygon(space_outline(spaces, int(k))) for k in near])
+            )
+            table[near] = _opening(
+                shapely.intersection(shapes, shapely.Polygon(groove)), grooves.depth
+            )
+        found[name.removeprefix("groove_")] = table
+    return found
+
+
+def _opening(overlap: NDArray[np.object_], depth: float) -> Array:
+    area, perimeter = shapely.area(overlap), shapely.length(overlap)
+    bounds = np.nan_to_num(shapely.bounds(overlap))
+    channel = depth * (bounds[:, 3] - bounds[:, 1])
+    there = area > _LEAST_AREA
+    safe, passage = np.where(there, area, 1.0), np.where(there, channel, 1.0)
+    series = safe * passage / np.hypot(safe, passage)
+    diameter = 4.0 * safe / np.where(there, perimeter, 1.0)
+    return np.column_stack([np.where(there, series, 0.0), np.where(there, diameter, 0.0)])
+
+
+def _reach(spaces: Spaces, groove: Array) -> float:
+    # largest place of a tooth space that touches the groove
+    if shapely.Polygon(groove).buffer(1e-6).contains(shapely.Point(*spaces.center)):
+        return float(np.pi)
+    x, y = (groove - spaces.center).T
+    rise = y if spaces.is_drive else -y
+    return float(np.max(np.abs(np.arctan2(x, rise))) + spaces.own.pitch_angle)
+
+
+def _valid(shapes: NDArray[np.object_]) -> NDArray[np.object_]:
+    # touching flanks may cross by rounding errors
+    crossed = ~shapely.is_valid(shapes)
+    shapes[crossed] = shapely.buffer(shapes[crossed], 0.0)
+    return shapes

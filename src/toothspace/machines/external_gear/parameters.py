@@ -79,6 +79,13 @@ class GearParameters:
     profile_unit: str = choice(
         "Length unit of the profile file.", "mm", "m", "um", "in", default="mm"
     )
+    profile_layer: str | None = text("Layer of a DXF file; default all.", default=None)
+    profile_plane: float | None = quantity(
+        "mm", "Height of the section through a solid; default its middle.", default=None
+    )
+    profile_body: int | None = integer(
+        "Body of a solid file, the largest is 0; default all.", low=0, high=1000, default=None
+    )
 
     def __post_init__(self) -> None:
         if self.profile is None:
@@ -119,6 +126,11 @@ class DrivenGearParameters:
     profile_unit: str | None = choice(
         "Length unit of the profile file.", "mm", "m", "um", "in", default=None
     )
+    profile_layer: str | None = text("Layer of a DXF file.", default=None)
+    profile_plane: float | None = quantity(
+        "mm", "Height of the section through a solid.", default=None
+    )
+    profile_body: int | None = integer("Body of a solid file.", low=0, high=1000, default=None)
 
 
 @final

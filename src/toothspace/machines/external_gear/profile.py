@@ -150,7 +150,7 @@ def flank_length(flank: Flank) -> float:
 def flank_segment(flank: Flank, place: float) -> int:
     """Index of the spline segment of a curve parameter in [m]."""
     index = np.searchsorted(flank.knots, place, side="right") - 1
-    return min(max(index, 0), flank.knots.size - 2)
+    return int(min(max(index, 0), flank.knots.size - 2))
 
 
 @inlined

@@ -219,8 +219,6 @@ class ExternalGearSpec:
         Node that collects the drain; None: inlet of a pump, outlet of a motor.
     drain_pressure : float
         Absolute pressure of an external drain. [Pa]
-    drain_pressure : float
-        Absolute pressure of an external drain. [Pa]
     seal_torque : float
         Torque of the shaft seal. [N m]
     inlet_volume, outlet_volume : float
@@ -237,7 +235,6 @@ class ExternalGearSpec:
     center_distance: float | None = None
     normal_backlash: float | None = None
     drain: Literal["inlet", "outlet", "external"] | None = None
-    drain_pressure: float = 1e5
     drain_pressure: float = 1e5
     seal_torque: float = 0.0
     inlet_volume: float = 50e-6
