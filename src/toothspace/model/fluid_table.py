@@ -1,0 +1,247 @@
+"""Liquid properties from a user's table over temperature and pressure.
+
+The table is a CSV file with a header such as
+``temperature [degC],pressure [bar],density [kg/m3],dynamic_viscosity [mPa s]`` and, if known,
+``vapour_pressure [Pa]`` and ``specific_heat_capacity [J/(kg K)]``. Rows of one temperature
+form an isotherm of at least three pressures.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import NoReturn, final
+
+import numpy as np
+
+from toothspace.core.constants import ZERO_CELSIUS
+from toothspace.core.errors import CaseError
+from toothspace.core.types import Array
+from toothspace.core.units import compatible, to_si
+
+REQUIRED = {
+    "temperature": "K",
+    "pressure": "Pa",
+    "density": "kg/m^3",
+    "dynamic_viscosity": "Pa s",
+}
+"""Columns that a table must have, and the unit they are read in."""
+
+OPTIONAL = {"vapour_pressure": "Pa", "specific_heat_capacity": "J/(kg K)"}
+"""Columns that a table may have."""
+
+DEFAULT_HEAT_CAPACITY = 2000.0
+"""Specific heat capacity of a table without that column. [J/(kg K)]"""
+
+VAPOUR_FLOOR = 1000.0
+"""Lowest vapour pressure that the equation of state is given: numerical floor. [Pa]"""
+
+_HEADER = re.compile(r"\s*(\w+)\s*\[(.+)\]\s*")
+_CAUTION = ("density", "pressure", "dynamic_viscosity", "specific_heat_capacity")
+
+
+@final
+@dataclass(frozen=True)
+class TableFit:
+    """Constants of a liquid fitted to a table at one temperature.
+
+    Parameters
+    ----------
+    density : float
+        At zero pressure. [kg/m3]
+    compliance, stiffening : float
+        Constants a and b of the density law. [1/Pa]
+    dynamic_viscosity : float
+        At zero pressure. [Pa s]
+    pressure_viscosity : float
+        Barus coefficient. [1/Pa]
+    vapour_pressure : float
+        Vapour pressure with its numerical floor. [Pa]
+    specific_heat_capacity : float
+        Specific heat capacity. [J/(kg K)]
+    density_error, viscosity_error : float
+        Largest relative error of the fit at the points of the isotherms used. [-]
+    """
+
+    density: float
+    compliance: float
+    stiffening: float
+    dynamic_viscosity: float
+    pressure_viscosity: float
+    vapour_pressure: float
+    specific_heat_capacity: float
+    density_error: float
+    viscosity_error: float
+
+
+def _fail(path: Path, place: str, found: object, allowed: str) -> NoReturn:
+    raise CaseError(f"fluid.table: {path.name}, {place}: found {found}, allowed {allowed}")
+
+
+def _columns(path: Path, header: list[str]) -> dict[str, tuple[int, str]]:
+    """Position and unit of every known column."""
+    known, found = {**REQUIRED, **OPTIONAL}, {}
+    for position, text in enumerate(header):
+        match = _HEADER.fullmatch(text)
+        if match is None:
+            _fail(path, f"column {position + 1}, row 1", repr(text), "a name with its [unit]")
+        name, unit = match[1], match[2]
+        if name not in known or name in found:
+            _fail(path, f"column {name}, row 1", repr(name), "each once: " + ", ".join(known))
+        if not _fits(unit, known[name]):
+            _fail(path, f"column {name}, row 1", repr(unit), f"a unit such as {known[name]}")
+        found[name] = (position, unit)
+    for name in REQUIRED:
+        if name not in found:
+            _fail(path, f"column {name}, row 1", "none", "a column " + name)
+    return found
+
+
+def _fits(unit: str, wanted: str) -> bool:
+    try:
+        return compatible(unit, wanted)
+    except CaseError:
+        return False
+
+
+def _number(path: Path, name: str, row: int, text: str, unit: str) -> float:
+    place = f"column {name}, row {row}"
+    try:
+        value = to_si(float(text), unit)
+    except ValueError:
+        _fail(path, place, repr(text.strip()), "a number")
+    if not np.isfinite(value):
+        _fail(path, place, text.strip(), "a finite number")
+    if value < 0.0 or (value == 0.0 and name in _CAUTION and name != "pressure"):
+        _fail(path, place, text.strip(), "a positive number")
+    return value
+
+
+def _read(path: Path) -> tuple[dict[str, Array], list[int]]:
+    """Columns of a table in SI units, and the row number of every entry."""
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            lines = [(k, line) for k, line in enumerate(csv.reader(file), start=1) if any(line)]
+    except (OSError, UnicodeDecodeError) as error:
+        raise CaseError(
+            f"fluid.table: found {path} unreadable ({error}), allowed a CSV file"
+        ) from error
+    if len(lines) < 2:
+        _fail(path, "row 1", f"{len(lines)} rows", "a header and rows of numbers")
+    columns = _columns(path, lines[0][1])
+    data: dict[str, list[float]] = {name: [] for name in columns}
+    for row, line in lines[1:]:
+        if len(line) != len(lines[0][1]):
+            _fail(path, f"row {row}", f"{len(line)} entries", f"{len(lines[0][1])} entries")
+        for name, (position, unit) in columns.items():
+            data[name].append(_number(path, name, row, line[position], unit))
+    return {name: np.array(values) for name, values in data.items()}, [k for k, _ in lines[1:]]
+
+
+def _isotherm(
+    data: dict[str, Array], rows: list[int], level: float, path: Path
+) -> dict[str, Array]:
+    """Rows of one temperature in the order of pressure, checked."""
+    chosen = np.flatnonzero(np.abs(data["temperature"] - level) < 1e-6)
+    chosen = chosen[np.argsort(data["pressure"][chosen], kind="stable")]
+    line = {name: values[chosen] for name, values in data.items()}
+    kelvin = f"{level - ZERO_CELSIUS:g} degC"
+    if chosen.size < 3:
+        place = f"column pressure, row {rows[chosen[0]]}"
+        _fail(path, place, f"{chosen.size} pressures at {kelvin}", "three or more")
+    for k, (lower, upper) in enumerate(pairwise(line["pressure"])):
+        if upper <= lower:
+            place = f"column pressure, row {rows[chosen[k + 1]]}"
+            _fail(path, place, f"{upper:g} Pa twice at {kelvin}", "each pressure once")
+    for k, (lower, upper) in enumerate(pairwise(line["density"])):
+        if upper <= lower:
+            place = f"column density, row {rows[chosen[k + 1]]}"
+            _fail(path, place, f"{upper:g} kg/m3 after {lower:g}", "density rising with pressure")
+    return line
+
+
+def _fit_isotherm(line: dict[str, Array]) -> tuple[Array, float, float]:
+    """Density (rho0, 1/a, b), viscosity (ln mu0, alpha) and their largest relative errors."""
+    p, rho = line["pressure"], line["density"]
+    scale = p.max()
+    x = p / scale
+    # rho (1 + b p) = rho0 + rho0 (a + b) p is linear in its constants.
+    solution = np.linalg.lstsq(np.stack([np.ones_like(x), x, -rho * x], axis=1), rho, rcond=None)[0]
+    if solution[2] < 0.0 or solution[1] <= solution[0] * solution[2]:
+        line_fit = np.linalg.lstsq(np.stack([np.ones_like(x), x], axis=1), rho, rcond=None)[0]
+        solution = np.array([line_fit[0], line_fit[1], 0.0])
+    rho0, b = solution[0], solution[2] / scale
+    a = solution[1] / (solution[0] * scale) - b
+    density_error = float(np.abs(rho0 * (1.0 + a * p / (1.0 + b * p)) / rho - 1.0).max())
+    logarithm = np.log(line["dynamic_viscosity"])
+    slope, level = np.polyfit(x, logarithm, 1)
+    viscosity_error = float(np.abs(np.exp(level + slope * x - logarithm) - 1.0).max())
+    return np.array([rho0, 1.0 / a, b, level, slope / scale]), density_error, viscosity_error
+
+
+def fit_table(path: Path, temperature: float) -> TableFit:
+    """Read a fluid table and fit the liquid's constants at a temperature.
+
+    Parameters
+    ----------
+    path : Path
+        CSV file, see the module. [-]
+    temperature : float
+        Absolute temperature inside the range of the table. [K]
+
+    Returns
+    -------
+    TableFit
+        Constants with the largest error of the fit. [SI]
+
+    Raises
+    ------
+    CaseError
+        If the file cannot be read, a column, unit or number is bad, the density does not
+        rise with pressure or the temperature is outside the table; names column and row.
+
+    Notes
+    -----
+    Least squares on the isotherms below and above; their constants (of the viscosity the
+    logarithm) are interpolated linearly over the temperature.
+    """
+    data, rows = _read(path)
+    levels = np.unique(np.round(data["temperature"], 9))
+    if not levels[0] - 1e-6 <= temperature <= levels[-1] + 1e-6:
+        low, high = levels[0] - ZERO_CELSIUS, levels[-1] - ZERO_CELSIUS
+        found = f"found {temperature - ZERO_CELSIUS:g} degC"
+        raise CaseError(
+            f"fluid.temperature: {found}, allowed {low:g} to {high:g} degC, column temperature "
+            f"of {path.name}"
+        )
+    lines = {float(level): _isotherm(data, rows, float(level), path) for level in levels}
+    upper = int(np.clip(np.searchsorted(levels, temperature), 1, max(levels.size - 1, 1)))
+    pair = [float(levels[upper - 1]), float(levels[min(upper, levels.size - 1)])]
+    share = (temperature - pair[0]) / (pair[1] - pair[0]) if pair[1] > pair[0] else 0.0
+    return _between([lines[level] for level in pair], min(max(share, 0.0), 1.0))
+
+
+def _between(lines: list[dict[str, Array]], share: float) -> TableFit:
+    """Interpolate the constants of two isotherms."""
+    fits = [_fit_isotherm(line) for line in lines]
+    constants = (1.0 - share) * fits[0][0] + share * fits[1][0]
+
+    def level(name: str, default: float) -> float:
+        if name not in lines[0]:
+            return default
+        return float((1.0 - share) * lines[0][name][0] + share * lines[1][name][0])
+
+    return TableFit(
+        density=float(constants[0]),
+        compliance=float(1.0 / constants[1]),
+        stiffening=float(constants[2]),
+        dynamic_viscosity=float(np.exp(constants[3])),
+        pressure_viscosity=float(constants[4]),
+        vapour_pressure=max(level("vapour_pressure", VAPOUR_FLOOR), VAPOUR_FLOOR),
+        specific_heat_capacity=level("specific_heat_capacity", DEFAULT_HEAT_CAPACITY),
+        density_error=max(fits[0][1], fits[1][1]),
+        viscosity_error=max(fits[0][2], fits[1][2]),
+    )
