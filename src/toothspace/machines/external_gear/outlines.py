@@ -1,0 +1,117 @@
+"""Tooth spaces as polygons, up to the throats of the mesh."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from toothspace.core.types import Array
+from toothspace.machines.external_gear.chambers import Spaces
+from toothspace.machines.external_gear.mesh_split import Throats
+from toothspace.machines.external_gear.profile import Flank, Tooth
+
+_ARC_STEP = np.deg2rad(1.0)
+
+
+@final
+@dataclass(frozen=True)
+class _Side:
+    # one end of a throat on one gear at one angle
+    flank: Flank
+    turn: float
+    center: Array
+    is_drive: bool
+    inward: float
+    along: float
+    corner: float
+    point: Array
+
+
+def space_outline(spaces: Spaces, index: int) -> Array:
+    """Polygon of a tooth space at one of its angles.
+
+    Parameters
+    ----------
+    spaces : Spaces
+        Tooth spaces over their angle.
+    index : int
+        Which angle.
+
+    Returns
+    -------
+    ndarray, shape (points, 2)
+        Outline, counter-clockwise, machine frame. [m]
+    """
+    right = _side(spaces, spaces.right, index, own=True)
+    left = _side(spaces, spaces.left, index, own=True)
+    own = [_flank_points(right)[::-1], _flank_points(left)]
+    if max(spaces.left.weight[index], spaces.right.weight[index]) <= 0.0:
+        return np.vstack([*own, _arc(left, left.corner, right.corner)])
+    mouth = [_arc(left, left.corner, left.along), left.point[None, :]]
+    entry = [right.point[None, :], _arc(right, right.along, right.corner)]
+    return np.vstack([*entry, *own, *mouth, *_intruder(spaces, index)])
+
+
+def _intruder(spaces: Spaces, index: int) -> list[Array]:
+    right = _side(spaces, spaces.right, index, own=False)
+    left = _side(spaces, spaces.left, index, own=False)
+    return [
+        left.point[None, :],
+        _above(left),
+        _arc(left, left.along, right.along),
+        _above(right)[::-1],
+        right.point[None, :],
+    ]
+
+
+def _side(spaces: Spaces, throat: Throats, index: int, *, own: bool) -> _Side:
+    is_drive = spaces.is_drive == own
+    tooth: Tooth = spaces.own if own else spaces.other
+    flank = tooth.left if throat is spaces.left else tooth.right
+    name = "drive" if is_drive else "driven"
+    corner = float(getattr(throat, f"{name}_corner")[index])
+    polar = 0.5 * np.pi + corner if is_drive else -0.5 * np.pi - corner
+    return _Side(
+        flank=flank,
+        turn=polar - flank.corner_angle,
+        center=spaces.center if own else spaces.other_center,
+        is_drive=is_drive,
+        inward=float(getattr(throat, f"{name}_inward")[index]),
+        along=float(getattr(throat, f"{name}_along")[index]),
+        corner=corner,
+        point=getattr(throat, f"{name}_point")[index],
+    )
+
+
+def _placed(side: _Side, keep: Array) -> Array:
+    starts = side.flank.coefficients[:, [0, 4]]
+    radius, angle = side.flank.tip_radius, side.flank.corner_angle
+    tip = radius * np.array([[np.cos(angle), np.sin(angle)]])
+    points = np.vstack([starts, tip])[keep]
+    c, s = np.cos(side.turn), np.sin(side.turn)
+    return np.asarray(points @ np.array([[c, s], [-s, c]]) + side.center, dtype=float)
+
+
+def _flank_points(side: _Side) -> Array:
+    # from the root middle to the throat's end, or to the corner where it is beyond
+    knots = side.flank.knots
+    return _placed(side, knots <= knots[-1] - max(side.inward, 0.0))
+
+
+def _above(side: _Side) -> Array:
+    # from the throat's end to the corner
+    knots = side.flank.knots
+    if side.inward < 0.0:
+        return np.empty((0, 2))
+    return _placed(side, knots > knots[-1] - side.inward)
+
+
+def _arc(side: _Side, start: float, end: float) -> Array:
+    # without its ends, which are corners or throat ends
+    count = 2 + int(abs(end - start) / _ARC_STEP)
+    places = np.linspace(start, end, count)[1:-1]
+    rise = np.cos(places) if side.is_drive else -np.cos(places)
+    circle = np.column_stack([-np.sin(places), rise])
+    return np.asarray(side.flank.tip_radius * circle + side.center, dtype=float)
