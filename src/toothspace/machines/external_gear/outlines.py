@@ -89,7 +89,9 @@ def _placed(side: _Side, keep: Array) -> Array:
     starts = side.flank.coefficients[:, [0, 4]]
     radius, angle = side.flank.tip_radius, side.flank.corner_angle
     tip = radius * np.array([[np.cos(angle), np.sin(angle)]])
-    points = np.vstack([starts, tip])[keep]
+    # points between an arc and its chord would cross the chord
+    clear = np.hypot(*starts.T) < radius * np.cos(0.5 * _ARC_STEP)
+    points = np.vstack([starts, tip])[keep & np.append(clear, True)]
     c, s = np.cos(side.turn), np.sin(side.turn)
     return np.asarray(points @ np.array([[c, s], [-s, c]]) + side.center, dtype=float)
 

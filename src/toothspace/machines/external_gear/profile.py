@@ -149,8 +149,8 @@ def flank_length(flank: Flank) -> float:
 @inlined
 def flank_segment(flank: Flank, place: float) -> int:
     """Index of the spline segment of a curve parameter in [m]."""
-    index = np.searchsorted(flank.knots, place, side="right") - 1
-    return int(min(max(index, 0), flank.knots.size - 2))
+    index = int(np.searchsorted(flank.knots, place, side="right")) - 1
+    return min(max(index, 0), flank.knots.size - 2)
 
 
 @inlined
