@@ -82,9 +82,9 @@ def journal_mesh(
         faces = faces[first:].copy()
         centres[0] = max(centres[0], 0.0) if lanes % 2 == 0 else 0.0
         faces[0] = 0.0
-    return JournalMesh(
-        first_angle + step * np.arange(rows), step, centres, faces, 2.0 if half else 1.0
-    )
+    angle = np.asarray(first_angle + step * np.arange(rows), dtype=np.float64)
+    axial = np.asarray(centres, dtype=np.float64)
+    return JournalMesh(angle, step, axial, faces, 2.0 if half else 1.0)
 
 
 class EndConditions(NamedTuple):

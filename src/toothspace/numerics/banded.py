@@ -61,22 +61,19 @@ def _factor_panel(flat: Array, columns: int, first: int, count: int) -> None:
 
 
 @njit(cache=True, fastmath={"contract"})
-def _multipliers(flat: Array, columns: int, first: int, row: int) -> tuple[float, ...]:
-    """Multipliers of the four pivots of a panel for one row below it, zero beyond the band."""
+def _multiplier(flat: Array, columns: int, first: int, row: int, m: int) -> float:
+    """Multiplier of pivot m of a panel for one row below it, stored in place; zero off the band."""
     width = columns // 2
     entry = row * columns + width - row  # flat[entry + c] is column c of the row
-    lowest = row - width
-    factors = np.zeros(4)
-    for m in range(4):
-        column = first + m
-        if column >= lowest:
-            value = flat[entry + column]
-            for k in range(m):
-                value -= factors[k] * flat[(first + k) * columns + width + m - k]
-            value /= flat[column * columns + width]
-            factors[m] = value
-            flat[entry + column] = value
-    return factors[0], factors[1], factors[2], factors[3]
+    column = first + m
+    if column < row - width:
+        return 0.0
+    value = flat[entry + column]
+    for k in range(max(0, row - width - first), m):
+        value -= flat[entry + first + k] * flat[(first + k) * columns + width + m - k]
+    value /= flat[column * columns + width]
+    flat[entry + column] = value
+    return value
 
 
 @njit(cache=True, fastmath={"contract"})
@@ -84,7 +81,10 @@ def _update_row(flat: Array, columns: int, first: int, row: int) -> None:
     """Eliminate the four columns of a panel from one row below it."""
     width = columns // 2
     n = flat.size // columns
-    f0, f1, f2, f3 = _multipliers(flat, columns, first, row)
+    f0 = _multiplier(flat, columns, first, row, 0)
+    f1 = _multiplier(flat, columns, first, row, 1)
+    f2 = _multiplier(flat, columns, first, row, 2)
+    f3 = _multiplier(flat, columns, first, row, 3)
     if f0 == 0.0 and f1 == 0.0 and f2 == 0.0 and f3 == 0.0:
         return
     entry = row * columns + width - row
