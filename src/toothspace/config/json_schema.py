@@ -106,8 +106,9 @@ def _(_: keys.Flag) -> Schema:
 
 @schema_of.register
 def _(key: keys.FilePath) -> Schema:
-    endings = "|".join(suffix.lstrip(".") for suffix in key.suffixes)
-    return {"type": "string", "pattern": rf"\.(?i:{endings})$"}
+    names = [suffix.lstrip(".") for suffix in key.suffixes]
+    endings = "|".join([*names, *(name.upper() for name in names)])
+    return {"type": "string", "pattern": rf"\.({endings})$"}
 
 
 @schema_of.register

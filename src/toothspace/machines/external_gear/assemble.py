@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import fields, replace
+from functools import lru_cache
 from pathlib import Path
-from typing import Any, Literal, cast
+from typing import Any, Literal, NamedTuple, cast
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.keys import KeyRuleError
@@ -29,6 +30,16 @@ _TOOTH_KEYS = (
     "tip_diameter",
     "tip_rounding",
 )
+
+
+class _Section(NamedTuple):
+    unit: float
+    plane_z: float | None
+    layer: str | None
+    body: int | None
+
+
+_MILLIMETRES = _Section(1e-3, None, None, None)
 
 
 def assemble(machine: keys.ExternalGearParameters) -> spec.ExternalGearSpec:
@@ -209,28 +220,30 @@ def _groove_sides(file: Path) -> tuple[Array | None, Array | None]:
 
 
 def _profile(gear: keys.GearParameters, file: Path, table: str) -> GearProfile:
-    section = {
-        "unit": to_si(1.0, gear.profile_unit),
-        "plane_z": gear.profile_plane,
-        "layer": gear.profile_layer,
-        "body": gear.profile_body,
-    }
-    curves = _contours(file, f"{table}.profile", **section)
-    key = f"{table}.profile: {file.name}"
-    try:
-        detected = gear_profile_from_curve(curves[0], key=key)
-    except (ArithmeticError, LookupError, ValueError) as error:
-        allowed = "the closed outline of a gear with equal teeth"
-        raise GeometryError(f"{key}: found a curve without teeth, allowed {allowed}") from error
+    section = _Section(
+        to_si(1.0, gear.profile_unit), gear.profile_plane, gear.profile_layer, gear.profile_body
+    )
+    detected = _detected(file, file.stat().st_mtime_ns, section, f"{table}.profile")
     if gear.tooth_count not in (None, detected.tooth_count):
         allowed = f"{detected.tooth_count} teeth as in {file.name}, or no tooth_count"
         raise KeyRuleError(f"{table}.tooth_count", str(gear.tooth_count), allowed)
-    return detected.profile
+    return detected
 
 
-def _contours(file: Path, key: str, **section: Any) -> list[Array]:
+@lru_cache(maxsize=8)
+def _detected(file: Path, _modified: int, section: _Section, key: str) -> GearProfile:
+    curves = _contours(file, key, section)
+    name = f"{key}: {file.name}"
     try:
-        return load_closed_curves(file, **section)
+        return gear_profile_from_curve(curves[0], key=name).profile
+    except (ArithmeticError, LookupError, ValueError) as error:
+        allowed = "the closed outline of a gear with equal teeth"
+        raise GeometryError(f"{name}: found a curve without teeth, allowed {allowed}") from error
+
+
+def _contours(file: Path, key: str, section: _Section = _MILLIMETRES) -> list[Array]:
+    try:
+        return load_closed_curves(file, *section)
     except GeometryError as error:
         raise GeometryError(f"{key}: {error}") from error
     except Exception as error:
