@@ -20,8 +20,9 @@ if TYPE_CHECKING:
     from toothspace.case import Case
 
 EXPORT_FORMATS = ("dxf", "stl", "step", "txt")
-_EXIT_CODES = {Status.DONE: 0, Status.INTERRUPTED: 130}
 _NUMERICAL_FAILURE = 3
+_INTERRUPTED = 130
+_EXIT_CODES = {Status.DONE: 0, Status.INTERRUPTED: _INTERRUPTED}
 
 
 @final
@@ -53,8 +54,12 @@ def run(case_file: Path, result: Path | None, overrides: Sequence[str], *, as_js
     target = _writable(result or Path(f"{case_file.stem}.nc"), "-o")
     from toothspace import api
 
-    with _file_named(case_file), output.progress(case.title) as progress:
-        solution = api.simulate(case, progress=progress)
+    try:
+        with _file_named(case_file), output.progress(case.title) as progress:
+            solution = api.simulate(case, progress=progress)
+    except KeyboardInterrupt:
+        output.message(f"{case_file}: interrupted before there was a result")
+        return _INTERRUPTED
     solution.save(target)
     output.write(solution.summary(), as_json=as_json)
     if solution.status is not Status.DONE:

@@ -1,0 +1,277 @@
+"""Commands, exit codes and streams; the simulation itself is replaced by a stand-in."""
+
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import toothspace
+from toothspace.cli import main, output
+from toothspace.core.errors import CaseError, GeometryError
+from toothspace.core.status import Status
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+MOTOR = REPOSITORY / "cases" / "egm12_motor.toml"
+GEROTOR = REPOSITORY / "cases" / "gerotor_trochoidal.toml"
+
+
+@dataclass
+class FakeSolution:
+    status: Status = Status.DONE
+
+    def summary(self) -> dict[str, Any]:
+        return {"mean_flow_L_per_min": np.float64(7.5), "flow_ripple_percent": math.nan}
+
+    def save(self, path: Path) -> Path:
+        path.write_bytes(b"result")
+        return path
+
+
+@dataclass
+class FakeCheck:
+    name: str = "tip_land"
+    value: float = 0.5
+    unit: str = "mm"
+    allowed: str = "at least 0.55 mm"
+    passed: bool = False
+    reason: str = "A thin land breaks and leaks."
+
+
+@dataclass
+class FakeDescription:
+    geometry_summary: Mapping[str, Any] = field(
+        default_factory=lambda: {"displacement_cm3_per_rev": 4.949}
+    )
+    checks: tuple[FakeCheck, ...] = (FakeCheck(), FakeCheck(name="contact_ratio", passed=True))
+
+
+Simulate = Callable[..., Any]
+
+
+@pytest.fixture
+def simulated(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Callable[[Simulate], None]:
+    """Replace the simulation, and work in an empty folder."""
+    api = pytest.importorskip("toothspace.api")
+    monkeypatch.chdir(tmp_path)
+
+    def replace(simulate: Simulate) -> None:
+        monkeypatch.setattr(api, "simulate", simulate)
+
+    return replace
+
+
+@pytest.fixture
+def described(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Replace the machine description, and work in an empty folder."""
+    api = pytest.importorskip("toothspace.api")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(api, "describe", lambda case: FakeDescription())
+
+
+@pytest.mark.parametrize(
+    ("status", "code"),
+    [
+        (Status.DONE, 0),
+        (Status.NOT_CYCLIC, 3),
+        (Status.STEP_TOO_SMALL, 3),
+        (Status.NOT_CONVERGED, 3),
+        (Status.INTERRUPTED, 130),
+    ],
+)
+def test_run_keeps_the_result_and_tells_its_status(
+    status: Status,
+    code: int,
+    simulated: Callable[[Simulate], None],
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    simulated(lambda case, progress: FakeSolution(status))
+    assert main(["run", str(MOTOR), "--json"]) == code
+    streams = capsys.readouterr()
+    assert json.loads(streams.out) == {"mean_flow_L_per_min": 7.5, "flow_ripple_percent": None}
+    assert (tmp_path / "egm12_motor.nc").read_bytes() == b"result"
+    assert (status.value in streams.err) == (status is not Status.DONE)
+
+
+def test_run_passes_overrides_and_fidelity(
+    simulated: Callable[[Simulate], None], tmp_path: Path
+) -> None:
+    seen = []
+
+    def simulate(case: Any, progress: Any) -> FakeSolution:
+        seen.append(case)
+        return FakeSolution()
+
+    simulated(simulate)
+    options = ["--fidelity", "ideal", "--set", "operating_point.shaft_speed=2000 rpm"]
+    assert main(["run", str(MOTOR), "-o", str(tmp_path / "r.nc"), *options]) == 0
+    assert seen[0].run.fidelity == "ideal"
+    assert seen[0].overrides == ("operating_point.shaft_speed=2000 rpm", "run.fidelity=ideal")
+
+
+def test_text_summary_is_aligned(
+    simulated: Callable[[Simulate], None], capsys: pytest.CaptureFixture[str]
+) -> None:
+    simulated(lambda case, progress: FakeSolution())
+    main(["run", str(MOTOR)])
+    assert capsys.readouterr().out == "mean_flow_L_per_min  7.5\nflow_ripple_percent  -\n"
+
+
+@pytest.mark.parametrize("error", [CaseError, GeometryError])
+def test_later_errors_name_the_file(
+    error: type[Exception],
+    simulated: Callable[[Simulate], None],
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def simulate(case: Any, progress: Any) -> None:
+        raise error("machine.gears.module: found 1,\nallowed 2")
+
+    simulated(simulate)
+    assert main(["run", str(MOTOR)]) == 2
+    streams = capsys.readouterr()
+    assert streams.err == f"{MOTOR}: machine.gears.module: found 1, allowed 2\n"
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_unexpected_error_is_one_line(
+    simulated: Callable[[Simulate], None],
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def simulate(case: Any, progress: Any) -> None:
+        raise ZeroDivisionError("division by zero")
+
+    simulated(simulate)
+    assert main(["run", str(MOTOR)]) == 70
+    line = capsys.readouterr().err
+    assert line.count("\n") == 1
+    assert "ZeroDivisionError: division by zero" in line
+    assert "TOOTHSPACE_DEBUG=1" in line
+    monkeypatch.setenv("TOOTHSPACE_DEBUG", "1")
+    with pytest.raises(ZeroDivisionError):
+        main(["run", str(MOTOR)])
+
+
+def test_interrupt_before_the_first_step(
+    simulated: Callable[[Simulate], None], capsys: pytest.CaptureFixture[str]
+) -> None:
+    def simulate(case: Any, progress: Any) -> None:
+        raise KeyboardInterrupt
+
+    simulated(simulate)
+    assert main(["run", str(MOTOR)]) == 130
+    assert capsys.readouterr().err == f"{MOTOR}: interrupted before there was a result\n"
+
+
+@pytest.mark.parametrize("target", ["folder", "absent/out.nc"])
+def test_place_of_the_result_is_checked_before_the_run(
+    target: str,
+    simulated: Callable[[Simulate], None],
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    (tmp_path / "folder").mkdir()
+    simulated(lambda case, progress: pytest.fail("was run"))
+    assert main(["run", str(MOTOR), "-o", str(tmp_path / target)]) == 2
+    assert "-o: found" in capsys.readouterr().err
+
+
+@pytest.mark.usefixtures("described")
+def test_geometry_prints_numbers_and_checks(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["geometry", str(MOTOR), "--json"]) == 0
+    numbers = json.loads(capsys.readouterr().out)
+    assert numbers == {"displacement_cm3_per_rev": 4.949, "warnings": ["tip_land"]}
+    assert main(["geometry", str(MOTOR)]) == 0
+    text = capsys.readouterr().out
+    assert "LOOK  tip_land: 0.5 mm (allowed at least 0.55 mm)" in text
+    assert "A thin land breaks and leaks." in text
+
+
+@pytest.mark.usefixtures("described")
+@pytest.mark.parametrize("suffix", ["txt", "dxf"])
+def test_geometry_exports_profiles_that_can_be_read(
+    suffix: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["geometry", str(MOTOR), "--json", "--export", suffix]) == 0
+    file = tmp_path / f"egm12_motor_drive.{suffix}"
+    assert capsys.readouterr().err == f"Profile: {file.name}\n"
+    case = toothspace.load_case(MOTOR, [f"machine.gears.profile={file}"])
+    assert case.machine_spec.drive.tooth.tooth_count == 12
+
+
+@pytest.mark.usefixtures("described")
+def test_export_of_an_unknown_format_or_machine(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["geometry", str(MOTOR), "--export", "iges"]) == 2
+    assert "--export: found 'iges', allowed dxf, stl, step, txt" in capsys.readouterr().err
+    assert main(["geometry", str(GEROTOR), "--export", "dxf"]) == 2
+    assert "--export: found machine type 'gerotor'" in capsys.readouterr().err
+
+
+def test_report_of_a_missing_result(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("toothspace.results.io")
+    assert main(["report", str(tmp_path / "absent.nc")]) == 2
+    streams = capsys.readouterr()
+    assert streams.err.count("\n") == 1
+    assert "absent.nc" in streams.err
+
+
+def test_schema_is_one_json_object(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["schema"]) == 0
+    schema = json.loads(capsys.readouterr().out)
+    assert schema["$schema"].endswith("2020-12/schema")
+    assert schema["additionalProperties"] is False
+
+
+@pytest.mark.parametrize(
+    ("arguments", "part"),
+    [
+        (["runn"], "No such command 'runn'"),
+        (["run"], "Missing argument 'CASE.toml'"),
+        (["run", "case.toml", "--sett", "a=1"], "No such option"),
+        (["run", "case.toml", "more.toml"], "more.toml"),
+    ],
+)
+def test_wrong_use_is_one_line(
+    arguments: list[str], part: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(arguments) == 2
+    streams = capsys.readouterr()
+    assert part in streams.err
+    assert streams.err.count("\n") == 1
+    assert streams.out == ""
+
+
+@pytest.mark.parametrize("arguments", [[], ["--help"], ["run", "-h"], ["--version"]])
+def test_help_and_version(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(arguments) == 0
+    streams = capsys.readouterr()
+    assert "toothspace" in streams.out
+    assert streams.err == ""
+
+
+def test_values_of_numpy_become_json() -> None:
+    value = {"a": np.arange(2), "b": (np.int64(1), math.inf), "c": None, "d": Path("x")}
+    assert output.plain(value) == {"a": [0, 1], "b": [1, None], "c": None, "d": "x"}
+
+
+def test_help_answers_at_once() -> None:
+    command = [sys.executable, "-m", "toothspace", "--help"]
+    times = []
+    for _ in range(4):
+        start = time.perf_counter()
+        done = subprocess.run(command, capture_output=True, text=True, check=True)
+        times.append(time.perf_counter() - start)
+    assert "geometry" in done.stdout
+    # 0.3 s warm is promised; the best of four leaves out a busy machine
+    assert min(times) < 0.3
