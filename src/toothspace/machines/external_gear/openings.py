@@ -103,17 +103,15 @@ def groove_openings(assembly: Assembly, spaces: Spaces) -> dict[str, Array]:
     grooves = assembly.spec.grooves
     if grooves is None:
         return {}
+    polygons = groove_polygons(assembly)
+    reach = max(_reach(spaces, groove) for groove in polygons.values())
+    near = np.flatnonzero(np.abs(spaces.angles) < reach)
+    shapes = _valid(np.array([shapely.Polygon(space_outline(spaces, int(k))) for k in near]))
     found = {}
-    for name, groove in groove_polygons(assembly).items():
-        near = np.flatnonzero(np.abs(spaces.angles) < _reach(spaces, groove))
+    for name, groove in polygons.items():
         table = np.zeros((spaces.angles.size, 2))
-        if near.size:
-            shapes = _valid(
-                np.array([shapely.Polygon(space_outline(spaces, int(k))) for k in near])
-            )
-            table[near] = _opening(
-                shapely.intersection(shapes, shapely.Polygon(groove)), grooves.depth
-            )
+        overlap = shapely.intersection(shapes, shapely.Polygon(groove))
+        table[near] = _opening(overlap, grooves.depth)
         found[name.removeprefix("groove_")] = table
     return found
 

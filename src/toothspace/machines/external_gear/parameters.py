@@ -1,7 +1,7 @@
 """Keys of ``[machine]`` for external gear pumps and motors, read to SI units.
 
-The classes mirror the case file; :mod:`toothspace.machines.external_gear.assemble` turns them
-into the geometry that the machine is built from.
+The classes mirror the case file; :mod:`toothspace.machines.external_gear.from_parameters` turns
+them into the geometry that the machine is built from.
 """
 
 from __future__ import annotations
@@ -198,7 +198,7 @@ class JournalBearingParameters:
     boundary_friction: float = number(
         "Friction coefficient of touching asperities.", low=0, high=1, default=0.05
     )
-    material: str | None = text("Running layer of the bush, from the library.", default=None)
+    material: str = text("Running layer of the bush.", default="ptfe_lined_bush")
 
 
 @final
@@ -434,9 +434,9 @@ class ExternalGearParameters:
         CaseError
             If a file, a material or the geometry of a tooth is impossible.
         """
-        from toothspace.machines.external_gear.assemble import assemble
+        from toothspace.machines.external_gear.from_parameters import spec_from
 
-        return assemble(self)
+        return spec_from(self)
 
 
 PARAMETERS = ExternalGearParameters

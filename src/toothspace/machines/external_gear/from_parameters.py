@@ -42,7 +42,7 @@ class _Section(NamedTuple):
 _MILLIMETRES = _Section(1e-3, None, None, None)
 
 
-def assemble(machine: keys.ExternalGearParameters) -> spec.ExternalGearSpec:
+def spec_from(machine: keys.ExternalGearParameters) -> spec.ExternalGearSpec:
     """Build profiles, contours and materials of a machine.
 
     Parameters
@@ -160,9 +160,6 @@ def _casing(casing: keys.CasingParameters) -> spec.Casing:
 
 def _journals(machine: keys.ExternalGearParameters) -> spec.JournalBearings:
     bearing, blocks = machine.journal_bearings, machine.bearing_blocks
-    material = spec.LINED_STEEL_BUSH
-    if bearing.material is not None:
-        material = _material(bearing.material, "journal_bearings.material")
     return spec.JournalBearings(
         diameter=bearing.diameter,
         length=bearing.length,
@@ -170,7 +167,7 @@ def _journals(machine: keys.ExternalGearParameters) -> spec.JournalBearings:
         roughness_shaft=bearing.roughness_shaft,
         roughness_bush=bearing.roughness_bush,
         boundary_friction=bearing.boundary_friction,
-        material=material,
+        material=_material(bearing.material, "journal_bearings.material"),
         seat_clearance=blocks.radial_clearance if blocks else 0.0,
     )
 
