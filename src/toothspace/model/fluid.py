@@ -121,7 +121,7 @@ class GasModel:
         }
         if self.law not in allowed:
             names = ", ".join(allowed)
-            raise CaseError(f"fluid.gas_law: found {self.law!r}, allowed: {names}")
+            raise CaseError(f"fluid.gas_law: found {self.law!r}, allowed {names}")
         return allowed[self.law]
 
 

@@ -40,7 +40,8 @@ VAPOUR_FLOOR = 1000.0
 """Lowest vapour pressure that the equation of state is given: numerical floor. [Pa]"""
 
 _HEADER = re.compile(r"\s*(\w+)\s*\[(.+)\]\s*")
-_CAUTION = ("density", "pressure", "dynamic_viscosity", "specific_heat_capacity")
+_POWER = re.compile(r"(?<=[A-Za-z])(\d)")
+_POSITIVE = ("temperature", "density", "dynamic_viscosity", "specific_heat_capacity")
 
 
 @final
@@ -88,7 +89,7 @@ def _columns(path: Path, header: list[str]) -> dict[str, tuple[int, str]]:
         match = _HEADER.fullmatch(text)
         if match is None:
             _fail(path, f"column {position + 1}, row 1", repr(text), "a name with its [unit]")
-        name, unit = match[1], match[2]
+        name, unit = match[1], _POWER.sub(r"^\1", match[2])
         if name not in known or name in found:
             _fail(path, f"column {name}, row 1", repr(name), "each once: " + ", ".join(known))
         if not _fits(unit, known[name]):
@@ -115,7 +116,7 @@ def _number(path: Path, name: str, row: int, text: str, unit: str) -> float:
         _fail(path, place, repr(text.strip()), "a number")
     if not np.isfinite(value):
         _fail(path, place, text.strip(), "a finite number")
-    if value < 0.0 or (value == 0.0 and name in _CAUTION and name != "pressure"):
+    if value < 0.0 or (value == 0.0 and name in _POSITIVE):
         _fail(path, place, text.strip(), "a positive number")
     return value
 
