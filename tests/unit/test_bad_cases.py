@@ -341,6 +341,33 @@ def test_bad_profile_is_refused(
     assert name in line
 
 
+TABLES = {
+    "empty.csv": b"",
+    "words.csv": b"hello\nworld\n",
+    "header.csv": b"temperature [degC],pressure [bar]\n20,1\n",
+    "unit.csv": b"temperature [bar],pressure [bar],density [kg/m3],dynamic_viscosity [Pa s]\n",
+    "binary.csv": bytes(range(256)),
+    "absent.csv": None,
+    "fluid.xlsx": b"PK",
+}
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_bad_fluid_table_is_refused(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    content = TABLES[name]
+    if content is not None:
+        (tmp_path / name).write_bytes(content)
+    file = tmp_path / "bad.toml"
+    tables = tomllib.loads(GEAR_CASE.read_text(encoding="utf-8"))
+    tables = changed(changed(tables, "fluid.name", DELETE), "fluid.table", name)
+    file.write_text(document_text(tables), encoding="utf-8")
+    line = complaint(capsys, file, tmp_path / "out.nc")
+    assert "fluid.table: " in line
+    assert name in line
+
+
 CONTOURS = ["machine.casing.contour", "machine.relief_grooves.contour"]
 
 
