@@ -348,7 +348,7 @@ def solve_complementarity(
         used = kind.copy()
         if constraint is Constraint.CONSERVING:
             changed = _revise_conserving(kind, unknown, scale)
-            if changed > 0:
+            if changed > 0 and number <= _SETTLING_PASSES:
                 _settle(balance, kind, unknown, backward)
         elif constraint is Constraint.OBSTACLE:
             changed = _revise_obstacle(balance, kind, unknown, scale)
@@ -358,6 +358,9 @@ def solve_complementarity(
             break
     return _collect(used, unknown, system, number, changed == 0)
 
+
+_SETTLING_PASSES = 6
+"""Passes followed by a sweep; later a sweep from old potentials could undo a revision for ever."""
 
 _RING_CLOSURES = 8
 """Passes in which rings without a saturated cell are given one."""

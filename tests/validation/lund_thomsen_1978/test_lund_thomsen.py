@@ -1,0 +1,49 @@
+"""Equilibrium and eight dynamic coefficients of a bearing with two axial grooves."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from toothspace.films import Groove, JournalBearing
+
+ROWS = [
+    row
+    for row in csv.DictReader((Path(__file__).parent / "reference.csv").open())
+    if row["bearing"] == "two_axial_groove_20deg"
+]
+RADIUS, CLEARANCE, VISCOSITY, SPEED = 0.05, 100e-6, 0.01, 100.0
+
+
+@pytest.mark.parametrize("cavitation", ["reynolds", "jfo"])
+@pytest.mark.parametrize("row", ROWS, ids=lambda r: f"{r['L_over_D']}-{r['S']}")
+def test_equilibrium_and_coefficients(row: dict[str, str], cavitation: str) -> None:
+    length = 2.0 * RADIUS * float(row["L_over_D"])
+    bearing = JournalBearing(
+        diameter=2.0 * RADIUS,
+        length=length,
+        radial_clearance=CLEARANCE,
+        dynamic_viscosity=VISCOSITY,
+        grid=(144, 21),
+        cavitation=cavitation,
+        grooves=tuple(
+            Groove(side * np.pi / 2, np.radians(20.0), length, 0.0) for side in (1.0, -1.0)
+        ),
+        end_pressure=0.0,
+        cavitation_pressure=0.0,
+    )
+    rate = SPEED / (2.0 * np.pi)
+    load = VISCOSITY * rate * 2.0 * RADIUS * length * (RADIUS / CLEARANCE) ** 2 / float(row["S"])
+    film = bearing.equilibrium(load=(load, 0.0), shaft_speed=SPEED)
+    assert film.status.succeeded
+    assert film.eccentricity_ratio == pytest.approx(float(row["eps"]), abs=0.01)
+    assert np.degrees(film.attitude_angle) == pytest.approx(float(row["phi_deg"]), abs=0.5)
+    stiffness = (film.stiffness * CLEARANCE / load).ravel()
+    damping = (film.damping * CLEARANCE * SPEED / load).ravel()
+    for name, value in zip(("Kxx", "Kxy", "Kyx", "Kyy"), stiffness, strict=True):
+        assert value == pytest.approx(float(row[name]), rel=0.06, abs=0.02), name
+    for name, value in zip(("Bxx", "Bxy", "Bxy", "Byy"), damping, strict=True):
+        assert value == pytest.approx(float(row[name]), rel=0.06, abs=0.02), name

@@ -1,0 +1,39 @@
+"""Full journal bearing against converged solutions of the case of Raimondi and Boyd."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from toothspace.films import JournalBearing
+
+ROWS = list(csv.DictReader((Path(__file__).parent / "reference.csv").open()))
+
+
+@pytest.mark.parametrize("cavitation", ["reynolds", "jfo"])
+@pytest.mark.parametrize(
+    "row", ROWS, ids=lambda r: f"{r['length_over_diameter']}-{r['eccentricity_ratio']}"
+)
+def test_load_attitude_and_pressure(row: dict[str, str], cavitation: str) -> None:
+    value = {key: float(text) for key, text in row.items()}
+    bearing = JournalBearing(
+        diameter=0.02,
+        length=0.02 * value["length_over_diameter"],
+        radial_clearance=10e-6,
+        dynamic_viscosity=0.03,
+        grid=(240, 31),
+        cavitation=cavitation,
+    )
+    film = bearing.solve(eccentricity=(value["eccentricity_ratio"], 0.0), shaft_speed=200.0)
+    mean = film.load / (bearing.diameter * bearing.length)
+    peak = film.max_pressure - bearing.cavitation_pressure
+    assert film.sommerfeld_number == pytest.approx(value["sommerfeld_number"], rel=0.007)
+    assert np.degrees(film.attitude_angle) == pytest.approx(value["attitude_angle_deg"], abs=0.1)
+    assert mean / peak == pytest.approx(value["pressure_ratio"], rel=0.007)
+    if cavitation == "reynolds":
+        friction = -film.friction_torque / (0.5 * bearing.diameter * film.load)
+        scaled = friction * 0.5 * bearing.diameter / bearing.radial_clearance
+        assert scaled == pytest.approx(value["friction"], rel=0.007)
