@@ -7,9 +7,10 @@ functions of the core states and stand in no right-hand side.
 How to use it::
 
     from toothspace.core.compiled import njit
-    from toothspace.numerics.ndf import NdfCallbacks, advance, initial_state
+    from toothspace.numerics.ndf import bind
     from toothspace.numerics.ndf_types import (
-        DONE, RESTART_AT_EVENT, STOP_AT_EVENT, make_record, make_settings, make_state)
+        DONE, RESTART_AT_EVENT, STOP_AT_EVENT, NdfCallbacks,
+        make_record, make_settings, make_state)
     from toothspace.numerics.static_lu import analyse
 
     @njit
@@ -21,15 +22,15 @@ How to use it::
     @njit
     def event_values(t, y, params, g): ...          # g[:n_events]
 
-    @njit(cache=True)                               # the only function that is cached
+    _initial_state, _advance = bind(NdfCallbacks(rhs, jacobian, weights, event_values))
+
+    @njit(cache=True)                               # cached with all that they call
     def begin(params, program, settings, state, t0, y0):
-        callbacks = NdfCallbacks(rhs, jacobian, weights, event_values)
-        return initial_state(callbacks, params, program, settings, state, t0, y0)
+        _initial_state(params, program, settings, state, t0, y0)
 
     @njit(cache=True)
     def integrate(params, program, settings, state, record, t_end):
-        callbacks = NdfCallbacks(rhs, jacobian, weights, event_values)
-        return advance(callbacks, params, program, settings, state, record, t_end)
+        return _advance(params, program, settings, state, record, t_end)
 
     program = analyse(pattern)                      # bool, (n_total, n_core): where jac may fill
     settings = make_settings(event_actions, max_step=1e-4)
@@ -42,6 +43,9 @@ How to use it::
 
 The integrator steps past ``t_end`` and interpolates, so that pieces do not change the steps:
 the right-hand side must be defined a little beyond ``t_end``.
+
+The callbacks are bound into the compiled functions, not passed: Numba cannot cache a
+function that hands compiled functions on as values.
 """
 
 from __future__ import annotations
@@ -53,13 +57,15 @@ import numpy as np
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array
 from toothspace.numerics.dense_output import false_position, interpolate
-from toothspace.numerics.ndf_step import error_norm, take_step, update_weights
+from toothspace.numerics.ndf_step import bind_step, bind_weights, error_norm
 from toothspace.numerics.ndf_types import (
     DONE,
     RESTART_AT_EVENT,
     STOP_AT_EVENT,
     TERMINAL_EVENT,
+    Compiled,
     NdfCallbacks,
+    NdfFunctions,
     NdfRecord,
     NdfSettings,
     NdfState,
@@ -68,153 +74,6 @@ from toothspace.numerics.static_lu import LuProgram
 
 _NOTHING = 0
 _EVENT_BITS = 60
-
-
-@njit(error_model="numpy", forceinline=True)
-def initial_state(
-    callbacks: NdfCallbacks,
-    params: Any,
-    program: LuProgram,
-    settings: NdfSettings,
-    state: NdfState,
-    t0: float,
-    y0: Array,
-) -> None:
-    """Start at a time and state with order 1 and a step chosen from the equations.
-
-    Parameters
-    ----------
-    callbacks : NdfCallbacks
-        Compiled functions of the problem.
-    params : named tuple of arrays
-        Passed on to the callbacks.
-    program : LuProgram
-        Analysed pattern of the Jacobian.
-    settings : NdfSettings
-        Choices of the integration.
-    state : NdfState
-        Memory from ``make_state``; filled. Its counters start at zero.
-    t0 : float
-        Start time. [s]
-    y0 : ndarray, shape (n_total,)
-        State at the start.
-    """
-    control = state.control[0]
-    control.steps = control.rejected = control.rhs_calls = control.jacobian_calls = 0
-    control.factorisations = control.newton_failures = control.iterations = 0
-    _begin(callbacks, params, settings, state, t0, y0)
-
-
-@njit(error_model="numpy", forceinline=True)
-def advance(
-    callbacks: NdfCallbacks,
-    params: Any,
-    program: LuProgram,
-    settings: NdfSettings,
-    state: NdfState,
-    record: NdfRecord,
-    t_end: float,
-) -> int:
-    """Integrate until a time, a terminal event or a failure.
-
-    Steps do not depend on ``t_end`` or on the sample times: integrating in pieces gives the
-    bits of one long run. After a terminal event a further call goes on from the event.
-
-    Parameters
-    ----------
-    callbacks : NdfCallbacks
-        Compiled functions of the problem.
-    params : named tuple of arrays
-        Passed on to the callbacks; must not change while a state is in use.
-    program : LuProgram
-        Analysed pattern of the Jacobian.
-    settings : NdfSettings
-        Choices of the integration.
-    state : NdfState
-        Filled by :func:`initial_state`; ``state.y`` receives the state where the call stops.
-    record : NdfRecord
-        Receives samples and events; goes on where its counts stand.
-    t_end : float
-        Time to reach. [s]
-
-    Returns
-    -------
-    int
-        DONE, TERMINAL_EVENT, STEP_TOO_SMALL, MAX_STEPS or NOT_FINITE.
-    """
-    control = state.control[0]
-    if control.pending == STOP_AT_EVENT and control.valid_until < t_end:
-        control.pending = RESTART_AT_EVENT
-    while True:
-        limit = min(control.valid_until, t_end)
-        _write_samples(state, record, limit)
-        if control.valid_until >= t_end or control.pending == STOP_AT_EVENT:
-            stopped = control.pending == STOP_AT_EVENT and control.valid_until <= t_end
-            _state_at(state, limit, state.y)
-            return TERMINAL_EVENT if stopped else DONE
-        if control.pending == RESTART_AT_EVENT:
-            _state_at(state, control.valid_until, state.y)
-            _begin(callbacks, params, settings, state, control.valid_until, state.y)
-        code = take_step(callbacks, params, program, settings, state)
-        if code != DONE:
-            state.y[:] = state.differences[0]
-            return code
-        control.valid_until = control.time
-        _find_events(callbacks, params, settings, state, record)
-
-
-@njit(error_model="numpy", forceinline=True)
-def _begin(
-    callbacks: NdfCallbacks,
-    params: Any,
-    settings: NdfSettings,
-    state: NdfState,
-    t0: float,
-    y0: Array,
-) -> None:
-    control = state.control[0]
-    state.differences[0, :] = y0
-    state.differences[1:, :] = 0.0
-    control.time = control.valid_until = t0
-    control.order = control.next_order = 1
-    control.equal_steps = control.pending = control.rate_known = 0
-    control.rate = 0.0
-    update_weights(callbacks, params, state)
-    callbacks.jacobian(t0, state.differences[0], params, state.jacobian)
-    control.jacobian_calls += 1
-    control.jacobian_age = 0
-    control.gamma_factored = 0.0
-    control.step = control.next_step = _first_step(callbacks, params, settings, state)
-    for i in range(y0.size):
-        state.differences[1, i] = control.step * state.work[4, i]
-    if settings.event_actions.size > 0:
-        callbacks.event_values(t0, state.differences[0], params, state.events[0])
-
-
-@njit(error_model="numpy", forceinline=True)
-def _first_step(
-    callbacks: NdfCallbacks, params: Any, settings: NdfSettings, state: NdfState
-) -> float:
-    """Step whose first-order error h^2 |y''| / 2 is half of the tolerance."""
-    control = state.control[0]
-    slope, later, second = state.work[4], state.work[3], state.delta
-    share = settings.max_norm_share
-    t0, y = control.time, state.differences[0]
-    callbacks.rhs(t0, y, params, slope)
-    for i in range(second.size):
-        second[i] = 0.0
-        for j in range(second.size):
-            second[i] += state.jacobian[i, j] * slope[j]
-    speed = error_norm(slope, state.inverse_weights, share)
-    bend = error_norm(second, state.inverse_weights, share)
-    scale = max(np.sqrt(bend), 1e-3 * speed)
-    step = min(settings.max_step, 1.0 / scale if scale > 0.0 else 1e-6)
-    callbacks.rhs(t0 + step, y, params, later)
-    control.rhs_calls += 2
-    for i in range(second.size):
-        second[i] += (later[i] - slope[i]) / step
-    bend = error_norm(second, state.inverse_weights, share)
-    return min(step, 1.0 / np.sqrt(bend)) if bend > 0.0 else step
 
 
 @njit(error_model="numpy")
@@ -230,56 +89,6 @@ def _write_samples(state: NdfState, record: NdfRecord, limit: float) -> None:
         _state_at(state, record.sample_times[next_sample], record.samples[next_sample])
         next_sample += 1
     record.counts[0] = next_sample
-
-
-@njit(error_model="numpy", forceinline=True)
-def _find_events(
-    callbacks: NdfCallbacks, params: Any, settings: NdfSettings, state: NdfState, record: NdfRecord
-) -> None:
-    """Log the sign changes of the last step up to the first that stops or restarts.
-
-    Rows of ``state.events``: values at the start and at the end of the step, at a trial
-    time, times of the sign changes.
-    """
-    control = state.control[0]
-    actions = settings.event_actions
-    if actions.size == 0:
-        return
-    before, after, roots = state.events[0], state.events[1], state.events[3]
-    callbacks.event_values(control.time, state.differences[0], params, after)
-    until, action = control.time, _NOTHING
-    for e in range(actions.size):
-        roots[e] = np.inf
-        if (before[e] >= 0.0) != (after[e] >= 0.0):
-            roots[e] = _locate(callbacks, params, state, e)
-            if actions[e] != _NOTHING and roots[e] < until:
-                until, action = roots[e], actions[e]
-    _log_events(state, record, until)
-    control.valid_until, control.pending = until, action
-    for e in range(actions.size):
-        before[e] = after[e]
-
-
-@njit(error_model="numpy", forceinline=True)
-def _locate(callbacks: NdfCallbacks, params: Any, state: NdfState, event: int) -> float:
-    """Bracket a sign change in the last step; return the end that has the new sign."""
-    control = state.control[0]
-    trial_values, trial_state = state.events[2], state.work[3]
-    low, high = control.time - control.step, control.time
-    g_low, g_high = state.events[0, event], state.events[1, event]
-    rising = g_high >= 0.0
-    accuracy = 4e-16 * max(abs(low), abs(high))
-    for trial in range(_EVENT_BITS):
-        if high - low <= accuracy:
-            break
-        middle = 0.5 * (low + high) if trial % 3 == 2 else false_position(low, g_low, high, g_high)
-        _state_at(state, middle, trial_state)
-        callbacks.event_values(middle, trial_state, params, trial_values)
-        if (trial_values[event] >= 0.0) == rising:
-            high, g_high = middle, trial_values[event]
-        else:
-            low, g_low = middle, trial_values[event]
-    return high
 
 
 @njit(error_model="numpy")
@@ -300,3 +109,235 @@ def _log_events(state: NdfState, record: NdfRecord, until: float) -> None:
             record.event_direction[place] = 1 if after[first] >= 0.0 else -1
         record.counts[1] += 1
         roots[first] = np.inf
+
+
+def bind(callbacks: NdfCallbacks) -> NdfFunctions:
+    """Return ``initial_state`` and ``advance`` for a problem.
+
+    Parameters
+    ----------
+    callbacks : NdfCallbacks
+        Compiled functions of the problem.
+
+    Returns
+    -------
+    NdfFunctions
+        Compiled functions, to be called from compiled code (or Python).
+    """
+    begin = _bind_begin(callbacks)
+    return NdfFunctions(_bind_initial_state(begin), _bind_advance(callbacks, begin))
+
+
+def _bind_initial_state(begin: Compiled) -> Compiled:
+    @njit(error_model="numpy")
+    def initial_state(
+        params: Any,
+        program: LuProgram,
+        settings: NdfSettings,
+        state: NdfState,
+        t0: float,
+        y0: Array,
+    ) -> None:
+        """Start at a time and state with order 1 and a step chosen from the equations.
+
+        Parameters
+        ----------
+        params : named tuple of arrays
+            Passed on to the callbacks.
+        program : LuProgram
+            Analysed pattern of the Jacobian.
+        settings : NdfSettings
+            Choices of the integration.
+        state : NdfState
+            Memory from ``make_state``; filled. Its counters start at zero.
+        t0 : float
+            Start time. [s]
+        y0 : ndarray, shape (n_total,)
+            State at the start.
+        """
+        control = state.control[0]
+        control.steps = control.rejected = control.rhs_calls = control.jacobian_calls = 0
+        control.factorisations = control.newton_failures = control.iterations = 0
+        begin(params, settings, state, t0, y0)
+
+    return initial_state
+
+
+def _bind_advance(callbacks: NdfCallbacks, begin: Compiled) -> Compiled:
+    take_step = bind_step(callbacks)
+    find_events = _bind_events(callbacks.event_values)
+
+    @njit(error_model="numpy")
+    def advance(
+        params: Any,
+        program: LuProgram,
+        settings: NdfSettings,
+        state: NdfState,
+        record: NdfRecord,
+        t_end: float,
+    ) -> int:
+        """Integrate until a time, a terminal event or a failure.
+
+        Steps do not depend on ``t_end`` or on the sample times: integrating in pieces gives the
+        bits of one long run. After a terminal event a further call goes on from the event.
+
+        Parameters
+        ----------
+        params : named tuple of arrays
+            Passed on to the callbacks; must not change while a state is in use.
+        program : LuProgram
+            Analysed pattern of the Jacobian.
+        settings : NdfSettings
+            Choices of the integration.
+        state : NdfState
+            Filled by :func:`initial_state`; ``state.y`` receives the state where the call stops.
+        record : NdfRecord
+            Receives samples and events; goes on where its counts stand.
+        t_end : float
+            Time to reach. [s]
+
+        Returns
+        -------
+        int
+            DONE, TERMINAL_EVENT, STEP_TOO_SMALL, MAX_STEPS or NOT_FINITE.
+        """
+        control = state.control[0]
+        if control.pending == STOP_AT_EVENT and control.valid_until < t_end:
+            control.pending = RESTART_AT_EVENT
+        while True:
+            limit = min(control.valid_until, t_end)
+            _write_samples(state, record, limit)
+            if control.valid_until >= t_end or control.pending == STOP_AT_EVENT:
+                stopped = control.pending == STOP_AT_EVENT and control.valid_until <= t_end
+                _state_at(state, limit, state.y)
+                return TERMINAL_EVENT if stopped else DONE
+            if control.pending == RESTART_AT_EVENT:
+                _state_at(state, control.valid_until, state.y)
+                begin(params, settings, state, control.valid_until, state.y)
+            code = take_step(params, program, settings, state)
+            if code != DONE:
+                state.y[:] = state.differences[0]
+                return code
+            control.valid_until = control.time
+            find_events(params, settings, state, record)
+
+    return advance
+
+
+def _bind_begin(callbacks: NdfCallbacks) -> Compiled:
+    jacobian, event_values = callbacks.jacobian, callbacks.event_values
+    update_weights = bind_weights(callbacks.weights)
+    first_step = _bind_first_step(callbacks.rhs)
+
+    @njit(error_model="numpy")
+    def begin(
+        params: Any,
+        settings: NdfSettings,
+        state: NdfState,
+        t0: float,
+        y0: Array,
+    ) -> None:
+        control = state.control[0]
+        state.differences[0, :] = y0
+        state.differences[1:, :] = 0.0
+        control.time = control.valid_until = t0
+        control.order = control.next_order = 1
+        control.equal_steps = control.pending = control.rate_known = 0
+        control.rate = 0.0
+        update_weights(params, state)
+        jacobian(t0, state.differences[0], params, state.jacobian)
+        control.jacobian_calls += 1
+        control.jacobian_age = 0
+        control.gamma_factored = 0.0
+        control.step = control.next_step = first_step(params, settings, state)
+        for i in range(y0.size):
+            state.differences[1, i] = control.step * state.work[4, i]
+        if settings.event_actions.size > 0:
+            event_values(t0, state.differences[0], params, state.events[0])
+
+    return begin
+
+
+def _bind_first_step(rhs: Compiled) -> Compiled:
+    @njit(error_model="numpy")
+    def first_step(params: Any, settings: NdfSettings, state: NdfState) -> float:
+        """Step whose first-order error h^2 |y''| / 2 is half of the tolerance."""
+        control = state.control[0]
+        slope, later, second = state.work[4], state.work[3], state.delta
+        share = settings.max_norm_share
+        t0, y = control.time, state.differences[0]
+        rhs(t0, y, params, slope)
+        for i in range(second.size):
+            second[i] = 0.0
+            for j in range(second.size):
+                second[i] += state.jacobian[i, j] * slope[j]
+        speed = error_norm(slope, state.inverse_weights, share)
+        bend = error_norm(second, state.inverse_weights, share)
+        scale = max(np.sqrt(bend), 1e-3 * speed)
+        step = min(settings.max_step, 1.0 / scale if scale > 0.0 else 1e-6)
+        rhs(t0 + step, y, params, later)
+        control.rhs_calls += 2
+        for i in range(second.size):
+            second[i] += (later[i] - slope[i]) / step
+        bend = error_norm(second, state.inverse_weights, share)
+        return min(step, 1.0 / np.sqrt(bend)) if bend > 0.0 else step
+
+    return first_step
+
+
+def _bind_events(event_values: Compiled) -> Compiled:
+    locate = _bind_locate(event_values)
+
+    @njit(error_model="numpy")
+    def find_events(params: Any, settings: NdfSettings, state: NdfState, record: NdfRecord) -> None:
+        """Log the sign changes of the last step up to the first that stops or restarts.
+
+        Rows of ``state.events``: values at the start and at the end of the step, at a trial
+        time, times of the sign changes.
+        """
+        control = state.control[0]
+        actions = settings.event_actions
+        if actions.size == 0:
+            return
+        before, after, roots = state.events[0], state.events[1], state.events[3]
+        event_values(control.time, state.differences[0], params, after)
+        until, action = control.time, _NOTHING
+        for e in range(actions.size):
+            roots[e] = np.inf
+            if (before[e] >= 0.0) != (after[e] >= 0.0):
+                roots[e] = locate(params, state, e)
+                if actions[e] != _NOTHING and roots[e] < until:
+                    until, action = roots[e], actions[e]
+        _log_events(state, record, until)
+        control.valid_until, control.pending = until, action
+        for e in range(actions.size):
+            before[e] = after[e]
+
+    return find_events
+
+
+def _bind_locate(event_values: Compiled) -> Compiled:
+    @njit(error_model="numpy")
+    def locate(params: Any, state: NdfState, event: int) -> float:
+        """Bracket a sign change in the last step; return the end that has the new sign."""
+        control = state.control[0]
+        trial_values, trial_state = state.events[2], state.work[3]
+        low, high = control.time - control.step, control.time
+        g_low, g_high = state.events[0, event], state.events[1, event]
+        rising = g_high >= 0.0
+        accuracy = 4e-16 * max(abs(low), abs(high))
+        for trial in range(_EVENT_BITS):
+            if high - low <= accuracy:
+                break
+            middle = (
+                0.5 * (low + high) if trial % 3 == 2 else false_position(low, g_low, high, g_high)
+            )
+            _state_at(state, middle, trial_state)
+            event_values(middle, trial_state, params, trial_values)
+            if (trial_values[event] >= 0.0) == rising:
+                high, g_high = middle, trial_values[event]
+            else:
+                low, g_low = middle, trial_values[event]
+        return high
+
+    return locate

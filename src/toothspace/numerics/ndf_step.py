@@ -27,6 +27,7 @@ from toothspace.numerics.ndf_types import (
     MAX_STEPS,
     NOT_FINITE,
     STEP_TOO_SMALL,
+    Compiled,
     NdfCallbacks,
     NdfSettings,
     NdfState,
@@ -78,53 +79,6 @@ def error_norm(vector: Array, inverse_weights: Array, max_share: float) -> float
     return (1.0 - max_share) * np.sqrt(squares / n) + max_share * largest
 
 
-@njit(error_model="numpy", forceinline=True)
-def update_weights(callbacks: NdfCallbacks, params: Any, state: NdfState) -> None:
-    """Set the inverse error weights at the last accepted state."""
-    inverse = state.inverse_weights
-    callbacks.weights(state.control[0].time, state.differences[0], params, inverse)
-    for i in range(inverse.size):
-        inverse[i] = 1.0 / inverse[i]
-
-
-@njit(error_model="numpy", forceinline=True)
-def take_step(
-    callbacks: NdfCallbacks, params: Any, program: LuProgram, settings: NdfSettings, state: NdfState
-) -> int:
-    """Advance by one accepted step; return DONE or the reason why not."""
-    control = state.control[0]
-    _apply_plan(state)
-    update_weights(callbacks, params, state)
-    stale = control.jacobian_age >= JACOBIAN_AGE
-    failed_before = False
-    finite = True
-    while True:
-        if control.steps + control.rejected >= settings.max_steps:
-            return MAX_STEPS
-        if not control.step > max(settings.min_step, 1e-15 * abs(control.time)):
-            return STEP_TOO_SMALL if finite else NOT_FINITE
-        _predict(state)
-        if stale:
-            _refresh_jacobian(callbacks, params, state, state.work[0])
-            stale = False
-        size = _iterate(callbacks, params, program, settings, state)
-        if size < 0.0:
-            control.newton_failures += 1
-            control.rejected += 1
-            finite = size > -2.0
-            stale = True
-            _cut_step(state, 0.3)
-            continue
-        error = ERROR_CONSTANT[control.order] * size
-        if error <= 1.0:
-            _accept(settings, state, error)
-            return DONE
-        control.rejected += 1
-        control.jacobian_age += 1
-        _reject(settings, state, error, failed_before)
-        failed_before = True
-
-
 @njit(error_model="numpy")
 def _apply_plan(state: NdfState) -> None:
     control = state.control[0]
@@ -163,16 +117,6 @@ def _predict(state: NdfState) -> None:
             constant[i] += weight * differences[j, i]
 
 
-@njit(error_model="numpy", forceinline=True)
-def _refresh_jacobian(callbacks: NdfCallbacks, params: Any, state: NdfState, y: Array) -> None:
-    control = state.control[0]
-    callbacks.jacobian(control.time + control.step, y, params, state.jacobian)
-    control.jacobian_calls += 1
-    control.jacobian_age = 0
-    control.gamma_factored = 0.0
-    control.rate = FRESH_RATE
-
-
 @njit(error_model="numpy")
 def _prepare_matrix(program: LuProgram, state: NdfState, gamma: float) -> bool:
     """Factorise if gamma moved away from that of the factors; False if that is impossible."""
@@ -186,47 +130,6 @@ def _prepare_matrix(program: LuProgram, state: NdfState, gamma: float) -> bool:
             program, state.jacobian, gamma, state.factors, state.pivots
         )
     return control.dense_factors != SINGULAR
-
-
-@njit(error_model="numpy", forceinline=True)
-def _iterate(
-    callbacks: NdfCallbacks, params: Any, program: LuProgram, settings: NdfSettings, state: NdfState
-) -> float:
-    """Solve the formula; return the norm of y minus prediction, -1 no convergence, -2 not finite.
-
-    A slow iteration with an old Jacobian goes on with a new one. Work rows: 2 y minus
-    prediction, 3 trial state, 4 derivative, 5 scratch.
-    """
-    control = state.control[0]
-    gamma = control.step / ((1.0 - KAPPA[control.order]) * HARMONIC[control.order])
-    trial = state.work[3]
-    if not _prepare_matrix(program, state, gamma):
-        return -1.0
-    _start_trial(state)
-    old_size = 0.0
-    iteration = 0
-    while True:
-        callbacks.rhs(control.time + control.step, trial, params, state.work[4])
-        control.rhs_calls += 1
-        control.iterations += 1
-        _correct(program, state, gamma)
-        size = error_norm(state.delta, state.inverse_weights, settings.max_norm_share)
-        if not np.isfinite(size):
-            return -2.0
-        verdict = _judge(control, iteration, size, old_size)
-        if verdict > 0:
-            return error_norm(state.work[2], state.inverse_weights, settings.max_norm_share)
-        iteration += 1
-        if verdict < 0:
-            if control.jacobian_age == 0:
-                return -1.0
-            if size > old_size:
-                _start_trial(state)
-            _refresh_jacobian(callbacks, params, state, trial)
-            if not _prepare_matrix(program, state, gamma):
-                return -1.0
-            iteration = 0
-        old_size = size
 
 
 @njit(error_model="numpy")
@@ -355,3 +258,128 @@ def _difference_error(settings: NdfSettings, state: NdfState, order: int) -> flo
 @njit(error_model="numpy")
 def _growth(error: float, order: int, safety: float) -> float:
     return min(MOST_GROWTH, 1.0 / (safety * max(error, 1e-30) ** (1.0 / (order + 1))))
+
+
+def bind_weights(weights: Compiled) -> Compiled:
+    """Return the compiled function that sets the inverse error weights of a problem."""
+
+    @njit(error_model="numpy")
+    def update_weights(params: Any, state: NdfState) -> None:
+        """Set the inverse error weights at the last accepted state."""
+        inverse = state.inverse_weights
+        weights(state.control[0].time, state.differences[0], params, inverse)
+        for i in range(inverse.size):
+            inverse[i] = 1.0 / inverse[i]
+
+    return update_weights
+
+
+def bind_step(callbacks: NdfCallbacks) -> Compiled:
+    """Return the compiled function that makes one step of a problem.
+
+    Parameters
+    ----------
+    callbacks : NdfCallbacks
+        Compiled functions of the problem.
+
+    Returns
+    -------
+    callable
+        ``take_step(params, program, settings, state)``: advances by one accepted step and
+        returns DONE or the reason why not.
+    """
+    update_weights = bind_weights(callbacks.weights)
+    refresh_jacobian = _bind_refresh(callbacks.jacobian)
+    iterate = _bind_iterate(callbacks.rhs, refresh_jacobian)
+
+    @njit(error_model="numpy")
+    def take_step(params: Any, program: LuProgram, settings: NdfSettings, state: NdfState) -> int:
+        """Advance by one accepted step; return DONE or the reason why not."""
+        control = state.control[0]
+        _apply_plan(state)
+        update_weights(params, state)
+        stale = control.jacobian_age >= JACOBIAN_AGE
+        failed_before = False
+        finite = True
+        while True:
+            if control.steps + control.rejected >= settings.max_steps:
+                return MAX_STEPS
+            if not control.step > max(settings.min_step, 1e-15 * abs(control.time)):
+                return STEP_TOO_SMALL if finite else NOT_FINITE
+            _predict(state)
+            if stale:
+                refresh_jacobian(params, state, state.work[0])
+                stale = False
+            size = iterate(params, program, settings, state)
+            if size < 0.0:
+                control.newton_failures += 1
+                control.rejected += 1
+                finite = size > -2.0
+                stale = True
+                _cut_step(state, 0.3)
+                continue
+            error = ERROR_CONSTANT[control.order] * size
+            if error <= 1.0:
+                _accept(settings, state, error)
+                return DONE
+            control.rejected += 1
+            control.jacobian_age += 1
+            _reject(settings, state, error, failed_before)
+            failed_before = True
+
+    return take_step
+
+
+def _bind_refresh(jacobian: Compiled) -> Compiled:
+    @njit(error_model="numpy")
+    def refresh_jacobian(params: Any, state: NdfState, y: Array) -> None:
+        control = state.control[0]
+        jacobian(control.time + control.step, y, params, state.jacobian)
+        control.jacobian_calls += 1
+        control.jacobian_age = 0
+        control.gamma_factored = 0.0
+        control.rate = FRESH_RATE
+
+    return refresh_jacobian
+
+
+def _bind_iterate(rhs: Compiled, refresh_jacobian: Compiled) -> Compiled:
+    @njit(error_model="numpy")
+    def iterate(params: Any, program: LuProgram, settings: NdfSettings, state: NdfState) -> float:
+        """Solve the formula; return the norm of y minus prediction, -1 if slow, -2 not finite.
+
+        A slow iteration with an old Jacobian goes on with a new one. Work rows: 2 y minus
+        prediction, 3 trial state, 4 derivative, 5 scratch.
+        """
+        control = state.control[0]
+        gamma = control.step / ((1.0 - KAPPA[control.order]) * HARMONIC[control.order])
+        trial = state.work[3]
+        if not _prepare_matrix(program, state, gamma):
+            return -1.0
+        _start_trial(state)
+        old_size = 0.0
+        iteration = 0
+        while True:
+            rhs(control.time + control.step, trial, params, state.work[4])
+            control.rhs_calls += 1
+            control.iterations += 1
+            _correct(program, state, gamma)
+            size = error_norm(state.delta, state.inverse_weights, settings.max_norm_share)
+            if not np.isfinite(size):
+                return -2.0
+            verdict = _judge(control, iteration, size, old_size)
+            if verdict > 0:
+                return error_norm(state.work[2], state.inverse_weights, settings.max_norm_share)
+            iteration += 1
+            if verdict < 0:
+                if control.jacobian_age == 0:
+                    return -1.0
+                if size > old_size:
+                    _start_trial(state)
+                refresh_jacobian(params, state, trial)
+                if not _prepare_matrix(program, state, gamma):
+                    return -1.0
+                iteration = 0
+            old_size = size
+
+    return iterate

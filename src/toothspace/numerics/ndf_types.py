@@ -55,13 +55,37 @@ CONTROL = np.dtype(
 """Time, step, order and counters of the integrator (one record)."""
 
 
-class NdfCallbacks(NamedTuple):
-    """Compiled functions of the problem; build this tuple inside compiled code."""
+Compiled = Callable[..., Any]
+"""A compiled function."""
 
-    rhs: Callable[..., None]
-    jacobian: Callable[..., None]
-    weights: Callable[..., None]
-    event_values: Callable[..., None]
+
+class NdfCallbacks(NamedTuple):
+    """Compiled functions of a problem.
+
+    Parameters
+    ----------
+    rhs : callable
+        ``rhs(t, y, params, dydt)`` fills all n_total time derivatives.
+    jacobian : callable
+        ``jacobian(t, y, params, jac)`` zeroes and fills the derivatives of ``dydt`` with
+        respect to the core states, shape (n_total, n_core).
+    weights : callable
+        ``weights(t, y, params, w)`` fills the absolute error allowed in each core state.
+    event_values : callable
+        ``event_values(t, y, params, g)`` fills the values whose sign changes are events.
+    """
+
+    rhs: Compiled
+    jacobian: Compiled
+    weights: Compiled
+    event_values: Compiled
+
+
+class NdfFunctions(NamedTuple):
+    """Integrator of one problem, made by :func:`toothspace.numerics.ndf.bind`."""
+
+    initial_state: Compiled
+    advance: Compiled
 
 
 class NdfSettings(NamedTuple):

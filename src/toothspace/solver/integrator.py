@@ -13,10 +13,11 @@ from toothspace.core.types import Array
 from toothspace.model.assembly import System
 from toothspace.model.jacobian import jacobian
 from toothspace.model.system import error_weights, event_values, right_hand_side
-from toothspace.numerics.ndf import NdfCallbacks, advance, initial_state
+from toothspace.numerics.ndf import bind
 from toothspace.numerics.ndf_types import (
     DONE,
     MAX_STEPS,
+    NdfCallbacks,
     NdfRecord,
     NdfSettings,
     NdfState,
@@ -31,16 +32,19 @@ _EVENT_CAPACITY = 20_000
 _STEPS_PER_RADIAN = 40.0
 
 
+_initial_state, _advance_bound = bind(
+    NdfCallbacks(right_hand_side, jacobian, error_weights, event_values)
+)
+
+
 @njit(cache=True)
 def _begin(params: Any, program: Any, settings: Any, state: Any, t: float, y: Array) -> None:
-    callbacks = NdfCallbacks(right_hand_side, jacobian, error_weights, event_values)
-    initial_state(callbacks, params, program, settings, state, t, y)
+    _initial_state(params, program, settings, state, t, y)
 
 
 @njit(cache=True)
 def _advance(params: Any, program: Any, settings: Any, state: Any, record: Any, end: float) -> int:
-    callbacks = NdfCallbacks(right_hand_side, jacobian, error_weights, event_values)
-    return advance(callbacks, params, program, settings, state, record, end)
+    return _advance_bound(params, program, settings, state, record, end)
 
 
 @final
