@@ -64,6 +64,11 @@ class FluidChoice:
         else:
             forbid(self, "because a table is given", "name")
 
+    @property
+    def source(self) -> str | Path:
+        """Path of the table, or else the name in the library."""
+        return self.name or "" if self.table is None else self.table
+
 
 @final
 @dataclass(frozen=True, kw_only=True)

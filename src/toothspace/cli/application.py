@@ -71,7 +71,8 @@ def geometry(
     ] = None,
     as_json: Json = False,
     plot: Annotated[
-        Path | None, typer.Option(metavar="FILE.png", help="Picture of the tables.")
+        Path | None,
+        typer.Option(metavar="FILE.png", help="Pictures of volumes, and FILE_openings.png."),
     ] = None,
     export: Annotated[
         str | None,

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from toothspace.case import Case
 
 EXPORT_FORMATS = ("dxf", "stl", "step", "txt")
+PICTURE_SUFFIXES = (".png", ".svg", ".pdf")
 _NUMERICAL_FAILURE = 3
 _INTERRUPTED = 130
 _EXIT_CODES = {Status.DONE: 0, Status.INTERRUPTED: _INTERRUPTED}
@@ -123,11 +124,20 @@ def _write_geometry(case: Case, description: Any, outputs: GeometryOutputs) -> N
         if outputs.text_folder is not None:
             save_tables_txt(description, outputs.text_folder)
     if outputs.plot is not None:
-        from toothspace.plotting.geometry import plot_tables
-
-        plot_tables(description, _writable(outputs.plot, "--plot"))
+        _plot(description, _writable(outputs.plot, "--plot"))
     if outputs.export is not None:
         _export(case, outputs.export)
+
+
+def _plot(description: Any, path: Path) -> None:
+    if path.suffix.lower() not in PICTURE_SUFFIXES:
+        allowed = ", ".join(PICTURE_SUFFIXES)
+        raise CaseError(f"--plot: found the ending {path.suffix!r}, allowed {allowed}")
+    from toothspace.plotting.geometry import openings, volumes
+    from toothspace.plotting.style import save_figure
+
+    save_figure(volumes(description), path)
+    save_figure(openings(description), path.with_stem(f"{path.stem}_openings"))
 
 
 def _export(case: Case, suffix: str) -> None:

@@ -79,7 +79,7 @@ def _fluid_law(case: Case, temperature: float, reader: Reader, path: str = "") -
     fluid = case.fluid
     assert fluid is not None
     try:
-        return fluid_law(fluid.table or str(fluid.name), temperature)
+        return fluid_law(fluid.source, temperature)
     except CaseError as error:
         _, _, reason = str(error).partition(": ")
         text = f"{path}: {reason}" if path else str(error)
