@@ -152,8 +152,8 @@ def short_bearing_dynamic_force(x: float, y: float, vx: float, vy: float) -> tup
        cilindrici lubrificati", L'Energia Elettrica 3, 1991, 105-110.
     """
     across, along = y + 2.0 * vx, x - 2.0 * vy
-    slope = across / along
-    alpha = np.arctan(slope) - 0.5 * np.pi * np.sign(slope) - 0.5 * np.pi * np.sign(across)
+    # Direction of the largest pressure: against the motion in the half-speed frame.
+    alpha = np.arctan2(-across, -along)
     sin, cos = np.sin(alpha), np.cos(alpha)
     rest = 1.0 - x * x - y * y
     lateral, axial = y * cos - x * sin, x * cos + y * sin

@@ -1,0 +1,169 @@
+"""Friction, traction and seals against PHYSICS 1, 5, 9, 10 and hand calculation."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import dblquad
+
+from toothspace.closures.friction import (
+    lateral_film_torque,
+    running_share,
+    stribeck_friction,
+    tip_shear_stress,
+    tip_shear_torque,
+)
+from toothspace.closures.seal import constant_seal_torque, lip_seal_power_loss
+from toothspace.closures.traction import (
+    FlankSurface,
+    boundary_share,
+    film_thickness_dowson_higginson,
+    film_thickness_pan_hamrock,
+    mesh_friction_coefficient,
+    traction_coefficient,
+)
+from toothspace.core.compiled import njit
+from toothspace.model.fluid import fluid_law
+
+OIL = fluid_law("iso_vg_46", 333.15)
+STEEL = 2.0 / (2.0 * (1.0 - 0.09) / 206e9)
+SURFACE = FlankSurface(STEEL, 0.4e-6, 0.10, 0.05)
+
+
+def numbers(force: float, slide: float) -> tuple[float, float, float, float]:
+    """Arguments of the example in PHYSICS 5.1: R 4 mm, b 7.5 mm, alpha 2e-8, mu0 0.02."""
+    speed_sum = 8.0
+    speed = 0.02 * speed_sum / (STEEL * 4e-3)
+    return slide, speed, force / (7.5e-3 * STEEL * 4e-3), 2e-8 * STEEL
+
+
+@pytest.mark.parametrize(("limiting", "expected"), [(0.05, 0.061), (0.08, 0.085)])
+def test_traction_of_a_loaded_mesh_is_the_limit(limiting: float, expected: float) -> None:
+    """PHYSICS 5.1: 0.8 gamma + 0.021 for every load above 200 N."""
+    for force in (200.0, 1000.0):
+        traction = traction_coefficient(*numbers(force, 0.3), limiting)
+        assert traction == pytest.approx(expected, abs=5e-4)
+
+
+def test_traction_of_a_light_load_is_newtonian() -> None:
+    """PHYSICS 5.1: 0.0017 to 0.020 at 50 N; the law in its range, by hand."""
+    slide, speed, load, material = numbers(50.0, 0.3)
+    hand = 0.671e-6 * 0.3**0.81 * speed**0.26 * (load * material**2) ** 3.32
+    assert hand < 0.04
+    assert traction_coefficient(slide, speed, load, material, 0.05) == pytest.approx(hand, rel=3e-3)
+
+
+def test_traction_is_continuous_at_the_switch() -> None:
+    """The two branches meet where the Newtonian coefficient is 0.8 gamma."""
+    slide, speed, _, material = numbers(50.0, 0.3)
+    rounded = (slide**2 + 1e-8) ** 0.405 - 1e-4**0.81
+    load = (0.04 / (0.671e-6 * rounded * speed**0.26)) ** (1 / 3.32) / material**2
+    below = traction_coefficient(slide, speed, load * (1 - 1e-9), material, 0.05)
+    above = traction_coefficient(slide, speed, load * (1 + 1e-9), material, 0.05)
+    assert below == pytest.approx(0.04, rel=1e-6)
+    assert above == pytest.approx(0.04, rel=1e-6)
+
+
+def test_film_thickness_of_gear_flanks() -> None:
+    """PHYSICS 5.2: both formulas within 8 %, 0.02 to 0.3 um."""
+    _, speed, load, material = numbers(660.0, 0.3)
+    one = film_thickness_dowson_higginson(0.5 * speed, material, load)
+    minimum, central = film_thickness_pan_hamrock(0.5 * speed, material, load)
+    assert minimum == pytest.approx(one, rel=0.08)
+    assert central > minimum
+    assert 0.02e-6 < one * 4e-3 < 0.5e-6
+
+
+def test_boundary_share() -> None:
+    assert boundary_share(np.array([0.0, 1.0])) == pytest.approx([1.0, np.exp(-1.8)])
+    assert boundary_share(3.0) < 2e-3
+
+
+def test_mesh_friction_at_rest_and_in_reverse() -> None:
+    """No NaN at rest, boundary friction at creep, odd under reversal (PHYSICS 0.10)."""
+    at = (9e4, 4e-3, 4e-3)
+    assert mesh_friction_coefficient(*at, 0.0, 0.0, OIL, SURFACE) == 0.0
+    creep = mesh_friction_coefficient(*at, 5e-3, 1e-2, OIL, SURFACE)
+    assert creep == pytest.approx(0.10, abs=0.01)
+    forward = mesh_friction_coefficient(*at, 1.0, 5.0, OIL, SURFACE)
+    assert mesh_friction_coefficient(*at, -1.0, 5.0, OIL, SURFACE) == -forward
+    assert 0.05 < forward < 0.10
+    assert np.isfinite(mesh_friction_coefficient(0.0, 4e-3, 4e-3, 1.0, 5.0, OIL, SURFACE))
+
+
+def test_stribeck_peak_is_the_breakaway_value() -> None:
+    """PHYSICS 1.1; the Coulomb part is tanh(10) there."""
+    at_peak = stribeck_friction(0.006, 250.0, 100.0, 0.006)
+    assert at_peak == pytest.approx(250.0, rel=1e-6)
+    speed = np.linspace(0.0, 0.1, 2001)
+    assert stribeck_friction(speed, 250.0, 100.0, 0.006).max() == pytest.approx(250.0, rel=1e-3)
+    assert stribeck_friction(1.0, 250.0, 100.0, 0.006, 3.0) == pytest.approx(103.0)
+    assert stribeck_friction(0.0, 250.0, 100.0, 0.006) == 0.0
+
+
+def test_stribeck_slope_at_rest() -> None:
+    """PHYSICS 1.2: about 1.9e5 N s/m for 100 N, F_brk 250 N and 6.45 mm/s."""
+    slope = stribeck_friction(1e-7, 250.0, 100.0, 6.45e-3) / 1e-7
+    assert slope == pytest.approx(1.9e5, rel=0.02)
+
+
+def test_running_share() -> None:
+    assert running_share(0.0, 1.0) == 0.0
+    assert running_share(1.0, 1.0) == pytest.approx(1.0 - np.exp(-1.0))
+
+
+def test_tip_shear() -> None:
+    """By hand: mu u/h = 1300 Pa; h dp/(2 L) = 1e-5 * 1e6 / 1e-3 = 1e4 Pa."""
+    stress = tip_shear_stress(1.0, 1e6, 20e-6, 1e-3, 0.026)
+    assert stress == pytest.approx(1300.0 + 1e4)
+    assert tip_shear_stress(1.0, -1e6, 20e-6, 1e-3, 0.026) == pytest.approx(1300.0 - 1e4)
+    assert tip_shear_torque(stress, 1e-3, 7.5e-3, 0.020) == pytest.approx(stress * 1.5e-7)
+
+
+def test_parallel_lateral_film() -> None:
+    """pi mu omega (ro^4 - ri^4) / 2h; PHYSICS 10 example, four faces, tooth factor 0.75."""
+    torque = lateral_film_torque(0.0184, 157.0, 0.009, 0.0202, 8e-6)
+    hand = np.pi * 0.0184 * 157.0 * (0.0202**4 - 0.009**4) / (2 * 8e-6)
+    assert torque == pytest.approx(hand)
+    assert 4 * 0.75 * torque == pytest.approx(0.27, abs=0.01)
+
+
+@pytest.mark.parametrize("tilt", [1e-4, 0.3, 0.9])
+def test_tilted_lateral_film(tilt: float) -> None:
+    """Quadrature of mu omega r^3 / h over the face."""
+    inner, outer = 0.009, 0.020
+
+    def shear(angle: float, r: float) -> float:
+        return 0.02 * 100.0 * r**3 / (10e-6 * (1 + tilt * r * np.cos(angle) / outer))
+
+    expected = 2 * dblquad(shear, inner, outer, 0.0, np.pi, epsrel=1e-10)[0]
+    assert lateral_film_torque(0.02, 100.0, inner, outer, 10e-6, tilt) == pytest.approx(
+        expected, rel=1e-8
+    )
+
+
+def test_lip_seal() -> None:
+    """PHYSICS 9: 6.2 W = 0.039 N m for d 18 mm, 60 degC, 1500 rpm, VG 46."""
+    speed = 1500 * np.pi / 30
+    power = lip_seal_power_loss(0.018, speed, 333.15, 46e-6)
+    assert power == pytest.approx(6.2, abs=0.05)
+    assert power / speed == pytest.approx(0.039, abs=1e-3)
+
+
+def test_constant_seal() -> None:
+    assert constant_seal_torque(100.0, 0.15) == pytest.approx(0.15)
+    assert constant_seal_torque(-100.0, 0.15) == pytest.approx(-0.15)
+    assert constant_seal_torque(0.0, 0.15) == 0.0
+
+
+@njit
+def _compiled(speed: float) -> tuple[float, float, float]:
+    return (
+        mesh_friction_coefficient(9e4, 4e-3, 4e-3, speed, 5.0, OIL, SURFACE),
+        lateral_film_torque(0.02, speed, 0.01, 0.02, 1e-5, 0.3),
+        stribeck_friction(speed, 2.0, 1.0, 0.006),
+    )
+
+
+def test_compiled_friction_equals_python() -> None:
+    assert _compiled(0.4) == pytest.approx(_compiled.py_func(0.4), rel=1e-12)
