@@ -117,8 +117,10 @@ def assemble(b: CellBalance, kind: IntArray) -> tuple[Array, Array]:
         for j in range(lanes):
             r, p, q = i * lanes + j, i + 1, j + 1
             if kind[i, j] == 2:
-                stencil[r, 2] = 1.0
-                rhs[r] = known[p, q]
+                # scaled as a balance, so that residual norms compare flows with flows
+                size = gx[i, j] + gx[i + 1, j] + gy[i, j] + gy[i, j + 1]
+                stencil[r, 2] = size if size > 0.0 else 1.0
+                rhs[r] = stencil[r, 2] * known[p, q]
                 continue
             row[2], row[5], row[6] = storage[i, j], source[i, j], 0.0
             _one_face(row, 0, gx[i, j], -cx[i, j], kinds[p - 1, q], known[p - 1, q])
