@@ -15,7 +15,7 @@ DIAMETER, CLEARANCE, VISCOSITY = 0.1, 50e-6, 0.01
 
 
 def _rows(name: str, largest: float) -> list[dict[str, float]]:
-    rows = csv.DictReader((FOLDER / name).open())
+    rows = csv.DictReader((FOLDER / name).read_text().splitlines())
     numbers = [{key: float(text) for key, text in row.items()} for row in rows]
     return [row for row in numbers if abs(row["eps"]) <= largest]
 

@@ -12,7 +12,7 @@ from toothspace.films import Groove, JournalBearing
 
 ROWS = [
     {key: float(text) for key, text in row.items()}
-    for row in csv.DictReader((Path(__file__).parent / "reference.csv").open())
+    for row in csv.DictReader((Path(__file__).parent / "reference.csv").read_text().splitlines())
 ]
 
 

@@ -12,7 +12,7 @@ from toothspace.films import Groove, JournalBearing
 
 ROWS = [
     row
-    for row in csv.DictReader((Path(__file__).parent / "reference.csv").open())
+    for row in csv.DictReader((Path(__file__).parent / "reference.csv").read_text().splitlines())
     if row["bearing"] == "two_axial_groove_20deg"
 ]
 RADIUS, CLEARANCE, VISCOSITY, SPEED = 0.05, 100e-6, 0.01, 100.0

@@ -10,7 +10,7 @@ import pytest
 
 from toothspace.films import JournalBearing
 
-ROWS = list(csv.DictReader((Path(__file__).parent / "reference.csv").open()))
+ROWS = list(csv.DictReader((Path(__file__).parent / "reference.csv").read_text().splitlines()))
 
 
 @pytest.mark.parametrize("cavitation", ["reynolds", "jfo"])
