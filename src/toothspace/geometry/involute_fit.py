@@ -84,17 +84,19 @@ def fit_involute(points: Array, tip_start: int, tip_end: int) -> InvoluteFit | N
         Fit over 45 to 90 % of the tooth height; None where it leaves more than 1 % of the tooth
         height, so that the flank is no involute.
     """
-    radius, angle = _flank_samples(points, tip_start, tip_end)
+    radius, angle, weight = _flank_samples(points, tip_start, tip_end)
     height = float(np.ptp(np.hypot(points[:, 0], points[:, 1])))
+    if len(radius) < 8:
+        return None
 
     def residuals(unknowns: Array) -> Array:
         base = min(unknowns[0], 0.9999) * radius.min()
         ideal = unknowns[1] - involute_function(np.arccos(base / radius))
-        return base * (angle - ideal) / height
+        return weight * base * (angle - ideal) / height
 
     start = np.array([0.95, float(angle.mean()) + 0.05])
     solution = least_squares(residuals, start, xtol=1e-14, ftol=1e-14, gtol=1e-14)
-    residual = float(np.sqrt(np.mean(solution.fun**2))) * height
+    residual = float(np.sqrt(np.sum(solution.fun**2) / np.sum(weight**2))) * height
     if residual > _LARGEST_RESIDUAL * height or not 0.3 < solution.x[0] < 0.9999:
         return None
     return InvoluteFit(float(solution.x[0] * radius.min()), float(solution.x[1]), residual)
@@ -137,14 +139,12 @@ def _deviation(flank: Array, reference: InvoluteGear) -> tuple[Array, Array]:
     return radius, reference.base_radius * (angle - np.asarray(ideal))
 
 
-def _flank_samples(points: Array, tip_start: int, tip_end: int) -> tuple[Array, Array]:
+def _flank_samples(points: Array, tip_start: int, tip_end: int) -> tuple[Array, Array, Array]:
+    # every point counts with the part of the tooth height that it stands for
     radius = np.hypot(points[:, 0], points[:, 1])
     angle = np.abs(np.arctan2(points[:, 1], points[:, 0]))
     low, high = radius.min() + np.array([0.45, 0.90]) * np.ptp(radius)
-    flank = (np.arange(len(points)) < tip_start) | (np.arange(len(points)) > tip_end)
-    levels = np.linspace(low, high, 80)
-    samples = []
-    for side in (points[:, 1] < 0.0, points[:, 1] > 0.0):
-        order = np.argsort(radius[flank & side])
-        samples.append(np.interp(levels, radius[flank & side][order], angle[flank & side][order]))
-    return np.tile(levels, 2), np.concatenate(samples)
+    index = np.arange(len(points))
+    flank = ((index < tip_start) | (index > tip_end)) & (radius > low) & (radius < high)
+    share = np.abs(np.gradient(radius))
+    return radius[flank], angle[flank], np.sqrt(share[flank] / share[flank].max(initial=1e-30))

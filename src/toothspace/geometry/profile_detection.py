@@ -27,6 +27,7 @@ _SECTION_POINTS = 1501
 _CENTER_STEPS = 6
 _CENTER_TOLERANCE = 1e-9
 _FLAT_LAND = 2e-3
+_FEWEST_POINTS = 16
 # share of the outline's area that must vary with the tooth angle
 _SMALLEST_MODULATION = 5e-3
 
@@ -234,7 +235,7 @@ def _teeth_in_sections(points: Array, tooth_count: int, phase: float, key: str) 
     angle = np.append(angle - turns, angle[0] - turns + 2.0 * np.pi)
     outline = np.vstack([outline, outline[:1]])
     pieces = [
-        _turned(_between(outline, angle, start + k * pitch, pitch), -(phase + k * pitch))
+        _turned(_between(outline, angle, start + k * pitch, pitch, key), -(phase + k * pitch))
         for k in range(tooth_count)
     ]
     heights = [float(np.hypot(*piece.T).max()) for piece in pieces]
@@ -247,11 +248,15 @@ def _teeth_in_sections(points: Array, tooth_count: int, phase: float, key: str) 
     return np.array([_in_sections(piece, _tip_tolerance(piece)) for piece in pieces])
 
 
-def _between(outline: Array, angle: Array, start: float, span: float) -> Array:
+def _between(outline: Array, angle: Array, start: float, span: float, key: str) -> Array:
     # first passage of both root middles, with the end points interpolated
     first = int(np.argmax(angle >= start - 1e-12))
     last = int(np.argmax(angle >= start + span - 1e-12))
     last = last if last > first else len(angle) - 1
+    if last - first < _FEWEST_POINTS:
+        raise GeometryError(
+            f"{key}: found {last - first} points on a tooth, allowed at least {_FEWEST_POINTS}"
+        )
     begin = _at_angle(outline, angle, first, start)
     end = _at_angle(outline, angle, last, start + span)
     inner = outline[first:last]

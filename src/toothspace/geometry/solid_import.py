@@ -14,6 +14,7 @@ from toothspace.geometry.cad_import import chain_closed
 
 _STEP_UNIT = 1e-3
 _ANGULAR_DEFLECTION = 0.02
+_CHORD_DEFLECTION = 5e-5  # mm
 
 
 def section_stl(
@@ -49,7 +50,9 @@ def section_stl(
         mesh = trimesh.load_mesh(path, file_type="stl")
     except Exception as error:
         raise GeometryError(f"{path}: found no readable STL ({error}), allowed STL") from error
-    bodies = sorted(mesh.split(only_watertight=False), key=lambda part: -abs(part.volume))
+    bodies = sorted(
+        mesh.split(only_watertight=False, repair=False), key=lambda part: -abs(part.volume)
+    )
     chosen = _chosen(path, bodies, body)
     for number, part in enumerate(chosen):
         if not part.is_watertight:
@@ -219,6 +222,8 @@ def _step_section(solid: Any, height: float) -> list[Array]:
 def _edge_points(curve: Any) -> Array:
     from OCP.GCPnts import GCPnts_TangentialDeflection
 
-    sampler = GCPnts_TangentialDeflection(curve, _ANGULAR_DEFLECTION, 1e-4, 2, 1e-9, 1e-9)
+    sampler = GCPnts_TangentialDeflection(
+        curve, _ANGULAR_DEFLECTION, _CHORD_DEFLECTION, 2, 1e-9, 1e-9
+    )
     points = [sampler.Value(index + 1) for index in range(sampler.NbPoints())]
     return np.array([[point.X(), point.Y()] for point in points])
