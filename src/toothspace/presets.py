@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal, final
 
+from toothspace.core.errors import CaseError
+
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -30,6 +32,10 @@ class Preset:
         ``none``, ``closed_form`` or ``reynolds``.
     deformation : bool
         Whether film surfaces deform.
+    solved : bool
+        Whether this version can run it; otherwise its keys are only checked.
+    unused_tables : tuple of str
+        Optional tables of a case that this set does not use.
     """
 
     name: str
@@ -40,8 +46,23 @@ class Preset:
     friction: bool
     films: Literal["none", "closed_form", "reynolds"]
     deformation: bool
+    solved: bool = False
+    unused_tables: tuple[str, ...] = ()
+
+    def require_solved(self) -> None:
+        """Refuse a set that this version cannot run.
+
+        Raises
+        ------
+        CaseError
+            With the sets that can be run.
+        """
+        if not self.solved:
+            allowed = " or ".join(repr(p.name) for p in _PRESETS if p.solved)
+            raise CaseError(f"run.fidelity: found {self.name!r}, allowed {allowed} in this version")
 
 
+_BALANCE_TABLES = ("machine.floating_bearing", "machine.startup", "study")
 _PRESETS = (
     Preset(
         name="ideal",
@@ -52,6 +73,8 @@ _PRESETS = (
         friction=False,
         films="none",
         deformation=False,
+        solved=True,
+        unused_tables=("machine.casing.wear_in", *_BALANCE_TABLES),
     ),
     Preset(
         name="lumped",
@@ -63,6 +86,8 @@ _PRESETS = (
         friction=True,
         films="closed_form",
         deformation=False,
+        solved=True,
+        unused_tables=_BALANCE_TABLES,
     ),
     Preset(
         name="films",

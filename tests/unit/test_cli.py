@@ -119,6 +119,16 @@ def test_run_passes_overrides_and_fidelity(
     assert seen[0].overrides == ("operating_point.shaft_speed=2000 rpm", "run.fidelity=ideal")
 
 
+def test_tables_that_are_not_used_are_told(
+    simulated: Callable[[Simulate], None], capsys: pytest.CaptureFixture[str]
+) -> None:
+    simulated(lambda case, progress: FakeSolution())
+    main(["run", str(MOTOR), "--json"])
+    assert "Note: [machine.startup] is not used by a run with 'lumped'" in capsys.readouterr().err
+    main(["run", str(MOTOR), "--json", "--fidelity", "ideal"])
+    assert "[machine.casing.wear_in] is not used" in capsys.readouterr().err
+
+
 def test_text_summary_is_aligned(
     simulated: Callable[[Simulate], None], capsys: pytest.CaptureFixture[str]
 ) -> None:

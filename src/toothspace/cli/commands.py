@@ -15,6 +15,7 @@ from toothspace.cli import output
 from toothspace.core.errors import CaseError, ToothspaceError
 from toothspace.core.registry import machine_modules
 from toothspace.core.status import Status
+from toothspace.presets import PRESETS
 
 if TYPE_CHECKING:
     from toothspace.case import Case
@@ -53,6 +54,8 @@ def run(case_file: Path, result: Path | None, overrides: Sequence[str], *, as_js
     """Simulate a case, write the result and print its summary; returns the exit code."""
     case = _load(case_file, overrides)
     target = _writable(result or Path(f"{case_file.stem}.nc"), "-o")
+    with _file_named(case_file):
+        PRESETS[case.run.fidelity].require_solved()
     from toothspace import api
 
     try:
@@ -65,6 +68,7 @@ def run(case_file: Path, result: Path | None, overrides: Sequence[str], *, as_js
     output.write(solution.summary(), as_json=as_json)
     if solution.status is not Status.DONE:
         output.message(f"{case_file}: {solution.status.name.lower()}: {solution.status.value}")
+    _tell_unused(case)
     output.message(f"Result: {target}")
     return _EXIT_CODES.get(solution.status, _NUMERICAL_FAILURE)
 
@@ -127,6 +131,15 @@ def _write_geometry(case: Case, description: Any, outputs: GeometryOutputs) -> N
         _plot(description, _writable(outputs.plot, "--plot"))
     if outputs.export is not None:
         _export(case, outputs.export)
+
+
+def _tell_unused(case: Case) -> None:
+    for path in PRESETS[case.run.fidelity].unused_tables:
+        value: Any = case
+        for name in path.split("."):
+            value = getattr(value, name, None)
+        if value is not None:
+            output.message(f"Note: [{path}] is not used by a run with {case.run.fidelity!r}")
 
 
 def _plot(description: Any, path: Path) -> None:
