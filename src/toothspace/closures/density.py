@@ -152,7 +152,8 @@ def _auxiliary_root(specific_volume: Any, f: Any, law: FluidLaw) -> Any:
     quadratic = np.maximum(v * g - (1.0 - f) * v0 * b, 1e-6 * v0 * g)
     linear = (1.0 - f) * v0 + fC * g - v
     root = np.sqrt(linear * linear + 4.0 * quadratic * fC)
-    return select(linear > 0.0, 0.5 * (linear + root) / quadratic, 2.0 * fC / (root - linear))
+    above = select(linear > 0.0, linear + root, 2.0 * fC)
+    return above / select(linear > 0.0, 2.0 * quadratic, root - linear)
 
 
 @inlined
@@ -189,10 +190,11 @@ def mixture_pressure(specific_volume: Any, gas_fraction: Any, law: FluidLaw) -> 
     f = free_gas_fraction(gas_fraction, law)
     p0 = _auxiliary_root(specific_volume, f, law)
     v0, b = 1.0 / law.reference_density, law.stiffening
-    denominator = 1.0 + (law.compliance + b) * p0
-    liquid = v0 * (1.0 + b * p0) / denominator
-    gas = law.gas_specific_energy / p0
-    volume_slope = -(1.0 - f) * v0 * law.compliance / (denominator * denominator) - f * gas / p0
+    squeezed = 1.0 / (1.0 + (law.compliance + b) * p0)
+    liquid = v0 * (1.0 + b * p0) * squeezed
+    rarefied = 1.0 / p0
+    gas = law.gas_specific_energy * rarefied
+    volume_slope = (f - 1.0) * v0 * law.compliance * squeezed * squeezed - f * gas * rarefied
     distance = p0 - law.vapour_pressure
     pressure = law.vapour_pressure + positive_part(distance, law.vapour_smoothing)
     by_volume = positive_part_slope(distance, law.vapour_smoothing) / volume_slope
