@@ -1,13 +1,17 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from tests.fake_solution import TEETH, TIP_RADIUS, fake_description, fake_solution
 from toothspace.plotting.catalogue import FIGURES, FigureEntry, available_figures
+from toothspace.plotting.geometry import geometry_overview
 from toothspace.plotting.section import fluid_cells, turned_outline
 from toothspace.plotting.style import figure_to_png, figure_to_svg
 from toothspace.plotting.windows import opening_area, opening_windows
+from toothspace.results.solution import Solution
 
 
 @pytest.fixture(scope="module")
@@ -16,7 +20,8 @@ def parts() -> tuple[object, object]:
 
 
 def test_every_figure_is_available_with_solution_and_machine(parts) -> None:
-    assert available_figures(*parts) == list(FIGURES)
+    steady = [entry for entry in FIGURES if entry.sampled != "transient"]
+    assert available_figures(*parts) == steady
 
 
 def test_figures_of_the_machine_need_the_machine(parts) -> None:
@@ -26,21 +31,44 @@ def test_figures_of_the_machine_need_the_machine(parts) -> None:
 
 
 def test_figures_whose_variables_are_missing_are_left_out(parts) -> None:
-    from dataclasses import replace
-
     solution = replace(parts[0], data=parts[0].data.drop_vars("contact_force"))
     assert "contact_forces" not in {e.name for e in available_figures(solution, parts[1])}
 
 
 @pytest.mark.parametrize("entry", FIGURES, ids=lambda entry: entry.name)
 def test_figures_have_titles_and_labelled_axes(entry: FigureEntry, parts) -> None:
-    figure = entry.draw(*parts)
+    solution = transient_solution() if entry.sampled == "transient" else parts[0]
+    figure = entry.draw(solution, parts[1])
     assert figure_to_png(figure, 40.0).startswith(b"\x89PNG")
     titles = [axes.get_title(loc="left") + axes.get_title() for axes in figure.axes]
     assert any(titles) or figure.get_suptitle()
     for axes in figure.axes:
         if axes.name == "rectilinear" and axes.axison and axes.get_ylabel():
             assert "(" in axes.get_ylabel()  # every quantity says its unit
+
+
+def test_overview_of_a_machine_needs_no_result() -> None:
+    figure = geometry_overview(fake_description())
+    assert len(figure.axes) == 3
+
+
+def transient_solution() -> Solution:
+    """The same samples over time."""
+    solution = fake_solution()
+    return replace(solution, data=solution.data.swap_dims(shaft_angle="time"))
+
+
+def test_transient_runs_are_shown_over_time(parts) -> None:
+    names = {entry.name for entry in available_figures(transient_solution(), parts[1])}
+    assert "time_history" in names
+    assert names.isdisjoint({"ripple", "gear_section", "chamber_pressure"})
+
+
+def test_half_a_turn_has_no_spectrum(parts) -> None:
+    half = replace(parts[0], data=parts[0].data.isel(shaft_angle=slice(0, 180)))
+    names = {entry.name for entry in available_figures(half, parts[1])}
+    assert "ripple" not in names
+    assert "gear_section" in names
 
 
 def test_drawing_leaves_global_settings_alone(parts) -> None:

@@ -76,26 +76,42 @@ def _bodies(solution: Solution, name: str) -> list[str]:
 
 @styled
 def casing_wear(solution: Solution, description: MachineDescription | None = None) -> Figure:
-    """Running-in depth of the casing around each body, polar and over the angle."""
-    depth = solution.data["running_in_depth"]
+    """Running-in depth of the casing: around each gear as it lies, and along the bore."""
+    depth = 1e6 * solution.data["running_in_depth"]
     angle = np.asarray(solution.data["casing_angle"])
-    figure = new_figure(7.2, 3.4)
-    polar = figure.add_subplot(1, 2, 1, projection="polar")
-    linear = figure.add_subplot(1, 2, 2)
-    for body, color in zip(depth["body"].values, CYCLE, strict=False):
-        values = 1e6 * np.asarray(depth.sel(body=body))
-        closed = np.append(angle, angle[0]), np.append(values, values[0])
+    bodies = [str(body) for body in depth["body"].values if float(depth.sel(body=body).max()) > 0.0]
+    figure = new_figure(7.2, 5.6)
+    grid = figure.add_gridspec(2, max(len(bodies), 1), height_ratios=(3, 2))
+    linear = figure.add_subplot(grid[1, :])
+    top = 1.1 * max(float(depth.max()), 1e-3)
+    for k, (body, color) in enumerate(zip(bodies, CYCLE, strict=False)):
+        values = np.asarray(depth.sel(body=body))
+        polar = figure.add_subplot(grid[0, k], projection="polar")
+        direction = _casing_direction(solution, body, angle)
+        closed = np.append(direction, direction[0]), np.append(values, values[0])
         polar.plot(*closed, color=color)
         polar.fill(*closed, color=color, alpha=0.15)
-        linear.plot(np.degrees(angle), values, color=color, label=readable(str(body)))
-    polar.set_title("Running-in of the casing (µm)", pad=14)
-    polar.set_rlabel_position(60.0)  # type: ignore[attr-defined]
-    linear.set_xlabel("Angle about the gear, from x to y (deg)")
+        polar.set_ylim(0.0, top)
+        polar.set_rlabel_position(60.0)  # type: ignore[attr-defined]
+        polar.set_title(f"Depth (µm): {readable(body).lower()}", pad=14)
+        around = np.degrees(np.mod(angle + np.pi, 2.0 * np.pi) - np.pi)
+        order = np.argsort(around)
+        linear.plot(around[order], values[order], color=color, label=readable(body))
     linear.set_ylabel("Depth (µm)")
-    linear.set_xlim(float(np.degrees(angle[0])), float(np.degrees(angle[-1])))
-    linear.set_ylim(bottom=0.0)
+    linear.set_ylim(0.0, top)
+    linear.set_xlim(-180.0, 180.0)
+    linear.set_xticks(np.arange(-180, 181, 45))
+    linear.set_xlabel(
+        "Inlet side  ←  angle along the bore, 0 opposite to the mesh (deg)  →  outlet side"
+    )
     linear.legend(loc="upper right")
     return figure
+
+
+def _casing_direction(solution: Solution, body: str, angle: Array) -> Array:
+    """Direction from the gear's axis, from x towards y; the first gear turns from x to y."""
+    first = body == str(solution.data["body"].values[0])
+    return angle - 0.5 * np.pi if first else 0.5 * np.pi - angle
 
 
 @styled

@@ -82,7 +82,7 @@ _ROWS: tuple[tuple[str, str, str, str], ...] = (
     ("film_deformation", "film film_row film_column", "m", "Elastic deformation of the surfaces"),
     ("film_fraction", "film film_row film_column", "1", "Part of the gap filled with liquid"),
     ("bearing_position", "sample", "m", "Floating bearing at the drive gear, away from the gears"),
-    ("casing_angle", "casing_angle", "rad", "Angle about a body's own axis, from x towards y"),
+    ("casing_angle", "casing_angle", "rad", "Angle round a bore in the sense of rotation, zero opposite to the mesh"),
     ("running_in_depth", "body casing_angle", "m", "Depth cut into the casing by running-in"),
     ("event_shaft_angle", "event", "rad", "Shaft angle of an event"),
     ("event_time", "event", "s", "Time of an event"),
