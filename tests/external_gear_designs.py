@@ -7,6 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from toothspace.geometry.involute import InvoluteGear
+from toothspace.machines.external_gear.assembly import Assembly
+from toothspace.machines.external_gear.chambers import Spaces, drive_spaces, driven_spaces
+from toothspace.machines.external_gear.numbering import number
 from toothspace.machines.external_gear.spec import (
     Casing,
     ExternalGearSpec,
@@ -98,3 +101,16 @@ ALL = {
     "fuel14": fuel14(),
     "unequal": unequal(),
 }
+
+
+def spaces_at(assembly: Assembly, shaft_angle: float) -> tuple[Spaces, Spaces]:
+    """All tooth spaces of both gears at one shaft angle."""
+    numbering = number(assembly)
+    places = [
+        np.mod(phases + ratio * shaft_angle, 2.0 * np.pi) - np.pi
+        for phases, ratio in zip(numbering.space_phases, numbering.ratios, strict=True)
+    ]
+    return (
+        drive_spaces(*assembly.teeth, assembly.mesh, places[0]),
+        driven_spaces(*assembly.teeth, assembly.mesh, places[1]),
+    )

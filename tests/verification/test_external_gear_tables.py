@@ -6,18 +6,16 @@ import numpy as np
 import pytest
 import shapely
 
-from tests.external_gear_designs import ALL, FOURTEEN, TWELVE
+from tests.external_gear_designs import ALL, FOURTEEN, TWELVE, spaces_at
 from toothspace.geometry.gear_pair import ideal_flow_per_radian, pair_from_backlash
 from toothspace.machines.external_gear import MACHINE
 from toothspace.machines.external_gear.assembly import Assembly, assemble, facing_throats
 from toothspace.machines.external_gear.chambers import (
-    Spaces,
     drive_spaces,
     driven_spaces,
     section_area_rates,
     section_areas,
 )
-from toothspace.machines.external_gear.numbering import number
 from toothspace.machines.external_gear.outlines import space_outline
 from toothspace.model.description import MachineDescription
 
@@ -29,19 +27,6 @@ TWO_PI = 2.0 * np.pi
 def design(request: pytest.FixtureRequest) -> tuple[Assembly, MachineDescription]:
     spec = ALL[request.param]
     return assemble(spec), MACHINE.describe(spec)
-
-
-def spaces_at(assembly: Assembly, shaft_angle: float) -> tuple[Spaces, Spaces]:
-    """All tooth spaces of both gears at one shaft angle."""
-    numbering = number(assembly)
-    places = [
-        np.mod(phases + ratio * shaft_angle, TWO_PI) - np.pi
-        for phases, ratio in zip(numbering.space_phases, numbering.ratios, strict=True)
-    ]
-    return (
-        drive_spaces(*assembly.teeth, assembly.mesh, places[0]),
-        driven_spaces(*assembly.teeth, assembly.mesh, places[1]),
-    )
 
 
 @pytest.mark.parametrize(
@@ -78,8 +63,8 @@ def test_chambers_and_solids_fill_the_casing(
             family.volume(family.phases + family.angle_ratio * shaft_angle).sum()
             for family in description.families
         )
-        # cubic interpolation of the tables, their kinks included
-        assert total == pytest.approx(expected, rel=2e-6)
+        # kinks where a throat passes a tip corner limit the cubic interpolation
+        assert total == pytest.approx(expected, rel=2e-5)
         exact = sum(section_areas(s).sum() for s in spaces_at(assembly, shaft_angle))
         assert exact * assembly.face_width == pytest.approx(expected, rel=1e-10)
 
@@ -198,7 +183,5 @@ def test_contact_lies_on_the_line_of_action() -> None:
     angle = pair.operating_pressure_angle
     assembly = assemble(ALL["egm12_pump"])
     side = facing_throats(assembly.teeth, assembly.mesh, True, np.linspace(-0.1, 0.3, 20))
-    assert side.normal == pytest.approx(
-        np.tile([-np.cos(angle), np.sin(angle)], (20, 1)), abs=1e-4
-    )
+    assert side.normal == pytest.approx(np.tile([-np.cos(angle), np.sin(angle)], (20, 1)), abs=1e-4)
     assert FOURTEEN.base_radius == pytest.approx(28.549e-3, rel=1e-4)

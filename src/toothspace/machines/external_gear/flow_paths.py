@@ -99,10 +99,15 @@ def gap_by_motion(assembly: Assembly, side: Throats) -> Array:
 
 
 def throat_drag(assembly: Assembly, side: Throats, *, leading: bool) -> Array:
-    """Mean speed of both walls less that of the throat, from the drive space on. [m/rad]."""
-    mesh, middle = assembly.mesh, side.middle
-    drive = np.column_stack([-middle[:, 1], middle[:, 0]])
-    driven = mesh.ratio * np.column_stack([middle[:, 1] - mesh.center_distance, -middle[:, 0]])
+    """Mean speed of both walls less that of the throat, from the drive space on. [m/rad].
+
+    Half of the throat moves with each gear, as in the forces of the chamber pressures.
+    """
+    near = 0.75 * side.drive_point + 0.25 * side.driven_point
+    far = 0.25 * side.drive_point + 0.75 * side.driven_point
+    far = far - np.array([0.0, assembly.mesh.center_distance])
+    drive = np.column_stack([-near[:, 1], near[:, 0]])
+    driven = assembly.mesh.ratio * np.column_stack([far[:, 1], -far[:, 0]])
     throat = 0.5 * (side.drive_velocity + side.driven_velocity)
     slip = 0.5 * (drive + driven) - throat
     along = slip[:, 0] * side.normal[:, 1] - slip[:, 1] * side.normal[:, 0]

@@ -208,7 +208,7 @@ def smooth_step(t: float) -> float:
 def _ramp(position: float, start: float, end: float) -> float:
     if end - start < 1e-12:
         return 1.0 if position >= end else 0.0
-    return smooth_step((position - start) / (end - start))
+    return min(max((position - start) / (end - start), 0.0), 1.0)
 
 
 @inlined
@@ -220,18 +220,22 @@ def _placements(drive: Flank, mesh: Mesh, angle: float) -> tuple[Placement, Plac
 
 @inlined
 def _inward(
-    flank: Flank, at: Placement, cusp: tuple[float, float], excess: float, closest: float, w: float
+    flank: Flank, at: Placement, cusp: tuple[float, float], excess: float, closest: float, t: float
 ) -> float:
-    # distance of the throat's end inwards from the tip corner; negative on the tip circle
+    # distance of the throat's end inwards from the tip corner; negative on the tip circle.
+    # t runs from 0, throat at the cusp of the lens, to 1, throat at the closest points
     length = flank_length(flank)
-    if w >= 1.0:
+    if t >= 1.0:
         return length - closest
     if excess > 0.0:
-        outer = -excess * flank.tip_radius
-    else:
-        guess = nearest_knot(flank, at, cusp[0], cusp[1])
-        outer = length - project(flank, at, cusp[0], cusp[1], guess)
-    return (1.0 - w) * outer + w * (length - closest)
+        # pause at the corner: a moving end would turn there
+        if t < 0.5:
+            return -excess * flank.tip_radius * (1.0 - smooth_step(2.0 * t))
+        return smooth_step(2.0 * t - 1.0) * (length - closest)
+    guess = nearest_knot(flank, at, cusp[0], cusp[1])
+    outer = project(flank, at, cusp[0], cusp[1], guess)
+    w = smooth_step(t)
+    return length - (1.0 - w) * outer - w * closest
 
 
 @inlined
@@ -245,14 +249,16 @@ def _ends(
     cusp_y = drive.tip_radius * np.cos(lens1)
     if angle <= window.appears or angle >= window.gone:
         return _Ends(cusp_x, cusp_y, cusp_x, cusp_y, -1.0, -1.0, lens1, lens2, 0.0)
-    weight = _ramp(angle, window.appears, window.complete) * (
-        1.0 - _ramp(angle, window.leaves, window.gone)
+    progress = min(
+        _ramp(angle, window.appears, window.complete),
+        1.0 - _ramp(angle, window.leaves, window.gone),
     )
+    weight = smooth_step(progress)
     corner1 = first.angle - 0.5 * np.pi + drive.corner_angle
     corner2 = -(second.angle + 0.5 * np.pi) - driven.corner_angle
     cusp = (cusp_x, cusp_y)
-    in1 = _inward(drive, first, cusp, sign * corner1 - mesh.lens_drive, near.first, weight)
-    in2 = _inward(driven, second, cusp, sign * corner2 - mesh.lens_driven, near.second, weight)
+    in1 = _inward(drive, first, cusp, sign * corner1 - mesh.lens_drive, near.first, progress)
+    in2 = _inward(driven, second, cusp, sign * corner2 - mesh.lens_driven, near.second, progress)
     along1, along2 = corner1, corner2
     if in1 >= 0.0:
         x1, y1 = placed_point(drive, first, flank_length(drive) - in1)
