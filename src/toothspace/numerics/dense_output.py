@@ -5,8 +5,10 @@ from __future__ import annotations
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array
 
+_kernel = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
-@njit(error_model="numpy")
+
+@_kernel
 def interpolate(differences: Array, order: int, position: float, y: Array) -> None:
     r"""Evaluate the interpolating polynomial of the last step.
 
@@ -35,7 +37,7 @@ def interpolate(differences: Array, order: int, position: float, y: Array) -> No
             y[i] += factor * differences[j, i]
 
 
-@njit(error_model="numpy")
+@_kernel
 def change_step(differences: Array, order: int, ratio: float, scratch: Array) -> None:
     """Turn backward differences into those of another step, exactly for the polynomial.
 
@@ -75,7 +77,7 @@ def change_step(differences: Array, order: int, ratio: float, scratch: Array) ->
                     differences[j, i] += weight * differences[m, i]
 
 
-@njit(error_model="numpy")
+@_kernel
 def false_position(low: float, g_low: float, high: float, g_high: float) -> float:
     """Return the next trial point of a bracketed root, kept off the ends of the bracket."""
     share = g_low / (g_low - g_high)

@@ -54,7 +54,6 @@ from typing import Any
 
 import numpy as np
 
-from toothspace.core.compiled import njit
 from toothspace.core.types import Array
 from toothspace.numerics.dense_output import false_position, interpolate
 from toothspace.numerics.ndf_step import bind_step, bind_weights, error_norm
@@ -69,6 +68,7 @@ from toothspace.numerics.ndf_types import (
     NdfRecord,
     NdfSettings,
     NdfState,
+    kernel,
 )
 from toothspace.numerics.static_lu import LuProgram
 
@@ -76,13 +76,13 @@ _NOTHING = 0
 _EVENT_BITS = 60
 
 
-@njit(error_model="numpy")
+@kernel
 def _state_at(state: NdfState, time: float, y: Array) -> None:
     control = state.control[0]
     interpolate(state.differences, control.order, (time - control.time) / control.step, y)
 
 
-@njit(error_model="numpy")
+@kernel
 def _write_samples(state: NdfState, record: NdfRecord, limit: float) -> None:
     next_sample = record.counts[0]
     while next_sample < record.sample_times.size and record.sample_times[next_sample] <= limit:
@@ -91,7 +91,7 @@ def _write_samples(state: NdfState, record: NdfRecord, limit: float) -> None:
     record.counts[0] = next_sample
 
 
-@njit(error_model="numpy")
+@kernel
 def _log_events(state: NdfState, record: NdfRecord, until: float) -> None:
     """Write the found sign changes in the order of time."""
     roots, after = state.events[3], state.events[1]
@@ -122,14 +122,14 @@ def bind(callbacks: NdfCallbacks) -> NdfFunctions:
     Returns
     -------
     NdfFunctions
-        Compiled functions, to be called from compiled code (or Python).
+        Functions to be called from compiled code.
     """
     begin = _bind_begin(callbacks)
     return NdfFunctions(_bind_initial_state(begin), _bind_advance(callbacks, begin))
 
 
 def _bind_initial_state(begin: Compiled) -> Compiled:
-    @njit(error_model="numpy")
+    @kernel
     def initial_state(
         params: Any,
         program: LuProgram,
@@ -167,7 +167,7 @@ def _bind_advance(callbacks: NdfCallbacks, begin: Compiled) -> Compiled:
     take_step = bind_step(callbacks)
     find_events = _bind_events(callbacks.event_values)
 
-    @njit(error_model="numpy")
+    @kernel
     def advance(
         params: Any,
         program: LuProgram,
@@ -202,15 +202,15 @@ def _bind_advance(callbacks: NdfCallbacks, begin: Compiled) -> Compiled:
             DONE, TERMINAL_EVENT, STEP_TOO_SMALL, MAX_STEPS or NOT_FINITE.
         """
         control = state.control[0]
-        if control.pending == STOP_AT_EVENT and control.valid_until < t_end:
-            control.pending = RESTART_AT_EVENT
         while True:
             limit = min(control.valid_until, t_end)
             _write_samples(state, record, limit)
             if control.valid_until >= t_end or control.pending == STOP_AT_EVENT:
-                stopped = control.pending == STOP_AT_EVENT and control.valid_until <= t_end
                 _state_at(state, limit, state.y)
-                return TERMINAL_EVENT if stopped else DONE
+                if control.pending == STOP_AT_EVENT and control.valid_until <= t_end:
+                    control.pending = RESTART_AT_EVENT
+                    return TERMINAL_EVENT
+                return DONE
             if control.pending == RESTART_AT_EVENT:
                 _state_at(state, control.valid_until, state.y)
                 begin(params, settings, state, control.valid_until, state.y)
@@ -229,7 +229,7 @@ def _bind_begin(callbacks: NdfCallbacks) -> Compiled:
     update_weights = bind_weights(callbacks.weights)
     first_step = _bind_first_step(callbacks.rhs)
 
-    @njit(error_model="numpy")
+    @kernel
     def begin(
         params: Any,
         settings: NdfSettings,
@@ -259,7 +259,7 @@ def _bind_begin(callbacks: NdfCallbacks) -> Compiled:
 
 
 def _bind_first_step(rhs: Compiled) -> Compiled:
-    @njit(error_model="numpy")
+    @kernel
     def first_step(params: Any, settings: NdfSettings, state: NdfState) -> float:
         """Step whose first-order error h^2 |y''| / 2 is half of the tolerance."""
         control = state.control[0]
@@ -288,7 +288,7 @@ def _bind_first_step(rhs: Compiled) -> Compiled:
 def _bind_events(event_values: Compiled) -> Compiled:
     locate = _bind_locate(event_values)
 
-    @njit(error_model="numpy")
+    @kernel
     def find_events(params: Any, settings: NdfSettings, state: NdfState, record: NdfRecord) -> None:
         """Log the sign changes of the last step up to the first that stops or restarts.
 
@@ -317,7 +317,7 @@ def _bind_events(event_values: Compiled) -> Compiled:
 
 
 def _bind_locate(event_values: Compiled) -> Compiled:
-    @njit(error_model="numpy")
+    @kernel
     def locate(params: Any, state: NdfState, event: int) -> float:
         """Bracket a sign change in the last step; return the end that has the new sign."""
         control = state.control[0]

@@ -19,7 +19,6 @@ from typing import Any
 
 import numpy as np
 
-from toothspace.core.compiled import njit
 from toothspace.core.types import Array
 from toothspace.numerics.dense_output import change_step
 from toothspace.numerics.ndf_types import (
@@ -31,6 +30,7 @@ from toothspace.numerics.ndf_types import (
     NdfCallbacks,
     NdfSettings,
     NdfState,
+    kernel,
 )
 from toothspace.numerics.static_lu import SINGULAR, LuProgram, factorise, ledger_product, solve
 
@@ -66,7 +66,7 @@ LEAST_CUT = 0.9
 MOST_GROWTH = 8.0
 
 
-@njit(error_model="numpy")
+@kernel
 def error_norm(vector: Array, inverse_weights: Array, max_share: float) -> float:
     """Return the blend of root mean square and maximum of vector over weights, [-]."""
     squares = 0.0
@@ -79,7 +79,7 @@ def error_norm(vector: Array, inverse_weights: Array, max_share: float) -> float
     return (1.0 - max_share) * np.sqrt(squares / n) + max_share * largest
 
 
-@njit(error_model="numpy")
+@kernel
 def _apply_plan(state: NdfState) -> None:
     control = state.control[0]
     if control.next_step != control.step or control.next_order != control.order:
@@ -91,14 +91,14 @@ def _apply_plan(state: NdfState) -> None:
         control.equal_steps = 0
 
 
-@njit(error_model="numpy")
+@kernel
 def _cut_step(state: NdfState, ratio: float) -> None:
     control = state.control[0]
     control.next_step = ratio * control.step
     _apply_plan(state)
 
 
-@njit(error_model="numpy")
+@kernel
 def _predict(state: NdfState) -> None:
     """Fill work rows: 0 predicted state, 1 constant part of the formula."""
     control = state.control[0]
@@ -117,7 +117,7 @@ def _predict(state: NdfState) -> None:
             constant[i] += weight * differences[j, i]
 
 
-@njit(error_model="numpy")
+@kernel
 def _prepare_matrix(program: LuProgram, state: NdfState, gamma: float) -> bool:
     """Factorise if gamma moved away from that of the factors; False if that is impossible."""
     control = state.control[0]
@@ -132,7 +132,7 @@ def _prepare_matrix(program: LuProgram, state: NdfState, gamma: float) -> bool:
     return control.dense_factors != SINGULAR
 
 
-@njit(error_model="numpy")
+@kernel
 def _start_trial(state: NdfState) -> None:
     predicted, correction, trial = state.work[0], state.work[2], state.work[3]
     for i in range(trial.size):
@@ -140,7 +140,7 @@ def _start_trial(state: NdfState) -> None:
         correction[i] = 0.0
 
 
-@njit(error_model="numpy")
+@kernel
 def _correct(program: LuProgram, state: NdfState, gamma: float) -> None:
     """Add one simplified Newton correction to all states; ledger rows follow the core."""
     control = state.control[0]
@@ -163,7 +163,7 @@ def _correct(program: LuProgram, state: NdfState, gamma: float) -> None:
         correction[i] += damping * residual + control.gamma_factored * product[i - n]
 
 
-@njit(error_model="numpy")
+@kernel
 def _judge(control: Any, iteration: int, size: float, old_size: float) -> int:
     """Return 1 converged, 0 go on, -1 too slow."""
     if size <= 1e-6:
@@ -184,7 +184,7 @@ def _judge(control: Any, iteration: int, size: float, old_size: float) -> int:
     return -1 if left * control.rate ** (NEWTON_LIMIT - 1 - iteration) > LATER_TOLERANCE else 0
 
 
-@njit(error_model="numpy")
+@kernel
 def _reject(settings: NdfSettings, state: NdfState, error: float, failed_before: bool) -> None:
     """Cut the step after a failed error test, to a lower order if that is better."""
     control = state.control[0]
@@ -204,7 +204,7 @@ def _reject(settings: NdfSettings, state: NdfState, error: float, failed_before:
     _cut_step(state, min(ratio, 0.9))
 
 
-@njit(error_model="numpy")
+@kernel
 def _accept(settings: NdfSettings, state: NdfState, error: float) -> None:
     """Move the differences to the new time and plan the next step."""
     control = state.control[0]
@@ -226,7 +226,7 @@ def _accept(settings: NdfSettings, state: NdfState, error: float) -> None:
         _plan(settings, state, error)
 
 
-@njit(error_model="numpy")
+@kernel
 def _plan(settings: NdfSettings, state: NdfState, error: float) -> None:
     """Choose order and step of the next step; small changes are not worth their cost."""
     control = state.control[0]
@@ -248,14 +248,14 @@ def _plan(settings: NdfSettings, state: NdfState, error: float) -> None:
         control.next_step = step
 
 
-@njit(error_model="numpy")
+@kernel
 def _difference_error(settings: NdfSettings, state: NdfState, order: int) -> float:
     return ERROR_CONSTANT[order] * error_norm(
         state.differences[order + 1], state.inverse_weights, settings.max_norm_share
     )
 
 
-@njit(error_model="numpy")
+@kernel
 def _growth(error: float, order: int, safety: float) -> float:
     return min(MOST_GROWTH, 1.0 / (safety * max(error, 1e-30) ** (1.0 / (order + 1))))
 
@@ -263,7 +263,7 @@ def _growth(error: float, order: int, safety: float) -> float:
 def bind_weights(weights: Compiled) -> Compiled:
     """Return the compiled function that sets the inverse error weights of a problem."""
 
-    @njit(error_model="numpy")
+    @kernel
     def update_weights(params: Any, state: NdfState) -> None:
         """Set the inverse error weights at the last accepted state."""
         inverse = state.inverse_weights
@@ -292,7 +292,7 @@ def bind_step(callbacks: NdfCallbacks) -> Compiled:
     refresh_jacobian = _bind_refresh(callbacks.jacobian)
     iterate = _bind_iterate(callbacks.rhs, refresh_jacobian)
 
-    @njit(error_model="numpy")
+    @kernel
     def take_step(params: Any, program: LuProgram, settings: NdfSettings, state: NdfState) -> int:
         """Advance by one accepted step; return DONE or the reason why not."""
         control = state.control[0]
@@ -314,7 +314,7 @@ def bind_step(callbacks: NdfCallbacks) -> Compiled:
             if size < 0.0:
                 control.newton_failures += 1
                 control.rejected += 1
-                finite = size > -2.0
+                finite = finite and size > -2.0
                 stale = True
                 _cut_step(state, 0.3)
                 continue
@@ -331,7 +331,7 @@ def bind_step(callbacks: NdfCallbacks) -> Compiled:
 
 
 def _bind_refresh(jacobian: Compiled) -> Compiled:
-    @njit(error_model="numpy")
+    @kernel
     def refresh_jacobian(params: Any, state: NdfState, y: Array) -> None:
         control = state.control[0]
         jacobian(control.time + control.step, y, params, state.jacobian)
@@ -344,7 +344,7 @@ def _bind_refresh(jacobian: Compiled) -> Compiled:
 
 
 def _bind_iterate(rhs: Compiled, refresh_jacobian: Compiled) -> Compiled:
-    @njit(error_model="numpy")
+    @kernel
     def iterate(params: Any, program: LuProgram, settings: NdfSettings, state: NdfState) -> float:
         """Solve the formula; return the norm of y minus prediction, -1 if slow, -2 not finite.
 

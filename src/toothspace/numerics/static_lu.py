@@ -31,6 +31,8 @@ _SMALL_PIVOT = 1e-8
 
 Index = NDArray[np.uint32]
 
+_kernel = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
+
 
 class LuProgram(NamedTuple):
     """List of operations of one pattern, made by :func:`analyse`.
@@ -212,7 +214,7 @@ def factorise(
     return _factorise_dense(jacobian, gamma, values, pivots)
 
 
-@njit(error_model="numpy")
+@_kernel
 def _assemble(program: LuProgram, jacobian: Array, gamma: float, values: Array) -> None:
     flat = jacobian.reshape(-1)
     values[: program.packed_size[0]] = 0.0
@@ -223,7 +225,7 @@ def _assemble(program: LuProgram, jacobian: Array, gamma: float, values: Array) 
         values[program.diagonal[k]] += 1.0
 
 
-@njit(error_model="numpy")
+@_kernel
 def _eliminate(program: LuProgram, values: Array) -> bool:
     """Eliminate without row exchanges; the diagonal is left inverted."""
     pair_start, pair_lower, run_start = program.pair_start, program.pair_lower, program.run_start
@@ -244,7 +246,7 @@ def _eliminate(program: LuProgram, values: Array) -> bool:
     return sound
 
 
-@njit(error_model="numpy")
+@_kernel
 def _factorise_dense(jacobian: Array, gamma: float, values: Array, pivots: IntArray) -> int:
     n = pivots.size
     a = values[: n * n].reshape((n, n))
@@ -264,7 +266,7 @@ def _factorise_dense(jacobian: Array, gamma: float, values: Array, pivots: IntAr
     return DENSE_FACTORS
 
 
-@njit(error_model="numpy")
+@_kernel
 def _eliminate_dense_column(a: Array, k: int, best: int) -> None:
     n = a.shape[0]
     if best != k:
@@ -305,7 +307,7 @@ def solve(
         _solve_dense(values, pivots, right)
 
 
-@njit(error_model="numpy")
+@_kernel
 def _solve_sparse(program: LuProgram, values: Array, right: Array, x: Array) -> None:
     order, diagonal, columns = program.order, program.diagonal, program.columns
     row_start = program.row_start
@@ -324,7 +326,7 @@ def _solve_sparse(program: LuProgram, values: Array, right: Array, x: Array) -> 
         right[order[i]] = x[i]
 
 
-@njit(error_model="numpy")
+@_kernel
 def _solve_dense(values: Array, pivots: IntArray, right: Array) -> None:
     n = pivots.size
     a = values[: n * n].reshape((n, n))
