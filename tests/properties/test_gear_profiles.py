@@ -133,7 +133,7 @@ def test_swapping_the_gears_keeps_the_volume_per_tooth(parameters):
     assert swapped.contact_ratio == pytest.approx(pair.contact_ratio)
 
 
-@settings(max_examples=8)
+@settings(max_examples=6)
 @given(gears(), st.floats(-3.0, 3.0), st.floats(-1.0, 1.0), st.floats(-1.0, 1.0))
 def test_detection_finds_a_moved_gear(gear, rotation, right, up):
     profile = valid(generate_profile, gear, 120)

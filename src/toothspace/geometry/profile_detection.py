@@ -8,6 +8,7 @@ from typing import final
 
 import numpy as np
 from scipy.interpolate import CubicSpline
+from scipy.spatial import KDTree
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
@@ -28,6 +29,7 @@ _CENTER_STEPS = 6
 _CENTER_TOLERANCE = 1e-9
 _FLAT_LAND = 2e-3
 _FEWEST_POINTS = 16
+_SECTORS = 8192
 # share of the outline's area that must vary with the tooth angle
 _SMALLEST_MODULATION = 5e-3
 
@@ -192,20 +194,20 @@ def _centroid(points: Array) -> Array:
 
 
 def _tooth_count(points: Array, key: str) -> int:
-    orders = np.arange(MIN_TOOTH_COUNT, MAX_TOOTH_COUNT + 1)
     angle, weight = _area_elements(points)
     if abs(weight.sum() - abs(signed_area(points))) > 0.05 * abs(signed_area(points)):
         raise GeometryError(
             f"{key}: found an outline that does not run round its centre, allowed a whole gear"
         )
-    spectrum = np.abs(np.exp(-1j * orders[:, None] * angle[None, :]) @ weight)
-    strongest = int(np.argmax(spectrum))
-    if spectrum[strongest] < _SMALLEST_MODULATION * abs(signed_area(points)):
+    sector = np.floor(angle / (2.0 * np.pi) * _SECTORS).astype(int) % _SECTORS
+    spectrum = np.abs(np.fft.rfft(np.bincount(sector, weight, _SECTORS)))
+    tooth_count = MIN_TOOTH_COUNT + int(np.argmax(spectrum[MIN_TOOTH_COUNT : MAX_TOOTH_COUNT + 1]))
+    if spectrum[tooth_count] < _SMALLEST_MODULATION * abs(signed_area(points)):
         raise GeometryError(
             f"{key}: found no repeating teeth, allowed an outline of {MIN_TOOTH_COUNT} to "
             f"{MAX_TOOTH_COUNT} equal teeth"
         )
-    return int(orders[strongest])
+    return tooth_count
 
 
 def _phase(points: Array, tooth_count: int) -> float:
@@ -305,12 +307,17 @@ def _evenly(points: Array) -> Array:
     return np.column_stack([np.interp(wanted, along, points[:, axis]) for axis in (0, 1)])
 
 
+def _normals(curve: Array) -> tuple[Array, Array]:
+    tangent = np.gradient(curve, axis=0)
+    length = np.hypot(tangent[:, 0], tangent[:, 1])
+    normal = np.column_stack([tangent[:, 1], -tangent[:, 0]])
+    return normal / np.maximum(length, 1e-15)[:, None], length
+
+
 def _center_shift(teeth: Array, phase: float) -> Array:
     # a shift d moves every point by its normal part n.d: least squares over all teeth
     median = np.median(teeth, axis=0)
-    tangent = np.gradient(median, axis=0)
-    length = np.hypot(tangent[:, 0], tangent[:, 1])
-    normal = np.column_stack([tangent[:, 1], -tangent[:, 0]]) / np.maximum(length, 1e-15)[:, None]
+    normal, length = _normals(median)
     gap = np.sum((teeth - median) * normal, axis=2)
     pitch = 2.0 * np.pi / len(teeth)
     turned = [_turned(normal, phase + k * pitch) for k in range(len(teeth))]
@@ -323,11 +330,14 @@ def _center_shift(teeth: Array, phase: float) -> Array:
 
 
 def _tooth_deviations(teeth: Array, median: Array) -> Array:
-    import shapely
-
-    reference = shapely.LineString(median)
-    return np.array([shapely.distance(shapely.points(tooth[::8]), reference).max()
-                     for tooth in teeth])  # fmt: skip
+    normal, _ = _normals(median)
+    nearest = KDTree(median)
+    largest = []
+    for tooth in teeth:
+        index = nearest.query(tooth[::4])[1]
+        gap = np.sum((tooth[::4] - median[index]) * normal[index], axis=1)
+        largest.append(float(np.abs(gap).max()))
+    return np.array(largest)
 
 
 def _flank_symmetry(tooth: Array) -> float:
