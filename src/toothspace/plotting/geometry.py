@@ -89,7 +89,7 @@ def geometry_overview(description: MachineDescription) -> Figure:
         if float(area.max()) > 0.0:
             lower.plot(np.degrees(angle), area, color=color, label=readable(category))
     lower.set_ylabel("Open area (mm²)")
-    lower.legend(loc="upper center", ncols=2)
+    lower.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, borderaxespad=0.2)
     span = float(np.degrees(family.volume.period))
     angle_axis(upper, "", span)
     angle_axis(lower, "Chamber angle (deg)", span)
