@@ -5,10 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+
+from toothspace.core.compiled import inlined  # sets the cache folder before numba loads
+
+# isort: split
 from numba import types
 from numba.extending import overload
-
-from toothspace.core.compiled import inlined
 
 
 def select(condition: Any, if_true: Any, if_false: Any) -> Any:
