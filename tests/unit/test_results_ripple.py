@@ -2,8 +2,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import xarray as xr
 
-from toothspace.results.ripple import ripple_percent, spectrum
+from toothspace.results.ripple import distinct_samples, ripple_percent, spectrum
 
 TURN = 2.0 * np.pi
 
@@ -32,6 +33,13 @@ def test_less_than_a_revolution_is_refused() -> None:
     angle = np.linspace(0.0, 3.0, 100)
     with pytest.raises(ValueError, match="at least 1"):
         spectrum(angle, angle)
+
+
+def test_a_closing_sample_is_not_counted_twice() -> None:
+    closed = xr.Dataset(coords={"shaft_angle": np.linspace(0.0, TURN, 13)})
+    assert distinct_samples(closed).sizes["shaft_angle"] == 12
+    open_end = closed.isel(shaft_angle=slice(0, 12))
+    assert distinct_samples(open_end).sizes["shaft_angle"] == 12
 
 
 def test_ripple_is_peak_to_peak_over_mean() -> None:

@@ -191,7 +191,7 @@ def _possible(
     if entry.sampled and not _sampled(entry.sampled, solution):
         return False
     if not entry.needs_machine:
-        return entry.chapter != "losses" or bool(solution.ledger.energy)
+        return entry.chapter != "losses" or solution.ledger.loss_energy > 0.0
     if description is None:
         return False
     names = {family.name for family in description.families}

@@ -94,19 +94,24 @@ def outlet_temperature(data: xr.Dataset, ledger: Ledger) -> float:
     if ledger.mass.get("drain", 0.0) > 0.0:
         heat -= _drain_heat(ledger)
     mass = ledger.mass.get("outlet", 0.0)
-    rise = _ratio(heat, mass * float(data["specific_heat_capacity"]))
-    return float(data["fluid_temperature"]) + rise
+    return float(data["fluid_temperature"]) + _rise(data, heat, mass)
 
 
 def drain_temperature(data: xr.Dataset, ledger: Ledger) -> float:
     """Quasi-steady temperature of the drain flow, external or internal. [K]."""
     mass = ledger.mass.get("drain", 0.0) or _internal_drain_mass(data, ledger)
-    rise = _ratio(_drain_heat(ledger), mass * float(data["specific_heat_capacity"]))
-    return float(data["fluid_temperature"]) + rise
+    return float(data["fluid_temperature"]) + _rise(data, _drain_heat(ledger), mass)
+
+
+def _rise(data: xr.Dataset, heat: float, mass: float) -> float:
+    if heat == 0.0:
+        return 0.0
+    return _ratio(heat, mass * float(data["specific_heat_capacity"]))
 
 
 def summary_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
     """Return the summary numbers of a run, in engineering units named by their suffix."""
+    data = ripple.distinct_samples(data)
     pressure = np.asarray(data["chamber_pressure"]) if "chamber_pressure" in data else np.nan
     numbers = {
         "displacement_cm3_per_rev": float(data["displacement"]) * _TURN * 1e6,

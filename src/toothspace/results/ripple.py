@@ -99,6 +99,18 @@ def spectrum(shaft_angle: Array, signal: Array) -> Spectrum:
     return Spectrum(order, amplitude, phase)
 
 
+def distinct_samples(data: xr.Dataset) -> xr.Dataset:
+    """Leave out the last sample if it closes a whole number of revolutions.
+
+    Otherwise the first angle would count twice in means over the samples.
+    """
+    if "shaft_angle" not in data.sizes or data.sizes["shaft_angle"] < 3:
+        return data
+    turns = float(data["shaft_angle"][-1] - data["shaft_angle"][0]) / _TURN
+    closed = round(turns) >= 1 and abs(turns - round(turns)) < 1e-6
+    return data.isel(shaft_angle=slice(0, -1)) if closed else data
+
+
 def ripple_percent(signal: Array) -> float:
     """Return the largest minus the smallest value over the magnitude of the mean. [%]."""
     mean = abs(float(np.mean(signal)))
