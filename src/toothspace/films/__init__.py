@@ -7,19 +7,30 @@ reynolds            gap heights to cell balances, and their variation
 journal_film        geometry and integrals of the film round a shaft
 journal_bearing     :class:`JournalBearing` and its solution
 equilibrium         position of the shaft under a load
+plane_film          films between nearly parallel faces on any grid
+pad                 :class:`Pad`: rectangular pads with pocket or step
+cases               ``[bearing]`` and ``[film]`` tables to named numbers
 ==================  ==========================================================
 """
 
 from __future__ import annotations
 
-from toothspace.films.cases import bearing_summary, solve_bearing
+from toothspace.films.cases import bearing_summary, pad_summary, solve_bearing, solve_film
 from toothspace.films.journal_bearing import JournalBearing, JournalBearingSolution
 from toothspace.films.journal_film import Groove
+from toothspace.films.pad import Pad, PadSolution, Pocket
+from toothspace.films.plane_film import FilmFluid
 
 __all__ = [
+    "FilmFluid",
     "Groove",
     "JournalBearing",
     "JournalBearingSolution",
+    "Pad",
+    "PadSolution",
+    "Pocket",
     "bearing_summary",
+    "pad_summary",
     "solve_bearing",
+    "solve_film",
 ]

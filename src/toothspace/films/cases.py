@@ -10,6 +10,8 @@ import numpy as np
 from toothspace.core.errors import CaseError
 from toothspace.films.journal_bearing import JournalBearing, JournalBearingSolution
 from toothspace.films.journal_film import Groove
+from toothspace.films.pad import Pad, PadSolution, Pocket
+from toothspace.films.plane_film import FilmFluid
 
 _LITRES_PER_MINUTE = 6e4
 _PASCAL_PER_BAR = 1e5
@@ -69,6 +71,68 @@ def bearing_summary(film: JournalBearingSolution) -> dict[str, Any]:
         "damping_N_s_per_m": film.damping.tolist(),
         "status": film.status.name.lower(),
     }
+
+
+def solve_film(case: Any) -> dict[str, Any]:
+    """Solve the table ``[film]`` of a case.
+
+    Parameters
+    ----------
+    case : Case
+        Case with a ``film`` in SI units.
+
+    Returns
+    -------
+    dict
+        Numbers with unit suffixes; the load is that of the pressure above ambient.
+    """
+    started = time.perf_counter()
+    keys = case.film
+    if not hasattr(keys, "inlet_height"):
+        raise CaseError("film.kind: found 'lateral', allowed is 'pad' in this command")
+    film = _pad(keys, _viscosity(case, keys)).solve(speed=keys.speed)
+    return {**pad_summary(film), "wall_time_s": time.perf_counter() - started}
+
+
+def pad_summary(film: PadSolution) -> dict[str, Any]:
+    """Numbers of a pad with unit suffixes."""
+    return {
+        "load_N": film.load,
+        "center_of_pressure_x_mm": _finite(film.center_of_pressure * 1e3),
+        "friction_N": film.friction,
+        "max_pressure_bar": film.max_pressure / _PASCAL_PER_BAR,
+        "inlet_flow_L_per_min": film.inlet_flow * _LITRES_PER_MINUTE,
+        "outlet_flow_L_per_min": film.outlet_flow * _LITRES_PER_MINUTE,
+        "side_flow_L_per_min": film.side_flow * _LITRES_PER_MINUTE,
+        "cavitated_fraction": film.cavitated_fraction,
+        "mass_balance_error": film.mass_balance_error,
+        "pressure_centerline_bar": (film.pressure_centerline / _PASCAL_PER_BAR).tolist(),
+        "status": film.status.name.lower(),
+    }
+
+
+def _pad(keys: Any, dynamic_viscosity: float) -> Pad:
+    pocket = None
+    if keys.pocket is not None:
+        p = keys.pocket
+        pocket = Pocket(p.depth, p.x, p.length, p.width)
+    fluid = FilmFluid(
+        dynamic_viscosity,
+        getattr(keys, "pressure_viscosity", 0.0),
+        getattr(keys, "density", "constant") == "dowson_higginson",
+    )
+    return Pad(
+        length=keys.length,
+        width=keys.width,
+        inlet_height=keys.inlet_height,
+        outlet_height=keys.outlet_height,
+        fluid=fluid,
+        pocket=pocket,
+        grid=tuple(keys.grid),
+        cavitation=keys.cavitation,
+        ambient_pressure=keys.ambient_pressure,
+        cavitation_pressure=keys.cavitation_pressure,
+    )
 
 
 def _finite(value: float) -> float | None:

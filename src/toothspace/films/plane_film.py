@@ -1,0 +1,215 @@
+"""Films between nearly parallel faces: solution on a given grid, loads and rigid motions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import final
+
+import numpy as np
+
+from toothspace.core.errors import CaseError
+from toothspace.core.types import Array
+from toothspace.films.reynolds import (
+    FilmGrid,
+    FluidField,
+    GapField,
+    balance_variation,
+    film_balance,
+)
+from toothspace.numerics.complementarity import (
+    PRESCRIBED,
+    SATURATED,
+    ComplementaritySolution,
+    Constraint,
+    residual,
+    solve_complementarity,
+)
+from toothspace.numerics.structured_grid import CellBalance
+
+_FLUID_PASSES = 60
+_FLUID_TOLERANCE = 1e-9
+
+
+@final
+@dataclass(frozen=True)
+class FilmFluid:
+    r"""Liquid whose viscosity and density may follow the pressure.
+
+    Parameters
+    ----------
+    dynamic_viscosity : float
+        Dynamic viscosity at zero pressure. [Pa s]
+    pressure_viscosity : float
+        Coefficient :math:`\alpha` of :math:`\mu = \mu_0 e^{\alpha p}`. [1/Pa]
+    compressible : bool
+        Whether the density follows Dowson and Higginson,
+        :math:`\rho/\rho_0 = (0.59 + 1.34 p) / (0.59 + p)` with p in GPa.
+
+    References
+    ----------
+    .. [1] C. Barus, Isothermals, isopiestics and isometrics relative to viscosity, Am. J. Sci.
+       45 (1893) 87-96.
+    .. [2] D. Dowson, G. R. Higginson, Elasto-hydrodynamic Lubrication, Pergamon, 1966.
+    """
+
+    dynamic_viscosity: float
+    pressure_viscosity: float = 0.0
+    compressible: bool = False
+
+    @property
+    def constant(self) -> bool:
+        """Whether nothing follows the pressure."""
+        return self.pressure_viscosity == 0.0 and not self.compressible
+
+    def viscosity(self, pressure: Array) -> Array:
+        """Dynamic viscosity at absolute pressures. [Pa s]."""
+        return np.asarray(self.dynamic_viscosity * np.exp(self.pressure_viscosity * pressure))
+
+    def fields(self, pressure: Array) -> FluidField:
+        """Fluid state of every cell at absolute pressures."""
+        density = np.ones_like(pressure)
+        if self.compressible:
+            density = (0.59e9 + 1.34 * pressure) / (0.59e9 + pressure)
+        return FluidField(1.0 / self.viscosity(pressure), density)
+
+
+@final
+@dataclass(frozen=True)
+class PlaneFilm:
+    """Discrete film between two faces; force axis z, coordinates x and y of the cells.
+
+    ``weight`` is 2 if the film is half of a mirrored one (mirror plane y = 0), else 1.
+    """
+
+    grid: FilmGrid
+    gap: GapField
+    x: Array
+    y: Array
+    fluid: FilmFluid
+    cavitation_pressure: float
+    constraint: Constraint
+    weight: float = 1.0
+
+
+@final
+@dataclass(frozen=True)
+class PlaneSolution:
+    """Fields of a plane film and the state that they were found with."""
+
+    film: PlaneFilm
+    fluid: FluidField = field(repr=False)
+    balance: CellBalance = field(repr=False)
+    fields: ComplementaritySolution = field(repr=False)
+    converged: bool
+
+    @property
+    def pressure(self) -> Array:
+        """Absolute pressure of the cells. [Pa]."""
+        return np.maximum(self.fields.potential, 0.0) + self.film.cavitation_pressure
+
+    def load(self, pressure: Array) -> Array:
+        """Force along z and moments about x and y of a pressure on the upper face.
+
+        [N, N m, N m]
+        """
+        film = self.film
+        push = pressure * film.grid.area * film.weight
+        moment_x = 0.0 if film.weight > 1.0 else float((push * film.y).sum())
+        return np.array([float(push.sum()), moment_x, -float((push * film.x).sum())])
+
+    def mass_balance_error(self) -> float:
+        """Sum of the residuals of free cells over the through-flow. [-]."""
+        b = self.balance
+        net = residual(b, b, np.maximum(self.fields.potential, 0.0), self.fields.saturation)
+        free = b.mark != PRESCRIBED
+        through = max(
+            float(np.abs(net[~free]).sum()),
+            float(np.abs(b.storage).sum()),
+            float(np.abs(b.advection_x).sum(axis=1).max()),
+            float(np.abs(b.advection_y).sum(axis=0).max()),
+            self._edge_flow(),
+        )
+        return abs(float(net[free].sum())) / through if through > 0.0 else 0.0
+
+    def _edge_flow(self) -> float:
+        b, u = self.balance, self.fields.potential
+        flow = float(np.abs(b.conductance_y[:, -1] * (u[:, -1] - b.north)).sum())
+        if not b.ring:
+            flow += float(np.abs(b.conductance_x[0] * (u[0] - b.west)).sum())
+        return flow
+
+    def cavitated_fraction(self) -> float:
+        """Part of the free area that is at cavitation pressure. [-]."""
+        free = self.balance.mark != PRESCRIBED
+        empty = free & (self.fields.potential <= 0.0)
+        area = self.film.grid.area
+        return float(area[empty].sum() / area[free].sum())
+
+    def rigid_coefficients(self) -> tuple[Array, Array]:
+        """Stiffness and damping 3x3 for lift of the upper face and its rotations about x and y.
+
+        Minus the derivatives of force and moments; viscosity and density are held.
+        [N/m, N m/rad and mixed; the same times s]
+        """
+        columns = [self._variation(k, rate) for rate in (False, True) for k in range(3)]
+        table = -np.array(columns).T
+        return table[:, :3], table[:, 3:]
+
+    def _variation(self, motion: int, rate: bool) -> Array:
+        change = _rigid_change(self.film, motion, rate)
+        varied = balance_variation(self.film.grid, self.film.gap, self.fluid, change, self.balance)
+        fields = self.fields
+        disturbance = residual(self.balance, varied, fields.potential, fields.saturation)
+        disturbance[fields.kind == PRESCRIBED] = 0.0
+        response = fields.system.solve(-disturbance.ravel()).reshape(disturbance.shape)
+        response[(fields.kind != SATURATED) | (fields.potential <= 0.0)] = 0.0
+        return self.load(response)
+
+
+def solve_plane(film: PlaneFilm) -> PlaneSolution:
+    """Pressure and film fraction; viscosity and density are iterated with the pressure."""
+    lowest = float(min(film.gap.centre.min(), film.gap.face_x.min(), film.gap.face_y.min()))
+    if lowest <= 0.0:
+        raise CaseError(f"film: found a smallest gap of {lowest:.3g} m, allowed are open gaps")
+    pressure = np.full(film.gap.centre.shape, film.cavitation_pressure)
+    kind = None
+    for _ in range(_FLUID_PASSES):
+        fluid = film.fluid.fields(pressure)
+        balance = film_balance(film.grid, film.gap, fluid, film.cavitation_pressure)
+        fields = solve_complementarity(balance, film.constraint, kind)
+        solution = PlaneSolution(film, fluid, balance, fields, fields.converged)
+        if film.fluid.constant:
+            return solution
+        change = float(np.abs(solution.pressure - pressure).max())
+        pressure, kind = solution.pressure, fields.kind
+        if change <= _FLUID_TOLERANCE * float(pressure.max()):
+            return solution
+    return PlaneSolution(film, fluid, balance, fields, False)
+
+
+def _rigid_change(film: PlaneFilm, motion: int, rate: bool) -> GapField:
+    """Change of the gap by a unit lift or rotation of the upper face about x or y."""
+    shapes = (np.ones_like(film.x), film.y, -film.x)
+    centre = shapes[motion]
+    zero = np.zeros_like(centre)
+    if rate:
+        return GapField(
+            zero, np.zeros_like(film.gap.face_x), np.zeros_like(film.gap.face_y), centre, zero
+        )
+    return GapField(centre, to_faces_x(centre, film.grid.ring), to_faces_y(centre), zero, zero)
+
+
+def to_faces_x(centre: Array, ring: bool) -> Array:
+    """Values on the faces of the first index by linear interpolation, extrapolated at borders."""
+    inner = 0.5 * (centre[1:] + centre[:-1])
+    if ring:
+        seam = 0.5 * (centre[:1] + centre[-1:])
+        return np.concatenate([seam, inner, seam])
+    first = 1.5 * centre[:1] - 0.5 * centre[1:2]
+    last = 1.5 * centre[-1:] - 0.5 * centre[-2:-1]
+    return np.concatenate([first, inner, last])
+
+
+def to_faces_y(centre: Array) -> Array:
+    """Values on the faces of the second index by linear interpolation."""
+    return np.ascontiguousarray(to_faces_x(np.ascontiguousarray(centre.T), False).T)

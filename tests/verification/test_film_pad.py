@@ -1,0 +1,234 @@
+"""Pads against closed forms, a manufactured solution and an exchange of the axes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from toothspace.core.errors import CaseError
+from toothspace.films.pad import FilmFluid, Pad, Pocket
+from toothspace.films.plane_film import solve_plane
+from toothspace.films.reynolds import film_balance
+from toothspace.numerics.complementarity import Constraint, solve_complementarity
+
+VISCOSITY, SPEED, LENGTH, WIDTH, HEIGHT = 0.01, 1.0, 0.02, 0.01, 10e-6
+ENDLESS = Pad(
+    length=LENGTH,
+    width=WIDTH,
+    inlet_height=2.0 * HEIGHT,
+    outlet_height=HEIGHT,
+    fluid=FilmFluid(VISCOSITY),
+    grid=(50, 4),
+    side_condition="no_flow",
+)
+
+
+def _order(errors: list[float]) -> np.ndarray:
+    return np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
+
+
+def test_endless_incline_converges_with_second_order() -> None:
+    """Load, friction and flow of the fixed incline, h1/h0 = 2 (Hamrock, ch. 8)."""
+    load = 6.0 * VISCOSITY * SPEED * LENGTH**2 * WIDTH / HEIGHT**2 * (np.log(2.0) - 2.0 / 3.0)
+    friction = VISCOSITY * SPEED * LENGTH * WIDTH / HEIGHT * (4.0 * np.log(2.0) - 2.0)
+    flow = SPEED * HEIGHT * WIDTH * 2.0 / 3.0
+    errors = {"load": [], "friction": [], "flow": []}
+    for rows in (25, 50, 100):
+        film = replace(ENDLESS, grid=(rows, 4)).solve(speed=SPEED)
+        errors["load"].append(abs(film.load / load - 1.0))
+        errors["friction"].append(abs(film.friction / friction - 1.0))
+        errors["flow"].append(abs(film.inlet_flow / flow - 1.0))
+    for name, values in errors.items():
+        assert _order(values) == pytest.approx(2.0, abs=0.1), name
+        assert values[-1] < 1e-3, name
+
+
+def test_stepped_pad_is_exact() -> None:
+    """The pressure of Rayleigh's step is linear on both sides, so no error is left."""
+    depth, rows = 8e-6, 50
+    start = 0.7 * LENGTH
+    pad = replace(
+        ENDLESS, inlet_height=HEIGHT, pocket=Pocket(depth, -1.0, 1.0 + start, 1.0), grid=(rows, 4)
+    )
+    film = pad.solve(speed=SPEED)
+    deep, shallow = (HEIGHT + depth) ** 3 / start, HEIGHT**3 / (LENGTH - start)
+    peak = 6.0 * VISCOSITY * SPEED * depth / (deep + shallow)
+    assert film.load == pytest.approx(0.5 * peak * LENGTH * WIDTH, rel=1e-10)
+
+
+def test_diverging_pad_cavitates_and_conserves_mass() -> None:
+    pad = replace(ENDLESS, inlet_height=HEIGHT, outlet_height=3.0 * HEIGHT, width=0.02)
+    pad = replace(pad, side_condition="pressure", grid=(60, 31))
+    film = pad.solve(speed=SPEED)
+    assert film.status.succeeded
+    assert film.mass_balance_error < 1e-10
+    assert film.inlet_flow == pytest.approx(film.outlet_flow + film.side_flow, rel=1e-9)
+    assert 0.1 < film.cavitated_fraction < 0.99
+    assert film.film_fraction.min() < 0.7
+    assert film.load < 0.0
+
+
+def _manufactured_error(rows: int) -> float:
+    """Largest error of the pressure sin(pi x/L) cos(pi y/W) in a gap curved both ways."""
+    pad = replace(
+        ENDLESS,
+        shape=lambda x, y: HEIGHT * (1.0 + 0.5 * x / LENGTH + 0.8 * (y / WIDTH) ** 2),
+        grid=(rows, rows),
+        side_condition="pressure",
+        ambient_pressure=0.0,
+    )
+    film = pad._film(SPEED, 0.0)
+    x, y, h = film.x, film.y, film.gap.centre
+    a, b = np.pi / LENGTH, np.pi / WIDTH
+    pressure = 1e6 * np.sin(a * x) * np.cos(b * y)
+    p_x, p_y = 1e6 * a * np.cos(a * x) * np.cos(b * y), -1e6 * b * np.sin(a * x) * np.sin(b * y)
+    h_x, h_y = HEIGHT * 0.5 / LENGTH, HEIGHT * 1.6 * y / WIDTH**2
+    divergence = 3.0 * h**2 * (h_x * p_x + h_y * p_y) - h**3 * (a**2 + b**2) * pressure
+    source = 0.5 * SPEED * h_x - divergence / (12.0 * VISCOSITY)
+    balance = film_balance(film.grid, film.gap, film.fluid.fields(pressure), 0.0)
+    balance = balance._replace(source=source * film.grid.area)
+    solution = solve_complementarity(balance, Constraint.CONSERVING)
+    return float(np.abs(solution.potential - pressure).max()) / 1e6
+
+
+def test_manufactured_pressure_converges_with_second_order() -> None:
+    errors = [_manufactured_error(rows) for rows in (16, 32, 64)]
+    assert _order(errors) == pytest.approx(2.0, abs=0.15)
+
+
+def _cavity_errors(rows: int) -> tuple[float, float]:
+    """Errors of pressure and film fraction for a film that ruptures inside the pad.
+
+    p = P x (b - x)^2 up to x = b, film fraction 1 - (x - b) / (2 L) behind.
+    """
+    pad = replace(ENDLESS, inlet_height=HEIGHT, grid=(rows, 4), ambient_pressure=0.0)
+    film = pad._film(SPEED, 0.0)
+    edge = 0.6137 * LENGTH
+    scale = 1e6 / LENGTH**3
+    x = film.x
+    full = x < edge
+    pressure = np.where(full, scale * x * (edge - x) ** 2, 0.0)
+    fraction = np.where(full, 1.0, 1.0 - 0.5 * (x - edge) / LENGTH)
+    face = np.linspace(0.0, LENGTH, rows + 1)[:, None]
+    slope = np.where(face < edge, scale * (edge - face) * (edge - 3.0 * face), 0.0)
+    carried = np.where(face < edge, 1.0, 1.0 - 0.5 * (face - edge) / LENGTH)
+    flux = -(HEIGHT**3) / (12.0 * VISCOSITY) * slope + 0.5 * SPEED * HEIGHT * carried
+    balance = film_balance(film.grid, film.gap, film.fluid.fields(pressure), 0.0)
+    width = film.grid.area / (LENGTH / rows)
+    balance = balance._replace(source=np.diff(flux, axis=0) * width)
+    solution = solve_complementarity(balance, Constraint.CONSERVING)
+    assert solution.converged
+    return (
+        float(np.abs(solution.potential - pressure).max()) / 1e6,
+        float(np.abs(solution.saturation - fraction).max()),
+    )
+
+
+def test_manufactured_cavity_converges_with_first_order() -> None:
+    """Upwind transport of the film fraction limits the order to one in the cavity."""
+    errors = np.array([_cavity_errors(rows) for rows in (40, 80, 160, 320)])
+    pressure_order = np.log2(errors[0, 0] / errors[-1, 0]) / 3.0
+    fraction_order = np.log2(errors[0, 1] / errors[-1, 1]) / 3.0
+    assert pressure_order > 1.5
+    assert fraction_order > 0.9
+
+
+def test_exchange_of_axes() -> None:
+    """A film swept along y equals the transposed film swept along x."""
+    pad = replace(
+        ENDLESS,
+        shape=lambda x, y: HEIGHT * (2.0 + 0.9 * np.sin(600.0 * x + 200.0 * y)),
+        grid=(24, 20),
+        side_condition="pressure",
+        ambient_pressure=1e4,
+    )
+    film = pad._film(SPEED, 0.0)
+    g, h = film.grid, film.gap
+    swapped_grid = g._replace(
+        shape_x=_turned(g.shape_y),
+        shape_y=_turned(g.shape_x),
+        sweep_x=_turned(g.sweep_y),
+        sweep_y=_turned(g.sweep_x),
+        area=_turned(g.area),
+        mark=np.ascontiguousarray(g.mark.T),
+        prescribed=_turned(g.prescribed),
+        west=g.south,
+        east=g.north,
+        south=g.west,
+        north=g.east,
+    )
+    swapped_gap = h._replace(
+        centre=_turned(h.centre),
+        face_x=_turned(h.face_y),
+        face_y=_turned(h.face_x),
+        rate=_turned(h.rate),
+        step=_turned(h.step),
+    )
+    straight = solve_plane(film)
+    turned = solve_plane(
+        replace(film, grid=swapped_grid, gap=swapped_gap, x=film.y.T.copy(), y=film.x.T.copy())
+    )
+    assert straight.cavitated_fraction() > 0.01
+    pressure, fraction = _turned(turned.pressure), _turned(turned.fields.saturation)
+    assert pressure == pytest.approx(straight.pressure, rel=1e-9, abs=1e-3)
+    assert fraction == pytest.approx(straight.fields.saturation, abs=1e-9)
+
+
+def _turned(values: np.ndarray) -> np.ndarray:
+    return np.ascontiguousarray(values.T)
+
+
+def test_half_pad_equals_whole_pad() -> None:
+    """The mirror plane is used for built-in shapes and not for given ones."""
+    pad = replace(ENDLESS, side_condition="pressure")
+    for lanes in (20, 21):
+        half = replace(pad, grid=(32, lanes)).solve(speed=SPEED)
+        whole = replace(
+            pad, grid=(32, lanes), shape=lambda x, y: HEIGHT * (2.0 - x / LENGTH) + 0.0 * y
+        ).solve(speed=SPEED)
+        assert half.load == pytest.approx(whole.load, rel=1e-10)
+        assert half.friction == pytest.approx(whole.friction, rel=1e-10)
+        assert half.side_flow == pytest.approx(whole.side_flow, rel=1e-9)
+        assert half.pressure == pytest.approx(whole.pressure, rel=1e-9)
+
+
+def test_rigid_coefficients_are_derivatives() -> None:
+    """Central differences of load and moments with lift and rotations of the pad."""
+    base = replace(ENDLESS, side_condition="pressure", grid=(40, 21))
+
+    def moved(lift: float, about_x: float, about_y: float, rate: float) -> np.ndarray:
+        pad = replace(
+            base,
+            shape=lambda x, y: HEIGHT * (2.0 - x / LENGTH) + lift + about_x * y - about_y * x,
+        )
+        plane = pad.solve(speed=SPEED, squeeze_velocity=rate).plane
+        return plane.load(plane.pressure)
+
+    pad = replace(base, shape=lambda x, y: HEIGHT * (2.0 - x / LENGTH) + 0.0 * y)
+    stiffness, damping = pad.solve(speed=SPEED).plane.rigid_coefficients()
+    for k, step in enumerate((1e-11, 1e-9, 1e-9)):
+        unit = [0.0, 0.0, 0.0]
+        unit[k] = step
+        column = -(moved(*unit, 0.0) - moved(*(-u for u in unit), 0.0)) / (2.0 * step)
+        assert stiffness[:, k] == pytest.approx(column, rel=1e-5, abs=1e-6 * np.abs(column).max())
+    column = -(moved(0.0, 0.0, 0.0, 1e-7) - moved(0.0, 0.0, 0.0, -1e-7)) / 2e-7
+    assert damping[:, 0] == pytest.approx(column, rel=1e-6, abs=1e-6 * np.abs(column).max())
+
+
+def test_pressure_dependent_fluid_settles() -> None:
+    fluid = FilmFluid(VISCOSITY, pressure_viscosity=2e-8, compressible=True)
+    pad = replace(ENDLESS, inlet_height=2e-6, outlet_height=1e-6, fluid=fluid, grid=(40, 16))
+    film = replace(pad, side_condition="pressure").solve(speed=SPEED)
+    plain = replace(pad, side_condition="pressure", fluid=FilmFluid(VISCOSITY)).solve(speed=SPEED)
+    assert film.status.succeeded
+    assert film.mass_balance_error < 1e-10
+    assert film.load > 1.02 * plain.load
+
+
+def test_impossible_input_is_refused() -> None:
+    with pytest.raises(CaseError, match=r"film\.ambient_pressure"):
+        replace(ENDLESS, cavitation_pressure=2e5)
+    with pytest.raises(CaseError, match="smallest gap"):
+        replace(ENDLESS, outlet_height=-1e-6).solve(speed=SPEED)
