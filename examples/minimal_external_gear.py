@@ -8,8 +8,9 @@ two constant pressures, with one constant viscosity and a liquid without gas. Th
   the mesh each is cut off at the *throats*, the shortest distances between facing flanks.
   A throat is born at the cusp of the two tip circles when the first tooth corner passes it,
   is complete when the second corner has passed, and dies in the same way at the other cusp;
-  meanwhile its ends travel, along flank and tip circle, from the cusp to the closest points with
-  the weight w = 3 t^2 - 2 t^3 of the elapsed part t.
+  meanwhile, over the elapsed part t, its ends travel from the cusp to the closest points: an end on
+  a flank with the smooth step s(t) = 3 t^2 - 2 t^3, an end on a tip circle with s(2 t) to its
+  corner and then with s(2 t - 1) along its flank.
 * Liquid: rho = rho0 [1 + a p / (1 + b p)].
 * Mass of a chamber: d(rho V)/dt = sum of mass flows, with dV/dphi from the moving walls.
 * Every path:  dp = Q/G + rho Q |Q| / (2 (C A)^2), C = 0.7, rho and mass flow of the upstream end,
@@ -21,7 +22,8 @@ two constant pressures, with one constant viscosity and a liquid without gas. Th
   Lateral: from space to space over both faces of a tooth. Drain: from the spaces over the land
   between root and shaft, to the inlet.
 * Ports: mouth of a space on the tip circles between cusp and port edge, times the face width.
-* Relief grooves: overlap of the space's section with a rectangle in each face.
+* Relief grooves: overlap of the space's section with a rectangle in each face, in series with
+  the groove's own section, depth times the overlap's extent along y: 1/A^2 = 1/Ao^2 + 1/Ag^2.
 
 Frame: drive gear at the origin, driven gear at +y, outlet at +x. A *place* on a gear is an angle
 from the line of centres, positive in the gear's own sense of rotation, so that both gears
@@ -40,15 +42,15 @@ from scipy.optimize import brentq
 # ---------------------------------------------------------------- 1. the machine
 TEETH, MODULE, PRESSURE_ANGLE, PROFILE_SHIFT = 12, 2.75e-3, np.radians(20.0), 0.30
 DEDENDUM, TOOL_RADIUS = 1.25 * MODULE, 0.38 * MODULE
-TIP_RADIUS, WIDTH, BACKLASH = 20.186e-3, 7.5e-3, 0.02e-3
+TIP_RADIUS, WIDTH, BACKLASH = 20.186e-3, 7.5e-3, 0.20e-3
 TIP_GAP, SIDE_GAP, SHAFT_RADIUS = 20e-6, 8e-6, 9e-3
 INLET_EDGE, OUTLET_EDGE = np.radians(70.0), np.radians(55.0)
-GROOVE_EDGE, GROOVE_WIDTH, GROOVE_HALF_HEIGHT = 3.652e-3, 10e-3, 5e-3
+GROOVE_EDGE, GROOVE_WIDTH, GROOVE_HALF_HEIGHT, GROOVE_DEPTH = 3.3e-3, 10e-3, 5e-3, 1.5e-3
 RESIDUAL_GAP = 1e-6  # roughness keeps touching flanks apart
 CORNER_RADIUS = 50e-6  # edge of a tip corner at the end of a throat
 
 SPEED = 1500.0 * np.pi / 30.0
-INLET_PRESSURE, OUTLET_PRESSURE = 5e5, 100e5
+INLET_PRESSURE, OUTLET_PRESSURE = 10e5, 100e5
 VISCOSITY, DENSITY, COMPLIANCE, STIFFENING = 0.026, 841.7, 0.6e-9, 1.17e-9
 DISCHARGE, TRANSITION = 0.7, 35.0
 
@@ -163,11 +165,11 @@ def throat(place, side):
     if not appears < place < gone:
         found.ends = (cusp, cusp)
         return found
-    birth = smooth_step((place - appears) / (complete - appears))
-    found.weight = birth * (1.0 - smooth_step((place - leaves) / (gone - leaves)))
+    part = min((place - appears) / (complete - appears), (gone - place) / (gone - leaves), 1.0)
+    found.weight = smooth_step(part)
     closest, found.curve_radius = closest_points(found, side)
-    found.inward = tuple(_inward(found, g, cusp, closest[g]) for g in (0, 1))
-    found.ends = tuple(_end(found, g) for g in (0, 1))
+    found.inward = tuple(inward_end(found, part, g, cusp, closest[g]) for g in (0, 1))
+    found.ends = tuple(end_point(found, g) for g in (0, 1))
     found.gap = abs(found.ends[1] - found.ends[0])
     return found
 
@@ -185,15 +187,19 @@ def closest_points(t, side):
     return (nearest(first, second[0]), 0.0), CORNER_RADIUS
 
 
-def _inward(t, gear, cusp, closest):
-    if t.weight >= 1.0:
-        return closest
+def inward_end(t, part, gear, cusp, closest):
     excess = t.sign * t.corner[gear] - CUSP
-    outer = -excess * TIP_RADIUS if excess > 0.0 else nearest(t.curve(gear), cusp)
-    return (1.0 - t.weight) * outer + t.weight * closest
+    if part >= 1.0:
+        return closest
+    if excess > 0.0 and part < 0.5:
+        return -excess * TIP_RADIUS * (1.0 - smooth_step(2.0 * part))
+    if excess > 0.0:
+        return smooth_step(2.0 * part - 1.0) * closest
+    outer = nearest(t.curve(gear), cusp)
+    return outer + smooth_step(part) * (closest - outer)
 
 
-def _end(t, gear):
+def end_point(t, gear):
     place = t.end_place(gear)
     if place is not None:
         return point(gear, TIP_RADIUS, place)
@@ -202,32 +208,30 @@ def _end(t, gear):
 
 
 # ---------------------------------------------------------------- 4. chambers and openings
-def wall(t, gear, own):
-    """From a throat's end along its flank: to the root (own gear) or to the corner (other)."""
+def own_wall(t, gear):
+    """From a throat's end to the tip corner, where it is on the tip circle, and to the root."""
     place, curve = t.end_place(gear), t.curve(gear)
     if place is not None:
-        onto = arc(gear, place, t.corner[gear])
-        return np.concatenate([onto[:-1], curve]) if own else onto
-    inner = t.inward[gear] < ALONG
-    return np.concatenate([[t.ends[gear]], curve[inner] if own else curve[~inner][::-1]])
+        return np.concatenate([arc(gear, place, t.corner[gear])[:-1], curve])
+    return np.concatenate([[t.ends[gear]], curve[t.inward[gear] < ALONG]])
+
+
+def entering_wall(t, gear):
+    """From a throat's end along the flank to the tip circle, and the place reached there."""
+    place = t.end_place(gear)
+    if place is not None:
+        return np.array([point(gear, TIP_RADIUS, place)]), place
+    return np.append(t.ends[gear], t.curve(gear)[t.inward[gear] > ALONG][::-1]), t.corner[gear]
 
 
 def section(gear, behind, ahead):
     """Polygon of a tooth space between the throats behind and ahead of the entering tooth."""
-    other = 1 - gear
+    own = [own_wall(ahead, gear), own_wall(behind, gear)[::-1]]
     if behind.inward is None and ahead.inward is None:
         mouth = arc(gear, behind.corner[gear], ahead.corner[gear])
         return np.concatenate([ahead.curve(gear), behind.curve(gear)[::-1], mouth])
-    land = arc(other, behind.corner[other], ahead.corner[other])
-    return np.concatenate(
-        [
-            wall(ahead, gear, True),
-            wall(behind, gear, True)[::-1],
-            wall(behind, other, False),
-            land,
-            wall(ahead, other, False)[::-1],
-        ]
-    )
+    (first, start), (last, end) = (entering_wall(t, 1 - gear) for t in (behind, ahead))
+    return np.concatenate([*own, first, arc(1 - gear, start, end), last[::-1]])
 
 
 def area_of(polygon):
@@ -245,7 +249,7 @@ def clipped(polygon, origin, inward):
 
 
 def opening(polygon, sign):
-    """Area and hydraulic diameter of the overlap with the groove at sign * GROOVE_EDGE."""
+    """Area and hydraulic diameter of the opening to the groove at sign * GROOVE_EDGE."""
     middle = 0.5j * CENTRES
     for origin, inward in (
         (sign * GROOVE_EDGE, sign + 0j),
@@ -257,7 +261,9 @@ def opening(polygon, sign):
         if polygon.size < 3:
             return 0.0, 0.0
     area = area_of(polygon)
-    return area, 4.0 * area / np.sum(abs(np.roll(polygon, -1) - polygon))
+    channel = GROOVE_DEPTH * np.ptp(polygon.imag)
+    diameter = 4.0 * area / np.sum(abs(np.roll(polygon, -1) - polygon))
+    return area * channel / max(np.hypot(area, channel), 1e-30), diameter
 
 
 def overlap(start, end, low, high):
@@ -348,13 +354,13 @@ def density_slope(p):
 
 
 def path_flow(p_a, p_b, conductance, area, drag=0.0):
-    """Volume flow and mass flow from a to b."""
+    """Mass flow from a to b."""
     rho_a, rho_b = density(p_a), density(p_b)
     drop = p_a - p_b
     ratio = conductance / (DISCHARGE * np.maximum(area, 1e-30))
     root = np.sqrt(1.0 + 2.0 * np.where(drop >= 0, rho_a, rho_b) * ratio**2 * abs(drop))
     volume_flow = 2.0 * conductance * drop / (1.0 + root) + drag
-    return volume_flow, volume_flow * np.where(volume_flow > 0, rho_a, rho_b)
+    return volume_flow * np.where(volume_flow > 0, rho_a, rho_b)
 
 
 def orifice(p_a, p_b, area, diameter):
@@ -380,7 +386,7 @@ class Pump:
 
     def __init__(self, nodes=2880):
         places, volume, ports, grooves = tabulate(nodes)
-        spline = CubicSpline(places, _closed(volume), axis=1, bc_type="periodic")
+        spline = CubicSpline(places, closed(volume), axis=1, bc_type="periodic")
         diameter = 2 * WIDTH * ports / (WIDTH + ports)
         rows = [volume, spline(places, 1), WIDTH * ports, diameter, grooves[0], grooves[1]]
         self.spaces = np.concatenate([r.reshape(2, -1, places.size) for r in rows], axis=1)
@@ -403,51 +409,66 @@ class Pump:
         return table[:, k] * (1 - t) + table[:, k + 1] * t
 
     def flows(self, angle, p):
-        """Rates of all chambers: mass flows into them by path, volumes, torque on the shaft."""
+        """Mass flows into all chambers by path, volumes, and the torque on the shaft.
+
+        Further axes may stand in front of the two axes of the pressures.
+        """
         places = self.places(angle)
         rows = np.array([self.look_up(self.spaces[g], places[g]) for g in (0, 1)])
         volume, slope = rows[:, 0], rows[:, 1]
-        result = {"volume": volume, "slope": slope}
-        ports = {}
+        ports = []
         for port, pressure in enumerate((INLET_PRESSURE, OUTLET_PRESSURE)):
-            _, mouth_flow = orifice(p, pressure, rows[:, 2 + port], rows[:, 4 + port])
-            _, groove_flow = orifice(p, pressure, rows[:, 6 + port], rows[:, 8 + port])
-            ports["inlet" if port == 0 else "outlet"] = mouth_flow + 2.0 * groove_flow
-        behind = np.roll(p, -1, axis=1)  # the space behind each tooth; the tooth is behind space k
-        cover = bore_cover(places - PITCH / 2)
-        tip_width, tip_length = WIDTH * cover, 2 * TIP_HALF * TIP_RADIUS
+            mouth_flow = orifice(p, pressure, rows[:, 2 + port], rows[:, 4 + port])
+            ports.append(
+                mouth_flow + 2 * orifice(p, pressure, rows[:, 6 + port], rows[:, 8 + port])
+            )
+        behind = np.roll(p, -1, axis=-1)  # behind the tooth that follows each space
+        tip_width, tip_length = WIDTH * bore_cover(places - PITCH / 2), 2 * TIP_HALF * TIP_RADIUS
         tip_speed = 0.5 * SPEED * TIP_RADIUS
-        _, tip = parallel_gap(behind, p, TIP_GAP, tip_width, tip_length, tip_speed)
+        tip = parallel_gap(behind, p, TIP_GAP, tip_width, tip_length, tip_speed)
         side_speed = 0.5 * SPEED * self.middle_radius
         side = (SIDE_GAP, self.tooth_height, self.tooth_thickness, side_speed)
-        lateral = 2.0 * parallel_gap(behind, p, *side)[1]
+        lateral = 2 * parallel_gap(behind, p, *side)
         land = 0.5 * (SHAFT_RADIUS + ROOT_RADIUS)
         land_length = land * np.log(ROOT_RADIUS / SHAFT_RADIUS)
-        drain = 2.0 * parallel_gap(p, INLET_PRESSURE, SIDE_GAP, PITCH * land, land_length, 0.0)[1]
-        flank, flank_drag = np.zeros((2, TEETH)), 0.0
-        for row, shift in ((0, 0), (1, 1)):  # throats behind, ahead: to driven space k, k - 1
-            gap, width, radius, drag = self.look_up(self.throats[row], places[0])
-            height = np.maximum(gap, RESIDUAL_GAP)
-            other = np.roll(p[1], shift)
-            _, flow = curved_gap(p[0], other, height, width, radius, drag * SPEED)
-            flank[0] -= flow
-            flank[1] += np.roll(flow, -shift)
-            flank_drag += np.sum(width * height * drag * (other - p[0]))
-        along = (tip + lateral) - np.roll(tip + lateral, 1, axis=1)
-        result["into"] = along + flank - drain - ports["inlet"] - ports["outlet"]
-        result |= {"tip": tip, "lateral": lateral, "drain": drain, "ports": ports}
-        wall = tip_width * TIP_GAP * tip_speed / SPEED + 2 * SIDE_GAP * side[1] * side_speed / SPEED
+        drain = 2 * parallel_gap(p, INLET_PRESSURE, SIDE_GAP, PITCH * land, land_length, 0.0)
+        flank, flank_drag = self.flank_flows(places[0], p)
+        along = (tip + lateral) - np.roll(tip + lateral, 1, axis=-1)
+        wall = tip_width * TIP_GAP * tip_speed + 2 * SIDE_GAP * self.tooth_height * side_speed
         shear = VISCOSITY * SPEED * TIP_RADIUS**2 * tip_width * tip_length / TIP_GAP
-        result["torque"] = np.sum(-p * slope + wall * (p - behind) + shear) + flank_drag
-        return result
+        torque = np.sum(-p * slope + wall / SPEED * (p - behind) + shear, axis=(-2, -1))
+        return {
+            "into": along + flank - drain - ports[0] - ports[1],
+            "volume": volume,
+            "slope": slope,
+            "inlet": ports[0],
+            "outlet": ports[1],
+            "tip": tip,
+            "lateral": lateral,
+            "drain": drain,
+            "torque": torque + flank_drag,
+        }
+
+    def flank_flows(self, places, p):
+        """Mass flows into all chambers through the throats, and torque of the drag in them."""
+        flank, torque = np.zeros(p.shape), 0.0
+        for row, shift in ((0, 0), (1, 1)):  # throats behind, ahead: to driven space k, k - 1
+            gap, width, radius, drag = self.look_up(self.throats[row], places)
+            height = np.maximum(gap, RESIDUAL_GAP)
+            drive, driven = p[..., 0, :], np.roll(p[..., 1, :], shift, axis=-1)
+            flow = curved_gap(drive, driven, height, width, radius, drag * SPEED)
+            flank[..., 0, :] -= flow
+            flank[..., 1, :] += np.roll(flow, -shift, axis=-1)
+            torque = torque + np.sum(width * height * drag * (driven - drive), axis=-1)
+        return flank, torque
 
     def pressure_rate(self, time, state):
-        p = state.reshape(2, TEETH)
+        p = state.T.reshape(-1, 2, TEETH)
         now = self.flows(SPEED * time, p)
         rate = now["into"] - density(p) * SPEED * now["slope"]
-        return (rate / (now["volume"] * density_slope(p))).ravel()
+        return (rate / (now["volume"] * density_slope(p))).reshape(-1, 2 * TEETH).T
 
-    def cyclic_pitch(self, samples=180, tolerance=1e-6):
+    def cyclic_pitch(self, samples=180, tolerance=1e-5):
         """March pitch by pitch until the pressures repeat with the chambers moved on by one."""
         place = np.mod(self.places(0.0), 2 * np.pi)
         state = np.where(place > np.pi, OUTLET_PRESSURE, INLET_PRESSURE).astype(float)
@@ -455,8 +476,8 @@ class Pump:
         times = np.linspace(0.0, period, samples + 1)
         for _ in range(100):
             run = solve_ivp(
-                self.pressure_rate, (0, period), state.ravel(), "LSODA", times,
-                rtol=1e-7, atol=10.0,
+                self.pressure_rate, (0, period), state.ravel(), "BDF", times,
+                vectorized=True, rtol=1e-6, atol=100.0,
             )  # fmt: skip
             pressures = run.y.T.reshape(-1, 2, TEETH)
             after = np.roll(pressures[-1], -1, axis=1)  # space k + 1 stands where space k stood
@@ -467,7 +488,7 @@ class Pump:
         raise RuntimeError(f"not cyclic: pressures still change by {change:.1e}")
 
 
-def _closed(values):
+def closed(values):
     values[:, -1] = values[:, 0]
     return values
 
@@ -476,26 +497,19 @@ def _closed(values):
 def summary(pump, angles, pressures):
     """Mean mass flows, torque and efficiencies over one pitch."""
     rows = [pump.flows(a, p) for a, p in zip(angles[:-1], pressures[:-1], strict=True)]
-
-    def mean(pick):
-        return float(np.mean([pick(row) for row in rows]))
-
-    outlet = mean(lambda r: r["ports"]["outlet"].sum())
-    inlet = -mean(lambda r: r["ports"]["inlet"].sum()) - mean(lambda r: r["drain"].sum())
-    torque = mean(lambda r: r["torque"])
-    base_pitch = PITCH * BASE
-    swept = TIP_RADIUS**2 - CENTRES**2 / 4 - base_pitch**2 / 12
-    displacement = WIDTH * swept  # m3/rad
+    mean = {name: float(np.mean([np.sum(row[name]) for row in rows])) for name in rows[0]}
+    outlet = mean["outlet"]
+    swept = TIP_RADIUS**2 - CENTRES**2 / 4 - (PITCH * BASE) ** 2 / 12
     hydraulic = (OUTLET_PRESSURE - INLET_PRESSURE) * outlet / density(OUTLET_PRESSURE)
     return {
-        "displacement_cm3_per_rev": displacement * 2 * np.pi * 1e6,
+        "displacement_cm3_per_rev": WIDTH * swept * 2 * np.pi * 1e6,
         "outlet_mass_flow_kg_per_s": outlet,
-        "inlet_mass_flow_kg_per_s": inlet,
+        "inlet_mass_flow_kg_per_s": -mean["inlet"] - mean["drain"],
         "mean_flow_L_per_min": outlet / density(OUTLET_PRESSURE) * 6e4,
-        "drain_L_per_min": mean(lambda r: r["drain"].sum()) / density(INLET_PRESSURE) * 6e4,
-        "mean_torque_N_m": torque,
-        "volumetric_efficiency": outlet / (density(INLET_PRESSURE) * displacement * SPEED),
-        "overall_efficiency": hydraulic / (torque * SPEED),
+        "drain_L_per_min": mean["drain"] / density(INLET_PRESSURE) * 6e4,
+        "mean_torque_N_m": mean["torque"],
+        "volumetric_efficiency": outlet / (density(INLET_PRESSURE) * WIDTH * swept * SPEED),
+        "overall_efficiency": hydraulic / (mean["torque"] * SPEED),
         "max_chamber_pressure_bar": float(pressures.max()) / 1e5,
         "min_chamber_pressure_bar": float(pressures.min()) / 1e5,
     }
