@@ -95,6 +95,23 @@ def test_single_pitch():
         gear_profile_from_tooth(turned, 13)
 
 
+@pytest.mark.parametrize("inner", ["open", "centre", "arc"])
+def test_closed_curve_of_one_tooth(inner):
+    profile = generate_profile(MOTOR)
+    pitch = profile.closed_polygon(2.5)[:201]
+    closing = {
+        "open": np.zeros((0, 2)),
+        "centre": np.zeros((1, 2)),
+        "arc": 0.5 * pitch[[-1, 100, 0]] / np.hypot(*pitch[[-1, 100, 0]].T)[:, None] * 0.02,
+    }[inner]
+    found = gear_profile_from_curve(np.vstack([pitch, closing])[::-1], tooth_count=12)
+    assert found.profile.area == pytest.approx(profile.area, rel=1e-4)
+    assert found.profile.tip_radius == pytest.approx(profile.tip_radius, abs=1e-8)
+    assert found.phase == pytest.approx(2.5 % profile.pitch_angle, abs=1e-6)
+    with pytest.raises(GeometryError, match="profile: found"):
+        gear_profile_from_curve(np.vstack([pitch, closing]), tooth_count=15)
+
+
 def test_flank_that_is_no_involute_has_no_base_circle():
     angle = 2.0 * np.pi * np.arange(4000) / 4000
     radius = 20e-3 + 2e-3 * np.tanh(6.0 * np.cos(9 * angle)) / np.tanh(6.0)

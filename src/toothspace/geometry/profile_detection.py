@@ -11,7 +11,7 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial import KDTree
 
 from toothspace.core.errors import GeometryError
-from toothspace.core.types import Array
+from toothspace.core.types import Array, BoolArray
 from toothspace.geometry.curve import (
     arc_lengths,
     counter_clockwise,
@@ -61,9 +61,12 @@ class DetectedGear:
 
 
 def gear_profile_from_curve(
-    points: Array, points_per_tooth: int = 200, key: str = "profile"
+    points: Array,
+    points_per_tooth: int = 200,
+    key: str = "profile",
+    tooth_count: int | None = None,
 ) -> DetectedGear:
-    r"""Gear in a closed outline of all its teeth.
+    r"""Gear in a closed outline of all its teeth, or of one pitch if the tooth count is given.
 
     Parameters
     ----------
@@ -73,6 +76,9 @@ def gear_profile_from_curve(
         Number of intervals of the resulting pitch, even, at least 40.
     key : str
         Name of the outline for error messages.
+    tooth_count : int or None
+        Needed for an outline of a single pitch, root middle to root middle with the gear centre at
+        the origin and any connection inside the root; not used for a whole gear.
 
     Returns
     -------
@@ -91,24 +97,27 @@ def gear_profile_from_curve(
     teeth whose radius is not a function of the angle; its argument gives the phase. The centre
     starts at the centroid and is shifted until the mean of the opposing deviations vanishes.
     """
-    outline = _smooth_outline(checked_polygon(points, key))
+    checked = checked_polygon(points, key)
+    if tooth_count is not None and _polar_span(checked) < 1.5 * 2.0 * np.pi / tooth_count:
+        return _single_pitch(checked, tooth_count, points_per_tooth, key)
+    outline = _smooth_outline(checked)
     center = _centroid(outline)
-    tooth_count = _tooth_count(outline - center, key)
+    teeth_found = _tooth_count(outline - center, key)
     for _ in range(_CENTER_STEPS):
-        phase = _phase(outline - center, tooth_count)
-        teeth = _teeth_in_sections(outline - center, tooth_count, phase, key)
+        phase = _phase(outline - center, teeth_found)
+        teeth = _teeth_in_sections(outline - center, teeth_found, phase, key)
         shift = _center_shift(teeth, phase)
         center = center + shift
         if np.hypot(*shift) < _CENTER_TOLERANCE:
             break
     median = np.median(teeth, axis=0)
     turn = _flank_symmetry(median)
-    profile = _profile_from_tooth(_turned(median, -turn), tooth_count, points_per_tooth)
+    profile = _profile_from_tooth(_turned(median, -turn), teeth_found, points_per_tooth)
     return DetectedGear(
         profile=profile,
         center=(float(center[0]), float(center[1])),
-        phase=float((phase + turn) % (2.0 * np.pi / tooth_count)),
-        tooth_count=tooth_count,
+        phase=float((phase + turn) % (2.0 * np.pi / teeth_found)),
+        tooth_count=teeth_found,
         tooth_deviation=_tooth_deviations(teeth, median),
     )
 
@@ -149,25 +158,59 @@ def gear_profile_from_tooth(
             f"{radius[0] * 1e3:.4g} and {radius[-1] * 1e3:.4g} mm, allowed one pitch of "
             f"{np.rad2deg(pitch):.4g} deg between equal radii"
         )
-    dense = _dense(ordered)
-    centered = _turned(dense, -0.5 * (angle[0] + angle[-1]))
+    centered = _turned(_smooth_open(ordered), -0.5 * (angle[0] + angle[-1]))
     tooth = _in_sections(centered, _tip_tolerance(centered))
     return _profile_from_tooth(_turned(tooth, -_flank_symmetry(tooth)), tooth_count,
                                points_per_tooth)  # fmt: skip
 
 
+def _polar_span(points: Array) -> float:
+    radius = np.hypot(points[:, 0], points[:, 1])
+    outer = points[radius > 1e-6 * radius.max()]
+    angle = np.sort(np.arctan2(outer[:, 1], outer[:, 0]))
+    gaps = np.diff(np.append(angle, angle[0] + 2.0 * np.pi))
+    return float(2.0 * np.pi - gaps.max())
+
+
+def _single_pitch(points: Array, tooth_count: int, points_per_tooth: int, key: str) -> DetectedGear:
+    # the outer side of a counter-clockwise curve runs from the smallest to the largest angle
+    radius = np.hypot(points[:, 0], points[:, 1])
+    outer = points[radius > 1e-6 * radius.max()]
+    toward = float(np.arctan2(outer[:, 1].mean(), outer[:, 0].mean()))
+    turned = _turned(outer, -toward)
+    radius, angle = np.hypot(turned[:, 0], turned[:, 1]), np.arctan2(turned[:, 1], turned[:, 0])
+    first = int(np.argmax(np.where(angle < angle.min() + 1e-6, radius, 0.0)))
+    last = int(np.argmax(np.where(angle > angle.max() - 1e-6, radius, 0.0)))
+    path = np.roll(turned, -first, axis=0)[: (last - first) % len(turned) + 1]
+    return DetectedGear(
+        profile=gear_profile_from_tooth(path, tooth_count, points_per_tooth, key),
+        center=(0.0, 0.0),
+        phase=(toward + 0.5 * (angle[first] + angle[last])) % (2.0 * np.pi / tooth_count),
+        tooth_count=tooth_count,
+        tooth_deviation=np.zeros(1),
+    )
+
+
 def _smooth_outline(points: Array) -> Array:
-    # cubic splines between corners; the cut is a corner or, without any, an ordinary point
-    step = np.roll(points, -1, axis=0) - points
+    # the closed curve is cut at a corner or, without any, at an ordinary point
+    corners = np.flatnonzero(_bends(np.vstack([points[-1:], points, points[:1]])))
+    rolled = np.roll(points, -int(corners[0]) if len(corners) else 0, axis=0)
+    return _smooth_open(np.vstack([rolled, rolled[:1]]))[:-1]
+
+
+def _smooth_open(points: Array) -> Array:
+    # cubic splines between corners
+    cuts = [0, *(np.flatnonzero(_bends(points)) + 1), len(points) - 1]
+    pieces = [_dense(points[a : b + 1])[:-1] for a, b in pairwise(cuts)]
+    return np.vstack([*pieces, points[-1:]])
+
+
+def _bends(points: Array) -> BoolArray:
+    # whether the polyline has a corner at each inner point
+    step = np.diff(points, axis=0)
     heading = np.arctan2(step[:, 1], step[:, 0])
-    bend = (heading - np.roll(heading, 1) + np.pi) % (2.0 * np.pi) - np.pi
-    corners = np.flatnonzero(np.abs(bend) > _CORNER_ANGLE)
-    start = int(corners[0]) if len(corners) else 0
-    rolled = np.roll(points, -start, axis=0)
-    cuts = np.unique(np.concatenate([[0], corners - start, [len(points)]]))
-    closed = np.vstack([rolled, rolled[:1]])
-    pieces = [_dense(closed[a : b + 1])[:-1] for a, b in pairwise(cuts)]
-    return np.vstack(pieces)
+    bend = (np.diff(heading) + np.pi) % (2.0 * np.pi) - np.pi
+    return np.abs(bend) > _CORNER_ANGLE
 
 
 def _dense(points: Array) -> Array:
