@@ -97,6 +97,18 @@ def report(
 
 
 @application.command()
+def bearing(case: CaseFile, as_json: Json = False, overrides: Overrides = None) -> int:
+    """Solve a stand-alone journal bearing."""
+    return commands.stand_alone_film(case, "bearing", overrides or [], as_json=as_json)
+
+
+@application.command()
+def film(case: CaseFile, as_json: Json = False, overrides: Overrides = None) -> int:
+    """Solve a stand-alone film, as a pad or slider."""
+    return commands.stand_alone_film(case, "film", overrides or [], as_json=as_json)
+
+
+@application.command()
 def schema() -> int:
     """Print the JSON Schema of the case file."""
     return commands.schema()

@@ -105,6 +105,21 @@ def report(result: Path, page: Path | None) -> int:
     return 0
 
 
+def stand_alone_film(
+    case_file: Path, table: str, overrides: Sequence[str], *, as_json: bool
+) -> int:
+    """Solve the table ``bearing`` or ``film`` of a case; returns the exit code."""
+    case = _load(case_file, overrides)
+    if getattr(case, table) is None:
+        raise CaseError(f"{case_file}: found no table [{table}], allowed are cases with one")
+    from toothspace import films
+
+    with _file_named(case_file):
+        summary = (films.solve_bearing if table == "bearing" else films.solve_film)(case)
+    output.write(summary, as_json=as_json)
+    return 0 if summary["status"] == Status.DONE.name.lower() else _NUMERICAL_FAILURE
+
+
 def schema() -> int:
     """Print the JSON Schema of the case file; returns the exit code."""
     from toothspace.config.json_schema import case_schema

@@ -112,6 +112,8 @@ def _case(tables: dict[str, Any], overrides: tuple[str, ...], source: Path, labe
 
 def _read_tables(reader: Reader, tables: dict[str, Any]) -> dict[str, Any]:
     reader.refuse_unknown(tables, list(TOP_LEVEL), "")
+    if "bearing" in tables or "film" in tables:
+        tables = {"title": next(iter({"bearing", "film"} & tables.keys())), **tables}
     for name in ("schema", "title"):
         if name not in tables:
             example = f"{SCHEMA_VERSION}" if name == "schema" else "a text that is not empty"

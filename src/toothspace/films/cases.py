@@ -12,6 +12,7 @@ from toothspace.films.journal_bearing import JournalBearing, JournalBearingSolut
 from toothspace.films.journal_film import Groove
 from toothspace.films.pad import Pad, PadSolution, Pocket
 from toothspace.films.plane_film import FilmFluid
+from toothspace.model.fluid import LiquidState, library_liquid, table_liquid
 
 _LITRES_PER_MINUTE = 6e4
 _PASCAL_PER_BAR = 1e5
@@ -155,7 +156,15 @@ def _bearing(keys: Any, dynamic_viscosity: float) -> JournalBearing:
 
 
 def _viscosity(case: Any, keys: Any) -> float:
-    """Dynamic viscosity of a film table, or of the fluid of the case. [Pa s]."""
+    """Dynamic viscosity of a film table, or of the fluid of the case at its temperature. [Pa s]."""
     if keys.dynamic_viscosity is not None:
         return float(keys.dynamic_viscosity)
-    raise CaseError("dynamic_viscosity: found nothing, allowed are a viscosity such as '0.01 Pa s'")
+    if case.fluid is None:
+        raise CaseError("dynamic_viscosity: found nothing, allowed are a viscosity or a [fluid]")
+    return _liquid(case).dynamic_viscosity
+
+
+def _liquid(case: Any) -> LiquidState:
+    if case.fluid.table is not None:
+        return table_liquid(case.fluid.table, case.fluid.temperature)
+    return library_liquid(case.fluid.name, case.fluid.temperature)
