@@ -175,7 +175,7 @@ def ideal_flow(assembly: Assembly, angles: Array) -> Array:
     return np.asarray(0.5 * assembly.face_width * (near + assembly.mesh.ratio * far), dtype=float)
 
 
-def flow_over_pitch(assembly: Assembly, samples: int = 240) -> Array:
+def flow_over_pitch(assembly: Assembly, samples: int = 1200) -> Array:
     """Ideal single-flank flow over one pitch: the contact nearest to the pitch point seals."""
     pitch = 2.0 * assembly.mesh.half_pitch
     steps = pitch * np.arange(samples) / samples

@@ -6,6 +6,7 @@ import numpy as np
 
 from toothspace.core.types import Array, IntArray
 from toothspace.machines.external_gear.assembly import Assembly, driven_lever, node_places
+from toothspace.machines.external_gear.casing import bore
 from toothspace.machines.external_gear.chambers import Spaces
 from toothspace.machines.external_gear.mesh_split import Throats
 from toothspace.machines.external_gear.numbering import FULL_TURN, Numbering
@@ -120,7 +121,7 @@ def tip_path(assembly: Assembly, numbering: Numbering, gear: int, nodes: int) ->
     places = node_places(nodes)
     width = (assembly.spec.drive, assembly.spec.driven)[gear].face_width
     geometry = np.empty((nodes, 3))
-    geometry[:, 0] = assembly.spec.casing.radial_clearance
+    geometry[:, 0] = bore(assembly, gear).clearance_at(places)
     geometry[:, 1] = width * bore_cover(assembly, gear, places)
     geometry[:, 2] = tooth.land_angle * tooth.tip_radius
     speed = tooth.tip_radius * numbering.ratios[gear]
@@ -146,7 +147,7 @@ def bore_cover(assembly: Assembly, gear: int, places: Array) -> Array:
     It is 1 from the moment the leading tip corner leaves the inlet until the trailing corner
     reaches the outlet, and rises and falls outside over the angle of the tip land.
     """
-    tooth, casing = assembly.teeth[gear], assembly.spec.casing
+    tooth, casing = assembly.teeth[gear], bore(assembly, gear)
     land = max(tooth.land_angle, np.deg2rad(0.5))
     ahead, behind = tooth.left.corner_angle, -tooth.right.corner_angle
     if gear == 1:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from toothspace.core.types import Array
 from toothspace.machines.external_gear.assembly import Assembly
+from toothspace.machines.external_gear.casing import bore
 from toothspace.machines.external_gear.chambers import Spaces
 from toothspace.machines.external_gear.loads import groove_polygons
 from toothspace.machines.external_gear.mesh_split import Throats
@@ -31,7 +32,7 @@ def port_lengths(assembly: Assembly, spaces: Spaces) -> tuple[Array, Array]:
     tuple of ndarray
         Arc length on the tip circles between lens and port edge, to inlet and outlet. [m]
     """
-    casing, tip = assembly.spec.casing, spaces.own.tip_radius
+    casing, tip = bore(assembly, 0 if spaces.is_drive else 1), spaces.own.tip_radius
     lens = _lens(spaces, own=True)
     # the left flank of a drive space is on the tooth behind, that of a driven space ahead
     sides = (spaces.left, spaces.right) if spaces.is_drive else (spaces.right, spaces.left)

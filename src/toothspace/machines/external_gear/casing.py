@@ -1,0 +1,96 @@
+"""The bore round each gear: where it seals, how far away it is, where the ports begin."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+import shapely
+
+from toothspace.core.errors import GeometryError
+from toothspace.core.types import Array
+from toothspace.machines.external_gear.assembly import Assembly
+
+_RAYS = 1440
+_SEALING_CLEARANCES = 3.0
+
+
+@final
+@dataclass(frozen=True)
+class Bore:
+    """Casing as one gear sees it.
+
+    Parameters
+    ----------
+    inlet_angle, outlet_angle : float
+        From the mesh side of the centre line to the port edge along the bore. [rad]
+    places : ndarray
+        Even places round the gear from the centre line in the sense of rotation, 0 to 2 pi. [rad]
+    clearance : ndarray
+        Distance from the tip circle to the bore at the places. [m]
+    """
+
+    inlet_angle: float
+    outlet_angle: float
+    places: Array
+    clearance: Array
+
+    def clearance_at(self, places: Array) -> Array:
+        """Clearance at places of any turn. [m]."""
+        turn = 2.0 * np.pi
+        return np.asarray(np.interp(places, self.places, self.clearance, period=turn), dtype=float)
+
+
+def bore(assembly: Assembly, gear: int) -> Bore:
+    """Bore round the drive gear (0) or the driven gear (1).
+
+    Parameters
+    ----------
+    assembly : Assembly
+        Gears in mesh and casing.
+    gear : int
+        Which gear.
+
+    Returns
+    -------
+    Bore
+        From clearance and angles, or from the contour where one is given: the bore reaches from
+        the point opposite to the mesh as far as the contour stays within three clearances of
+        the tip circle.
+
+    Raises
+    ------
+    GeometryError
+        If a contour does not surround the gear or leaves no sealing bore.
+    """
+    casing = assembly.spec.casing
+    places = 2.0 * np.pi * np.arange(_RAYS) / _RAYS
+    if casing.contour is None:
+        clearance = np.full(_RAYS, casing.radial_clearance)
+        return Bore(casing.inlet_angle, casing.outlet_angle, places, clearance)
+    clearance = _contour_clearance(assembly, gear, casing.contour, places)
+    limit = _SEALING_CLEARANCES * casing.radial_clearance
+    if clearance.min() <= 0.0 or clearance[_RAYS // 2] > limit:
+        raise GeometryError(
+            f"machine.casing.contour: found {clearance.min() * 1e6:.4g} um from the tip circle and "
+            f"{clearance[_RAYS // 2] * 1e6:.4g} um opposite to the mesh, allowed above 0 um and "
+            f"up to {limit * 1e6:.4g} um"
+        )
+    open_places = places[clearance > limit]
+    before = open_places[open_places < np.pi].max(initial=0.0)
+    after = open_places[open_places > np.pi].min(initial=2.0 * np.pi)
+    return Bore(float(before), float(2.0 * np.pi - after), places, np.minimum(clearance, limit))
+
+
+def _contour_clearance(assembly: Assembly, gear: int, contour: Array, places: Array) -> Array:
+    center = np.array([0.0, 0.0 if gear == 0 else assembly.mesh.center_distance])
+    rise = np.cos(places) if gear == 0 else -np.cos(places)
+    directions = np.column_stack([-np.sin(places), rise])
+    reach = 2.0 * float(np.max(np.hypot(*(contour - center).T)))
+    ends = np.stack([np.broadcast_to(center, directions.shape), center + reach * directions], 1)
+    ring = shapely.LinearRing(contour)
+    hits = shapely.intersection(shapely.linestrings(ends), ring)
+    # a ray that misses the contour counts as touching
+    distance = np.nan_to_num(shapely.distance(hits, shapely.Point(*center)))
+    return np.asarray(distance - assembly.teeth[gear].tip_radius, dtype=float)
