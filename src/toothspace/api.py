@@ -6,10 +6,10 @@ import platform
 import time
 from collections.abc import Callable, Iterable
 from dataclasses import replace
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-import numba
 import numpy as np
 
 import toothspace
@@ -128,10 +128,11 @@ def provenance_of(case: Case) -> dict[str, str]:
         "package_version": toothspace.__version__,
         "case_toml": case.to_toml(),
         "case_hash": case.hash,
+        "case_file": str(case.source or ""),
         "preset": case.run.fidelity,
         "overrides": "\n".join(case.overrides),
         "python_version": platform.python_version(),
-        "numba_version": numba.__version__,
+        "numba_version": version("numba"),
         "numpy_version": np.__version__,
     }
 
@@ -248,6 +249,9 @@ def _fluid_at(case: Case, temperature: float) -> FluidLaw:
         choice.free_air_fraction,
         choice.dissolved_air_fraction,
         choice.gas_law,
+        choice.saturation_pressure,
+        choice.release_time,
+        choice.absorption_time,
     )
 
 

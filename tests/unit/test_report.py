@@ -9,9 +9,11 @@ from pathlib import Path
 import pytest
 
 from tests.fake_solution import fake_description, fake_solution
+from toothspace.api import describe, load_case
 from toothspace.core.status import Status
 from toothspace.plotting.catalogue import FIGURES
 from toothspace.report import report_html, write_report
+from toothspace.report.machine import machine_of
 from toothspace.report.verdict import verdict, warnings_of
 from toothspace.report.wording import format_value, quantity
 from toothspace.results.io import load_solution
@@ -102,6 +104,25 @@ def test_report_without_machine_and_after_reading_back(tmp_path: Path) -> None:
     text = path.read_text(encoding="utf-8")
     assert 'id="figure_ripple"' in text
     assert 'id="machine"' not in text
+    assert "The machine could not be rebuilt" in text
+
+
+def test_machine_is_rebuilt_from_the_case_in_the_result(repository: Path) -> None:
+    case = load_case(repository / "cases" / "egm12_motor.toml")
+    provenance = {"case_toml": case.to_toml(), "case_hash": case.hash, "case_file": "elsewhere"}
+    solution = replace(fake_solution(), provenance=provenance)
+    description, reason = machine_of(solution)
+    assert reason == ""
+    assert description is not None
+    assert description.displacement == describe(case).displacement
+
+
+def test_machine_is_not_rebuilt_from_changed_files(repository: Path) -> None:
+    case = load_case(repository / "cases" / "egm12_motor.toml")
+    provenance = {"case_toml": case.to_toml(), "case_hash": "other"}
+    description, reason = machine_of(replace(fake_solution(), provenance=provenance))
+    assert description is None
+    assert "have changed since the run" in reason
 
 
 def test_verdict_names_work_efficiency_and_largest_loss() -> None:

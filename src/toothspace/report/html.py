@@ -10,6 +10,7 @@ from toothspace.model.description import MachineDescription
 from toothspace.plotting.catalogue import available_figures
 from toothspace.plotting.style import figure_to_svg
 from toothspace.report import charts
+from toothspace.report.machine import machine_of
 from toothspace.report.verdict import verdict, warnings_of
 from toothspace.report.wording import Quantity, format_value, quantity
 from toothspace.results.ledger import NOTE_ENTRIES, power_ledger
@@ -51,7 +52,8 @@ def write_report(
     path : str or Path
         HTML file to write.
     description : MachineDescription, optional
-        The machine, for its section, design rules, volumes and openings.
+        The machine, for its section, design rules, volumes and openings; rebuilt from the
+        case in the result if it is not given.
 
     Returns
     -------
@@ -60,11 +62,16 @@ def write_report(
     """
     target = Path(path)
     target.parent.mkdir(parents=True, exist_ok=True)
-    target.write_text(report_html(solution, description), encoding="utf-8")
+    note = ""
+    if description is None:
+        description, note = machine_of(solution)
+    target.write_text(report_html(solution, description, note), encoding="utf-8")
     return target
 
 
-def report_html(solution: Solution, description: MachineDescription | None = None) -> str:
+def report_html(
+    solution: Solution, description: MachineDescription | None = None, note: str = ""
+) -> str:
     """Return the report of a result as HTML text.
 
     Parameters
@@ -73,6 +80,8 @@ def report_html(solution: Solution, description: MachineDescription | None = Non
         Result, complete or not.
     description : MachineDescription, optional
         The machine that it belongs to.
+    note : str, optional
+        A further warning.
     """
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
     from plotly.offline import get_plotlyjs
@@ -92,7 +101,7 @@ def report_html(solution: Solution, description: MachineDescription | None = Non
         **_numbers(solution),
         **_machine(solution, description),
         **_background(solution),
-        warnings=warnings_of(solution, description),
+        warnings=[*warnings_of(solution, description), *([note] if note else [])],
     )
 
 

@@ -1,0 +1,44 @@
+"""The machine of a result, rebuilt from the case that the result carries."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from toothspace.core.errors import CaseError
+from toothspace.model.description import MachineDescription
+from toothspace.results.solution import Solution
+
+NOT_REBUILT = (
+    "The machine could not be rebuilt from the case in the result, so its section and design "
+    "rules are missing: "
+)
+
+
+def machine_of(solution: Solution) -> tuple[MachineDescription | None, str]:
+    """Describe the machine of a result.
+
+    Parameters
+    ----------
+    solution : Solution
+        Result with ``case_toml``, ``case_hash`` and ``case_file`` in its provenance; profile
+        files are looked for beside the case file.
+
+    Returns
+    -------
+    MachineDescription or None
+        None if it cannot be rebuilt, for example because a profile file is gone.
+    str
+        Why not; empty if it was.
+    """
+    from toothspace import api
+    from toothspace.config import case_from_text
+
+    provenance = solution.provenance
+    folder = Path(provenance.get("case_file", "")).parent
+    try:
+        case = case_from_text(provenance.get("case_toml", ""), folder)
+        if case.hash != provenance.get("case_hash", case.hash):
+            return None, NOT_REBUILT + "files that the case names have changed since the run."
+        return api.describe(case), ""
+    except CaseError as error:
+        return None, f"{NOT_REBUILT}{error}"
