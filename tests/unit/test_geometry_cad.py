@@ -182,6 +182,21 @@ def test_plane_of_step(tmp_path):
         load_closed_curves(tmp_path / "gear.step", plane_z=9e-3)
 
 
+def test_step_solid_that_is_no_prism_is_cut(tmp_path):
+    from OCP.BRepPrimAPI import BRepPrimAPI_MakeCone
+    from OCP.STEPControl import STEPControl_StepModelType, STEPControl_Writer
+
+    writer = STEPControl_Writer()
+    writer.Transfer(
+        BRepPrimAPI_MakeCone(10.0, 5.0, 20.0).Shape(), STEPControl_StepModelType.STEPControl_AsIs
+    )
+    writer.Write(str(tmp_path / "cone.step"))
+    (middle,) = load_closed_curves(tmp_path / "cone.step")
+    assert np.hypot(*middle.T) == pytest.approx(7.5e-3, rel=1e-6)
+    (upper,) = load_closed_curves(tmp_path / "cone.step", plane_z=15e-3)
+    assert np.hypot(*upper.T) == pytest.approx(6.25e-3, rel=1e-6)
+
+
 WRONG_FILES = {
     "empty.txt": ("", "empty file"),
     "words.txt": ("alpha beta\ngamma delta\n", "no line with 2 or 3 numbers"),

@@ -300,7 +300,8 @@ def _between(outline: Array, angle: Array, start: float, span: float, key: str) 
     last = last if last > first else len(angle) - 1
     if last - first < _FEWEST_POINTS:
         raise GeometryError(
-            f"{key}: found {last - first} points on a tooth, allowed at least {_FEWEST_POINTS}"
+            f"{key}: found {last - first} points on a tooth, allowed at least {_FEWEST_POINTS} "
+            f"(an outline of one pitch needs tooth_count)"
         )
     begin = _at_angle(outline, angle, first, start)
     end = _at_angle(outline, angle, last, start + span)

@@ -15,6 +15,7 @@ from toothspace.geometry.cad_import import chain_closed
 _STEP_UNIT = 1e-3
 _ANGULAR_DEFLECTION = 0.02
 _CHORD_DEFLECTION = 5e-5  # mm
+_PARALLEL = 1e-9
 
 
 def section_stl(
@@ -174,8 +175,6 @@ def _require_ocp(path: Path) -> None:
 def _step_solids(path: Path) -> list[Any]:
     from OCP.IFSelect import IFSelect_RetDone
     from OCP.STEPControl import STEPControl_Reader
-    from OCP.TopAbs import TopAbs_SOLID
-    from OCP.TopExp import TopExp_Explorer
 
     if not path.read_bytes()[:64].lstrip().startswith(b"ISO-10303-21"):
         raise GeometryError(f"{path}: found no STEP header, allowed a file of ISO-10303-21")
@@ -183,11 +182,7 @@ def _step_solids(path: Path) -> list[Any]:
     reader = STEPControl_Reader()
     if reader.ReadFile(str(path)) != IFSelect_RetDone or reader.TransferRoots() == 0:
         raise GeometryError(f"{path}: found a damaged STEP file, allowed a complete one")
-    explorer, solids = TopExp_Explorer(reader.OneShape(), TopAbs_SOLID), []
-    while explorer.More():
-        solids.append(explorer.Current())
-        explorer.Next()
-    return solids
+    return _parts(reader.OneShape(), "Solid")
 
 
 def _solid_extent(solid: Any) -> tuple[float, float]:
@@ -201,22 +196,57 @@ def _solid_extent(solid: Any) -> tuple[float, float]:
 
 
 def _step_section(solid: Any, height: float) -> list[Array]:
-    from OCP.BRepAdaptor import BRepAdaptor_Curve
     from OCP.BRepAlgoAPI import BRepAlgoAPI_Section
     from OCP.gp import gp_Dir, gp_Pln, gp_Pnt
-    from OCP.TopAbs import TopAbs_EDGE
+
+    cap = _cap_of_prism(solid)
+    if cap is None:
+        plane = gp_Pln(gp_Pnt(0.0, 0.0, height), gp_Dir(0.0, 0.0, 1.0))
+        cap = BRepAlgoAPI_Section(solid, plane).Shape()
+    return _edges(cap)
+
+
+def _cap_of_prism(solid: Any) -> Any | None:
+    # every section of a prism along z has the outline of its end face, which costs nothing
+    from OCP.BRepAdaptor import BRepAdaptor_Surface
+    from OCP.GeomAbs import GeomAbs_SurfaceType as Kind
+
+    caps = []
+    for face in _parts(solid, "Face"):
+        surface = BRepAdaptor_Surface(face)
+        kind = surface.GetType()
+        if kind == Kind.GeomAbs_Plane:
+            along = abs(surface.Plane().Axis().Direction().Z())
+            caps += [face] if along > 1.0 - _PARALLEL else []
+        elif kind == Kind.GeomAbs_SurfaceOfExtrusion:
+            along = 1.0 - abs(surface.Direction().Z())
+        elif kind == Kind.GeomAbs_Cylinder:
+            along = 1.0 - abs(surface.Cylinder().Axis().Direction().Z())
+        else:
+            return None
+        if _PARALLEL < along < 1.0 - _PARALLEL or (kind != Kind.GeomAbs_Plane and along > 0.5):
+            return None
+    return caps[0] if len(caps) == 2 else None
+
+
+def _parts(shape: Any, kind: str) -> list[Any]:
+    import OCP.TopAbs
     from OCP.TopExp import TopExp_Explorer
     from OCP.TopoDS import TopoDS
 
     # the name of this cast was changed in version 8 of the package
-    as_edge = getattr(TopoDS, "Edge_s", None) or TopoDS.Edge
-    plane = gp_Pln(gp_Pnt(0.0, 0.0, height), gp_Dir(0.0, 0.0, 1.0))
-    section = BRepAlgoAPI_Section(solid, plane)
-    explorer, pieces = TopExp_Explorer(section.Shape(), TopAbs_EDGE), []
+    cast = getattr(TopoDS, f"{kind}_s", None) or getattr(TopoDS, kind)
+    explorer, parts = TopExp_Explorer(shape, getattr(OCP.TopAbs, f"TopAbs_{kind.upper()}")), []
     while explorer.More():
-        pieces.append(_edge_points(BRepAdaptor_Curve(as_edge(explorer.Current()))))
+        parts.append(cast(explorer.Current()))
         explorer.Next()
-    return pieces
+    return parts
+
+
+def _edges(shape: Any) -> list[Array]:
+    from OCP.BRepAdaptor import BRepAdaptor_Curve
+
+    return [_edge_points(BRepAdaptor_Curve(edge)) for edge in _parts(shape, "Edge")]
 
 
 def _edge_points(curve: Any) -> Array:

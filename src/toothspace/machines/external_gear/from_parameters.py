@@ -220,7 +220,8 @@ def _profile(gear: keys.GearParameters, file: Path, table: str) -> GearProfile:
     section = _Section(
         to_si(1.0, gear.profile_unit), gear.profile_plane, gear.profile_layer, gear.profile_body
     )
-    detected = _detected(file, file.stat().st_mtime_ns, section, f"{table}.profile")
+    modified = file.stat().st_mtime_ns
+    detected = _detected(file, modified, section, gear.tooth_count, f"{table}.profile")
     if gear.tooth_count not in (None, detected.tooth_count):
         allowed = f"{detected.tooth_count} teeth as in {file.name}, or no tooth_count"
         raise KeyRuleError(f"{table}.tooth_count", str(gear.tooth_count), allowed)
@@ -228,11 +229,13 @@ def _profile(gear: keys.GearParameters, file: Path, table: str) -> GearProfile:
 
 
 @lru_cache(maxsize=8)
-def _detected(file: Path, _modified: int, section: _Section, key: str) -> GearProfile:
+def _detected(
+    file: Path, _modified: int, section: _Section, tooth_count: int | None, key: str
+) -> GearProfile:
     curves = _contours(file, key, section)
     name = f"{key}: {file.name}"
     try:
-        return gear_profile_from_curve(curves[0], key=name).profile
+        return gear_profile_from_curve(curves[0], key=name, tooth_count=tooth_count).profile
     except (ArithmeticError, LookupError, ValueError) as error:
         allowed = "the closed outline of a gear with equal teeth"
         raise GeometryError(f"{name}: found a curve without teeth, allowed {allowed}") from error
