@@ -76,7 +76,8 @@ def test_equal_pressure_never_pushes_or_turns_a_gear(
 ) -> None:
     assembly = built(spec)
     forces = np.vstack([area_by_motion(s) for s in spaces_at(assembly, shaft_angle)])
-    assert np.all(np.abs(forces.sum(axis=0)) < 1e-10 * np.abs(forces).max(axis=0))
+    # the throats between two chambers are found once for each, to a picometre or so
+    assert np.all(np.abs(forces.sum(axis=0)) < 1e-7 * np.abs(forces).max(axis=0))
 
 
 @settings(max_examples=8, deadline=None)
