@@ -228,6 +228,30 @@ def test_export_of_an_unknown_format_or_machine(capsys: pytest.CaptureFixture[st
     assert "--export: found machine type 'gerotor'" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("table", "name"), [("bearing", "journal_bearing"), ("film", "slider_pad")]
+)
+def test_stand_alone_film(
+    table: str, name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    films = pytest.importorskip("toothspace.films")
+    for status, code in (("done", 0), ("not_converged", 3)):
+        summary = {"load_N": 1.0, "status": status}
+        monkeypatch.setattr(films, f"solve_{table}", lambda case, summary=summary: summary)
+        assert main([table, str(MOTOR.with_name(f"{name}.toml")), "--json"]) == code
+        assert json.loads(capsys.readouterr().out) == summary
+
+
+def test_stand_alone_film_has_its_own_command(capsys: pytest.CaptureFixture[str]) -> None:
+    pad = MOTOR.with_name("slider_pad.toml")
+    assert main(["run", str(pad)]) == 2
+    assert capsys.readouterr().err == (
+        f"{pad}: film: found a stand-alone film, allowed with 'toothspace film' only\n"
+    )
+    assert main(["bearing", str(pad)]) == 2
+    assert "bearing: found nothing, allowed a table [bearing]" in capsys.readouterr().err
+
+
 def test_report_of_a_missing_result(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("toothspace.results.io")
     assert main(["report", str(tmp_path / "absent.nc")]) == 2

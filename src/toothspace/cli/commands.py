@@ -53,6 +53,10 @@ class GeometryOutputs:
 def run(case_file: Path, result: Path | None, overrides: Sequence[str], *, as_json: bool) -> int:
     """Simulate a case, write the result and print its summary; returns the exit code."""
     case = _load(case_file, overrides)
+    for table in ("bearing", "film"):
+        if getattr(case, table) is not None:
+            allowed = f"with 'toothspace {table}' only"
+            raise CaseError(f"{case_file}: {table}: found a stand-alone {table}, allowed {allowed}")
     target = _writable(result or Path(f"{case_file.stem}.nc"), "-o")
     with _file_named(case_file):
         PRESETS[case.run.fidelity].require_solved()
@@ -111,7 +115,7 @@ def stand_alone_film(
     """Solve the table ``bearing`` or ``film`` of a case; returns the exit code."""
     case = _load(case_file, overrides)
     if getattr(case, table) is None:
-        raise CaseError(f"{case_file}: found no table [{table}], allowed are cases with one")
+        raise CaseError(f"{case_file}: {table}: found nothing, allowed a table [{table}]")
     from toothspace import films
 
     with _file_named(case_file):
