@@ -296,6 +296,14 @@ def test_override_replaces_and_is_recorded() -> None:
     assert '"2000 rpm"' in case.to_toml()
 
 
+def test_override_takes_the_place_of_its_alternative() -> None:
+    changes = ["run.revolutions=2", "machine.gears.center_distance=34.5 mm"]
+    case = load_case(MOTOR, changes)
+    assert (case.run.revolutions, case.run.until) == (2, None)
+    assert case.machine_spec.normal_backlash is None
+    assert case.machine_spec.center_distance == pytest.approx(34.5e-3, rel=1e-12)
+
+
 @pytest.mark.parametrize("path", CASES, ids=lambda path: path.stem)
 def test_normalised_text_gives_the_same_case(path: Path) -> None:
     case = load_case(path)

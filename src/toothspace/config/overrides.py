@@ -10,6 +10,14 @@ from typing import Any
 
 from toothspace.core.errors import CaseError
 
+ALTERNATIVES = (
+    ("run.until", "run.revolutions"),
+    ("machine.gears.normal_backlash", "machine.gears.center_distance"),
+    ("fluid.name", "fluid.table"),
+    ("bearing.eccentricity", "bearing.load"),
+)
+"""Keys that exclude each other: an override of one takes the other out."""
+
 _PATH = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*")
 
 
@@ -35,7 +43,18 @@ def apply_overrides(tables: dict[str, Any], overrides: Iterable[str], label: str
     for override in overrides:
         path, value = _split(override, label)
         _insert(changed, path, value, label)
+        _remove_alternative(changed, ".".join(path))
     return changed
+
+
+def _remove_alternative(tables: dict[str, Any], given: str) -> None:
+    for pair in ALTERNATIVES:
+        if given in pair:
+            *folders, name = pair[1 - pair.index(given)].split(".")
+            table = tables
+            for folder in folders:
+                table = table[folder]
+            table.pop(name, None)
 
 
 def _split(override: str, label: str) -> tuple[list[str], Any]:
