@@ -4,6 +4,7 @@ import pytest
 from toothspace.core.errors import GeometryError
 from toothspace.geometry.design_rules import design_findings
 from toothspace.geometry.gear_pair import (
+    GearPair,
     contact_points,
     curvature_radii,
     ideal_flow_per_radian,
@@ -157,3 +158,28 @@ def test_design_rule_fails_where_it_should(drive, driven, backlash, rule):
     findings = design_findings(pair_from_backlash(drive, driven, backlash), 7.5e-3)
     failed = [finding.name for finding in findings if not finding.passed]
     assert rule in failed
+
+
+def test_contact_below_the_involute_is_reported_as_interference():
+    drive = InvoluteGear(20, 3e-3, tool_tip_radius=0.2)
+    driven = InvoluteGear(100, 3e-3, tip_diameter=308e-3)
+    pair = GearPair(drive, driven, 180.2e-3)
+    failed = [f.name for f in design_findings(pair, 1e-2) if not f.passed]
+    assert "fillet interference, drive gear" in failed
+    assert "fillet interference, driven gear" not in failed
+
+
+def test_undercut_ends_the_path_of_contact_early():
+    pinion, wheel = InvoluteGear(9, 3e-3), InvoluteGear(30, 3e-3, profile_shift=0.1)
+    pair = pair_from_backlash(pinion, wheel, 2e-5)
+    start = contact_points(pair, pair.path_of_contact[0])[0]
+    assert np.hypot(*start) == pytest.approx(pair.forms[0].form_radius, rel=1e-9)
+    assert pair.contact_ratio < pair.nominal_contact_ratio
+    swapped = pair_from_backlash(wheel, pinion, 2e-5)
+    assert swapped.contact_ratio == pytest.approx(pair.contact_ratio)
+
+
+def test_play_does_not_depend_on_the_order_of_the_gears():
+    first, second = generate_profile(MOTOR, 80), generate_profile(WHEEL, 400)
+    distance = pair_from_backlash(MOTOR, WHEEL, 2e-5).center_distance
+    assert flank_clearance(first, second, distance) == flank_clearance(second, first, distance)
