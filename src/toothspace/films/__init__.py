@@ -3,6 +3,7 @@
 ==================  ==========================================================
 module              responsibility
 ==================  ==========================================================
+rough_surfaces      average flow and contact of rough walls
 reynolds            gap heights to cell balances, and their variation
 journal_film        geometry and integrals of the film round a shaft
 journal_bearing     :class:`JournalBearing` and its solution
@@ -20,6 +21,7 @@ from toothspace.films.journal_bearing import JournalBearing, JournalBearingSolut
 from toothspace.films.journal_film import Groove
 from toothspace.films.pad import Pad, PadSolution, Pocket
 from toothspace.films.plane_film import FilmFluid
+from toothspace.films.rough_surfaces import RoughSurfaces
 
 __all__ = [
     "FilmFluid",
@@ -29,6 +31,7 @@ __all__ = [
     "Pad",
     "PadSolution",
     "Pocket",
+    "RoughSurfaces",
     "bearing_summary",
     "pad_summary",
     "solve_bearing",

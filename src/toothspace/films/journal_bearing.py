@@ -27,9 +27,11 @@ from toothspace.films.reynolds import (
     FilmGrid,
     FluidField,
     GapField,
+    balance_derivative,
     balance_variation,
     film_balance,
 )
+from toothspace.films.rough_surfaces import SMOOTH, FlowLaw, RoughSurfaces, contact_field
 from toothspace.numerics.complementarity import (
     PRESCRIBED,
     SATURATED,
@@ -78,6 +80,8 @@ class JournalBearing:
         Absolute pressure in the cavity. [Pa]
     end_condition : {"pressure", "no_flow"}
         Whether the ends are open or walls.
+    surfaces : RoughSurfaces, optional
+        Roughness and contact; the shaft is the moving wall. Smooth walls if not given.
     supply : {"auto", "none", "widest_gap"}
         Ideal axial supply line at end pressure on the widest gap. ``auto`` adds it where oil
         could not enter otherwise: no grooves, and ends not above the cavitation pressure.
@@ -121,6 +125,7 @@ class JournalBearing:
     end_pressure: float = ATMOSPHERIC_PRESSURE
     cavitation_pressure: float = ATMOSPHERIC_PRESSURE
     end_condition: str = "pressure"
+    surfaces: RoughSurfaces | None = None
     supply: str = "auto"
 
     def __post_init__(self) -> None:
@@ -227,6 +232,15 @@ class SurfaceSpeed:
 
 @final
 @dataclass(frozen=True)
+class _Contact:
+    """Asperity pressure of the cells and its derivative with the gap."""
+
+    pressure: Array
+    slope: Array
+
+
+@final
+@dataclass(frozen=True)
 class _Film:
     """Discrete film and its solution, kept for variations."""
 
@@ -236,6 +250,8 @@ class _Film:
     fluid: FluidField
     balance: CellBalance
     fields: ComplementaritySolution
+    law: FlowLaw
+    contact: _Contact | None
 
     @cached_property
     def gauge(self) -> Array:
@@ -262,6 +278,10 @@ class JournalBearingSolution:
     """Torque of the film on the shaft, positive along positive rotation. [N m]"""
     bush_friction_torque: float
     """Torque of the film on the bush. [N m]"""
+    contact_force: Array
+    """Part of the force that touching asperities carry. [N]"""
+    contact_torque: float
+    """Torque by which touching asperities brake the shaft; part of the friction torques. [N m]"""
     end_flow: Array
     """Flow out through the ends at z = -length/2 and +length/2. [m3/s]"""
     supply_flow: float
@@ -450,13 +470,29 @@ def solve_motion(
     mesh, unit_grid = _metric(bearing, grooves, first_angle, half)
     grid = unit_grid._replace(sweep_x=unit_grid.sweep_x * surface_speed)
     gap = journal_gap(mesh, bearing.radial_clearance, motion)
-    _refuse_contact(gap, motion, bearing)
+    law, contact = _walls(bearing, speed, gap)
+    if contact is None:
+        _refuse_contact(gap, motion, bearing)
     fluid = FluidField(
         np.full(gap.centre.shape, 1.0 / bearing.dynamic_viscosity), np.ones(gap.centre.shape)
     )
-    balance = film_balance(grid, gap, fluid, bearing.cavitation_pressure)
+    balance = film_balance(grid, gap, fluid, bearing.cavitation_pressure, law)
     fields = _solve_fields(balance, CAVITATION[bearing.cavitation], former)
-    return _evaluate(bearing, motion, speed, _Film(mesh, grid, gap, fluid, balance, fields))
+    film = _Film(mesh, grid, gap, fluid, balance, fields, law, contact)
+    return _evaluate(bearing, motion, speed, film)
+
+
+def _walls(
+    bearing: JournalBearing, speed: SurfaceSpeed, gap: GapField
+) -> tuple[FlowLaw, _Contact | None]:
+    """Average flow law and asperity pressure; smooth walls have none."""
+    surfaces = bearing.surfaces
+    if surfaces is None:
+        return SMOOTH, None
+    total = speed.shaft + speed.bush
+    law = surfaces.flow_law((speed.shaft - speed.bush) / total if total != 0.0 else 0.0)
+    pressure, slope = contact_field(gap.centre, surfaces.roughness, surfaces.contact_table())
+    return law, _Contact(pressure, slope)
 
 
 def _solve_fields(
@@ -484,23 +520,50 @@ def _evaluate(
     bearing: JournalBearing, motion: MotionState, speed: SurfaceSpeed, film: _Film
 ) -> JournalBearingSolution:
     fields = film.fields
-    load = journal_load(film.mesh, film.gauge, film.grid.area)
+    carried = film.gauge if film.contact is None else film.gauge + film.contact.pressure
+    load = journal_load(film.mesh, carried, film.grid.area)
     shaft, bush = _friction(bearing, speed, film)
+    contact_force, contact_torque = _contact_load(bearing, speed, film)
+    shaft, bush = shaft - contact_torque, bush + contact_torque
     supply, ends, error = _flows(film)
     status = Status.DONE if fields.converged else Status.NOT_CONVERGED
     return JournalBearingSolution(
-        bearing, motion, speed, load[:2], load[2:], shaft, bush, ends, supply, error, status, film
+        bearing=bearing,
+        motion=motion,
+        speed=speed,
+        force=load[:2],
+        moment=load[2:],
+        friction_torque=shaft,
+        bush_friction_torque=bush,
+        contact_force=contact_force,
+        contact_torque=contact_torque,
+        end_flow=ends,
+        supply_flow=supply,
+        mass_balance_error=error,
+        status=status,
+        film=film,
     )
+
+
+def _contact_load(bearing: JournalBearing, speed: SurfaceSpeed, film: _Film) -> tuple[Array, float]:
+    """Force on the shaft by asperities, and the torque by which they brake it."""
+    if film.contact is None or bearing.surfaces is None:
+        return np.zeros(2), 0.0
+    force = journal_load(film.mesh, film.contact.pressure, film.grid.area)[:2]
+    normal = film.mesh.weight * float((film.contact.pressure * film.grid.area).sum())
+    sense = float(np.sign(speed.shaft - speed.bush))
+    return force, sense * bearing.surfaces.boundary_friction * normal * 0.5 * bearing.diameter
 
 
 def _friction(bearing: JournalBearing, speed: SurfaceSpeed, film: _Film) -> tuple[float, float]:
     """Torques on shaft and bush; a cavity carries shear in proportion to its film fraction."""
     radius = 0.5 * bearing.diameter
-    couette, pressure = film.mesh.weight * journal_shear(
-        film.gap, film.gauge, film.fields.saturation, film.mesh
+    couette, pattern, pressure = film.mesh.weight * journal_shear(
+        film.gap, film.gauge, film.fields.saturation, film.mesh, film.law
     )
-    viscous = bearing.dynamic_viscosity * (speed.shaft - speed.bush) * radius**3 * couette
-    return -viscous - radius * pressure, viscous - radius * pressure
+    scale = bearing.dynamic_viscosity * (speed.shaft - speed.bush) * radius**3
+    shaft = -scale * (couette - pattern) - radius * pressure
+    return shaft, scale * (couette + pattern) - radius * pressure
 
 
 def _flows(film: _Film) -> tuple[float, Array, float]:
@@ -532,24 +595,30 @@ def load_derivatives(film: _Film, clearance: float, directions: tuple[int, ...])
     Returns an array of 4 rows (force x, y, moment x, y) and, for every direction, one column
     per position and then one per speed. [N or N m over m, rad, m/s, rad/s]
     """
-    columns = []
-    for speeds in (False, True):
-        for k in directions:
-            columns.append(_load_variation(film, k, speeds))
+    slope = balance_derivative(film.grid, film.gap, film.fluid, film.balance, film.law)
+    columns = [
+        _load_variation(film, _unit_motion(k, speeds), slope)
+        for speeds in (False, True)
+        for k in directions
+    ]
     return np.array(columns).T
 
 
-def _load_variation(film: _Film, direction: int, speeds: bool) -> Array:
-    """Change of force and moment per unit of one position or speed."""
+def _unit_motion(direction: int, speeds: bool) -> MotionState:
     unit = np.zeros(4)
     unit[direction] = 1.0
-    zero = np.zeros(4)
-    motion = MotionState(zero, unit) if speeds else MotionState(unit, zero)
+    return MotionState(np.zeros(4), unit) if speeds else MotionState(unit, np.zeros(4))
+
+
+def _load_variation(film: _Film, motion: MotionState, slope: CellBalance) -> Array:
+    """Change of force and moment per unit of one position or speed."""
     change = journal_gap(film.mesh, 0.0, motion)
-    varied = balance_variation(film.grid, film.gap, film.fluid, change, film.balance)
+    varied = balance_variation((film.grid, film.gap, film.fluid), change, slope, film.law)
     fields = film.fields
     disturbance = residual(film.balance, varied, fields.potential, fields.saturation)
     disturbance[fields.kind == PRESCRIBED] = 0.0
     response = fields.system.solve(-disturbance.ravel()).reshape(disturbance.shape)
     response[(fields.kind != SATURATED) | (fields.potential <= 0.0)] = 0.0
+    if film.contact is not None:
+        response += film.contact.slope * change.centre
     return np.asarray(journal_load(film.mesh, response, film.grid.area))

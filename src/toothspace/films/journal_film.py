@@ -16,9 +16,15 @@ from typing import NamedTuple, final
 
 import numpy as np
 
-from toothspace.core.compiled import njit
+from toothspace.closures.flow_factors import (
+    pressure_stress_factor,
+    shear_stress_correction,
+    shear_stress_factor,
+)
+from toothspace.core.compiled import inlined, njit
 from toothspace.core.types import Array
 from toothspace.films.reynolds import FilmGrid, GapField
+from toothspace.films.rough_surfaces import FlowLaw
 
 
 @final
@@ -220,19 +226,49 @@ def journal_load(mesh: JournalMesh, pressure: Array, area: Array) -> Array:
     return out
 
 
-@njit(cache=True)
-def journal_shear(gap: GapField, pressure: Array, sheared: Array, mesh: JournalMesh) -> Array:
-    """Integrals of the wall shear: Couette part over speed and viscosity, pressure part.
+@inlined
+def _stress_factors(gap: float, law: FlowLaw) -> tuple[float, float]:
+    """Sliding stress over viscosity and speed: mean, and difference of the two walls. [1/m]."""
+    if law.roughness == 0.0:
+        return 1.0 / gap, 0.0
+    ratio = gap / law.roughness
+    moving, resting = law.moving, law.resting
+    share = law.moving_share
+    pattern = share * shear_stress_correction(ratio, moving.stress_correction, moving.weight)
+    pattern -= (1.0 - share) * shear_stress_correction(
+        ratio, resting.stress_correction, resting.weight
+    )
+    return shear_stress_factor(ratio) / law.roughness, pattern / max(gap, 1e-3 * law.roughness)
 
-    Returns the sums over angle and axis of ``sheared / h`` [rad] and of ``(h/2) dp`` [N].
+
+@inlined
+def _pressure_stress(gap: float, law: FlowLaw) -> float:
+    """Half the gap times the pressure stress factor. [m]."""
+    if law.roughness == 0.0:
+        return 0.5 * gap
+    columns = law.along
+    factor = pressure_stress_factor(gap / law.roughness, columns.pressure_stress, columns.weight)
+    return 0.5 * max(gap, 0.0) * factor
+
+
+@njit(cache=True)
+def journal_shear(
+    gap: GapField, pressure: Array, sheared: Array, mesh: JournalMesh, law: FlowLaw
+) -> Array:
+    """Integrals of the wall shear: sliding over speed and viscosity, pattern, pressure part.
+
+    Returns the sums over angle and axis of ``sheared / h`` [rad], of its difference between
+    the walls by their patterns [rad], and of ``(h/2) dp`` [N].
     """
     rows, lanes = pressure.shape
-    couette, poiseuille = 0.0, 0.0
+    sliding, pattern, poiseuille = 0.0, 0.0, 0.0
     for i in range(rows):
         west = (i + rows - 1) % rows
         for j in range(lanes):
             width = mesh.axial_face[j + 1] - mesh.axial_face[j]
-            couette += sheared[i, j] * mesh.angle_step * width / gap.centre[i, j]
+            mean, difference = _stress_factors(gap.centre[i, j], law)
+            sliding += sheared[i, j] * mesh.angle_step * width * mean
+            pattern += sheared[i, j] * mesh.angle_step * width * difference
             drop = pressure[i, j] - pressure[west, j]
-            poiseuille += 0.5 * gap.face_x[i, j] * drop * width
-    return np.array([couette, poiseuille])
+            poiseuille += _pressure_stress(gap.face_x[i, j], law) * drop * width
+    return np.array([sliding, pattern, poiseuille])

@@ -13,9 +13,11 @@ from toothspace.films.reynolds import (
     FilmGrid,
     FluidField,
     GapField,
+    balance_derivative,
     balance_variation,
     film_balance,
 )
+from toothspace.films.rough_surfaces import SMOOTH, FlowLaw
 from toothspace.numerics.complementarity import (
     PRESCRIBED,
     SATURATED,
@@ -89,6 +91,7 @@ class PlaneFilm:
     cavitation_pressure: float
     constraint: Constraint
     weight: float = 1.0
+    law: FlowLaw = SMOOTH
 
 
 @final
@@ -151,13 +154,16 @@ class PlaneSolution:
         Minus the derivatives of force and moments; viscosity and density are held.
         [N/m, N m/rad and mixed; the same times s]
         """
-        columns = [self._variation(k, rate) for rate in (False, True) for k in range(3)]
+        film = self.film
+        slope = balance_derivative(film.grid, film.gap, self.fluid, self.balance, film.law)
+        columns = [self._variation(k, rate, slope) for rate in (False, True) for k in range(3)]
         table = -np.array(columns).T
         return table[:, :3], table[:, 3:]
 
-    def _variation(self, motion: int, rate: bool) -> Array:
-        change = _rigid_change(self.film, motion, rate)
-        varied = balance_variation(self.film.grid, self.film.gap, self.fluid, change, self.balance)
+    def _variation(self, motion: int, rate: bool, slope: CellBalance) -> Array:
+        film = self.film
+        change = _rigid_change(film, motion, rate)
+        varied = balance_variation((film.grid, film.gap, self.fluid), change, slope, film.law)
         fields = self.fields
         disturbance = residual(self.balance, varied, fields.potential, fields.saturation)
         disturbance[fields.kind == PRESCRIBED] = 0.0
@@ -169,13 +175,13 @@ class PlaneSolution:
 def solve_plane(film: PlaneFilm) -> PlaneSolution:
     """Pressure and film fraction; viscosity and density are iterated with the pressure."""
     lowest = float(min(film.gap.centre.min(), film.gap.face_x.min(), film.gap.face_y.min()))
-    if lowest <= 0.0:
+    if lowest <= 0.0 and film.law.roughness == 0.0:
         raise CaseError(f"film: found a smallest gap of {lowest:.3g} m, allowed are open gaps")
     pressure = np.full(film.gap.centre.shape, film.cavitation_pressure)
     kind = None
     for _ in range(_FLUID_PASSES):
         fluid = film.fluid.fields(pressure)
-        balance = film_balance(film.grid, film.gap, fluid, film.cavitation_pressure)
+        balance = film_balance(film.grid, film.gap, fluid, film.cavitation_pressure, film.law)
         fields = solve_complementarity(balance, film.constraint, kind)
         solution = PlaneSolution(film, fluid, balance, fields, fields.converged)
         if film.fluid.constant:

@@ -16,8 +16,16 @@ from typing import NamedTuple
 
 import numpy as np
 
+from toothspace.closures.flow_factors import PatternColumns
 from toothspace.core.compiled import inlined, njit
 from toothspace.core.types import Array, IntArray
+from toothspace.films.rough_surfaces import (
+    SMOOTH,
+    FlowLaw,
+    carried_law,
+    conductance_law,
+    squeeze_law,
+)
 from toothspace.numerics.structured_grid import PRESCRIBED, CellBalance
 
 
@@ -59,35 +67,49 @@ class FluidField(NamedTuple):
 
 
 @inlined
-def face_values(left: float, right: float) -> tuple[float, float]:
-    """Cube and mean gap height of a face between half cells of gaps left and right.
+def face_values(
+    left: float, right: float, law: FlowLaw, columns: PatternColumns
+) -> tuple[float, float]:
+    """Conductance and carried height of a face between half cells of gaps left and right.
 
     The half cells carry the same flow, so their resistances add. [m3, m]
     """
-    resist_left = 1.0 / left**3
-    resist_right = 1.0 / right**3
-    total = resist_left + resist_right
-    return 2.0 / total, (left * resist_left + right * resist_right) / total
+    cube, _ = conductance_law(left, law, columns)
+    carried, _ = carried_law(left, law)
+    if right == left:
+        return cube, carried
+    other_cube, _ = conductance_law(right, law, columns)
+    other_carried, _ = carried_law(right, law)
+    total = 1.0 / cube + 1.0 / other_cube
+    return 2.0 / total, (carried / cube + other_carried / other_cube) / total
 
 
 @inlined
-def face_variation(left: float, right: float, change: float) -> tuple[float, float]:
-    """Variation of :func:`face_values` when both gaps grow by a small change. [m3, m]."""
-    resist_left = 1.0 / left**3
-    resist_right = 1.0 / right**3
-    total = resist_left + resist_right
-    slope_left = -3.0 * resist_left / left
-    slope_right = -3.0 * resist_right / right
-    slope_total = slope_left + slope_right
-    carried = left * resist_left + right * resist_right
-    slope_carried = resist_left + left * slope_left + resist_right + right * slope_right
-    cube = -2.0 * slope_total / total**2
-    mean = (slope_carried - carried * slope_total / total) / total
-    return cube * change, mean * change
+def face_variation(
+    left: float, right: float, law: FlowLaw, columns: PatternColumns
+) -> tuple[float, float]:
+    """Derivatives of :func:`face_values` when both gaps grow alike. [m2, -]."""
+    cube, cube_slope = conductance_law(left, law, columns)
+    carried, carried_slope = carried_law(left, law)
+    if right == left:
+        return cube_slope, carried_slope
+    other_cube, other_cube_slope = conductance_law(right, law, columns)
+    other_carried, other_carried_slope = carried_law(right, law)
+    resist, other = 1.0 / cube, 1.0 / other_cube
+    total = resist + other
+    slope, other_slope = -cube_slope * resist**2, -other_cube_slope * other**2
+    total_slope = slope + other_slope
+    mean = (carried * resist + other_carried * other) / total
+    mean_slope = carried_slope * resist + carried * slope
+    mean_slope += other_carried_slope * other + other_carried * other_slope
+    return -2.0 * total_slope / total**2, (mean_slope - mean * total_slope) / total
 
 
 @njit(cache=True)
-def _fill_faces(grid: FilmGrid, gap: GapField, fluid: FluidField, b: CellBalance) -> None:
+def _fill_x(
+    grid: FilmGrid, gap: GapField, fluid: FluidField, law: FlowLaw, b: CellBalance, varied: bool
+) -> None:
+    """Faces of the first index: coefficients, or their derivatives with the gap."""
     rows, lanes = gap.centre.shape
     for i in range(rows + 1):
         w, e = i - 1, i
@@ -95,33 +117,55 @@ def _fill_faces(grid: FilmGrid, gap: GapField, fluid: FluidField, b: CellBalance
             w, e = (i + rows - 1) % rows, i % rows
         w, e = max(w, 0), min(e, rows - 1)
         for j in range(lanes):
-            h = gap.face_x[i, j]
-            cube, mean = face_values(h + gap.step[w, j], h + gap.step[e, j])
+            left, right = gap.face_x[i, j] + gap.step[w, j], gap.face_x[i, j] + gap.step[e, j]
+            if varied:
+                cube, carried = face_variation(left, right, law, law.along)
+            else:
+                cube, carried = face_values(left, right, law, law.along)
             density = 0.5 * (fluid.density[w, j] + fluid.density[e, j])
             fluidity = 0.5 * (fluid.fluidity[w, j] + fluid.fluidity[e, j])
             b.conductance_x[i, j] = density * fluidity * cube / 12.0 * grid.shape_x[i, j]
-            b.advection_x[i, j] = density * mean * grid.sweep_x[i, j]
-    for i in range(rows):
-        for j in range(lanes + 1):
-            s, n = max(j - 1, 0), min(j, lanes - 1)
-            h = gap.face_y[i, j]
-            cube, mean = face_values(h + gap.step[i, s], h + gap.step[i, n])
-            density = 0.5 * (fluid.density[i, s] + fluid.density[i, n])
-            fluidity = 0.5 * (fluid.fluidity[i, s] + fluid.fluidity[i, n])
-            b.conductance_y[i, j] = density * fluidity * cube / 12.0 * grid.shape_y[i, j]
-            b.advection_y[i, j] = density * mean * grid.sweep_y[i, j]
+            b.advection_x[i, j] = density * carried * grid.sweep_x[i, j]
 
 
 @njit(cache=True)
-def _fill_cells(grid: FilmGrid, gap: GapField, fluid: FluidField, b: CellBalance) -> None:
+def _fill_y(
+    grid: FilmGrid, gap: GapField, fluid: FluidField, law: FlowLaw, b: CellBalance, varied: bool
+) -> None:
+    """Faces of the second index, as :func:`_fill_x`."""
+    rows, lanes = gap.centre.shape
+    for i in range(rows):
+        for j in range(lanes + 1):
+            s, n = max(j - 1, 0), min(j, lanes - 1)
+            left, right = gap.face_y[i, j] + gap.step[i, s], gap.face_y[i, j] + gap.step[i, n]
+            if varied:
+                cube, carried = face_variation(left, right, law, law.across)
+            else:
+                cube, carried = face_values(left, right, law, law.across)
+            density = 0.5 * (fluid.density[i, s] + fluid.density[i, n])
+            fluidity = 0.5 * (fluid.fluidity[i, s] + fluid.fluidity[i, n])
+            b.conductance_y[i, j] = density * fluidity * cube / 12.0 * grid.shape_y[i, j]
+            b.advection_y[i, j] = density * carried * grid.sweep_y[i, j]
+
+
+@njit(cache=True)
+def _fill_cells(
+    grid: FilmGrid, gap: GapField, fluid: FluidField, law: FlowLaw, b: CellBalance
+) -> None:
     rows, lanes = gap.centre.shape
     for i in range(rows):
         for j in range(lanes):
-            b.storage[i, j] = fluid.density[i, j] * gap.rate[i, j] * grid.area[i, j]
+            open_part, _ = squeeze_law(gap.centre[i, j] + gap.step[i, j], law)
+            rate = open_part * gap.rate[i, j]
+            b.storage[i, j] = fluid.density[i, j] * rate * grid.area[i, j]
 
 
 def film_balance(
-    grid: FilmGrid, gap: GapField, fluid: FluidField, cavitation_pressure: float
+    grid: FilmGrid,
+    gap: GapField,
+    fluid: FluidField,
+    cavitation_pressure: float,
+    law: FlowLaw = SMOOTH,
 ) -> CellBalance:
     """Volume balance of every cell at the density of the cavitation pressure.
 
@@ -142,61 +186,56 @@ def film_balance(
         grid.north - cavitation_pressure,
         grid.ring,
     )
-    _fill_faces(grid, gap, fluid, b)
-    _fill_cells(grid, gap, fluid, b)
+    _fill_x(grid, gap, fluid, law, b, False)
+    _fill_y(grid, gap, fluid, law, b, False)
+    _fill_cells(grid, gap, fluid, law, b)
     return b
 
 
 @njit(cache=True)
-def _vary_x(
-    grid: FilmGrid, gap: GapField, fluid: FluidField, change: GapField, b: CellBalance
-) -> None:
+def _vary_storage(
+    grid: FilmGrid, gap: GapField, fluid: FluidField, law: FlowLaw, change: GapField
+) -> Array:
     rows, lanes = gap.centre.shape
-    for i in range(rows + 1):
-        w, e = i - 1, i
-        if grid.ring:
-            w, e = (i + rows - 1) % rows, i % rows
-        w, e = max(w, 0), min(e, rows - 1)
-        for j in range(lanes):
-            h = gap.face_x[i, j]
-            cube, mean = face_variation(h + gap.step[w, j], h + gap.step[e, j], change.face_x[i, j])
-            density = 0.5 * (fluid.density[w, j] + fluid.density[e, j])
-            fluidity = 0.5 * (fluid.fluidity[w, j] + fluid.fluidity[e, j])
-            b.conductance_x[i, j] = density * fluidity * cube / 12.0 * grid.shape_x[i, j]
-            b.advection_x[i, j] = density * mean * grid.sweep_x[i, j]
-
-
-@njit(cache=True)
-def _vary_y(
-    grid: FilmGrid, gap: GapField, fluid: FluidField, change: GapField, b: CellBalance
-) -> None:
-    rows, lanes = gap.centre.shape
+    out = np.empty((rows, lanes))
     for i in range(rows):
-        for j in range(lanes + 1):
-            s, n = max(j - 1, 0), min(j, lanes - 1)
-            h = gap.face_y[i, j]
-            cube, mean = face_variation(h + gap.step[i, s], h + gap.step[i, n], change.face_y[i, j])
-            density = 0.5 * (fluid.density[i, s] + fluid.density[i, n])
-            fluidity = 0.5 * (fluid.fluidity[i, s] + fluid.fluidity[i, n])
-            b.conductance_y[i, j] = density * fluidity * cube / 12.0 * grid.shape_y[i, j]
-            b.advection_y[i, j] = density * mean * grid.sweep_y[i, j]
+        for j in range(lanes):
+            open_part, curve = squeeze_law(gap.centre[i, j] + gap.step[i, j], law)
+            rate = open_part * change.rate[i, j] + curve * gap.rate[i, j] * change.centre[i, j]
+            out[i, j] = fluid.density[i, j] * rate * grid.area[i, j]
+    return out
 
 
-def balance_variation(
-    grid: FilmGrid, gap: GapField, fluid: FluidField, change: GapField, balance: CellBalance
+def balance_derivative(
+    grid: FilmGrid, gap: GapField, fluid: FluidField, balance: CellBalance, law: FlowLaw = SMOOTH
 ) -> CellBalance:
-    """First variation of the coefficients of a film balance with the gap.
-
-    ``change`` holds the variation of gap and rate per unit of a rigid motion; advection
-    follows the given pressures and surfaces, which do not vary.
-    """
+    """Derivatives of the face coefficients with the gap of each face; the same for every motion."""
     b = balance._replace(
         conductance_x=np.empty_like(gap.face_x),
         conductance_y=np.empty_like(gap.face_y),
         advection_x=np.empty_like(gap.face_x),
         advection_y=np.empty_like(gap.face_y),
-        storage=fluid.density * change.rate * grid.area,
     )
-    _vary_x(grid, gap, fluid, change, b)
-    _vary_y(grid, gap, fluid, change, b)
+    _fill_x(grid, gap, fluid, law, b, True)
+    _fill_y(grid, gap, fluid, law, b, True)
     return b
+
+
+def balance_variation(
+    film: tuple[FilmGrid, GapField, FluidField],
+    change: GapField,
+    slope: CellBalance,
+    law: FlowLaw = SMOOTH,
+) -> CellBalance:
+    """First variation of the coefficients of a film balance with one rigid motion.
+
+    ``change`` holds the variation of gap and rate per unit of the motion, ``slope`` is
+    :func:`balance_derivative`; given pressures and surface speeds do not vary.
+    """
+    return slope._replace(
+        conductance_x=slope.conductance_x * change.face_x,
+        conductance_y=slope.conductance_y * change.face_y,
+        advection_x=slope.advection_x * change.face_x,
+        advection_y=slope.advection_y * change.face_y,
+        storage=_vary_storage(*film[:3], law, change),
+    )

@@ -1,0 +1,252 @@
+"""Rough walls of a film: average flow, asperity contact and boundary friction."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import NamedTuple, final
+
+import numpy as np
+
+from toothspace.closures.contact_asperities import greenwood_tripp_pressure, kogut_etsion_pressure
+from toothspace.closures.contact_rough import asperity_pressure
+from toothspace.closures.flow_factors import (
+    PatternColumns,
+    contact_factor,
+    pattern_columns,
+    pressure_flow_factor,
+    shear_flow_factor,
+)
+from toothspace.core.compiled import inlined, njit
+from toothspace.core.errors import CaseError
+from toothspace.core.types import Array
+
+SMALLEST_FLOW_GAP = 0.1
+"""Gap over roughness below which the conductance is not reduced further (percolation). [-]"""
+
+
+class FlowLaw(NamedTuple):
+    """Average flow of a film; zero roughness means smooth walls."""
+
+    roughness: float  # combined [m]
+    along: PatternColumns  # pressure flow along the first index
+    across: PatternColumns  # pressure flow along the second index
+    moving: PatternColumns  # shear flow of the moving wall
+    resting: PatternColumns
+    moving_share: float  # variance of the moving wall over that of both [-]
+    slide_ratio: float  # sliding over sum speed, 1 if one wall rests [-]
+
+
+class ContactTable(NamedTuple):
+    """Logarithm of the asperity pressure over the gap ratio, uniform nodes, and its slope."""
+
+    first: float
+    step: float
+    value: Array
+    slope: Array
+
+
+_PLAIN = pattern_columns(1.0)
+SMOOTH = FlowLaw(0.0, _PLAIN, _PLAIN, _PLAIN, _PLAIN, 0.5, 0.0)
+"""Smooth walls."""
+NO_CONTACT = ContactTable(0.0, 1.0, np.zeros(0), np.zeros(0))
+"""Walls that carry nothing by contact."""
+
+
+@inlined
+def conductance_law(gap: float, law: FlowLaw, columns: PatternColumns) -> tuple[float, float]:
+    """Cube of the gap times the pressure flow factor, and its derivative. [m3, m2]."""
+    if law.roughness == 0.0:
+        return gap * gap * gap, 3.0 * gap * gap
+    ratio = gap / law.roughness
+    factor, slope = pressure_flow_factor(ratio, columns.pressure, columns.weight)
+    if ratio < SMALLEST_FLOW_GAP:
+        return factor * (SMALLEST_FLOW_GAP * law.roughness) ** 3, 0.0
+    return factor * gap**3, slope / law.roughness * gap**3 + 3.0 * factor * gap * gap
+
+
+@inlined
+def carried_law(gap: float, law: FlowLaw) -> tuple[float, float]:
+    """Mean gap that the moving walls carry along, and its derivative. [m, -]."""
+    if law.roughness == 0.0:
+        return gap, 1.0
+    ratio = gap / law.roughness
+    open_part = contact_factor(ratio)
+    density = math.exp(-0.5 * ratio * ratio) / math.sqrt(2.0 * math.pi)
+    mean = ratio * open_part + density
+    moving, moving_slope = shear_flow_factor(ratio, law.moving.shear, law.moving.weight)
+    resting, resting_slope = shear_flow_factor(ratio, law.resting.shear, law.resting.weight)
+    share = law.moving_share
+    shear = law.slide_ratio * (share * moving - (1.0 - share) * resting)
+    slope = law.slide_ratio * (share * moving_slope - (1.0 - share) * resting_slope)
+    return law.roughness * (mean + shear), open_part + slope
+
+
+@inlined
+def squeeze_law(gap: float, law: FlowLaw) -> tuple[float, float]:
+    """Derivative of the mean gap by the nominal gap, and the next derivative. [-, 1/m]."""
+    if law.roughness == 0.0:
+        return 1.0, 0.0
+    ratio = gap / law.roughness
+    density = math.exp(-0.5 * ratio * ratio) / math.sqrt(2.0 * math.pi)
+    return contact_factor(ratio), density / law.roughness
+
+
+@inlined
+def contact_pressure(gap: float, roughness: float, table: ContactTable) -> tuple[float, float]:
+    """Asperity pressure at a nominal gap, and its derivative. [Pa, Pa/m]."""
+    count = table.value.size
+    if count == 0:
+        return 0.0, 0.0
+    place = (gap / roughness - table.first) / table.step
+    if place >= count - 1:
+        return 0.0, 0.0
+    k = max(int(place), 0) if place > 0.0 else 0
+    t = place - k
+    v0, v1 = table.value[k], table.value[k + 1]
+    s0, s1 = table.slope[k] * table.step, table.slope[k + 1] * table.step
+    if t < 0.0:
+        logarithm, rise = v0 + s0 * t, s0
+    else:
+        c2, c3 = 3.0 * (v1 - v0) - 2.0 * s0 - s1, s0 + s1 - 2.0 * (v1 - v0)
+        logarithm = v0 + t * (s0 + t * (c2 + t * c3))
+        rise = s0 + t * (2.0 * c2 + 3.0 * t * c3)
+    pressure = math.exp(logarithm)
+    return pressure, pressure * rise / (table.step * roughness)
+
+
+@njit(cache=True)
+def contact_field(gap: Array, roughness: float, table: ContactTable) -> tuple[Array, Array]:
+    """Asperity pressure of every cell, and its derivative with the gap. [Pa, Pa/m]."""
+    pressure = np.zeros_like(gap)
+    slope = np.zeros_like(gap)
+    for i in range(gap.shape[0]):
+        for j in range(gap.shape[1]):
+            pressure[i, j], slope[i, j] = contact_pressure(gap[i, j], roughness, table)
+    return pressure, slope
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class RoughSurfaces:
+    """Roughness and contact of the two walls of a film.
+
+    Parameters
+    ----------
+    moving_roughness, resting_roughness : float
+        Root mean square roughness of the walls. [m]
+    moving_pattern, resting_pattern : float
+        Correlation length along over across the motion. [-]
+    correlation_length : float
+        Half-height correlation length of the combined surface. [m]
+    effective_modulus : float
+        E' = 2 / [(1 - nu1^2)/E1 + (1 - nu2^2)/E2]. [Pa]
+    hardness : float
+        Hardness of the softer wall. [Pa]
+    boundary_friction : float
+        Friction coefficient of touching asperities. [-]
+    contact_law : {"elastic_plastic", "greenwood_tripp", "kogut_etsion", "table", "none"}
+        Law of the asperity pressure.
+    asperity_product, roughness_over_radius : float
+        Parameters of Greenwood and Tripp. [-]
+    contact_points : tuple of (float, float)
+        User's table of gap ratio and asperity pressure, for ``table``. [-, Pa]
+    """
+
+    moving_roughness: float
+    resting_roughness: float
+    moving_pattern: float = 1.0
+    resting_pattern: float = 1.0
+    correlation_length: float = 15e-6
+    effective_modulus: float = 1.55e11
+    hardness: float = 1e9
+    boundary_friction: float = 0.1
+    contact_law: str = "elastic_plastic"
+    asperity_product: float = 0.04
+    roughness_over_radius: float = 1e-3
+    contact_points: tuple[tuple[float, float], ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.roughness > 0.0:
+            raise CaseError("roughness: found two smooth walls, allowed is one rough wall or more")
+        if self.contact_law not in _LAWS:
+            raise CaseError(f"contact_law: found {self.contact_law!r}, allowed are {sorted(_LAWS)}")
+
+    @property
+    def roughness(self) -> float:
+        """Combined roughness. [m]."""
+        return math.hypot(self.moving_roughness, self.resting_roughness)
+
+    def flow_law(self, slide_ratio: float) -> FlowLaw:
+        """Average flow for a ratio of sliding over sum speed.
+
+        The pattern of the pressure flow is that of the walls weighted with their variances.
+        """
+        share = (self.moving_roughness / self.roughness) ** 2
+        logarithm = share * math.log(self.moving_pattern)
+        logarithm += (1.0 - share) * math.log(self.resting_pattern)
+        return FlowLaw(
+            self.roughness,
+            pattern_columns(math.exp(logarithm)),
+            pattern_columns(math.exp(-logarithm)),
+            pattern_columns(self.moving_pattern),
+            pattern_columns(self.resting_pattern),
+            share,
+            slide_ratio,
+        )
+
+    def contact_table(self) -> ContactTable:
+        """Table of the asperity pressure."""
+        return _contact_table(self)
+
+
+def _elastic_plastic(s: RoughSurfaces, ratio: float) -> float:
+    return float(
+        asperity_pressure(
+            ratio * s.roughness,
+            s.roughness,
+            s.correlation_length,
+            s.effective_modulus,
+            s.hardness,
+        )
+    )
+
+
+def _greenwood_tripp(s: RoughSurfaces, ratio: float) -> float:
+    return greenwood_tripp_pressure(
+        ratio, s.asperity_product, s.roughness_over_radius, s.effective_modulus
+    )
+
+
+def _kogut_etsion(s: RoughSurfaces, ratio: float) -> float:
+    return kogut_etsion_pressure(
+        ratio, s.roughness, s.correlation_length, s.effective_modulus, s.hardness
+    )
+
+
+def _user_table(s: RoughSurfaces, ratio: float) -> float:
+    points = np.array(s.contact_points)
+    return float(np.exp(np.interp(ratio, points[:, 0], np.log(points[:, 1]))))
+
+
+_LAWS: dict[str, Callable[[RoughSurfaces, float], float] | None] = {
+    "elastic_plastic": _elastic_plastic,
+    "greenwood_tripp": _greenwood_tripp,
+    "kogut_etsion": _kogut_etsion,
+    "table": _user_table,
+    "none": None,
+}
+
+
+@lru_cache(maxsize=32)
+def _contact_table(surfaces: RoughSurfaces) -> ContactTable:
+    law = _LAWS[surfaces.contact_law]
+    if law is None:
+        return NO_CONTACT
+    nodes = np.linspace(-1.0, 5.0, 241)
+    smallest = 1e-12 * surfaces.hardness
+    value = np.log([max(law(surfaces, float(ratio)), smallest) for ratio in nodes])
+    step = float(nodes[1] - nodes[0])
+    return ContactTable(float(nodes[0]), step, value, np.gradient(value, step))
