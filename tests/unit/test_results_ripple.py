@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from toothspace.results.ripple import distinct_samples, ripple_percent, spectrum
+from toothspace.results.ripple import distinct_samples, pressure_ripple, ripple_percent, spectrum
 
 TURN = 2.0 * np.pi
 
@@ -44,3 +44,18 @@ def test_a_closing_sample_is_not_counted_twice() -> None:
 
 def test_ripple_is_peak_to_peak_over_mean() -> None:
     assert ripple_percent(np.array([9.0, 10.0, 11.0])) == pytest.approx(20.0)
+
+
+@pytest.mark.parametrize(("pump_outlet", "expected"), [(3.0e5, 3.0e5), (0.0, 1.0e5)])
+def test_pressure_ripple_is_that_of_the_port_that_pulsates(
+    pump_outlet: float, expected: float
+) -> None:
+    wave = 0.5 * np.array([1.0, -1.0, 1.0, -1.0])
+    data = xr.Dataset(
+        {
+            "inlet_pressure": ("shaft_angle", 2.0e5 + 1.0e5 * wave),
+            "outlet_pressure": ("shaft_angle", 2.0e7 + pump_outlet * wave),
+        },
+        attrs={"mode": "pump"},
+    )
+    assert pressure_ripple(data) == pytest.approx(expected)

@@ -27,23 +27,30 @@ if TYPE_CHECKING:
 
 @styled
 def journal_orbits(solution: Solution, description: MachineDescription | None = None) -> Figure:
-    """Orbit of each body inside the clearance circle of its journal bearings."""
+    """Orbit of each body in the clearance circle of its journal bearings, and magnified."""
     bodies = _bodies(solution, "body_position")
-    figure = new_figure(3.6 * max(len(bodies), 2), 3.7)
-    for axes, body in zip(np.ravel(figure.subplots(1, len(bodies))), bodies, strict=True):
+    figure = new_figure(3.6 * max(len(bodies), 2), 5.9)
+    grid = figure.subplots(2, len(bodies), squeeze=False, height_ratios=(3, 2))
+    for (circle, orbit), body in zip(grid.T, bodies, strict=True):
         position = solution.data["body_position"].sel(body=body)
         x, y = (1e6 * np.asarray(position.sel(axis=axis)) for axis in ("x", "y"))
-        seat = _seat(solution, body)
         journal = _journal(description, body)
         if journal is not None:
-            _clearance_circle(axes, seat, 1e6 * journal.radial_clearance)
-        axes.plot(x, y, color=BLUE, linewidth=1.2)
-        axes.plot(np.mean(x), np.mean(y), "o", color=ORANGE, markersize=4, label="Mean position")
-        axes.set_aspect("equal", adjustable="datalim")
-        axes.set_title(f"Journal orbit: {readable(body).lower()}")
-        axes.set_xlabel("x, towards the outlet (µm)")
-        axes.set_ylabel("y (µm)")
-        axes.legend(loc="lower right")
+            _clearance_circle(circle, _seat(solution, body), 1e6 * journal.radial_clearance)
+        for axes in (circle, orbit):
+            axes.plot(x, y, color=BLUE, linewidth=1.2)
+            axes.plot(
+                np.mean(x), np.mean(y), "o", color=ORANGE, markersize=4, label="Mean position"
+            )
+            axes.set_ylabel("y (µm)")
+        circle.set_aspect("equal", adjustable="datalim")
+        circle.set_title(f"Journal orbit: {readable(body).lower()}")
+        circle.legend(loc="lower right")
+        orbit.set_title("Magnified", fontweight="normal", fontsize=9)
+        orbit.margins(0.15)
+        orbit.ticklabel_format(useOffset=False)
+        orbit.locator_params(axis="x", nbins=5)
+        orbit.set_xlabel("x, towards the outlet (µm)")
     return figure
 
 

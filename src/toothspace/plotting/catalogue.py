@@ -123,7 +123,7 @@ FIGURES: tuple[FigureEntry, ...] = (
     FigureEntry(
         "journal_orbits",
         "Path of the gear centres inside the clearance of their bearings. The cross marks the "
-        "centre of the bearing, which rests against the housing.",
+        "centre of the bearing, which rests against the housing. Below: the same path, magnified.",
         "bodies",
         bodies.journal_orbits,
         ("body_position",),

@@ -184,22 +184,29 @@ def gear_section(
         axes.set_title(f"{np.degrees(angle[sample] - angle[0]):.1f}° of shaft angle")
     for axes in panels[len(fractions) :]:
         axes.remove()
-    _colour_bar(figure, list(panels[: len(fractions)]), scale)
+    peaks = float(solution.data["chamber_pressure"].max()) > top_of_scale(solution)
+    _colour_bar(figure, list(panels[: len(fractions)]), scale, peaks=peaks)
     return figure
+
+
+def top_of_scale(solution: Solution) -> float:
+    """Pressure of the darkest colour: short peaks beyond 1.5 times the port pressure share it."""
+    ports = max(float(solution.data[f"{port}_pressure"].max()) for port in ("inlet", "outlet"))
+    return min(float(solution.data["chamber_pressure"].max()), 1.5 * ports)
 
 
 def _pressure_scale(solution: Solution) -> Normalize:
     from matplotlib.colors import Normalize
 
-    pressure = np.asarray(solution.data["chamber_pressure"]) / _BAR
-    return Normalize(0.0, float(np.max(pressure)))
+    return Normalize(0.0, top_of_scale(solution) / _BAR)
 
 
-def _colour_bar(figure: Figure, panels: Sequence[Axes], scale: Normalize) -> None:
+def _colour_bar(figure: Figure, panels: Sequence[Axes], scale: Normalize, *, peaks: bool) -> None:
     from matplotlib.cm import ScalarMappable
 
     mappable = ScalarMappable(scale, PRESSURE_COLOURS)
-    bar = figure.colorbar(mappable, ax=list(panels), shrink=0.6, aspect=30, pad=0.02)
+    extend = "max" if peaks else "neither"
+    bar = figure.colorbar(mappable, ax=list(panels), shrink=0.6, aspect=30, pad=0.02, extend=extend)
     bar.set_label("Absolute pressure (bar)")
     bar.outline.set_visible(False)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import io
+import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, ParamSpec
@@ -109,14 +110,18 @@ def readable(name: str) -> str:
 
 
 def figure_to_svg(figure: Figure) -> str:
-    """Render a figure as an SVG element without XML prolog."""
+    """Render a figure as an SVG element without XML prolog, outlines to a hundredth of a point."""
     import matplotlib as mpl
 
     buffer = io.StringIO()
     with mpl.rc_context(_RC):  # type: ignore[arg-type]
         figure.savefig(buffer, format="svg", metadata={"Date": None})
     text = buffer.getvalue()
-    return text[text.index("<svg") :]
+    return re.sub(r' d="[^"]*"', _shortened, text[text.index("<svg") :])
+
+
+def _shortened(outline: re.Match[str]) -> str:
+    return re.sub(r"(\.\d\d)\d+", r"\1", outline.group())
 
 
 def figure_to_png(figure: Figure, resolution: float = 110.0) -> bytes:

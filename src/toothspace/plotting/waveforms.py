@@ -21,7 +21,13 @@ from toothspace.plotting.style import (
     styled,
 )
 from toothspace.plotting.windows import opening_windows
-from toothspace.results.ripple import ripple_percent, spectrum, whole_revolutions, working_side
+from toothspace.results.ripple import (
+    pulsating_side,
+    ripple_percent,
+    spectrum,
+    whole_revolutions,
+    working_side,
+)
 from toothspace.results.solution import Solution
 
 if TYPE_CHECKING:
@@ -115,10 +121,10 @@ def ripple_and_spectrum(
 ) -> Figure:
     """Flow, pressure and torque over one turn, each with its spectrum in shaft orders."""
     data = solution.data
-    side = working_side(data)
+    side, port = working_side(data), pulsating_side(data)
     rows = (
         (f"{side}_flow_rate", f"{readable(side)} flow (L/min)", _LITRE_PER_MINUTE, BLUE),
-        (f"{side}_pressure", f"{readable(side)} pressure (bar)", 1.0 / _BAR, ORANGE),
+        (f"{port}_pressure", f"{readable(port)} pressure (bar)", 1.0 / _BAR, ORANGE),
         ("shaft_torque", "Shaft torque (N m)", 1.0, GREEN),
     )
     teeth = description.families[0].count if description is not None else None

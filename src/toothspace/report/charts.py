@@ -9,7 +9,13 @@ import numpy as np
 
 from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
-from toothspace.plotting.section import fluid_cells, housing_region, port_region, turned_outline
+from toothspace.plotting.section import (
+    fluid_cells,
+    housing_region,
+    port_region,
+    top_of_scale,
+    turned_outline,
+)
 from toothspace.plotting.style import BLUE, CYCLE, GREY, INK, LIGHT, METAL, ORANGE, PRESSURE_COLOURS
 from toothspace.results.solution import Solution
 
@@ -72,7 +78,7 @@ def turning_section_chart(
     pitch = 2.0 * np.pi / description.families[0].count
     wanted = angle[0] + pitch * np.arange(frames) / frames
     samples = [int(np.argmin(np.abs(angle - value))) for value in wanted]
-    top = float(solution.data["chamber_pressure"].max()) / _BAR
+    top = top_of_scale(solution) / _BAR
     shown = [_section_traces(solution, description, sample, top) for sample in samples]
     still = [_area(housing_region(description), LIGHT, "housing", edge=GREY), _colour_scale(top)]
     names = [f"{np.degrees(angle[sample] - angle[0]):.1f}°" for sample in samples]

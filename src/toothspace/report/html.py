@@ -143,7 +143,7 @@ def _machine(solution: Solution, description: MachineDescription | None) -> dict
 
 def _check_value(name: str, value: float, unit: str) -> Quantity:
     label = name.replace("_", " ")
-    shown = "" if unit in {"1", "-"} else unit
+    shown = "" if unit in {"1", "-"} else unit.replace("mm3", "mm³").replace("mm2", "mm²")
     return Quantity(label[:1].upper() + label[1:], format_value(value), shown)
 
 

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _TURN = 2.0 * np.pi
+_PORTS = ("inlet", "outlet")
 
 
 @final
@@ -127,9 +128,17 @@ def flow_ripple_percent(data: xr.Dataset) -> float:
     return ripple_percent(np.asarray(data[f"{working_side(data)}_flow_rate"]))
 
 
+def pulsating_side(data: xr.Dataset) -> str:
+    """Return the port with the larger pressure ripple; the working port if there is none."""
+    ptp = {side: float(np.ptp(np.asarray(data[f"{side}_pressure"]))) for side in _PORTS}
+    working = working_side(data)
+    other = next(side for side in _PORTS if side != working)
+    return other if ptp[other] > ptp[working] else working
+
+
 def pressure_ripple(data: xr.Dataset) -> float:
-    """Return the peak-to-peak pressure at the working port. [Pa]."""
-    return float(np.ptp(np.asarray(data[f"{working_side(data)}_pressure"])))
+    """Return the peak-to-peak pressure at the port where it is larger. [Pa]."""
+    return float(np.ptp(np.asarray(data[f"{pulsating_side(data)}_pressure"])))
 
 
 def torque_ripple_percent(data: xr.Dataset) -> float:
