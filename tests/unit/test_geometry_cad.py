@@ -197,6 +197,15 @@ def test_step_solid_that_is_no_prism_is_cut(tmp_path):
     assert np.hypot(*upper.T) == pytest.approx(6.25e-3, rel=1e-6)
 
 
+def test_step_library_keeps_quiet(tmp_path, capfd):
+    path = tmp_path / "gear.step"
+    export_gear(generate_profile(UNDERCUT, 40), path, 7.5e-3)
+    path.write_bytes(path.read_bytes()[:100_000])
+    with pytest.raises(GeometryError, match="damaged STEP file"):
+        load_closed_curves(path)
+    assert capfd.readouterr().out == ""
+
+
 WRONG_FILES = {
     "empty.txt": ("", "empty file"),
     "words.txt": ("alpha beta\ngamma delta\n", "no line with 2 or 3 numbers"),

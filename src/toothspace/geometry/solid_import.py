@@ -100,11 +100,12 @@ def section_step(path: Path, plane_z: float | None = None, body: int | None = No
 
 
 def silence_ocp() -> None:
-    """Keep the STEP library from writing its progress to standard output."""
-    from OCP.Message import Message, Message_Gravity
+    """Keep the STEP library from writing progress and complaints to standard output."""
+    from OCP.Message import Message
 
-    for printer in Message.DefaultMessenger_s().Printers():
-        printer.SetTraceLevel(Message_Gravity.Message_Fail)
+    messenger = Message.DefaultMessenger_s()
+    for printer in list(messenger.Printers()):
+        messenger.RemovePrinter(printer)
 
 
 def _check_stl(path: Path) -> None:

@@ -15,6 +15,7 @@ from toothspace.geometry.cad_import import load_closed_curves
 from toothspace.geometry.gear_pair import pair_from_backlash, pair_from_center_distance
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear, tooth_form
+from toothspace.geometry.polygon import checked_polygon
 from toothspace.geometry.profile_detection import gear_profile_from_curve
 from toothspace.library import load_material
 from toothspace.machines.external_gear import parameters as keys
@@ -243,7 +244,8 @@ def _detected(
 
 def _contours(file: Path, key: str, section: _Section = _MILLIMETRES) -> list[Array]:
     try:
-        return load_closed_curves(file, *section)
+        curves = load_closed_curves(file, *section)
+        return [checked_polygon(curve, file.name) for curve in curves]
     except GeometryError as error:
         raise GeometryError(f"{key}: {error}") from error
     except Exception as error:
