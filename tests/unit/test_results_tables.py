@@ -35,3 +35,10 @@ def test_one_text_file_per_table_with_units_in_the_header(tmp_path: Path) -> Non
     np.testing.assert_allclose(values[:, 1], description.families[1].volume.values[:, 0], rtol=1e-8)
     step = values[1, 0] - values[0, 0]
     assert step * len(values) == pytest.approx(2.0 * np.pi, rel=1e-8)
+
+
+def test_description_gives_the_same_dataset(tmp_path: Path) -> None:
+    description = fake_description()
+    saved = save_tables(description, tmp_path / "tables.nc")
+    with xr.open_dataset(saved, engine="h5netcdf") as read:
+        assert set(read.data_vars) == set(description.to_dataset().data_vars)

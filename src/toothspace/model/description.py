@@ -14,12 +14,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Literal, final
+from typing import TYPE_CHECKING, Literal, final
 
 import numpy as np
 
 from toothspace.core.types import Array, IntArray
 from toothspace.numerics.periodic_table import PeriodicTable
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 PathKind = Literal["orifice", "parallel_gap", "curved_gap"]
 
@@ -437,6 +440,12 @@ class MachineDescription:
     def motion_index(self, body: str, axis: str) -> int:
         """Position of a motion in :attr:`motions`."""
         return [f"{m.body}.{m.axis}" for m in self.motions].index(f"{body}.{axis}")
+
+    def to_dataset(self) -> xr.Dataset:
+        """Collect all tables over their angles, outlines and summary in one dataset."""
+        from toothspace.model.angle_tables import tables_dataset
+
+        return tables_dataset(self)
 
     def with_running_in(self, depths: Mapping[str, Array]) -> MachineDescription:
         """Deepen wearing gaps by running-in depths given at their table nodes. [m]."""
