@@ -9,8 +9,9 @@ import pytest
 
 from toothspace.core.errors import CaseError
 from toothspace.films import Groove, JournalBearing
-from toothspace.films.journal_bearing import SurfaceSpeed, solve_motion
 from toothspace.films.journal_film import MotionState
+from toothspace.films.journal_solution import SurfaceSpeed
+from toothspace.films.journal_solver import solve_motion
 
 SPEED = 300.0
 GROOVED = JournalBearing(

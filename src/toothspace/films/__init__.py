@@ -6,7 +6,10 @@ module              responsibility
 rough_surfaces      average flow and contact of rough walls
 reynolds            gap heights to cell balances, and their variation
 journal_film        geometry and integrals of the film round a shaft
-journal_bearing     :class:`JournalBearing` and its solution
+journal_bearing     :class:`JournalBearing`, the input
+journal_solver      film for a given motion of the shaft
+journal_solution    fields, loads, flows, stiffness and damping
+cavitation          names of the cavitation models
 equilibrium         position of the shaft under a load
 plane_film          films between nearly parallel faces on any grid
 pad                 :class:`Pad`: rectangular pads with pocket or step
@@ -17,8 +20,9 @@ cases               ``[bearing]`` and ``[film]`` tables to named numbers
 from __future__ import annotations
 
 from toothspace.films.cases import bearing_summary, pad_summary, solve_bearing, solve_film
-from toothspace.films.journal_bearing import JournalBearing, JournalBearingSolution
+from toothspace.films.journal_bearing import JournalBearing
 from toothspace.films.journal_film import Groove
+from toothspace.films.journal_solution import JournalBearingSolution
 from toothspace.films.pad import Pad, PadSolution, Pocket
 from toothspace.films.plane_film import FilmFluid
 from toothspace.films.rough_surfaces import RoughSurfaces

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from toothspace.core.errors import CaseError
-from toothspace.films.journal_bearing import JournalBearing, JournalBearingSolution
+from toothspace.films.journal_bearing import JournalBearing
 from toothspace.films.journal_film import Groove
+from toothspace.films.journal_solution import JournalBearingSolution
 from toothspace.films.pad import Pad, PadSolution, Pocket
 from toothspace.films.plane_film import FilmFluid
 from toothspace.model.fluid import LiquidState, library_liquid, table_liquid

@@ -9,15 +9,12 @@ import numpy as np
 
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.films.journal_bearing import solve_motion
 from toothspace.films.journal_film import MotionState
+from toothspace.films.journal_solution import JournalBearingSolution, SurfaceSpeed
+from toothspace.films.journal_solver import solve_motion
 
 if TYPE_CHECKING:
-    from toothspace.films.journal_bearing import (
-        JournalBearing,
-        JournalBearingSolution,
-        SurfaceSpeed,
-    )
+    from toothspace.films.journal_bearing import JournalBearing
 
 _SMALLEST_SHRINK = 0.3
 """A step may shrink the smallest gap to this part."""

@@ -12,7 +12,7 @@ from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.films.journal_bearing import CAVITATION
+from toothspace.films.cavitation import CAVITATION
 from toothspace.films.plane_film import FilmFluid, PlaneFilm, PlaneSolution, solve_plane
 from toothspace.films.reynolds import FilmGrid, GapField
 from toothspace.numerics.complementarity import face_flows
