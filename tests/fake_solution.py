@@ -176,6 +176,7 @@ def fake_solution(samples: int = 360) -> Solution:
         ledger=fake_ledger(TURN / SPEED, TURN),
         statistics={"steps": 2400.0, "rhs": 9100.0, "wall_time": 0.8},
         provenance={
+            "title": "Fake 12-tooth motor",
             "package_version": "0.1.0",
             "case_toml": 'title = "Fake <motor>"\n[machine]\ntype = "external_gear"\n',
             "case_hash": "0123abcd",

@@ -18,9 +18,10 @@ from toothspace.results.solution import Event, Solution
 from toothspace.results.variables import dataset_from
 
 DATA_ATTRIBUTES = ("title", "machine", "mode")
-"""Attributes of the file that belong to the dataset; others are status, statistics, provenance."""
+"""Attributes of the file that belong to the dataset."""
 
 _STATISTICS = "statistics_"
+_PROVENANCE = "provenance"  # attribute that lists the names of those that make the provenance
 _EVENT_FIELDS = {"event_shaft_angle": 0, "event_time": 1, "event_kind": 2, "event_label": 3}
 _LEDGER_FIELDS = ("ledger_mass", "ledger_energy", "window_duration", "window_shaft_angle")
 
@@ -51,6 +52,7 @@ def save_solution(solution: Solution, path: str | Path) -> Path:
         "status": solution.status.name,
         **{f"{_STATISTICS}{key}": float(value) for key, value in solution.statistics.items()},
         **solution.provenance,
+        _PROVENANCE: " ".join(solution.provenance),
     }
     return write_atomically(dataset, path)
 
@@ -71,9 +73,8 @@ def load_solution(path: str | Path) -> Solution:
     dataset = read_dataset(path)
     if "status" not in dataset.attrs or "ledger_energy" not in dataset:
         raise CaseError(f"{path}: not a result of toothspace; expected a file written by run -o")
-    attributes = {key: value for key, value in dataset.attrs.items() if key != "status"}
+    attributes = dataset.attrs
     statistics = {k: v for k, v in attributes.items() if k.startswith(_STATISTICS)}
-    provenance = attributes.keys() - statistics.keys() - set(DATA_ATTRIBUTES)
     extra = [*_LEDGER_FIELDS, *_EVENT_FIELDS, "mass_entry", "energy_entry"]
     data = dataset.drop_vars(extra, errors="ignore")
     data.attrs = {key: attributes[key] for key in DATA_ATTRIBUTES if key in attributes}
@@ -82,7 +83,7 @@ def load_solution(path: str | Path) -> Solution:
         data=data,
         ledger=_read_ledger(dataset),
         statistics={k.removeprefix(_STATISTICS): float(v) for k, v in statistics.items()},
-        provenance={key: str(attributes[key]) for key in attributes if key in provenance},
+        provenance={key: str(attributes[key]) for key in attributes[_PROVENANCE].split()},
         events=_read_events(dataset),
     )
 
