@@ -83,7 +83,7 @@ def load_solution(path: str | Path) -> Solution:
         data=data,
         ledger=_read_ledger(dataset),
         statistics={k.removeprefix(_STATISTICS): float(v) for k, v in statistics.items()},
-        provenance={key: str(attributes[key]) for key in attributes[_PROVENANCE].split()},
+        provenance={key: str(attributes[key]) for key in attributes.get(_PROVENANCE, "").split()},
         events=_read_events(dataset),
     )
 
