@@ -70,14 +70,14 @@ def turning_section_chart(
     description : MachineDescription
         External gear machine that it belongs to.
     frames : int
-        Number of positions within one tooth pitch.
+        Number of positions within one tooth pitch; fewer if the samples are coarser.
     """
     import plotly.graph_objects as go
 
     angle = np.asarray(solution.data["shaft_angle"])
     pitch = 2.0 * np.pi / description.families[0].count
     wanted = angle[0] + pitch * np.arange(frames) / frames
-    samples = [int(np.argmin(np.abs(angle - value))) for value in wanted]
+    samples = sorted({int(np.argmin(np.abs(angle - value))) for value in wanted})
     top = top_of_scale(solution) / _BAR
     shown = [_section_traces(solution, description, sample, top) for sample in samples]
     still = [_area(housing_region(description), LIGHT, "housing", edge=GREY), _colour_scale(top)]
