@@ -56,7 +56,13 @@ import numpy as np
 
 from toothspace.core.types import Array
 from toothspace.numerics.dense_output import false_position, interpolate
-from toothspace.numerics.ndf_step import bind_step, bind_weights, error_norm
+from toothspace.numerics.ndf_step import (
+    GO_ON,
+    error_norm,
+    note_jacobian,
+    start_step,
+    use_evaluation,
+)
 from toothspace.numerics.ndf_types import (
     DONE,
     RESTART_AT_EVENT,
@@ -89,6 +95,65 @@ def _write_samples(state: NdfState, record: NdfRecord, limit: float) -> None:
         _state_at(state, record.sample_times[next_sample], record.samples[next_sample])
         next_sample += 1
     record.counts[0] = next_sample
+
+
+@kernel
+def _pause(state: NdfState, record: NdfRecord, t_end: float) -> int:
+    """Write what lies before the end or an event; return GO_ON or why to return."""
+    control = state.control[0]
+    limit = min(control.valid_until, t_end)
+    _write_samples(state, record, limit)
+    stop = control.pending == STOP_AT_EVENT
+    if control.valid_until < t_end and control.pending == _NOTHING:
+        return GO_ON
+    _state_at(state, limit, state.y)
+    if stop and control.valid_until <= t_end:
+        control.pending = RESTART_AT_EVENT
+        return TERMINAL_EVENT
+    return DONE if control.valid_until >= t_end else GO_ON
+
+
+@kernel
+def _reset(state: NdfState, t0: float, y0: Array) -> None:
+    control = state.control[0]
+    state.differences[0, :] = y0
+    state.differences[1:, :] = 0.0
+    control.time = control.valid_until = t0
+    control.order = control.next_order = 1
+    control.equal_steps = control.pending = control.rate_known = 0
+
+
+@kernel
+def _first_step(settings: NdfSettings, state: NdfState, part: int) -> None:
+    """Choose a step whose first-order error h^2 |y''| / 2 is half of the tolerance.
+
+    Part 0 takes y'' = J f from the derivative at the start, part 1 adds the derivative
+    with respect to time from a second evaluation, one step later.
+    """
+    control = state.control[0]
+    slope, first, second = state.work[4], state.differences[1], state.delta
+    inverse = state.differences[2, : second.size]
+    if part == 0:
+        first[:] = slope
+        for i in range(second.size):
+            inverse[i] = 1.0 / state.inverse_weights[i]
+            second[i] = 0.0
+            for j in range(second.size):
+                second[i] += state.jacobian[i, j] * slope[j]
+        bend = error_norm(second, inverse, settings.max_norm_share)
+        speed = error_norm(slope[: second.size], inverse, settings.max_norm_share)
+        scale = max(np.sqrt(bend), 1e-3 * speed)
+        control.step = min(settings.max_step, 1.0 / scale if scale > 0.0 else 1e-6)
+        return
+    for i in range(second.size):
+        second[i] += (slope[i] - first[i]) / control.step
+    bend = error_norm(second, inverse, settings.max_norm_share)
+    inverse[:] = 0.0
+    if bend > 0.0:
+        control.step = min(control.step, 1.0 / np.sqrt(bend))
+    control.next_step = control.step
+    for i in range(first.size):
+        first[i] *= control.step
 
 
 @kernel
@@ -157,14 +222,14 @@ def _bind_initial_state(begin: Compiled) -> Compiled:
         """
         control = state.control[0]
         control.steps = control.rejected = control.rhs_calls = control.jacobian_calls = 0
-        control.factorisations = control.newton_failures = control.iterations = 0
+        control.factorisations = control.newton_failures = 0
         begin(params, settings, state, t0, y0)
 
     return initial_state
 
 
 def _bind_advance(callbacks: NdfCallbacks, begin: Compiled) -> Compiled:
-    take_step = bind_step(callbacks)
+    rhs, jacobian, weights = callbacks.rhs, callbacks.jacobian, callbacks.weights
     find_events = _bind_events(callbacks.event_values)
 
     @kernel
@@ -202,32 +267,33 @@ def _bind_advance(callbacks: NdfCallbacks, begin: Compiled) -> Compiled:
             DONE, TERMINAL_EVENT, STEP_TOO_SMALL, MAX_STEPS or NOT_FINITE.
         """
         control = state.control[0]
+        trial, slope = state.work[3], state.work[4]
         while True:
-            limit = min(control.valid_until, t_end)
-            _write_samples(state, record, limit)
-            if control.valid_until >= t_end or control.pending == STOP_AT_EVENT:
-                _state_at(state, limit, state.y)
-                if control.pending == STOP_AT_EVENT and control.valid_until <= t_end:
-                    control.pending = RESTART_AT_EVENT
-                    return TERMINAL_EVENT
-                return DONE
+            code = _pause(state, record, t_end)
+            if code != GO_ON:
+                return code
             if control.pending == RESTART_AT_EVENT:
-                _state_at(state, control.valid_until, state.y)
                 begin(params, settings, state, control.valid_until, state.y)
-            code = take_step(params, program, settings, state)
+            weights(control.time, state.differences[0], params, state.inverse_weights)
+            code = start_step(settings, state)
+            while code == GO_ON:
+                if control.jacobian_wanted == 1:
+                    jacobian(control.new_time, trial, params, state.jacobian)
+                    note_jacobian(state)
+                rhs(control.new_time, trial, params, slope)
+                code = use_evaluation(program, settings, state)
             if code != DONE:
                 state.y[:] = state.differences[0]
                 return code
             control.valid_until = control.time
-            find_events(params, settings, state, record)
+            if settings.event_actions.size > 0:
+                find_events(params, settings, state, record)
 
     return advance
 
 
 def _bind_begin(callbacks: NdfCallbacks) -> Compiled:
-    jacobian, event_values = callbacks.jacobian, callbacks.event_values
-    update_weights = bind_weights(callbacks.weights)
-    first_step = _bind_first_step(callbacks.rhs)
+    rhs, jacobian, weights, event_values = callbacks
 
     @kernel
     def begin(
@@ -238,51 +304,21 @@ def _bind_begin(callbacks: NdfCallbacks) -> Compiled:
         y0: Array,
     ) -> None:
         control = state.control[0]
-        state.differences[0, :] = y0
-        state.differences[1:, :] = 0.0
-        control.time = control.valid_until = t0
-        control.order = control.next_order = 1
-        control.equal_steps = control.pending = control.rate_known = 0
-        control.rate = 0.0
-        update_weights(params, state)
-        jacobian(t0, state.differences[0], params, state.jacobian)
-        control.jacobian_calls += 1
-        control.jacobian_age = 0
-        control.gamma_factored = 0.0
-        control.step = control.next_step = first_step(params, settings, state)
-        for i in range(y0.size):
-            state.differences[1, i] = control.step * state.work[4, i]
+        _reset(state, t0, y0)
+        start, slope = state.differences[0], state.work[4]
+        weights(t0, start, params, state.inverse_weights)
+        jacobian(t0, start, params, state.jacobian)
+        note_jacobian(state)
+        later = t0
+        for part in range(2):
+            rhs(later, start, params, slope)
+            control.rhs_calls += 1
+            _first_step(settings, state, part)
+            later = t0 + control.step
         if settings.event_actions.size > 0:
-            event_values(t0, state.differences[0], params, state.events[0])
+            event_values(t0, start, params, state.events[0])
 
     return begin
-
-
-def _bind_first_step(rhs: Compiled) -> Compiled:
-    @kernel
-    def first_step(params: Any, settings: NdfSettings, state: NdfState) -> float:
-        """Step whose first-order error h^2 |y''| / 2 is half of the tolerance."""
-        control = state.control[0]
-        slope, later, second = state.work[4], state.work[3], state.delta
-        share = settings.max_norm_share
-        t0, y = control.time, state.differences[0]
-        rhs(t0, y, params, slope)
-        for i in range(second.size):
-            second[i] = 0.0
-            for j in range(second.size):
-                second[i] += state.jacobian[i, j] * slope[j]
-        speed = error_norm(slope, state.inverse_weights, share)
-        bend = error_norm(second, state.inverse_weights, share)
-        scale = max(np.sqrt(bend), 1e-3 * speed)
-        step = min(settings.max_step, 1.0 / scale if scale > 0.0 else 1e-6)
-        rhs(t0 + step, y, params, later)
-        control.rhs_calls += 2
-        for i in range(second.size):
-            second[i] += (later[i] - slope[i]) / step
-        bend = error_norm(second, state.inverse_weights, share)
-        return min(step, 1.0 / np.sqrt(bend)) if bend > 0.0 else step
-
-    return first_step
 
 
 def _bind_events(event_values: Compiled) -> Compiled:
@@ -297,8 +333,6 @@ def _bind_events(event_values: Compiled) -> Compiled:
         """
         control = state.control[0]
         actions = settings.event_actions
-        if actions.size == 0:
-            return
         before, after, roots = state.events[0], state.events[1], state.events[3]
         event_values(control.time, state.differences[0], params, after)
         until, action = control.time, _NOTHING

@@ -26,8 +26,6 @@ from toothspace.numerics.ndf_types import (
     MAX_STEPS,
     NOT_FINITE,
     STEP_TOO_SMALL,
-    Compiled,
-    NdfCallbacks,
     NdfSettings,
     NdfState,
     kernel,
@@ -51,15 +49,25 @@ ERROR_CONSTANT = (
 )
 """Error over the (k+1)-th backward difference: kappa_k gamma_k + 1/(k+1)."""
 
+GO_ON = -1
+"""Return code: evaluate and call again."""
+
+# Rest of the Newton iteration allowed, in units of the error weights: after one evaluation
+# with the rate of earlier steps, and later with the rate just measured.
 NEWTON_LIMIT = 4
+NEWTON_CUT = 0.3
 FIRST_TOLERANCE = 0.1
-LATER_TOLERANCE = 0.3
+LATER_TOLERANCE = 0.5
+
+# When factors and Jacobian are renewed: change of gamma, steps, contraction rate. A new
+# Jacobian is assumed to contract by FRESH_RATE until measured.
 REFACTOR_CHANGE = 0.2
 JACOBIAN_AGE = 30
 SLOW_RATE = 0.3
 FRESH_RATE = 0.2
-RESET_RATE = 0
 RATE_MEMORY = 0.3
+
+# Choice of step and order: safety of the lower, the same and the higher order.
 SAFETY = (1.4, 1.35, 1.5)
 LEAST_GROWTH = 1.15
 LEAST_CUT = 0.9
@@ -77,6 +85,106 @@ def error_norm(vector: Array, inverse_weights: Array, max_share: float) -> float
         squares += value * value
         largest = max(largest, abs(value))
     return (1.0 - max_share) * np.sqrt(squares / n) + max_share * largest
+
+
+@kernel
+def start_step(settings: NdfSettings, state: NdfState) -> int:
+    """Apply the plan of the last step and set the trial state; return GO_ON or why not."""
+    control = state.control[0]
+    inverse = state.inverse_weights
+    for i in range(inverse.size):
+        inverse[i] = 1.0 / inverse[i]
+    _apply_plan(state)
+    if control.jacobian_age >= JACOBIAN_AGE:
+        control.jacobian_wanted = 1
+    control.failures = control.not_finite = 0
+    return _start_attempt(settings, state)
+
+
+@kernel
+def _start_attempt(settings: NdfSettings, state: NdfState) -> int:
+    control = state.control[0]
+    if control.steps + control.rejected >= settings.max_steps:
+        return MAX_STEPS
+    if not control.step > max(settings.min_step, 1e-15 * abs(control.time)):
+        return NOT_FINITE if control.not_finite == 1 else STEP_TOO_SMALL
+    control.new_time = control.time + control.step
+    _predict(state)
+    _start_trial(state)
+    return GO_ON
+
+
+@kernel
+def note_jacobian(state: NdfState) -> None:
+    """Book a new Jacobian."""
+    control = state.control[0]
+    control.jacobian_calls += 1
+    control.jacobian_age = 0
+    control.jacobian_wanted = 0
+    control.gamma_factored = 0.0
+    control.rate = FRESH_RATE
+
+
+@kernel
+def use_evaluation(program: LuProgram, settings: NdfSettings, state: NdfState) -> int:
+    """Go on with the derivative at the trial state.
+
+    Returns
+    -------
+    int
+        GO_ON: evaluate at the trial state (and the Jacobian before, if wanted);
+        DONE: the step is accepted; else the reason of the failure.
+    """
+    control = state.control[0]
+    control.rhs_calls += 1
+    gamma = control.step / ((1.0 - KAPPA[control.order]) * HARMONIC[control.order])
+    if not _prepare_matrix(program, state, gamma):
+        return _give_up_attempt(settings, state)
+    _correct(program, state, gamma)
+    size = error_norm(state.delta, state.inverse_weights, settings.max_norm_share)
+    if not np.isfinite(size):
+        control.not_finite = 1
+        return _give_up_attempt(settings, state)
+    verdict = _judge(control, size)
+    control.iteration += 1
+    if verdict > 0:
+        return _test_error(settings, state)
+    if verdict < 0:
+        if control.jacobian_age == 0:
+            return _give_up_attempt(settings, state)
+        if size > control.old_size:
+            _start_trial(state)
+        control.jacobian_wanted = 1
+        control.iteration = 0
+    control.old_size = size
+    return GO_ON
+
+
+@kernel
+def _give_up_attempt(settings: NdfSettings, state: NdfState) -> int:
+    """Cut the step after a Newton failure."""
+    control = state.control[0]
+    control.newton_failures += 1
+    control.rejected += 1
+    control.jacobian_wanted = 1
+    _cut_step(state, NEWTON_CUT)
+    return _start_attempt(settings, state)
+
+
+@kernel
+def _test_error(settings: NdfSettings, state: NdfState) -> int:
+    control = state.control[0]
+    error = ERROR_CONSTANT[control.order] * error_norm(
+        state.work[2], state.inverse_weights, settings.max_norm_share
+    )
+    if error <= 1.0:
+        _accept(settings, state, error)
+        return DONE
+    control.rejected += 1
+    control.jacobian_age += 1
+    _reject(settings, state, error)
+    control.failures += 1
+    return _start_attempt(settings, state)
 
 
 @kernel
@@ -124,8 +232,6 @@ def _prepare_matrix(program: LuProgram, state: NdfState, gamma: float) -> bool:
     if abs(gamma - control.gamma_factored) > REFACTOR_CHANGE * gamma:
         control.factorisations += 1
         control.gamma_factored = gamma
-        if RESET_RATE:
-            control.rate_known = 0
         control.dense_factors = factorise(
             program, state.jacobian, gamma, state.factors, state.pivots
         )
@@ -134,7 +240,9 @@ def _prepare_matrix(program: LuProgram, state: NdfState, gamma: float) -> bool:
 
 @kernel
 def _start_trial(state: NdfState) -> None:
+    """Work rows: 2 trial minus predicted state, 3 trial state (4 derivative, 5 scratch)."""
     predicted, correction, trial = state.work[0], state.work[2], state.work[3]
+    state.control[0].iteration = 0
     for i in range(trial.size):
         trial[i] = predicted[i]
         correction[i] = 0.0
@@ -164,32 +272,34 @@ def _correct(program: LuProgram, state: NdfState, gamma: float) -> None:
 
 
 @kernel
-def _judge(control: Any, iteration: int, size: float, old_size: float) -> int:
+def _judge(control: Any, size: float) -> int:
     """Return 1 converged, 0 go on, -1 too slow."""
     if size <= 1e-6:
         return 1
-    if iteration == 0:
+    if control.iteration == 0:
         if control.rate_known == 0:
             control.rate = 0.0
             return 0
         left = size * control.rate / (1.0 - control.rate)
         return 1 if left <= FIRST_TOLERANCE else 0
-    if size > 0.9 * old_size:
+    if size > 0.9 * control.old_size:
         return -1
-    control.rate = max(RATE_MEMORY * control.rate, size / old_size)
+    control.rate = max(RATE_MEMORY * control.rate, size / control.old_size)
     control.rate_known = 1
     left = size * control.rate / (1.0 - control.rate)
     if left <= LATER_TOLERANCE:
         return 1
-    return -1 if left * control.rate ** (NEWTON_LIMIT - 1 - iteration) > LATER_TOLERANCE else 0
+    return (
+        -1 if left * control.rate ** (NEWTON_LIMIT - 1 - control.iteration) > LATER_TOLERANCE else 0
+    )
 
 
 @kernel
-def _reject(settings: NdfSettings, state: NdfState, error: float, failed_before: bool) -> None:
+def _reject(settings: NdfSettings, state: NdfState, error: float) -> None:
     """Cut the step after a failed error test, to a lower order if that is better."""
     control = state.control[0]
     order = control.order
-    if failed_before:
+    if control.failures > 0:
         _cut_step(state, 0.5)
         return
     ratio = max(0.1, error ** (-1.0 / (order + 1)) / SAFETY[1])
@@ -258,128 +368,3 @@ def _difference_error(settings: NdfSettings, state: NdfState, order: int) -> flo
 @kernel
 def _growth(error: float, order: int, safety: float) -> float:
     return min(MOST_GROWTH, 1.0 / (safety * max(error, 1e-30) ** (1.0 / (order + 1))))
-
-
-def bind_weights(weights: Compiled) -> Compiled:
-    """Return the compiled function that sets the inverse error weights of a problem."""
-
-    @kernel
-    def update_weights(params: Any, state: NdfState) -> None:
-        """Set the inverse error weights at the last accepted state."""
-        inverse = state.inverse_weights
-        weights(state.control[0].time, state.differences[0], params, inverse)
-        for i in range(inverse.size):
-            inverse[i] = 1.0 / inverse[i]
-
-    return update_weights
-
-
-def bind_step(callbacks: NdfCallbacks) -> Compiled:
-    """Return the compiled function that makes one step of a problem.
-
-    Parameters
-    ----------
-    callbacks : NdfCallbacks
-        Compiled functions of the problem.
-
-    Returns
-    -------
-    callable
-        ``take_step(params, program, settings, state)``: advances by one accepted step and
-        returns DONE or the reason why not.
-    """
-    update_weights = bind_weights(callbacks.weights)
-    refresh_jacobian = _bind_refresh(callbacks.jacobian)
-    iterate = _bind_iterate(callbacks.rhs, refresh_jacobian)
-
-    @kernel
-    def take_step(params: Any, program: LuProgram, settings: NdfSettings, state: NdfState) -> int:
-        """Advance by one accepted step; return DONE or the reason why not."""
-        control = state.control[0]
-        _apply_plan(state)
-        update_weights(params, state)
-        stale = control.jacobian_age >= JACOBIAN_AGE
-        failed_before = False
-        finite = True
-        while True:
-            if control.steps + control.rejected >= settings.max_steps:
-                return MAX_STEPS
-            if not control.step > max(settings.min_step, 1e-15 * abs(control.time)):
-                return STEP_TOO_SMALL if finite else NOT_FINITE
-            _predict(state)
-            if stale:
-                refresh_jacobian(params, state, state.work[0])
-                stale = False
-            size = iterate(params, program, settings, state)
-            if size < 0.0:
-                control.newton_failures += 1
-                control.rejected += 1
-                finite = finite and size > -2.0
-                stale = True
-                _cut_step(state, 0.3)
-                continue
-            error = ERROR_CONSTANT[control.order] * size
-            if error <= 1.0:
-                _accept(settings, state, error)
-                return DONE
-            control.rejected += 1
-            control.jacobian_age += 1
-            _reject(settings, state, error, failed_before)
-            failed_before = True
-
-    return take_step
-
-
-def _bind_refresh(jacobian: Compiled) -> Compiled:
-    @kernel
-    def refresh_jacobian(params: Any, state: NdfState, y: Array) -> None:
-        control = state.control[0]
-        jacobian(control.time + control.step, y, params, state.jacobian)
-        control.jacobian_calls += 1
-        control.jacobian_age = 0
-        control.gamma_factored = 0.0
-        control.rate = FRESH_RATE
-
-    return refresh_jacobian
-
-
-def _bind_iterate(rhs: Compiled, refresh_jacobian: Compiled) -> Compiled:
-    @kernel
-    def iterate(params: Any, program: LuProgram, settings: NdfSettings, state: NdfState) -> float:
-        """Solve the formula; return the norm of y minus prediction, -1 if slow, -2 not finite.
-
-        A slow iteration with an old Jacobian goes on with a new one. Work rows: 2 y minus
-        prediction, 3 trial state, 4 derivative, 5 scratch.
-        """
-        control = state.control[0]
-        gamma = control.step / ((1.0 - KAPPA[control.order]) * HARMONIC[control.order])
-        trial = state.work[3]
-        if not _prepare_matrix(program, state, gamma):
-            return -1.0
-        _start_trial(state)
-        old_size = 0.0
-        iteration = 0
-        while True:
-            rhs(control.time + control.step, trial, params, state.work[4])
-            control.rhs_calls += 1
-            control.iterations += 1
-            _correct(program, state, gamma)
-            size = error_norm(state.delta, state.inverse_weights, settings.max_norm_share)
-            if not np.isfinite(size):
-                return -2.0
-            verdict = _judge(control, iteration, size, old_size)
-            if verdict > 0:
-                return error_norm(state.work[2], state.inverse_weights, settings.max_norm_share)
-            iteration += 1
-            if verdict < 0:
-                if control.jacobian_age == 0:
-                    return -1.0
-                if size > old_size:
-                    _start_trial(state)
-                refresh_jacobian(params, state, trial)
-                if not _prepare_matrix(program, state, gamma):
-                    return -1.0
-                iteration = 0
-            old_size = size
-
-    return iterate
