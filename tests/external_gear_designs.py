@@ -110,6 +110,7 @@ def spaces_at(assembly: Assembly, shaft_angle: float) -> tuple[Spaces, Spaces]:
         np.mod(phases + ratio * shaft_angle, 2.0 * np.pi) - np.pi
         for phases, ratio in zip(numbering.space_phases, numbering.ratios, strict=True)
     ]
+    places[1] -= assembly.mesh.turn
     return (
         drive_spaces(*assembly.teeth, assembly.mesh, places[0]),
         driven_spaces(*assembly.teeth, assembly.mesh, places[1]),

@@ -67,17 +67,37 @@ class Assembly:
         return self.spec.mode == "pump"
 
     def spaces(self, nodes: int) -> tuple[Spaces, Spaces]:
-        """Tooth spaces of both gears at evenly spread angles, beginning opposite to the mesh."""
-        angles = node_places(nodes)
+        """Tooth spaces of both gears at their table nodes, about so many on a turn."""
         return (
-            drive_spaces(*self.teeth, self.mesh, angles),
-            driven_spaces(*self.teeth, self.mesh, angles),
+            drive_spaces(*self.teeth, self.mesh, self.node_places(0, nodes)),
+            driven_spaces(*self.teeth, self.mesh, self.node_places(1, nodes)),
         )
 
+    def node_places(self, gear: int, nodes: int) -> Array:
+        """Places of a gear's table nodes from the centre line.
 
-def node_places(nodes: int) -> Array:
-    """Places of the table nodes from the centre line: -pi up to pi. [rad]."""
-    return -np.pi + 2.0 * np.pi * np.arange(nodes) / nodes
+        Parameters
+        ----------
+        gear : int
+            0 for the drive gear, 1 for the driven gear.
+        nodes : int
+            About how many nodes the drive gear shall have.
+
+        Returns
+        -------
+        ndarray
+            Places, beginning opposite to the mesh. [rad]
+
+        Notes
+        -----
+        Both gears have one even number of nodes on a pitch, and the driven gear's table angle
+        leaves out its turn into contact. All chambers are then at the same fraction between
+        their nodes, and interpolation errors of neighbours cancel.
+        """
+        per_pitch = 2 * max(round(0.5 * nodes / self.counts[0]), 2)
+        count = per_pitch * self.counts[gear]
+        offset = -self.mesh.turn if gear == 1 else 0.0
+        return -np.pi + 2.0 * np.pi * np.arange(count) / count + offset
 
 
 def assemble(spec: ExternalGearSpec) -> Assembly:

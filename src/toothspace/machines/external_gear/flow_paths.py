@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from toothspace.core.types import Array, IntArray
-from toothspace.machines.external_gear.assembly import Assembly, driven_lever, node_places
+from toothspace.machines.external_gear.assembly import Assembly, driven_lever
 from toothspace.machines.external_gear.casing import bore
 from toothspace.machines.external_gear.chambers import Spaces
 from toothspace.machines.external_gear.mesh_split import Throats
@@ -42,7 +42,7 @@ def flow_paths(
     """
     paths = list(flank_paths(assembly, numbering, spaces[0]))
     for gear in (0, 1):
-        paths.append(tip_path(assembly, numbering, gear, spaces[gear].angles.size))
+        paths.append(tip_path(assembly, numbering, gear, spaces[0].angles.size))
         paths.extend(port_paths(assembly, numbering, spaces[gear], gear))
         paths.extend(groove_paths(assembly, numbering, spaces[gear], gear))
         paths.append(lateral_path(assembly, numbering, gear))
@@ -118,9 +118,9 @@ def throat_drag(assembly: Assembly, side: Throats, *, leading: bool) -> Array:
 def tip_path(assembly: Assembly, numbering: Numbering, gear: int, nodes: int) -> FlowPath:
     """Gap between tooth tips and casing bore, from the space behind to the space ahead."""
     tooth, own = assembly.teeth[gear], numbering.nodes[gear]
-    places = node_places(nodes)
+    places = assembly.node_places(gear, nodes)
     width = (assembly.spec.drive, assembly.spec.driven)[gear].face_width
-    geometry = np.empty((nodes, 3))
+    geometry = np.empty((places.size, 3))
     geometry[:, 0] = bore(assembly, gear).clearance_at(places)
     geometry[:, 1] = width * bore_cover(assembly, gear, places)
     geometry[:, 2] = tooth.land_angle * tooth.tip_radius
@@ -135,8 +135,8 @@ def tip_path(assembly: Assembly, numbering: Numbering, gear: int, nodes: int) ->
         phases=numbering.tooth_phases[gear],
         geometry=monotone_table(FULL_TURN, geometry),
         height_by_motion=smooth_table(FULL_TURN, _clearance_by_motion(gear, places)),
-        drag_speed=monotone_table(FULL_TURN, np.full(nodes, 0.5 * speed)),
-        shear_speed=monotone_table(FULL_TURN, np.full(nodes, speed)),
+        drag_speed=monotone_table(FULL_TURN, np.full(places.size, 0.5 * speed)),
+        shear_speed=monotone_table(FULL_TURN, np.full(places.size, speed)),
         wears=True,
     )
 

@@ -4,7 +4,8 @@ At shaft angle zero the drive space 0 is centred on the centre line, open toward
 gear, and the driven tooth 0 stands in it. Numbers grow against the rotation: space k + 1 comes
 to the mesh after space k. Drive space k lies between the drive teeth k (ahead) and k + 1; driven
 space k between the driven teeth k (ahead) and k + 1, where drive tooth k + 1 enters it.
-Table angles are zero opposite to the mesh and pi on the mesh side of the centre line.
+Table angles are zero opposite to the mesh and pi on the mesh side of the centre line; on the
+driven gear they follow from the shaft angle alone, without the small turn into contact.
 """
 
 from __future__ import annotations
@@ -65,12 +66,12 @@ class Numbering:
 
 def number(assembly: Assembly) -> Numbering:
     """Number the chambers of two gears in mesh."""
-    (first, second), turn = assembly.counts, assembly.mesh.turn
+    first, second = assembly.counts
     index_1, index_2 = np.arange(first), np.arange(second)
     drive = np.pi - FULL_TURN * index_1 / first
     late = drive < -1e-9
     meeting = np.where(late, index_1 - first, index_1)
-    driven_tooth = np.pi - FULL_TURN * index_2 / second - turn
+    driven_tooth = np.pi - FULL_TURN * index_2 / second
     half_1, half_2 = np.pi / first, np.pi / second
     return Numbering(
         space_phases=(_turned(drive), _turned(driven_tooth - half_2)),
