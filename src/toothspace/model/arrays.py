@@ -1,21 +1,10 @@
-"""Flat arrays of one system, as compiled code reads them.
-
-=================== ==========================================================
-tuple               content
-=================== ==========================================================
-Sizes               counts and positions in the state vector
-ChamberArrays       table and phase of each chamber
-PathArrays          nodes, table and law of each flow path
-MotionArrays        mass and external force of each free micro-motion
-JournalArrays       bearings of the bodies that move
-ContactArrays       contacts and the rigid mesh
-ConditionArrays     speeds, port states, tolerances, constant torques
-WorkArrays          everything that one evaluation computes
-SystemArrays        all of them
-=================== ==========================================================
+"""Flat arrays of one system, as compiled code reads them, and the meaning of their columns.
 
 State vector: shaft angle, shaft speed, fluid mass of each dynamic node, undissolved gas mass
 of each dynamic node, free micro-motions, their velocities, then the ledger states.
+
+Few arrays with named columns instead of many arrays: compiled functions pass them by value,
+and each costs reference counting.
 """
 
 from __future__ import annotations
@@ -25,7 +14,80 @@ from typing import NamedTuple
 from toothspace.closures.bearing_map import JournalMap
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.types import Array, IntArray
-from toothspace.model.tables import TableBank
+from toothspace.model.tables import Members, TableBank
+
+# Columns of ``node``: state of chambers and ports.
+(
+    VOLUME,
+    VOLUME_RATE,
+    PRESSURE,
+    PRESSURE_BY_MASS,
+    PRESSURE_BY_GAS,
+    PRESSURE_BY_VOLUME,
+    GAS,
+    DENSITY,
+    LIQUID_ENTHALPY,
+    GAS_ENTHALPY,
+    MASS_RATE,
+    GAS_RATE,
+    EXCHANGE_RATE,
+    EXCHANGE_BY_PRESSURE,
+    EXCHANGE_BY_GAS,
+) = range(15)
+NODE_COLUMNS = 15
+
+# Columns of ``path``: what flows through a path.
+(
+    FLOW,
+    VOLUME_FLOW,
+    FLOW_BY_PRESSURE,
+    FLOW_BY_HEIGHT,
+    HEIGHT,
+    DRAG,
+    LOSS,
+    SHEAR,
+) = range(8)
+PATH_COLUMNS = 8
+
+# Columns of ``path_index`` and ``path_data``: what a path is.
+(
+    KIND,
+    CATEGORY,
+    NODE_A,
+    NODE_B,
+    PRESENT_B,
+    FAMILY_FIRST,
+    FAMILY_COUNT,
+    PARTNER_SHIFT,
+) = range(8)
+MULTIPLICITY, MINIMUM_HEIGHT = range(2)
+
+# Columns of ``chamber_values``: volume, dV/d(mesh rotation), dV/d(each free motion).
+CHANNEL_VOLUME, CHANNEL_MESH, CHANNEL_MOTION = range(3)
+
+# Columns of ``path_values``: geometry, drag and shear speed, d(height)/d(each free motion).
+GEOMETRY, DRAG_SPEED, SHEAR_SPEED, HEIGHT_BY_MOTION = 0, 3, 4, 5
+
+# Columns of ``contact_values`` and the column of ``contact`` after it.
+GAP, LOAD_SHARE, RADIUS_A, RADIUS_B, SLIDING, ROLLING, CONTACT_FORCE = range(7)
+
+# Columns of ``motion``.
+MOTION_MASS, EXTERNAL_FORCE, CLEARANCE, PRESSURE_FORCE, FILM_FORCE = range(5)
+MOTION_COLUMNS = 5
+
+# Columns of ``journal``.
+(
+    MOTION_X,
+    MOTION_Y,
+    BEARINGS,
+    RADIUS,
+    LENGTH,
+    JOURNAL_CLEARANCE,
+    SPEED_RATIO,
+    BUSH_X,
+    BUSH_Y,
+    BOUNDARY_FRICTION,
+) = range(10)
 
 
 class Sizes(NamedTuple):
@@ -34,7 +96,10 @@ class Sizes(NamedTuple):
     chambers: int
     nodes: int
     dynamic: int
+    paths: int
     motions: int
+    journals: int
+    contacts: int
     mass: int
     gas: int
     position: int
@@ -43,134 +108,57 @@ class Sizes(NamedTuple):
     total: int
 
 
-class ChamberArrays(NamedTuple):
-    """Chambers: table channels are volume, dV/d(mesh rotation), dV/d(each free motion)."""
+class ContactSurface(NamedTuple):
+    """Flanks in contact; the first four fields are those of a flank surface."""
 
-    table: IntArray
-    phase: Array
-    ratio: Array
-
-
-class PathArrays(NamedTuple):
-    """Flow paths: channels are three of geometry, drag speed, shear speed, dh/d(each motion)."""
-
-    table: IntArray
-    phase: Array
-    ratio: Array
-    kind: IntArray
-    category: IntArray
-    node_a: IntArray
-    node_b: IntArray
-    family_first: IntArray
-    family_count: IntArray
-    partner_shift: IntArray
-    multiplicity: Array
-    minimum_height: Array
-
-
-class MotionArrays(NamedTuple):
-    """Free micro-motions."""
-
-    mass: Array
-    external_force: Array
-    clearance: Array
-
-
-class JournalArrays(NamedTuple):
-    """Journal bearings, one entry per body; the asperity table is over the eccentricity ratio."""
-
-    motion_x: IntArray
-    motion_y: IntArray
-    bearings: Array
-    radius: Array
-    length: Array
-    clearance: Array
-    speed_ratio: Array
-    bush_x: Array
-    bush_y: Array
-    boundary_friction: Array
-    asperity_force: Array
-    asperity_load: Array
-    asperity_range: float
-    film: JournalMap
-
-
-class ContactArrays(NamedTuple):
-    """Contacts: channels as in CONTACT_CHANNELS of the description."""
-
-    table: IntArray
-    phase: Array
-    ratio: Array
-    width: float
     effective_modulus: float
     roughness: float
     boundary_friction: float
     limiting_shear: float
+    width: float
     lever: float
-    rotation_ratio: float
 
 
-class ConditionArrays(NamedTuple):
-    """Operating condition: states of fixed nodes and constants of friction."""
+class Constants(NamedTuple):
+    """Constants of one run."""
 
-    fixed_pressure: Array
-    fixed_gas: Array
-    node_volume: Array
-    dynamic_index: IntArray
     lateral_torque: float
     seal_torque: float
     relative_tolerance: float
     pressure_scale: float
-
-
-class WorkArrays(NamedTuple):
-    """Results of one evaluation, overwritten by the next."""
-
-    chamber_values: Array
-    chamber_slopes: Array
-    path_values: Array
-    path_b: IntArray
-    contact_values: Array
-    table_angle: Array
-    volume: Array
-    volume_rate: Array
-    pressure: Array
-    pressure_by_mass: Array
-    pressure_by_gas: Array
-    pressure_by_volume: Array
-    gas: Array
-    density: Array
-    liquid_enthalpy: Array
-    gas_enthalpy: Array
-    path_flow: Array
-    path_volume_flow: Array
-    path_by_pressure: Array
-    path_by_height: Array
-    path_height: Array
-    path_drag: Array
-    path_loss: Array
-    path_shear: Array
-    mass_rate: Array
-    gas_rate: Array
-    gas_exchange: Array
-    pressure_force: Array
-    film_force: Array
-    film_by_position: Array
-    film_by_velocity: Array
-    contact_force: Array
-    torque: Array
+    asperity_range: float
 
 
 class SystemArrays(NamedTuple):
-    """Everything that the compiled right-hand side reads and writes."""
+    """Everything that the compiled right-hand side reads and writes.
+
+    ``node``, ``path``, ``chamber_values``, ``path_values``, ``contact_values``, ``motion``,
+    ``film_slopes`` (by position, by velocity), ``torque`` and ``table_angle`` are written by
+    each evaluation.
+    """
 
     size: Sizes
-    bank: TableBank
+    constant: Constants
     fluid: FluidLaw
-    chambers: ChamberArrays
-    paths: PathArrays
-    motions: MotionArrays
-    journals: JournalArrays
-    contacts: ContactArrays
-    condition: ConditionArrays
-    work: WorkArrays
+    surface: ContactSurface
+    film: JournalMap
+    bank: TableBank
+    chambers: Members
+    paths: Members
+    contacts: Members
+    dynamic_index: IntArray
+    path_index: IntArray
+    path_data: Array
+    journal: Array
+    asperity: Array
+    node: Array
+    path: Array
+    chamber_values: Array
+    chamber_slopes: Array
+    path_values: Array
+    contact_values: Array
+    turns: IntArray
+    motion: Array
+    film_slopes: Array
+    torque: Array
+    table_angle: Array

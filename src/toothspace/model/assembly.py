@@ -9,32 +9,37 @@ import numpy as np
 
 from toothspace.closures.density import mixture_density
 from toothspace.closures.fluid_law import FluidLaw
-from toothspace.core.types import Array, BoolArray
+from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.model.arrays import (
-    ChamberArrays,
-    ConditionArrays,
-    ContactArrays,
-    MotionArrays,
+    CHANNEL_MOTION,
+    DENSITY,
+    FAMILY_COUNT,
+    FAMILY_FIRST,
+    GAS,
+    HEIGHT_BY_MOTION,
+    MOTION_COLUMNS,
+    NODE_A,
+    NODE_B,
+    NODE_COLUMNS,
+    PARTNER_SHIFT,
+    PATH_COLUMNS,
+    PRESSURE,
+    VOLUME,
+    Constants,
+    ContactSurface,
     Sizes,
     SystemArrays,
-    WorkArrays,
 )
-from toothspace.model.chambers import CHANNEL_MOTION
-from toothspace.model.description import FlowPath, MachineDescription
-from toothspace.model.films import journal_arrays, lateral_torque_coefficient
-from toothspace.model.ledger import LEDGER_SIZE, PORT_NODES
-from toothspace.model.network import HEIGHT_BY_MOTION
+from toothspace.model.description import ContactPair, FlowPath, MachineDescription
+from toothspace.model.films import JournalData, journal_data, lateral_torque_coefficient
+from toothspace.model.ledger import FRICTION_MECHANISMS, LEDGER_SIZE, PORT_NODES
 from toothspace.model.operating_point import OperatingCondition
-from toothspace.model.paths import load_orifice, pack_paths, path_table
+from toothspace.model.paths import load_orifice, path_arrays, path_members, path_table
 from toothspace.model.quasi_static import bush_positions
-from toothspace.model.tables import pack_tables
+from toothspace.model.tables import Members, pack_tables
 from toothspace.numerics.periodic_table import PeriodicTable, stack_tables
 
-_NODE_ARRAYS = (
-    "volume pressure pressure_by_mass pressure_by_gas pressure_by_volume gas density "
-    "liquid_enthalpy gas_enthalpy mass_rate gas_rate"
-)
-_PATH_ARRAYS = "flow volume_flow by_pressure by_height height drag loss shear"
+_CONTACT_COLUMNS = 7
 
 
 @final
@@ -75,26 +80,33 @@ def assemble(
     paths = description.paths
     if condition.load_area > 0.0:
         paths = (*paths, load_orifice(description, condition.load_area))
-    sizes = _sizes(description, condition, len(free))
-    tables = [_chamber_table(description, k, motion_map) for k in range(len(description.families))]
-    first_path = len(tables)
+    families, contacts = description.families, _loaded_contacts(description)
+    tables = [_chamber_table(description, k, motion_map) for k in range(len(families))]
+    tables += [contact.geometry for contact in contacts]
     tables += [path_table(path, motion_map) for path in paths]
-    first_contact = len(tables)
-    tables += [contact.geometry for contact in _loaded_contacts(description)]
     bush = bush_positions(description, condition, motion_map, free)
+    journals = journal_data(description, free, bush)
+    sizes = _sizes(description, condition, len(free), paths)
+    path_index, path_data = path_arrays(description, paths)
     arrays = SystemArrays(
         size=sizes,
-        bank=pack_tables(tables),
+        constant=_constants(description, condition, journals),
         fluid=fluid,
+        surface=_surface(description),
+        film=journals.film,
+        bank=pack_tables(tables),
         chambers=_chambers(description),
-        paths=pack_paths(description, paths, first_path, condition),
-        motions=_motions(description, condition, free),
-        journals=journal_arrays(description, free, bush),
-        contacts=_contacts(description, first_contact),
-        condition=_conditions(description, fluid, condition, sizes),
-        work=_work(sizes, sum(path.count for path in paths), description),
+        contacts=_contact_members(description, len(families)),
+        paths=path_members(paths, len(families) + len(contacts)),
+        dynamic_index=_dynamic_index(description, condition),
+        path_index=path_index,
+        path_data=path_data,
+        journal=journals.rows,
+        asperity=journals.asperity,
+        node=_nodes(description, fluid, condition, sizes),
+        motion=_motions(description, condition, free),
+        **_work(sizes),
     )
-    _set_fixed_densities(arrays)
     pattern = _pattern(arrays)
     return System(description, condition, arrays, pattern, tuple(free), motion_map)
 
@@ -120,7 +132,12 @@ def _motion_map(description: MachineDescription, free: list[int]) -> Array:
     return matrix
 
 
-def _sizes(description: MachineDescription, condition: OperatingCondition, motions: int) -> Sizes:
+def _sizes(
+    description: MachineDescription,
+    condition: OperatingCondition,
+    motions: int,
+    paths: tuple[FlowPath, ...],
+) -> Sizes:
     chambers = description.chamber_count
     dynamic = chambers + (1 if condition.load_area > 0.0 else 0)
     core = 2 + 2 * dynamic + 2 * motions
@@ -128,7 +145,10 @@ def _sizes(description: MachineDescription, condition: OperatingCondition, motio
         chambers=chambers,
         nodes=chambers + len(PORT_NODES),
         dynamic=dynamic,
+        paths=sum(path.count for path in paths),
         motions=motions,
+        journals=len(description.journals) if motions else 0,
+        contacts=sum(contact.count for contact in _loaded_contacts(description)),
         mass=2,
         gas=2 + dynamic,
         position=2 + 2 * dynamic,
@@ -151,9 +171,9 @@ def _chamber_table(description: MachineDescription, k: int, motion_map: Array) -
     )
 
 
-def _chambers(description: MachineDescription) -> ChamberArrays:
+def _chambers(description: MachineDescription) -> Members:
     counts = [family.count for family in description.families]
-    return ChamberArrays(
+    return Members(
         table=np.repeat(np.arange(len(counts)), counts).astype(np.int64),
         phase=np.concatenate([family.phases for family in description.families]),
         ratio=np.repeat([family.angle_ratio for family in description.families], counts),
@@ -162,108 +182,105 @@ def _chambers(description: MachineDescription) -> ChamberArrays:
 
 def _motions(
     description: MachineDescription, condition: OperatingCondition, free: list[int]
-) -> MotionArrays:
-    bodies = {body.name: body for body in description.bodies}
-    clearances = {journal.body: journal.radial_clearance for journal in description.journals}
-    names = [description.motions[k].body for k in free]
-    force = np.zeros(len(free))
-    for column, k in enumerate(free):
-        if description.motions[k].body == description.bodies[0].name:
-            force[column] = condition.radial_load[0 if description.motions[k].axis == "x" else 1]
-    return MotionArrays(
-        mass=np.array([bodies[name].mass for name in names]),
-        external_force=force,
-        clearance=np.array([clearances[name] for name in names]),
-    )
+) -> Array:
+    mass = {body.name: body.mass for body in description.bodies}
+    clearance = {journal.body: journal.radial_clearance for journal in description.journals}
+    rows = np.zeros((len(free), MOTION_COLUMNS))
+    for row, k in zip(rows, free, strict=True):
+        motion = description.motions[k]
+        row[0], row[2] = mass[motion.body], clearance[motion.body]
+        if motion.body == description.bodies[0].name:
+            row[1] = condition.radial_load["xy".index(motion.axis)]
+    return rows
 
 
-def _loaded_contacts(description: MachineDescription) -> list[object]:
+def _loaded_contacts(description: MachineDescription) -> list[ContactPair]:
     if description.mesh is None:
         return []
     return [c for c in description.contacts if c.name == description.mesh.contact]
 
 
-def _contacts(description: MachineDescription, first_table: int) -> ContactArrays:
+def _contact_members(description: MachineDescription, first_table: int) -> Members:
     contacts = _loaded_contacts(description)
-    if not contacts or description.mesh is None:
-        empty = np.zeros(0)
-        return ContactArrays(empty.astype(np.int64), empty, empty, 1, 1, 1, 0, 0, 1, 1)
-    contact = contacts[0]
-    return ContactArrays(
-        table=np.full(contact.count, first_table, dtype=np.int64),
-        phase=contact.phases,
-        ratio=np.full(contact.count, contact.angle_ratio),
-        width=contact.width,
-        effective_modulus=contact.effective_modulus,
-        roughness=contact.roughness,
-        boundary_friction=contact.boundary_friction,
-        limiting_shear=contact.limiting_shear,
-        lever=description.mesh.lever,
-        rotation_ratio=1.0,
+    phases = [contact.phases for contact in contacts]
+    return Members(
+        table=np.repeat(
+            np.arange(first_table, first_table + len(contacts)), [p.size for p in phases]
+        ).astype(np.int64),
+        phase=np.concatenate([*phases, np.zeros(0)]),
+        ratio=np.concatenate([*(np.full(c.count, c.angle_ratio) for c in contacts), np.zeros(0)]),
     )
 
 
-def _conditions(
+def _surface(description: MachineDescription) -> ContactSurface:
+    contacts = _loaded_contacts(description)
+    if not contacts or description.mesh is None:
+        return ContactSurface(1.0, 1.0, 0.0, 0.05, 1.0, 1.0)
+    contact = contacts[0]
+    return ContactSurface(
+        contact.effective_modulus,
+        contact.roughness,
+        contact.boundary_friction,
+        contact.limiting_shear,
+        contact.width,
+        description.mesh.lever,
+    )
+
+
+def _constants(
+    description: MachineDescription, condition: OperatingCondition, journals: JournalData
+) -> Constants:
+    return Constants(
+        lateral_torque=float(lateral_torque_coefficient(description)),
+        seal_torque=float(description.seal_torque),
+        relative_tolerance=float(condition.relative_tolerance),
+        pressure_scale=5.0 * max(condition.inlet_pressure, condition.outlet_pressure),
+        asperity_range=journals.asperity_range,
+    )
+
+
+def _dynamic_index(description: MachineDescription, condition: OperatingCondition) -> IntArray:
+    chambers = description.chamber_count
+    dynamic = np.full(chambers + len(PORT_NODES), -1, dtype=np.int64)
+    dynamic[:chambers] = np.arange(chambers)
+    if condition.load_area > 0.0:
+        dynamic[description.outlet_node] = chambers
+    return dynamic
+
+
+def _nodes(
     description: MachineDescription,
     fluid: FluidLaw,
     condition: OperatingCondition,
     sizes: Sizes,
-) -> ConditionArrays:
-    chambers = sizes.chambers
-    pressure = np.zeros(sizes.nodes)
-    pressure[chambers:] = (
+) -> Array:
+    node = np.zeros((sizes.nodes, NODE_COLUMNS))
+    ports = node[sizes.chambers :]
+    ports[:, PRESSURE] = (
         condition.inlet_pressure,
         condition.outlet_pressure,
         condition.drain_pressure,
         condition.load_pressure,
     )
-    dynamic = np.full(sizes.nodes, -1, dtype=np.int64)
-    dynamic[:chambers] = np.arange(chambers)
-    volume = np.ones(sizes.nodes)
-    if condition.load_area > 0.0:
-        dynamic[description.outlet_node] = chambers
-        volume[description.outlet_node] = description.port_volumes[1]
-    return ConditionArrays(
-        fixed_pressure=pressure,
-        fixed_gas=np.full(sizes.nodes, fluid.feed_gas_mass_fraction),
-        node_volume=volume,
-        dynamic_index=dynamic,
-        lateral_torque=lateral_torque_coefficient(description),
-        seal_torque=description.seal_torque,
-        relative_tolerance=condition.relative_tolerance,
-        pressure_scale=5.0 * max(condition.inlet_pressure, condition.outlet_pressure),
-    )
+    ports[:, GAS] = fluid.feed_gas_mass_fraction
+    ports[:, DENSITY] = mixture_density(ports[:, PRESSURE], ports[:, GAS], fluid)
+    node[description.outlet_node, VOLUME] = description.port_volumes[1]
+    return node
 
 
-def _work(sizes: Sizes, paths: int, description: MachineDescription) -> WorkArrays:
-    nodes, motions = sizes.nodes, max(sizes.motions, 1)
-    contacts = sum(c.count for c in _loaded_contacts(description))
-    per_node = {name: np.zeros(nodes) for name in _NODE_ARRAYS.split()}
-    per_path = {f"path_{name}": np.zeros(paths) for name in _PATH_ARRAYS.split()}
-    return WorkArrays(
-        chamber_values=np.zeros((sizes.chambers, CHANNEL_MOTION + sizes.motions)),
-        chamber_slopes=np.zeros((sizes.chambers, CHANNEL_MOTION + sizes.motions)),
-        path_values=np.zeros((paths, HEIGHT_BY_MOTION + sizes.motions)),
-        path_b=np.zeros(paths, dtype=np.int64),
-        contact_values=np.zeros((contacts, 6)),
-        table_angle=np.array([np.nan]),
-        volume_rate=np.zeros(sizes.chambers),
-        gas_exchange=np.zeros((nodes, 3)),
-        pressure_force=np.zeros(motions),
-        film_force=np.zeros(motions),
-        film_by_position=np.zeros((motions, motions)),
-        film_by_velocity=np.zeros((motions, motions)),
-        contact_force=np.zeros(contacts),
-        torque=np.zeros(7),
-        **per_node,
-        **per_path,
-    )
-
-
-def _set_fixed_densities(arrays: SystemArrays) -> None:
-    fixed = arrays.condition.dynamic_index < 0
-    pressure, gas = arrays.condition.fixed_pressure[fixed], arrays.condition.fixed_gas[fixed]
-    arrays.work.density[fixed] = mixture_density(pressure, gas, arrays.fluid)
+def _work(sizes: Sizes) -> dict[str, Array]:
+    channels = CHANNEL_MOTION + sizes.motions
+    return {
+        "path": np.zeros((sizes.paths, PATH_COLUMNS)),
+        "chamber_values": np.zeros((sizes.chambers, channels)),
+        "chamber_slopes": np.zeros((sizes.chambers, channels)),
+        "path_values": np.zeros((sizes.paths, HEIGHT_BY_MOTION + sizes.motions)),
+        "contact_values": np.zeros((sizes.contacts, _CONTACT_COLUMNS)),
+        "turns": np.zeros(max(sizes.paths, sizes.chambers, sizes.contacts), dtype=np.int64),
+        "film_slopes": np.zeros((2, sizes.motions, sizes.motions)),
+        "torque": np.zeros(len(FRICTION_MECHANISMS) + 1),
+        "table_angle": np.array([np.nan]),
+    }
 
 
 def _pattern(arrays: SystemArrays) -> BoolArray:
@@ -275,9 +292,9 @@ def _pattern(arrays: SystemArrays) -> BoolArray:
     columns = [_columns(arrays, node) for node in range(size.nodes)]
     rows = [_rows(arrays, node) for node in range(size.nodes)]
     motions = list(range(size.position, size.core))
-    for j in range(arrays.paths.table.size):
-        a = int(arrays.paths.node_a[j])
-        for b in _partners(arrays, j):
+    for index in arrays.path_index:
+        a = int(index[NODE_A])
+        for b in _partners(index):
             joined_columns = [*columns[a], *columns[b], *motions[: size.motions]]
             pattern[np.ix_([*rows[a], *rows[b]], joined_columns)] = True
     chamber_columns = [c for node in range(size.chambers) for c in columns[node]]
@@ -288,22 +305,19 @@ def _pattern(arrays: SystemArrays) -> BoolArray:
 
 
 def _columns(arrays: SystemArrays, node: int) -> list[int]:
-    d = int(arrays.condition.dynamic_index[node])
+    d = int(arrays.dynamic_index[node])
     return [arrays.size.mass + d, arrays.size.gas + d] if d >= 0 else []
 
 
 def _rows(arrays: SystemArrays, node: int) -> list[int]:
-    d = int(arrays.condition.dynamic_index[node])
+    d = int(arrays.dynamic_index[node])
     if d >= 0:
         return [arrays.size.mass + d, arrays.size.gas + d]
     return [arrays.size.core + node - arrays.size.chambers]
 
 
-def _partners(arrays: SystemArrays, j: int) -> list[int]:
-    if arrays.paths.partner_shift[j] == 0:
-        return [int(arrays.paths.node_b[j])]
-    first, count = int(arrays.paths.family_first[j]), int(arrays.paths.family_count[j])
+def _partners(index: IntArray) -> list[int]:
+    if index[PARTNER_SHIFT] == 0:
+        return [int(index[NODE_B])]
+    first, count = int(index[FAMILY_FIRST]), int(index[FAMILY_COUNT])
     return list(range(first, first + count))
-
-
-__all__ = ["FlowPath", "System", "assemble"]

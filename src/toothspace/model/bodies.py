@@ -18,87 +18,97 @@ import numpy as np
 from toothspace.closures.bearing_map import journal_force
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array
-from toothspace.model.arrays import SystemArrays
-from toothspace.model.chambers import CHANNEL_MOTION
+from toothspace.model.arrays import (
+    BEARINGS,
+    BOUNDARY_FRICTION,
+    BUSH_X,
+    BUSH_Y,
+    CHANNEL_MOTION,
+    FILM_FORCE,
+    JOURNAL_CLEARANCE,
+    LENGTH,
+    MOTION_X,
+    MOTION_Y,
+    PRESSURE,
+    PRESSURE_FORCE,
+    RADIUS,
+    SPEED_RATIO,
+    SystemArrays,
+)
 from toothspace.model.ledger import FRICTION, JOURNAL_ASPERITY, JOURNAL_VISCOUS
 
 SMALL_RATIO = 1e-9
 HIGHEST_FILM_RATIO = 0.999
+FORCE, LOAD = 0, 1
 
 
 @njit(cache=True)
 def update_pressure_forces(s: SystemArrays) -> None:
     """Sum the chamber pressures into the generalised force on every free motion."""
-    w = s.work
-    w.pressure_force[:] = 0.0
-    for i in range(s.size.chambers):
-        p = w.pressure[i]
-        for k in range(s.size.motions):
-            w.pressure_force[k] += p * w.chamber_values[i, CHANNEL_MOTION + k]
+    node, values, motion, size = s.node, s.chamber_values, s.motion, s.size
+    for k in range(size.motions):
+        force = 0.0
+        for i in range(size.chambers):
+            force += node[i, PRESSURE] * values[i, CHANNEL_MOTION + k]
+        motion[k, PRESSURE_FORCE] = force
 
 
 @njit(cache=True)
-def asperity_force(table: Array, table_range: float, ratio: float) -> tuple[float, float]:
-    """Radial force of touching asperities and its slope over the eccentricity ratio."""
-    intervals = table.shape[0]
+def asperity_value(
+    table: Array, journal: int, quantity: int, table_range: float, ratio: float
+) -> tuple[float, float]:
+    """Force or load of touching asperities and its slope over the eccentricity ratio. [N]."""
+    intervals = table.shape[2]
     position = min(ratio / table_range * intervals, intervals - 1e-9)
     i = int(position)
     t = position - i
-    c = table[i]
-    value = c[0] + t * (c[1] + t * (c[2] + t * c[3]))
-    slope = (c[1] + t * (2.0 * c[2] + 3.0 * t * c[3])) * intervals / table_range
-    return value, slope
+    c0, c1 = table[journal, quantity, i, 0], table[journal, quantity, i, 1]
+    c2, c3 = table[journal, quantity, i, 2], table[journal, quantity, i, 3]
+    value = c0 + t * (c1 + t * (c2 + t * c3))
+    return value, (c1 + t * (2.0 * c2 + 3.0 * t * c3)) * intervals / table_range
 
 
 @njit(cache=True)
-def update_journal(s: SystemArrays, state: Array, j: int) -> None:
-    """Forces of the bearings of one body on it, with derivatives, and their asperity load."""
-    w, bearing = s.work, s.journals
-    kx, ky = bearing.motion_x[j], bearing.motion_y[j]
-    ex = state[s.size.position + kx] - bearing.bush_x[j]
-    ey = state[s.size.position + ky] - bearing.bush_y[j]
-    vx, vy = state[s.size.velocity + kx], state[s.size.velocity + ky]
-    speed = bearing.speed_ratio[j] * state[1]
+def update_film_forces(s: SystemArrays, state: Array) -> None:
+    """Forces of all journal bearings on the free motions, with derivatives."""
+    journal, motion, slopes, size = s.journal, s.motion, s.film_slopes, s.size
     viscosity = s.fluid.dynamic_viscosity
-    scale = bearing.bearings[j] * viscosity * bearing.length[j]
-    scale *= (bearing.radius[j] / bearing.clearance[j]) ** 3
-    force = journal_force(ex, ey, vx, vy, speed, bearing.clearance[j], scale, bearing.film)
-    w.film_force[kx], w.film_force[ky] = force[0], force[1]
-    w.film_by_position[kx, kx], w.film_by_position[kx, ky] = force[2], force[3]
-    w.film_by_velocity[kx, kx], w.film_by_velocity[kx, ky] = force[4], force[5]
-    w.film_by_position[ky, kx], w.film_by_position[ky, ky] = force[6], force[7]
-    w.film_by_velocity[ky, kx], w.film_by_velocity[ky, ky] = force[8], force[9]
-    add_asperity_force(s, j, ex, ey)
+    for j in range(size.journals):
+        kx, ky = int(journal[j, MOTION_X]), int(journal[j, MOTION_Y])
+        ex = state[size.position + kx] - journal[j, BUSH_X]
+        ey = state[size.position + ky] - journal[j, BUSH_Y]
+        vx, vy = state[size.velocity + kx], state[size.velocity + ky]
+        speed, c = journal[j, SPEED_RATIO] * state[1], journal[j, JOURNAL_CLEARANCE]
+        scale = journal[j, BEARINGS] * viscosity * journal[j, LENGTH]
+        scale *= (journal[j, RADIUS] / c) ** 3
+        force = journal_force(ex, ey, vx, vy, speed, c, scale, s.film)
+        motion[kx, FILM_FORCE], motion[ky, FILM_FORCE] = force[0], force[1]
+        slopes[0, kx, kx], slopes[0, kx, ky] = force[2], force[3]
+        slopes[1, kx, kx], slopes[1, kx, ky] = force[4], force[5]
+        slopes[0, ky, kx], slopes[0, ky, ky] = force[6], force[7]
+        slopes[1, ky, kx], slopes[1, ky, ky] = force[8], force[9]
+        add_asperity_force(s, j, ex, ey)
 
 
 @njit(cache=True)
 def add_asperity_force(s: SystemArrays, j: int, ex: float, ey: float) -> None:
     """Push the journal back where asperities touch."""
-    w, bearing = s.work, s.journals
-    kx, ky = bearing.motion_x[j], bearing.motion_y[j]
-    c = bearing.clearance[j]
+    journal, motion, slopes = s.journal, s.motion, s.film_slopes
+    kx, ky = int(journal[j, MOTION_X]), int(journal[j, MOTION_Y])
+    c = journal[j, JOURNAL_CLEARANCE]
     distance = math.sqrt(ex * ex + ey * ey)
     if distance < SMALL_RATIO * c:
         return
-    force, slope = asperity_force(bearing.asperity_force[j], bearing.asperity_range, distance / c)
+    span = s.constant.asperity_range
+    force, slope = asperity_value(s.asperity, j, FORCE, span, distance / c)
     nx, ny = ex / distance, ey / distance
     radial, tangential = slope / c, force / distance
-    w.film_force[kx] -= force * nx
-    w.film_force[ky] -= force * ny
-    w.film_by_position[kx, kx] -= radial * nx * nx + tangential * ny * ny
-    w.film_by_position[kx, ky] -= (radial - tangential) * nx * ny
-    w.film_by_position[ky, kx] -= (radial - tangential) * nx * ny
-    w.film_by_position[ky, ky] -= radial * ny * ny + tangential * nx * nx
-
-
-@njit(cache=True)
-def update_film_forces(s: SystemArrays, state: Array) -> None:
-    """Forces of all journal bearings on the free motions."""
-    s.work.film_force[:] = 0.0
-    s.work.film_by_position[:, :] = 0.0
-    s.work.film_by_velocity[:, :] = 0.0
-    for j in range(s.journals.motion_x.size):
-        update_journal(s, state, j)
+    motion[kx, FILM_FORCE] -= force * nx
+    motion[ky, FILM_FORCE] -= force * ny
+    slopes[0, kx, kx] -= radial * nx * nx + tangential * ny * ny
+    slopes[0, kx, ky] -= (radial - tangential) * nx * ny
+    slopes[0, ky, kx] -= (radial - tangential) * nx * ny
+    slopes[0, ky, ky] -= radial * ny * ny + tangential * nx * nx
 
 
 @njit(cache=True)
@@ -111,35 +121,36 @@ def journal_torques(s: SystemArrays, state: Array, j: int) -> tuple[float, float
 
     .. math:: T = \frac{2 \pi \mu \omega L R^3}{c \sqrt{1 - \varepsilon^2}} + \frac12 e F_t .
     """
-    bearing = s.journals
-    kx, ky = bearing.motion_x[j], bearing.motion_y[j]
-    ex = state[s.size.position + kx] - bearing.bush_x[j]
-    ey = state[s.size.position + ky] - bearing.bush_y[j]
-    c, radius = bearing.clearance[j], bearing.radius[j]
+    journal, motion, size = s.journal, s.motion, s.size
+    kx, ky = int(journal[j, MOTION_X]), int(journal[j, MOTION_Y])
+    ex = state[size.position + kx] - journal[j, BUSH_X]
+    ey = state[size.position + ky] - journal[j, BUSH_Y]
+    c, radius = journal[j, JOURNAL_CLEARANCE], journal[j, RADIUS]
     ratio = math.sqrt(ex * ex + ey * ey) / c
     limited = min(ratio, HIGHEST_FILM_RATIO)
-    speed = abs(bearing.speed_ratio[j] * state[1])
-    turning = np.sign(bearing.speed_ratio[j])
-    shear = 2.0 * math.pi * s.fluid.dynamic_viscosity * speed * bearing.length[j] * radius**3
-    shear *= bearing.bearings[j] / (c * math.sqrt(1.0 - limited * limited))
-    moment = turning * 0.5 * (ex * s.work.film_force[ky] - ey * s.work.film_force[kx])
-    load, _ = asperity_force(bearing.asperity_load[j], bearing.asperity_range, ratio)
-    return shear + moment, bearing.boundary_friction[j] * load * radius
+    speed = abs(journal[j, SPEED_RATIO] * state[1])
+    turning = np.sign(journal[j, SPEED_RATIO])
+    shear = 2.0 * math.pi * s.fluid.dynamic_viscosity * speed * journal[j, LENGTH] * radius**3
+    shear *= journal[j, BEARINGS] / (c * math.sqrt(1.0 - limited * limited))
+    moment = 0.5 * turning * (ex * motion[ky, FILM_FORCE] - ey * motion[kx, FILM_FORCE])
+    load, _ = asperity_value(s.asperity, j, LOAD, s.constant.asperity_range, ratio)
+    return shear + moment, journal[j, BOUNDARY_FRICTION] * load * radius
 
 
 @njit(cache=True)
 def book_journal_friction(s: SystemArrays, state: Array, ledger: Array) -> float:
     """Add journal losses to the ledger; return their torque at the shaft. [N m]."""
-    torque = 0.0
-    for j in range(s.journals.motion_x.size):
+    journal, motion, size = s.journal, s.motion, s.size
+    total = 0.0
+    for j in range(size.journals):
         viscous, asperity = journal_torques(s, state, j)
-        ratio = abs(s.journals.speed_ratio[j])
-        kx, ky = s.journals.motion_x[j], s.journals.motion_y[j]
-        squeeze = s.work.film_force[kx] * state[s.size.velocity + kx]
-        squeeze += s.work.film_force[ky] * state[s.size.velocity + ky]
-        s.work.torque[JOURNAL_VISCOUS] += ratio * viscous
-        s.work.torque[JOURNAL_ASPERITY] += ratio * asperity
+        ratio = abs(journal[j, SPEED_RATIO])
+        kx, ky = int(journal[j, MOTION_X]), int(journal[j, MOTION_Y])
+        squeeze = motion[kx, FILM_FORCE] * state[size.velocity + kx]
+        squeeze += motion[ky, FILM_FORCE] * state[size.velocity + ky]
+        s.torque[JOURNAL_VISCOUS] += ratio * viscous
+        s.torque[JOURNAL_ASPERITY] += ratio * asperity
         ledger[FRICTION + JOURNAL_VISCOUS] += ratio * viscous * state[1] - squeeze
         ledger[FRICTION + JOURNAL_ASPERITY] += ratio * asperity * state[1]
-        torque += ratio * (viscous + asperity)
-    return torque
+        total += ratio * (viscous + asperity)
+    return total

@@ -18,86 +18,94 @@ from toothspace.closures.density import mixture_pressure
 from toothspace.closures.enthalpy import gas_enthalpy, liquid_enthalpy
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array
-from toothspace.model.arrays import SystemArrays
-from toothspace.model.tables import table_slopes, table_values
-
-CHANNEL_VOLUME = 0
-CHANNEL_MESH = 1
-CHANNEL_MOTION = 2
-
-
-@njit(cache=True)
-def update_chamber_tables(s: SystemArrays, shaft_angle: float) -> None:
-    """Evaluate the volume tables of all chambers at a shaft angle."""
-    for i in range(s.size.chambers):
-        angle = s.chambers.phase[i] + s.chambers.ratio[i] * shaft_angle
-        table = s.chambers.table[i]
-        table_values(s.bank, table, angle, s.work.chamber_values[i])
-        table_slopes(s.bank, table, angle, s.work.chamber_slopes[i])
+from toothspace.model.arrays import (
+    CHANNEL_MOTION,
+    CHANNEL_VOLUME,
+    DENSITY,
+    EXCHANGE_BY_GAS,
+    EXCHANGE_BY_PRESSURE,
+    EXCHANGE_RATE,
+    GAS,
+    GAS_ENTHALPY,
+    GAS_RATE,
+    LIQUID_ENTHALPY,
+    PRESSURE,
+    PRESSURE_BY_GAS,
+    PRESSURE_BY_MASS,
+    PRESSURE_BY_VOLUME,
+    VOLUME,
+    VOLUME_RATE,
+    SystemArrays,
+)
 
 
 @njit(cache=True)
 def update_volumes(s: SystemArrays, state: Array) -> None:
-    """Volumes of all dynamic nodes and their derivative with respect to the shaft angle."""
-    w = s.work
-    for i in range(s.size.chambers):
-        volume = w.chamber_values[i, CHANNEL_VOLUME]
-        slope = w.chamber_slopes[i, CHANNEL_VOLUME]
-        for k in range(s.size.motions):
-            q = state[s.size.position + k]
-            volume += w.chamber_values[i, CHANNEL_MOTION + k] * q
-            slope += w.chamber_slopes[i, CHANNEL_MOTION + k] * q
-        w.volume[i] = volume
-        w.volume_rate[i] = slope * s.chambers.ratio[i]
-    for node in range(s.size.chambers, s.size.nodes):
-        w.volume[node] = s.condition.node_volume[node]
+    """Volumes of all chambers and their derivative with respect to the shaft angle."""
+    node, values, slopes, size = s.node, s.chamber_values, s.chamber_slopes, s.size
+    for i in range(size.chambers):
+        volume = values[i, CHANNEL_VOLUME]
+        slope = slopes[i, CHANNEL_VOLUME]
+        for k in range(size.motions):
+            q = state[size.position + k]
+            volume += values[i, CHANNEL_MOTION + k] * q
+            slope += slopes[i, CHANNEL_MOTION + k] * q
+        node[i, VOLUME] = volume
+        node[i, VOLUME_RATE] = slope
 
 
 @njit(cache=True)
 def update_pressures(s: SystemArrays, state: Array) -> None:
-    """Pressure, density, gas content and their derivatives in every node."""
-    w = s.work
-    for node in range(s.size.nodes):
-        d = s.condition.dynamic_index[node]
+    """Pressure, density, gas content and their derivatives in every dynamic node."""
+    node, size, fluid, dynamic = s.node, s.size, s.fluid, s.dynamic_index
+    for i in range(size.nodes):
+        d = dynamic[i]
         if d < 0:
-            w.pressure[node] = s.condition.fixed_pressure[node]
-            w.gas[node] = s.condition.fixed_gas[node]
             continue
-        mass = state[s.size.mass + d]
-        gas = state[s.size.gas + d] / mass
-        specific_volume = w.volume[node] / mass
-        p, by_volume, by_gas = mixture_pressure(specific_volume, gas, s.fluid)
-        w.pressure[node] = p
-        w.gas[node] = gas
-        w.density[node] = 1.0 / specific_volume
-        w.pressure_by_mass[node] = -(by_volume * specific_volume + by_gas * gas) / mass
-        w.pressure_by_gas[node] = by_gas / mass
-        w.pressure_by_volume[node] = by_volume / mass
+        mass = state[size.mass + d]
+        gas = state[size.gas + d] / mass
+        specific_volume = node[i, VOLUME] / mass
+        p, by_volume, by_gas = mixture_pressure(specific_volume, gas, fluid)
+        node[i, PRESSURE] = p
+        node[i, GAS] = gas
+        node[i, DENSITY] = 1.0 / specific_volume
+        node[i, PRESSURE_BY_MASS] = -(by_volume * specific_volume + by_gas * gas) / mass
+        node[i, PRESSURE_BY_GAS] = by_gas / mass
+        node[i, PRESSURE_BY_VOLUME] = by_volume / mass
 
 
 @njit(cache=True)
 def update_enthalpies(s: SystemArrays) -> None:
     """Enthalpies of liquid and gas at the pressure of every node, for the energy ledger."""
-    w = s.work
-    for node in range(s.size.nodes):
-        w.liquid_enthalpy[node] = liquid_enthalpy(w.pressure[node], s.fluid)
-        w.gas_enthalpy[node] = gas_enthalpy(w.pressure[node], s.fluid)
+    node, fluid = s.node, s.fluid
+    for i in range(s.size.nodes):
+        node[i, LIQUID_ENTHALPY] = liquid_enthalpy(node[i, PRESSURE], fluid)
+        node[i, GAS_ENTHALPY] = gas_enthalpy(node[i, PRESSURE], fluid)
 
 
 @njit(cache=True)
-def exchange_gas(s: SystemArrays, state: Array) -> float:
-    """Release or dissolve gas in every dynamic node; return the power lost by it. [W]."""
-    w = s.work
-    loss = 0.0
-    for node in range(s.size.nodes):
-        d = s.condition.dynamic_index[node]
+def exchange_gas(s: SystemArrays, state: Array) -> None:
+    """Release or dissolve gas in every dynamic node."""
+    node, size, fluid, dynamic = s.node, s.size, s.fluid, s.dynamic_index
+    for i in range(size.nodes):
+        d = dynamic[i]
         if d < 0:
             continue
-        rate, by_pressure, by_gas = gas_exchange_rate(w.pressure[node], w.gas[node], s.fluid)
-        mass = state[s.size.mass + d]
-        w.gas_rate[node] += mass * rate
-        w.gas_exchange[node, 0] = rate
-        w.gas_exchange[node, 1] = by_pressure
-        w.gas_exchange[node, 2] = by_gas
-        loss -= mass * rate * (w.gas_enthalpy[node] - w.liquid_enthalpy[node])
+        rate, by_pressure, by_gas = gas_exchange_rate(node[i, PRESSURE], node[i, GAS], fluid)
+        node[i, GAS_RATE] += state[size.mass + d] * rate
+        node[i, EXCHANGE_RATE] = rate
+        node[i, EXCHANGE_BY_PRESSURE] = by_pressure
+        node[i, EXCHANGE_BY_GAS] = by_gas
+
+
+@njit(cache=True)
+def gas_relaxation(s: SystemArrays, state: Array) -> float:
+    """Power lost by release and absorption of gas out of equilibrium. [W]."""
+    node, size, dynamic = s.node, s.size, s.dynamic_index
+    loss = 0.0
+    for i in range(size.nodes):
+        d = dynamic[i]
+        if d >= 0:
+            exchanged = state[size.mass + d] * node[i, EXCHANGE_RATE]
+            loss -= exchanged * (node[i, GAS_ENTHALPY] - node[i, LIQUID_ENTHALPY])
     return loss

@@ -3,27 +3,40 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import final
 
 import numpy as np
 
-from toothspace.closures.bearing_map import build_journal_map
+from toothspace.closures.bearing_map import JournalMap, build_journal_map
 from toothspace.closures.contact_rough import asperity_pressure
+from toothspace.closures.friction import lateral_film_torque
 from toothspace.core.compiled import njit
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
-from toothspace.model.arrays import JournalArrays
 from toothspace.model.description import JournalBearing, LateralFilm, MachineDescription
 
 _INTERVALS = 240
 _CIRCUMFERENCE_POINTS = 720
 
 
-def journal_arrays(
+@final
+@dataclass(frozen=True)
+class JournalData:
+    """Rows of the bearings that carry free bodies, their asperity tables and film map."""
+
+    rows: Array
+    asperity: Array
+    asperity_range: float
+    film: JournalMap
+
+
+def journal_data(
     description: MachineDescription,
     free: list[int],
     bush: Mapping[str, tuple[float, float]],
-) -> JournalArrays:
-    """Arrays of the bearings whose bodies are free to move."""
+) -> JournalData:
+    """Collect the data of the bearings whose bodies are free to move."""
     journals = [j for j in description.journals if j.body in bush]
     ratios = {round(j.length / j.diameter, 9) for j in journals} or {1.0}
     if len(ratios) > 1:
@@ -33,28 +46,28 @@ def journal_arrays(
         )
     speeds = {body.name: body.speed_ratio for body in description.bodies}
     span = max((1.0 + 4.0 * j.roughness / j.radial_clearance for j in journals), default=1.0)
-    tables = [_asperity_tables(j, span) for j in journals]
-    shape = (len(journals), _INTERVALS, 4)
-    return JournalArrays(
-        motion_x=_index(free, [description.motion_index(j.body, "x") for j in journals]),
-        motion_y=_index(free, [description.motion_index(j.body, "y") for j in journals]),
-        bearings=np.array([float(j.count) for j in journals]),
-        radius=np.array([0.5 * j.diameter for j in journals]),
-        length=np.array([j.length for j in journals]),
-        clearance=np.array([j.radial_clearance for j in journals]),
-        speed_ratio=np.array([speeds[j.body] for j in journals]),
-        bush_x=np.array([bush[j.body][0] for j in journals]),
-        bush_y=np.array([bush[j.body][1] for j in journals]),
-        boundary_friction=np.array([j.boundary_friction for j in journals]),
-        asperity_force=np.array([t[0] for t in tables]).reshape(shape),
-        asperity_load=np.array([t[1] for t in tables]).reshape(shape),
+    rows = [
+        (
+            free.index(description.motion_index(j.body, "x")),
+            free.index(description.motion_index(j.body, "y")),
+            j.count,
+            0.5 * j.diameter,
+            j.length,
+            j.radial_clearance,
+            speeds[j.body],
+            *bush[j.body],
+            j.boundary_friction,
+        )
+        for j in journals
+    ]
+    return JournalData(
+        rows=np.array(rows, dtype=float).reshape(len(journals), 10),
+        asperity=np.array([_asperity_tables(j, span) for j in journals]).reshape(
+            len(journals), 2, _INTERVALS, 4
+        ),
         asperity_range=span,
         film=build_journal_map(ratios.pop()),
     )
-
-
-def _index(free: list[int], motions: list[int]) -> Array:
-    return np.array([free.index(k) for k in motions], dtype=np.int64)
 
 
 def _asperity_tables(journal: JournalBearing, span: float) -> tuple[Array, Array]:
@@ -118,8 +131,6 @@ def lateral_torque_coefficient(description: MachineDescription) -> float:
 
 
 def _face_torque(film: LateralFilm) -> float:
-    from toothspace.closures.friction import lateral_film_torque
-
     full = lateral_film_torque(
         1.0, 1.0, film.inner_radius, film.root_radius, film.height, film.tilt
     )

@@ -5,8 +5,18 @@ from __future__ import annotations
 from toothspace.closures.traction import mesh_friction_coefficient
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array
-from toothspace.model.arrays import SystemArrays
-from toothspace.model.chambers import CHANNEL_MESH
+from toothspace.model.arrays import (
+    CHANNEL_MESH,
+    CONTACT_FORCE,
+    LOAD_SHARE,
+    PRESSURE,
+    RADIUS_A,
+    RADIUS_B,
+    ROLLING,
+    SHEAR,
+    SLIDING,
+    SystemArrays,
+)
 from toothspace.model.ledger import (
     FRICTION,
     LATERAL_VISCOUS,
@@ -14,65 +24,66 @@ from toothspace.model.ledger import (
     SHAFT_SEAL,
     TIP_SHEAR,
 )
-from toothspace.model.tables import table_values
 
-GAP, LOAD_SHARE, RADIUS_A, RADIUS_B, SLIDING, ROLLING = range(6)
-
-
-@njit(cache=True)
-def update_contact_tables(s: SystemArrays, shaft_angle: float) -> None:
-    """Evaluate the geometry of all contacts at a shaft angle."""
-    for j in range(s.contacts.table.size):
-        angle = s.contacts.phase[j] + s.contacts.ratio[j] * shaft_angle
-        table_values(s.bank, s.contacts.table[j], angle, s.work.contact_values[j])
+NO_SHARE = 1e-9
 
 
 @njit(cache=True)
 def mesh_force(s: SystemArrays) -> float:
     """Contact force of the rigid mesh that balances the pressure torque of the driven body. [N]."""
+    node, values = s.node, s.chamber_values
     torque = 0.0
     for i in range(s.size.chambers):
-        torque += s.work.pressure[i] * s.work.chamber_values[i, CHANNEL_MESH]
-    return -torque / s.contacts.lever
+        torque += node[i, PRESSURE] * values[i, CHANNEL_MESH]
+    return -torque / s.surface.lever
 
 
 @njit(cache=True)
 def mesh_torque(s: SystemArrays, speed: float) -> float:
     """Friction torque of all loaded contacts at the shaft. [N m]."""
+    contact, surface, fluid = s.contact_values, s.surface, s.fluid
     total = mesh_force(s)
     torque = 0.0
-    for j in range(s.contacts.table.size):
-        values = s.work.contact_values[j]
-        share = values[LOAD_SHARE]
-        s.work.contact_force[j] = total * max(share, 0.0)
-        if share <= 1e-9:
+    for j in range(s.size.contacts):
+        share = contact[j, LOAD_SHARE]
+        contact[j, CONTACT_FORCE] = total * max(share, 0.0)
+        if share <= NO_SHARE:
             continue
         force = abs(total) * share
+        sliding = abs(contact[j, SLIDING])
         friction = mesh_friction_coefficient(
-            force / s.contacts.width,
-            values[RADIUS_A],
-            values[RADIUS_B],
-            abs(values[SLIDING] * speed),
-            values[ROLLING] * speed,
-            s.fluid,
-            s.contacts,
+            force / surface.width,
+            contact[j, RADIUS_A],
+            contact[j, RADIUS_B],
+            sliding * speed,
+            contact[j, ROLLING] * speed,
+            fluid,
+            surface,
         )
-        torque += friction * force * abs(values[SLIDING])
+        torque += friction * force * sliding
     return torque
 
 
 @njit(cache=True)
-def book_friction(s: SystemArrays, state: Array, ledger: Array) -> float:
+def tip_torque(s: SystemArrays) -> float:
+    """Torque of viscous shear in all gaps with sliding walls. [N m]."""
+    path = s.path
+    total = 0.0
+    for j in range(s.size.paths):
+        total += path[j, SHEAR]
+    return total
+
+
+@njit(cache=True)
+def book_friction(s: SystemArrays, speed: float, ledger: Array) -> float:
     """Add mesh, lateral, tip and seal friction to the ledger; return their torque. [N m]."""
-    w, speed = s.work, state[1]
-    w.torque[MESH_FRICTION] = 0.0
-    if s.contacts.table.size > 0:
-        w.torque[MESH_FRICTION] = mesh_torque(s, speed)
-    w.torque[LATERAL_VISCOUS] = s.condition.lateral_torque * s.fluid.dynamic_viscosity * speed
-    w.torque[TIP_SHEAR] = w.path_shear.sum()
-    w.torque[SHAFT_SEAL] = s.condition.seal_torque
+    torque = s.torque
+    torque[MESH_FRICTION] = mesh_torque(s, speed)
+    torque[LATERAL_VISCOUS] = s.constant.lateral_torque * s.fluid.dynamic_viscosity * speed
+    torque[TIP_SHEAR] = tip_torque(s)
+    torque[SHAFT_SEAL] = s.constant.seal_torque
     total = 0.0
     for mechanism in (MESH_FRICTION, LATERAL_VISCOUS, TIP_SHEAR, SHAFT_SEAL):
-        ledger[FRICTION + mechanism] += w.torque[mechanism] * speed
-        total += w.torque[mechanism]
+        ledger[FRICTION + mechanism] += torque[mechanism] * speed
+        total += torque[mechanism]
     return total

@@ -4,10 +4,26 @@ from __future__ import annotations
 
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array
-from toothspace.model.arrays import SystemArrays
-from toothspace.model.chambers import CHANNEL_MOTION, exchange_gas
+from toothspace.model.arrays import (
+    CHANNEL_MOTION,
+    DENSITY,
+    EXCHANGE_BY_GAS,
+    EXCHANGE_BY_PRESSURE,
+    EXCHANGE_RATE,
+    FLOW,
+    FLOW_BY_HEIGHT,
+    FLOW_BY_PRESSURE,
+    GAS,
+    HEIGHT_BY_MOTION,
+    MOTION_MASS,
+    NODE_A,
+    PRESENT_B,
+    PRESSURE_BY_GAS,
+    PRESSURE_BY_MASS,
+    PRESSURE_BY_VOLUME,
+    SystemArrays,
+)
 from toothspace.model.ledger import MASS
-from toothspace.model.network import HEIGHT_BY_MOTION
 from toothspace.model.system import evaluate
 
 
@@ -18,35 +34,32 @@ def jacobian(t: float, state: Array, s: SystemArrays, matrix: Array) -> None:
     The rows of port masses stand in full, so that mass balances close to round-off.
     """
     evaluate(s, state)
-    exchange_gas(s, state)
     matrix[:, :] = 0.0
     matrix[0, 1] = 1.0
-    for j in range(s.paths.table.size):
-        if s.work.path_flow[j] != 0.0:
+    for j in range(s.size.paths):
+        if s.path[j, FLOW] != 0.0:
             add_path(s, state, j, matrix)
-    for node in range(s.size.nodes):
-        if s.condition.dynamic_index[node] >= 0:
-            add_gas_exchange(s, state, node, matrix)
-            add_pressure_force(s, node, matrix)
-    add_motions(s, matrix)
+    add_gas_exchange(s, state, matrix)
+    add_pressure_forces(s, matrix)
+    add_films(s, matrix)
 
 
 @njit(cache=True)
-def mass_row(s: SystemArrays, node: int) -> int:
+def mass_row(s: SystemArrays, i: int) -> int:
     """Row of the mass balance of a node: a state, or the ledger entry of a fixed port."""
-    d = s.condition.dynamic_index[node]
-    return s.size.mass + d if d >= 0 else s.size.core + MASS + node - s.size.chambers
+    d = s.dynamic_index[i]
+    return s.size.mass + d if d >= 0 else s.size.core + MASS + i - s.size.chambers
 
 
 @njit(cache=True)
-def add_flow_derivative(
+def add_flow_change(
     s: SystemArrays, j: int, column: int, mass_change: float, gas_change: float, matrix: Array
 ) -> None:
     """Add the change of one path's flows with one state to the balances of both its nodes."""
-    a, b = s.paths.node_a[j], s.work.path_b[j]
+    a, b = s.path_index[j, NODE_A], s.path_index[j, PRESENT_B]
     matrix[mass_row(s, a), column] -= mass_change
     matrix[mass_row(s, b), column] += mass_change
-    da, db = s.condition.dynamic_index[a], s.condition.dynamic_index[b]
+    da, db = s.dynamic_index[a], s.dynamic_index[b]
     if da >= 0:
         matrix[s.size.gas + da, column] -= gas_change
     if db >= 0:
@@ -56,91 +69,90 @@ def add_flow_derivative(
 @njit(cache=True)
 def add_path(s: SystemArrays, state: Array, j: int, matrix: Array) -> None:
     """Derivatives of one path's flow through pressures, upstream state and gap height."""
-    w = s.work
-    a, b = s.paths.node_a[j], w.path_b[j]
-    source = a if w.path_volume_flow[j] > 0.0 else b
-    gas = w.gas[source]
-    slope = w.density[source] * w.path_by_pressure[j]
-    for node, sign in ((a, 1.0), (b, -1.0)):
-        d = s.condition.dynamic_index[node]
+    node, size = s.node, s.size
+    a, b = s.path_index[j, NODE_A], s.path_index[j, PRESENT_B]
+    flow = s.path[j, FLOW]
+    source = a if flow > 0.0 else b
+    gas = node[source, GAS]
+    slope = node[source, DENSITY] * s.path[j, FLOW_BY_PRESSURE]
+    for i, sign in ((a, 1.0), (b, -1.0)):
+        d = s.dynamic_index[i]
         if d < 0:
             continue
-        change = sign * slope * w.pressure_by_mass[node]
-        add_flow_derivative(s, j, s.size.mass + d, change, gas * change, matrix)
-        change = sign * slope * w.pressure_by_gas[node]
-        add_flow_derivative(s, j, s.size.gas + d, change, gas * change, matrix)
-    d = s.condition.dynamic_index[source]
+        change = sign * slope * node[i, PRESSURE_BY_MASS]
+        add_flow_change(s, j, size.mass + d, change, gas * change, matrix)
+        change = sign * slope * node[i, PRESSURE_BY_GAS]
+        add_flow_change(s, j, size.gas + d, change, gas * change, matrix)
+    d = s.dynamic_index[source]
     if d >= 0:
-        mass = state[s.size.mass + d]
-        flow = w.path_flow[j]
-        add_flow_derivative(s, j, s.size.mass + d, flow / mass, 0.0, matrix)
-        add_flow_derivative(s, j, s.size.gas + d, 0.0, flow / mass, matrix)
+        carried = flow / state[size.mass + d]
+        add_flow_change(s, j, size.mass + d, carried, 0.0, matrix)
+        add_flow_change(s, j, size.gas + d, 0.0, carried, matrix)
     add_path_motions(s, j, gas, slope, matrix)
 
 
 @njit(cache=True)
 def add_path_motions(s: SystemArrays, j: int, gas: float, slope: float, matrix: Array) -> None:
     """Derivatives of one path's flow with respect to the micro-motions."""
-    w = s.work
-    a, b = s.paths.node_a[j], w.path_b[j]
-    source = a if w.path_volume_flow[j] > 0.0 else b
-    for k in range(s.size.motions):
+    node, values, size = s.node, s.chamber_values, s.size
+    a, b = s.path_index[j, NODE_A], s.path_index[j, PRESENT_B]
+    source = a if s.path[j, FLOW] > 0.0 else b
+    by_height = node[source, DENSITY] * s.path[j, FLOW_BY_HEIGHT]
+    for k in range(size.motions):
         change = 0.0
-        if w.path_by_height[j] != 0.0:
-            change = w.density[source] * w.path_by_height[j]
-            change *= w.path_values[j, HEIGHT_BY_MOTION + k]
-        if a < s.size.chambers:
-            change += slope * w.pressure_by_volume[a] * w.chamber_values[a, CHANNEL_MOTION + k]
-        if b < s.size.chambers:
-            change -= slope * w.pressure_by_volume[b] * w.chamber_values[b, CHANNEL_MOTION + k]
+        if by_height != 0.0:
+            change += by_height * s.path_values[j, HEIGHT_BY_MOTION + k]
+        if a < size.chambers:
+            change += slope * node[a, PRESSURE_BY_VOLUME] * values[a, CHANNEL_MOTION + k]
+        if b < size.chambers:
+            change -= slope * node[b, PRESSURE_BY_VOLUME] * values[b, CHANNEL_MOTION + k]
         if change != 0.0:
-            add_flow_derivative(s, j, s.size.position + k, change, gas * change, matrix)
+            add_flow_change(s, j, size.position + k, change, gas * change, matrix)
 
 
 @njit(cache=True)
-def add_gas_exchange(s: SystemArrays, state: Array, node: int, matrix: Array) -> None:
-    """Derivatives of gas release and absorption in one node."""
-    w = s.work
-    d = s.condition.dynamic_index[node]
-    row, mass = s.size.gas + d, state[s.size.mass + d]
-    rate, by_pressure, by_gas = (
-        w.gas_exchange[node, 0],
-        w.gas_exchange[node, 1],
-        w.gas_exchange[node, 2],
-    )
-    by_mass = rate - by_gas * w.gas[node] + mass * by_pressure * w.pressure_by_mass[node]
-    matrix[row, s.size.mass + d] += by_mass
-    matrix[row, s.size.gas + d] += by_gas + mass * by_pressure * w.pressure_by_gas[node]
-    if node < s.size.chambers:
-        for k in range(s.size.motions):
-            by_motion = w.pressure_by_volume[node] * w.chamber_values[node, CHANNEL_MOTION + k]
-            matrix[row, s.size.position + k] += mass * by_pressure * by_motion
+def add_gas_exchange(s: SystemArrays, state: Array, matrix: Array) -> None:
+    """Derivatives of gas release and absorption in all dynamic nodes."""
+    node, values, size = s.node, s.chamber_values, s.size
+    for i in range(size.nodes):
+        d = s.dynamic_index[i]
+        if d < 0:
+            continue
+        row, mass = size.gas + d, state[size.mass + d]
+        by_pressure = mass * node[i, EXCHANGE_BY_PRESSURE]
+        by_gas = node[i, EXCHANGE_BY_GAS]
+        matrix[row, size.mass + d] += node[i, EXCHANGE_RATE] - by_gas * node[i, GAS]
+        matrix[row, size.mass + d] += by_pressure * node[i, PRESSURE_BY_MASS]
+        matrix[row, size.gas + d] += by_gas + by_pressure * node[i, PRESSURE_BY_GAS]
+        if i < size.chambers:
+            by_volume = by_pressure * node[i, PRESSURE_BY_VOLUME]
+            for k in range(size.motions):
+                matrix[row, size.position + k] += by_volume * values[i, CHANNEL_MOTION + k]
 
 
 @njit(cache=True)
-def add_pressure_force(s: SystemArrays, node: int, matrix: Array) -> None:
-    """Derivatives of the pressure forces on the motions with respect to one chamber's state."""
-    if node >= s.size.chambers:
-        return
-    w = s.work
-    d = s.condition.dynamic_index[node]
-    for k in range(s.size.motions):
-        row = s.size.velocity + k
-        area = w.chamber_values[node, CHANNEL_MOTION + k] / s.motions.mass[k]
-        matrix[row, s.size.mass + d] += area * w.pressure_by_mass[node]
-        matrix[row, s.size.gas + d] += area * w.pressure_by_gas[node]
-        for m in range(s.size.motions):
-            other = w.chamber_values[node, CHANNEL_MOTION + m]
-            matrix[row, s.size.position + m] += area * other * w.pressure_by_volume[node]
+def add_pressure_forces(s: SystemArrays, matrix: Array) -> None:
+    """Derivatives of the pressure forces on the motions with respect to all chambers' states."""
+    node, values, size = s.node, s.chamber_values, s.size
+    for i in range(size.chambers):
+        d = s.dynamic_index[i]
+        for k in range(size.motions):
+            row = size.velocity + k
+            area = values[i, CHANNEL_MOTION + k] / s.motion[k, MOTION_MASS]
+            matrix[row, size.mass + d] += area * node[i, PRESSURE_BY_MASS]
+            matrix[row, size.gas + d] += area * node[i, PRESSURE_BY_GAS]
+            for m in range(size.motions):
+                by_motion = node[i, PRESSURE_BY_VOLUME] * values[i, CHANNEL_MOTION + m]
+                matrix[row, size.position + m] += area * by_motion
 
 
 @njit(cache=True)
-def add_motions(s: SystemArrays, matrix: Array) -> None:
+def add_films(s: SystemArrays, matrix: Array) -> None:
     """Derivatives of the film forces on the motions."""
-    for k in range(s.size.motions):
-        matrix[s.size.position + k, s.size.velocity + k] = 1.0
-        row = s.size.velocity + k
-        for m in range(s.size.motions):
-            by_position = s.work.film_by_position[k, m] / s.motions.mass[k]
-            matrix[row, s.size.position + m] += by_position
-            matrix[row, s.size.velocity + m] += s.work.film_by_velocity[k, m] / s.motions.mass[k]
+    size, slopes = s.size, s.film_slopes
+    for k in range(size.motions):
+        matrix[size.position + k, size.velocity + k] = 1.0
+        mass = s.motion[k, MOTION_MASS]
+        for m in range(size.motions):
+            matrix[size.velocity + k, size.position + m] += slopes[0, k, m] / mass
+            matrix[size.velocity + k, size.velocity + m] += slopes[1, k, m] / mass

@@ -15,62 +15,70 @@ from __future__ import annotations
 
 import math
 
-from toothspace.closures.gap_flow import (
-    curved_gap_conductance,
-    parallel_gap_conductance,
-)
+from toothspace.closures.gap_flow import curved_gap_conductance, parallel_gap_conductance
 from toothspace.closures.orifice import inertial_laminar_flow, orifice_conductance
 from toothspace.closures.viscosity import dynamic_viscosity
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array
-from toothspace.model.arrays import SystemArrays
+from toothspace.model.arrays import (
+    CATEGORY,
+    DENSITY,
+    DRAG,
+    DRAG_SPEED,
+    FAMILY_COUNT,
+    FAMILY_FIRST,
+    FLOW,
+    FLOW_BY_HEIGHT,
+    FLOW_BY_PRESSURE,
+    GAS,
+    GAS_ENTHALPY,
+    GAS_RATE,
+    GEOMETRY,
+    HEIGHT,
+    HEIGHT_BY_MOTION,
+    KIND,
+    LIQUID_ENTHALPY,
+    LOSS,
+    MASS_RATE,
+    MINIMUM_HEIGHT,
+    MULTIPLICITY,
+    NODE_A,
+    NODE_B,
+    PARTNER_SHIFT,
+    PRESENT_B,
+    PRESSURE,
+    SHEAR,
+    SHEAR_SPEED,
+    VOLUME_FLOW,
+    SystemArrays,
+)
 from toothspace.model.ledger import THROTTLING
-from toothspace.model.tables import table_values
 
 ORIFICE, PARALLEL_GAP, CURVED_GAP = 0, 1, 2
-GEOMETRY, DRAG, SHEAR, HEIGHT_BY_MOTION = 0, 3, 4, 5
 DISCHARGE_COEFFICIENT = 0.7
 HEIGHT_SMOOTHING = 1e-7
+CLOSED_ORIFICE = 1e-12
+CLOSED_GAP = 1e-7
 
 
 @njit(cache=True)
-def update_path_tables(s: SystemArrays, shaft_angle: float) -> None:
-    """Evaluate the geometry of all paths at a shaft angle, and their present partners."""
-    for j in range(s.paths.table.size):
-        angle = s.paths.phase[j] + s.paths.ratio[j] * shaft_angle
-        turns = table_values(s.bank, s.paths.table[j], angle, s.work.path_values[j])
-        s.work.path_b[j] = s.paths.node_b[j]
-        if s.paths.partner_shift[j] != 0:
-            first, count = s.paths.family_first[j], s.paths.family_count[j]
-            member = s.paths.node_b[j] - first + turns * s.paths.partner_shift[j]
-            s.work.path_b[j] = first + member % count
+def update_partners(s: SystemArrays) -> None:
+    """Set the present partner of every path: tooth pairing moves on with unequal counts."""
+    index, turns = s.path_index, s.turns
+    for j in range(s.size.paths):
+        partner = index[j, NODE_B]
+        if index[j, PARTNER_SHIFT] != 0:
+            first, count = index[j, FAMILY_FIRST], index[j, FAMILY_COUNT]
+            partner = first + (partner - first + turns[j] * index[j, PARTNER_SHIFT]) % count
+        index[j, PRESENT_B] = partner
 
 
 @njit(cache=True)
-def update_gap_height(s: SystemArrays, state: Array, j: int) -> float:
-    """Running height of a gap; it keeps its residual height where bodies would touch. [m]."""
-    values = s.work.path_values[j]
-    height = values[GEOMETRY]
-    for k in range(s.size.motions):
-        height += values[HEIGHT_BY_MOTION + k] * state[s.size.position + k]
-    excess = height - s.paths.minimum_height[j]
+def running_height(nominal: float, residual: float) -> tuple[float, float]:
+    """Gap height and its slope; it keeps its residual where bodies would touch. [m], [-]."""
+    excess = nominal - residual
     root = math.sqrt(excess * excess + 4.0 * HEIGHT_SMOOTHING * HEIGHT_SMOOTHING)
-    s.work.path_height[j] = s.paths.minimum_height[j] + 0.5 * (excess + root)
-    return 0.5 * (1.0 + excess / root)
-
-
-@njit(cache=True)
-def clear_path(s: SystemArrays, j: int) -> None:
-    """Set all results of a closed path to zero."""
-    w = s.work
-    w.path_flow[j] = 0.0
-    w.path_volume_flow[j] = 0.0
-    w.path_by_pressure[j] = 0.0
-    w.path_by_height[j] = 0.0
-    w.path_drag[j] = 0.0
-    w.path_loss[j] = 0.0
-    w.path_shear[j] = 0.0
-    w.path_height[j] = 0.0
+    return residual + 0.5 * (excess + root), 0.5 * (1.0 + excess / root)
 
 
 @njit(cache=True)
@@ -86,81 +94,104 @@ def gap_conductance(
 
 
 @njit(cache=True)
-def update_path(s: SystemArrays, state: Array, j: int) -> None:
-    """Flow of one path from its nodes' pressures and its gap, with derivatives."""
-    w, paths = s.work, s.paths
-    values = w.path_values[j]
-    kind = paths.kind[j]
-    size = values[0] if kind == ORIFICE else values[1]
-    if size <= 1e-12:
-        clear_path(s, j)
-        return
-    a, b = paths.node_a[j], w.path_b[j]
-    drop = w.pressure[a] - w.pressure[b]
-    density = w.density[a] if drop >= 0.0 else w.density[b]
-    viscosity = dynamic_viscosity(0.5 * (w.pressure[a] + w.pressure[b]), s.fluid)
-    drag, by_height, drag_by_height = 0.0, 0.0, 0.0
-    if kind == ORIFICE:
-        conductance = orifice_conductance(size, values[1], viscosity)
-        area = size
-    else:
-        factor = update_gap_height(s, state, j)
-        height, width = w.path_height[j], values[1]
-        conductance, by_height = gap_conductance(kind, height, width, values[2], viscosity)
-        area = width * height
-        by_height *= factor
-        drag_by_height = width * values[DRAG] * state[1] * factor
-        drag = width * height * values[DRAG]
-        w.path_shear[j] = paths.multiplicity[j] * viscosity * values[SHEAR] ** 2 * state[1]
-        w.path_shear[j] *= width * values[2] / height
-    flow, by_pressure, by_conductance = inertial_laminar_flow(
-        drop, conductance, DISCHARGE_COEFFICIENT * area, density
-    )
-    m = paths.multiplicity[j]
-    w.path_volume_flow[j] = m * (flow + drag * state[1])
-    w.path_by_pressure[j] = m * by_pressure
-    w.path_by_height[j] = m * (by_conductance * by_height + drag_by_height)
-    w.path_drag[j] = m * drag
+def update_gap_heights(s: SystemArrays, state: Array) -> None:
+    """Nominal heights of all gaps with the present positions of the bodies."""
+    values, path, index, size = s.path_values, s.path, s.path_index, s.size
+    for j in range(size.paths):
+        if index[j, KIND] == ORIFICE or values[j, 1] <= CLOSED_GAP:
+            continue
+        height = values[j, GEOMETRY]
+        for k in range(size.motions):
+            height += values[j, HEIGHT_BY_MOTION + k] * state[size.position + k]
+        path[j, HEIGHT] = height
+
+
+@njit(cache=True)
+def update_flows(s: SystemArrays, speed: float) -> None:
+    """Flow of every path from the pressures at its ends and its gap, with derivatives."""
+    node, path, values, index = s.node, s.path, s.path_values, s.path_index
+    data, fluid = s.path_data, s.fluid
+    for j in range(s.size.paths):
+        kind = index[j, KIND]
+        first, second, third = values[j, 0], values[j, 1], values[j, 2]
+        if (kind == ORIFICE and first <= CLOSED_ORIFICE) or (
+            kind != ORIFICE and second <= CLOSED_GAP
+        ):
+            path[j, :] = 0.0
+            continue
+        a, b = index[j, NODE_A], index[j, PRESENT_B]
+        drop = node[a, PRESSURE] - node[b, PRESSURE]
+        density = node[a, DENSITY] if drop >= 0.0 else node[b, DENSITY]
+        viscosity = dynamic_viscosity(0.5 * (node[a, PRESSURE] + node[b, PRESSURE]), fluid)
+        many = data[j, MULTIPLICITY]
+        drag, by_height, drag_by_height = 0.0, 0.0, 0.0
+        if kind == ORIFICE:
+            conductance = orifice_conductance(first, second, viscosity)
+            area = first
+        else:
+            height, factor = running_height(path[j, HEIGHT], data[j, MINIMUM_HEIGHT])
+            conductance, by_height = gap_conductance(kind, height, second, third, viscosity)
+            area = second * height
+            by_height *= factor
+            drag = area * values[j, DRAG_SPEED]
+            drag_by_height = second * values[j, DRAG_SPEED] * speed * factor
+            shear = values[j, SHEAR_SPEED] ** 2 * second * third / height
+            path[j, SHEAR] = many * viscosity * speed * shear
+        flow, by_pressure, by_conductance = inertial_laminar_flow(
+            drop, conductance, DISCHARGE_COEFFICIENT * area, density
+        )
+        path[j, VOLUME_FLOW] = many * (flow + drag * speed)
+        path[j, FLOW_BY_PRESSURE] = many * by_pressure
+        path[j, FLOW_BY_HEIGHT] = many * (by_conductance * by_height + drag_by_height)
+        path[j, DRAG] = many * drag
+
+
+@njit(cache=True)
+def sum_flows(s: SystemArrays) -> None:
+    """Mass and gas flows of all paths, summed into the nodes."""
+    node, path, index = s.node, s.path, s.path_index
+    for i in range(s.size.nodes):
+        node[i, MASS_RATE] = 0.0
+        node[i, GAS_RATE] = 0.0
+    for j in range(s.size.paths):
+        flow = path[j, VOLUME_FLOW]
+        if flow == 0.0:
+            path[j, FLOW] = 0.0
+            continue
+        a, b = index[j, NODE_A], index[j, PRESENT_B]
+        source = a if flow > 0.0 else b
+        mass_flow = node[source, DENSITY] * flow
+        gas_flow = mass_flow * node[source, GAS]
+        path[j, FLOW] = mass_flow
+        node[a, MASS_RATE] -= mass_flow
+        node[b, MASS_RATE] += mass_flow
+        node[a, GAS_RATE] -= gas_flow
+        node[b, GAS_RATE] += gas_flow
 
 
 @njit(cache=True)
 def update_network(s: SystemArrays, state: Array) -> None:
-    """Mass and gas flows of all paths, summed into the nodes."""
-    w = s.work
-    w.mass_rate[:] = 0.0
-    w.gas_rate[:] = 0.0
-    for j in range(s.paths.table.size):
-        update_path(s, state, j)
-        flow = w.path_volume_flow[j]
-        if flow == 0.0:
-            w.path_flow[j] = 0.0
-            continue
-        a, b = s.paths.node_a[j], w.path_b[j]
-        source = a if flow > 0.0 else b
-        mass_flow = w.density[source] * flow
-        gas_flow = mass_flow * w.gas[source]
-        w.path_flow[j] = mass_flow
-        w.mass_rate[a] -= mass_flow
-        w.mass_rate[b] += mass_flow
-        w.gas_rate[a] -= gas_flow
-        w.gas_rate[b] += gas_flow
+    """Flows of all paths and their sums in the nodes."""
+    update_gap_heights(s, state)
+    update_flows(s, state[1])
+    sum_flows(s)
 
 
 @njit(cache=True)
 def book_throttling(s: SystemArrays, speed: float, ledger: Array) -> float:
     """Add the power lost in every path to its category; return the torque of wall drag. [N m]."""
-    w = s.work
+    node, path, index = s.node, s.path, s.path_index
     torque = 0.0
-    for j in range(s.paths.table.size):
-        flow = w.path_flow[j]
+    for j in range(s.size.paths):
+        flow = path[j, FLOW]
         if flow == 0.0:
             continue
-        a, b = s.paths.node_a[j], w.path_b[j]
-        gas = w.gas[a] if flow > 0.0 else w.gas[b]
-        drop = (1.0 - gas) * (w.liquid_enthalpy[a] - w.liquid_enthalpy[b])
-        drop += gas * (w.gas_enthalpy[a] - w.gas_enthalpy[b])
-        wall = w.path_drag[j] * (w.pressure[b] - w.pressure[a])
-        w.path_loss[j] = flow * drop + wall * speed
-        ledger[THROTTLING + s.paths.category[j]] += w.path_loss[j]
+        a, b = index[j, NODE_A], index[j, PRESENT_B]
+        gas = node[a, GAS] if flow > 0.0 else node[b, GAS]
+        drop = (1.0 - gas) * (node[a, LIQUID_ENTHALPY] - node[b, LIQUID_ENTHALPY])
+        drop += gas * (node[a, GAS_ENTHALPY] - node[b, GAS_ENTHALPY])
+        wall = path[j, DRAG] * (node[b, PRESSURE] - node[a, PRESSURE])
+        path[j, LOSS] = flow * drop + wall * speed
+        ledger[THROTTLING + index[j, CATEGORY]] += path[j, LOSS]
         torque += wall
     return torque

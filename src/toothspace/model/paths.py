@@ -7,10 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from toothspace.core.types import Array, IntArray
-from toothspace.model.arrays import PathArrays
 from toothspace.model.description import FlowPath, MachineDescription
 from toothspace.model.ledger import PATH_CATEGORIES
-from toothspace.model.operating_point import OperatingCondition
+from toothspace.model.tables import Members
 from toothspace.numerics.periodic_table import PeriodicTable
 
 _KINDS = {"orifice": 0, "parallel_gap": 1, "curved_gap": 2}
@@ -53,35 +52,41 @@ def path_table(path: FlowPath, motion_map: Array) -> PeriodicTable:
     return PeriodicTable(period, values, slopes)
 
 
-def pack_paths(
-    description: MachineDescription,
-    paths: Sequence[FlowPath],
-    first_table: int,
-    condition: OperatingCondition,
-) -> PathArrays:
-    """Repeat the data of each group of paths for its members."""
+def path_members(paths: Sequence[FlowPath], first_table: int) -> Members:
+    """Table, phase and growth of the angle of every path."""
+    counts = [path.count for path in paths]
+    return Members(
+        table=np.repeat(np.arange(first_table, first_table + len(paths)), counts),
+        phase=np.concatenate([path.phases for path in paths]),
+        ratio=np.repeat([path.angle_ratio for path in paths], counts),
+    )
+
+
+def path_arrays(
+    description: MachineDescription, paths: Sequence[FlowPath]
+) -> tuple[IntArray, Array]:
+    """Integer and real columns of every path, in the order of the array columns."""
     counts = [path.count for path in paths]
     node_a = _drain_joined(description, np.concatenate([path.nodes_a for path in paths]))
     node_b = _drain_joined(description, np.concatenate([path.nodes_b for path in paths]))
-    first, count = _families_of(description, node_b)
-
-    def repeated(values: Sequence[float], kind: type = float) -> Array:
-        return np.repeat(np.array(values, dtype=kind), counts)
-
-    return PathArrays(
-        table=np.repeat(np.arange(first_table, first_table + len(paths)), counts),
-        phase=np.concatenate([path.phases for path in paths]),
-        ratio=repeated([path.angle_ratio for path in paths]),
-        kind=repeated([_KINDS[path.kind] for path in paths], int),
-        category=repeated([PATH_CATEGORIES.index(path.category) for path in paths], int),
-        node_a=node_a,
-        node_b=node_b,
-        family_first=first,
-        family_count=count,
-        partner_shift=repeated([path.partner_shift for path in paths], int),
-        multiplicity=repeated([path.multiplicity for path in paths]),
-        minimum_height=repeated([path.minimum_height for path in paths]),
-    )
+    index = np.column_stack(
+        [
+            np.repeat([_KINDS[path.kind] for path in paths], counts),
+            np.repeat([PATH_CATEGORIES.index(path.category) for path in paths], counts),
+            node_a,
+            node_b,
+            node_b,
+            *_families_of(description, node_b),
+            np.repeat([path.partner_shift for path in paths], counts),
+        ]
+    ).astype(np.int64)
+    data = np.column_stack(
+        [
+            np.repeat([path.multiplicity for path in paths], counts),
+            np.repeat([path.minimum_height for path in paths], counts),
+        ]
+    ).astype(float)
+    return index, data
 
 
 def _drain_joined(description: MachineDescription, nodes: IntArray) -> IntArray:

@@ -1,12 +1,31 @@
-"""The right-hand side of a whole machine and its Jacobian, compiled."""
+"""The right-hand side of a whole machine, compiled."""
 
 from __future__ import annotations
 
-import numpy as np
+import math
 
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array
-from toothspace.model.arrays import SystemArrays
+from toothspace.model.arrays import (
+    BUSH_X,
+    BUSH_Y,
+    CLEARANCE,
+    EXTERNAL_FORCE,
+    FILM_FORCE,
+    GAS_ENTHALPY,
+    GAS_RATE,
+    JOURNAL_CLEARANCE,
+    LIQUID_ENTHALPY,
+    MASS_RATE,
+    MOTION_MASS,
+    MOTION_X,
+    MOTION_Y,
+    PRESSURE,
+    PRESSURE_BY_MASS,
+    PRESSURE_FORCE,
+    VOLUME_RATE,
+    SystemArrays,
+)
 from toothspace.model.bodies import (
     book_journal_friction,
     update_film_forces,
@@ -14,27 +33,31 @@ from toothspace.model.bodies import (
 )
 from toothspace.model.chambers import (
     exchange_gas,
-    update_chamber_tables,
+    gas_relaxation,
     update_enthalpies,
     update_pressures,
     update_volumes,
 )
-from toothspace.model.friction import book_friction, update_contact_tables
+from toothspace.model.friction import book_friction
 from toothspace.model.ledger import ENERGY, GAS_RELAXATION, MASS, PORT_NODES, RADIAL_LOAD, SHAFT
-from toothspace.model.network import book_throttling, update_network, update_path_tables
+from toothspace.model.network import book_throttling, update_network, update_partners
+from toothspace.model.tables import fill_slopes, fill_values
 
 SAME_ANGLE = 1e-13
+PORTS = len(PORT_NODES)
 
 
 @njit(cache=True)
 def update_tables(s: SystemArrays, shaft_angle: float) -> None:
     """Evaluate all tables, unless they stand at this angle already."""
-    if abs(shaft_angle - s.work.table_angle[0]) <= SAME_ANGLE * max(1.0, abs(shaft_angle)):
+    if abs(shaft_angle - s.table_angle[0]) <= SAME_ANGLE * max(1.0, abs(shaft_angle)):
         return
-    s.work.table_angle[0] = shaft_angle
-    update_chamber_tables(s, shaft_angle)
-    update_path_tables(s, shaft_angle)
-    update_contact_tables(s, shaft_angle)
+    s.table_angle[0] = shaft_angle
+    fill_values(s.bank, s.chambers, shaft_angle, s.chamber_values, s.turns)
+    fill_slopes(s.bank, s.chambers, shaft_angle, s.chamber_slopes)
+    fill_values(s.bank, s.contacts, shaft_angle, s.contact_values, s.turns)
+    fill_values(s.bank, s.paths, shaft_angle, s.path_values, s.turns)
+    update_partners(s)
 
 
 @njit(cache=True)
@@ -50,62 +73,73 @@ def evaluate(s: SystemArrays, state: Array) -> None:
     """Compute pressures, flows and forces of a state into the work arrays."""
     evaluate_pressures(s, state)
     update_network(s, state)
+    exchange_gas(s, state)
     update_pressure_forces(s)
     update_film_forces(s, state)
 
 
 @njit(cache=True)
 def right_hand_side(t: float, state: Array, s: SystemArrays, rate: Array) -> None:
-    """Time derivative of the state, ledger included."""
+    """Time derivative of the core states and of the port masses of the ledger."""
     evaluate(s, state)
-    w, size = s.work, s.size
-    rate[size.core :] = 0.0
-    ledger = rate[size.core :]
-    update_enthalpies(s)
-    ledger[GAS_RELAXATION] = exchange_gas(s, state)
+    node, motion, dynamic, size = s.node, s.motion, s.dynamic_index, s.size
     rate[0] = state[1]
     rate[1] = 0.0
-    for node in range(size.nodes):
-        d = s.condition.dynamic_index[node]
+    for i in range(size.nodes):
+        d = dynamic[i]
         if d >= 0:
-            rate[size.mass + d] = w.mass_rate[node]
-            rate[size.gas + d] = w.gas_rate[node]
+            rate[size.mass + d] = node[i, MASS_RATE]
+            rate[size.gas + d] = node[i, GAS_RATE]
     for k in range(size.motions):
         rate[size.position + k] = state[size.velocity + k]
-        external = s.motions.external_force[k]
-        force = w.pressure_force[k] + w.film_force[k] + external
-        rate[size.velocity + k] = force / s.motions.mass[k]
-        ledger[RADIAL_LOAD] += external * state[size.velocity + k]
-    book_ports(s, ledger)
+        force = motion[k, PRESSURE_FORCE] + motion[k, FILM_FORCE] + motion[k, EXTERNAL_FORCE]
+        rate[size.velocity + k] = force / motion[k, MOTION_MASS]
+    for i in range(size.core, size.total):
+        rate[i] = 0.0
+    for port in range(PORTS):
+        i = size.chambers + port
+        if dynamic[i] < 0:
+            rate[size.core + MASS + port] = node[i, MASS_RATE]
+
+
+@njit(cache=True)
+def full_rates(t: float, state: Array, s: SystemArrays, rate: Array) -> None:
+    """Time derivative of the state with the whole ledger."""
+    right_hand_side(t, state, s, rate)
+    update_enthalpies(s)
+    ledger = rate[s.size.core :]
+    ledger[GAS_RELAXATION] = gas_relaxation(s, state)
+    for k in range(s.size.motions):
+        ledger[RADIAL_LOAD] += s.motion[k, EXTERNAL_FORCE] * state[s.size.velocity + k]
+    book_port_energies(s, ledger)
     book_shaft(s, state, ledger)
 
 
 @njit(cache=True)
-def book_ports(s: SystemArrays, ledger: Array) -> None:
-    """Add mass and energy that flow into each fixed port node."""
-    w = s.work
-    for port in range(len(PORT_NODES)):
-        node = s.size.chambers + port
-        if s.condition.dynamic_index[node] >= 0:
+def book_port_energies(s: SystemArrays, ledger: Array) -> None:
+    """Add the energy that flows into each fixed port node."""
+    node = s.node
+    for port in range(PORTS):
+        i = s.size.chambers + port
+        if s.dynamic_index[i] >= 0:
             continue
-        liquid = w.mass_rate[node] - w.gas_rate[node]
-        ledger[MASS + port] = w.mass_rate[node]
-        ledger[ENERGY + port] = liquid * w.liquid_enthalpy[node]
-        ledger[ENERGY + port] += w.gas_rate[node] * w.gas_enthalpy[node]
+        liquid = node[i, MASS_RATE] - node[i, GAS_RATE]
+        ledger[ENERGY + port] = liquid * node[i, LIQUID_ENTHALPY]
+        ledger[ENERGY + port] += node[i, GAS_RATE] * node[i, GAS_ENTHALPY]
 
 
 @njit(cache=True)
 def book_shaft(s: SystemArrays, state: Array, ledger: Array) -> None:
     """Work of the shaft on the machine: against pressure, wall drag and friction."""
-    w = s.work
-    w.torque[:] = 0.0
+    s.torque[:] = 0.0
+    node = s.node
     torque = 0.0
     for i in range(s.size.chambers):
-        torque -= w.pressure[i] * w.volume_rate[i]
+        torque -= node[i, PRESSURE] * node[i, VOLUME_RATE]
     torque += book_throttling(s, state[1], ledger)
     torque += book_journal_friction(s, state, ledger)
-    torque += book_friction(s, state, ledger)
-    w.torque[-1] = torque
+    torque += book_friction(s, state[1], ledger)
+    s.torque[-1] = torque
     ledger[SHAFT] = torque * state[1]
 
 
@@ -116,23 +150,22 @@ def error_weights(t: float, state: Array, s: SystemArrays, weight: Array) -> Non
     A pressure error p belongs to a mass error m p / (rho dp/drho); where the bulk modulus
     is low the mass itself is kept to ten times the relative tolerance.
     """
-    w, size, tolerance = s.work, s.size, s.condition.relative_tolerance
     evaluate_pressures(s, state)
+    node, motion, size, tolerance = s.node, s.motion, s.size, s.constant.relative_tolerance
     weight[0] = tolerance
     weight[1] = tolerance * max(abs(state[1]), 1.0)
     total_gas = max(s.fluid.total_gas_mass_fraction, 1e-8)
-    for node in range(size.nodes):
-        d = s.condition.dynamic_index[node]
+    for i in range(size.nodes):
+        d = s.dynamic_index[i]
         if d < 0:
             continue
         mass = state[size.mass + d]
-        pressure_error = tolerance * (abs(w.pressure[node]) + s.condition.pressure_scale)
-        weight[size.mass + d] = min(
-            pressure_error / w.pressure_by_mass[node], 10.0 * tolerance * mass
-        )
+        pressure_error = tolerance * (abs(node[i, PRESSURE]) + s.constant.pressure_scale)
+        by_pressure = pressure_error / node[i, PRESSURE_BY_MASS]
+        weight[size.mass + d] = min(by_pressure, 10.0 * tolerance * mass)
         weight[size.gas + d] = 10.0 * tolerance * total_gas * mass
     for k in range(size.motions):
-        clearance = s.motions.clearance[k]
+        clearance = motion[k, CLEARANCE]
         weight[size.position + k] = 10.0 * tolerance * clearance
         weight[size.velocity + k] = 1000.0 * tolerance * clearance * max(abs(state[1]), 1.0)
 
@@ -141,13 +174,12 @@ def error_weights(t: float, state: Array, s: SystemArrays, weight: Array) -> Non
 def event_values(t: float, state: Array, s: SystemArrays, values: Array) -> None:
     """Signed distances to events: onset of vapour in each chamber, then each body at its stop."""
     evaluate_pressures(s, state)
+    node, journal, size = s.node, s.journal, s.size
     onset = s.fluid.vapour_pressure + 2.0 * s.fluid.vapour_smoothing
-    for i in range(s.size.chambers):
-        values[i] = (s.work.pressure[i] - onset) / onset
-    k = s.size.chambers
-    for j in range(s.journals.motion_x.size):
-        kx, ky = s.journals.motion_x[j], s.journals.motion_y[j]
-        ex = state[s.size.position + kx] - s.journals.bush_x[j]
-        ey = state[s.size.position + ky] - s.journals.bush_y[j]
-        values[k] = 1.0 - np.sqrt(ex * ex + ey * ey) / s.journals.clearance[j]
-        k += 1
+    for i in range(size.chambers):
+        values[i] = (node[i, PRESSURE] - onset) / onset
+    for j in range(size.journals):
+        ex = state[size.position + int(journal[j, MOTION_X])] - journal[j, BUSH_X]
+        ey = state[size.position + int(journal[j, MOTION_Y])] - journal[j, BUSH_Y]
+        distance = math.sqrt(ex * ex + ey * ey)
+        values[size.chambers + j] = 1.0 - distance / journal[j, JOURNAL_CLEARANCE]

@@ -11,30 +11,38 @@ from toothspace.core.compiled import njit
 from toothspace.core.types import Array, IntArray
 from toothspace.numerics.periodic_table import PeriodicTable
 
+OFFSET, NODES, CHANNELS = range(3)
+
 
 class TableBank(NamedTuple):
     """Several periodic tables in one block of polynomial coefficients.
 
     Interval ``i`` of a table holds four rows of ``channels`` coefficients in the local
-    coordinate t of 0 to 1: value = c0 + t (c1 + t (c2 + t c3)).
+    coordinate t of 0 to 1: value = c0 + t (c1 + t (c2 + t c3)). Columns of ``layout`` are
+    offset, nodes and channels of each table.
     """
 
     coefficients: Array
-    offset: IntArray
-    nodes: IntArray
-    channels: IntArray
+    layout: IntArray
     period: Array
+
+
+class Members(NamedTuple):
+    """Things that read one row of a table each: which table, phase and growth of its angle."""
+
+    table: IntArray
+    phase: Array
+    ratio: Array
 
 
 def pack_tables(tables: Sequence[PeriodicTable]) -> TableBank:
     """Pack tables into one bank, in their order."""
     blocks = [_hermite_coefficients(table).ravel() for table in tables]
-    sizes = [block.size for block in blocks]
+    offset = np.concatenate(([0], np.cumsum([block.size for block in blocks])[:-1]))
+    shapes = np.array([table.values.shape for table in tables], dtype=np.int64)
     return TableBank(
-        coefficients=np.concatenate(blocks) if blocks else np.zeros(0),
-        offset=np.concatenate(([0], np.cumsum(sizes)[:-1])).astype(np.int64),
-        nodes=np.array([table.values.shape[0] for table in tables], dtype=np.int64),
-        channels=np.array([table.values.shape[1] for table in tables], dtype=np.int64),
+        coefficients=np.concatenate(blocks),
+        layout=np.column_stack([offset, shapes]).astype(np.int64),
         period=np.array([table.period for table in tables]),
     )
 
@@ -49,36 +57,44 @@ def _hermite_coefficients(table: PeriodicTable) -> Array:
 
 
 @njit(cache=True)
-def table_values(bank: TableBank, table: int, angle: float, out: Array) -> int:
-    """Fill ``out`` with all channels at an angle; return the number of full periods passed."""
-    nodes = bank.nodes[table]
-    channels = bank.channels[table]
-    turns = np.floor(angle / bank.period[table])
-    position = (angle / bank.period[table] - turns) * nodes
-    interval = min(int(position), nodes - 1)
-    t = position - interval
-    base = bank.offset[table] + interval * 4 * channels
-    c = bank.coefficients
-    for k in range(channels):
-        i = base + k
-        out[k] = c[i] + t * (c[i + channels] + t * (c[i + 2 * channels] + t * c[i + 3 * channels]))
-    return int(turns)
+def fill_values(
+    bank: TableBank, members: Members, shaft_angle: float, values: Array, turns: IntArray
+) -> None:
+    """Evaluate all channels of every member's table, one row each, and the periods passed."""
+    coefficients, layout, period = bank.coefficients, bank.layout, bank.period
+    for j in range(members.table.size):
+        table = members.table[j]
+        nodes, channels = layout[table, NODES], layout[table, CHANNELS]
+        turn = (members.phase[j] + members.ratio[j] * shaft_angle) / period[table]
+        passed = np.floor(turn)
+        position = (turn - passed) * nodes
+        interval = min(int(position), nodes - 1)
+        t = position - interval
+        base = layout[table, OFFSET] + interval * 4 * channels
+        for k in range(channels):
+            c0 = coefficients[base + k]
+            c1 = coefficients[base + k + channels]
+            c2 = coefficients[base + k + 2 * channels]
+            c3 = coefficients[base + k + 3 * channels]
+            values[j, k] = c0 + t * (c1 + t * (c2 + t * c3))
+        turns[j] = int(passed)
 
 
 @njit(cache=True)
-def table_slopes(bank: TableBank, table: int, angle: float, out: Array) -> None:
-    """Fill ``out`` with the derivatives of all channels with respect to the angle."""
-    nodes = bank.nodes[table]
-    channels = bank.channels[table]
-    turns = np.floor(angle / bank.period[table])
-    position = (angle / bank.period[table] - turns) * nodes
-    interval = min(int(position), nodes - 1)
-    t = position - interval
-    base = bank.offset[table] + interval * 4 * channels
-    scale = nodes / bank.period[table]
-    c = bank.coefficients
-    for k in range(channels):
-        i = base + k
-        out[k] = scale * (
-            c[i + channels] + t * (2.0 * c[i + 2 * channels] + 3.0 * t * c[i + 3 * channels])
-        )
+def fill_slopes(bank: TableBank, members: Members, shaft_angle: float, slopes: Array) -> None:
+    """Evaluate the derivatives of all channels with respect to the shaft angle."""
+    coefficients, layout, period = bank.coefficients, bank.layout, bank.period
+    for j in range(members.table.size):
+        table = members.table[j]
+        nodes, channels = layout[table, NODES], layout[table, CHANNELS]
+        turn = (members.phase[j] + members.ratio[j] * shaft_angle) / period[table]
+        position = (turn - np.floor(turn)) * nodes
+        interval = min(int(position), nodes - 1)
+        t = position - interval
+        base = layout[table, OFFSET] + interval * 4 * channels
+        scale = members.ratio[j] * nodes / period[table]
+        for k in range(channels):
+            c1 = coefficients[base + k + channels]
+            c2 = coefficients[base + k + 2 * channels]
+            c3 = coefficients[base + k + 3 * channels]
+            slopes[j, k] = scale * (c1 + t * (2.0 * c2 + 3.0 * t * c3))

@@ -10,6 +10,7 @@ import numpy as np
 
 from toothspace.core.status import Status
 from toothspace.core.types import Array
+from toothspace.model.arrays import CLEARANCE
 from toothspace.model.assembly import System
 from toothspace.results.solution import Event
 from toothspace.solver.initial import start_state
@@ -117,4 +118,4 @@ def _repeats(system: System, before: Piece, after: Piece) -> bool:
     size = system.arrays.size
     positions = slice(size.position, size.velocity)
     change = np.abs(after.states[:, positions] - before.states[:, positions])
-    return bool(np.all(change <= _CYCLIC_POSITION * system.arrays.motions.clearance))
+    return bool(np.all(change <= _CYCLIC_POSITION * system.arrays.motion[:, CLEARANCE]))

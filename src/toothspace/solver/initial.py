@@ -6,6 +6,14 @@ import numpy as np
 
 from toothspace.closures.density import mixture_density
 from toothspace.core.types import Array
+from toothspace.model.arrays import (
+    BUSH_X,
+    BUSH_Y,
+    JOURNAL_CLEARANCE,
+    MOTION_X,
+    MOTION_Y,
+    VOLUME,
+)
 from toothspace.model.assembly import System
 from toothspace.model.chambers import update_volumes
 from toothspace.model.quasi_static import mean_force, quasi_static_pressures
@@ -26,22 +34,22 @@ def start_state(system: System) -> Array:
     pressure[: size.chambers] = quasi_static_pressures(system.description, system.condition, 0.0)
     gas = arrays.fluid.feed_gas_mass_fraction
     for node in range(size.nodes):
-        d = int(arrays.condition.dynamic_index[node])
+        d = int(arrays.dynamic_index[node])
         if d >= 0:
             density = float(mixture_density(pressure[node], gas, arrays.fluid))
-            state[size.mass + d] = density * arrays.work.volume[node]
+            state[size.mass + d] = density * arrays.node[node, VOLUME]
             state[size.gas + d] = gas * state[size.mass + d]
     return state
 
 
 def _place_bodies(system: System, state: Array) -> None:
-    journals, size = system.arrays.journals, system.arrays.size
+    size = system.arrays.size
     if size.motions == 0:
         return
     force = mean_force(system.description, system.condition) @ system.motion_map
-    for j in range(journals.motion_x.size):
-        kx, ky = int(journals.motion_x[j]), int(journals.motion_y[j])
+    for journal in system.arrays.journal:
+        kx, ky = int(journal[MOTION_X]), int(journal[MOTION_Y])
         load = max(float(np.hypot(force[kx], force[ky])), 1e-12)
-        reach = _START_ECCENTRICITY * float(journals.clearance[j])
-        state[size.position + kx] = journals.bush_x[j] + reach * force[kx] / load
-        state[size.position + ky] = journals.bush_y[j] + reach * force[ky] / load
+        reach = _START_ECCENTRICITY * journal[JOURNAL_CLEARANCE]
+        state[size.position + kx] = journal[BUSH_X] + reach * force[kx] / load
+        state[size.position + ky] = journal[BUSH_Y] + reach * force[ky] / load

@@ -12,7 +12,7 @@ from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.model.assembly import System
 from toothspace.model.jacobian import jacobian
-from toothspace.model.system import error_weights, event_values, right_hand_side
+from toothspace.model.system import error_weights, event_values, full_rates
 from toothspace.numerics.ndf import bind
 from toothspace.numerics.ndf_types import (
     DONE,
@@ -33,18 +33,21 @@ _STEPS_PER_RADIAN = 40.0
 
 
 _initial_state, _advance_bound = bind(
-    NdfCallbacks(right_hand_side, jacobian, error_weights, event_values)
+    NdfCallbacks(full_rates, jacobian, error_weights, event_values)
 )
+
+
+_start, _continue = bind(NdfCallbacks(full_rates, jacobian, error_weights, event_values))
 
 
 @njit(cache=True)
 def _begin(params: Any, program: Any, settings: Any, state: Any, t: float, y: Array) -> None:
-    _initial_state(params, program, settings, state, t, y)
+    _start(params, program, settings, state, t, y)
 
 
 @njit(cache=True)
 def _advance(params: Any, program: Any, settings: Any, state: Any, record: Any, end: float) -> int:
-    return _advance_bound(params, program, settings, state, record, end)
+    return _continue(params, program, settings, state, record, end)
 
 
 @final
@@ -126,7 +129,7 @@ class Piece:
 def start_march(system: System, state: Array, max_steps: int = 50_000_000) -> March:
     """Prepare an integration from a state at time zero."""
     size = system.arrays.size
-    events = size.chambers + system.arrays.journals.motion_x.size
+    events = size.chambers + size.journals
     program = analyse(system.pattern)
     speed = abs(system.condition.shaft_speed)
     settings = make_settings(

@@ -8,9 +8,22 @@ import numpy as np
 
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array
-from toothspace.model.arrays import SystemArrays
-from toothspace.model.network import GEOMETRY, HEIGHT_BY_MOTION
-from toothspace.model.system import right_hand_side
+from toothspace.model.arrays import (
+    CONTACT_FORCE,
+    DENSITY,
+    FILM_FORCE,
+    FLOW,
+    GAS,
+    GEOMETRY,
+    HEIGHT_BY_MOTION,
+    NODE_A,
+    PRESENT_B,
+    PRESSURE,
+    PRESSURE_FORCE,
+    VOLUME,
+    SystemArrays,
+)
+from toothspace.model.system import full_rates
 
 
 class Observation(NamedTuple):
@@ -22,7 +35,6 @@ class Observation(NamedTuple):
     gas: Array
     path_flow: Array
     path_drop: Array
-    path_height: Array
     raw_height: Array
     pressure_force: Array
     film_force: Array
@@ -34,21 +46,19 @@ class Observation(NamedTuple):
 def observe(arrays: SystemArrays, states: Array) -> Observation:
     """Evaluate the model at every sampled state."""
     count, size = states.shape[0], arrays.size
-    paths, contacts = arrays.paths.table.size, arrays.contacts.table.size
-    motions = arrays.work.pressure_force.size
+    paths, contacts, motions = size.paths, size.contacts, size.motions
     result = Observation(
         pressure=np.zeros((count, size.nodes)),
         density=np.zeros((count, size.nodes)),
-        volume=np.zeros((count, size.chambers)),
+        volume=np.zeros((count, size.nodes)),
         gas=np.zeros((count, size.nodes)),
         path_flow=np.zeros((count, paths)),
         path_drop=np.zeros((count, paths)),
-        path_height=np.zeros((count, paths)),
         raw_height=np.zeros((count, paths)),
         pressure_force=np.zeros((count, motions)),
         film_force=np.zeros((count, motions)),
         contact_force=np.zeros((count, contacts)),
-        torque=np.zeros((count, arrays.work.torque.size)),
+        torque=np.zeros((count, arrays.torque.size)),
         ledger_rate=np.zeros((count, size.total - size.core)),
     )
     _observe(arrays, states, result)
@@ -60,22 +70,21 @@ def _observe(s: SystemArrays, states: Array, out: Observation) -> None:
     rate = np.zeros(s.size.total)
     for i in range(states.shape[0]):
         state = states[i]
-        right_hand_side(0.0, state, s, rate)
-        w = s.work
-        out.pressure[i] = w.pressure
-        out.density[i] = w.density
-        out.volume[i] = w.volume[: s.size.chambers]
-        out.gas[i] = w.gas
-        out.path_flow[i] = w.path_flow
-        out.path_height[i] = w.path_height
-        out.pressure_force[i] = w.pressure_force
-        out.film_force[i] = w.film_force
-        out.contact_force[i] = w.contact_force
-        out.torque[i] = w.torque
+        full_rates(0.0, state, s, rate)
+        out.pressure[i] = s.node[:, PRESSURE]
+        out.density[i] = s.node[:, DENSITY]
+        out.volume[i] = s.node[:, VOLUME]
+        out.gas[i] = s.node[:, GAS]
+        out.path_flow[i] = s.path[:, FLOW]
+        out.pressure_force[i] = s.motion[:, PRESSURE_FORCE]
+        out.film_force[i] = s.motion[:, FILM_FORCE]
+        out.contact_force[i] = s.contact_values[:, CONTACT_FORCE]
+        out.torque[i] = s.torque
         out.ledger_rate[i] = rate[s.size.core :]
-        for j in range(s.paths.table.size):
-            out.path_drop[i, j] = w.pressure[s.paths.node_a[j]] - w.pressure[w.path_b[j]]
-            height = w.path_values[j, GEOMETRY]
+        for j in range(s.size.paths):
+            a, b = s.path_index[j, NODE_A], s.path_index[j, PRESENT_B]
+            out.path_drop[i, j] = s.node[a, PRESSURE] - s.node[b, PRESSURE]
+            height = s.path_values[j, GEOMETRY]
             for k in range(s.size.motions):
-                height += w.path_values[j, HEIGHT_BY_MOTION + k] * state[s.size.position + k]
+                height += s.path_values[j, HEIGHT_BY_MOTION + k] * state[s.size.position + k]
             out.raw_height[i, j] = height

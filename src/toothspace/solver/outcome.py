@@ -14,6 +14,14 @@ from toothspace.closures.density import (
 )
 from toothspace.closures.enthalpy import gas_enthalpy, liquid_enthalpy
 from toothspace.core.types import Array
+from toothspace.model.arrays import (
+    BUSH_X,
+    BUSH_Y,
+    CATEGORY,
+    JOURNAL_CLEARANCE,
+    MOTION_MASS,
+    MOTION_X,
+)
 from toothspace.model.assembly import System
 from toothspace.model.description import MachineDescription
 from toothspace.model.ledger import FRICTION_MECHANISMS, LEDGER_NAMES, PATH_CATEGORIES
@@ -116,10 +124,10 @@ def stored_energy(system: System, state: Array) -> float:
     """Compression energy of the fluid in all dynamic nodes. [J]."""
     arrays, size = system.arrays, system.arrays.size
     seen = observe(arrays, state[None])
-    dynamic = arrays.condition.dynamic_index >= 0
+    dynamic = arrays.dynamic_index >= 0
     mass = state[size.mass : size.gas]
     gas = state[size.gas : size.position]
-    volume = np.concatenate([seen.volume[0], arrays.work.volume[size.chambers :]])[dynamic]
+    volume = seen.volume[0, dynamic]
     pressure, _, _ = mixture_pressure(volume / mass, gas / mass, arrays.fluid)
     liquid = (mass - gas) * liquid_enthalpy(pressure, arrays.fluid)
     bubbles = gas * gas_enthalpy(pressure, arrays.fluid)
@@ -130,7 +138,7 @@ def kinetic_energy(system: System, state: Array) -> float:
     """Kinetic energy of the micro-motions. [J]."""
     size = system.arrays.size
     velocity = state[size.velocity : size.core]
-    return float(0.5 * np.sum(system.arrays.motions.mass * velocity**2))
+    return float(0.5 * np.sum(system.arrays.motion[:, MOTION_MASS] * velocity**2))
 
 
 def _port_values(history: History, seen: Observation) -> dict[str, Array]:
@@ -168,7 +176,7 @@ def _chamber_values(history: History, seen: Observation) -> dict[str, Array]:
     angle = arrays.chambers.phase + np.outer(history.states[:, 0], arrays.chambers.ratio)
     return {
         "chamber_pressure": pressure,
-        "chamber_volume": seen.volume,
+        "chamber_volume": seen.volume[:, chambers],
         "chamber_gas_fraction": gas_volume_fraction(pressure, gas, arrays.fluid),
         "chamber_vapour_fraction": vapour_fraction(specific, pressure, gas, arrays.fluid),
         "chamber_angle": np.mod(angle, 2.0 * np.pi),
@@ -204,7 +212,7 @@ def _body_values(history: History, seen: Observation) -> dict[str, Array]:
         values["body_force"][where] = seen.pressure_force[:, k]
         values["journal_force"][where] = seen.film_force[:, k]
     values |= _journal_values(system, values["body_position"], names)
-    if system.arrays.contacts.table.size:
+    if system.arrays.size.contacts:
         values["contact_force"] = seen.contact_force
         values["contact_gap"] = _contact_gaps(system, history.states[:, 0])
     return values
@@ -214,14 +222,13 @@ def _journal_values(system: System, position: Array, names: list[str]) -> dict[s
     ratio = np.zeros(position.shape[:2])
     height = np.full(position.shape[:2], np.nan)
     seat = np.zeros((len(names), 3))
-    journals = system.arrays.journals
-    for j in range(journals.motion_x.size):
-        body = system.description.motions[system.free_motions[journals.motion_x[j]]].body
-        b = names.index(body)
-        seat[b, :2] = journals.bush_x[j], journals.bush_y[j]
+    for journal in system.arrays.journal:
+        body = system.description.motions[system.free_motions[int(journal[MOTION_X])]].body
+        b, clearance = names.index(body), journal[JOURNAL_CLEARANCE]
+        seat[b, :2] = journal[BUSH_X], journal[BUSH_Y]
         eccentricity = np.hypot(*(position[:, b, :2] - seat[b, :2]).T)
-        ratio[:, b] = eccentricity / journals.clearance[j]
-        height[:, b] = journals.clearance[j] - eccentricity
+        ratio[:, b] = eccentricity / clearance
+        height[:, b] = clearance - eccentricity
     return {
         "journal_eccentricity_ratio": ratio,
         "journal_film_height": height,
@@ -251,14 +258,14 @@ def _leakage(system: System, seen: Observation) -> Array:
     power = seen.path_flow * seen.path_drop / seen.density[:, [system.description.inlet_node]]
     result = np.zeros((power.shape[0], len(_LEAKAGE_PATHS)))
     for k, name in enumerate(_LEAKAGE_PATHS):
-        members = system.arrays.paths.category == PATH_CATEGORIES.index(name)
+        members = system.arrays.path_index[:, CATEGORY] == PATH_CATEGORIES.index(name)
         result[:, k] = power[:, members].sum(axis=1) / span if span > 0.0 else 0.0
     return result
 
 
 def _labels(system: System) -> dict[str, list[str]]:
     description = system.description
-    contacts = system.arrays.contacts.table.size
+    contacts = system.arrays.size.contacts
     name = description.mesh.contact if description.mesh else ""
     return {
         "chamber": description.chamber_labels,
