@@ -11,6 +11,7 @@ journal_solver      film for a given motion of the shaft
 journal_solution    fields, loads, flows, stiffness and damping
 cavitation          names of the cavitation models
 equilibrium         position of the shaft under a load
+mixed_lubrication   friction over speed and its reduction to a formula
 plane_film          films between nearly parallel faces on any grid
 pad                 :class:`Pad`: rectangular pads with pocket or step
 cases               ``[bearing]`` and ``[film]`` tables to named numbers
@@ -23,12 +24,20 @@ from toothspace.films.cases import bearing_summary, pad_summary, solve_bearing, 
 from toothspace.films.journal_bearing import JournalBearing
 from toothspace.films.journal_film import Groove
 from toothspace.films.journal_solution import JournalBearingSolution
+from toothspace.films.mixed_lubrication import (
+    FrictionCurve,
+    FrictionSweep,
+    fit_friction_curve,
+    sweep_friction,
+)
 from toothspace.films.pad import Pad, PadSolution, Pocket
 from toothspace.films.plane_film import FilmFluid
 from toothspace.films.rough_surfaces import RoughSurfaces
 
 __all__ = [
     "FilmFluid",
+    "FrictionCurve",
+    "FrictionSweep",
     "Groove",
     "JournalBearing",
     "JournalBearingSolution",
@@ -37,7 +46,9 @@ __all__ = [
     "Pocket",
     "RoughSurfaces",
     "bearing_summary",
+    "fit_friction_curve",
     "pad_summary",
     "solve_bearing",
     "solve_film",
+    "sweep_friction",
 ]

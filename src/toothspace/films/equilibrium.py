@@ -82,7 +82,7 @@ def _damped_step(
 ) -> JournalBearingSolution:
     """Longest part of a step that keeps the gap open and does not raise the error much."""
     place = film.eccentricity
-    step = _kept_inside(place, step)
+    step = _kept_inside(place, step, bearing)
     error = float(np.hypot(*(film.force + load)))
     for _ in range(8):
         trial = _solve_at(bearing, place + step, film.speed, film)
@@ -92,8 +92,12 @@ def _damped_step(
     return trial
 
 
-def _kept_inside(place: Array, step: Array) -> Array:
-    limit = 1.0 - _SMALLEST_SHRINK * (1.0 - float(np.hypot(*place)))
+def _kept_inside(place: Array, step: Array, bearing: JournalBearing) -> Array:
+    """Shorten a step that would close the gap; rough walls may overlap a little more each time."""
+    ratio = float(np.hypot(*place))
+    limit = ratio + (1.0 - _SMALLEST_SHRINK) * max(1.0 - ratio, 0.0)
+    if bearing.surfaces is not None:
+        limit += 0.5 * bearing.surfaces.roughness / bearing.radial_clearance
     for _ in range(60):
         if np.hypot(*(place + step)) <= limit:
             break

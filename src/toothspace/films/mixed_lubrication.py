@@ -1,0 +1,157 @@
+r"""Friction of a journal bearing from boundary to full film, and its reduction to a formula."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, final
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from toothspace.core.types import Array
+
+if TYPE_CHECKING:
+    from toothspace.films.journal_bearing import JournalBearing
+
+
+@final
+@dataclass(frozen=True)
+class FrictionSweep:
+    """Friction over speed at one load, in the order of the given Sommerfeld numbers."""
+
+    sommerfeld_number: Array
+    """Load parameter S = (eta N / P) (R / c)^2. [-]"""
+    shaft_speed: Array
+    """Rotation of the shaft. [rad/s]"""
+    friction_coefficient: Array
+    """Friction torque on the shaft over load and radius. [-]"""
+    contact_share: Array
+    """Part of the load that asperities carry. [-]"""
+    eccentricity_ratio: Array
+    """Eccentricity over clearance. [-]"""
+    converged: bool
+    """Whether every equilibrium was found."""
+
+
+@final
+@dataclass(frozen=True)
+class FrictionCurve:
+    r"""Friction coefficient over the Sommerfeld number.
+
+    Notes
+    -----
+    .. math:: \mu = a\,e^{-S/b} + c \tanh(S/d) + e
+
+    References
+    ----------
+    .. [1] Equation 2.7 of the study of the start-up of external gear motors (published values
+       a = 0.04486, b = 0.002681, c = 0.01897, d = 1.085, e = 0.0006507).
+    """
+
+    boundary: float
+    """a. [-]"""
+    decay: float
+    """b. [-]"""
+    rise: float
+    """c. [-]"""
+    transition: float
+    """d. [-]"""
+    offset: float
+    """e. [-]"""
+
+    def __call__(self, sommerfeld_number: Array | float) -> Array:
+        """Friction coefficient. [-]."""
+        S = np.asarray(sommerfeld_number, dtype=float)
+        mixed = self.boundary * np.exp(-S / self.decay)
+        return np.asarray(mixed + self.rise * np.tanh(S / self.transition) + self.offset)
+
+    @property
+    def boundary_level(self) -> float:
+        """Friction coefficient at rest. [-]."""
+        return self.boundary + self.offset
+
+    def full_film_slope(self, lowest: float = 0.05, highest: float = 0.2) -> float:
+        """Mean slope between two Sommerfeld numbers of the full-film branch. [-]."""
+        values = self(np.array([lowest, highest]))
+        return float((values[1] - values[0]) / (highest - lowest))
+
+    def minimum(self) -> tuple[float, float]:
+        """Sommerfeld number and friction coefficient at the lowest point. [-, -]."""
+        S = np.geomspace(1e-4, 1.0, 4001)
+        mu = self(S)
+        k = int(np.argmin(mu))
+        return float(S[k]), float(mu[k])
+
+
+PUBLISHED_CURVE = FrictionCurve(0.04486, 0.002681, 0.01897, 1.085, 0.0006507)
+"""Fit of the motor study, for S from 0.001 to 0.2."""
+
+
+def sweep_friction(
+    bearing: JournalBearing, *, load: float, sommerfeld_numbers: Sequence[float]
+) -> FrictionSweep:
+    """Equilibrium and friction at one load over a range of speeds.
+
+    Parameters
+    ----------
+    bearing : JournalBearing
+        Bearing, with rough surfaces for mixed lubrication.
+    load : float
+        Load on the shaft. [N]
+    sommerfeld_numbers : sequence of float
+        Load parameters; every equilibrium starts from its faster neighbour. [-]
+
+    Returns
+    -------
+    FrictionSweep
+        Friction coefficient and contact share at every speed.
+    """
+    numbers = np.asarray(sommerfeld_numbers, dtype=float)
+    speeds = shaft_speeds(bearing, load, numbers)
+    rows = np.zeros((numbers.size, 3))
+    start: tuple[float, float] | None = None
+    converged = True
+    for k in np.argsort(-numbers):
+        film = bearing.equilibrium(load=(load, 0.0), shaft_speed=float(speeds[k]), start=start)
+        x, y = film.eccentricity
+        start = (float(x), float(y))
+        friction = -film.friction_torque / (0.5 * bearing.diameter * load)
+        rows[k] = friction, float(np.hypot(*film.contact_force)) / load, film.eccentricity_ratio
+        converged = converged and film.status.succeeded
+    return FrictionSweep(numbers, speeds, rows[:, 0], rows[:, 1], rows[:, 2], converged)
+
+
+def shaft_speeds(bearing: JournalBearing, load: float, sommerfeld_numbers: Array) -> Array:
+    """Rotation at which a loaded bearing has given Sommerfeld numbers. [rad/s]."""
+    mean = load / (bearing.diameter * bearing.length)
+    ratio = 2.0 * bearing.radial_clearance / bearing.diameter
+    factor = 2.0 * np.pi * mean * ratio**2 / bearing.dynamic_viscosity
+    return np.asarray(factor * sommerfeld_numbers)
+
+
+def fit_friction_curve(sommerfeld_number: Array, friction_coefficient: Array) -> FrictionCurve:
+    """Fit the formula of :class:`FrictionCurve` by least squares of the logarithm.
+
+    Parameters
+    ----------
+    sommerfeld_number : ndarray
+        Load parameter S. [-]
+    friction_coefficient : ndarray
+        Friction coefficient there, positive. [-]
+
+    Returns
+    -------
+    FrictionCurve
+        Curve with positive coefficients.
+    """
+    target = np.log(friction_coefficient)
+
+    def mismatch(logarithms: Array) -> Array:
+        values = np.exp(logarithms)
+        return np.asarray(np.log(FrictionCurve(*values)(sommerfeld_number)) - target)
+
+    first = np.log([float(friction_coefficient.max()), 0.003, 0.02, 1.0, 5e-4])
+    bounds = (np.log([1e-4, 1e-5, 1e-4, 0.05, 1e-7]), np.log([1.0, 0.1, 10.0, 100.0, 0.1]))
+    found = least_squares(mismatch, first, bounds=bounds, x_scale=1.0, max_nfev=2000)
+    return FrictionCurve(*(float(value) for value in np.exp(found.x)))

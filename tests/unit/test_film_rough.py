@@ -1,0 +1,204 @@
+"""Flow factors, contact laws and their use in a film."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from toothspace.closures import flow_factors as ff
+from toothspace.closures.contact_asperities import (
+    asperity_force,
+    exceedance_moment,
+    greenwood_tripp_pressure,
+    kogut_etsion_pressure,
+)
+from toothspace.closures.contact_rough import asperity_pressure
+from toothspace.core.errors import CaseError
+from toothspace.films import JournalBearing, RoughSurfaces
+from toothspace.films.journal_film import MotionState
+from toothspace.films.journal_solution import SurfaceSpeed
+from toothspace.films.journal_solver import solve_motion
+from toothspace.films.rough_surfaces import (
+    carried_law,
+    conductance_law,
+    contact_pressure,
+    squeeze_law,
+)
+
+ROUGH = RoughSurfaces(
+    moving_roughness=0.3e-6, resting_roughness=0.2e-6, moving_pattern=3.0, resting_pattern=1 / 3
+)
+BEARING = JournalBearing(
+    diameter=18e-3,
+    length=19e-3,
+    radial_clearance=8e-6,
+    dynamic_viscosity=0.026,
+    grid=(72, 11),
+    surfaces=ROUGH,
+)
+
+
+def test_pressure_factor_of_table_patterns() -> None:
+    """Patir and Cheng (1978), table 1, isotropic and longitudinal, H = 2 and 3."""
+    isotropic = ff.pattern_columns(1.0)
+    value, _ = ff.pressure_flow_factor(2.0, isotropic.pressure, isotropic.weight)
+    assert value == pytest.approx(1.0 - 0.90 * np.exp(-1.12), rel=1e-12)
+    along = ff.pattern_columns(6.0)
+    value, _ = ff.pressure_flow_factor(3.0, along.pressure, along.weight)
+    assert value == pytest.approx(1.0 + 0.520 * 3.0**-1.5, rel=1e-12)
+
+
+def test_factors_are_interpolated_between_patterns() -> None:
+    middle = ff.pattern_columns(2.0)
+    low, high = ff.pattern_columns(1.0), ff.pattern_columns(3.0)
+    for factor in (
+        lambda c: ff.pressure_flow_factor(2.0, c.pressure, c.weight)[0],
+        lambda c: ff.shear_flow_factor(2.0, c.shear, c.weight)[0],
+        lambda c: ff.shear_stress_correction(2.0, c.stress_correction, c.weight),
+        lambda c: ff.pressure_stress_factor(2.0, c.pressure_stress, c.weight),
+    ):
+        assert factor(middle) == pytest.approx(0.5 * (factor(low) + factor(high)), rel=1e-12)
+
+
+@pytest.mark.parametrize("pattern", [1 / 9, 0.2, 1.0, 2.0, 9.0])
+def test_thick_films_are_smooth(pattern: float) -> None:
+    columns = ff.pattern_columns(pattern)
+    assert ff.pressure_flow_factor(60.0, columns.pressure, columns.weight)[0] == pytest.approx(
+        1.0, abs=2.1e-3
+    )
+    assert ff.shear_flow_factor(60.0, columns.shear, columns.weight)[0] < 1e-5
+    assert ff.shear_stress_correction(7.0, columns.stress_correction, columns.weight) == 0.0
+    assert 60.0 * ff.shear_stress_factor(60.0) == pytest.approx(1.0, abs=5e-4)
+
+
+@pytest.mark.parametrize("ratio", [0.5, 1.0, 2.0, 2.9, 3.1, 8.0, 17.9, 18.1, 40.0])
+def test_shear_stress_factor_is_the_mean_inverse_gap(ratio: float) -> None:
+    """Direct quadrature of the polynomial density, gaps below 0.01 excluded."""
+
+    def density(height: float) -> float:
+        return 35.0 / 96.0 * (1.0 - (height / 3.0) ** 2) ** 3 / (ratio + height)
+
+    lowest = max(-3.0, 0.01 - ratio)
+    turn = min(lowest + 0.05, 2.9)
+    mean = quad(density, lowest, turn)[0] + quad(density, turn, 3.0)[0]
+    assert ff.shear_stress_factor(ratio) == pytest.approx(mean, rel=2e-3)
+
+
+def test_contact_factor_and_its_published_fit() -> None:
+    for ratio in np.linspace(0.0, 3.0, 13):
+        fit = ff.contact_factor_fit(float(ratio))
+        assert fit == pytest.approx(ff.contact_factor(float(ratio)), rel=4e-3)
+
+
+@pytest.mark.parametrize("pattern", [0.05, 12.0])
+def test_patterns_outside_the_tables_are_refused(pattern: float) -> None:
+    with pytest.raises(CaseError, match=r"roughness\.pattern"):
+        ff.pattern_columns(pattern)
+
+
+@pytest.mark.parametrize("ratio", [0.3, 0.9, 2.2, 4.5, 6.0])
+def test_laws_have_exact_derivatives(ratio: float) -> None:
+    law = ROUGH.flow_law(1.0)
+    gap, step = ratio * law.roughness, 1e-5 * law.roughness
+    for function in (
+        lambda h: conductance_law(h, law, law.along),
+        lambda h: conductance_law(h, law, law.across),
+        lambda h: carried_law(h, law),
+        lambda h: squeeze_law(h, law),
+        lambda h: contact_pressure(h, law.roughness, ROUGH.contact_table()),
+    ):
+        slope = (function(gap + step)[0] - function(gap - step)[0]) / (2.0 * step)
+        assert function(gap)[1] == pytest.approx(slope, rel=1e-5, abs=1e-4)
+
+
+def test_exceedance_moments() -> None:
+    """Closed form of order 2 and direct quadrature of order 5/2."""
+    for x in (0.0, 1.0, 2.5):
+        density = np.exp(-0.5 * x * x) / np.sqrt(2.0 * np.pi)
+        above = quad(lambda s: np.exp(-0.5 * s * s) / np.sqrt(2.0 * np.pi), x, 12.0)[0]
+        assert exceedance_moment(2.0, x) == pytest.approx(
+            (1 + x * x) * above - x * density, rel=1e-6
+        )
+        direct = quad(lambda s, x=x: (s - x) ** 2.5 * np.exp(-0.5 * s * s), x, 12.0)[0]
+        assert exceedance_moment(2.5, x) == pytest.approx(direct / np.sqrt(2 * np.pi), rel=1e-7)
+
+
+def test_single_asperity_joins_its_regimes() -> None:
+    """Published constants are continuous within 4 percent at 1, 6 and 110 critical depths."""
+    radius, modulus, hardness = 50e-6, 2e11, 2e9
+    critical = (np.pi * (0.454 + 0.41 * 0.3) * hardness / modulus) ** 2 * radius
+    for multiple in (1.0, 6.0):
+        below, above = asperity_force(
+            critical * multiple * np.array([1 - 1e-9, 1 + 1e-9]), radius, modulus, hardness, 0.3
+        )
+        assert above == pytest.approx(below, rel=0.04)
+
+
+def test_contact_laws_agree_where_asperities_are_separate() -> None:
+    """A sum over elastic summits lies within 15 percent of the boundary element law."""
+    for ratio in (1.8, 2.0, 2.2):
+        sum_over_summits = kogut_etsion_pressure(ratio, 0.4e-6, 15e-6, 1.55e11, 5e10)
+        fitted = asperity_pressure(ratio * 0.4e-6, 0.4e-6, 15e-6, 1.55e11, 5e10)
+        assert sum_over_summits == pytest.approx(fitted, rel=0.15)
+
+
+def test_greenwood_tripp_example() -> None:
+    """Hand calculation: 16 sqrt2 pi / 15 * 0.05^2 * 1e11 * sqrt(1e-2) * 0.08056."""
+    expected = 16 * np.sqrt(2) * np.pi / 15 * 0.0025 * 1e11 * 0.1 * 0.08056
+    assert greenwood_tripp_pressure(1.0, 0.05, 1e-2, 2e11) == pytest.approx(expected, rel=1e-4)
+
+
+def test_user_table_is_followed() -> None:
+    points = ((0.0, 1e8), (1.0, 1e7), (3.0, 1e5))
+    surfaces = replace(ROUGH, contact_law="table", contact_points=points)
+    table = surfaces.contact_table()
+    pressure, _ = contact_pressure(2.0 * surfaces.roughness, surfaces.roughness, table)
+    assert pressure == pytest.approx(1e6, rel=1e-3)
+
+
+def test_stiffness_of_a_mixed_film_is_its_derivative() -> None:
+    place = np.array([7.2e-6, 2e-6, 0.0, 0.0])
+    speed = SurfaceSpeed(5.0)
+    film = solve_motion(BEARING, MotionState(place, np.zeros(4)), speed)
+    assert np.hypot(*film.contact_force) > 0.1 * film.load
+    fixed = replace(BEARING, supply="none", end_pressure=2e5)
+    film = solve_motion(fixed, MotionState(place, np.zeros(4)), speed)
+    numeric = np.zeros((2, 2))
+    for k in range(2):
+        forces = []
+        for sign in (1.0, -1.0):
+            moved = place.copy()
+            moved[k] += sign * 1e-13
+            forces.append(solve_motion(fixed, MotionState(moved, np.zeros(4)), speed).force)
+        numeric[:, k] = -(forces[0] - forces[1]) / 2e-13
+    assert film.stiffness == pytest.approx(numeric, rel=1e-4, abs=1e-5 * np.abs(numeric).max())
+
+
+def test_slow_shaft_rests_on_its_asperities() -> None:
+    """Friction tends to the boundary coefficient when the film carries nothing."""
+    film = BEARING.equilibrium(load=(0.0, -2000.0), shaft_speed=1e-4)
+    assert film.status.succeeded
+    friction = -film.friction_torque / (0.5 * BEARING.diameter * 2000.0)
+    assert np.hypot(*film.contact_force) == pytest.approx(2000.0, rel=0.01)
+    # pressure normal to the wall sums to more than the load
+    assert ROUGH.boundary_friction < friction < 1.2 * ROUGH.boundary_friction
+
+
+def test_thick_film_does_not_feel_roughness() -> None:
+    smooth = replace(BEARING, surfaces=None, radial_clearance=60e-6)
+    rough = replace(BEARING, radial_clearance=60e-6)
+    a = smooth.solve(eccentricity=(0.3, 0.0), shaft_speed=100.0)
+    b = rough.solve(eccentricity=(0.3, 0.0), shaft_speed=100.0)
+    assert b.force == pytest.approx(a.force, rel=0.01)
+    assert b.friction_torque == pytest.approx(a.friction_torque, rel=1e-3)
+    assert b.mass_balance_error < 1e-10
+
+
+def test_two_smooth_walls_are_refused() -> None:
+    with pytest.raises(CaseError, match="two smooth walls"):
+        RoughSurfaces(moving_roughness=0.0, resting_roughness=0.0)
+    with pytest.raises(CaseError, match="contact_law"):
+        replace(ROUGH, contact_law="hertz")
