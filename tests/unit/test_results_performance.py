@@ -113,7 +113,7 @@ def test_summary_numbers_in_engineering_units() -> None:
 
 def test_drain_of_the_fake_motor_is_warmed_by_its_own_losses() -> None:
     summary = fake_solution().summary()
-    heat = 22.0 + SPEED * (0.35 + 0.28 + 0.15)
+    heat = 22.0 + SPEED * (0.35 + 0.15)
     rise = heat / (1.1e-6 * DENSITY_HIGH * 1960.0)
     assert summary["drain_temperature_degC"] == pytest.approx(50.0 + rise)
 

@@ -26,11 +26,9 @@ DRAIN_HEAT = (
     "drain",
     "journal_viscous",
     "journal_asperity",
-    "lateral_viscous",
-    "lateral_asperity",
     "shaft_seal",
 )
-"""Losses that warm the drain flow."""
+"""Losses that warm the drain flow; films on the gear faces exchange theirs with the chambers."""
 
 
 def volumetric_efficiency(data: xr.Dataset, ledger: Ledger) -> float:
@@ -98,7 +96,10 @@ def outlet_temperature(data: xr.Dataset, ledger: Ledger) -> float:
 
 
 def drain_temperature(data: xr.Dataset, ledger: Ledger) -> float:
-    """Quasi-steady temperature of the drain flow, external or internal. [K]."""
+    """Quasi-steady temperature of the drain flow, external or internal. [K].
+
+    An upper bound: no heat is conducted into the housing.
+    """
     mass = ledger.mass.get("drain", 0.0) or _internal_drain_mass(data, ledger)
     return float(data["fluid_temperature"]) + _rise(data, _drain_heat(ledger), mass)
 
