@@ -46,6 +46,7 @@ def journal_orbits(solution: Solution, description: MachineDescription | None = 
         circle.set_aspect("equal", adjustable="datalim")
         circle.set_title(f"Journal orbit: {readable(body).lower()}")
         circle.legend(loc="lower right")
+        circle.locator_params(nbins=6)
         orbit.set_title("Magnified", fontweight="normal", fontsize=9)
         orbit.margins(0.15)
         orbit.ticklabel_format(useOffset=False)

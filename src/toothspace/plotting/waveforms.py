@@ -135,7 +135,7 @@ def ripple_and_spectrum(
         signal = factor * np.asarray(data[name])
         _waveform(left, angle, signal, label, color)
         _order_bars(right, angle, signal, label, color, teeth)
-    grid[0][0].set_title("Over one turn")
+    grid[0][0].set_title("One turn")
     grid[0][1].set_title("Spectrum")
     angle_axis(grid[2][0])
     grid[2][1].set_xlabel("Shaft order (-)")
@@ -154,7 +154,7 @@ def _waveform(axes: Axes, angle: Array, signal: Array, label: str, color: str) -
         axes.set_ylim(0.0, 1.2 * float(np.max(values)) or 1.0)
     relative = f" ({ripple_percent(values):.2f} %)" if "bar" not in label else ""
     note = f"mean {np.mean(values):.4g}, peak to peak {np.ptp(values):.3g}{relative}"
-    axes.text(1.0, 1.02, note, transform=axes.transAxes, ha="right", fontsize=8, color=GREY)
+    axes.text(1.0, 1.02, note, transform=axes.transAxes, ha="right", fontsize=7.5, color=GREY)
 
 
 def _order_bars(
