@@ -293,3 +293,17 @@ def test_displacement_of_unequal_gears_equals_the_mean_flow() -> None:
     found = MACHINE.describe(replace(spec, drive=bare[0], driven=bare[1]), nodes=72).displacement
     assert found == pytest.approx(exact, rel=2e-4)
     assert set(ALL) == {"egm12_motor", "egm12_pump", "fuel14", "unequal"}
+
+
+def test_strength_of_the_motor_at_260_bar() -> None:
+    """Hand values: 9.8 MPa on the bushes; 660 N on the flank, 0.9 GPa at R = 3.76 mm."""
+    wear = WearIn(pressure=260e5, shaft_speed=157.1, temperature=323.15)
+    spec = egm12("motor")
+    spec = replace(spec, casing=replace(spec.casing, wear_in=wear))
+    checks = {check.name: check for check in MACHINE.describe(spec, nodes=72).checks}
+    assert checks["bearing specific load"].value == pytest.approx(9.8, rel=0.02)
+    assert checks["bearing p v"].value == pytest.approx(9.8 * 9e-3 * 157.1, rel=0.02)
+    assert checks["flank pressure"].value == pytest.approx(918.0, rel=0.02)
+    # six times 88 N/mm over some 5.5 mm of height and thickness
+    assert 60.0 < checks["root stress"].value < 160.0
+    assert all(check.passed for check in checks.values())

@@ -14,6 +14,7 @@ from toothspace.machines.external_gear.contacts import (
     displacement,
     flow_over_pitch,
 )
+from toothspace.machines.external_gear.strength import strength_checks
 from toothspace.model.description import DesignCheck
 
 
@@ -96,7 +97,11 @@ def root_clearances(assembly: Assembly) -> tuple[float, float]:
 
 
 def design_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
-    """Design-rule report of the geometry."""
+    """Design-rule report: geometry, and strength where a running-in condition is given."""
+    return (*_geometry_checks(assembly), *strength_checks(assembly))
+
+
+def _geometry_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
     if assembly.pair is not None:
         return tuple(
             DesignCheck(f.name, f.value, f.unit, f.allowed, f.passed, f.reason)
