@@ -266,27 +266,22 @@ def opening(polygon, sign):
     return area * channel / max(np.hypot(area, channel), 1e-30), diameter
 
 
-def overlap(start, end, low, high):
-    return max(min(end, high) - max(start, low), 0.0)
-
-
 def mouth(gear, place, behind, ahead):
-    """Arc of a space's mouth open to inlet and outlet."""
+    """Where a space's mouth begins after the inlet cusp and ends before the outlet cusp, and the
+    arcs on the other tip circle that open to inlet and outlet through it."""
     if gear == 1:  # the throat behind the entering drive tooth lies ahead of a driven space
         behind, ahead = ahead, behind
     first, last = behind.corner[gear], ahead.corner[gear]
-    from_cusp, to_cusp = (t.end_place(gear) for t in (ahead, behind))
-    from_cusp = last if from_cusp is None else from_cusp
-    to_cusp = first if to_cusp is None else to_cusp
-    inlet = overlap(max(first, from_cusp), last, CUSP, INLET_EDGE)
-    outlet = overlap(first, min(last, to_cusp), -OUTLET_EDGE, -CUSP)
-    for t in (behind, ahead):  # the other tip circle between throat and cusp opens to this space
+    ends = [t.end_place(gear) for t in (ahead, behind)]
+    inlet_from = max(first, CUSP, last if ends[0] is None else ends[0])
+    outlet_to = min(last, -CUSP, first if ends[1] is None else ends[1])
+    extra = np.zeros(2)
+    for t in (behind, ahead):
         if t.inward is not None:
             end = t.end_place(1 - gear)
             end = t.corner[1 - gear] if end is None else end
-            inlet += max(end - CUSP, 0.0)
-            outlet += max(-CUSP - end, 0.0)
-    return TIP_RADIUS * inlet, TIP_RADIUS * outlet
+            extra += np.maximum([end - CUSP, -CUSP - end], 0.0)
+    return inlet_from, outlet_to, *extra
 
 
 # ---------------------------------------------------------------- 5. tables over the place
@@ -294,7 +289,7 @@ def tabulate(nodes=2880):
     """All geometry over the place of a drive or driven space, -pi to pi."""
     places = np.linspace(-np.pi, np.pi, nodes + 1)
     volume = np.empty((2, places.size))
-    ports = np.zeros((2, 2, places.size))  # gear, inlet | outlet
+    mouths = np.zeros((2, 4, places.size))
     grooves = np.zeros((2, 2, 2, places.size))  # area | diameter first
     for k, place in enumerate(places):
         for gear in (0, 1):
@@ -303,11 +298,11 @@ def tabulate(nodes=2880):
             ahead = throat(at if gear == 0 else at - PITCH, +1)
             polygon = section(gear, behind, ahead)
             volume[gear, k] = WIDTH * area_of(polygon)
-            ports[gear, :, k] = mouth(gear, place, behind, ahead)
+            mouths[gear, :, k] = mouth(gear, place, behind, ahead)
             if abs(place) < 1.2:
                 for port, sign in ((0, -1), (1, +1)):
                     grooves[:, gear, port, k] = opening(polygon, sign)
-    return places, volume, ports, grooves
+    return places, volume, mouths, grooves
 
 
 def tabulate_throats(places):
@@ -385,10 +380,9 @@ class Pump:
     """
 
     def __init__(self, nodes=2880):
-        places, volume, ports, grooves = tabulate(nodes)
+        places, volume, mouths, grooves = tabulate(nodes)
         spline = CubicSpline(places, closed(volume), axis=1, bc_type="periodic")
-        diameter = 2 * WIDTH * ports / (WIDTH + ports)
-        rows = [volume, spline(places, 1), WIDTH * ports, diameter, grooves[0], grooves[1]]
+        rows = [volume, spline(places, 1), mouths, grooves[0], grooves[1]]
         self.spaces = np.concatenate([r.reshape(2, -1, places.size) for r in rows], axis=1)
         self.throats = tabulate_throats(places)
         self.nodes = nodes
@@ -418,7 +412,9 @@ class Pump:
         volume, slope = rows[:, 0], rows[:, 1]
         ports = []
         for port, pressure in enumerate((INLET_PRESSURE, OUTLET_PRESSURE)):
-            mouth_flow = orifice(p, pressure, rows[:, 2 + port], rows[:, 4 + port])
+            length = self.port_length(port, places, rows[:, 2:6])
+            diameter = 2 * WIDTH * length / (WIDTH + length)
+            mouth_flow = orifice(p, pressure, WIDTH * length, diameter)
             ports.append(
                 mouth_flow + 2 * orifice(p, pressure, rows[:, 6 + port], rows[:, 8 + port])
             )
@@ -449,6 +445,16 @@ class Pump:
             "torque": torque + flank_drag,
         }
 
+    def port_length(self, port, places, rows):
+        """Mouth of each space between cusp and port edge, on both tip circles."""
+        place = np.mod(places + np.pi, 2 * np.pi) - np.pi
+        first, last = place - PITCH / 2 + TIP_HALF, place + PITCH / 2 - TIP_HALF
+        if port == 0:
+            arc_length = np.minimum(last, INLET_EDGE) - rows[:, 0]
+        else:
+            arc_length = rows[:, 1] - np.maximum(first, -OUTLET_EDGE)
+        return TIP_RADIUS * (np.maximum(arc_length, 0.0) + rows[:, 2 + port])
+
     def flank_flows(self, places, p):
         """Mass flows into all chambers through the throats, and torque of the drag in them."""
         flank, torque = np.zeros(p.shape), 0.0
@@ -468,7 +474,7 @@ class Pump:
         rate = now["into"] - density(p) * SPEED * now["slope"]
         return (rate / (now["volume"] * density_slope(p))).reshape(-1, 2 * TEETH).T
 
-    def cyclic_pitch(self, samples=180, tolerance=1e-5):
+    def cyclic_pitch(self, samples=360, tolerance=1e-5):
         """March pitch by pitch until the pressures repeat with the chambers moved on by one."""
         place = np.mod(self.places(0.0), 2 * np.pi)
         state = np.where(place > np.pi, OUTLET_PRESSURE, INLET_PRESSURE).astype(float)
@@ -477,7 +483,7 @@ class Pump:
         for _ in range(100):
             run = solve_ivp(
                 self.pressure_rate, (0, period), state.ravel(), "BDF", times,
-                vectorized=True, rtol=1e-6, atol=100.0,
+                vectorized=True, rtol=1e-7, atol=5.0,
             )  # fmt: skip
             pressures = run.y.T.reshape(-1, 2, TEETH)
             after = np.roll(pressures[-1], -1, axis=1)  # space k + 1 stands where space k stood
