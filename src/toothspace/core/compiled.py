@@ -10,7 +10,6 @@ import hashlib
 import os
 import sys
 from pathlib import Path
-from typing import Any
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 
@@ -33,23 +32,15 @@ CACHE_FOLDER = _cache_folder()
 os.environ.setdefault("NUMBA_CACHE_DIR", str(CACHE_FOLDER))
 
 import numba  # noqa: E402  (the cache folder must be set first)
-import numba.experimental.function_type  # noqa: E402  (so that the rule below comes last)
-from numba.core.imputils import lower_constant  # noqa: E402
 from numba.extending import register_jitable  # noqa: E402
 
 njit = numba.njit
 prange = numba.prange
+kernel = numba.njit(cache=True, error_model="numpy", _nrt=False)
+"""Compiles a function that allocates nothing: arrays pass without reference counting."""
+
 inlined = register_jitable
 """Marks a formula that stays plain Python and is compiled where compiled code calls it."""
-
-
-@lower_constant(numba.types.Dispatcher)
-def _callable_without_address(context: Any, builder: Any, kind: Any, value: Any) -> Any:
-    """Lower a compiled function used as a value: calls are bound by its type.
-
-    Its address in this process, numba's own choice, would make callers uncacheable.
-    """
-    return context.get_dummy_value()
 
 
 def announce_first_compilation() -> None:
@@ -60,4 +51,4 @@ def announce_first_compilation() -> None:
         )
 
 
-__all__ = ["CACHE_FOLDER", "announce_first_compilation", "inlined", "njit", "prange"]
+__all__ = ["CACHE_FOLDER", "announce_first_compilation", "inlined", "kernel", "njit", "prange"]

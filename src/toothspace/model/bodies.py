@@ -16,7 +16,7 @@ import math
 import numpy as np
 
 from toothspace.closures.bearing_map import journal_force
-from toothspace.core.compiled import njit
+from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
 from toothspace.model.arrays import (
     BEARINGS,
@@ -42,7 +42,7 @@ HIGHEST_FILM_RATIO = 0.999
 FORCE, LOAD = 0, 1
 
 
-@njit(cache=True)
+@kernel
 def update_pressure_forces(s: SystemArrays) -> None:
     """Sum the chamber pressures into the generalised force on every free motion."""
     node, values, motion, size = s.node, s.chamber_values, s.motion, s.size
@@ -53,7 +53,7 @@ def update_pressure_forces(s: SystemArrays) -> None:
         motion[k, PRESSURE_FORCE] = force
 
 
-@njit(cache=True)
+@kernel
 def asperity_value(
     table: Array, journal: int, quantity: int, table_range: float, ratio: float
 ) -> tuple[float, float]:
@@ -68,7 +68,7 @@ def asperity_value(
     return value, (c1 + t * (2.0 * c2 + 3.0 * t * c3)) * intervals / table_range
 
 
-@njit(cache=True)
+@kernel
 def update_film_forces(s: SystemArrays, state: Array) -> None:
     """Forces of all journal bearings on the free motions, with derivatives."""
     journal, motion, slopes, size = s.journal, s.motion, s.film_slopes, s.size
@@ -90,7 +90,7 @@ def update_film_forces(s: SystemArrays, state: Array) -> None:
         add_asperity_force(s, j, ex, ey)
 
 
-@njit(cache=True)
+@kernel
 def add_asperity_force(s: SystemArrays, j: int, ex: float, ey: float) -> None:
     """Push the journal back where asperities touch."""
     journal, motion, slopes = s.journal, s.motion, s.film_slopes
@@ -111,7 +111,7 @@ def add_asperity_force(s: SystemArrays, j: int, ex: float, ey: float) -> None:
     slopes[0, ky, ky] -= radial * ny * ny + tangential * nx * nx
 
 
-@njit(cache=True)
+@kernel
 def journal_torques(s: SystemArrays, state: Array, j: int) -> tuple[float, float]:
     r"""Viscous and asperity friction torque on the journals of one body, both positive. [N m].
 
@@ -137,7 +137,7 @@ def journal_torques(s: SystemArrays, state: Array, j: int) -> tuple[float, float
     return shear + moment, journal[j, BOUNDARY_FRICTION] * load * radius
 
 
-@njit(cache=True)
+@kernel
 def book_journal_friction(s: SystemArrays, state: Array, ledger: Array) -> float:
     """Add journal losses to the ledger; return their torque at the shaft. [N m]."""
     journal, motion, size = s.journal, s.motion, s.size

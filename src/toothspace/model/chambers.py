@@ -16,7 +16,7 @@ from __future__ import annotations
 from toothspace.closures.aeration import gas_exchange_rate
 from toothspace.closures.density import mixture_pressure
 from toothspace.closures.enthalpy import gas_enthalpy, liquid_enthalpy
-from toothspace.core.compiled import njit
+from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
 from toothspace.model.arrays import (
     CHANNEL_MOTION,
@@ -39,7 +39,7 @@ from toothspace.model.arrays import (
 )
 
 
-@njit(cache=True)
+@kernel
 def update_volumes(s: SystemArrays, state: Array) -> None:
     """Volumes of all chambers and their derivative with respect to the shaft angle."""
     node, values, slopes, size = s.node, s.chamber_values, s.chamber_slopes, s.size
@@ -54,7 +54,7 @@ def update_volumes(s: SystemArrays, state: Array) -> None:
         node[i, VOLUME_RATE] = slope
 
 
-@njit(cache=True)
+@kernel
 def update_pressures(s: SystemArrays, state: Array) -> None:
     """Pressure, density, gas content and their derivatives in every dynamic node."""
     node, size, fluid, dynamic = s.node, s.size, s.fluid, s.dynamic_index
@@ -74,7 +74,7 @@ def update_pressures(s: SystemArrays, state: Array) -> None:
         node[i, PRESSURE_BY_VOLUME] = by_volume / mass
 
 
-@njit(cache=True)
+@kernel
 def update_enthalpies(s: SystemArrays) -> None:
     """Enthalpies of liquid and gas at the pressure of every node, for the energy ledger."""
     node, fluid = s.node, s.fluid
@@ -83,7 +83,7 @@ def update_enthalpies(s: SystemArrays) -> None:
         node[i, GAS_ENTHALPY] = gas_enthalpy(node[i, PRESSURE], fluid)
 
 
-@njit(cache=True)
+@kernel
 def exchange_gas(s: SystemArrays, state: Array) -> None:
     """Release or dissolve gas in every dynamic node."""
     node, size, fluid, dynamic = s.node, s.size, s.fluid, s.dynamic_index
@@ -98,7 +98,7 @@ def exchange_gas(s: SystemArrays, state: Array) -> None:
         node[i, EXCHANGE_BY_GAS] = by_gas
 
 
-@njit(cache=True)
+@kernel
 def gas_relaxation(s: SystemArrays, state: Array) -> float:
     """Power lost by release and absorption of gas out of equilibrium. [W]."""
     node, size, dynamic = s.node, s.size, s.dynamic_index

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from toothspace.closures.traction import mesh_friction_coefficient
-from toothspace.core.compiled import njit
+from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
 from toothspace.model.arrays import (
     CHANNEL_MESH,
@@ -28,7 +28,7 @@ from toothspace.model.ledger import (
 NO_SHARE = 1e-9
 
 
-@njit(cache=True)
+@kernel
 def mesh_force(s: SystemArrays) -> float:
     """Contact force of the rigid mesh that balances the pressure torque of the driven body. [N]."""
     node, values = s.node, s.chamber_values
@@ -38,7 +38,7 @@ def mesh_force(s: SystemArrays) -> float:
     return -torque / s.surface.lever
 
 
-@njit(cache=True)
+@kernel
 def mesh_torque(s: SystemArrays, speed: float) -> float:
     """Friction torque of all loaded contacts at the shaft. [N m]."""
     contact, surface, fluid = s.contact_values, s.surface, s.fluid
@@ -64,7 +64,7 @@ def mesh_torque(s: SystemArrays, speed: float) -> float:
     return torque
 
 
-@njit(cache=True)
+@kernel
 def tip_torque(s: SystemArrays) -> float:
     """Torque of viscous shear in all gaps with sliding walls. [N m]."""
     path = s.path
@@ -74,7 +74,7 @@ def tip_torque(s: SystemArrays) -> float:
     return total
 
 
-@njit(cache=True)
+@kernel
 def book_friction(s: SystemArrays, speed: float, ledger: Array) -> float:
     """Add mesh, lateral, tip and seal friction to the ledger; return their torque. [N m]."""
     torque = s.torque

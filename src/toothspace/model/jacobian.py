@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from toothspace.core.compiled import njit
+from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
 from toothspace.model.arrays import (
     CHANNEL_MOTION,
@@ -27,7 +27,7 @@ from toothspace.model.ledger import MASS
 from toothspace.model.system import evaluate
 
 
-@njit(cache=True)
+@kernel
 def jacobian(t: float, state: Array, s: SystemArrays, matrix: Array) -> None:
     """Derivatives of all rates with respect to the core states; energy rows are left out.
 
@@ -44,14 +44,14 @@ def jacobian(t: float, state: Array, s: SystemArrays, matrix: Array) -> None:
     add_films(s, matrix)
 
 
-@njit(cache=True)
+@kernel
 def mass_row(s: SystemArrays, i: int) -> int:
     """Row of the mass balance of a node: a state, or the ledger entry of a fixed port."""
     d = s.dynamic_index[i]
     return s.size.mass + d if d >= 0 else s.size.core + MASS + i - s.size.chambers
 
 
-@njit(cache=True)
+@kernel
 def add_flow_change(
     s: SystemArrays, j: int, column: int, mass_change: float, gas_change: float, matrix: Array
 ) -> None:
@@ -66,7 +66,7 @@ def add_flow_change(
         matrix[s.size.gas + db, column] += gas_change
 
 
-@njit(cache=True)
+@kernel
 def add_path(s: SystemArrays, state: Array, j: int, matrix: Array) -> None:
     """Derivatives of one path's flow through pressures, upstream state and gap height."""
     node, size = s.node, s.size
@@ -91,7 +91,7 @@ def add_path(s: SystemArrays, state: Array, j: int, matrix: Array) -> None:
     add_path_motions(s, j, gas, slope, matrix)
 
 
-@njit(cache=True)
+@kernel
 def add_path_motions(s: SystemArrays, j: int, gas: float, slope: float, matrix: Array) -> None:
     """Derivatives of one path's flow with respect to the micro-motions."""
     node, values, size = s.node, s.chamber_values, s.size
@@ -110,7 +110,7 @@ def add_path_motions(s: SystemArrays, j: int, gas: float, slope: float, matrix: 
             add_flow_change(s, j, size.position + k, change, gas * change, matrix)
 
 
-@njit(cache=True)
+@kernel
 def add_gas_exchange(s: SystemArrays, state: Array, matrix: Array) -> None:
     """Derivatives of gas release and absorption in all dynamic nodes."""
     node, values, size = s.node, s.chamber_values, s.size
@@ -130,7 +130,7 @@ def add_gas_exchange(s: SystemArrays, state: Array, matrix: Array) -> None:
                 matrix[row, size.position + k] += by_volume * values[i, CHANNEL_MOTION + k]
 
 
-@njit(cache=True)
+@kernel
 def add_pressure_forces(s: SystemArrays, matrix: Array) -> None:
     """Derivatives of the pressure forces on the motions with respect to all chambers' states."""
     node, values, size = s.node, s.chamber_values, s.size
@@ -146,7 +146,7 @@ def add_pressure_forces(s: SystemArrays, matrix: Array) -> None:
                 matrix[row, size.position + m] += area * by_motion
 
 
-@njit(cache=True)
+@kernel
 def add_films(s: SystemArrays, matrix: Array) -> None:
     """Derivatives of the film forces on the motions."""
     size, slopes = s.size, s.film_slopes

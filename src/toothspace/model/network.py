@@ -18,7 +18,7 @@ import math
 from toothspace.closures.gap_flow import curved_gap_conductance, parallel_gap_conductance
 from toothspace.closures.orifice import inertial_laminar_flow, orifice_conductance
 from toothspace.closures.viscosity import dynamic_viscosity
-from toothspace.core.compiled import njit
+from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
 from toothspace.model.arrays import (
     CATEGORY,
@@ -61,7 +61,7 @@ CLOSED_ORIFICE = 1e-12
 CLOSED_GAP = 1e-7
 
 
-@njit(cache=True)
+@kernel
 def update_partners(s: SystemArrays) -> None:
     """Set the present partner of every path: tooth pairing moves on with unequal counts."""
     index, turns = s.path_index, s.turns
@@ -73,7 +73,7 @@ def update_partners(s: SystemArrays) -> None:
         index[j, PRESENT_B] = partner
 
 
-@njit(cache=True)
+@kernel
 def running_height(nominal: float, residual: float) -> tuple[float, float]:
     """Gap height and its slope; it keeps its residual where bodies would touch. [m], [-]."""
     excess = nominal - residual
@@ -81,7 +81,7 @@ def running_height(nominal: float, residual: float) -> tuple[float, float]:
     return residual + 0.5 * (excess + root), 0.5 * (1.0 + excess / root)
 
 
-@njit(cache=True)
+@kernel
 def gap_conductance(
     kind: int, height: float, width: float, extent: float, viscosity: float
 ) -> tuple[float, float]:
@@ -93,7 +93,7 @@ def gap_conductance(
     return conductance, 2.5 * conductance / height
 
 
-@njit(cache=True)
+@kernel
 def update_gap_heights(s: SystemArrays, state: Array) -> None:
     """Nominal heights of all gaps with the present positions of the bodies."""
     values, path, index, size = s.path_values, s.path, s.path_index, s.size
@@ -106,7 +106,7 @@ def update_gap_heights(s: SystemArrays, state: Array) -> None:
         path[j, HEIGHT] = height
 
 
-@njit(cache=True)
+@kernel
 def update_flows(s: SystemArrays, speed: float) -> None:
     """Flow of every path from the pressures at its ends and its gap, with derivatives."""
     node, path, values, index = s.node, s.path, s.path_values, s.path_index
@@ -146,7 +146,7 @@ def update_flows(s: SystemArrays, speed: float) -> None:
         path[j, DRAG] = many * drag
 
 
-@njit(cache=True)
+@kernel
 def sum_flows(s: SystemArrays) -> None:
     """Mass and gas flows of all paths, summed into the nodes."""
     node, path, index = s.node, s.path, s.path_index
@@ -169,7 +169,7 @@ def sum_flows(s: SystemArrays) -> None:
         node[b, GAS_RATE] += gas_flow
 
 
-@njit(cache=True)
+@kernel
 def update_network(s: SystemArrays, state: Array) -> None:
     """Flows of all paths and their sums in the nodes."""
     update_gap_heights(s, state)
@@ -177,7 +177,7 @@ def update_network(s: SystemArrays, state: Array) -> None:
     sum_flows(s)
 
 
-@njit(cache=True)
+@kernel
 def book_throttling(s: SystemArrays, speed: float, ledger: Array) -> float:
     """Add the power lost in every path to its category; return the torque of wall drag. [N m]."""
     node, path, index = s.node, s.path, s.path_index

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from toothspace.core.compiled import njit
+from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
 from toothspace.model.arrays import (
     BUSH_X,
@@ -47,7 +47,7 @@ SAME_ANGLE = 1e-13
 PORTS = len(PORT_NODES)
 
 
-@njit(cache=True)
+@kernel
 def update_tables(s: SystemArrays, shaft_angle: float) -> None:
     """Evaluate all tables, unless they stand at this angle already."""
     if abs(shaft_angle - s.table_angle[0]) <= SAME_ANGLE * max(1.0, abs(shaft_angle)):
@@ -60,7 +60,7 @@ def update_tables(s: SystemArrays, shaft_angle: float) -> None:
     update_partners(s)
 
 
-@njit(cache=True)
+@kernel
 def evaluate_pressures(s: SystemArrays, state: Array) -> None:
     """Compute the pressures of a state into the work arrays."""
     update_tables(s, state[0])
@@ -68,7 +68,7 @@ def evaluate_pressures(s: SystemArrays, state: Array) -> None:
     update_pressures(s, state)
 
 
-@njit(cache=True)
+@kernel
 def evaluate(s: SystemArrays, state: Array) -> None:
     """Compute pressures, flows and forces of a state into the work arrays."""
     evaluate_pressures(s, state)
@@ -78,7 +78,7 @@ def evaluate(s: SystemArrays, state: Array) -> None:
     update_film_forces(s, state)
 
 
-@njit(cache=True)
+@kernel
 def right_hand_side(t: float, state: Array, s: SystemArrays, rate: Array) -> None:
     """Time derivative of the core states and of the port masses of the ledger."""
     evaluate(s, state)
@@ -102,7 +102,7 @@ def right_hand_side(t: float, state: Array, s: SystemArrays, rate: Array) -> Non
             rate[size.core + MASS + port] = node[i, MASS_RATE]
 
 
-@njit(cache=True)
+@kernel
 def full_rates(t: float, state: Array, s: SystemArrays, rate: Array) -> None:
     """Time derivative of the state with the whole ledger."""
     right_hand_side(t, state, s, rate)
@@ -115,7 +115,7 @@ def full_rates(t: float, state: Array, s: SystemArrays, rate: Array) -> None:
     book_shaft(s, state, ledger)
 
 
-@njit(cache=True)
+@kernel
 def book_port_energies(s: SystemArrays, ledger: Array) -> None:
     """Add the energy that flows into each fixed port node."""
     node = s.node
@@ -128,7 +128,7 @@ def book_port_energies(s: SystemArrays, ledger: Array) -> None:
         ledger[ENERGY + port] += node[i, GAS_RATE] * node[i, GAS_ENTHALPY]
 
 
-@njit(cache=True)
+@kernel
 def book_shaft(s: SystemArrays, state: Array, ledger: Array) -> None:
     """Work of the shaft on the machine: against pressure, wall drag and friction."""
     s.torque[:] = 0.0
@@ -143,7 +143,7 @@ def book_shaft(s: SystemArrays, state: Array, ledger: Array) -> None:
     ledger[SHAFT] = torque * state[1]
 
 
-@njit(cache=True)
+@kernel
 def error_weights(t: float, state: Array, s: SystemArrays, weight: Array) -> None:
     """Error allowed in each core state, from a tolerance on pressures and on positions.
 
@@ -170,7 +170,7 @@ def error_weights(t: float, state: Array, s: SystemArrays, weight: Array) -> Non
         weight[size.velocity + k] = 1000.0 * tolerance * clearance * max(abs(state[1]), 1.0)
 
 
-@njit(cache=True)
+@kernel
 def event_values(t: float, state: Array, s: SystemArrays, values: Array) -> None:
     """Signed distances to events: onset of vapour in each chamber, then each body at its stop."""
     evaluate_pressures(s, state)

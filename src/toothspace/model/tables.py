@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toothspace.core.compiled import njit
+from toothspace.core.compiled import kernel
 from toothspace.core.types import Array, IntArray
 from toothspace.numerics.periodic_table import PeriodicTable
 
@@ -56,7 +56,7 @@ def _hermite_coefficients(table: PeriodicTable) -> Array:
     return np.ascontiguousarray(np.stack([v0, s0, c2, c3], axis=1))
 
 
-@njit(cache=True)
+@kernel
 def fill_values(
     bank: TableBank, members: Members, shaft_angle: float, values: Array, turns: IntArray
 ) -> None:
@@ -80,7 +80,7 @@ def fill_values(
         turns[j] = int(passed)
 
 
-@njit(cache=True)
+@kernel
 def fill_slopes(bank: TableBank, members: Members, shaft_angle: float, slopes: Array) -> None:
     """Evaluate the derivatives of all channels with respect to the shaft angle."""
     coefficients, layout, period = bank.coefficients, bank.layout, bank.period
