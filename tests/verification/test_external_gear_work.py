@@ -211,3 +211,13 @@ def test_contact_speeds_vanish_at_the_pitch_point() -> None:
     assert table[:, 5] == pytest.approx(roll, rel=1e-3)
     assert table[:, 4].min() < 0.01 * roll
     assert table[:, 2] + table[:, 3] == pytest.approx(roll, rel=1e-3)
+
+
+def test_flanks_out_of_the_mesh_do_not_touch(description: MachineDescription) -> None:
+    """Gap zero only where the pair may carry; no overlap anywhere beyond the splines' error."""
+    table = description.contacts[0].geometry(np.linspace(0.0, TWO_PI, 3000))
+    gap, share = table[:, 0], table[:, 1]
+    assert gap.min() > -1e-8
+    assert np.all(gap[share > 0.05] < 1e-6)
+    assert np.all(gap[share == 0.0] > -1e-9)
+    assert np.median(gap[share == 0.0]) > 1e-4

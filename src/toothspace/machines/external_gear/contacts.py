@@ -103,7 +103,10 @@ def flank_contact(assembly: Assembly, numbering: Numbering, spaces: Spaces) -> C
     share = load_share(assembly, spaces.angles)
     drive, driven = flank_radii(assembly, side)
     rolling, follows = drive, assembly.mesh.ratio * driven
-    geometry = [side.gap, share, drive, driven, np.abs(rolling - follows), rolling + follows]
+    complete = side.weight >= 1.0
+    # flanks that do not face one another in the lens are apart
+    gap = np.where(complete, side.gap, side.gap[complete].max())
+    geometry = [gap, share, drive, driven, np.abs(rolling - follows), rolling + follows]
     return ContactPair(
         name="drive_flank",
         body_a=BODIES[0],
