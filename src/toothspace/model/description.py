@@ -314,7 +314,8 @@ class RigidMesh:
     coefficients : ndarray, one per motion
         ``q[motion] = coefficients @ q`` of the other motions. [1/m]
     lever : float
-        Base radius of the body that is driven through the mesh: force = torque / lever. [m]
+        Derivative of the contact's gap with respect to that rotation, signed; its size is the
+        base radius of the driven body. Contact force = -(torque on that body) / lever. [m]
     """
 
     contact: str
