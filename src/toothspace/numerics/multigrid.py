@@ -1,0 +1,465 @@
+"""Geometric multigrid for conduction on masked structured grids, as a preconditioner.
+
+The operator is the conductive part of a :class:`~toothspace.numerics.structured_grid.CellBalance`
+on its free cells. Cells are merged in pairs along the directions in which they are strongly
+coupled, so stretched grids need no line smoother. One cycle works in single precision; the
+Krylov iteration around it works in double precision. The fine level holds 32 bytes per cell.
+"""
+
+from __future__ import annotations
+
+import os
+from itertools import pairwise
+from typing import NamedTuple, final
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from toothspace.core.compiled import inlined, njit, prange
+from toothspace.core.types import Array, BoolArray
+from toothspace.numerics.structured_grid import CellBalance
+from toothspace.numerics.vectors import add_scaled, dot, norm
+
+Single = NDArray[np.float32]
+
+
+class Conductances(NamedTuple):
+    """Conductances between free cells, and from them to given potentials, per direction."""
+
+    gx: Array
+    gy: Array
+    outer_x: Array
+    outer_y: Array
+
+
+STRETCH = 3.0
+"""Ratio of the couplings from which cells are merged in the strong direction only. [-]"""
+SMALLEST = 6
+"""Number of cells along a direction below which it is not merged further. [-]"""
+PARALLEL_CELLS = 60000
+"""Number of cells from which several threads pay. [-]"""
+THREADS = int(os.environ.get("TOOTHSPACE_THREADS", "1"))
+"""Threads of one cycle; more than one only helps on an otherwise idle machine. [-]"""
+COARSEST_SWEEPS = 24
+"""Pairs of sweeps on the coarsest grid. [-]"""
+
+
+class Level(NamedTuple):
+    """One grid of the hierarchy."""
+
+    gx: Single  # (rows + 1, lanes) conductances between free cells
+    gy: Single  # (rows, lanes + 1)
+    inverse: Single  # (rows, lanes) inverse diagonal, zero where not free
+    x: Single  # (rows, lanes)
+    b: Single  # (rows, lanes)
+    r: Single  # (rows, lanes)
+    ring: bool
+    merge_x: int  # cells of this grid that one coarser cell holds along each direction
+    merge_y: int
+
+
+@inlined
+def _share(
+    conductance: float, first: bool, second: bool, outer_first: float, outer_second: float
+) -> tuple[float, float, float]:
+    """Conductance between two free cells, or what each free one has towards the outside."""
+    if first and second:
+        return conductance, outer_first, outer_second
+    if first:
+        return 0.0, outer_first + conductance, outer_second
+    if second:
+        return 0.0, outer_first, outer_second + conductance
+    return 0.0, outer_first, outer_second
+
+
+@njit(cache=True)
+def _finest(b: CellBalance, free: BoolArray) -> Conductances:
+    """Conductances of the finest grid; its arrays of the outside have a border of one cell."""
+    rows, lanes = free.shape
+    gx = np.zeros((rows + 1, lanes))
+    gy = np.zeros((rows, lanes + 1))
+    known = np.zeros((rows + 2, lanes + 2), dtype=np.bool_)
+    known[1:-1, 1:-1] = free
+    if b.ring:
+        known[0], known[-1] = known[-2], known[1]
+    ox, oy = np.zeros((rows + 2, lanes + 2)), np.zeros((rows + 2, lanes + 2))
+    for i in range(rows + 1):
+        for j in range(lanes):
+            k = j + 1
+            gx[i, j], ox[i, k], ox[i + 1, k] = _share(
+                b.conductance_x[i, j], known[i, k], known[i + 1, k], ox[i, k], ox[i + 1, k]
+            )
+    for i in range(rows):
+        for j in range(lanes + 1):
+            k = i + 1
+            gy[i, j], oy[k, j], oy[k, j + 1] = _share(
+                b.conductance_y[i, j], known[k, j], known[k, j + 1], oy[k, j], oy[k, j + 1]
+            )
+    return Conductances(gx, gy, ox[1:-1, 1:-1].copy(), oy[1:-1, 1:-1].copy())
+
+
+@njit(cache=True)
+def _merge(fine: Conductances, merge_x: int, merge_y: int) -> Conductances:
+    """Conductances of merged cells: longer paths in series, faces side by side in parallel."""
+    rows, lanes = fine.outer_x.shape
+    coarse_rows, coarse_lanes = (rows + merge_x - 1) // merge_x, (lanes + merge_y - 1) // merge_y
+    gx = np.zeros((coarse_rows + 1, coarse_lanes))
+    gy = np.zeros((coarse_rows, coarse_lanes + 1))
+    outer_x, outer_y = np.zeros((coarse_rows, coarse_lanes)), np.zeros((coarse_rows, coarse_lanes))
+    for i in range(coarse_rows + 1):
+        k = min(merge_x * i, rows)
+        for j in range(lanes):
+            gx[i, j // merge_y] += fine.gx[k, j] / merge_x
+    for i in range(rows):
+        for j in range(coarse_lanes + 1):
+            gy[i // merge_x, j] += fine.gy[i, min(merge_y * j, lanes)] / merge_y
+    for i in range(rows):
+        for j in range(lanes):
+            outer_x[i // merge_x, j // merge_y] += fine.outer_x[i, j] / merge_x
+            outer_y[i // merge_x, j // merge_y] += fine.outer_y[i, j] / merge_y
+    return Conductances(gx, gy, outer_x, outer_y)
+
+
+@njit(cache=True)
+def _inverse_diagonal(c: Conductances, scale: float) -> Single:
+    rows, lanes = c.outer_x.shape
+    out = np.zeros((rows, lanes), dtype=np.float32)
+    for i in range(rows):
+        for j in range(lanes):
+            total = c.gx[i, j] + c.gx[i + 1, j] + c.gy[i, j] + c.gy[i, j + 1]
+            total += c.outer_x[i, j] + c.outer_y[i, j]
+            if total > 0.0:
+                out[i, j] = scale / total
+    return out
+
+
+def _level(c: Conductances, scale: float, ring: bool, merges: tuple[int, int]) -> Level:
+    shape = c.outer_x.shape
+    x, b, r = (np.zeros(shape, dtype=np.float32) for _ in range(3))
+    gx, gy = (c.gx / scale).astype(np.float32), (c.gy / scale).astype(np.float32)
+    return Level(gx, gy, _inverse_diagonal(c, scale), x, b, r, ring, merges[0], merges[1])
+
+
+def _merges(c: Conductances) -> tuple[int, int]:
+    """Along which directions to merge: the strongly coupled ones that have cells left."""
+    along, across = float(c.gx.mean()), float(c.gy.mean())
+    rows, lanes = c.outer_x.shape
+    merge_x = 2 if along * STRETCH > across and rows > SMALLEST else 1
+    merge_y = 2 if across * STRETCH > along and lanes > SMALLEST else 1
+    if merge_x == merge_y == 1 and max(rows, lanes) > SMALLEST:
+        return (2, 1) if rows > lanes else (1, 2)
+    return merge_x, merge_y
+
+
+def build_hierarchy(balance: CellBalance, free: BoolArray) -> tuple[tuple[Level, ...], float]:
+    """Levels for the conductive part of a balance on its free cells.
+
+    Parameters
+    ----------
+    balance : CellBalance
+        Coefficients. [any]
+    free : ndarray of bool
+        Cells whose potential is unknown; all others stand at a given potential. [-]
+
+    Returns
+    -------
+    tuple
+        Levels from fine to coarse, and the conductance that they are scaled with. [any]
+    """
+    return _hierarchy(_finest(balance, free), balance.ring)
+
+
+def _hierarchy(c: Conductances, ring: bool) -> tuple[tuple[Level, ...], float]:
+    scale = max(float(values.max()) for values in c)
+    levels = []
+    while True:
+        merges = _merges(c)
+        levels.append(_level(c, scale, ring, merges))
+        if merges == (1, 1):
+            return tuple(levels), scale
+        c = _merge(c, *merges)
+
+
+@inlined
+def _neighbour_rows(i: int, rows: int, ring: bool) -> tuple[int, int]:
+    """Rows west and east of a row; at a border the row itself, where no conductance leads on."""
+    west, east = i - 1, i + 1
+    if west < 0:
+        west = rows - 1 if ring else 0
+    if east == rows:
+        east = 0 if ring else rows - 1
+    return west, east
+
+
+@inlined
+def _row_balance(level: Level, i: int, west: int, east: int, out: Single) -> None:
+    """Right-hand side plus what the neighbours conduct to the cells of one row."""
+    x, gy = level.x[i], level.gy[i]
+    x_west, x_east, g_west, g_east = level.x[west], level.x[east], level.gx[i], level.gx[i + 1]
+    b = level.b[i]
+    last = x.size - 1
+    for j in range(x.size):
+        out[j] = b[j] + g_west[j] * x_west[j] + g_east[j] * x_east[j]
+    if last > 0:
+        lower, upper = x[:last], x[1:]
+        between = gy[1 : last + 1]
+        for j in range(last):
+            out[j] += between[j] * upper[j]
+        tail = out[1:]
+        for j in range(last):
+            tail[j] += between[j] * lower[j]
+
+
+@njit(cache=True, parallel=True, fastmath={"contract"})
+def _relax(level: Level, colour: int) -> None:
+    """Gauss-Seidel on the cells of one colour of the chequerboard."""
+    x, inverse = level.x, level.inverse
+    rows, lanes = x.shape
+    for row in prange(rows):
+        i = np.int64(row)
+        west, east = _neighbour_rows(i, rows, level.ring)
+        total = np.empty(lanes, dtype=np.float32)
+        _row_balance(level, i, west, east, total)
+        for j in range((i + colour) % 2, lanes, 2):
+            x[i, j] = total[j] * inverse[i, j]
+
+
+@njit(cache=True, parallel=True, fastmath={"contract"})
+def _remainder(level: Level, colour: int) -> None:
+    """Residual into ``r`` of the cells of one colour; those relaxed last have none."""
+    x, inverse, r = level.x, level.inverse, level.r
+    rows, lanes = x.shape
+    for row in prange(rows):
+        i = np.int64(row)
+        west, east = _neighbour_rows(i, rows, level.ring)
+        total = np.empty(lanes, dtype=np.float32)
+        _row_balance(level, i, west, east, total)
+        for j in range(lanes):
+            r[i, j] = 0.0
+        for j in range((i + colour) % 2, lanes, 2):
+            if inverse[i, j] > 0.0:
+                r[i, j] = total[j] - x[i, j] / inverse[i, j]
+
+
+@njit(cache=True)
+def _other(index: int, merge: int, count: int, ring: bool) -> int:
+    """Second coarse cell that a fine cell lies next to, itself at a border."""
+    home = index // merge
+    if merge == 1:
+        return home
+    other = home - 1 if index % 2 == 0 else home + 1
+    if other < 0:
+        return count - 1 if ring else 0
+    if other >= count:
+        return 0 if ring else count - 1
+    return other
+
+
+@njit(cache=True, fastmath={"contract"})
+def _restrict(fine: Level, coarse: Level) -> None:
+    """Adjoint of :func:`_prolong`."""
+    rows, lanes = fine.r.shape
+    count_x, count_y = coarse.b.shape
+    near_x = np.float32(0.75 if fine.merge_x == 2 else 1.0)
+    near_y = np.float32(0.75 if fine.merge_y == 2 else 1.0)
+    far_x, far_y = np.float32(1.0) - near_x, np.float32(1.0) - near_y
+    b = coarse.b
+    b[:] = 0.0
+    coarse.x[:] = 0.0
+    for i in range(rows):
+        p, q = i // fine.merge_x, _other(i, fine.merge_x, count_x, fine.ring)
+        for j in range(lanes):
+            m, n = j // fine.merge_y, _other(j, fine.merge_y, count_y, False)
+            value = fine.r[i, j]
+            b[p, m] += near_x * near_y * value
+            b[q, m] += far_x * near_y * value
+            b[p, n] += near_x * far_y * value
+            b[q, n] += far_x * far_y * value
+
+
+@njit(cache=True, parallel=True, fastmath={"contract"})
+def _prolong(fine: Level, coarse: Level) -> None:
+    """Add the coarse correction, bilinear between the centres of coarse cells."""
+    rows, lanes = fine.x.shape
+    count_x, count_y = coarse.x.shape
+    near_x = np.float32(0.75 if fine.merge_x == 2 else 1.0)
+    near_y = np.float32(0.75 if fine.merge_y == 2 else 1.0)
+    far_x, far_y = np.float32(1.0) - near_x, np.float32(1.0) - near_y
+    x, inverse, target = coarse.x, fine.inverse, fine.x
+    for row in prange(rows):
+        i = np.int64(row)
+        p, q = i // fine.merge_x, _other(i, fine.merge_x, count_x, fine.ring)
+        for j in range(lanes):
+            if inverse[i, j] == 0.0:
+                continue
+            m, n = j // fine.merge_y, _other(j, fine.merge_y, count_y, False)
+            value = near_y * (near_x * x[p, m] + far_x * x[q, m])
+            value += far_y * (near_x * x[p, n] + far_x * x[q, n])
+            target[i, j] += value
+
+
+@njit(cache=True)
+def _descend(fine: Level, coarse: Level) -> None:
+    """Smooth a level from zero and hand its residual down."""
+    fine.x[:] = 0.0
+    for colour in (0, 1, 0, 1):
+        _relax(fine, colour)
+    _remainder(fine, 0)
+    _restrict(fine, coarse)
+
+
+@njit(cache=True)
+def _ascend(fine: Level, coarse: Level) -> None:
+    """Take the coarse correction and smooth in reversed order."""
+    _prolong(fine, coarse)
+    for colour in (1, 0, 1, 0):
+        _relax(fine, colour)
+
+
+@njit(cache=True)
+def _solve_coarsest(level: Level) -> None:
+    level.x[:] = 0.0
+    for _ in range(COARSEST_SWEEPS):
+        _relax(level, 0)
+        _relax(level, 1)
+    for _ in range(COARSEST_SWEEPS):
+        _relax(level, 1)
+        _relax(level, 0)
+
+
+def cycle(levels: tuple[Level, ...]) -> None:
+    """One symmetric V-cycle on ``b`` of the finest level, result in ``x``."""
+    threads = THREADS if levels[0].x.size >= PARALLEL_CELLS else 1
+    before = numba.get_num_threads()
+    numba.set_num_threads(min(threads, before))
+    for fine, coarse in pairwise(levels):
+        _descend(fine, coarse)
+    _solve_coarsest(levels[-1])
+    for coarse, fine in pairwise(reversed(levels)):
+        _ascend(fine, coarse)
+    numba.set_num_threads(before)
+
+
+@njit(cache=True, fastmath={"contract"})
+def _conduct(gx: Array, gy: Array, diagonal: Array, p: Array, q: Array, ring: bool) -> None:
+    """Product of the conductive operator of the free cells and a field."""
+    rows, lanes = p.shape
+    for i in range(rows):
+        west, east = _neighbour_rows(i, rows, ring)
+        centre, out, d = p[i], q[i], diagonal[i]
+        p_west, p_east, g_west, g_east = p[west], p[east], gx[i], gx[i + 1]
+        for j in range(lanes):
+            out[j] = d[j] * centre[j] - g_west[j] * p_west[j] - g_east[j] * p_east[j]
+        between = gy[i, 1:lanes]
+        upper, lower, tail = centre[1:], centre[: lanes - 1], out[1:]
+        for j in range(lanes - 1):
+            out[j] -= between[j] * upper[j]
+        for j in range(lanes - 1):
+            tail[j] -= between[j] * lower[j]
+
+
+@njit(cache=True)
+def _load(target: Single, source: Array, factor: float) -> None:
+    flat = target.reshape(target.size)
+    for k in range(source.size):
+        flat[k] = source[k] * factor
+
+
+@njit(cache=True, fastmath={"contract"})
+def _turn(p: Array, z: Single, beta: float) -> None:
+    """New search direction: preconditioned residual plus a part of the last direction."""
+    flat = z.reshape(z.size)
+    for k in range(p.size):
+        p[k] = flat[k] + beta * p[k]
+
+
+@njit(cache=True, fastmath={"contract", "reassoc"})
+def _mixed_dot(a: Array, b: Single) -> float:
+    flat = b.reshape(b.size)
+    total = 0.0
+    for k in range(a.size):
+        total += a[k] * flat[k]
+    return total
+
+
+@final
+class ConductionSolver:
+    """Conjugate gradients with a multigrid cycle for the free cells of a balance.
+
+    The hierarchy is built once and serves any number of right-hand sides.
+
+    Parameters
+    ----------
+    balance : CellBalance
+        Coefficients; only the conductances are used. [any]
+    free : ndarray of bool
+        Cells with unknown potential. [-]
+    """
+
+    def __init__(self, balance: CellBalance, free: BoolArray) -> None:
+        c = _finest(balance, free)
+        self._gx, self._gy = c.gx, c.gy
+        diagonal = c.gx[:-1] + c.gx[1:] + c.gy[:, :-1] + c.gy[:, 1:] + c.outer_x + c.outer_y
+        self._diagonal = np.where(diagonal > 0.0, diagonal, 1.0)
+        self._free = free
+        self._ring = balance.ring
+        self._levels, self._scale = _hierarchy(c, balance.ring)
+
+    def precondition(self, rhs: Array) -> Array:
+        """One cycle: approximate solution, zero where not free."""
+        size = norm(rhs)
+        if size == 0.0:
+            return np.zeros_like(rhs)
+        _load(self._levels[0].b, rhs, 1.0 / size)
+        cycle(self._levels)
+        return self._levels[0].x.astype(np.float64).ravel() * (size / self._scale)
+
+    def solve(
+        self,
+        rhs: Array,
+        start: Array | None = None,
+        *,
+        relative_tolerance: float = 1e-10,
+        max_iterations: int = 100,
+    ) -> tuple[Array, int]:
+        """Potentials of the free cells for one right-hand side, and the number of iterations.
+
+        Parameters
+        ----------
+        rhs : ndarray, shape (rows, lanes)
+            Net flow into the cells; ignored where not free. [any]
+        start : ndarray, optional
+            Potentials to begin with, as of a former solution. [any]
+        relative_tolerance : float
+            Residual over right-hand side at which to stop. [-]
+        max_iterations : int
+            Limit. [-]
+        """
+        shape = rhs.shape
+        target = np.where(self._free, rhs, 0.0).ravel()
+        x = np.zeros_like(target) if start is None else np.where(self._free, start, 0.0).ravel()
+        p, q = np.zeros_like(target), np.zeros_like(target)
+        self._product(x, q)
+        r = target - q
+        limit = relative_tolerance * norm(target)
+        former, unit = 1.0, 1.0 / max(norm(r), 1e-300)
+        for count in range(max_iterations):
+            if norm(r) <= limit:
+                return x.reshape(shape), count
+            # one factor for all cycles, so that single precision neither overflows nor vanishes
+            _load(self._levels[0].b, r, unit)
+            cycle(self._levels)
+            z = self._levels[0].x
+            product = _mixed_dot(r, z)
+            _turn(p, z, product / former if count else 0.0)
+            self._product(p, q)
+            step = product / dot(p, q)
+            former = product
+            add_scaled(x, step, p)
+            add_scaled(r, -step, q)
+        return x.reshape(shape), max_iterations
+
+    def _product(self, p: Array, q: Array) -> None:
+        shape = self._free.shape
+        _conduct(self._gx, self._gy, self._diagonal, p.reshape(shape), q.reshape(shape), self._ring)
