@@ -20,11 +20,10 @@ from toothspace.films.reynolds import (
 )
 from toothspace.films.rough_surfaces import FlowLaw
 from toothspace.numerics.complementarity import (
-    PRESCRIBED,
-    SATURATED,
     ComplementaritySolution,
     residual,
 )
+from toothspace.numerics.linear_system import PRESCRIBED, SATURATED
 from toothspace.numerics.structured_grid import CellBalance
 
 if TYPE_CHECKING:

@@ -31,13 +31,13 @@ from toothspace.films.journal_solution import (
 from toothspace.films.reynolds import FilmGrid, FluidField, GapField, film_balance
 from toothspace.films.rough_surfaces import SMOOTH, FlowLaw, contact_field
 from toothspace.numerics.complementarity import (
-    PRESCRIBED,
     ComplementaritySolution,
     Constraint,
     face_flows,
     residual,
     solve_complementarity,
 )
+from toothspace.numerics.linear_system import PRESCRIBED
 from toothspace.numerics.structured_grid import CellBalance
 
 if TYPE_CHECKING:

@@ -19,13 +19,12 @@ from toothspace.films.reynolds import (
 )
 from toothspace.films.rough_surfaces import SMOOTH, FlowLaw
 from toothspace.numerics.complementarity import (
-    PRESCRIBED,
-    SATURATED,
     ComplementaritySolution,
     Constraint,
     residual,
     solve_complementarity,
 )
+from toothspace.numerics.linear_system import PRESCRIBED, SATURATED
 from toothspace.numerics.structured_grid import CellBalance
 
 _FLUID_PASSES = 60

@@ -17,14 +17,18 @@ import numpy as np
 
 from toothspace.core.compiled import inlined, njit
 from toothspace.core.types import Array, IntArray
-from toothspace.numerics.banded import factor_band, fill_band, solve_band, stencil_product
-from toothspace.numerics.krylov import gmres
+from toothspace.numerics.linear_system import (
+    LOOSE,
+    PRESCRIBED,
+    SATURATED,
+    TIGHT,
+    UNSATURATED,
+    LinearSystem,
+    direct_system,
+    iterative_system,
+    prefers_direct,
+)
 from toothspace.numerics.structured_grid import CellBalance, coarsened, grid_shape
-from toothspace.numerics.vectors import norm
-
-SATURATED = 0
-UNSATURATED = 1
-PRESCRIBED = 2
 
 
 class Constraint(IntEnum):
@@ -248,38 +252,6 @@ def _revise_obstacle(b: CellBalance, kind: IntArray, unknown: Array, scale: floa
 
 @final
 @dataclass(frozen=True)
-class LinearSystem:
-    """Factored matrix of one pass; solves for further right-hand sides."""
-
-    stencil: Array
-    band: Array
-    rows: int
-    lanes: int
-    cut: int
-    ring: bool
-
-    def solve(self, rhs: Array) -> Array:
-        """Solution in grid order."""
-        x = self._precondition(rhs)
-        if not self.ring:
-            return x
-        remainder = rhs - self._product(x)
-        if norm(remainder) <= 1e-13 * norm(rhs):
-            return x
-        correction, _ = gmres(
-            self._product, self._precondition, remainder, relative_tolerance=1e-11
-        )
-        return np.asarray(x + correction)
-
-    def _product(self, x: Array) -> Array:
-        return stencil_product(self.stencil, x, self.rows, self.lanes)
-
-    def _precondition(self, x: Array) -> Array:
-        return solve_band(self.band, x, self.lanes, self.cut)
-
-
-@final
-@dataclass(frozen=True)
 class ComplementaritySolution:
     """Potential and saturation of every cell, and the linearised system there."""
 
@@ -290,21 +262,11 @@ class ComplementaritySolution:
     kind: IntArray
     """SATURATED, UNSATURATED or PRESCRIBED."""
     system: LinearSystem
-    """Factored Jacobian at the solution."""
+    """Jacobian at the solution, ready for further right-hand sides."""
     passes: int
     """Number of linear solves on this grid. [-]"""
     converged: bool
     """Whether the last pass changed no cell."""
-
-
-def factorised(balance: CellBalance, stencil: Array, kind: IntArray, band: Array) -> LinearSystem:
-    """Factor the matrix of one pass in the given storage; a ring is cut where it couples least."""
-    rows, lanes = grid_shape(balance)
-    cut = int(np.argmax((kind != SATURATED).sum(axis=1))) if balance.ring else 0
-    cut = (cut + 1) % rows if balance.ring else 0
-    fill_band(stencil, rows, lanes, cut, band)
-    factor_band(band)
-    return LinearSystem(stencil, band, rows, lanes, cut, balance.ring)
 
 
 def solve_complementarity(
@@ -339,26 +301,43 @@ def solve_complementarity(
     """
     kind = _initial_kind(balance, constraint, start)
     scale = potential_scale(balance)
-    band = np.empty((kind.size, 2 * kind.shape[1] + 1))
     backward = bool(balance.advection_x.sum() < 0.0)
+    direct = prefers_direct(balance)
+    band = np.empty((kind.size if direct else 0, 2 * kind.shape[1] + 1))
+    unknown = np.zeros(kind.size)
     for number in range(1, max_passes + 1):
         if balance.ring and number <= _RING_CLOSURES:
             _close_rings(balance, kind)
         stencil, rhs = assemble(balance, kind)
-        system = factorised(balance, stencil, kind, band)
-        unknown = system.solve(rhs)
-        used = kind.copy()
-        if constraint is Constraint.CONSERVING:
-            changed = _revise_conserving(kind, unknown, scale)
-            if changed > 0 and number <= _SETTLING_PASSES:
-                _settle(balance, kind, unknown, backward)
-        elif constraint is Constraint.OBSTACLE:
-            changed = _revise_obstacle(balance, kind, unknown, scale)
+        system: LinearSystem
+        if direct:
+            system = direct_system(balance, stencil, kind, band)
         else:
-            changed = 0
+            system = iterative_system(balance, stencil, kind)
+        used = kind.copy()
+        unknown = system.solve(rhs, unknown, TIGHT if direct else LOOSE)
+        changed = _revise(balance, constraint, kind, unknown, scale)
+        if changed == 0 and not direct:
+            unknown = system.solve(rhs, unknown, TIGHT)
+            changed = _revise(balance, constraint, kind, unknown, scale)
         if changed == 0:
             break
+        settles = number <= _SETTLING_PASSES or (changed > 1 and number <= 4 * _SETTLING_PASSES)
+        if constraint is Constraint.CONSERVING and settles:
+            _settle(balance, kind, unknown, backward)
+        unknown = np.where((used == kind).ravel(), unknown, 0.0)
     return _collect(used, unknown, system, number, changed == 0)
+
+
+def _revise(
+    balance: CellBalance, constraint: Constraint, kind: IntArray, unknown: Array, scale: float
+) -> int:
+    """Exchange the kinds of cells that break a bound; return how many did."""
+    if constraint is Constraint.CONSERVING:
+        return int(_revise_conserving(kind, unknown, scale))
+    if constraint is Constraint.OBSTACLE:
+        return int(_revise_obstacle(balance, kind, unknown, scale))
+    return 0
 
 
 _SETTLING_PASSES = 6

@@ -1,0 +1,159 @@
+"""One pass of an active-set method as a linear system: direct, or iterative with multigrid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from toothspace.core.compiled import njit
+from toothspace.core.types import Array, IntArray
+from toothspace.numerics.banded import factor_band, fill_band, solve_band, stencil_product
+from toothspace.numerics.krylov import gmres
+from toothspace.numerics.multigrid import ConductionSolver
+from toothspace.numerics.structured_grid import CellBalance, grid_shape
+from toothspace.numerics.vectors import norm
+
+SATURATED = 0
+UNSATURATED = 1
+PRESCRIBED = 2
+
+DIRECT_LIMIT = 1.0e8
+"""Cells times squared lanes up to which the band is factored. [-]"""
+TIGHT = 1e-12
+"""Relative residual of a finished solution. [-]"""
+LOOSE = 1e-5
+"""Relative residual that is enough to revise an active set with an iterative method. [-]"""
+
+
+@final
+@dataclass(frozen=True)
+class DirectSystem:
+    """Factored band; a ring is cut at one row and closed by a few Krylov iterations."""
+
+    stencil: Array
+    band: Array
+    rows: int
+    lanes: int
+    cut: int
+    ring: bool
+
+    def solve(
+        self, rhs: Array, start: Array | None = None, relative_tolerance: float = TIGHT
+    ) -> Array:
+        """Solution in grid order; the direct part needs neither start nor tolerance."""
+        x = self._precondition(rhs)
+        if not self.ring:
+            return x
+        remainder = rhs - self._product(x)
+        if norm(remainder) <= 0.1 * TIGHT * norm(rhs):
+            return x
+        correction, _ = gmres(
+            self._product, self._precondition, remainder, relative_tolerance=1e-11
+        )
+        return np.asarray(x + correction)
+
+    def _product(self, x: Array) -> Array:
+        return stencil_product(self.stencil, x, self.rows, self.lanes)
+
+    def _precondition(self, x: Array) -> Array:
+        return solve_band(self.band, x, self.lanes, self.cut)
+
+
+@final
+@dataclass(frozen=True)
+class IterativeSystem:
+    """Krylov iteration; multigrid for potentials, one sweep along the flow for saturations."""
+
+    stencil: Array
+    kind: IntArray
+    conduction: ConductionSolver
+    first: int
+    backward: bool
+
+    def solve(
+        self, rhs: Array, start: Array | None = None, relative_tolerance: float = TIGHT
+    ) -> Array:
+        """Solution in grid order, begun from ``start``."""
+        x = np.zeros_like(rhs) if start is None else start
+        limit = relative_tolerance * norm(rhs)
+        for _ in range(6):
+            remainder = rhs - self._product(x)
+            size = norm(remainder)
+            if size <= limit:
+                break
+            correction, _ = gmres(
+                self._product,
+                self._precondition,
+                remainder,
+                relative_tolerance=max(0.3 * limit / size, 1e-13),
+                max_iterations=40,
+            )
+            x = x + correction
+        return x
+
+    def _product(self, x: Array) -> Array:
+        rows, lanes = self.kind.shape
+        return stencil_product(self.stencil, x, rows, lanes)
+
+    def _precondition(self, rhs: Array) -> Array:
+        saturated = (self.kind == SATURATED).ravel()
+        x = self.conduction.precondition(np.where(saturated, rhs, 0.0))
+        _sweep(self.stencil, self.kind, rhs, x, self.first, self.backward)
+        return x
+
+
+@njit(cache=True)
+def _sweep(
+    stencil: Array, kind: IntArray, rhs: Array, x: Array, first: int, backward: bool
+) -> None:
+    """Saturations in the order of the flow, prescribed rows on their own."""
+    rows, lanes = kind.shape
+    for step in range(rows):
+        i = (first - step) % rows if backward else (first + step) % rows
+        west, east = (i + rows - 1) % rows, (i + 1) % rows
+        for j in range(lanes):
+            r = i * lanes + j
+            if kind[i, j] == 0:
+                continue
+            total = rhs[r]
+            if kind[i, j] == 1:
+                total -= stencil[r, 0] * x[west * lanes + j] + stencil[r, 4] * x[east * lanes + j]
+                if j > 0:
+                    total -= stencil[r, 1] * x[r - 1]
+                if j < lanes - 1:
+                    total -= stencil[r, 3] * x[r + 1]
+            x[r] = total / stencil[r, 2]
+
+
+LinearSystem = DirectSystem | IterativeSystem
+
+
+def prefers_direct(balance: CellBalance) -> bool:
+    """Whether factoring the band is cheaper than iterating."""
+    rows, lanes = grid_shape(balance)
+    return float(rows) * lanes**3 <= DIRECT_LIMIT
+
+
+def direct_system(
+    balance: CellBalance, stencil: Array, kind: IntArray, band: Array
+) -> DirectSystem:
+    """Factor the matrix of one pass in the given storage; a ring is cut where it couples least."""
+    rows, lanes = grid_shape(balance)
+    cut = (int(np.argmax((kind != SATURATED).sum(axis=1))) + 1) % rows if balance.ring else 0
+    fill_band(stencil, rows, lanes, cut, band)
+    factor_band(band)
+    return DirectSystem(stencil, band, rows, lanes, cut, balance.ring)
+
+
+def iterative_system(balance: CellBalance, stencil: Array, kind: IntArray) -> IterativeSystem:
+    """Build the hierarchy for the saturated cells of one pass."""
+    rows, _ = grid_shape(balance)
+    backward = bool(balance.advection_x.sum() < 0.0)
+    first = int(np.argmin((kind == UNSATURATED).sum(axis=1))) if balance.ring else 0
+    if backward and not balance.ring:
+        first = rows - 1
+    return IterativeSystem(
+        stencil, kind.copy(), ConductionSolver(balance, kind == SATURATED), first, backward
+    )
