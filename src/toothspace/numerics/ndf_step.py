@@ -54,10 +54,10 @@ GO_ON = -1
 
 # Rest of the Newton iteration allowed, in units of the error weights: after one evaluation
 # with the rate of earlier steps, and later with the rate just measured.
-NEWTON_LIMIT = 4
-NEWTON_CUT = 0.3
+NEWTON_LIMIT = 7
+NEWTON_CUT = 0.15
 FIRST_TOLERANCE = 0.1
-LATER_TOLERANCE = 0.5
+LATER_TOLERANCE = 0.3
 
 # When factors and Jacobian are renewed: change of gamma, steps, contraction rate. A new
 # Jacobian is assumed to contract by FRESH_RATE until measured.
