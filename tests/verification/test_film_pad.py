@@ -80,7 +80,7 @@ def _manufactured_error(rows: int) -> float:
         ambient_pressure=0.0,
     )
     film = pad._film(SPEED, 0.0)
-    x, y, h = film.x, film.y, film.gap.centre
+    x, y, h = film.points.x, film.points.y, film.gap.centre
     a, b = np.pi / LENGTH, np.pi / WIDTH
     pressure = 1e6 * np.sin(a * x) * np.cos(b * y)
     p_x, p_y = 1e6 * a * np.cos(a * x) * np.cos(b * y), -1e6 * b * np.sin(a * x) * np.sin(b * y)
@@ -107,7 +107,7 @@ def _cavity_errors(rows: int) -> tuple[float, float]:
     film = pad._film(SPEED, 0.0)
     edge = 0.6137 * LENGTH
     scale = 1e6 / LENGTH**3
-    x = film.x
+    x = film.points.x
     full = x < edge
     pressure = np.where(full, scale * x * (edge - x) ** 2, 0.0)
     fraction = np.where(full, 1.0, 1.0 - 0.5 * (x - edge) / LENGTH)
@@ -167,9 +167,7 @@ def test_exchange_of_axes() -> None:
         step=_turned(h.step),
     )
     straight = solve_plane(film)
-    turned = solve_plane(
-        replace(film, grid=swapped_grid, gap=swapped_gap, x=film.y.T.copy(), y=film.x.T.copy())
-    )
+    turned = solve_plane(replace(film, grid=swapped_grid, gap=swapped_gap))
     assert straight.cavitated_fraction() > 0.01
     pressure, fraction = _turned(turned.pressure), _turned(turned.fields.saturation)
     assert pressure == pytest.approx(straight.pressure, rel=1e-9, abs=1e-3)

@@ -14,6 +14,7 @@ equilibrium         position of the shaft under a load
 mixed_lubrication   friction over speed and its reduction to a formula
 plane_film          films between nearly parallel faces on any grid
 pad                 :class:`Pad`: rectangular pads with pocket or step
+lateral             :class:`LateralFilm`: rings and discs, masked by given pressures
 cases               ``[bearing]`` and ``[film]`` tables to named numbers
 ==================  ==========================================================
 """
@@ -24,6 +25,7 @@ from toothspace.films.cases import bearing_summary, pad_summary, solve_bearing, 
 from toothspace.films.journal_bearing import JournalBearing
 from toothspace.films.journal_film import Groove
 from toothspace.films.journal_solution import JournalBearingSolution
+from toothspace.films.lateral import LateralFilm, LateralSolution
 from toothspace.films.mixed_lubrication import (
     FrictionCurve,
     FrictionSweep,
@@ -41,6 +43,8 @@ __all__ = [
     "Groove",
     "JournalBearing",
     "JournalBearingSolution",
+    "LateralFilm",
+    "LateralSolution",
     "Pad",
     "PadSolution",
     "Pocket",

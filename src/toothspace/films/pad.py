@@ -13,7 +13,13 @@ from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.films.cavitation import CAVITATION
-from toothspace.films.plane_film import FilmFluid, PlaneFilm, PlaneSolution, solve_plane
+from toothspace.films.plane_film import (
+    FilmFluid,
+    PlaneFilm,
+    PlaneSolution,
+    cartesian_points,
+    solve_plane,
+)
 from toothspace.films.reynolds import FilmGrid, GapField
 from toothspace.numerics.complementarity import face_flows
 
@@ -133,11 +139,11 @@ class Pad:
             np.full_like(base, squeeze_velocity),
             self._steps(x, y),
         )
-        xs, ys = np.meshgrid(x, y, indexing="ij")
+        points = cartesian_points(x, x_face, y, y_face)
         weight = 2.0 if half else 1.0
         constraint = CAVITATION[self.cavitation]
         return PlaneFilm(
-            grid, gap, xs, ys, self.fluid, self.cavitation_pressure, constraint, weight
+            grid, gap, points, self.fluid, self.cavitation_pressure, constraint, weight
         )
 
     def _lines(self, half: bool) -> tuple[Array, Array, Array, Array]:
@@ -226,7 +232,7 @@ class PadSolution:
     @property
     def x(self) -> Array:
         """Centres of the cells along the motion. [m]."""
-        return self.plane.film.x[:, 0]
+        return self.plane.film.points.x[:, 0]
 
     @property
     def y(self) -> Array:

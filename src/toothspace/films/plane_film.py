@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import final
+from typing import NamedTuple, final
 
 import numpy as np
 
@@ -74,18 +74,44 @@ class FilmFluid:
         return FluidField(1.0 / self.viscosity(pressure), density)
 
 
+class PlanePoints(NamedTuple):
+    """Coordinates x and y of cell centres and faces. [m]."""
+
+    x: Array  # (rows, lanes)
+    y: Array
+    face_x: tuple[Array, Array]  # x and y on the faces of the first index
+    face_y: tuple[Array, Array]  # x and y on the faces of the second index
+
+
+def cartesian_points(x: Array, x_face: Array, y: Array, y_face: Array) -> PlanePoints:
+    """Coordinates of a rectangular grid from its lines."""
+    centre = np.meshgrid(x, y, indexing="ij")
+    first = np.meshgrid(x_face, y, indexing="ij")
+    second = np.meshgrid(x, y_face, indexing="ij")
+    return PlanePoints(centre[0], centre[1], (first[0], first[1]), (second[0], second[1]))
+
+
+def polar_points(angle: Array, angle_face: Array, radius: Array, rim: Array) -> PlanePoints:
+    """Coordinates of a polar grid from its lines; the first index is the angle."""
+
+    def at(angles: Array, radii: Array) -> tuple[Array, Array]:
+        return np.outer(np.cos(angles), radii), np.outer(np.sin(angles), radii)
+
+    x, y = at(angle, radius)
+    return PlanePoints(x, y, at(angle_face, radius), at(angle, rim))
+
+
 @final
 @dataclass(frozen=True)
 class PlaneFilm:
-    """Discrete film between two faces; force axis z, coordinates x and y of the cells.
+    """Discrete film between two faces; force axis z.
 
     ``weight`` is 2 if the film is half of a mirrored one (mirror plane y = 0), else 1.
     """
 
     grid: FilmGrid
     gap: GapField
-    x: Array
-    y: Array
+    points: PlanePoints
     fluid: FilmFluid
     cavitation_pressure: float
     constraint: Constraint
@@ -116,8 +142,8 @@ class PlaneSolution:
         """
         film = self.film
         push = pressure * film.grid.area * film.weight
-        moment_x = 0.0 if film.weight > 1.0 else float((push * film.y).sum())
-        return np.array([float(push.sum()), moment_x, -float((push * film.x).sum())])
+        moment_x = 0.0 if film.weight > 1.0 else float((push * film.points.y).sum())
+        return np.array([float(push.sum()), moment_x, -float((push * film.points.x).sum())])
 
     def mass_balance_error(self) -> float:
         """Sum of the residuals of free cells over the through-flow. [-]."""
@@ -194,27 +220,14 @@ def solve_plane(film: PlaneFilm) -> PlaneSolution:
 
 def _rigid_change(film: PlaneFilm, motion: int, rate: bool) -> GapField:
     """Change of the gap by a unit lift or rotation of the upper face about x or y."""
-    shapes = (np.ones_like(film.x), film.y, -film.x)
-    centre = shapes[motion]
+    points = film.points
+
+    def shape(x: Array, y: Array) -> Array:
+        return np.ascontiguousarray((np.ones_like(x), y, -x)[motion])
+
+    centre = shape(points.x, points.y)
+    faces = shape(*points.face_x), shape(*points.face_y)
     zero = np.zeros_like(centre)
     if rate:
-        return GapField(
-            zero, np.zeros_like(film.gap.face_x), np.zeros_like(film.gap.face_y), centre, zero
-        )
-    return GapField(centre, to_faces_x(centre, film.grid.ring), to_faces_y(centre), zero, zero)
-
-
-def to_faces_x(centre: Array, ring: bool) -> Array:
-    """Values on the faces of the first index by linear interpolation, extrapolated at borders."""
-    inner = 0.5 * (centre[1:] + centre[:-1])
-    if ring:
-        seam = 0.5 * (centre[:1] + centre[-1:])
-        return np.concatenate([seam, inner, seam])
-    first = 1.5 * centre[:1] - 0.5 * centre[1:2]
-    last = 1.5 * centre[-1:] - 0.5 * centre[-2:-1]
-    return np.concatenate([first, inner, last])
-
-
-def to_faces_y(centre: Array) -> Array:
-    """Values on the faces of the second index by linear interpolation."""
-    return np.ascontiguousarray(to_faces_x(np.ascontiguousarray(centre.T), False).T)
+        return GapField(zero, np.zeros_like(faces[0]), np.zeros_like(faces[1]), centre, zero)
+    return GapField(centre, faces[0], faces[1], zero, zero)
