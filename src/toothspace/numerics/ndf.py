@@ -243,28 +243,8 @@ def _bind_advance(callbacks: NdfCallbacks, begin: Compiled) -> Compiled:
     ) -> int:
         """Integrate until a time, a terminal event or a failure.
 
-        Steps do not depend on ``t_end`` or on the sample times: integrating in pieces gives the
-        bits of one long run. After a terminal event a further call goes on from the event.
-
-        Parameters
-        ----------
-        params : named tuple of arrays
-            Passed on to the callbacks; must not change while a state is in use.
-        program : LuProgram
-            Analysed pattern of the Jacobian.
-        settings : NdfSettings
-            Choices of the integration.
-        state : NdfState
-            Filled by :func:`initial_state`; ``state.y`` receives the state where the call stops.
-        record : NdfRecord
-            Receives samples and events; goes on where its counts stand.
-        t_end : float
-            Time to reach. [s]
-
-        Returns
-        -------
-        int
-            DONE, TERMINAL_EVENT, STEP_TOO_SMALL, MAX_STEPS or NOT_FINITE.
+        Steps do not depend on ``t_end`` or on the sample times; after a terminal event a
+        further call goes on from the event. Arguments: see ``NdfFunctions``.
         """
         control = state.control[0]
         trial, slope = state.work[3], state.work[4]

@@ -91,7 +91,19 @@ class NdfCallbacks(NamedTuple):
 
 
 class NdfFunctions(NamedTuple):
-    """Integrator of one problem, made by :func:`toothspace.numerics.ndf.bind`."""
+    """Integrator of one problem, made by :func:`toothspace.numerics.ndf.bind`.
+
+    Parameters
+    ----------
+    initial_state : callable
+        ``initial_state(params, program, settings, state, t0, y0)`` starts at a time [s] and
+        state with order 1 and a step chosen from the equations; counters start at zero.
+    advance : callable
+        ``advance(params, program, settings, state, record, t_end)`` integrates to a time [s],
+        a terminal event or a failure; returns DONE, TERMINAL_EVENT, STEP_TOO_SMALL,
+        MAX_STEPS or NOT_FINITE. ``state.y`` receives the state where it stops; the record
+        goes on where its counts stand. Integrating in pieces gives the bits of one long run.
+    """
 
     initial_state: Compiled
     advance: Compiled
