@@ -12,6 +12,7 @@ journal_solution    fields, loads, flows, stiffness and damping
 cavitation          names of the cavitation models
 equilibrium         position of the shaft under a load
 mixed_lubrication   friction over speed and its reduction to a formula
+shaft_motion        stability threshold and transient orbit
 plane_film          films between nearly parallel faces on any grid
 pad                 :class:`Pad`: rectangular pads with pocket or step
 lateral             :class:`LateralFilm`: rings and discs, masked by given pressures
@@ -35,6 +36,13 @@ from toothspace.films.mixed_lubrication import (
 from toothspace.films.pad import Pad, PadSolution, Pocket
 from toothspace.films.plane_film import FilmFluid
 from toothspace.films.rough_surfaces import RoughSurfaces
+from toothspace.films.shaft_motion import (
+    Orbit,
+    OrbitSettings,
+    critical_mass,
+    shaft_orbit,
+    threshold_speed,
+)
 
 __all__ = [
     "FilmFluid",
@@ -45,14 +53,19 @@ __all__ = [
     "JournalBearingSolution",
     "LateralFilm",
     "LateralSolution",
+    "Orbit",
+    "OrbitSettings",
     "Pad",
     "PadSolution",
     "Pocket",
     "RoughSurfaces",
     "bearing_summary",
+    "critical_mass",
     "fit_friction_curve",
     "pad_summary",
+    "shaft_orbit",
     "solve_bearing",
     "solve_film",
     "sweep_friction",
+    "threshold_speed",
 ]

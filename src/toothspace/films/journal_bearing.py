@@ -12,7 +12,7 @@ from toothspace.core.errors import CaseError
 from toothspace.films.cavitation import CAVITATION
 from toothspace.films.equilibrium import find_equilibrium
 from toothspace.films.journal_film import Groove, MotionState
-from toothspace.films.journal_solution import JournalBearingSolution, SurfaceSpeed
+from toothspace.films.journal_solution import FilmHistory, JournalBearingSolution, SurfaceSpeed
 from toothspace.films.journal_solver import solve_motion
 from toothspace.films.rough_surfaces import RoughSurfaces
 
@@ -116,6 +116,7 @@ class JournalBearing:
         tilt: Pair = (0.0, 0.0),
         tilt_rate: Pair = (0.0, 0.0),
         bush_speed: float = 0.0,
+        history: FilmHistory | None = None,
     ) -> JournalBearingSolution:
         """Film for a given position and motion of the shaft.
 
@@ -133,6 +134,9 @@ class JournalBearing:
             Time derivative of the tilt. [rad/s]
         bush_speed : float
             Rotation of the bush; grooves stay where they are. [rad/s]
+        history : FilmHistory, optional
+            ``solution.history(time_step)`` of the film one time step ago: the liquid is then
+            followed in time and the velocity is that of the two positions.
 
         Returns
         -------
@@ -146,7 +150,8 @@ class JournalBearing:
         """
         place = np.array([*(self.radial_clearance * np.asarray(eccentricity, float)), *tilt])
         motion = MotionState(place, np.array([*velocity, *tilt_rate], dtype=float))
-        return solve_motion(self, motion, SurfaceSpeed(shaft_speed, bush_speed))
+        speed = SurfaceSpeed(shaft_speed, bush_speed)
+        return solve_motion(self, motion, speed, history=history)
 
     def equilibrium(
         self,

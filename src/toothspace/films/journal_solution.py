@@ -18,7 +18,7 @@ from toothspace.films.reynolds import (
     balance_derivative,
     balance_variation,
 )
-from toothspace.films.rough_surfaces import FlowLaw
+from toothspace.films.rough_surfaces import FlowLaw, mean_gap
 from toothspace.numerics.complementarity import (
     ComplementaritySolution,
     residual,
@@ -37,6 +37,17 @@ class SurfaceSpeed:
 
     shaft: float
     bush: float = 0.0
+
+
+@final
+@dataclass(frozen=True)
+class FilmHistory:
+    """Liquid that the film held one time step ago."""
+
+    content: Array
+    """Film fraction times gap height, on the solved cells. [m]"""
+    time_step: float
+    """Time that has passed since. [s]"""
 
 
 @final
@@ -207,6 +218,11 @@ class JournalBearingSolution:
     @cached_property
     def _derivatives(self) -> Array:
         return load_derivatives(self.film, self.bearing.radial_clearance, (0, 1))
+
+    def history(self, time_step: float) -> FilmHistory:
+        """What the film holds, as the past of a film one time step later. [s]."""
+        film = self.film
+        return FilmHistory(film.fields.saturation * mean_gap(film.gap.centre, film.law), time_step)
 
     def coefficients(self) -> tuple[Array, Array]:
         """Stiffness and damping 4x4 for x, y and rotations about x and y.

@@ -23,13 +23,14 @@ from toothspace.films.journal_film import (
     journal_shear,
 )
 from toothspace.films.journal_solution import (
+    FilmHistory,
     JournalBearingSolution,
     JournalContact,
     JournalField,
     SurfaceSpeed,
 )
 from toothspace.films.reynolds import FilmGrid, FluidField, GapField, film_balance
-from toothspace.films.rough_surfaces import SMOOTH, FlowLaw, contact_field
+from toothspace.films.rough_surfaces import SMOOTH, FlowLaw, contact_field, mean_gap
 from toothspace.numerics.complementarity import (
     ComplementaritySolution,
     Constraint,
@@ -81,10 +82,12 @@ def solve_motion(
     *,
     half: bool | None = None,
     former: JournalBearingSolution | None = None,
+    history: FilmHistory | None = None,
 ) -> JournalBearingSolution:
     """Film of a bearing for a rigid motion of its shaft; see :meth:`JournalBearing.solve`.
 
-    A former solution nearby gives the cavity to begin with.
+    A former solution nearby gives the cavity to begin with. With a history the film fraction is
+    transported in time, else it follows the motion without delay.
     """
     radius = 0.5 * bearing.diameter
     surface_speed = 0.5 * (speed.shaft + speed.bush) * radius
@@ -102,6 +105,8 @@ def solve_motion(
         np.full(gap.centre.shape, 1.0 / bearing.dynamic_viscosity), np.ones(gap.centre.shape)
     )
     balance = film_balance(grid, gap, fluid, bearing.cavitation_pressure, law)
+    if history is not None:
+        balance = _with_history(balance, grid, mean_gap(gap.centre, law), history)
     fields = _solve_fields(balance, CAVITATION[bearing.cavitation], former)
     film = JournalField(mesh, grid, gap, fluid, balance, fields, law, contact)
     return _evaluate(bearing, motion, speed, film)
@@ -118,6 +123,19 @@ def _walls(
     law = surfaces.flow_law((speed.shaft - speed.bush) / total if total != 0.0 else 0.0)
     pressure, slope = contact_field(gap.centre, surfaces.roughness, surfaces.contact_table())
     return law, JournalContact(pressure, slope)
+
+
+def _with_history(
+    balance: CellBalance, grid: FilmGrid, height: Array, history: FilmHistory
+) -> CellBalance:
+    """Implicit Euler step of the content of the cells in place of the squeeze velocity."""
+    if history.content.shape != height.shape:
+        raise CaseError(
+            f"history: found {history.content.shape} cells, allowed are {height.shape}: keep the "
+            "grid, and the tilt zero or not zero"
+        )
+    rate = grid.area / history.time_step
+    return balance._replace(storage=height * rate, source=history.content * rate)
 
 
 def _solve_fields(
@@ -208,6 +226,6 @@ def _flows(film: JournalField) -> tuple[float, Array, float]:
     through = max(
         abs(supply), abs(north), abs(south), float(np.abs(b.advection_x).sum(axis=1).max())
     )
-    through = max(through, float(np.abs(b.storage).sum()))
+    through = max(through, float(np.abs(b.storage - b.source).sum()))
     error = weight * abs(float(net[~prescribed].sum()))
     return supply, np.array([south, north]), error / through if through > 0.0 else 0.0

@@ -84,6 +84,21 @@ def carried_law(gap: float, law: FlowLaw) -> tuple[float, float]:
     return law.roughness * (mean + shear), open_part + slope
 
 
+@njit(cache=True)
+def mean_gap(gap: Array, law: FlowLaw) -> Array:
+    """Mean gap of rough walls, the gap itself of smooth ones, of every cell. [m]."""
+    out = np.empty_like(gap)
+    for i in range(gap.shape[0]):
+        for j in range(gap.shape[1]):
+            h = gap[i, j]
+            out[i, j] = h
+            if law.roughness > 0.0:
+                ratio = h / law.roughness
+                density = math.exp(-0.5 * ratio * ratio) / math.sqrt(2.0 * math.pi)
+                out[i, j] = law.roughness * (ratio * contact_factor(ratio) + density)
+    return out
+
+
 @inlined
 def squeeze_law(gap: float, law: FlowLaw) -> tuple[float, float]:
     """Derivative of the mean gap by the nominal gap, and the next derivative. [-, 1/m]."""
