@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -42,3 +43,21 @@ def test_package_imports_without(hidden: str) -> None:
 def test_hiding_a_package_hides_it() -> None:
     done = run("import sys\nsys.modules['numpy'] = None\nimport numpy\n")
     assert done.returncode != 0
+
+
+def test_step_file_without_its_package_is_refused_in_one_line(repository: Path) -> None:
+    step = next((repository / "tests").rglob("*.st*p"), None)
+    path = step or repository / "missing.step"
+    done = run(
+        "import sys\nfrom pathlib import Path\n"
+        "sys.modules['OCP'] = None\n"
+        "from toothspace.core.errors import GeometryError\n"
+        "from toothspace.geometry.solid_import import section_step\n"
+        "try:\n"
+        f"    section_step(Path({str(path)!r}))\n"
+        "except GeometryError as error:\n"
+        "    print(error)\n"
+    )
+    assert done.returncode == 0, done.stderr
+    assert "cadquery-ocp-novtk" in done.stdout or "toothspace[step]" in done.stdout
+    assert len(done.stdout.splitlines()) == 1
