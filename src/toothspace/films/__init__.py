@@ -16,6 +16,8 @@ shaft_motion        stability threshold and transient orbit
 plane_film          films between nearly parallel faces on any grid
 pad                 :class:`Pad`: rectangular pads with pocket or step
 lateral             :class:`LateralFilm`: rings and discs, masked by given pressures
+thermal             bulk heat balance of a film
+field_files         NetCDF and VTK files of the fields
 cases               ``[bearing]`` and ``[film]`` tables to named numbers
 ==================  ==========================================================
 """
@@ -23,6 +25,7 @@ cases               ``[bearing]`` and ``[film]`` tables to named numbers
 from __future__ import annotations
 
 from toothspace.films.cases import bearing_summary, pad_summary, solve_bearing, solve_film
+from toothspace.films.field_files import film_dataset, save_film, save_film_vtk
 from toothspace.films.journal_bearing import JournalBearing
 from toothspace.films.journal_film import Groove
 from toothspace.films.journal_solution import JournalBearingSolution
@@ -43,12 +46,15 @@ from toothspace.films.shaft_motion import (
     shaft_orbit,
     threshold_speed,
 )
+from toothspace.films.thermal import HeatBalance, HeatedFilm, solve_heated
 
 __all__ = [
     "FilmFluid",
     "FrictionCurve",
     "FrictionSweep",
     "Groove",
+    "HeatBalance",
+    "HeatedFilm",
     "JournalBearing",
     "JournalBearingSolution",
     "LateralFilm",
@@ -61,11 +67,15 @@ __all__ = [
     "RoughSurfaces",
     "bearing_summary",
     "critical_mass",
+    "film_dataset",
     "fit_friction_curve",
     "pad_summary",
+    "save_film",
+    "save_film_vtk",
     "shaft_orbit",
     "solve_bearing",
     "solve_film",
+    "solve_heated",
     "sweep_friction",
     "threshold_speed",
 ]

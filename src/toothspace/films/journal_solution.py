@@ -195,6 +195,12 @@ class JournalBearingSolution:
         return self._whole(self.film.gap.centre)
 
     @property
+    def contact_pressure(self) -> Array:
+        """Asperity pressure over angle and axis, whole film. [Pa]."""
+        contact = self.film.contact
+        return self._whole(np.zeros_like(self.film.gauge) if contact is None else contact.pressure)
+
+    @property
     def angle(self) -> Array:
         """Angles of the cell centres. [rad]."""
         return self.film.mesh.angle

@@ -214,6 +214,12 @@ class LateralSolution:
         return self.plane.fields.saturation
 
     @property
+    def gap_height(self) -> Array:
+        """Gap height over angle and radius, recesses included. [m]."""
+        gap = self.plane.film.gap
+        return np.asarray(gap.centre + gap.step)
+
+    @property
     def contact_pressure(self) -> Array:
         """Asperity pressure over angle and radius, zero in recesses. [Pa]."""
         surfaces = self.lateral.surfaces

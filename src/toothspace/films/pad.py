@@ -230,6 +230,12 @@ class PadSolution:
         return self._whole(self.plane.fields.saturation)
 
     @property
+    def gap_height(self) -> Array:
+        """Gap height over x and y, pocket included, whole pad. [m]."""
+        gap = self.plane.film.gap
+        return self._whole(gap.centre + gap.step)
+
+    @property
     def x(self) -> Array:
         """Centres of the cells along the motion. [m]."""
         return self.plane.film.points.x[:, 0]

@@ -1,0 +1,130 @@
+"""Bulk temperature of a film: friction heats the oil, the oil becomes thinner."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import final
+
+from scipy.optimize import brentq
+
+from toothspace.core.errors import CaseError
+from toothspace.core.status import Status
+from toothspace.films.journal_solution import JournalBearingSolution
+
+HIGHEST_RISE = 400.0
+"""Largest rise of the mean temperature that is searched. [K]"""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class HeatBalance:
+    r"""How the friction power of a film heats the oil that flows through it.
+
+    Parameters
+    ----------
+    supply_temperature : float
+        Absolute temperature of the oil that enters. [K]
+    density : float
+        Density of the oil. [kg/m3]
+    heat_capacity : float
+        Specific heat capacity of the oil. [J/(kg K)]
+    oil_share : float
+        Part of the friction power that the oil carries away: 1 adiabatic walls, 0 isothermal
+        film. [-]
+
+    Notes
+    -----
+    The side flow leaves at :math:`T_{out} = T_{in} + \lambda P / (\rho c Q)`; the viscosity is
+    that of the mean temperature :math:`(T_{in} + T_{out}) / 2`. Validity: one temperature for
+    the whole film, steady state.
+
+    References
+    ----------
+    .. [1] DIN 31652-1, Hydrodynamic plain journal bearings under steady-state conditions
+       (effective temperature as mean of supply and outlet).
+    """
+
+    supply_temperature: float
+    density: float
+    heat_capacity: float
+    oil_share: float = 1.0
+
+    def outlet_temperature(self, film: JournalBearingSolution) -> float:
+        """Temperature of the oil that leaves. [K]."""
+        if self.oil_share == 0.0:
+            return self.supply_temperature
+        if film.side_flow <= 0.0:
+            raise CaseError(
+                f"bearing: found a side flow of {film.side_flow:.3g} m3/s, allowed for a heat "
+                "balance are bearings that oil flows through"
+            )
+        capacity = self.density * self.heat_capacity * film.side_flow
+        return self.supply_temperature + self.oil_share * film.power_loss / capacity
+
+
+@final
+@dataclass(frozen=True)
+class HeatedFilm:
+    """Film at the viscosity of its own temperature."""
+
+    film: JournalBearingSolution
+    """Film at the mean temperature."""
+    mean_temperature: float
+    """Temperature that sets the viscosity. [K]"""
+    outlet_temperature: float
+    """Temperature of the oil that leaves. [K]"""
+    status: Status
+    """Status of the film."""
+
+
+def solve_heated(
+    solve: Callable[[float], JournalBearingSolution],
+    viscosity: Callable[[float], float],
+    balance: HeatBalance,
+) -> HeatedFilm:
+    """Find the mean temperature at which friction power and heat flow of the oil agree.
+
+    Parameters
+    ----------
+    solve : callable
+        Film at a dynamic viscosity. [Pa s]
+    viscosity : callable
+        Dynamic viscosity at an absolute temperature, falling with it. [K to Pa s]
+    balance : HeatBalance
+        Properties of the oil and share of the heat.
+
+    Returns
+    -------
+    HeatedFilm
+        Film and temperatures.
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> from toothspace.films import JournalBearing
+    >>> bearing = JournalBearing(
+    ...     diameter=0.1, length=0.08, radial_clearance=1e-4, dynamic_viscosity=0.03, grid=(48, 9)
+    ... )
+    >>> heated = solve_heated(
+    ...     lambda mu: replace(bearing, dynamic_viscosity=mu).solve(
+    ...         eccentricity=(0.6, 0.0), shaft_speed=150.0
+    ...     ),
+    ...     lambda temperature: 0.03 * 2.718 ** (-0.035 * (temperature - 313.0)),
+    ...     HeatBalance(supply_temperature=313.0, density=870.0, heat_capacity=1900.0),
+    ... )
+    >>> 315.0 < heated.mean_temperature < 330.0
+    True
+    """
+    first = balance.supply_temperature
+
+    def mismatch(temperature: float) -> float:
+        outlet = balance.outlet_temperature(solve(viscosity(temperature)))
+        return 0.5 * (first + outlet) - temperature
+
+    if mismatch(first) <= 0.0:
+        mean = first
+    else:
+        mean = float(brentq(mismatch, first, first + HIGHEST_RISE, xtol=1e-6, rtol=1e-12))
+    film = solve(viscosity(mean))
+    return HeatedFilm(film, mean, balance.outlet_temperature(film), film.status)
