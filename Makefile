@@ -24,7 +24,6 @@ demo: $(READY)  ## simulate the 12-tooth motor from parameters and from a CAD pr
 	mkdir -p $(DEMO)
 	$(BIN)/toothspace run cases/egm12_motor.toml -o $(DEMO)/egm12_motor.nc
 	$(BIN)/toothspace report $(DEMO)/egm12_motor.nc -o $(DEMO)/egm12_motor.html
-	$(BIN)/toothspace geometry cases/egm12_motor.toml --export dxf -o $(DEMO)/egm12_profile
 	$(BIN)/toothspace run cases/egm12_motor_profile.toml -o $(DEMO)/egm12_motor_profile.nc
 	$(BIN)/toothspace report $(DEMO)/egm12_motor_profile.nc -o $(DEMO)/egm12_motor_profile.html
 

@@ -11,7 +11,7 @@ import sys
 from collections.abc import Iterator
 from html import escape
 from pathlib import Path
-from types import ModuleType
+from types import FunctionType, ModuleType
 
 from markdown_it import MarkdownIt
 
@@ -88,22 +88,22 @@ def describe(module: ModuleType) -> str:
     """API reference of one module: its docstring and those of its public members."""
     parts = [f"<h1>{module.__name__}</h1><pre>{escape(inspect.getdoc(module) or '')}</pre>"]
     for name, member in vars(module).items():
-        own = getattr(member, "__module__", None) == module.__name__
-        if name.startswith("_") or not own or not callable(member):
+        function = getattr(member, "py_func", member)
+        own = getattr(function, "__module__", None) == module.__name__
+        if name.startswith("_") or not own or not isinstance(function, FunctionType | type):
             continue
         doc = inspect.getdoc(member) or ""
-        parts.append(f"<h2 id='{name}'>{name}</h2><pre>{escape(signature(member))}")
+        parts.append(f"<h2 id='{name}'>{name}</h2><pre>{escape(signature(function))}")
         parts.append(f"\n\n{escape(doc)}</pre>")
     return "".join(parts)
 
 
-def signature(member: object) -> str:
+def signature(function: FunctionType | type) -> str:
     """Signature of a function or class as text."""
-    function = getattr(member, "py_func", member)
     try:
         return f"{function.__name__}{inspect.signature(function)}"
     except (TypeError, ValueError):
-        return str(function.__name__)
+        return function.__name__
 
 
 def build_reference() -> None:
