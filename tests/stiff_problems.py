@@ -133,7 +133,7 @@ def event_values(t, y, params, g):
         g[0] = t - 1.0
 
 
-_initial_state, _advance = bind(NdfCallbacks(rhs, jacobian, weights, event_values))
+_initial_state, _advance = bind(NdfCallbacks(rhs, rhs, jacobian, weights, event_values))
 
 
 @njit(cache=True)

@@ -42,5 +42,7 @@ class FluidLaw(NamedTuple):
     """Dynamic viscosity at zero pressure. [Pa s]"""
     pressure_viscosity: float
     """Barus coefficient of the dynamic viscosity. [1/Pa]"""
+    viscosity_temperature: float
+    """Relative fall of the dynamic viscosity per temperature. [1/K]"""
     specific_heat_capacity: float
     """Specific heat capacity of the liquid. [J/(kg K)]"""

@@ -115,6 +115,13 @@ class LateralFilm:
             Rotation of the gap pattern: zero if it rests with the upper face, the shaft
             speed if it is fixed to the rotating face. [rad/s]
         """
+        film = self.discretise(shaft_speed, squeeze_velocity, gap_speed)
+        return LateralSolution(self, shaft_speed, solve_plane(film))
+
+    def discretise(
+        self, shaft_speed: float = 0.0, squeeze_velocity: float = 0.0, gap_speed: float = 0.0
+    ) -> PlaneFilm:
+        """Film on its grid before it is solved; arguments as for :meth:`solve`."""
         rim, radius, angle = self._rims(), self.radius, self.angle
         step = 2.0 * np.pi / self.grid[0]
         face_angle = np.asarray(np.arange(self.grid[0] + 1) * step, dtype=np.float64)
@@ -127,7 +134,7 @@ class LateralFilm:
             squeeze_velocity - gap_speed * slope,
             np.zeros_like(centre) if self.depth is None else self.depth,
         )
-        film = PlaneFilm(
+        return PlaneFilm(
             self._metric(step, rim, radius, shaft_speed),
             gap,
             polar_points(angle, face_angle, radius, rim),
@@ -136,7 +143,6 @@ class LateralFilm:
             CAVITATION[self.cavitation],
             law=SMOOTH if self.surfaces is None else self.surfaces.flow_law(1.0),
         )
-        return LateralSolution(self, shaft_speed, solve_plane(film))
 
     def _rims(self) -> Array:
         return np.asarray(np.linspace(self.inner_radius, self.outer_radius, self.grid[1] + 1))

@@ -60,7 +60,7 @@ PATH_COLUMNS = 8
     FAMILY_COUNT,
     PARTNER_SHIFT,
 ) = range(8)
-MULTIPLICITY, MINIMUM_HEIGHT = range(2)
+MULTIPLICITY, MINIMUM_HEIGHT, THROAT_SPEED = range(3)
 
 # Columns of ``chamber_values``: volume, dV/d(mesh rotation), dV/d(each free motion).
 CHANNEL_VOLUME, CHANNEL_MESH, CHANNEL_MOTION = range(3)

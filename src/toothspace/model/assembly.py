@@ -32,11 +32,11 @@ from toothspace.model.arrays import (
 )
 from toothspace.model.description import ContactPair, FlowPath, MachineDescription
 from toothspace.model.films import JournalData, journal_data, lateral_torque_coefficient
-from toothspace.model.ledger import FRICTION_MECHANISMS, LEDGER_SIZE, PORT_NODES
+from toothspace.model.ledger import FRICTION_MECHANISMS, GAS_MASS, LEDGER_SIZE, MASS, PORT_NODES
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.paths import load_orifice, path_arrays, path_members, path_table
 from toothspace.model.quasi_static import bush_positions
-from toothspace.model.tables import Members, pack_tables
+from toothspace.model.tables import OPEN, Members, fill_constants, pack_tables
 from toothspace.numerics.periodic_table import PeriodicTable, stack_tables
 
 _CONTACT_COLUMNS = 7
@@ -107,6 +107,8 @@ def assemble(
         motion=_motions(description, condition, free),
         **_work(sizes),
     )
+    fill_constants(arrays.bank, arrays.paths, arrays.path_values)
+    fill_constants(arrays.bank, arrays.chambers, arrays.chamber_values)
     pattern = _pattern(arrays)
     return System(description, condition, arrays, pattern, tuple(free), motion_map)
 
@@ -177,6 +179,7 @@ def _chambers(description: MachineDescription) -> Members:
         table=np.repeat(np.arange(len(counts)), counts).astype(np.int64),
         phase=np.concatenate([family.phases for family in description.families]),
         ratio=np.repeat([family.angle_ratio for family in description.families], counts),
+        gate=np.full(sum(counts), OPEN),
     )
 
 
@@ -209,6 +212,7 @@ def _contact_members(description: MachineDescription, first_table: int) -> Membe
         ).astype(np.int64),
         phase=np.concatenate([*phases, np.zeros(0)]),
         ratio=np.concatenate([*(np.full(c.count, c.angle_ratio) for c in contacts), np.zeros(0)]),
+        gate=np.full(sum(p.size for p in phases), OPEN),
     )
 
 
@@ -313,7 +317,8 @@ def _rows(arrays: SystemArrays, node: int) -> list[int]:
     d = int(arrays.dynamic_index[node])
     if d >= 0:
         return [arrays.size.mass + d, arrays.size.gas + d]
-    return [arrays.size.core + node - arrays.size.chambers]
+    port = arrays.size.core + node - arrays.size.chambers
+    return [port + MASS, port + GAS_MASS]
 
 
 def _partners(index: IntArray) -> list[int]:

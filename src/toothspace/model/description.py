@@ -145,6 +145,10 @@ class FlowPath:
     shear_speed : PeriodicTable or None, 1 channel
         Speed of one wall relative to the other per shaft speed, for viscous friction in the
         gap, booked under ``tip_shear``. [m/rad]
+    throat_speed : float
+        Speed of the throat towards b per shaft speed, where volumes count to the casing as
+        bodies move but to the body's own boundary at rest (tooth tips): that part of the gap
+        which micro-motion opens is carried along, not dragged through. [m/rad]
     multiplicity : float
         Equal paths in parallel, for example both faces. [-]
     partner_shift : int
@@ -167,6 +171,7 @@ class FlowPath:
     height_by_motion: PeriodicTable | None = None
     drag_speed: PeriodicTable | None = None
     shear_speed: PeriodicTable | None = None
+    throat_speed: float = 0.0
     multiplicity: float = 1.0
     partner_shift: int = 0
     wears: bool = False

@@ -271,15 +271,30 @@ def fluid_law(
         release_time,
         absorption_time,
     )
+    liquid = _liquid(source, temperature)
+    fall = _viscosity_fall(source, temperature, liquid.dynamic_viscosity)
+    return mixed_law(liquid, temperature, gas)._replace(viscosity_temperature=fall)
+
+
+def _liquid(source: str | Path, temperature: float) -> LiquidState:
     if isinstance(source, Path) or source.endswith(".csv"):
-        liquid = table_liquid(Path(source), temperature)
-    else:
-        liquid = library_liquid(source, temperature)
-    return mixed_law(liquid, temperature, gas)
+        return table_liquid(Path(source), temperature)
+    return library_liquid(source, temperature)
+
+
+def _viscosity_fall(source: str | Path, temperature: float, viscosity: float) -> float:
+    """Relative fall of the viscosity per kelvin; one-sided at the end of the fluid's range."""
+    for step in (1.0, -1.0):
+        try:
+            other = _liquid(source, temperature + step).dynamic_viscosity
+        except CaseError:
+            continue
+        return float(np.log(viscosity / other) / step)
+    return 0.0
 
 
 def mixed_law(liquid: LiquidState, temperature: float, gas: GasModel) -> FluidLaw:
-    """Return the constants of a liquid with air, at a temperature. [K]."""
+    """Return the constants of a liquid with air, at a temperature [K], at constant viscosity."""
     if gas.saturation_pressure < 1.2 * liquid.vapour_pressure:
         found = f"found {1e-5 * gas.saturation_pressure:g} bar"
         lowest = f"{1.2e-5 * liquid.vapour_pressure:g} bar or more (1.2 times the vapour pressure)"
@@ -311,5 +326,6 @@ def mixed_law(liquid: LiquidState, temperature: float, gas: GasModel) -> FluidLa
         absorption_rate=absorption,
         dynamic_viscosity=liquid.dynamic_viscosity,
         pressure_viscosity=liquid.pressure_viscosity,
+        viscosity_temperature=0.0,
         specific_heat_capacity=liquid.specific_heat_capacity,
     )

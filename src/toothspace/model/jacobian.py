@@ -23,7 +23,7 @@ from toothspace.model.arrays import (
     PRESSURE_BY_VOLUME,
     SystemArrays,
 )
-from toothspace.model.ledger import MASS
+from toothspace.model.ledger import GAS_MASS, MASS
 from toothspace.model.system import evaluate
 
 
@@ -31,7 +31,7 @@ from toothspace.model.system import evaluate
 def jacobian(t: float, state: Array, s: SystemArrays, matrix: Array) -> None:
     """Derivatives of all rates with respect to the core states; energy rows are left out.
 
-    The rows of port masses stand in full, so that mass balances close to round-off.
+    The rows of port masses and port gas stand in full, so that mass balances close to round-off.
     """
     evaluate(s, state)
     matrix[:, :] = 0.0
@@ -52,6 +52,13 @@ def mass_row(s: SystemArrays, i: int) -> int:
 
 
 @kernel
+def gas_row(s: SystemArrays, i: int) -> int:
+    """Row of the gas balance of a node."""
+    d = s.dynamic_index[i]
+    return s.size.gas + d if d >= 0 else s.size.core + GAS_MASS + i - s.size.chambers
+
+
+@kernel
 def add_flow_change(
     s: SystemArrays, j: int, column: int, mass_change: float, gas_change: float, matrix: Array
 ) -> None:
@@ -59,11 +66,8 @@ def add_flow_change(
     a, b = s.path_index[j, NODE_A], s.path_index[j, PRESENT_B]
     matrix[mass_row(s, a), column] -= mass_change
     matrix[mass_row(s, b), column] += mass_change
-    da, db = s.dynamic_index[a], s.dynamic_index[b]
-    if da >= 0:
-        matrix[s.size.gas + da, column] -= gas_change
-    if db >= 0:
-        matrix[s.size.gas + db, column] += gas_change
+    matrix[gas_row(s, a), column] -= gas_change
+    matrix[gas_row(s, b), column] += gas_change
 
 
 @kernel

@@ -1,7 +1,8 @@
 """Names and order of the integrated quantities (ledger states) of every run.
 
-Masses and energies *into* each port node, the work of the shaft on the machine, and one
-entry for every way in which mechanical energy is lost.
+Mass and undissolved gas *into* each port node, the work of the shaft on the machine, and one
+entry for every way in which mechanical energy is lost. At a fixed port the energy follows from
+the masses, which close to round-off.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ FRICTION_MECHANISMS = (
 
 LEDGER_NAMES = (
     *(f"mass_{name}" for name in PORT_NODES),
-    *(f"energy_{name}" for name in PORT_NODES),
+    *(f"gas_{name}" for name in PORT_NODES),
     "shaft",
     *(f"throttling_{name}" for name in PATH_CATEGORIES),
     *FRICTION_MECHANISMS,
@@ -46,7 +47,7 @@ LEDGER_NAMES = (
 """Order of the ledger states."""
 
 MASS = 0
-ENERGY = len(PORT_NODES)
+GAS_MASS = len(PORT_NODES)
 SHAFT = 2 * len(PORT_NODES)
 THROTTLING = SHAFT + 1
 FRICTION = THROTTLING + len(PATH_CATEGORIES)

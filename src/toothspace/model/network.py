@@ -7,6 +7,11 @@ Every path obeys one law, laminar at small and inertial at large flow, plus wall
     \Delta p = \frac{Q_p}{G} + \frac{\rho}{2 (C A)^2} Q_p |Q_p|, \qquad
     \dot m = \rho_{up} (Q_p + w h\, u\, \omega) .
 
+Chamber volumes end at the tip circle of bodies at rest but follow their micro-motion up to
+the casing, so at a tooth tip the part of the gap that motion opens moves with the tooth: the
+drag there is :math:`w (u h - U \delta h)\, \omega` with the tooth speed U = 2 u. A smooth
+disc then pumps half its surface speed times the gap, eccentric or not.
+
 The fluid carries the density and gas content of the node that it leaves. The power lost in
 a path is the drop of enthalpy flow plus the work of the dragging walls against pressure.
 """
@@ -17,7 +22,7 @@ import math
 
 from toothspace.closures.gap_flow import curved_gap_conductance, parallel_gap_conductance
 from toothspace.closures.orifice import inertial_laminar_flow, orifice_conductance
-from toothspace.closures.viscosity import dynamic_viscosity
+from toothspace.closures.viscosity import dynamic_viscosity, throttling_viscosity
 from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
 from toothspace.model.arrays import (
@@ -49,6 +54,7 @@ from toothspace.model.arrays import (
     PRESSURE,
     SHEAR,
     SHEAR_SPEED,
+    THROAT_SPEED,
     VOLUME_FLOW,
     SystemArrays,
 )
@@ -122,7 +128,11 @@ def update_flows(s: SystemArrays, speed: float) -> None:
         a, b = index[j, NODE_A], index[j, PRESENT_B]
         drop = node[a, PRESSURE] - node[b, PRESSURE]
         density = node[a, DENSITY] if drop >= 0.0 else node[b, DENSITY]
-        viscosity = dynamic_viscosity(0.5 * (node[a, PRESSURE] + node[b, PRESSURE]), fluid)
+        if kind == CURVED_GAP:
+            upstream = max(node[a, PRESSURE], node[b, PRESSURE])
+            viscosity = throttling_viscosity(upstream, abs(drop), fluid)
+        else:
+            viscosity = dynamic_viscosity(0.5 * (node[a, PRESSURE] + node[b, PRESSURE]), fluid)
         many = data[j, MULTIPLICITY]
         drag, by_height, drag_by_height = 0.0, 0.0, 0.0
         if kind == ORIFICE:
@@ -133,8 +143,9 @@ def update_flows(s: SystemArrays, speed: float) -> None:
             conductance, by_height = gap_conductance(kind, height, second, third, viscosity)
             area = second * height
             by_height *= factor
-            drag = area * values[j, DRAG_SPEED]
-            drag_by_height = second * values[j, DRAG_SPEED] * speed * factor
+            carried = second * data[j, THROAT_SPEED]
+            drag = area * values[j, DRAG_SPEED] - carried * (path[j, HEIGHT] - first)
+            drag_by_height = (second * values[j, DRAG_SPEED] * factor - carried) * speed
             shear = values[j, SHEAR_SPEED] ** 2 * second * third / height
             path[j, SHEAR] = many * viscosity * speed * shear
         flow, by_pressure, by_conductance = inertial_laminar_flow(

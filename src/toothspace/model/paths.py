@@ -59,6 +59,7 @@ def path_members(paths: Sequence[FlowPath], first_table: int) -> Members:
         table=np.repeat(np.arange(first_table, first_table + len(paths)), counts),
         phase=np.concatenate([path.phases for path in paths]),
         ratio=np.repeat([path.angle_ratio for path in paths], counts),
+        gate=np.repeat([0 if path.kind == "orifice" else 1 for path in paths], counts),
     )
 
 
@@ -84,6 +85,7 @@ def path_arrays(
         [
             np.repeat([path.multiplicity for path in paths], counts),
             np.repeat([path.minimum_height for path in paths], counts),
+            np.repeat([path.throat_speed for path in paths], counts),
         ]
     ).astype(float)
     return index, data

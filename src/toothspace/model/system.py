@@ -12,10 +12,8 @@ from toothspace.model.arrays import (
     CLEARANCE,
     EXTERNAL_FORCE,
     FILM_FORCE,
-    GAS_ENTHALPY,
     GAS_RATE,
     JOURNAL_CLEARANCE,
-    LIQUID_ENTHALPY,
     MASS_RATE,
     MOTION_MASS,
     MOTION_X,
@@ -39,7 +37,7 @@ from toothspace.model.chambers import (
     update_volumes,
 )
 from toothspace.model.friction import book_friction
-from toothspace.model.ledger import ENERGY, GAS_RELAXATION, MASS, PORT_NODES, RADIAL_LOAD, SHAFT
+from toothspace.model.ledger import GAS_MASS, GAS_RELAXATION, MASS, PORT_NODES, RADIAL_LOAD, SHAFT
 from toothspace.model.network import book_throttling, update_network, update_partners
 from toothspace.model.tables import fill_slopes, fill_values
 
@@ -100,6 +98,7 @@ def right_hand_side(t: float, state: Array, s: SystemArrays, rate: Array) -> Non
         i = size.chambers + port
         if dynamic[i] < 0:
             rate[size.core + MASS + port] = node[i, MASS_RATE]
+            rate[size.core + GAS_MASS + port] = node[i, GAS_RATE]
 
 
 @kernel
@@ -111,21 +110,7 @@ def full_rates(t: float, state: Array, s: SystemArrays, rate: Array) -> None:
     ledger[GAS_RELAXATION] = gas_relaxation(s, state)
     for k in range(s.size.motions):
         ledger[RADIAL_LOAD] += s.motion[k, EXTERNAL_FORCE] * state[s.size.velocity + k]
-    book_port_energies(s, ledger)
     book_shaft(s, state, ledger)
-
-
-@kernel
-def book_port_energies(s: SystemArrays, ledger: Array) -> None:
-    """Add the energy that flows into each fixed port node."""
-    node = s.node
-    for port in range(PORTS):
-        i = s.size.chambers + port
-        if s.dynamic_index[i] >= 0:
-            continue
-        liquid = node[i, MASS_RATE] - node[i, GAS_RATE]
-        ledger[ENERGY + port] = liquid * node[i, LIQUID_ENTHALPY]
-        ledger[ENERGY + port] += node[i, GAS_RATE] * node[i, GAS_ENTHALPY]
 
 
 @kernel

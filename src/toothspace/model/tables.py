@@ -28,15 +28,32 @@ class TableBank(NamedTuple):
 
 
 class Members(NamedTuple):
-    """Things that read one row of a table each: which table, phase and growth of its angle."""
+    """Things that read one row of a table each: which table, phase and growth of its angle.
+
+    Where the channel ``gate`` is zero the thing is closed and its other channels are not read.
+    """
 
     table: IntArray
     phase: Array
     ratio: Array
+    gate: IntArray
+
+
+OPEN = -1
+"""Gate of members that are never closed."""
+
+
+def fill_constants(bank: TableBank, members: Members, values: Array) -> None:
+    """Write the rows of members with constant tables, which :func:`fill_values` leaves alone."""
+    for j, table in enumerate(members.table):
+        offset, nodes, channels = bank.layout[table]
+        if nodes == 1:
+            values[j, :channels] = bank.coefficients[offset : offset + channels]
 
 
 def pack_tables(tables: Sequence[PeriodicTable]) -> TableBank:
     """Pack tables into one bank, in their order."""
+    tables = [_shortened(table) for table in tables]
     blocks = [_hermite_coefficients(table).ravel() for table in tables]
     offset = np.concatenate(([0], np.cumsum([block.size for block in blocks])[:-1]))
     shapes = np.array([table.values.shape for table in tables], dtype=np.int64)
@@ -45,6 +62,13 @@ def pack_tables(tables: Sequence[PeriodicTable]) -> TableBank:
         layout=np.column_stack([offset, shapes]).astype(np.int64),
         period=np.array([table.period for table in tables]),
     )
+
+
+def _shortened(table: PeriodicTable) -> PeriodicTable:
+    """Keep one node of a table that does not depend on the angle."""
+    if np.any(table.slopes) or np.any(table.values != table.values[0]):
+        return table
+    return PeriodicTable(table.period, table.values[:1], table.slopes[:1])
 
 
 def _hermite_coefficients(table: PeriodicTable) -> Array:
@@ -65,19 +89,27 @@ def fill_values(
     for j in range(members.table.size):
         table = members.table[j]
         nodes, channels = layout[table, NODES], layout[table, CHANNELS]
+        if nodes == 1:
+            continue
         turn = (members.phase[j] + members.ratio[j] * shaft_angle) / period[table]
         passed = np.floor(turn)
         position = (turn - passed) * nodes
         interval = min(int(position), nodes - 1)
+        turns[j] = int(passed)
         t = position - interval
         base = layout[table, OFFSET] + interval * 4 * channels
+        gate = members.gate[j]
+        if gate >= 0:
+            following = layout[table, OFFSET] + ((interval + 1) % nodes) * 4 * channels
+            if coefficients[base + gate] == 0.0 and coefficients[following + gate] == 0.0:
+                values[j, gate] = 0.0
+                continue
         for k in range(channels):
             c0 = coefficients[base + k]
             c1 = coefficients[base + k + channels]
             c2 = coefficients[base + k + 2 * channels]
             c3 = coefficients[base + k + 3 * channels]
             values[j, k] = c0 + t * (c1 + t * (c2 + t * c3))
-        turns[j] = int(passed)
 
 
 @kernel

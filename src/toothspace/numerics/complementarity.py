@@ -343,6 +343,9 @@ def _revise(
 _SETTLING_PASSES = 6
 """Passes followed by a sweep; later a sweep from old potentials could undo a revision for ever."""
 
+_COARSE_SWEEPS = 1
+"""Sweeps that settle the kinds taken from a coarser grid. [-]"""
+
 _RING_CLOSURES = 8
 """Passes in which rings without a saturated cell are given one."""
 
@@ -379,13 +382,36 @@ def _initial_kind(balance: CellBalance, constraint: Constraint, start: IntArray 
     elif constraint is Constraint.NONE or min(grid_shape(balance)) < 8:
         kind = np.full(grid_shape(balance), SATURATED, dtype=np.int64)
     else:
-        coarse = solve_complementarity(coarsened(balance), constraint, max_passes=30)
-        rows, lanes = grid_shape(balance)
-        kind = np.repeat(np.repeat(coarse.kind, 2, axis=0), 2, axis=1)[:rows, :lanes].copy()
-        if constraint is Constraint.CONSERVING:
-            kind[kind == PRESCRIBED] = SATURATED
+        kind = _from_coarse(balance, constraint)
     kind[prescribed] = PRESCRIBED
     return kind
+
+
+def _from_coarse(balance: CellBalance, constraint: Constraint) -> IntArray:
+    """Kinds found on a grid of half as many cells, settled on this one."""
+    coarse = solve_complementarity(coarsened(balance), constraint, max_passes=30)
+    rows, lanes = grid_shape(balance)
+    kind = np.repeat(np.repeat(coarse.kind, 2, axis=0), 2, axis=1)[:rows, :lanes].copy()
+    if constraint is Constraint.OBSTACLE:
+        return kind
+    kind[kind == PRESCRIBED] = SATURATED
+    kind[balance.mark == PRESCRIBED] = PRESCRIBED
+    potential = _refined(_refined(coarse.potential, rows).T, lanes).T
+    saturation = np.repeat(np.repeat(coarse.saturation, 2, axis=0), 2, axis=1)[:rows, :lanes]
+    unknown = np.where(kind == UNSATURATED, saturation, potential).ravel()
+    for _ in range(_COARSE_SWEEPS):
+        _settle(balance, kind, unknown, bool(balance.advection_x.sum() < 0.0))
+    return kind
+
+
+def _refined(values: Array, count: int) -> Array:
+    """Linear interpolation of rows between the centres of merged cells."""
+    before = np.concatenate([values[:1], values[:-1]])
+    after = np.concatenate([values[1:], values[-1:]])
+    fine = np.empty((2 * values.shape[0], values.shape[1]))
+    fine[::2] = 0.75 * values + 0.25 * before
+    fine[1::2] = 0.75 * values + 0.25 * after
+    return np.ascontiguousarray(fine[:count])
 
 
 def _collect(

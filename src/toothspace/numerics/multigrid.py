@@ -1,7 +1,7 @@
 """Geometric multigrid for conduction on masked structured grids, as a preconditioner.
 
-The operator is the conductive part of a :class:`~toothspace.numerics.structured_grid.CellBalance`
-on its free cells. Cells are merged in pairs along the directions in which they are strongly
+The operator is the conduction of a :class:`~toothspace.numerics.structured_grid.CellBalance` on
+its free cells. Cells are merged in pairs along the directions in which they are strongly
 coupled, so stretched grids need no line smoother. One cycle works in single precision; the
 Krylov iteration around it works in double precision. The fine level holds 32 bytes per cell.
 """
@@ -37,10 +37,12 @@ STRETCH = 3.0
 """Ratio of the couplings from which cells are merged in the strong direction only. [-]"""
 SMALLEST = 6
 """Number of cells along a direction below which it is not merged further. [-]"""
-PARALLEL_CELLS = 60000
-"""Number of cells from which several threads pay. [-]"""
-THREADS = int(os.environ.get("TOOTHSPACE_THREADS", "1"))
-"""Threads of one cycle; more than one only helps on an otherwise idle machine. [-]"""
+PARALLEL_CELLS = 30000
+"""Number of cells of a grid from which several threads pay. [-]"""
+THREADS = int(os.environ.get("TOOTHSPACE_THREADS", min(2, os.cpu_count() or 1)))
+"""Threads of one cycle. [-]"""
+# waiting threads must sleep: on a busy machine spinning ones take the time of those that work
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 COARSEST_SWEEPS = 24
 """Pairs of sweeps on the coarsest grid. [-]"""
 
@@ -256,47 +258,82 @@ def _other(index: int, merge: int, count: int, ring: bool) -> int:
     return other
 
 
+@inlined
+def _gather_lanes(values: Single, merge: int, out: Single) -> None:
+    """Adjoint of :func:`_spread_lanes` for one row."""
+    near, far = np.float32(0.75), np.float32(0.25)
+    count, lanes = out.size, values.size
+    if merge == 1:
+        for m in range(count):
+            out[m] = values[m]
+        return
+    pairs = lanes // 2
+    for m in range(pairs):
+        out[m] = near * (values[2 * m] + values[2 * m + 1])
+    if lanes % 2:
+        out[count - 1] = near * values[lanes - 1]
+    for m in range(1, count):
+        out[m] += far * values[2 * m - 1]
+    for m in range(count - 1):
+        out[m] += far * values[2 * m + 2]
+    out[0] += far * values[0]
+    out[count - 1] += far * values[lanes - 1] if lanes % 2 == 0 else np.float32(0.0)
+
+
+@inlined
+def _spread_lanes(values: Single, merge: int, out: Single) -> None:
+    """Interpolate one row from coarse to fine centres, constant beyond the outermost."""
+    near, far = np.float32(0.75), np.float32(0.25)
+    count, lanes = values.size, out.size
+    if merge == 1:
+        for j in range(lanes):
+            out[j] = values[j]
+        return
+    out[0] = values[0]
+    for m in range(1, count):
+        out[2 * m] = near * values[m] + far * values[m - 1]
+    for m in range(count - 1):
+        out[2 * m + 1] = near * values[m] + far * values[m + 1]
+    if lanes % 2 == 0:
+        out[lanes - 1] = values[count - 1]
+
+
 @njit(cache=True, fastmath={"contract"})
 def _restrict(fine: Level, coarse: Level) -> None:
     """Adjoint of :func:`_prolong`."""
-    rows, lanes = fine.r.shape
-    count_x, count_y = coarse.b.shape
-    near_x = np.float32(0.75 if fine.merge_x == 2 else 1.0)
-    near_y = np.float32(0.75 if fine.merge_y == 2 else 1.0)
-    far_x, far_y = np.float32(1.0) - near_x, np.float32(1.0) - near_y
-    b = coarse.b
+    b, r = coarse.b, fine.r
+    count_x = b.shape[0]
+    near = np.float32(0.75 if fine.merge_x == 2 else 1.0)
+    far = np.float32(1.0) - near
     b[:] = 0.0
-    coarse.x[:] = 0.0
-    for i in range(rows):
-        p, q = i // fine.merge_x, _other(i, fine.merge_x, count_x, fine.ring)
-        for j in range(lanes):
-            m, n = j // fine.merge_y, _other(j, fine.merge_y, count_y, False)
-            value = fine.r[i, j]
-            b[p, m] += near_x * near_y * value
-            b[q, m] += far_x * near_y * value
-            b[p, n] += near_x * far_y * value
-            b[q, n] += far_x * far_y * value
+    row = np.empty(b.shape[1], dtype=np.float32)
+    for i in range(r.shape[0]):
+        _gather_lanes(r[i], fine.merge_y, row)
+        home, other = b[i // fine.merge_x], b[_other(i, fine.merge_x, count_x, fine.ring)]
+        for m in range(row.size):
+            home[m] += near * row[m]
+        for m in range(row.size):
+            other[m] += far * row[m]
 
 
 @njit(cache=True, parallel=True, fastmath={"contract"})
 def _prolong(fine: Level, coarse: Level) -> None:
     """Add the coarse correction, bilinear between the centres of coarse cells."""
-    rows, lanes = fine.x.shape
-    count_x, count_y = coarse.x.shape
-    near_x = np.float32(0.75 if fine.merge_x == 2 else 1.0)
-    near_y = np.float32(0.75 if fine.merge_y == 2 else 1.0)
-    far_x, far_y = np.float32(1.0) - near_x, np.float32(1.0) - near_y
     x, inverse, target = coarse.x, fine.inverse, fine.x
+    rows, lanes = target.shape
+    count_x = x.shape[0]
+    near = np.float32(0.75 if fine.merge_x == 2 else 1.0)
+    far = np.float32(1.0) - near
     for row in prange(rows):
         i = np.int64(row)
-        p, q = i // fine.merge_x, _other(i, fine.merge_x, count_x, fine.ring)
+        home, other = x[i // fine.merge_x], x[_other(i, fine.merge_x, count_x, fine.ring)]
+        mixed = np.empty(home.size, dtype=np.float32)
+        spread = np.empty(lanes, dtype=np.float32)
+        for m in range(home.size):
+            mixed[m] = near * home[m] + far * other[m]
+        _spread_lanes(mixed, fine.merge_y, spread)
         for j in range(lanes):
-            if inverse[i, j] == 0.0:
-                continue
-            m, n = j // fine.merge_y, _other(j, fine.merge_y, count_y, False)
-            value = near_y * (near_x * x[p, m] + far_x * x[q, m])
-            value += far_y * (near_x * x[p, n] + far_x * x[q, n])
-            target[i, j] += value
+            target[i, j] += spread[j] if inverse[i, j] > 0.0 else np.float32(0.0)
 
 
 @njit(cache=True)
@@ -330,15 +367,20 @@ def _solve_coarsest(level: Level) -> None:
 
 def cycle(levels: tuple[Level, ...]) -> None:
     """One symmetric V-cycle on ``b`` of the finest level, result in ``x``."""
-    threads = THREADS if levels[0].x.size >= PARALLEL_CELLS else 1
     before = numba.get_num_threads()
-    numba.set_num_threads(min(threads, before))
     for fine, coarse in pairwise(levels):
+        _use_threads(fine, before)
         _descend(fine, coarse)
+    _use_threads(levels[-1], before)
     _solve_coarsest(levels[-1])
     for coarse, fine in pairwise(reversed(levels)):
+        _use_threads(fine, before)
         _ascend(fine, coarse)
     numba.set_num_threads(before)
+
+
+def _use_threads(level: Level, available: int) -> None:
+    numba.set_num_threads(min(THREADS, available) if level.x.size >= PARALLEL_CELLS else 1)
 
 
 @njit(cache=True, fastmath={"contract"})
@@ -405,6 +447,13 @@ class ConductionSolver:
         self._free = free
         self._ring = balance.ring
         self._levels, self._scale = _hierarchy(c, balance.ring)
+
+    @property
+    def memory(self) -> int:
+        """Size of operator, hierarchy and work vectors. [byte]."""
+        fields = [self._gx, self._gy, self._diagonal, self._free]
+        levels = [array for level in self._levels for array in level[:6]]
+        return sum(int(array.nbytes) for array in fields + levels) + 4 * self._diagonal.nbytes
 
     def precondition(self, rhs: Array) -> Array:
         """One cycle: approximate solution, zero where not free."""

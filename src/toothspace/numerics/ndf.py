@@ -14,7 +14,9 @@ How to use it::
     from toothspace.numerics.static_lu import analyse
 
     @njit
-    def rhs(t, y, params, dydt): ...                # fills all n_total entries
+    def rhs(t, y, params, dydt): ...                # core and balances of the ledger
+    @njit
+    def ledger(t, y, params, dydt): ...             # all n_total entries, once a step
     @njit
     def jacobian(t, y, params, jac): ...            # zeroes, fills (n_total, n_core)
     @njit
@@ -22,7 +24,7 @@ How to use it::
     @njit
     def event_values(t, y, params, g): ...          # g[:n_events]
 
-    _initial_state, _advance = bind(NdfCallbacks(rhs, jacobian, weights, event_values))
+    _initial_state, _advance = bind(NdfCallbacks(rhs, ledger, jacobian, weights, event_values))
 
     @njit(cache=True)                               # cached with all that they call
     def begin(params, program, settings, state, t0, y0):
@@ -58,6 +60,8 @@ from toothspace.core.types import Array
 from toothspace.numerics.dense_output import false_position, interpolate
 from toothspace.numerics.ndf_step import (
     GO_ON,
+    PASSED,
+    accept_step,
     error_norm,
     note_jacobian,
     start_step,
@@ -229,7 +233,8 @@ def _bind_initial_state(begin: Compiled) -> Compiled:
 
 
 def _bind_advance(callbacks: NdfCallbacks, begin: Compiled) -> Compiled:
-    rhs, jacobian, weights = callbacks.rhs, callbacks.jacobian, callbacks.weights
+    rhs, ledger, jacobian = callbacks.rhs, callbacks.ledger, callbacks.jacobian
+    weights = callbacks.weights
     find_events = _bind_events(callbacks.event_values)
 
     @kernel
@@ -262,9 +267,11 @@ def _bind_advance(callbacks: NdfCallbacks, begin: Compiled) -> Compiled:
                     note_jacobian(state)
                 rhs(control.new_time, trial, params, slope)
                 code = use_evaluation(program, settings, state)
-            if code != DONE:
+            if code != PASSED:
                 state.y[:] = state.differences[0]
                 return code
+            ledger(control.new_time, trial, params, slope)
+            accept_step(program, settings, state)
             control.valid_until = control.time
             if settings.event_actions.size > 0:
                 find_events(params, settings, state, record)
@@ -273,7 +280,7 @@ def _bind_advance(callbacks: NdfCallbacks, begin: Compiled) -> Compiled:
 
 
 def _bind_begin(callbacks: NdfCallbacks) -> Compiled:
-    rhs, jacobian, weights, event_values = callbacks
+    rhs, _, jacobian, weights, event_values = callbacks
 
     @kernel
     def begin(

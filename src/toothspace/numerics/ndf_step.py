@@ -22,7 +22,6 @@ import numpy as np
 from toothspace.core.types import Array
 from toothspace.numerics.dense_output import change_step
 from toothspace.numerics.ndf_types import (
-    DONE,
     MAX_STEPS,
     NOT_FINITE,
     STEP_TOO_SMALL,
@@ -50,6 +49,7 @@ ERROR_CONSTANT = (
 """Error over the (k+1)-th backward difference: kappa_k gamma_k + 1/(k+1)."""
 
 GO_ON = -1
+PASSED = -2
 """Return code: evaluate and call again."""
 
 # Rest of the Newton iteration allowed, in units of the error weights: after one evaluation
@@ -133,7 +133,7 @@ def use_evaluation(program: LuProgram, settings: NdfSettings, state: NdfState) -
     -------
     int
         GO_ON: evaluate at the trial state (and the Jacobian before, if wanted);
-        DONE: the step is accepted; else the reason of the failure.
+        PASSED: the trial state stands, accept it; else the reason of the failure.
     """
     control = state.control[0]
     control.rhs_calls += 1
@@ -178,8 +178,8 @@ def _test_error(settings: NdfSettings, state: NdfState) -> int:
         state.work[2], state.inverse_weights, settings.max_norm_share
     )
     if error <= 1.0:
-        _accept(settings, state, error)
-        return DONE
+        control.error = error
+        return PASSED
     control.rejected += 1
     control.jacobian_age += 1
     _reject(settings, state, error)
@@ -315,7 +315,20 @@ def _reject(settings: NdfSettings, state: NdfState, error: float) -> None:
 
 
 @kernel
-def _accept(settings: NdfSettings, state: NdfState, error: float) -> None:
+def accept_step(program: LuProgram, settings: NdfSettings, state: NdfState) -> None:
+    """Integrate the plain ledger states with their rates at the new state, then move to it."""
+    control = state.control[0]
+    gamma = control.step / ((1.0 - KAPPA[control.order]) * HARMONIC[control.order])
+    n, start = program.order.size, program.ledger_start
+    constant, correction, slope = state.work[1], state.work[2], state.work[4]
+    for row in range(start.size - 1):
+        if start[row] == start[row + 1]:
+            correction[n + row] = gamma * slope[n + row] - constant[n + row]
+    _move(settings, state, control.error)
+
+
+@kernel
+def _move(settings: NdfSettings, state: NdfState, error: float) -> None:
     """Move the differences to the new time and plan the next step."""
     control = state.control[0]
     order = control.order

@@ -39,6 +39,7 @@ CONTROL = np.dtype(
         ("valid_until", "f8"),
         ("next_step", "f8"),
         ("rate", "f8"),
+        ("error", "f8"),
         ("old_size", "f8"),
         ("gamma_factored", "f8"),
         ("order", "i8"),
@@ -74,7 +75,11 @@ class NdfCallbacks(NamedTuple):
     Parameters
     ----------
     rhs : callable
-        ``rhs(t, y, params, dydt)`` fills all n_total time derivatives.
+        ``rhs(t, y, params, dydt)`` fills the time derivatives of the core states and of the
+        ledger states whose Jacobian rows are in the pattern (balances).
+    ledger : callable
+        ``ledger(t, y, params, dydt)`` fills all n_total time derivatives; called once at
+        each accepted state, for the ledger states without Jacobian rows (plain integrals).
     jacobian : callable
         ``jacobian(t, y, params, jac)`` zeroes and fills the derivatives of ``dydt`` with
         respect to the core states, shape (n_total, n_core).
@@ -85,6 +90,7 @@ class NdfCallbacks(NamedTuple):
     """
 
     rhs: Compiled
+    ledger: Compiled
     jacobian: Compiled
     weights: Compiled
     event_values: Compiled

@@ -12,7 +12,7 @@ from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.model.assembly import System
 from toothspace.model.jacobian import jacobian
-from toothspace.model.system import error_weights, event_values, full_rates
+from toothspace.model.system import error_weights, event_values, full_rates, right_hand_side
 from toothspace.numerics.ndf import bind
 from toothspace.numerics.ndf_types import (
     DONE,
@@ -32,12 +32,9 @@ _EVENT_CAPACITY = 20_000
 _STEPS_PER_RADIAN = 40.0
 
 
-_initial_state, _advance_bound = bind(
-    NdfCallbacks(full_rates, jacobian, error_weights, event_values)
+_start, _continue = bind(
+    NdfCallbacks(right_hand_side, full_rates, jacobian, error_weights, event_values)
 )
-
-
-_start, _continue = bind(NdfCallbacks(full_rates, jacobian, error_weights, event_values))
 
 
 @njit(cache=True)

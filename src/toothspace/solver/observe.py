@@ -40,7 +40,6 @@ class Observation(NamedTuple):
     film_force: Array
     contact_force: Array
     torque: Array
-    ledger_rate: Array
 
 
 def observe(arrays: SystemArrays, states: Array) -> Observation:
@@ -59,7 +58,6 @@ def observe(arrays: SystemArrays, states: Array) -> Observation:
         film_force=np.zeros((count, motions)),
         contact_force=np.zeros((count, contacts)),
         torque=np.zeros((count, arrays.torque.size)),
-        ledger_rate=np.zeros((count, size.total - size.core)),
     )
     _observe(arrays, states, result)
     return result
@@ -80,7 +78,6 @@ def _observe(s: SystemArrays, states: Array, out: Observation) -> None:
         out.film_force[i] = s.motion[:, FILM_FORCE]
         out.contact_force[i] = s.contact_values[:, CONTACT_FORCE]
         out.torque[i] = s.torque
-        out.ledger_rate[i] = rate[s.size.core :]
         for j in range(s.size.paths):
             a, b = s.path_index[j, NODE_A], s.path_index[j, PRESENT_B]
             out.path_drop[i, j] = s.node[a, PRESSURE] - s.node[b, PRESSURE]

@@ -21,10 +21,16 @@ from toothspace.model.arrays import (
     JOURNAL_CLEARANCE,
     MOTION_MASS,
     MOTION_X,
+    PRESSURE,
 )
 from toothspace.model.assembly import System
 from toothspace.model.description import MachineDescription
-from toothspace.model.ledger import FRICTION_MECHANISMS, LEDGER_NAMES, PATH_CATEGORIES
+from toothspace.model.ledger import (
+    FRICTION_MECHANISMS,
+    LEDGER_NAMES,
+    PATH_CATEGORIES,
+    PORT_NODES,
+)
 from toothspace.results.ledger import Ledger, ledger_from
 from toothspace.results.solution import Solution
 from toothspace.results.variables import dataset_from
@@ -94,16 +100,17 @@ def window_ledger(history: History) -> Ledger:
     first, last = history.states[0], history.states[-1]
     change = dict(zip(LEDGER_NAMES, last[size.core :] - first[size.core :], strict=True))
     entries = {_RENAMED.get(name, name): value for name, value in change.items()}
-    for name in ("mass_load", "energy_load", "energy_inlet", "energy_outlet", "energy_drain"):
+    for name in ("mass_load", *(f"gas_{port}" for port in PORT_NODES)):
         entries.pop(name)
-    load = change["energy_load"] + change["throttling_load_orifice"]
+    energy = {port: _port_energy(system, port, change) for port in PORT_NODES}
+    load = energy["load"] + change["throttling_load_orifice"]
     entries |= {
         "mass_inlet": -change["mass_inlet"],
         "mass_outlet": change["mass_outlet"] + change["mass_load"],
         "mass_stored_change": stored_mass(system, last) - stored_mass(system, first),
-        "port_inlet": -change["energy_inlet"],
-        "port_outlet": change["energy_outlet"] + load,
-        "port_drain": change["energy_drain"],
+        "port_inlet": -energy["inlet"],
+        "port_outlet": energy["outlet"] + load,
+        "port_drain": energy["drain"],
         "stored_change": stored_energy(system, last) - stored_energy(system, first),
         "kinetic_change": kinetic_energy(system, last) - kinetic_energy(system, first),
     }
@@ -111,6 +118,17 @@ def window_ledger(history: History) -> Ledger:
         entries,
         float(history.times[-1] - history.times[0]),
         float(last[0] - first[0]),
+    )
+
+
+def _port_energy(system: System, port: str, change: Mapping[str, float]) -> float:
+    """Energy that flowed into a port of constant pressure, from its masses. [J]."""
+    node = system.arrays.node[system.arrays.size.chambers + PORT_NODES.index(port)]
+    gas = change[f"gas_{port}"]
+    liquid = change[f"mass_{port}"] - gas
+    fluid = system.arrays.fluid
+    return float(
+        liquid * liquid_enthalpy(node[PRESSURE], fluid) + gas * gas_enthalpy(node[PRESSURE], fluid)
     )
 
 
@@ -147,9 +165,9 @@ def _port_values(history: History, seen: Observation) -> dict[str, Array]:
     feed = fluid.feed_gas_mass_fraction
     inlet, outlet = description.inlet_node, description.outlet_node
     column = {name: k for k, name in enumerate(LEDGER_NAMES)}
-    into_outlet = (
-        seen.ledger_rate[:, column["mass_outlet"]] + seen.ledger_rate[:, column["mass_load"]]
-    )
+    ledger = history.states[:, system.arrays.size.core :]
+    into_outlet = _rate(ledger[:, column["mass_outlet"]] + ledger[:, column["mass_load"]], history)
+    from_inlet = _rate(-ledger[:, column["mass_inlet"]], history)
     sign = -1.0 if description.mode == "motor" else 1.0
     mean_in, mean_out = seen.pressure[:, inlet].mean(), seen.pressure[:, outlet].mean()
     return {
@@ -159,13 +177,21 @@ def _port_values(history: History, seen: Observation) -> dict[str, Array]:
         "shaft_torque": sign * seen.torque[:, -1],
         "inlet_pressure": seen.pressure[:, inlet],
         "outlet_pressure": seen.pressure[:, outlet],
-        "inlet_flow_rate": -seen.ledger_rate[:, column["mass_inlet"]] / seen.density[:, inlet],
+        "inlet_flow_rate": from_inlet / seen.density[:, inlet],
         "outlet_flow_rate": into_outlet / seen.density[:, outlet],
         "displacement": np.asarray(description.displacement),
         "inlet_density": np.asarray(mixture_density(mean_in, feed, fluid)),
         "outlet_density": np.asarray(mixture_density(mean_out, feed, fluid)),
         "specific_heat_capacity": np.asarray(fluid.specific_heat_capacity),
     }
+
+
+def _rate(mass: Array, history: History) -> Array:
+    """Mean flow about each sample, from the integrated mass.
+
+    Wide ports turn pressure errors within tolerance into noise of the momentary flow.
+    """
+    return np.gradient(mass, history.times)
 
 
 def _chamber_values(history: History, seen: Observation) -> dict[str, Array]:

@@ -137,6 +137,7 @@ def tip_path(assembly: Assembly, numbering: Numbering, gear: int, nodes: int) ->
         height_by_motion=smooth_table(FULL_TURN, _clearance_by_motion(gear, places)),
         drag_speed=monotone_table(FULL_TURN, np.full(places.size, 0.5 * speed)),
         shear_speed=monotone_table(FULL_TURN, np.full(places.size, speed)),
+        throat_speed=speed,
         wears=True,
     )
 

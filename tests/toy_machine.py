@@ -1,0 +1,79 @@
+"""A tiny machine with closed-form tables: cylinders with sinusoidal volumes and two ports."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toothspace.model.description import (
+    Body,
+    ChamberFamily,
+    FlowPath,
+    MachineDescription,
+)
+from toothspace.numerics.periodic_table import PeriodicTable, monotone_table, table_from_exact_slopes
+
+TURN = 2.0 * np.pi
+COUNT = 6
+MEAN_VOLUME = 1.2e-6
+AMPLITUDE = 0.5e-6
+GAP = 15e-6
+
+
+def toy_machine(nodes: int = 720) -> MachineDescription:
+    """Six cylinders; each fills while its volume grows and empties while it shrinks."""
+    angle = np.arange(nodes) * TURN / nodes
+    phases = np.arange(COUNT) * TURN / COUNT
+    no_motion = np.zeros((nodes, 0))
+    family = ChamberFamily(
+        name="cylinder",
+        angle_ratio=1.0,
+        phases=phases,
+        volume=table_from_exact_slopes(
+            TURN, MEAN_VOLUME - AMPLITUDE * np.cos(angle), AMPLITUDE * np.sin(angle)
+        ),
+        volume_by_motion=PeriodicTable(TURN, no_motion, no_motion),
+    )
+    chambers = np.arange(COUNT)
+    return MachineDescription(
+        name="toy",
+        mode="pump",
+        displacement=2.0 * AMPLITUDE * COUNT / TURN,
+        bodies=(Body("rotor", (0.0, 0.0), 1.0, 0.1, 1e-5),),
+        motions=(),
+        families=(family,),
+        paths=(
+            _port("inlet_port", COUNT, phases, angle, np.sin(angle)),
+            _port("outlet_port", COUNT + 1, phases, angle, -np.sin(angle)),
+            FlowPath(
+                name="leak",
+                category="lateral",
+                kind="parallel_gap",
+                nodes_a=chambers,
+                nodes_b=np.roll(chambers, -1),
+                angle_ratio=1.0,
+                phases=phases,
+                geometry=PeriodicTable(
+                    TURN,
+                    np.tile([GAP, 10e-3, 2e-3], (nodes, 1)),
+                    np.zeros((nodes, 3)),
+                ),
+            ),
+        ),
+    )
+
+
+def _port(
+    category: str, node: int, phases: np.ndarray, angle: np.ndarray, opening: np.ndarray
+) -> FlowPath:
+    area = 4e-5 * np.maximum(opening, 0.0)
+    geometry = np.stack([area, np.sqrt(area) + 1e-5], axis=1)
+    return FlowPath(
+        name=category,
+        category=category,
+        kind="orifice",
+        nodes_a=np.arange(COUNT),
+        nodes_b=np.full(COUNT, node),
+        angle_ratio=1.0,
+        phases=phases,
+        geometry=monotone_table(TURN, geometry),
+    )
