@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import pkgutil
 import platform
+from importlib import import_module
 
 import psutil
 
-from benchmarks import bench_command_line, bench_geometry, bench_lumped
+import benchmarks
 
 
 def main() -> None:
-    """Run and print every benchmark, then the largest memory of the process."""
+    """Run the ``report`` of every module ``bench_*``, then print the memory of the process."""
     print(f"Python {platform.python_version()}, {platform.machine()}, one thread")
-    for benchmark in (bench_command_line, bench_geometry, bench_lumped):
-        print()
-        benchmark.report()
+    for module in pkgutil.iter_modules(benchmarks.__path__):
+        if module.name.startswith("bench_"):
+            print()
+            import_module(f"benchmarks.{module.name}").report()
     print(f"\nmemory of this process: {psutil.Process().memory_info().rss / 2**20:.0f} MiB")
 
 
