@@ -7,7 +7,7 @@ import sys
 import time
 
 
-def report(repeats: int = 5) -> None:
+def main(repeats: int = 5) -> None:
     """Print the best time of ``toothspace --help``."""
     command = [sys.executable, "-m", "toothspace", "--help"]
     seconds = []

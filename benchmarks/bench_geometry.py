@@ -12,7 +12,7 @@ from toothspace.machines.external_gear.describe import DEFAULT_NODES
 CASE = Path(__file__).resolve().parents[1] / "cases" / "egm12_motor.toml"
 
 
-def report(repeats: int = 3) -> None:
+def main(repeats: int = 3) -> None:
     """Print the time of the first and of the best warm call."""
     case = api.load_case(CASE)
     seconds = []

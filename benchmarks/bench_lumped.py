@@ -276,7 +276,7 @@ def print_at_equal_error(outcomes: list[Outcome]) -> None:
         print(f"{name:18s}{seconds:9.3f}{seconds / own.seconds:8.2f}")
 
 
-def report() -> None:
+def main() -> None:
     """Print the table of integrators."""
     problem = Problem()
     rhs, jac = callback_microseconds(problem)
