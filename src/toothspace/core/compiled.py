@@ -34,6 +34,9 @@ os.environ.setdefault("NUMBA_CACHE_DIR", str(CACHE_FOLDER))
 import numba  # noqa: E402  (the cache folder must be set first)
 from numba.extending import register_jitable  # noqa: E402
 
+# Numba reads the variable once, perhaps before this module was imported.
+numba.config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"]
+
 njit = numba.njit
 prange = numba.prange
 kernel = numba.njit(cache=True, error_model="numpy", _nrt=False)
