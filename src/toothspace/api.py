@@ -24,6 +24,7 @@ from toothspace.model.assembly import assemble
 from toothspace.model.description import MachineDescription
 from toothspace.model.fluid import fluid_law
 from toothspace.model.operating_point import OperatingCondition
+from toothspace.presets import PRESETS
 from toothspace.results.solution import Solution
 from toothspace.solver.cyclic import History, RunPlan, march_revolutions
 from toothspace.solver.ideal import ideal_solution
@@ -54,7 +55,7 @@ def load_case(path: str | Path, overrides: Iterable[str] = ()) -> Case:
 def describe(case: Case) -> MachineDescription:
     """Turn the machine of a case into its tables."""
     if case.machine_spec is None:
-        raise CaseError("machine: found none, allowed: a case with a [machine] table")
+        raise CaseError("machine: found none, allowed a case with a [machine] table")
     description: MachineDescription = machine_type(case.machine_type).describe(case.machine_spec)
     return description
 
@@ -70,7 +71,8 @@ def simulate(case: Case, progress: Progress | None = None) -> Solution:
         Called with the finished share and a short text.
     """
     if case.operating_point is None:
-        raise CaseError("operating_point: found none, allowed: a case with an [operating_point]")
+        raise CaseError("operating_point: found none, allowed a case with an [operating_point]")
+    PRESETS[case.run.fidelity].require_solved()
     started = time.perf_counter()
     announce_first_compilation()
     description, fluid = describe(case), fluid_of(case)
@@ -242,7 +244,7 @@ def _running_in_values(
 def _fluid_at(case: Case, temperature: float) -> FluidLaw:
     choice = case.fluid
     if choice is None:
-        raise CaseError("fluid: found none, allowed: a case with a [fluid] table")
+        raise CaseError("fluid: found none, allowed a case with a [fluid] table")
     return fluid_law(
         choice.table if choice.table is not None else choice.name,
         temperature,

@@ -8,7 +8,7 @@ class ToothspaceError(Exception):
 
 
 class CaseError(ToothspaceError):
-    """A case file asks for something impossible: names file, key, value found and what is allowed."""
+    """A case file asks for the impossible: names file, key, value found and what is allowed."""
 
 
 class GeometryError(CaseError):

@@ -12,6 +12,9 @@ the casing, so at a tooth tip the part of the gap that motion opens moves with t
 drag there is :math:`w (u h - U \delta h)\, \omega` with the tooth speed U = 2 u. A smooth
 disc then pumps half its surface speed times the gap, eccentric or not.
 
+The discharge coefficient C is 0.7 at sharp edges (ports, grooves, tip lands) and 1 in the
+smooth throat between two flanks, where one dynamic head is lost behind the throat.
+
 The fluid carries the density and gas content of the node that it leaves. The power lost in
 a path is the drop of enthalpy flow plus the work of the dragging walls against pressure.
 """
@@ -61,7 +64,8 @@ from toothspace.model.arrays import (
 from toothspace.model.ledger import THROTTLING
 
 ORIFICE, PARALLEL_GAP, CURVED_GAP = 0, 1, 2
-DISCHARGE_COEFFICIENT = 0.7
+SHARP_EDGE = 0.7
+SMOOTH_THROAT = 1.0
 HEIGHT_SMOOTHING = 1e-7
 CLOSED_ORIFICE = 1e-12
 CLOSED_GAP = 1e-7
@@ -138,10 +142,12 @@ def update_flows(s: SystemArrays, speed: float) -> None:
         if kind == ORIFICE:
             conductance = orifice_conductance(first, second, viscosity)
             area = first
+            discharge = SHARP_EDGE
         else:
             height, factor = running_height(path[j, HEIGHT], data[j, MINIMUM_HEIGHT])
             conductance, by_height = gap_conductance(kind, height, second, third, viscosity)
             area = second * height
+            discharge = SMOOTH_THROAT if kind == CURVED_GAP else SHARP_EDGE
             by_height *= factor
             carried = second * data[j, THROAT_SPEED]
             drag = area * values[j, DRAG_SPEED] - carried * (path[j, HEIGHT] - first)
@@ -149,7 +155,7 @@ def update_flows(s: SystemArrays, speed: float) -> None:
             shear = values[j, SHEAR_SPEED] ** 2 * second * third / height
             path[j, SHEAR] = many * viscosity * speed * shear
         flow, by_pressure, by_conductance = inertial_laminar_flow(
-            drop, conductance, DISCHARGE_COEFFICIENT * area, density
+            drop, conductance, discharge * area, density
         )
         path[j, VOLUME_FLOW] = many * (flow + drag * speed)
         path[j, FLOW_BY_PRESSURE] = many * by_pressure

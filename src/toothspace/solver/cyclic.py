@@ -62,9 +62,9 @@ def march_revolutions(
 ) -> History:
     """March until cyclic, or for a number of revolutions; an interrupt keeps what is done.
 
-    Two revolutions agree when all chamber states differ by less than 2e-4 of the largest
-    port pressure and all bodies by less than 2e-3 of their clearance, in the same units as
-    the error weights of the integrator.
+    Two revolutions agree when the pressures differ by less than 2e-4 of the largest port
+    pressure (root mean square over chambers and samples) and all bodies by less than 2e-3 of
+    their clearance.
     """
     march = start_march(system, start_state(system) if state is None else state)
     turn = 2.0 * np.pi / system.condition.shaft_speed
@@ -113,7 +113,7 @@ def _repeats(system: System, before: Piece, after: Piece) -> bool:
     old = observe(system.arrays, before.states[every]).pressure
     new = observe(system.arrays, after.states[every]).pressure
     scale = max(system.condition.inlet_pressure, system.condition.outlet_pressure)
-    if np.max(np.abs(new - old)) > _CYCLIC_PRESSURE * scale:
+    if np.sqrt(np.mean((new - old) ** 2)) > _CYCLIC_PRESSURE * scale:
         return False
     size = system.arrays.size
     positions = slice(size.position, size.velocity)

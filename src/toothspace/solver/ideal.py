@@ -99,8 +99,9 @@ def outlet_members(
 ) -> BoolArray:
     """Which chambers deliver to the outlet; shape (angles, chambers).
 
-    Each group of joined chambers belongs to the port to which it is wider open; where it
-    is open to none, to the outlet while it shrinks.
+    Each group of joined chambers belongs to the port to which it is wider open; a group
+    between two contacts, open to none, belongs to the outlet while it shrinks: relief grooves
+    are taken as perfectly timed.
     """
     preference = _opening_preference(description, shaft_angle)
     rate = _volume_rates(description, shaft_angle)
@@ -135,7 +136,7 @@ def _opening_preference(description: MachineDescription, shaft_angle: Array) -> 
     result = np.zeros((shaft_angle.size, description.chamber_count))
     sign = {description.inlet_node: -1.0, description.outlet_node: 1.0}
     for path in description.paths:
-        if path.kind != "orifice" or int(path.nodes_b[0]) not in sign:
+        if path.category not in ("inlet_port", "outlet_port"):
             continue
         angles = path.phases + path.angle_ratio * shaft_angle[:, None]
         area = np.maximum(path.geometry(angles)[..., 0], 0.0)
