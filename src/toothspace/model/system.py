@@ -36,7 +36,7 @@ from toothspace.model.chambers import (
     update_pressures,
     update_volumes,
 )
-from toothspace.model.friction import book_friction
+from toothspace.model.friction import book_friction, mesh_force
 from toothspace.model.ledger import GAS_MASS, GAS_RELAXATION, MASS, PORT_NODES, RADIAL_LOAD, SHAFT
 from toothspace.model.network import book_throttling, update_network, update_partners
 from toothspace.model.tables import fill_slopes, fill_values
@@ -157,7 +157,7 @@ def error_weights(t: float, state: Array, s: SystemArrays, weight: Array) -> Non
 
 @kernel
 def event_values(t: float, state: Array, s: SystemArrays, values: Array) -> None:
-    """Signed distances to events: onset of vapour in each chamber, then each body at its stop."""
+    """Signed distances to events: vapour in a chamber, a body at its stop, contact lost."""
     evaluate_pressures(s, state)
     node, journal, size = s.node, s.journal, s.size
     onset = s.fluid.vapour_pressure + 2.0 * s.fluid.vapour_smoothing
@@ -168,3 +168,5 @@ def event_values(t: float, state: Array, s: SystemArrays, values: Array) -> None
         ey = state[size.position + int(journal[j, MOTION_Y])] - journal[j, BUSH_Y]
         distance = math.sqrt(ex * ex + ey * ey)
         values[size.chambers + j] = 1.0 - distance / journal[j, JOURNAL_CLEARANCE]
+    if size.contacts > 0:
+        values[size.chambers + size.journals] = mesh_force(s)

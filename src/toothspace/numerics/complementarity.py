@@ -17,6 +17,7 @@ import numpy as np
 
 from toothspace.core.compiled import inlined, njit
 from toothspace.core.types import Array, IntArray
+from toothspace.numerics.banded import stencil_product
 from toothspace.numerics.linear_system import (
     LOOSE,
     PRESCRIBED,
@@ -29,6 +30,7 @@ from toothspace.numerics.linear_system import (
     prefers_direct,
 )
 from toothspace.numerics.structured_grid import CellBalance, coarsened, grid_shape
+from toothspace.numerics.vectors import norm
 
 
 class Constraint(IntEnum):
@@ -179,37 +181,45 @@ def residual(b: CellBalance, change: CellBalance, potential: Array, saturation: 
 
 
 @njit(cache=True)
-def _settle(b: CellBalance, kind: IntArray, unknown: Array, backward: bool) -> None:
-    """Revise the kinds by one sweep along the flow, each cell solved on its own.
+def _settle(b: CellBalance, kind: IntArray, unknown: Array, sweeps: int) -> None:
+    """Revise the kinds by sweeps along the flow, each cell solved on its own.
 
-    A strip of cells that changes its kind one after another settles at once this way.
+    A strip of cells that changes its kind one after another settles at once this way. Negative
+    sweeps run against the first index.
     """
     rows, lanes = kind.shape
     values = unknown.copy().reshape(rows, lanes)
-    potential = np.where(kind == 1, 0.0, values)
-    saturation = np.where(kind == 1, values, 1.0)
+    potential = np.where(kind == 1, 0.0, np.maximum(values, 0.0))
+    saturation = np.where(kind == 1, np.minimum(values, 1.0), 1.0)
     u, s = bordered(b, potential, saturation)
+    for _ in range(abs(sweeps)):
+        if b.ring:
+            u[0], u[-1], s[0], s[-1] = u[-2], u[1], s[-2], s[1]
+        for step in range(rows):
+            _settle_row(b, kind, u, s, rows - 1 - step if sweeps < 0 else step)
+
+
+@njit(cache=True)
+def _settle_row(b: CellBalance, kind: IntArray, u: Array, s: Array, i: int) -> None:
     gx, gy, cx, cy = b.conductance_x, b.conductance_y, b.advection_x, b.advection_y
-    storage, source = b.storage, b.source
-    for step in range(rows):
-        i = rows - 1 - step if backward else step
-        for j in range(lanes):
-            if kind[i, j] == 2:
-                continue
-            p, q = i + 1, j + 1
-            supply = source[i, j] + gx[i, j] * u[p - 1, q] + gx[i + 1, j] * u[p + 1, q]
-            supply += gy[i, j] * u[p, q - 1] + gy[i, j + 1] * u[p, q + 1]
-            supply += max(cx[i, j], 0.0) * s[p - 1, q] - min(cx[i + 1, j], 0.0) * s[p + 1, q]
-            supply += max(cy[i, j], 0.0) * s[p, q - 1] - min(cy[i, j + 1], 0.0) * s[p, q + 1]
-            leaving = storage[i, j] + max(cx[i + 1, j], 0.0) - min(cx[i, j], 0.0)
-            leaving += max(cy[i, j + 1], 0.0) - min(cy[i, j], 0.0)
-            if supply >= leaving or leaving <= 0.0:
-                conducted = gx[i, j] + gx[i + 1, j] + gy[i, j] + gy[i, j + 1]
-                u[p, q], s[p, q] = max(supply - leaving, 0.0) / conducted, 1.0
-                kind[i, j] = 0
-            else:
-                u[p, q], s[p, q] = 0.0, supply / leaving
-                kind[i, j] = 1
+    p = i + 1
+    for j in range(kind.shape[1]):
+        if kind[i, j] == 2:
+            continue
+        q = j + 1
+        supply = b.source[i, j] + gx[i, j] * u[p - 1, q] + gx[i + 1, j] * u[p + 1, q]
+        supply += gy[i, j] * u[p, q - 1] + gy[i, j + 1] * u[p, q + 1]
+        supply += max(cx[i, j], 0.0) * s[p - 1, q] - min(cx[i + 1, j], 0.0) * s[p + 1, q]
+        supply += max(cy[i, j], 0.0) * s[p, q - 1] - min(cy[i, j + 1], 0.0) * s[p, q + 1]
+        leaving = b.storage[i, j] + max(cx[i + 1, j], 0.0) - min(cx[i, j], 0.0)
+        leaving += max(cy[i, j + 1], 0.0) - min(cy[i, j], 0.0)
+        if supply >= leaving or leaving <= 0.0:
+            conducted = gx[i, j] + gx[i + 1, j] + gy[i, j] + gy[i, j + 1]
+            u[p, q], s[p, q] = max(supply - leaving, 0.0) / conducted, 1.0
+            kind[i, j] = 0
+        else:
+            u[p, q], s[p, q] = 0.0, max(supply, 0.0) / leaving
+            kind[i, j] = 1
 
 
 @njit(cache=True)
@@ -301,13 +311,12 @@ def solve_complementarity(
     """
     kind = _initial_kind(balance, constraint, start)
     scale = potential_scale(balance)
-    backward = bool(balance.advection_x.sum() < 0.0)
+    sense = -1 if balance.advection_x.sum() < 0.0 else 1
     direct = prefers_direct(balance)
     band = np.empty((kind.size if direct else 0, 2 * kind.shape[1] + 1))
     unknown = np.zeros(kind.size)
     for number in range(1, max_passes + 1):
-        if balance.ring and number <= _RING_CLOSURES:
-            _close_rings(balance, kind)
+        _close_rings(balance, kind, number)
         stencil, rhs = assemble(balance, kind)
         system: LinearSystem
         if direct:
@@ -322,11 +331,20 @@ def solve_complementarity(
             changed = _revise(balance, constraint, kind, unknown, scale)
         if changed == 0:
             break
-        settles = number <= _SETTLING_PASSES or (changed > 1 and number <= 4 * _SETTLING_PASSES)
-        if constraint is Constraint.CONSERVING and settles:
-            _settle(balance, kind, unknown, backward)
+        if constraint is Constraint.CONSERVING:
+            _settle(balance, kind, unknown, sense * _sweeps(number, changed))
         unknown = np.where((used == kind).ravel(), unknown, 0.0)
-    return _collect(used, unknown, system, number, changed == 0)
+    error = norm(rhs - stencil_product(stencil, unknown, *grid_shape(balance)))
+    converged = changed == 0 and error <= _ACCEPTED * norm(rhs)
+    return _collect(used, unknown, system, number, converged)
+
+
+def _sweeps(number: int, changed: int) -> int:
+    """Sweeps after a pass: one at first, many now and then if the passes go in circles."""
+    if number in _RESCUES:
+        return _RESCUES[number]
+    peeling = 1 < changed < 10 and number <= 4 * _SETTLING_PASSES
+    return 1 if number <= _SETTLING_PASSES or peeling else 0
 
 
 def _revise(
@@ -343,20 +361,30 @@ def _revise(
 _SETTLING_PASSES = 6
 """Passes followed by a sweep; later a sweep from old potentials could undo a revision for ever."""
 
+_RESCUES = {8: 50, 16: 200, 32: 800}
+"""Passes after which the cavity is found afresh by many sweeps, and how many."""
+
+_ACCEPTED = 1e-8
+"""Relative residual above which a solution counts as not converged. [-]"""
+
 _COARSE_SWEEPS = 1
 """Sweeps that settle the kinds taken from a coarser grid. [-]"""
 
 _RING_CLOSURES = 8
-"""Passes in which rings without a saturated cell are given one."""
+"""Passes in which rings that gain or lose volume are closed."""
 
 
-def _close_rings(balance: CellBalance, kind: IntArray) -> None:
+def _close_rings(balance: CellBalance, kind: IntArray, number: int) -> None:
     """Saturate the narrowest cell of every lane that is unsaturated all the way round.
 
     Such a lane passes on whatever it holds and its saturation is undetermined; any inflow
-    fills it up to where it passes least.
+    fills it up to where it passes least. Storage determines it, if slowly.
     """
+    if not balance.ring:
+        return
     lanes = np.flatnonzero((kind == UNSATURATED).all(axis=0))
+    if number > _RING_CLOSURES:
+        lanes = lanes[~balance.storage[:, lanes].any(axis=0)]
     narrowest = np.argmin(np.abs(balance.advection_x[1:, lanes]), axis=0)
     kind[narrowest, lanes] = SATURATED
 
@@ -399,8 +427,12 @@ def _from_coarse(balance: CellBalance, constraint: Constraint) -> IntArray:
     potential = _refined(_refined(coarse.potential, rows).T, lanes).T
     saturation = np.repeat(np.repeat(coarse.saturation, 2, axis=0), 2, axis=1)[:rows, :lanes]
     unknown = np.where(kind == UNSATURATED, saturation, potential).ravel()
-    for _ in range(_COARSE_SWEEPS):
-        _settle(balance, kind, unknown, bool(balance.advection_x.sum() < 0.0))
+    _settle(
+        balance,
+        kind,
+        unknown,
+        -_COARSE_SWEEPS if balance.advection_x.sum() < 0.0 else _COARSE_SWEEPS,
+    )
     return kind
 
 

@@ -108,8 +108,12 @@ class March:
         if index < description.chamber_count:
             kind = "cavitation_onset" if direction < 0 else "cavitation_end"
             return kind, description.chamber_labels[index]
-        kind = "body_at_stop" if direction < 0 else "body_off_stop"
-        return kind, description.journals[index - description.chamber_count].body
+        journal = index - description.chamber_count
+        if journal < self.system.arrays.size.journals:
+            kind = "body_at_stop" if direction < 0 else "body_off_stop"
+            return kind, description.journals[journal].body
+        assert description.mesh is not None
+        return "contact_lost" if direction < 0 else "contact_made", description.mesh.contact
 
 
 @final
@@ -126,7 +130,7 @@ class Piece:
 def start_march(system: System, state: Array, max_steps: int = 50_000_000) -> March:
     """Prepare an integration from a state at time zero."""
     size = system.arrays.size
-    events = size.chambers + size.journals
+    events = size.chambers + size.journals + (1 if size.contacts else 0)
     program = analyse(system.pattern)
     speed = abs(system.condition.shaft_speed)
     settings = make_settings(
