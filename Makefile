@@ -13,6 +13,8 @@ help:  ## list the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
 
 $(READY): requirements/lock.txt pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+		{ echo "Python 3.11 or newer is needed: make PYTHON=python3.12 ..." >&2; exit 1; }
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements/lock.txt
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
@@ -26,6 +28,8 @@ demo: $(READY)  ## simulate the 12-tooth motor from parameters and from a CAD pr
 	$(BIN)/toothspace report $(DEMO)/egm12_motor.nc -o $(DEMO)/egm12_motor.html
 	$(BIN)/toothspace run cases/egm12_motor_profile.toml -o $(DEMO)/egm12_motor_profile.nc
 	$(BIN)/toothspace report $(DEMO)/egm12_motor_profile.nc -o $(DEMO)/egm12_motor_profile.html
+	@printf '%s\n' "" "Open in a browser:" "  $(CURDIR)/$(DEMO)/egm12_motor.html" \
+		"  $(CURDIR)/$(DEMO)/egm12_motor_profile.html"
 
 test: $(READY)  ## run the test suite (without the slow validation runs)
 	$(BIN)/python -m pytest -q -n $(WORKERS) --dist worksteal
