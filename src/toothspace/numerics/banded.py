@@ -97,7 +97,7 @@ def _update_row(flat: Array, columns: int, first: int, row: int) -> None:
     r2, r3 = flat[p2 + start : p2 + stop], flat[p3 + start : p3 + stop]
     for c in range(target.size):
         target[c] -= f0 * r0[c] + f1 * r1[c] + f2 * r2[c] + f3 * r3[c]
-    for c in range(stop, min(first + 3 + width, n - 1) + 1):
+    for c in range(max(start, stop), min(first + 3 + width, n - 1) + 1):
         total = f3 * flat[p3 + c]
         if c <= first + 1 + width:
             total += f1 * flat[p1 + c]

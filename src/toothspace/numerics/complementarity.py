@@ -44,6 +44,10 @@ class Constraint(IntEnum):
     """The potential is zero, the saturation falls below one and the balance holds."""
 
 
+ROUNDING = 1e-10
+"""Part of its scale by which an unknown may break a bound before its cell changes kind. [-]"""
+
+
 @njit(cache=True)
 def bordered(b: CellBalance, potential: Array, saturation: Array) -> tuple[Array, Array]:
     """Fields with one more cell on every side: given potentials at full saturation, or the ring."""
@@ -181,11 +185,12 @@ def residual(b: CellBalance, change: CellBalance, potential: Array, saturation: 
 
 
 @njit(cache=True)
-def _settle(b: CellBalance, kind: IntArray, unknown: Array, sweeps: int) -> None:
+def _settle(b: CellBalance, kind: IntArray, unknown: Array, sweeps: int, empty: int) -> None:
     """Revise the kinds by sweeps along the flow, each cell solved on its own.
 
     A strip of cells that changes its kind one after another settles at once this way. Negative
-    sweeps run against the first index.
+    sweeps run against the first index. Cells on the bound become ``empty``: UNSATURATED, or
+    PRESCRIBED for an obstacle.
     """
     rows, lanes = kind.shape
     values = unknown.copy().reshape(rows, lanes)
@@ -196,15 +201,15 @@ def _settle(b: CellBalance, kind: IntArray, unknown: Array, sweeps: int) -> None
         if b.ring:
             u[0], u[-1], s[0], s[-1] = u[-2], u[1], s[-2], s[1]
         for step in range(rows):
-            _settle_row(b, kind, u, s, rows - 1 - step if sweeps < 0 else step)
+            _settle_row(b, kind, u, s, rows - 1 - step if sweeps < 0 else step, empty)
 
 
 @njit(cache=True)
-def _settle_row(b: CellBalance, kind: IntArray, u: Array, s: Array, i: int) -> None:
+def _settle_row(b: CellBalance, kind: IntArray, u: Array, s: Array, i: int, empty: int) -> None:
     gx, gy, cx, cy = b.conductance_x, b.conductance_y, b.advection_x, b.advection_y
     p = i + 1
     for j in range(kind.shape[1]):
-        if kind[i, j] == 2:
+        if b.mark[i, j] == 2:
             continue
         q = j + 1
         supply = b.source[i, j] + gx[i, j] * u[p - 1, q] + gx[i + 1, j] * u[p + 1, q]
@@ -218,8 +223,8 @@ def _settle_row(b: CellBalance, kind: IntArray, u: Array, s: Array, i: int) -> N
             u[p, q], s[p, q] = max(supply - leaving, 0.0) / conducted, 1.0
             kind[i, j] = 0
         else:
-            u[p, q], s[p, q] = 0.0, max(supply, 0.0) / leaving
-            kind[i, j] = 1
+            u[p, q], s[p, q] = 0.0, max(supply, 0.0) / leaving if empty == 1 else 1.0
+            kind[i, j] = empty
 
 
 @njit(cache=True)
@@ -230,10 +235,10 @@ def _revise_conserving(kind: IntArray, unknown: Array, scale: float) -> int:
     for i in range(kind.shape[0]):
         for j in range(lanes):
             value = unknown[i * lanes + j]
-            if kind[i, j] == 0 and value < -1e-12 * scale:
+            if kind[i, j] == 0 and value < -ROUNDING * scale:
                 kind[i, j] = 1
                 changed += 1
-            elif kind[i, j] == 1 and value > 1.0 + 1e-12:
+            elif kind[i, j] == 1 and value > 1.0 + ROUNDING:
                 kind[i, j] = 0
                 changed += 1
     return changed
@@ -251,7 +256,7 @@ def _revise_obstacle(b: CellBalance, kind: IntArray, unknown: Array, scale: floa
         for j in range(lanes):
             if b.mark[i, j] == 2:
                 continue
-            if kind[i, j] == 0 and potential[i, j] < -1e-12 * scale:
+            if kind[i, j] == 0 and potential[i, j] < -ROUNDING * scale:
                 kind[i, j] = 2
                 changed += 1
             elif kind[i, j] == 2 and net[i, j] < -size:
@@ -332,7 +337,10 @@ def solve_complementarity(
         if changed == 0:
             break
         if constraint is Constraint.CONSERVING:
-            _settle(balance, kind, unknown, sense * _sweeps(number, changed))
+            _settle(balance, kind, unknown, sense * _sweeps(number, changed), UNSATURATED)
+        else:
+            _settle(balance, kind, unknown, 1, PRESCRIBED)
+            _settle(balance, kind, unknown, -1, PRESCRIBED)
         unknown = np.where((used == kind).ravel(), unknown, 0.0)
     error = norm(rhs - stencil_product(stencil, unknown, *grid_shape(balance)))
     converged = changed == 0 and error <= _ACCEPTED * norm(rhs)
@@ -427,12 +435,8 @@ def _from_coarse(balance: CellBalance, constraint: Constraint) -> IntArray:
     potential = _refined(_refined(coarse.potential, rows).T, lanes).T
     saturation = np.repeat(np.repeat(coarse.saturation, 2, axis=0), 2, axis=1)[:rows, :lanes]
     unknown = np.where(kind == UNSATURATED, saturation, potential).ravel()
-    _settle(
-        balance,
-        kind,
-        unknown,
-        -_COARSE_SWEEPS if balance.advection_x.sum() < 0.0 else _COARSE_SWEEPS,
-    )
+    sense = -1 if balance.advection_x.sum() < 0.0 else 1
+    _settle(balance, kind, unknown, sense * _COARSE_SWEEPS, UNSATURATED)
     return kind
 
 

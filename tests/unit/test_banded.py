@@ -1,0 +1,64 @@
+"""Band factorisation against a dense solution, for every width around the panel."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from toothspace.numerics.banded import factor_band, fill_band, solve_band, stencil_product
+from toothspace.numerics.krylov import gmres
+
+
+@pytest.mark.parametrize("lanes", [1, 2, 3, 4, 5, 7, 12])
+@pytest.mark.parametrize("cut", [0, 3])
+def test_factors_solve_the_cut_system(lanes: int, cut: int) -> None:
+    """Random diagonally dominant five-point matrix, dense reference without the cut couplings."""
+    rows = 11
+    n = rows * lanes
+    rng = np.random.default_rng(lanes)
+    stencil = -rng.random((n, 5))
+    stencil[:, 2] = 4.5
+    index = np.arange(n).reshape(rows, lanes)
+    dense = np.zeros((n, n))
+    for i in range(rows):
+        for j in range(lanes):
+            r = index[i, j]
+            dense[r, r] = stencil[r, 2]
+            if i != cut:
+                dense[r, index[i - 1, j]] += stencil[r, 0]
+            if (i + 1) % rows != cut:
+                dense[r, index[(i + 1) % rows, j]] += stencil[r, 4]
+            if j > 0:
+                dense[r, index[i, j - 1]] += stencil[r, 1]
+            if j < lanes - 1:
+                dense[r, index[i, j + 1]] += stencil[r, 3]
+    band = np.empty((n, 2 * lanes + 1))
+    fill_band(stencil, rows, lanes, cut, band)
+    factor_band(band)
+    rhs = rng.normal(size=n)
+    assert solve_band(band, rhs, lanes, cut) == pytest.approx(
+        np.linalg.solve(dense, rhs), rel=1e-11
+    )
+
+
+def test_gmres_needs_as_many_iterations_as_distinct_eigenvalues() -> None:
+    values = np.repeat([1.0, 2.0, 5.0], 10)
+    rhs = np.random.default_rng(0).normal(size=30)
+    x, count = gmres(lambda v: values * v, lambda v: v.copy(), rhs)
+    assert count == 3
+    assert x == pytest.approx(rhs / values, rel=1e-10)
+
+
+def test_gmres_of_nothing_is_nothing() -> None:
+    x, count = gmres(lambda v: v, lambda v: v, np.zeros(4))
+    assert count == 0
+    assert not x.any()
+
+
+def test_stencil_product_closes_the_ring() -> None:
+    rows, lanes = 5, 3
+    stencil = np.zeros((15, 5))
+    stencil[:, 0] = 1.0
+    x = np.arange(15.0)
+    y = stencil_product(stencil, x, rows, lanes)
+    assert y.reshape(5, 3) == pytest.approx(np.roll(x.reshape(5, 3), 1, axis=0))
