@@ -13,9 +13,10 @@ two constant pressures, with one constant viscosity and a liquid without gas. Th
   corner and then with s(2 t - 1) along its flank.
 * Liquid: rho = rho0 [1 + a p / (1 + b p)].
 * Mass of a chamber: d(rho V)/dt = sum of mass flows, with dV/dphi from the moving walls.
-* Every path:  dp = Q/G + rho Q |Q| / (2 (C A)^2), C = 0.7, rho and mass flow of the upstream end,
-  plus wall drag Q_d = b h u with u the mean speed of the walls relative to the path.
-    - opening (port, groove):  G = 2 C^2 A Dh / (mu Re_t), Re_t = 35, Dh = 4 A / perimeter
+* Every path:  dp = Q/G + rho Q |Q| / (2 (C A)^2), rho and mass flow of the upstream end, C = 0.7
+  at sharp edges and 1 in throats, plus wall drag Q_d = b h u, u the mean speed of the walls
+  relative to the path.
+    - opening (port, groove):  G = 2 C^2 A Dh / (mu Re_t), Re_t = 350, Dh = 4 A / perimeter
     - parallel gap (tip, lateral, drain):  G = b h^3 / (12 mu L), A = b h
     - curved gap (throat):  G = 8 b h^2.5 / (36 pi sqrt(2 R) mu), 1/R = 1/R1 + 1/R2, A = b h
 * Tip: seals on the bore between the ports, with a smooth step of one tip land outside them.
@@ -52,7 +53,7 @@ CORNER_RADIUS = 50e-6  # edge of a tip corner at the end of a throat
 SPEED = 1500.0 * np.pi / 30.0
 INLET_PRESSURE, OUTLET_PRESSURE = 10e5, 100e5
 VISCOSITY, DENSITY, COMPLIANCE, STIFFENING = 0.026, 841.7, 0.6e-9, 1.17e-9
-DISCHARGE, TRANSITION = 0.7, 35.0
+DISCHARGE, THROAT_DISCHARGE, TRANSITION = 0.7, 1.0, 35.0
 
 # ---------------------------------------------------------------- 2. the tooth
 PITCH = 2.0 * np.pi / TEETH
@@ -348,11 +349,11 @@ def density_slope(p):
     return DENSITY * COMPLIANCE / (1.0 + STIFFENING * p) ** 2
 
 
-def path_flow(p_a, p_b, conductance, area, drag=0.0):
+def path_flow(p_a, p_b, conductance, area, drag=0.0, discharge=DISCHARGE):
     """Mass flow from a to b."""
     rho_a, rho_b = density(p_a), density(p_b)
     drop = p_a - p_b
-    ratio = conductance / (DISCHARGE * np.maximum(area, 1e-30))
+    ratio = conductance / (discharge * np.maximum(area, 1e-30))
     root = np.sqrt(1.0 + 2.0 * np.where(drop >= 0, rho_a, rho_b) * ratio**2 * abs(drop))
     volume_flow = 2.0 * conductance * drop / (1.0 + root) + drag
     return volume_flow * np.where(volume_flow > 0, rho_a, rho_b)
@@ -370,7 +371,8 @@ def parallel_gap(p_a, p_b, height, width, length, wall_speed):
 
 def curved_gap(p_a, p_b, height, width, radius, wall_speed):
     conductance = 8.0 * width * height**2.5 / (36.0 * np.pi * np.sqrt(2 * radius) * VISCOSITY)
-    return path_flow(p_a, p_b, conductance, width * height, width * height * wall_speed)
+    area = width * height
+    return path_flow(p_a, p_b, conductance, area, area * wall_speed, THROAT_DISCHARGE)
 
 
 class Pump:

@@ -10,7 +10,11 @@ from toothspace.model.description import (
     FlowPath,
     MachineDescription,
 )
-from toothspace.numerics.periodic_table import PeriodicTable, monotone_table, table_from_exact_slopes
+from toothspace.numerics.periodic_table import (
+    PeriodicTable,
+    monotone_table,
+    table_from_exact_slopes,
+)
 
 TURN = 2.0 * np.pi
 COUNT = 6

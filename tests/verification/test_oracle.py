@@ -103,6 +103,7 @@ def plain_liquid() -> FluidLaw:
         stiffening=oracle.STIFFENING,
         dynamic_viscosity=oracle.VISCOSITY,
         pressure_viscosity=0.0,
+        viscosity_temperature=0.0,
         nuclei_mass_fraction=1e-3 * law.nuclei_mass_fraction,
     )
 

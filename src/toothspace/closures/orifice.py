@@ -11,8 +11,9 @@ from toothspace.core.compiled import inlined
 DISCHARGE_COEFFICIENT = 0.7
 """Discharge coefficient of ports and grooves at high Reynolds number. [-]"""
 
-TRANSITION_REYNOLDS_NUMBER = 35.0
-"""Reynolds number of the laminar start of sharp openings (10 to 50, Borutzky 2002). [-]"""
+TRANSITION_REYNOLDS_NUMBER = 350.0
+"""Reynolds number of the laminar start of ports and grooves: slope of the tanh law at its usual
+critical flow number of 1000 (sharp thin orifices: 10 to 50, Borutzky 2002). [-]"""
 
 
 @inlined

@@ -16,6 +16,9 @@ from toothspace.films.journal_solver import solve_motion
 if TYPE_CHECKING:
     from toothspace.films.journal_bearing import JournalBearing
 
+_LONGEST_STEP = 0.5
+"""Longest step over the clearance. [-]"""
+
 _SMALLEST_SHRINK = 0.3
 """A step may shrink the smallest gap to this part."""
 
@@ -70,11 +73,17 @@ def _newton(
         error = film.force + load
         if np.hypot(*error) <= tolerance * size:
             return film
-        step = np.asarray(
-            np.linalg.solve(film.stiffness * bearing.radial_clearance, error), dtype=np.float64
-        )
-        film = _damped_step(bearing, load, film, step)
+        film = _damped_step(bearing, load, film, _newton_step(film, load))
     return replace(film, status=Status.NOT_CONVERGED)
+
+
+def _newton_step(film: JournalBearingSolution, load: Array) -> Array:
+    """Newton's step over the clearance; an empty film has no stiffness and follows the load."""
+    stiffness = film.stiffness * film.bearing.radial_clearance
+    if np.linalg.cond(stiffness) > 1e10:
+        return np.asarray(_LONGEST_STEP * load / np.hypot(*load), dtype=np.float64)
+    step = np.linalg.solve(stiffness, film.force + load)
+    return np.asarray(step * min(1.0, _LONGEST_STEP / max(np.hypot(*step), 1e-300)))
 
 
 def _damped_step(

@@ -33,8 +33,9 @@ from toothspace.model.tables import Members, TableBank
     EXCHANGE_RATE,
     EXCHANGE_BY_PRESSURE,
     EXCHANGE_BY_GAS,
-) = range(15)
-NODE_COLUMNS = 15
+    ROOT_VISCOSITY,
+) = range(16)
+NODE_COLUMNS = 16
 
 # Columns of ``path``: what flows through a path.
 (

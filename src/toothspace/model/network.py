@@ -55,6 +55,7 @@ from toothspace.model.arrays import (
     PARTNER_SHIFT,
     PRESENT_B,
     PRESSURE,
+    ROOT_VISCOSITY,
     SHEAR,
     SHEAR_SPEED,
     THROAT_SPEED,
@@ -117,6 +118,14 @@ def update_gap_heights(s: SystemArrays, state: Array) -> None:
 
 
 @kernel
+def update_viscosities(s: SystemArrays) -> None:
+    """Square root of the viscosity at every node: a path sees the geometric mean of its ends."""
+    node, fluid = s.node, s.fluid
+    for i in range(s.size.nodes):
+        node[i, ROOT_VISCOSITY] = math.sqrt(dynamic_viscosity(node[i, PRESSURE], fluid))
+
+
+@kernel
 def update_flows(s: SystemArrays, speed: float) -> None:
     """Flow of every path from the pressures at its ends and its gap, with derivatives."""
     node, path, values, index = s.node, s.path, s.path_values, s.path_index
@@ -132,11 +141,10 @@ def update_flows(s: SystemArrays, speed: float) -> None:
         a, b = index[j, NODE_A], index[j, PRESENT_B]
         drop = node[a, PRESSURE] - node[b, PRESSURE]
         density = node[a, DENSITY] if drop >= 0.0 else node[b, DENSITY]
+        viscosity = node[a, ROOT_VISCOSITY] * node[b, ROOT_VISCOSITY]
         if kind == CURVED_GAP:
             upstream = max(node[a, PRESSURE], node[b, PRESSURE])
             viscosity = throttling_viscosity(upstream, abs(drop), fluid)
-        else:
-            viscosity = dynamic_viscosity(0.5 * (node[a, PRESSURE] + node[b, PRESSURE]), fluid)
         many = data[j, MULTIPLICITY]
         drag, by_height, drag_by_height = 0.0, 0.0, 0.0
         if kind == ORIFICE:
@@ -189,6 +197,7 @@ def sum_flows(s: SystemArrays) -> None:
 @kernel
 def update_network(s: SystemArrays, state: Array) -> None:
     """Flows of all paths and their sums in the nodes."""
+    update_viscosities(s)
     update_gap_heights(s, state)
     update_flows(s, state[1])
     sum_flows(s)
