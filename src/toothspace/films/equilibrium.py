@@ -105,7 +105,9 @@ def _kept_inside(place: Array, step: Array, bearing: JournalBearing) -> Array:
     """Shorten a step that would close the gap; rough walls may overlap a little more each time."""
     ratio = float(np.hypot(*place))
     limit = ratio + (1.0 - _SMALLEST_SHRINK) * max(1.0 - ratio, 0.0)
-    if bearing.surfaces is not None:
+    if bearing.surfaces is None:
+        limit = min(limit, 0.9999)
+    else:
         limit += 0.5 * bearing.surfaces.roughness / bearing.radial_clearance
     for _ in range(60):
         if np.hypot(*(place + step)) <= limit:
