@@ -21,7 +21,8 @@ from toothspace.core.compiled import njit
 from toothspace.films import FilmFluid, Groove, JournalBearing, LateralFilm
 from toothspace.films.reynolds import film_balance
 from toothspace.numerics.complementarity import assemble
-from toothspace.numerics.multigrid import THREADS, ConductionSolver
+from toothspace.numerics.conduction import ConductionSolver
+from toothspace.numerics.multigrid import THREADS
 from toothspace.numerics.structured_grid import CellBalance
 
 SIZES = ((480, 64), (960, 128), (1600, 192), (2000, 500))

@@ -51,9 +51,9 @@ RESIDUAL_GAP = 1e-6  # roughness keeps touching flanks apart
 CORNER_RADIUS = 50e-6  # edge of a tip corner at the end of a throat
 
 SPEED = 1500.0 * np.pi / 30.0
-INLET_PRESSURE, OUTLET_PRESSURE = 10e5, 100e5
+INLET_PRESSURE, OUTLET_PRESSURE = 16e5, 100e5
 VISCOSITY, DENSITY, COMPLIANCE, STIFFENING = 0.026, 841.7, 0.6e-9, 1.17e-9
-DISCHARGE, THROAT_DISCHARGE, TRANSITION = 0.7, 1.0, 35.0
+DISCHARGE, THROAT_DISCHARGE, TRANSITION = 0.7, 1.0, 350.0
 
 # ---------------------------------------------------------------- 2. the tooth
 PITCH = 2.0 * np.pi / TEETH

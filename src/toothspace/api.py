@@ -246,7 +246,7 @@ def _fluid_at(case: Case, temperature: float) -> FluidLaw:
     if choice is None:
         raise CaseError("fluid: found none, allowed a case with a [fluid] table")
     return fluid_law(
-        choice.table if choice.table is not None else choice.name,
+        choice.source,
         temperature,
         choice.free_air_fraction,
         choice.dissolved_air_fraction,

@@ -17,8 +17,8 @@ from toothspace.films.reynolds import FluidField, film_balance
 from toothspace.numerics import complementarity
 from toothspace.numerics.banded import stencil_product
 from toothspace.numerics.complementarity import Constraint, assemble, solve_complementarity
+from toothspace.numerics.conduction import ConductionSolver
 from toothspace.numerics.linear_system import direct_system
-from toothspace.numerics.multigrid import ConductionSolver
 from toothspace.numerics.structured_grid import CellBalance
 
 CLEARANCE = 150e-6

@@ -78,10 +78,9 @@ def gas_exchange_rate(pressure: Any, gas_fraction: Any, law: FluidLaw) -> Any:
     undersaturation = total - henry * pressure
     missing = positive_part(undersaturation, width) - gas_fraction
     missing_by_pressure = -henry * positive_part_slope(undersaturation, width)
-    root = np.sqrt(missing * missing + width * width)
-    ratio = missing / root
-    released = 0.5 * missing * (1.0 + ratio)
-    released_slope = 0.5 * (1.0 + ratio * (2.0 - ratio * ratio))
+    step = np.minimum(np.maximum(missing / width, 0.0), 1.0)
+    released = missing * step * step * (3.0 - 2.0 * step)
+    released_slope = step * step * (9.0 - 8.0 * step)
     extra = law.release_rate - law.absorption_rate
     rate = law.absorption_rate * missing + extra * released
     slope = law.absorption_rate + extra * released_slope

@@ -105,6 +105,7 @@ def assemble(
         asperity=journals.asperity,
         node=_nodes(description, fluid, condition, sizes),
         motion=_motions(description, condition, free),
+        turns=np.zeros(max(sizes.paths, sizes.chambers, sizes.contacts), dtype=np.int64),
         **_work(sizes),
     )
     fill_constants(arrays.bank, arrays.paths, arrays.path_values)
@@ -280,7 +281,6 @@ def _work(sizes: Sizes) -> dict[str, Array]:
         "chamber_slopes": np.zeros((sizes.chambers, channels)),
         "path_values": np.zeros((sizes.paths, HEIGHT_BY_MOTION + sizes.motions)),
         "contact_values": np.zeros((sizes.contacts, _CONTACT_COLUMNS)),
-        "turns": np.zeros(max(sizes.paths, sizes.chambers, sizes.contacts), dtype=np.int64),
         "film_slopes": np.zeros((2, sizes.motions, sizes.motions)),
         "torque": np.zeros(len(FRICTION_MECHANISMS) + 1),
         "table_angle": np.array([np.nan]),

@@ -10,8 +10,8 @@ import numpy as np
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array, IntArray
 from toothspace.numerics.banded import factor_band, fill_band, solve_band, stencil_product
+from toothspace.numerics.conduction import ConductionSolver
 from toothspace.numerics.krylov import gmres
-from toothspace.numerics.multigrid import ConductionSolver
 from toothspace.numerics.structured_grid import CellBalance, grid_shape
 from toothspace.numerics.vectors import norm
 
