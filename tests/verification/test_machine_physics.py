@@ -1,0 +1,85 @@
+"""Balances, closed-form limits and trends that every pump designer knows, on the shipped cases."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import toothspace as ts
+from toothspace.results.solution import Solution
+
+CASES = Path(__file__).resolve().parents[2] / "cases"
+
+
+@cache
+def solved(name: str, *overrides: str) -> Solution:
+    return ts.simulate(ts.load_case(CASES / f"{name}.toml", overrides))
+
+
+@cache
+def number(key: str, name: str, *overrides: str) -> float:
+    return float(solved(name, *overrides).summary()[key])
+
+
+@pytest.mark.parametrize("name", ["egm12_motor", "egm12_pump"])
+def test_balances_close_with_all_motions_free(name: str) -> None:
+    solution = solved(name)
+    assert solution.status is ts.Status.DONE
+    assert solution.ledger.mass_balance_error < 1e-7
+    assert solution.ledger.energy_balance_error < 1e-5
+    assert 0.0 < number("overall_efficiency", name) < 1.0
+
+
+@pytest.mark.parametrize("name", ["egm12_motor", "egm12_pump"])
+def test_pressure_stays_above_vapour_pressure(name: str) -> None:
+    """Mineral oil: the numerical floor of 1 kPa."""
+    assert float(solved(name).data["chamber_pressure"].min()) > 1e3
+
+
+@pytest.mark.parametrize(
+    ("name", "ripple"), [("egm12_motor", 15.69), ("egm12_pump", 15.69), ("fuel14_pump", 14.03)]
+)
+def test_ideal_ripple_is_the_closed_form(name: str, ripple: float) -> None:
+    """(pb^2/4) / (ra^2 - rw^2 - pb^2/12) of the reference designs, single flank."""
+    ideal = solved(name, 'run.fidelity="ideal"')
+    assert ideal.summary()["flow_ripple_percent"] == pytest.approx(ripple, abs=0.1)
+    span = abs(ideal.data["outlet_pressure"] - ideal.data["inlet_pressure"])
+    power = ideal.data["shaft_torque"] * ideal.data["shaft_speed"]
+    flow = ideal.data["outlet_flow_rate"]
+    assert np.allclose(np.abs(power), np.abs(span * flow), rtol=1e-9)
+
+
+def test_volumetric_efficiency_rises_with_speed_and_falls_with_pressure_and_temperature() -> None:
+    base = number("volumetric_efficiency", "egm12_pump")
+    fast = number("volumetric_efficiency", "egm12_pump", 'operating_point.shaft_speed="2500 rpm"')
+    low = number("volumetric_efficiency", "egm12_pump", 'operating_point.outlet_pressure="80 bar"')
+    hot = number("volumetric_efficiency", "egm12_pump", 'fluid.temperature="80 degC"')
+    assert fast > base
+    assert low > base
+    assert hot < base
+
+
+def test_flow_ripple_peaks_at_the_tooth_frequency() -> None:
+    data = solved("egm12_pump").data
+    amplitude = np.abs(np.fft.rfft(np.asarray(data["outlet_flow_rate"])[:-1]))
+    assert int(np.argmax(amplitude[1:])) + 1 == 12
+
+
+def test_trapped_peak_grows_with_the_distance_of_the_closing_groove() -> None:
+    far = 'machine.relief_grooves.closing_side_offset="4.2 mm"'
+    base = number("max_chamber_pressure_bar", "egm12_pump")
+    assert number("max_chamber_pressure_bar", "egm12_pump", far) > 1.05 * base
+
+
+@pytest.mark.parametrize(("name", "side"), [("egm12_pump", "inlet"), ("egm12_motor", "outlet")])
+def test_running_in_cuts_the_low_pressure_side_only(name: str, side: str) -> None:
+    """Casing angle from opposite the mesh in the sense of rotation: outlet first, inlet last."""
+    data = solved(name).data
+    angle = np.degrees(np.asarray(data["casing_angle"]))
+    depth = np.asarray(data["running_in_depth"])
+    assert depth.max() > 1e-6
+    cut = angle[np.any(depth > 0.2e-6, axis=0)]
+    assert np.all(cut > 180.0) if side == "inlet" else np.all(cut < 180.0)
