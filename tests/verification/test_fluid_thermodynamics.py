@@ -90,7 +90,7 @@ def test_derivatives_of_the_gas_exchange(gas_law: str) -> None:
     for pressure in (2e3, 0.9e5, 1.03e5, 5e5):
         for fraction in (0.0, 0.02 * total, 0.5 * total, total):
             _, by_pressure, by_gas = gas_exchange_rate(pressure, fraction, law)
-            dp, df = 1.0, 1e-6 * total
+            dp, df = 1.0, 1e-7 * total
             p = (
                 gas_exchange_rate(pressure + dp, fraction, law)[0]
                 - gas_exchange_rate(pressure - dp, fraction, law)[0]
