@@ -24,7 +24,7 @@ def number(key: str, name: str, *overrides: str) -> float:
     return float(solved(name, *overrides).summary()[key])
 
 
-@pytest.mark.parametrize("name", ["egm12_motor", "egm12_pump"])
+@pytest.mark.parametrize("name", ["egm12_motor", "egm12_pump", "fuel14_pump"])
 def test_balances_close_with_all_motions_free(name: str) -> None:
     solution = solved(name)
     assert solution.status is ts.Status.DONE
