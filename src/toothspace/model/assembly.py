@@ -34,12 +34,14 @@ from toothspace.model.description import ContactPair, FlowPath, MachineDescripti
 from toothspace.model.films import JournalData, journal_data, lateral_torque_coefficient
 from toothspace.model.ledger import FRICTION_MECHANISMS, GAS_MASS, LEDGER_SIZE, MASS, PORT_NODES
 from toothspace.model.operating_point import OperatingCondition
+from toothspace.model.inlet_volume import inlet_gas_fraction
 from toothspace.model.paths import load_orifice, path_arrays, path_members, path_table
 from toothspace.model.quasi_static import bush_positions
 from toothspace.model.tables import OPEN, Members, fill_constants, pack_tables
 from toothspace.numerics.periodic_table import PeriodicTable, stack_tables
 
 _CONTACT_COLUMNS = 7
+_SLOWEST_SPEED = 1.0
 
 
 @final
@@ -268,6 +270,11 @@ def _nodes(
         condition.load_pressure,
     )
     ports[:, GAS] = fluid.feed_gas_mass_fraction
+    flow_rate = description.displacement * max(abs(condition.shaft_speed), _SLOWEST_SPEED)
+    residence_time = description.port_volumes[0] / flow_rate
+    node[description.inlet_node, GAS] = inlet_gas_fraction(
+        condition.inlet_pressure, residence_time, fluid
+    )
     ports[:, DENSITY] = mixture_density(ports[:, PRESSURE], ports[:, GAS], fluid)
     node[description.outlet_node, VOLUME] = description.port_volumes[1]
     return node
