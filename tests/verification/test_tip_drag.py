@@ -1,0 +1,102 @@
+"""Drag through the tip gaps: a smooth disc in a bore, centred and off centre."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+import toothspace as ts
+from toothspace.api import condition_of, fluid_of
+from toothspace.model.arrays import DRAG, HEIGHT, PRESENT_B
+from toothspace.model.assembly import System, assemble
+from toothspace.model.jacobian import jacobian
+from toothspace.model.system import right_hand_side
+from toothspace.solver.cyclic import RunPlan, march_revolutions
+from toothspace.solver.initial import start_state
+
+PUMP = Path(__file__).resolve().parents[2] / "cases" / "egm12_pump.toml"
+
+
+@cache
+def pump() -> System:
+    """The 12-tooth pump without running-in and with the same pressure at both ports."""
+    case = ts.load_case(PUMP, ('operating_point.outlet_pressure="1 bar"',))
+    description = ts.describe(case)
+    return assemble(description, fluid_of(case), condition_of(case, description))
+
+
+def tip_flows(system: System, shift: float) -> tuple[np.ndarray, np.ndarray]:
+    """Drag flows towards the space ahead and heights of the drive gear's tip gaps.
+
+    The gear is shifted along y. [m3/s], [m]
+    """
+    arrays = system.arrays
+    state = start_state(system)
+    motion = [system.description.motions[k] for k in system.free_motions]
+    column = next(
+        k
+        for k, m in enumerate(motion)
+        if (m.body, m.axis) == (system.description.bodies[0].name, "y")
+    )
+    state[arrays.size.position : arrays.size.velocity] = 0.0
+    state[arrays.size.position + column] = shift
+    right_hand_side(0.0, state, arrays, np.zeros(arrays.size.total))
+    chambers = system.description.families[0].count
+    index = arrays.path_index
+    tips = [
+        j for j in range(arrays.size.paths) if is_tip(system, j) and index[j, PRESENT_B] < chambers
+    ]
+    heights = arrays.path[tips, HEIGHT]
+    sealing = arrays.path_values[tips, 1] > 0.0
+    drag = arrays.path[tips, DRAG] * system.condition.shaft_speed
+    return drag[sealing], heights[sealing]
+
+
+def is_tip(system: System, row: int) -> bool:
+    rows = np.concatenate(
+        [np.full(p.count, p.category == "tooth_tip") for p in system.description.paths]
+    )
+    return bool(rows[row])
+
+
+def test_smooth_disc_carries_half_the_wall_speed_forward() -> None:
+    """Chambers end at the tip circle: b u h / 2 in the sense of rotation."""
+    system = pump()
+    flows, heights = tip_flows(system, 0.0)
+    speed = system.condition.shaft_speed * 0.5 * 40.372e-3
+    assert np.allclose(flows, 7.5e-3 * 0.5 * speed * heights, rtol=2e-3)
+
+
+def test_off_centre_disc_makes_one_reynolds_wedge() -> None:
+    """The part of the gap that motion opens moves with the tooth: b u (h0 - dh) / 2."""
+    flows, heights = tip_flows(pump(), 5e-6)
+    speed = pump().condition.shaft_speed * 0.5 * 40.372e-3
+    nominal, centred = tip_flows(pump(), 0.0)
+    opened = heights - centred
+    assert np.ptp(opened) > 5e-6
+    assert np.allclose(flows, nominal - 7.5e-3 * 0.5 * speed * opened, rtol=5e-3)
+
+
+def test_jacobian_of_a_gear_machine_is_the_derivative_of_its_rates() -> None:
+    system = pump()
+    arrays, size = system.arrays, system.arrays.size
+    state = march_revolutions(system, RunPlan(revolutions=1, samples_per_revolution=36)).states[17]
+    matrix = np.zeros((size.total, size.core))
+    jacobian(0.0, state, arrays, matrix)
+    assert not np.any(matrix[~system.pattern])
+    up, down = np.zeros(size.total), np.zeros(size.total)
+    mass = state[size.mass]
+    steps = np.repeat(
+        (1e-7 * mass, 1e-11 * mass, 1e-12, 1e-9),
+        (size.gas - size.mass, size.gas - size.mass, size.motions, size.motions),
+    )
+    for column, step in zip(range(size.mass, size.core), steps, strict=True):
+        for sign, rate in ((1.0, up), (-1.0, down)):
+            moved = state.copy()
+            moved[column] += sign * step
+            right_hand_side(0.0, moved, arrays, rate)
+        expected = ((up - down) / (2.0 * step))[: size.core]
+        scale = np.abs(expected).max() + 1e-6
+        assert np.abs(matrix[: size.core, column] - expected).max() < 2e-3 * scale
