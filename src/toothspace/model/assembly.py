@@ -32,9 +32,9 @@ from toothspace.model.arrays import (
 )
 from toothspace.model.description import ContactPair, FlowPath, MachineDescription
 from toothspace.model.films import JournalData, journal_data, lateral_torque_coefficient
+from toothspace.model.inlet_volume import inlet_gas_fraction
 from toothspace.model.ledger import FRICTION_MECHANISMS, GAS_MASS, LEDGER_SIZE, MASS, PORT_NODES
 from toothspace.model.operating_point import OperatingCondition
-from toothspace.model.inlet_volume import inlet_gas_fraction
 from toothspace.model.paths import load_orifice, path_arrays, path_members, path_table
 from toothspace.model.quasi_static import bush_positions
 from toothspace.model.tables import OPEN, Members, fill_constants, pack_tables
