@@ -119,6 +119,7 @@ def condition_of(case: Case, description: MachineDescription) -> OperatingCondit
         outlet_pressure=point.outlet_pressure,
         drain_pressure=description.drain_pressure,
         radial_load=point.shaft_radial_load,
+        compliant_mesh=case.run.mesh == "elastic",
         relative_tolerance=case.run.relative_tolerance,
     )
 

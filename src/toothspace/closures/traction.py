@@ -221,3 +221,65 @@ def mesh_friction_coefficient(
     )
     boundary = surface.boundary_friction * np.tanh(sliding_speed / _BOUNDARY_SPEED)
     return (1.0 - share) * traction * np.sign(sliding_speed) + share * boundary
+
+
+@inlined
+def mesh_friction_slopes(
+    line_load: float,
+    relative_radius: float,
+    sliding_speed: float,
+    rolling_speed_sum: float,
+    fluid: FluidLaw,
+    surface: FlankSurface,
+) -> tuple[float, float, float]:
+    """Friction coefficient of :func:`mesh_friction_coefficient` with its derivatives.
+
+    Parameters
+    ----------
+    line_load : float
+        Normal force per width, zero or positive. [N/m]
+    relative_radius : float
+        1 / (1/Ra + 1/Rb), concave radii negative. [m]
+    sliding_speed, rolling_speed_sum : float
+        Difference and sum of the surface speeds relative to the contact point. [m/s]
+    fluid, surface : FluidLaw, FlankSurface
+        Constants. [SI]
+
+    Returns
+    -------
+    friction : float
+        Friction coefficient, odd in the sliding speed. [-]
+    by_load : float
+        Derivative by the line load. [m/N]
+    by_sliding : float
+        Derivative by the sliding speed. [s/m]
+    """
+    total = np.sqrt(rolling_speed_sum * rolling_speed_sum + _REST_SPEED * _REST_SPEED)
+    slide_ratio = min(abs(sliding_speed) / total, 1.0)
+    scale = surface.effective_modulus * relative_radius
+    speed_number = fluid.dynamic_viscosity * total / scale
+    load_number = max(line_load / scale, 1e-12)
+    material_number = fluid.pressure_viscosity * surface.effective_modulus
+    film = film_thickness_dowson_higginson(0.5 * speed_number, material_number, load_number)
+    thinning = 1.8 * (film * relative_radius / surface.roughness) ** 1.2
+    share = np.exp(-thinning)
+    rounded = slide_ratio * slide_ratio + _SLIDE_ROUNDING * _SLIDE_ROUNDING
+    slide = rounded**0.405 - _SLIDE_ROUNDING**0.81
+    grip = 0.671e-6 * speed_number**0.26
+    grip *= (load_number * material_number * material_number) ** 3.32
+    traction, slope = grip * slide, 1.0
+    cap = 0.8 * surface.limiting_shear
+    if traction > cap:
+        bend = np.tanh(traction / surface.limiting_shear - 0.8)
+        traction, slope = cap + 0.021 * bend, 0.021 * (1.0 - bend * bend) / surface.limiting_shear
+    sign = np.sign(sliding_speed)
+    rise = np.tanh(sliding_speed / _BOUNDARY_SPEED)
+    boundary = surface.boundary_friction * rise
+    by_load = (1.0 - share) * sign * slope * 3.32 * grip * slide
+    by_load += 0.13 * 1.2 * thinning * share * (boundary - sign * traction)
+    by_sliding = share * surface.boundary_friction * (1.0 - rise * rise) / _BOUNDARY_SPEED
+    if slide_ratio < 1.0:
+        turned = 0.81 * slide_ratio * rounded**-0.595 / total
+        by_sliding += (1.0 - share) * slope * grip * turned
+    friction = (1.0 - share) * sign * traction + share * boundary
+    return friction, by_load / (load_number * scale), by_sliding

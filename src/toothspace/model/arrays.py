@@ -69,12 +69,51 @@ CHANNEL_VOLUME, CHANNEL_MESH, CHANNEL_MOTION = range(3)
 # Columns of ``path_values``: geometry, drag and shear speed, d(height)/d(each free motion).
 GEOMETRY, DRAG_SPEED, SHEAR_SPEED, HEIGHT_BY_MOTION = 0, 3, 4, 5
 
-# Columns of ``contact_values`` and the column of ``contact`` after it.
-GAP, LOAD_SHARE, RADIUS_A, RADIUS_B, SLIDING, ROLLING, CONTACT_FORCE = range(7)
+# Columns of ``contact_values``: in a rigid mesh, and where the contacts are compliant instead;
+# d(slip)/d(each free motion) follow those of the gap.
+GAP, LOAD_SHARE, RADIUS_A, RADIUS_B, SLIDING, ROLLING = range(6)
+CURVATURE, LAW_LEVEL, LAW_EXPONENT, POSSIBLE, GAP_BY_MOTION = 1, 2, 3, 6, 7
 
-# Columns of ``motion``.
-MOTION_MASS, EXTERNAL_FORCE, CLEARANCE, PRESSURE_FORCE, FILM_FORCE = range(5)
-MOTION_COLUMNS = 5
+# Columns of ``contact``: what acts in a contact, per contact.
+(
+    CONTACT_FORCE,
+    CONTACT_ENERGY,
+    CONTACT_DAMPING,
+    CONTACT_FRICTION,
+    CONTACT_SLIP,
+    CONTACT_TORQUE,
+    FORCE_BY_OVERLAP,
+    FORCE_BY_RATE,
+    FRICTION_BY_FORCE,
+    FRICTION_BY_SLIP,
+) = range(10)
+CONTACT_COLUMNS = 10
+
+# Columns of ``contact_data``: constants of the pair of each compliant contact.
+(
+    PAIR_MODULUS,
+    PAIR_ROUGHNESS,
+    PAIR_BOUNDARY,
+    PAIR_LIMIT,
+    PAIR_WIDTH,
+    PAIR_ONSET,
+    PAIR_DAMPING,
+    PAIR_POWER_LAW,
+    PAIR_ACCOUNT,
+) = range(9)
+
+# Columns of ``motion``; ratio and drag are those of a rotation, zero otherwise.
+(
+    MOTION_MASS,
+    EXTERNAL_FORCE,
+    CLEARANCE,
+    MOTION_RATIO,
+    LATERAL_DRAG,
+    PRESSURE_FORCE,
+    FILM_FORCE,
+    CONTACT_LOAD,
+) = range(8)
+MOTION_COLUMNS = 8
 
 # Columns of ``journal``.
 (
@@ -88,7 +127,12 @@ MOTION_COLUMNS = 5
     BUSH_X,
     BUSH_Y,
     BOUNDARY_FRICTION,
-) = range(10)
+    ROTATION,
+    FILM_MAP,
+    FILM_X,
+    FILM_Y,
+) = range(14)
+JOURNAL_COLUMNS = 14
 
 
 class Sizes(NamedTuple):
@@ -101,6 +145,7 @@ class Sizes(NamedTuple):
     motions: int
     journals: int
     contacts: int
+    compliant: int
     mass: int
     gas: int
     position: int
@@ -133,9 +178,9 @@ class Constants(NamedTuple):
 class SystemArrays(NamedTuple):
     """Everything that the compiled right-hand side reads and writes.
 
-    ``node``, ``path``, ``chamber_values``, ``path_values``, ``contact_values``, ``motion``,
-    ``film_slopes`` (by position, by velocity), ``torque`` and ``table_angle`` are written by
-    each evaluation.
+    ``node``, ``path``, ``chamber_values``, ``path_values``, ``contact_values``, ``contact``,
+    ``motion``, ``film_slopes`` (by position, by velocity), ``torque`` and ``table_angle`` are
+    written by each evaluation.
     """
 
     size: Sizes
@@ -158,6 +203,9 @@ class SystemArrays(NamedTuple):
     chamber_slopes: Array
     path_values: Array
     contact_values: Array
+    contact_slopes: Array
+    contact: Array
+    contact_data: Array
     turns: IntArray
     motion: Array
     film_slopes: Array

@@ -12,12 +12,13 @@ from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.model.arrays import (
     CHANNEL_MOTION,
+    CONTACT_COLUMNS,
     DENSITY,
     FAMILY_COUNT,
     FAMILY_FIRST,
+    GAP_BY_MOTION,
     GAS,
     HEIGHT_BY_MOTION,
-    MOTION_COLUMNS,
     NODE_A,
     NODE_B,
     NODE_COLUMNS,
@@ -30,7 +31,14 @@ from toothspace.model.arrays import (
     Sizes,
     SystemArrays,
 )
-from toothspace.model.description import ContactPair, FlowPath, MachineDescription
+from toothspace.model.contact_data import (
+    contact_parts,
+    held_by_contacts,
+    loaded_contacts,
+    motion_rows,
+    rigid_mesh,
+)
+from toothspace.model.description import FlowPath, MachineDescription
 from toothspace.model.films import JournalData, journal_data, lateral_torque_coefficient
 from toothspace.model.inlet_volume import inlet_gas_fraction
 from toothspace.model.ledger import FRICTION_MECHANISMS, GAS_MASS, LEDGER_SIZE, MASS, PORT_NODES
@@ -72,68 +80,83 @@ class System:
     free_motions: tuple[int, ...]
     motion_map: Array
 
+    @property
+    def contact_labels(self) -> list[str]:
+        """Names of the contacts that carry load: pair and number."""
+        contacts = loaded_contacts(self.description, self.condition)
+        return [f"{contact.name}_{k}" for contact in contacts for k in range(contact.count)]
+
 
 def assemble(
     description: MachineDescription, fluid: FluidLaw, condition: OperatingCondition
 ) -> System:
     """Build the arrays of a machine at a condition."""
     free = _free_motions(description, condition)
-    motion_map = _motion_map(description, free)
+    motion_map = _motion_map(description, condition, free)
     paths = description.paths
     if condition.load_area > 0.0:
         paths = (*paths, load_orifice(description, condition.load_area))
-    families, contacts = description.families, _loaded_contacts(description)
+    families = description.families
+    contacts = contact_parts(description, condition, motion_map, len(families))
     tables = [_chamber_table(description, k, motion_map) for k in range(len(families))]
-    tables += [contact.geometry for contact in contacts]
+    tables += contacts.tables
     tables += [path_table(path, motion_map) for path in paths]
     bush = bush_positions(description, condition, motion_map, free)
     journals = journal_data(description, free, bush)
     sizes = _sizes(description, condition, len(free), paths)
+    sizes = sizes._replace(journals=journals.rows.shape[0], **contacts.counts)
     path_index, path_data = path_arrays(description, paths)
     arrays = SystemArrays(
         size=sizes,
         constant=_constants(description, condition, journals),
         fluid=fluid,
-        surface=_surface(description),
+        surface=_surface(description, condition),
         film=journals.film,
         bank=pack_tables(tables),
         chambers=_chambers(description),
-        contacts=_contact_members(description, len(families)),
-        paths=path_members(paths, len(families) + len(contacts)),
+        contacts=contacts.members,
+        contact_data=contacts.data,
+        paths=path_members(paths, len(families) + len(contacts.tables)),
         dynamic_index=_dynamic_index(description, condition),
         path_index=path_index,
         path_data=path_data,
         journal=journals.rows,
         asperity=journals.asperity,
         node=_nodes(description, fluid, condition, sizes),
-        motion=_motions(description, condition, free),
+        motion=motion_rows(description, condition, free),
         turns=np.zeros(max(sizes.paths, sizes.chambers, sizes.contacts), dtype=np.int64),
         **_work(sizes),
     )
     fill_constants(arrays.bank, arrays.paths, arrays.path_values)
     fill_constants(arrays.bank, arrays.chambers, arrays.chamber_values)
+    fill_constants(arrays.bank, arrays.contacts, arrays.contact_values)
     pattern = _pattern(arrays)
     return System(description, condition, arrays, pattern, tuple(free), motion_map)
 
 
 def _free_motions(description: MachineDescription, condition: OperatingCondition) -> list[int]:
     carried = {journal.body for journal in description.journals}
-    tied = description.mesh.motion if description.mesh else -1
-    if not condition.radial_motion:
-        return []
-    return [
-        k
-        for k, motion in enumerate(description.motions)
-        if motion.body in carried and motion.axis in ("x", "y") and k != tied
-    ]
+    held = held_by_contacts(description, condition)
+    mesh = rigid_mesh(description, condition)
+    tied = mesh.motion if mesh else -1
+    free = []
+    for k, motion in enumerate(description.motions):
+        held_radially = motion.axis in ("x", "y") and (motion.body in carried or held[k])
+        turning = motion.axis == "rotation" and held[k]
+        if k != tied and (turning or (held_radially and condition.radial_motion)):
+            free.append(k)
+    return free
 
 
-def _motion_map(description: MachineDescription, free: list[int]) -> Array:
+def _motion_map(
+    description: MachineDescription, condition: OperatingCondition, free: list[int]
+) -> Array:
+    mesh = rigid_mesh(description, condition)
     matrix = np.zeros((len(description.motions), len(free)))
     for column, k in enumerate(free):
         matrix[k, column] = 1.0
-        if description.mesh:
-            matrix[description.mesh.motion, column] = description.mesh.coefficients[k]
+        if mesh:
+            matrix[mesh.motion, column] = mesh.coefficients[k]
     return matrix
 
 
@@ -152,8 +175,9 @@ def _sizes(
         dynamic=dynamic,
         paths=sum(path.count for path in paths),
         motions=motions,
-        journals=len(description.journals) if motions else 0,
-        contacts=sum(contact.count for contact in _loaded_contacts(description)),
+        journals=0,
+        contacts=0,
+        compliant=0,
         mass=2,
         gas=2 + dynamic,
         position=2 + 2 * dynamic,
@@ -186,51 +210,18 @@ def _chambers(description: MachineDescription) -> Members:
     )
 
 
-def _motions(
-    description: MachineDescription, condition: OperatingCondition, free: list[int]
-) -> Array:
-    mass = {body.name: body.mass for body in description.bodies}
-    clearance = {journal.body: journal.radial_clearance for journal in description.journals}
-    rows = np.zeros((len(free), MOTION_COLUMNS))
-    for row, k in zip(rows, free, strict=True):
-        motion = description.motions[k]
-        row[0], row[2] = mass[motion.body], clearance[motion.body]
-        if motion.body == description.bodies[0].name:
-            row[1] = condition.radial_load["xy".index(motion.axis)]
-    return rows
-
-
-def _loaded_contacts(description: MachineDescription) -> list[ContactPair]:
-    if description.mesh is None:
-        return []
-    return [c for c in description.contacts if c.name == description.mesh.contact]
-
-
-def _contact_members(description: MachineDescription, first_table: int) -> Members:
-    contacts = _loaded_contacts(description)
-    phases = [contact.phases for contact in contacts]
-    return Members(
-        table=np.repeat(
-            np.arange(first_table, first_table + len(contacts)), [p.size for p in phases]
-        ).astype(np.int64),
-        phase=np.concatenate([*phases, np.zeros(0)]),
-        ratio=np.concatenate([*(np.full(c.count, c.angle_ratio) for c in contacts), np.zeros(0)]),
-        gate=np.full(sum(p.size for p in phases), OPEN),
-    )
-
-
-def _surface(description: MachineDescription) -> ContactSurface:
-    contacts = _loaded_contacts(description)
-    if not contacts or description.mesh is None:
+def _surface(description: MachineDescription, condition: OperatingCondition) -> ContactSurface:
+    mesh = rigid_mesh(description, condition)
+    if mesh is None:
         return ContactSurface(1.0, 1.0, 0.0, 0.05, 1.0, 1.0)
-    contact = contacts[0]
+    contact = next(c for c in description.contacts if c.name == mesh.contact)
     return ContactSurface(
         contact.effective_modulus,
         contact.roughness,
         contact.boundary_friction,
         contact.limiting_shear,
         contact.width,
-        description.mesh.lever,
+        mesh.lever,
     )
 
 
@@ -287,7 +278,9 @@ def _work(sizes: Sizes) -> dict[str, Array]:
         "chamber_values": np.zeros((sizes.chambers, channels)),
         "chamber_slopes": np.zeros((sizes.chambers, channels)),
         "path_values": np.zeros((sizes.paths, HEIGHT_BY_MOTION + sizes.motions)),
-        "contact_values": np.zeros((sizes.contacts, _CONTACT_COLUMNS)),
+        "contact_values": np.zeros((sizes.contacts, GAP_BY_MOTION + 2 * sizes.motions)),
+        "contact_slopes": np.zeros((sizes.compliant, GAP_BY_MOTION + 2 * sizes.motions)),
+        "contact": np.zeros((sizes.contacts, CONTACT_COLUMNS)),
         "film_slopes": np.zeros((2, sizes.motions, sizes.motions)),
         "torque": np.zeros(len(FRICTION_MECHANISMS) + 1),
         "table_angle": np.array([np.nan]),

@@ -15,7 +15,7 @@ import math
 
 import numpy as np
 
-from toothspace.closures.bearing_map import journal_force
+from toothspace.closures.bearing_map import JournalMap, journal_force
 from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
 from toothspace.model.arrays import (
@@ -25,13 +25,19 @@ from toothspace.model.arrays import (
     BUSH_Y,
     CHANNEL_MOTION,
     FILM_FORCE,
+    FILM_MAP,
+    FILM_X,
+    FILM_Y,
     JOURNAL_CLEARANCE,
+    LATERAL_DRAG,
     LENGTH,
+    MOTION_RATIO,
     MOTION_X,
     MOTION_Y,
     PRESSURE,
     PRESSURE_FORCE,
     RADIUS,
+    ROTATION,
     SPEED_RATIO,
     SystemArrays,
 )
@@ -73,6 +79,7 @@ def update_film_forces(s: SystemArrays, state: Array) -> None:
     """Forces of all journal bearings on the free motions, with derivatives."""
     journal, motion, slopes, size = s.journal, s.motion, s.film_slopes, s.size
     viscosity = s.fluid.dynamic_viscosity
+    update_lateral_drag(s, state)
     for j in range(size.journals):
         kx, ky = int(journal[j, MOTION_X]), int(journal[j, MOTION_Y])
         ex = state[size.position + kx] - journal[j, BUSH_X]
@@ -81,13 +88,35 @@ def update_film_forces(s: SystemArrays, state: Array) -> None:
         speed, c = journal[j, SPEED_RATIO] * state[1], journal[j, JOURNAL_CLEARANCE]
         scale = journal[j, BEARINGS] * viscosity * journal[j, LENGTH]
         scale *= (journal[j, RADIUS] / c) ** 3
-        force = journal_force(ex, ey, vx, vy, speed, c, scale, s.film)
-        motion[kx, FILM_FORCE], motion[ky, FILM_FORCE] = force[0], force[1]
-        slopes[0, kx, kx], slopes[0, kx, ky] = force[2], force[3]
-        slopes[1, kx, kx], slopes[1, kx, ky] = force[4], force[5]
-        slopes[0, ky, kx], slopes[0, ky, ky] = force[6], force[7]
-        slopes[1, ky, kx], slopes[1, ky, ky] = force[8], force[9]
+        nodes = s.film.nodes[int(journal[j, FILM_MAP])]
+        film = JournalMap(nodes, s.film.logarithm_step, s.film.length_over_diameter)
+        force = journal_force(ex, ey, vx, vy, speed, c, scale, film)
+        journal[j, FILM_X], journal[j, FILM_Y] = force[0], force[1]
+        motion[kx, FILM_FORCE] += force[0]
+        motion[ky, FILM_FORCE] += force[1]
+        slopes[0, kx, kx] += force[2]
+        slopes[0, kx, ky] += force[3]
+        slopes[1, kx, kx] += force[4]
+        slopes[1, kx, ky] += force[5]
+        slopes[0, ky, kx] += force[6]
+        slopes[0, ky, ky] += force[7]
+        slopes[1, ky, kx] += force[8]
+        slopes[1, ky, ky] += force[9]
         add_asperity_force(s, j, ex, ey)
+        if journal[j, ROTATION] >= 0.0:
+            hold_back(s, state, j, (ex, ey), force)
+
+
+@kernel
+def update_lateral_drag(s: SystemArrays, state: Array) -> None:
+    """Start the film forces with the torque of the lateral films on bodies free to turn."""
+    motion, slopes, size = s.motion, s.film_slopes, s.size
+    slopes[:, :, :] = 0.0
+    for k in range(size.motions):
+        drag = motion[k, LATERAL_DRAG] * s.fluid.dynamic_viscosity
+        turning = motion[k, MOTION_RATIO] * state[1] + state[size.velocity + k]
+        motion[k, FILM_FORCE] = -drag * turning
+        slopes[1, k, k] = -drag
 
 
 @kernel
@@ -105,10 +134,43 @@ def add_asperity_force(s: SystemArrays, j: int, ex: float, ey: float) -> None:
     radial, tangential = slope / c, force / distance
     motion[kx, FILM_FORCE] -= force * nx
     motion[ky, FILM_FORCE] -= force * ny
+    journal[j, FILM_X] -= force * nx
+    journal[j, FILM_Y] -= force * ny
     slopes[0, kx, kx] -= radial * nx * nx + tangential * ny * ny
     slopes[0, kx, ky] -= (radial - tangential) * nx * ny
     slopes[0, ky, kx] -= (radial - tangential) * nx * ny
     slopes[0, ky, ky] -= radial * ny * ny + tangential * nx * nx
+
+
+@kernel
+def hold_back(
+    s: SystemArrays,
+    state: Array,
+    j: int,
+    place: tuple[float, float],
+    force: tuple[float, ...],
+) -> None:
+    """Friction torque of one bearing on a body that turns on its own, with derivatives."""
+    journal = s.journal
+    k, kx, ky = int(journal[j, ROTATION]), int(journal[j, MOTION_X]), int(journal[j, MOTION_Y])
+    ex, ey = place
+    viscous, asperity = journal_torques(s, state, j)
+    turning = np.sign(journal[j, SPEED_RATIO])
+    s.motion[k, FILM_FORCE] -= turning * (viscous + asperity)
+    c, radius = journal[j, JOURNAL_CLEARANCE], journal[j, RADIUS]
+    distance = math.sqrt(ex * ex + ey * ey) + SMALL_RATIO * c
+    ratio = distance / c
+    _, by_ratio = asperity_value(s.asperity, j, LOAD, s.constant.asperity_range, ratio)
+    growth = journal[j, BOUNDARY_FRICTION] * radius * by_ratio
+    if ratio < HIGHEST_FILM_RATIO:
+        shear = viscous - 0.5 * turning * (ex * force[1] - ey * force[0])
+        growth += shear * ratio / (1.0 - ratio * ratio)
+    growth *= turning / (c * distance)
+    slopes = s.film_slopes
+    slopes[0, k, kx] -= growth * ex + 0.5 * (force[1] + ex * force[6] - ey * force[2])
+    slopes[0, k, ky] -= growth * ey + 0.5 * (ex * force[7] - ey * force[3] - force[0])
+    slopes[1, k, kx] -= 0.5 * (ex * force[8] - ey * force[4])
+    slopes[1, k, ky] -= 0.5 * (ex * force[9] - ey * force[5])
 
 
 @kernel
@@ -121,7 +183,7 @@ def journal_torques(s: SystemArrays, state: Array, j: int) -> tuple[float, float
 
     .. math:: T = \frac{2 \pi \mu \omega L R^3}{c \sqrt{1 - \varepsilon^2}} + \frac12 e F_t .
     """
-    journal, motion, size = s.journal, s.motion, s.size
+    journal, size = s.journal, s.size
     kx, ky = int(journal[j, MOTION_X]), int(journal[j, MOTION_Y])
     ex = state[size.position + kx] - journal[j, BUSH_X]
     ey = state[size.position + ky] - journal[j, BUSH_Y]
@@ -132,7 +194,7 @@ def journal_torques(s: SystemArrays, state: Array, j: int) -> tuple[float, float
     turning = np.sign(journal[j, SPEED_RATIO])
     shear = 2.0 * math.pi * s.fluid.dynamic_viscosity * speed * journal[j, LENGTH] * radius**3
     shear *= journal[j, BEARINGS] / (c * math.sqrt(1.0 - limited * limited))
-    moment = 0.5 * turning * (ex * motion[ky, FILM_FORCE] - ey * motion[kx, FILM_FORCE])
+    moment = 0.5 * turning * (ex * journal[j, FILM_Y] - ey * journal[j, FILM_X])
     load, _ = asperity_value(s.asperity, j, LOAD, s.constant.asperity_range, ratio)
     return shear + moment, journal[j, BOUNDARY_FRICTION] * load * radius
 
@@ -140,17 +202,20 @@ def journal_torques(s: SystemArrays, state: Array, j: int) -> tuple[float, float
 @kernel
 def book_journal_friction(s: SystemArrays, state: Array, ledger: Array) -> float:
     """Add journal losses to the ledger; return their torque at the shaft. [N m]."""
-    journal, motion, size = s.journal, s.motion, s.size
+    journal, size = s.journal, s.size
     total = 0.0
     for j in range(size.journals):
         viscous, asperity = journal_torques(s, state, j)
         ratio = abs(journal[j, SPEED_RATIO])
-        kx, ky = int(journal[j, MOTION_X]), int(journal[j, MOTION_Y])
-        squeeze = motion[kx, FILM_FORCE] * state[size.velocity + kx]
-        squeeze += motion[ky, FILM_FORCE] * state[size.velocity + ky]
+        turning = ratio * state[1]
+        if journal[j, ROTATION] >= 0.0:
+            ahead = state[size.velocity + int(journal[j, ROTATION])]
+            turning += np.sign(journal[j, SPEED_RATIO]) * ahead
+        squeeze = journal[j, FILM_X] * state[size.velocity + int(journal[j, MOTION_X])]
+        squeeze += journal[j, FILM_Y] * state[size.velocity + int(journal[j, MOTION_Y])]
         s.torque[JOURNAL_VISCOUS] += ratio * viscous
         s.torque[JOURNAL_ASPERITY] += ratio * asperity
-        ledger[FRICTION + JOURNAL_VISCOUS] += ratio * viscous * state[1] - squeeze
-        ledger[FRICTION + JOURNAL_ASPERITY] += ratio * asperity * state[1]
+        ledger[FRICTION + JOURNAL_VISCOUS] += viscous * turning - squeeze
+        ledger[FRICTION + JOURNAL_ASPERITY] += asperity * turning
         total += ratio * (viscous + asperity)
     return total

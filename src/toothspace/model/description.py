@@ -19,10 +19,28 @@ from typing import TYPE_CHECKING, Literal, final
 import numpy as np
 
 from toothspace.core.types import Array, IntArray
+from toothspace.model.contact_pair import CONTACT_CHANNELS, ContactPair, RigidMesh
 from toothspace.numerics.periodic_table import PeriodicTable
 
 if TYPE_CHECKING:
     import xarray as xr
+
+__all__ = [
+    "CONTACT_CHANNELS",
+    "PATH_CHANNELS",
+    "Body",
+    "ChamberFamily",
+    "ContactPair",
+    "DesignCheck",
+    "FlowPath",
+    "JournalBearing",
+    "LateralFilm",
+    "MachineDescription",
+    "Motion",
+    "PathKind",
+    "RigidMesh",
+    "RunningIn",
+]
 
 PathKind = Literal["orifice", "parallel_gap", "curved_gap"]
 
@@ -32,16 +50,6 @@ PATH_CHANNELS: Mapping[PathKind, tuple[str, ...]] = {
     "curved_gap": ("height", "width", "relative_radius"),
 }
 """Channels of the geometry table of each kind of path. [m2, m] or [m, m, m]"""
-
-CONTACT_CHANNELS = (
-    "gap",
-    "load_share",
-    "radius_a",
-    "radius_b",
-    "sliding_speed",
-    "rolling_speed_sum",
-)
-"""Channels of a contact table: [m], [-], [m], [m], [m/rad], [m/rad] (per shaft radian)."""
 
 
 @final
@@ -73,7 +81,13 @@ class Body:
 @final
 @dataclass(frozen=True)
 class Motion:
-    """One micro-motion q of a body: ``x``, ``y``, ``z`` [m] or ``rotation`` [rad]."""
+    """One micro-motion q of a body: ``x``, ``y``, ``z`` [m] or ``rotation`` [rad].
+
+    A rotation is what the body turns ahead of its kinematic angle. A motion is a degree of
+    freedom with mass or inertia wherever something holds it: ``x`` and ``y`` of a body in a
+    journal bearing, and every motion that changes the gap of a compliant contact. The motion
+    that a rigid mesh ties follows from the others; all else stands still.
+    """
 
     body: str
     axis: Literal["x", "y", "z", "rotation"]
@@ -209,6 +223,9 @@ class JournalBearing:
     seat_clearance : float
         Radial clearance of the bearing blocks in the housing; they rest against the wall
         in the direction of the mean load. [m]
+    end_condition : str
+        Both ends of the film: ``pressure`` (open, fluid leaves there) or ``no_flow`` (closed by
+        walls: pressure is uniform along the axis, the limit of a long bearing).
     """
 
     body: str
@@ -222,6 +239,7 @@ class JournalBearing:
     hardness: float
     boundary_friction: float
     seat_clearance: float = 0.0
+    end_condition: Literal["pressure", "no_flow"] = "pressure"
 
 
 @final
@@ -253,80 +271,6 @@ class LateralFilm:
     outer_radius: float
     tooth_area_fraction: float
     tilt: float = 0.0
-
-
-@final
-@dataclass(frozen=True)
-class ContactPair:
-    """Contacts of one kind between two bodies over an angle.
-
-    Parameters
-    ----------
-    name : str
-        Label, for example ``drive_flank``.
-    body_a, body_b : str
-        Bodies in contact; the normal points from a to b.
-    angle_ratio : float
-        Growth of the table angle per shaft angle. [-]
-    phases : ndarray, shape (count,)
-        Table angle of each contact at shaft angle zero. [rad]
-    geometry : PeriodicTable
-        Channels of :data:`CONTACT_CHANNELS`; a negative radius is concave.
-    gap_by_motion : PeriodicTable, one channel per motion
-        Derivative of the gap; also the generalised direction of the contact force. [-], [m/rad]
-    width : float
-        Length of the contact line. [m]
-    effective_modulus : float
-        E' = 2 / [...] of the pair. [Pa]
-    roughness : float
-        Combined root mean square roughness of the flanks. [m]
-    boundary_friction : float
-        Friction coefficient of touching asperities. [-]
-    limiting_shear : float
-        Limiting shear strength proportionality of the lubricant (gamma). [-]
-    """
-
-    name: str
-    body_a: str
-    body_b: str
-    angle_ratio: float
-    phases: Array
-    geometry: PeriodicTable
-    gap_by_motion: PeriodicTable
-    width: float
-    effective_modulus: float
-    roughness: float
-    boundary_friction: float = 0.10
-    limiting_shear: float = 0.05
-
-    @property
-    def count(self) -> int:
-        """Number of contacts."""
-        return int(self.phases.size)
-
-
-@final
-@dataclass(frozen=True)
-class RigidMesh:
-    """Contact of rigid flanks that ties one rotation to the other motions.
-
-    Parameters
-    ----------
-    contact : str
-        Name of the :class:`ContactPair` that carries the load.
-    motion : int
-        Index of the rotation that follows from contact.
-    coefficients : ndarray, one per motion
-        ``q[motion] = coefficients @ q`` of the other motions. [1/m]
-    lever : float
-        Derivative of the contact's gap with respect to that rotation, signed; its size is the
-        base radius of the driven body. Contact force = -(torque on that body) / lever. [m]
-    """
-
-    contact: str
-    motion: int
-    coefficients: Array
-    lever: float
 
 
 @final

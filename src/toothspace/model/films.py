@@ -12,12 +12,13 @@ from toothspace.closures.bearing_map import JournalMap, build_journal_map
 from toothspace.closures.contact_rough import asperity_pressure
 from toothspace.closures.friction import lateral_film_torque
 from toothspace.core.compiled import njit
-from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
+from toothspace.model.arrays import JOURNAL_COLUMNS
 from toothspace.model.description import JournalBearing, LateralFilm, MachineDescription
 
 _INTERVALS = 240
 _CIRCUMFERENCE_POINTS = 720
+_LONG = 1e4
 
 
 @final
@@ -38,12 +39,7 @@ def journal_data(
 ) -> JournalData:
     """Collect the data of the bearings whose bodies are free to move."""
     journals = [j for j in description.journals if j.body in bush]
-    ratios = {round(j.length / j.diameter, 9) for j in journals} or {1.0}
-    if len(ratios) > 1:
-        raise CaseError(
-            "machine.journal_bearings: found different length to diameter ratios "
-            f"{sorted(ratios)}, allowed: one ratio for all moving bodies"
-        )
+    ratios = sorted({_slenderness(j) for j in journals} or {1.0})
     speeds = {body.name: body.speed_ratio for body in description.bodies}
     span = max((1.0 + 4.0 * j.roughness / j.radial_clearance for j in journals), default=1.0)
     rows = [
@@ -57,17 +53,42 @@ def journal_data(
             speeds[j.body],
             *bush[j.body],
             j.boundary_friction,
+            _rotation(description, free, j.body),
+            ratios.index(_slenderness(j)),
+            0.0,
+            0.0,
         )
         for j in journals
     ]
     return JournalData(
-        rows=np.array(rows, dtype=float).reshape(len(journals), 10),
+        rows=np.array(rows, dtype=float).reshape(len(journals), JOURNAL_COLUMNS),
         asperity=np.array([_asperity_tables(j, span) for j in journals]).reshape(
             len(journals), 2, _INTERVALS, 4
         ),
         asperity_range=span,
-        film=build_journal_map(ratios.pop()),
+        film=_stacked([build_journal_map(ratio) for ratio in ratios]),
     )
+
+
+def _slenderness(journal: JournalBearing) -> float:
+    """Length over diameter that the film map is made for; walls at the ends make it long."""
+    if journal.end_condition == "no_flow":
+        return _LONG
+    return round(journal.length / journal.diameter, 9)
+
+
+def _stacked(maps: list[JournalMap]) -> JournalMap:
+    """Maps of several bearings behind one another in one array."""
+    return maps[0]._replace(nodes=np.stack([one.nodes for one in maps]))
+
+
+def _rotation(description: MachineDescription, free: list[int], body: str) -> int:
+    """Place of a body's rotation among the free motions, or -1."""
+    for place, k in enumerate(free):
+        motion = description.motions[k]
+        if motion.body == body and motion.axis == "rotation":
+            return place
+    return -1
 
 
 def _asperity_tables(journal: JournalBearing, span: float) -> tuple[Array, Array]:
@@ -124,10 +145,16 @@ def _spline(values: Array) -> Array:
 
 def lateral_torque_coefficient(description: MachineDescription) -> float:
     """Lateral film torque at the shaft per viscosity and shaft speed. [m3]."""
-    speeds = {body.name: body.speed_ratio for body in description.bodies}
-    return sum(
-        film.faces * speeds[film.body] ** 2 * _face_torque(film) for film in description.laterals
-    )
+    drag = lateral_drag(description)
+    return sum(body.speed_ratio**2 * drag[body.name] for body in description.bodies)
+
+
+def lateral_drag(description: MachineDescription) -> dict[str, float]:
+    """Lateral film torque on each body per viscosity and speed of the body. [m3]."""
+    drag = {body.name: 0.0 for body in description.bodies}
+    for film in description.laterals:
+        drag[film.body] += film.faces * _face_torque(film)
+    return drag
 
 
 def _face_torque(film: LateralFilm) -> float:

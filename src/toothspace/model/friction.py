@@ -8,7 +8,9 @@ from toothspace.core.types import Array
 from toothspace.model.arrays import (
     CHANNEL_MESH,
     CONTACT_FORCE,
+    LATERAL_DRAG,
     LOAD_SHARE,
+    MOTION_RATIO,
     PRESSURE,
     RADIUS_A,
     RADIUS_B,
@@ -40,23 +42,25 @@ def mesh_force(s: SystemArrays) -> float:
 
 @kernel
 def mesh_torque(s: SystemArrays, speed: float) -> float:
-    """Friction torque of all loaded contacts at the shaft. [N m]."""
-    contact, surface, fluid = s.contact_values, s.surface, s.fluid
+    """Friction torque at the shaft of all contacts of a rigid mesh. [N m]."""
+    values, surface, fluid = s.contact_values, s.surface, s.fluid
+    if s.size.compliant > 0:
+        return 0.0
     total = mesh_force(s)
     torque = 0.0
     for j in range(s.size.contacts):
-        share = contact[j, LOAD_SHARE]
-        contact[j, CONTACT_FORCE] = total * max(share, 0.0)
+        share = values[j, LOAD_SHARE]
+        s.contact[j, CONTACT_FORCE] = total * max(share, 0.0)
         if share <= NO_SHARE:
             continue
         force = abs(total) * share
-        sliding = abs(contact[j, SLIDING])
+        sliding = abs(values[j, SLIDING])
         friction = mesh_friction_coefficient(
             force / surface.width,
-            contact[j, RADIUS_A],
-            contact[j, RADIUS_B],
+            values[j, RADIUS_A],
+            values[j, RADIUS_B],
             sliding * speed,
-            contact[j, ROLLING] * speed,
+            values[j, ROLLING] * speed,
             fluid,
             surface,
         )
@@ -75,9 +79,9 @@ def tip_torque(s: SystemArrays) -> float:
 
 
 @kernel
-def book_friction(s: SystemArrays, speed: float, ledger: Array) -> float:
+def book_friction(s: SystemArrays, state: Array, ledger: Array) -> float:
     """Add mesh, lateral, tip and seal friction to the ledger; return their torque. [N m]."""
-    torque = s.torque
+    torque, motion, speed = s.torque, s.motion, state[1]
     torque[MESH_FRICTION] = mesh_torque(s, speed)
     torque[LATERAL_VISCOUS] = s.constant.lateral_torque * s.fluid.dynamic_viscosity * speed
     torque[TIP_SHEAR] = tip_torque(s)
@@ -86,4 +90,9 @@ def book_friction(s: SystemArrays, speed: float, ledger: Array) -> float:
     for mechanism in (MESH_FRICTION, LATERAL_VISCOUS, TIP_SHEAR, SHAFT_SEAL):
         ledger[FRICTION + mechanism] += torque[mechanism] * speed
         total += torque[mechanism]
+    for k in range(s.size.motions):
+        drag = motion[k, LATERAL_DRAG] * s.fluid.dynamic_viscosity
+        turning, ahead = motion[k, MOTION_RATIO] * speed, state[s.size.velocity + k]
+        ledger[FRICTION + LATERAL_VISCOUS] += drag * (2.0 * turning + ahead) * ahead
+        total += motion[k, MOTION_RATIO] * drag * ahead
     return total

@@ -6,6 +6,7 @@ from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
 from toothspace.model.arrays import (
     CHANNEL_MOTION,
+    CONTACT_FORCE,
     DENSITY,
     EXCHANGE_BY_GAS,
     EXCHANGE_BY_PRESSURE,
@@ -13,6 +14,11 @@ from toothspace.model.arrays import (
     FLOW,
     FLOW_BY_HEIGHT,
     FLOW_BY_PRESSURE,
+    FORCE_BY_OVERLAP,
+    FORCE_BY_RATE,
+    FRICTION_BY_FORCE,
+    FRICTION_BY_SLIP,
+    GAP_BY_MOTION,
     GAS,
     HEIGHT_BY_MOTION,
     MOTION_MASS,
@@ -42,6 +48,7 @@ def jacobian(t: float, state: Array, s: SystemArrays, matrix: Array) -> None:
     add_gas_exchange(s, state, matrix)
     add_pressure_forces(s, matrix)
     add_films(s, matrix)
+    add_contacts(s, state, matrix)
 
 
 @kernel
@@ -160,3 +167,27 @@ def add_films(s: SystemArrays, matrix: Array) -> None:
         for m in range(size.motions):
             matrix[size.velocity + k, size.position + m] += slopes[0, k, m] / mass
             matrix[size.velocity + k, size.velocity + m] += slopes[1, k, m] / mass
+
+
+@kernel
+def add_contacts(s: SystemArrays, state: Array, matrix: Array) -> None:
+    """Derivatives of normal and friction forces of the compliant contacts on the motions."""
+    size, values, slopes = s.size, s.contact_values, s.contact_slopes
+    for j in range(size.compliant):
+        contact = s.contact[j]
+        if contact[CONTACT_FORCE] == 0.0:
+            continue
+        friction_slope = contact[FRICTION_BY_FORCE]
+        for m in range(size.motions):
+            gap, slip = values[j, GAP_BY_MOTION + m], values[j, GAP_BY_MOTION + size.motions + m]
+            turned = slopes[j, GAP_BY_MOTION + m] * state[1]
+            by_place = -contact[FORCE_BY_OVERLAP] * gap - contact[FORCE_BY_RATE] * turned
+            by_speed = -contact[FORCE_BY_RATE] * gap
+            dragged = friction_slope * by_speed + contact[FRICTION_BY_SLIP] * slip
+            for k in range(size.motions):
+                normal = values[j, GAP_BY_MOTION + k] / s.motion[k, MOTION_MASS]
+                along = values[j, GAP_BY_MOTION + size.motions + k] / s.motion[k, MOTION_MASS]
+                row = size.velocity + k
+                place, speed = size.position + m, size.velocity + m
+                matrix[row, place] += (normal + along * friction_slope) * by_place
+                matrix[row, speed] += normal * by_speed + along * dragged

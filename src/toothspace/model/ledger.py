@@ -32,6 +32,7 @@ FRICTION_MECHANISMS = (
     "tip_shear",
     "mesh_friction",
     "shaft_seal",
+    "contact_friction",
 )
 """Friction that the shaft has to overcome."""
 
@@ -43,6 +44,7 @@ LEDGER_NAMES = (
     *FRICTION_MECHANISMS,
     "gas_relaxation",
     "radial_load",
+    "contact_damping",
 )
 """Order of the ledger states."""
 
@@ -53,8 +55,15 @@ THROTTLING = SHAFT + 1
 FRICTION = THROTTLING + len(PATH_CATEGORIES)
 GAS_RELAXATION = FRICTION + len(FRICTION_MECHANISMS)
 RADIAL_LOAD = GAS_RELAXATION + 1
+CONTACT_LOSS = RADIAL_LOAD + 1
 LEDGER_SIZE = len(LEDGER_NAMES)
 
-JOURNAL_VISCOUS, JOURNAL_ASPERITY, LATERAL_VISCOUS, TIP_SHEAR, MESH_FRICTION, SHAFT_SEAL = range(
-    len(FRICTION_MECHANISMS)
-)
+(
+    JOURNAL_VISCOUS,
+    JOURNAL_ASPERITY,
+    LATERAL_VISCOUS,
+    TIP_SHEAR,
+    MESH_FRICTION,
+    SHAFT_SEAL,
+    CONTACT_FRICTION_LOSS,
+) = range(len(FRICTION_MECHANISMS))

@@ -26,6 +26,8 @@ class OperatingCondition:
         External force on the shaft of the drive gear, x and y. [N]
     radial_motion : bool
         Whether the bodies may move in their bearings.
+    compliant_mesh : bool
+        Whether contacts are compliant even where the machine offers a rigid mesh.
     relative_tolerance : float
         Relative tolerance of pressures. [-]
     """
@@ -38,4 +40,5 @@ class OperatingCondition:
     load_pressure: float = 1e5
     radial_load: tuple[float, float] = (0.0, 0.0)
     radial_motion: bool = True
+    compliant_mesh: bool = False
     relative_tolerance: float = 1e-6

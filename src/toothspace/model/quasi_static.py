@@ -46,6 +46,8 @@ def bush_positions(
     force = mean_force(description, condition) @ motion_map
     result = {}
     for journal in description.journals:
+        if description.motion_index(journal.body, "x") not in free:
+            continue
         kx = free.index(description.motion_index(journal.body, "x"))
         ky = free.index(description.motion_index(journal.body, "y"))
         load = np.array([force[kx], force[ky]])

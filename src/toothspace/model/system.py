@@ -11,16 +11,16 @@ from toothspace.model.arrays import (
     BUSH_Y,
     CLEARANCE,
     EXTERNAL_FORCE,
-    FILM_FORCE,
     GAS_RATE,
     JOURNAL_CLEARANCE,
     MASS_RATE,
     MOTION_MASS,
+    MOTION_RATIO,
     MOTION_X,
     MOTION_Y,
+    PAIR_ONSET,
     PRESSURE,
     PRESSURE_BY_MASS,
-    PRESSURE_FORCE,
     VOLUME_RATE,
     SystemArrays,
 )
@@ -36,6 +36,7 @@ from toothspace.model.chambers import (
     update_pressures,
     update_volumes,
 )
+from toothspace.model.contacts import book_contacts, contact_gap, motion_force, update_contacts
 from toothspace.model.friction import book_friction, mesh_force
 from toothspace.model.ledger import GAS_MASS, GAS_RELAXATION, MASS, PORT_NODES, RADIAL_LOAD, SHAFT
 from toothspace.model.network import book_throttling, update_network, update_partners
@@ -54,6 +55,8 @@ def update_tables(s: SystemArrays, shaft_angle: float) -> None:
     fill_values(s.bank, s.chambers, shaft_angle, s.chamber_values, s.turns)
     fill_slopes(s.bank, s.chambers, shaft_angle, s.chamber_slopes)
     fill_values(s.bank, s.contacts, shaft_angle, s.contact_values, s.turns)
+    if s.size.compliant > 0:
+        fill_slopes(s.bank, s.contacts, shaft_angle, s.contact_slopes)
     fill_values(s.bank, s.paths, shaft_angle, s.path_values, s.turns)
     update_partners(s)
 
@@ -74,6 +77,7 @@ def evaluate(s: SystemArrays, state: Array) -> None:
     exchange_gas(s, state)
     update_pressure_forces(s)
     update_film_forces(s, state)
+    update_contacts(s, state)
 
 
 @kernel
@@ -90,8 +94,8 @@ def right_hand_side(t: float, state: Array, s: SystemArrays, rate: Array) -> Non
             rate[size.gas + d] = node[i, GAS_RATE]
     for k in range(size.motions):
         rate[size.position + k] = state[size.velocity + k]
-        force = motion[k, PRESSURE_FORCE] + motion[k, FILM_FORCE] + motion[k, EXTERNAL_FORCE]
-        rate[size.velocity + k] = force / motion[k, MOTION_MASS]
+        carried = motion[k, MOTION_RATIO] * rate[1]
+        rate[size.velocity + k] = motion_force(s, k) / motion[k, MOTION_MASS] - carried
     for i in range(size.core, size.total):
         rate[i] = 0.0
     for port in range(PORTS):
@@ -115,7 +119,10 @@ def full_rates(t: float, state: Array, s: SystemArrays, rate: Array) -> None:
 
 @kernel
 def book_shaft(s: SystemArrays, state: Array, ledger: Array) -> None:
-    """Work of the shaft on the machine: against pressure, wall drag and friction."""
+    """Work of the shaft on the machine: against pressure, wall drag, friction and contacts.
+
+    A body that turns on its own takes its share of the shaft's torque through its inertia.
+    """
     s.torque[:] = 0.0
     node = s.node
     torque = 0.0
@@ -123,7 +130,10 @@ def book_shaft(s: SystemArrays, state: Array, ledger: Array) -> None:
         torque -= node[i, PRESSURE] * node[i, VOLUME_RATE]
     torque += book_throttling(s, state[1], ledger)
     torque += book_journal_friction(s, state, ledger)
-    torque += book_friction(s, state[1], ledger)
+    torque += book_friction(s, state, ledger)
+    torque += book_contacts(s, state, ledger)
+    for k in range(s.size.motions):
+        torque += s.motion[k, MOTION_RATIO] * motion_force(s, k)
     s.torque[-1] = torque
     ledger[SHAFT] = torque * state[1]
 
@@ -168,5 +178,9 @@ def event_values(t: float, state: Array, s: SystemArrays, values: Array) -> None
         ey = state[size.position + int(journal[j, MOTION_Y])] - journal[j, BUSH_Y]
         distance = math.sqrt(ex * ex + ey * ey)
         values[size.chambers + j] = 1.0 - distance / journal[j, JOURNAL_CLEARANCE]
-    if size.contacts > 0:
-        values[size.chambers + size.journals] = mesh_force(s)
+    first = size.chambers + size.journals
+    if size.contacts > size.compliant:
+        values[first] = mesh_force(s)
+    for j in range(size.compliant):
+        onset = s.contact_data[j, PAIR_ONSET]
+        values[first + j] = 1.0 - contact_gap(s, state, j) / onset

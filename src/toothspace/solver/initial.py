@@ -9,6 +9,9 @@ from toothspace.core.types import Array
 from toothspace.model.arrays import (
     BUSH_X,
     BUSH_Y,
+    CHANNEL_MOTION,
+    CLEARANCE,
+    CONTACT_LOAD,
     JOURNAL_CLEARANCE,
     MOTION_X,
     MOTION_Y,
@@ -16,10 +19,13 @@ from toothspace.model.arrays import (
 )
 from toothspace.model.assembly import System
 from toothspace.model.chambers import update_volumes
+from toothspace.model.contacts import update_contacts
 from toothspace.model.quasi_static import mean_force, quasi_static_pressures
 from toothspace.model.system import update_tables
 
 _START_ECCENTRICITY = 0.9
+_SEARCH_STEP = 0.5
+_SEARCH_STEPS = 400
 
 
 def start_state(system: System) -> Array:
@@ -32,6 +38,8 @@ def start_state(system: System) -> Array:
     update_volumes(arrays, state)
     pressure = np.full(size.nodes, system.condition.outlet_pressure)
     pressure[: size.chambers] = quasi_static_pressures(system.description, system.condition, 0.0)
+    _turn_into_contact(system, state, pressure)
+    update_volumes(arrays, state)
     gas = arrays.fluid.feed_gas_mass_fraction
     for node in range(size.nodes):
         d = int(arrays.dynamic_index[node])
@@ -53,3 +61,49 @@ def _place_bodies(system: System, state: Array) -> None:
         reach = _START_ECCENTRICITY * journal[JOURNAL_CLEARANCE]
         state[size.position + kx] = journal[BUSH_X] + reach * force[kx] / load
         state[size.position + ky] = journal[BUSH_Y] + reach * force[ky] / load
+
+
+def _turn_into_contact(system: System, state: Array, pressure: Array) -> None:
+    """Turn the bodies that compliant contacts hold until these carry the pressure torque."""
+    arrays, size = system.arrays, system.arrays.size
+    if size.compliant == 0:
+        return
+    values = arrays.chamber_values[:, CHANNEL_MOTION:]
+    torque = pressure[: size.chambers] @ values
+    for k, motion in enumerate(system.free_motions):
+        if system.description.motions[motion].axis != "rotation":
+            continue
+        place = size.position + k
+        step = _SEARCH_STEP * arrays.motion[k, CLEARANCE]
+        low, high = _bracket(system, state, place, float(torque[k]), step)
+        for _ in range(60):
+            state[place] = 0.5 * (low + high)
+            if _contact_torque(system, state, place) + torque[k] > 0.0:
+                low = state[place]
+            else:
+                high = state[place]
+
+
+def _bracket(
+    system: System, state: Array, place: int, torque: float, step: float
+) -> tuple[float, float]:
+    """Rotations at which the sum of torques drives up and down."""
+    low = high = state[place]
+    for _ in range(_SEARCH_STEPS):
+        state[place] = low
+        if _contact_torque(system, state, place) + torque > 0.0:
+            break
+        low -= step
+    for _ in range(_SEARCH_STEPS):
+        state[place] = high
+        if _contact_torque(system, state, place) + torque < 0.0:
+            break
+        high += step
+    return low, high
+
+
+def _contact_torque(system: System, state: Array, place: int) -> float:
+    standing = state.copy()
+    standing[1] = 0.0
+    update_contacts(system.arrays, standing)
+    return float(system.arrays.motion[place - system.arrays.size.position, CONTACT_LOAD])

@@ -11,6 +11,7 @@ from toothspace.core.compiled import njit
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.model.assembly import System
+from toothspace.model.contact_data import loaded_contacts
 from toothspace.model.jacobian import jacobian
 from toothspace.model.system import error_weights, event_values, full_rates, right_hand_side
 from toothspace.numerics.ndf import bind
@@ -112,8 +113,11 @@ class March:
         if journal < self.system.arrays.size.journals:
             kind = "body_at_stop" if direction < 0 else "body_off_stop"
             return kind, description.journals[journal].body
-        assert description.mesh is not None
-        return "contact_lost" if direction < 0 else "contact_made", description.mesh.contact
+        contact = journal - self.system.arrays.size.journals
+        kind = "contact_lost" if direction < 0 else "contact_made"
+        if self.system.arrays.size.compliant:
+            return kind, self.system.contact_labels[contact]
+        return kind, loaded_contacts(description, self.system.condition)[0].name
 
 
 @final
@@ -130,7 +134,8 @@ class Piece:
 def start_march(system: System, state: Array, max_steps: int = 50_000_000) -> March:
     """Prepare an integration from a state at time zero."""
     size = system.arrays.size
-    events = size.chambers + size.journals + (1 if size.contacts else 0)
+    events = size.chambers + size.journals
+    events += size.compliant if size.compliant else min(size.contacts, 1)
     program = analyse(system.pattern)
     speed = abs(system.condition.shaft_speed)
     settings = make_settings(

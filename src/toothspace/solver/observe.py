@@ -76,7 +76,7 @@ def _observe(s: SystemArrays, states: Array, out: Observation) -> None:
         out.path_flow[i] = s.path[:, FLOW]
         out.pressure_force[i] = s.motion[:, PRESSURE_FORCE]
         out.film_force[i] = s.motion[:, FILM_FORCE]
-        out.contact_force[i] = s.contact_values[:, CONTACT_FORCE]
+        out.contact_force[i] = s.contact[:, CONTACT_FORCE]
         out.torque[i] = s.torque
         for j in range(s.size.paths):
             a, b = s.path_index[j, NODE_A], s.path_index[j, PRESENT_B]

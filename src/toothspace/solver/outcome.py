@@ -18,12 +18,15 @@ from toothspace.model.arrays import (
     BUSH_X,
     BUSH_Y,
     CATEGORY,
+    CONTACT_ENERGY,
     JOURNAL_CLEARANCE,
     MOTION_MASS,
+    MOTION_RATIO,
     MOTION_X,
     PRESSURE,
 )
 from toothspace.model.assembly import System
+from toothspace.model.contact_data import loaded_contacts
 from toothspace.model.description import MachineDescription
 from toothspace.model.ledger import (
     FRICTION_MECHANISMS,
@@ -31,6 +34,7 @@ from toothspace.model.ledger import (
     PATH_CATEGORIES,
     PORT_NODES,
 )
+from toothspace.model.system import evaluate
 from toothspace.results.ledger import Ledger, ledger_from
 from toothspace.results.solution import Solution
 from toothspace.results.variables import dataset_from
@@ -113,6 +117,7 @@ def window_ledger(history: History) -> Ledger:
         "port_drain": energy["drain"],
         "stored_change": stored_energy(system, last) - stored_energy(system, first),
         "kinetic_change": kinetic_energy(system, last) - kinetic_energy(system, first),
+        "elastic_change": elastic_energy(system, last) - elastic_energy(system, first),
     }
     return ledger_from(
         entries,
@@ -153,10 +158,16 @@ def stored_energy(system: System, state: Array) -> float:
 
 
 def kinetic_energy(system: System, state: Array) -> float:
-    """Kinetic energy of the micro-motions. [J]."""
-    size = system.arrays.size
-    velocity = state[size.velocity : size.core]
-    return float(0.5 * np.sum(system.arrays.motion[:, MOTION_MASS] * velocity**2))
+    """Kinetic energy of the bodies that move on their own. [J]."""
+    size, motion = system.arrays.size, system.arrays.motion
+    velocity = state[size.velocity : size.core] + motion[:, MOTION_RATIO] * state[1]
+    return float(0.5 * np.sum(motion[:, MOTION_MASS] * velocity**2))
+
+
+def elastic_energy(system: System, state: Array) -> float:
+    """Energy stored in compliant contacts. [J]."""
+    evaluate(system.arrays, state)
+    return float(np.sum(system.arrays.contact[:, CONTACT_ENERGY]))
 
 
 def _port_values(history: History, seen: Observation) -> dict[str, Array]:
@@ -232,16 +243,31 @@ def _body_values(history: History, seen: Observation) -> dict[str, Array]:
     }
     for k, motion in enumerate(system.free_motions):
         entry = system.description.motions[motion]
+        if entry.axis == "rotation":
+            continue
         where = (slice(None), names.index(entry.body), "xyz".index(entry.axis))
         values["body_position"][where] = history.states[:, size.position + k]
         values["body_velocity"][where] = history.states[:, size.velocity + k]
         values["body_force"][where] = seen.pressure_force[:, k]
         values["journal_force"][where] = seen.film_force[:, k]
+    values |= _rotation_values(history, seen, names)
     values |= _journal_values(system, values["body_position"], names)
     if system.arrays.size.contacts:
         values["contact_force"] = seen.contact_force
-        values["contact_gap"] = _contact_gaps(system, history.states[:, 0])
+        values["contact_gap"] = _contact_gaps(history)
     return values
+
+
+def _rotation_values(history: History, seen: Observation, names: list[str]) -> dict[str, Array]:
+    system, size = history.system, history.system.arrays.size
+    rotation = np.zeros((history.times.size, len(names)))
+    moment = np.zeros_like(rotation)
+    for k, motion in enumerate(system.free_motions):
+        entry = system.description.motions[motion]
+        if entry.axis == "rotation":
+            rotation[:, names.index(entry.body)] = history.states[:, size.position + k]
+            moment[:, names.index(entry.body)] = seen.pressure_force[:, k]
+    return {"body_rotation": rotation, "body_moment": moment}
 
 
 def _journal_values(system: System, position: Array, names: list[str]) -> dict[str, Array]:
@@ -262,11 +288,19 @@ def _journal_values(system: System, position: Array, names: list[str]) -> dict[s
     }
 
 
-def _contact_gaps(system: System, shaft_angle: Array) -> Array:
-    assert system.description.mesh is not None
-    name = system.description.mesh.contact
-    contact = next(c for c in system.description.contacts if c.name == name)
-    return contact.geometry(contact.phases + contact.angle_ratio * shaft_angle[:, None])[..., 0]
+def _contact_gaps(history: History) -> Array:
+    """Gaps of all loaded contacts, where the bodies are."""
+    system, size = history.system, history.system.arrays.size
+    shaft_angle = history.states[:, :1]
+    motion = history.states[:, size.position : size.velocity] @ system.motion_map.T
+    gaps = []
+    for contact in loaded_contacts(system.description, system.condition):
+        angles = contact.phases + contact.angle_ratio * shaft_angle
+        gap = contact.geometry(angles)[..., 0]
+        if size.compliant:
+            gap = gap + np.sum(contact.gap_by_motion(angles) * motion[:, None, :], axis=2)
+        gaps.append(gap)
+    return np.hstack(gaps)
 
 
 def _loss_values(history: History, seen: Observation) -> dict[str, Array]:
@@ -291,13 +325,11 @@ def _leakage(system: System, seen: Observation) -> Array:
 
 def _labels(system: System) -> dict[str, list[str]]:
     description = system.description
-    contacts = system.arrays.size.contacts
-    name = description.mesh.contact if description.mesh else ""
     return {
         "chamber": description.chamber_labels,
         "body": [body.name for body in description.bodies],
         "axis": ["x", "y", "z"],
-        "contact": [f"{name}_{k}" for k in range(contacts)],
+        "contact": system.contact_labels,
         "path": list(_LEAKAGE_PATHS),
         "mechanism": list(FRICTION_MECHANISMS),
         "port": ["inlet", "outlet", "drain", "inlet_groove", "outlet_groove"],

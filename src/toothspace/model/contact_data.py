@@ -1,0 +1,218 @@
+"""Contacts and moving bodies of a description as arrays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from toothspace.closures.contact_cylindrical import check_pereira_range, pereira_force
+from toothspace.closures.contact_law import hertz_scale, johnson_scale, series_level
+from toothspace.core.types import Array, BoolArray
+from toothspace.model.arrays import (
+    CLEARANCE,
+    CURVATURE,
+    EXTERNAL_FORCE,
+    GAP,
+    GAP_BY_MOTION,
+    LATERAL_DRAG,
+    LAW_EXPONENT,
+    LAW_LEVEL,
+    MOTION_COLUMNS,
+    MOTION_MASS,
+    MOTION_RATIO,
+    POSSIBLE,
+    ROLLING,
+    SLIDING,
+)
+from toothspace.model.contact_pair import CONTACT_CHANNELS, ContactPair, RigidMesh
+from toothspace.model.description import MachineDescription
+from toothspace.model.films import lateral_drag
+from toothspace.model.ledger import FRICTION_MECHANISMS
+from toothspace.model.operating_point import OperatingCondition
+from toothspace.model.tables import OPEN, Members
+from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
+
+REACH = 0.3e-3
+"""Nominal gap up to which micro-motion may close a contact. [m]"""
+
+_LEAST_CURVATURE = 1.0
+_LEAST_SCALE = 1e-6
+_CLEARANCE = 10e-6
+
+
+@final
+@dataclass(frozen=True)
+class ContactParts:
+    """Tables, members and constants of the contacts that carry load."""
+
+    tables: list[PeriodicTable]
+    members: Members
+    data: Array
+    counts: dict[str, int]
+
+
+def rigid_mesh(description: MachineDescription, condition: OperatingCondition) -> RigidMesh | None:
+    """Return the rigid mesh of a machine, or None where contacts are compliant."""
+    return None if condition.compliant_mesh else description.mesh
+
+
+def loaded_contacts(
+    description: MachineDescription, condition: OperatingCondition
+) -> list[ContactPair]:
+    """List the pairs that carry load: the one of the rigid mesh, or else all."""
+    mesh = rigid_mesh(description, condition)
+    return [c for c in description.contacts if mesh is None or c.name == mesh.contact]
+
+
+def held_by_contacts(description: MachineDescription, condition: OperatingCondition) -> BoolArray:
+    """Which motions change the gap of a compliant contact."""
+    held = np.zeros(len(description.motions), dtype=bool)
+    if rigid_mesh(description, condition) is None:
+        for contact in description.contacts:
+            held |= np.any(contact.gap_by_motion.values != 0.0, axis=0)
+    return held
+
+
+def contact_parts(
+    description: MachineDescription,
+    condition: OperatingCondition,
+    motion_map: Array,
+    first_table: int,
+) -> ContactParts:
+    """Collect the arrays of all contacts that carry load."""
+    contacts = loaded_contacts(description, condition)
+    compliant = rigid_mesh(description, condition) is None
+    if compliant:
+        tables = [compliant_table(contact, motion_map) for contact in contacts]
+    else:
+        tables = [contact.geometry for contact in contacts]
+    count = sum(contact.count for contact in contacts)
+    rows = [row for c in contacts for row in [_constants(c)] * c.count]
+    return ContactParts(
+        tables=tables,
+        members=_members(contacts, first_table, POSSIBLE if compliant else OPEN),
+        data=np.array(rows, dtype=float).reshape(count, 9),
+        counts={"contacts": count, "compliant": count if compliant else 0},
+    )
+
+
+def _members(contacts: list[ContactPair], first_table: int, gate: int) -> Members:
+    counts = [contact.count for contact in contacts]
+    tables = np.arange(first_table, first_table + len(contacts))
+    return Members(
+        table=np.repeat(tables, counts).astype(np.int64),
+        phase=np.concatenate([*(contact.phases for contact in contacts), np.zeros(0)]),
+        ratio=np.repeat([float(contact.angle_ratio) for contact in contacts], counts),
+        gate=np.full(sum(counts), gate),
+    )
+
+
+def _constants(contact: ContactPair) -> tuple[float, ...]:
+    """Columns of ``contact_data`` in their order."""
+    onset = contact.roughness if contact.onset is None else contact.onset
+    loss = 0.75 * (1.0 - contact.restitution**2) / contact.approach_speed
+    return (
+        contact.effective_modulus,
+        contact.roughness,
+        contact.boundary_friction,
+        contact.limiting_shear,
+        contact.width,
+        onset,
+        loss,
+        float(contact.law in ("pereira", "linear")),
+        FRICTION_MECHANISMS.index(contact.friction_account),
+    )
+
+
+def compliant_table(contact: ContactPair, motion_map: Array) -> PeriodicTable:
+    """Join what compiled code reads of a compliant contact, in the order of its columns."""
+    geometry, motions = contact.geometry, motion_map.shape[1]
+    values = np.zeros((geometry.values.shape[0], GAP_BY_MOTION + 2 * motions))
+    slopes = np.zeros_like(values)
+    for name, column in (("gap", GAP), ("sliding_speed", SLIDING), ("rolling_speed_sum", ROLLING)):
+        channel = CONTACT_CHANNELS.index(name)
+        values[:, column] = geometry.values[:, channel]
+        slopes[:, column] = geometry.slopes[:, channel]
+    law = monotone_table(geometry.period, _law_columns(contact))
+    columns = [CURVATURE, LAW_LEVEL, LAW_EXPONENT]
+    values[:, columns], slopes[:, columns] = law.values, law.slopes
+    values[:, POSSIBLE] = geometry.values[:, 0] < REACH
+    first = GAP_BY_MOTION
+    for table in (contact.gap_by_motion, contact.slip_by_motion):
+        if table is not None:
+            values[:, first : first + motions] = table.values @ motion_map
+            slopes[:, first : first + motions] = table.slopes @ motion_map
+        first += motions
+    return PeriodicTable(geometry.period, values, slopes)
+
+
+def _law_columns(contact: ContactPair) -> Array:
+    """Relative curvature, level and exponent of the elastic law at the table nodes."""
+    geometry = contact.geometry.values
+    first, second = (geometry[:, CONTACT_CHANNELS.index(f"radius_{side}")] for side in "ab")
+    columns = np.zeros((geometry.shape[0], 3))
+    columns[:, 0] = np.maximum(np.abs(1.0 / first + 1.0 / second), _LEAST_CURVATURE)
+    contact_modulus = 0.5 * contact.effective_modulus
+    if contact.law == "linear":
+        columns[:, 1:] = np.log(contact.structure_stiffness / contact.width), 1.0
+    elif contact.law == "pereira":
+        touching = geometry[:, 0] < REACH
+        columns[:, 1:] = _pereira_columns(first, second, touching, contact_modulus)
+    else:
+        scale = johnson_scale(first, second)
+        if contact.law == "hertz_line":
+            scale = hertz_scale(first, second, contact.depth)
+        stiffness = contact.structure_stiffness / contact.width
+        columns[:, 1] = series_level(np.maximum(scale, _LEAST_SCALE), contact_modulus, stiffness)
+    return columns
+
+
+def _pereira_columns(
+    first: Array, second: Array, touching: BoolArray, contact_modulus: float
+) -> Array:
+    """Level and exponent of Pereira's law, where contact is possible."""
+    columns = np.zeros((first.size, 2))
+    columns[:, 1] = 1.0
+    for i in np.flatnonzero(touching):
+        difference = abs(first[i] + second[i])
+        internal = bool(first[i] * second[i] < 0.0)
+        check_pereira_range(difference, internal)
+        force = [
+            float(pereira_force(depth, difference, 1.0, contact_modulus, internal))
+            for depth in (1e-3, 1e-6)
+        ]
+        columns[i, 1] = np.log(force[0] / force[1]) / np.log(1e3)
+        columns[i, 0] = np.log(force[0]) - columns[i, 1] * np.log(1e-3)
+    return columns
+
+
+def motion_rows(
+    description: MachineDescription, condition: OperatingCondition, free: list[int]
+) -> Array:
+    """Mass, load and scale of every free motion."""
+    bodies = {body.name: body for body in description.bodies}
+    clearance = {journal.body: journal.radial_clearance for journal in description.journals}
+    drag = lateral_drag(description)
+    rows = np.zeros((len(free), MOTION_COLUMNS))
+    for row, k in zip(rows, free, strict=True):
+        motion = description.motions[k]
+        body = bodies[motion.body]
+        row[CLEARANCE] = clearance.get(motion.body, _CLEARANCE)
+        row[MOTION_MASS] = body.mass
+        if motion.axis == "rotation":
+            row[MOTION_MASS], row[MOTION_RATIO] = body.inertia, body.speed_ratio
+            row[LATERAL_DRAG] = drag[motion.body]
+            row[CLEARANCE] /= _lever(description, k)
+        elif motion.body == description.bodies[0].name:
+            row[EXTERNAL_FORCE] = condition.radial_load["xy".index(motion.axis)]
+    return rows
+
+
+def _lever(description: MachineDescription, motion: int) -> float:
+    """Largest lever of a contact about the axis of a turning body. [m]."""
+    return max(
+        float(np.abs(contact.gap_by_motion.values[:, motion]).max())
+        for contact in description.contacts
+    )

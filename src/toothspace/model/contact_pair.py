@@ -1,0 +1,136 @@
+"""Contacts between bodies: compliant ones, and the rigid mesh that replaces them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal, final
+
+from toothspace.core.types import Array
+from toothspace.numerics.periodic_table import PeriodicTable
+
+CONTACT_CHANNELS = (
+    "gap",
+    "load_share",
+    "radius_a",
+    "radius_b",
+    "sliding_speed",
+    "rolling_speed_sum",
+)
+"""Channels of a contact table: [m], [-], [m], [m], [m/rad], [m/rad] (per shaft radian)."""
+
+
+@final
+@dataclass(frozen=True)
+class ContactPair:
+    r"""Contacts of one kind between two bodies over an angle.
+
+    With a rigid mesh one pair carries its load by shares. Without, every contact of every
+    pair is compliant: it pushes where its gap closes, and nothing else ties the bodies.
+
+    Parameters
+    ----------
+    name : str
+        Label, for example ``drive_flank``.
+    body_a, body_b : str
+        Bodies in contact; the normal points from a to b.
+    angle_ratio : float
+        Growth of the table angle per shaft angle. [-]
+    phases : ndarray, shape (count,)
+        Table angle of each contact at shaft angle zero. [rad]
+    geometry : PeriodicTable
+        Channels of :data:`CONTACT_CHANNELS`; a negative radius is concave. The gap is that at
+        zero micro-motion. Sliding is the speed of body b relative to body a along the tangent
+        (normal turned by +90 degrees), signed, per shaft speed; ``load_share`` counts only in
+        a rigid mesh. Where two surfaces face away, give a gap above 0.3 mm.
+    gap_by_motion : PeriodicTable, one channel per motion
+        Derivative of the gap; also the generalised direction of the contact force. [-], [m/rad]
+    width : float
+        Length of the contact line. [m]
+    effective_modulus : float
+        E' = 2 / [...] of the pair. [Pa]
+    roughness : float
+        Combined root mean square roughness of the flanks. [m]
+    boundary_friction : float
+        Friction coefficient of touching asperities. [-]
+    limiting_shear : float
+        Limiting shear strength proportionality of the lubricant (gamma). [-]
+    slip_by_motion : PeriodicTable or None
+        Derivative of the tangential displacement of body b relative to body a by every
+        motion: with the tangent t for x and y of body b, minus t for those of body a, and for
+        a rotation the distance of the contact from the body's centre along the normal, minus
+        it for body a. Friction then acts on these motions; None: on the shaft only. [-], [m/rad]
+    law : str
+        Elastic law of a compliant contact: ``hertz_line`` (approach of points below the
+        surface), ``johnson``, ``pereira`` (0.005 to 10 mm difference of radii if internal) or
+        ``linear`` (``structure_stiffness`` alone).
+    structure_stiffness : float
+        Stiffness of teeth and bodies behind the contact, in series. [N/m]
+    depth : float
+        Largest depth of the points of ``hertz_line``, size of the bodies. [m]
+    onset : float or None
+        Overlap over which contact builds up, on both sides of touch; None: the roughness. [m]
+    restitution : float
+        Coefficient of restitution of an impact at ``approach_speed``. [-]
+    approach_speed : float
+        Speed of that impact. [m/s]
+    friction_account : str
+        Ledger entry of the friction: ``mesh_friction`` or ``contact_friction``.
+
+    Notes
+    -----
+    Compliant contact with overlap :math:`x = -g` and elastic energy U(x):
+
+    .. math:: F = U'(x) \max\left(0, 1 + \tfrac34 (1 - c_r^2) \frac{\dot x}{v_0}\right),
+        \qquad g = g_0(\theta) + \sum_k \frac{\partial g}{\partial q_k}(\theta) q_k .
+    """
+
+    name: str
+    body_a: str
+    body_b: str
+    angle_ratio: float
+    phases: Array
+    geometry: PeriodicTable
+    gap_by_motion: PeriodicTable
+    width: float
+    effective_modulus: float
+    roughness: float
+    boundary_friction: float = 0.10
+    limiting_shear: float = 0.05
+    slip_by_motion: PeriodicTable | None = None
+    law: Literal["hertz_line", "johnson", "pereira", "linear"] = "hertz_line"
+    structure_stiffness: float = math.inf
+    depth: float = math.inf
+    onset: float | None = None
+    restitution: float = 0.8
+    approach_speed: float = 0.1
+    friction_account: Literal["mesh_friction", "contact_friction"] = "contact_friction"
+
+    @property
+    def count(self) -> int:
+        """Number of contacts."""
+        return int(self.phases.size)
+
+
+@final
+@dataclass(frozen=True)
+class RigidMesh:
+    """Contact of rigid flanks that ties one rotation to the other motions.
+
+    Parameters
+    ----------
+    contact : str
+        Name of the :class:`ContactPair` that carries the load.
+    motion : int
+        Index of the rotation that follows from contact.
+    coefficients : ndarray, one per motion
+        ``q[motion] = coefficients @ q`` of the other motions. [1/m]
+    lever : float
+        Derivative of the contact's gap with respect to that rotation, signed; its size is the
+        base radius of the driven body. Contact force = -(torque on that body) / lever. [m]
+    """
+
+    contact: str
+    motion: int
+    coefficients: Array
+    lever: float

@@ -1,0 +1,117 @@
+"""Compliant contacts in the whole model: balances, exact Jacobian, events, walls at the ends."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.contact_machine import contact_machine
+from toothspace.closures.bearing_map import build_journal_map, journal_force
+from toothspace.model.arrays import FILM_FORCE
+from toothspace.model.assembly import System, assemble
+from toothspace.model.fluid import fluid_law
+from toothspace.model.jacobian import jacobian
+from toothspace.model.operating_point import OperatingCondition
+from toothspace.model.system import right_hand_side
+from toothspace.solver.cyclic import History, RunPlan, march_revolutions
+from toothspace.solver.initial import start_state
+from toothspace.solver.observe import observe
+from toothspace.solver.outcome import window_ledger
+
+PLAN = RunPlan(revolutions=3, samples_per_revolution=360)
+STEPS = {"x": 1e-10, "y": 1e-10, "rotation": 1e-8}
+
+
+def ring_system(**pair: Any) -> System:
+    fluid = fluid_law("iso_vg_46", 323.15, 0.002, 0.08, "dynamic")
+    condition = OperatingCondition(
+        shaft_speed=157.0,
+        inlet_pressure=1e5,
+        outlet_pressure=150e5,
+        relative_tolerance=1e-6,
+    )
+    return assemble(contact_machine(**pair), fluid, condition)
+
+
+@pytest.fixture(scope="module")
+def history() -> History:
+    return march_revolutions(ring_system(), PLAN)
+
+
+def test_mass_closes_to_round_off_and_energy_to_tolerance(history: History) -> None:
+    """With elastic energy stored, damping and friction lost, and curvature that varies."""
+    ledger = window_ledger(history)
+    assert ledger.mass_balance_error < 1e-10
+    assert ledger.energy_balance_error < 1e-5
+    assert ledger.energy["contact_friction"] > 100.0 * ledger.energy_balance_error
+    assert ledger.energy["contact_damping"] > 0.0
+
+
+@pytest.mark.parametrize("law", ["johnson", "pereira", "linear"])
+def test_energy_closes_with_every_law(law: str) -> None:
+    system = ring_system(law=law, structure_stiffness=2e8 if law == "linear" else np.inf)
+    assert window_ledger(march_revolutions(system, PLAN)).energy_balance_error < 1e-5
+
+
+def test_contacts_hand_the_load_over(history: History) -> None:
+    """Each lobe carries once a turn, one or two at a time; no hand-over without events."""
+    force = observe(history.system.arrays, history.states).contact_force
+    assert np.all(force.max(axis=1) > 0.0)
+    assert np.all(np.count_nonzero(force > 0.0, axis=1) <= 2)
+    assert np.all(force.max(axis=0) > 0.0)
+    assert {event.kind for event in history.events} == {"contact_made", "contact_lost"}
+    made = {event.label for event in history.events if event.kind == "contact_made"}
+    assert len(made) >= 2
+
+
+def test_jacobian_is_the_derivative_of_the_rates(history: History) -> None:
+    """Central differences by every position and velocity, at the sample of largest force."""
+    system = history.system
+    arrays, size = system.arrays, system.arrays.size
+    force = observe(arrays, history.states).contact_force
+    state = history.states[int(np.argmax(force.max(axis=1)))]
+    matrix = np.zeros((size.total, size.core))
+    jacobian(0.0, state, arrays, matrix)
+    assert not np.any(matrix[~system.pattern])
+    up, down = np.zeros(size.total), np.zeros(size.total)
+    for k, motion in enumerate(system.free_motions):
+        axis = system.description.motions[motion].axis
+        for column, step in ((size.position + k, STEPS[axis]), (size.velocity + k, 1e-6)):
+            for sign, rate in ((1.0, up), (-1.0, down)):
+                moved = state.copy()
+                moved[column] += sign * step
+                right_hand_side(0.0, moved, arrays, rate)
+            expected = ((up - down) / (2.0 * step))[size.velocity : size.core]
+            found = matrix[size.velocity : size.core, column]
+            assert found == pytest.approx(expected, abs=2e-3 * np.abs(expected).max())
+
+
+def test_walls_at_the_ends_make_a_long_bearing() -> None:
+    """Sommerfeld's pressure with half film, per length: Pinkus and Sternlicht (1961)."""
+    ratio = 0.6
+    force = journal_force(ratio, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, build_journal_map(1e4))
+    scale = 12.0 / ((2.0 + ratio**2) * (1.0 - ratio**2))
+    assert -force[0] == pytest.approx(scale * ratio**2, rel=3e-3)
+    assert force[1] == pytest.approx(
+        0.5 * np.pi * scale * ratio * np.sqrt(1.0 - ratio**2), rel=3e-3
+    )
+
+
+def test_each_bearing_keeps_its_own_film() -> None:
+    """A second, open journal of the same body: its force adds to that of the closed one."""
+    closed = ring_system()
+    machine = closed.description
+    open_ended = replace(machine.journals[0], end_condition="pressure")
+    forces = []
+    for journals in (machine.journals, (open_ended,), (*machine.journals, open_ended)):
+        system = assemble(
+            replace(machine, journals=journals), closed.arrays.fluid, closed.condition
+        )
+        state = start_state(system)
+        right_hand_side(0.0, state, system.arrays, np.zeros(system.arrays.size.total))
+        forces.append(system.arrays.motion[:2, FILM_FORCE].copy())
+    assert np.hypot(*forces[0]) > 10.0 * np.hypot(*forces[1])
+    assert forces[2] == pytest.approx(forces[0] + forces[1], rel=1e-9)
