@@ -12,19 +12,15 @@ from toothspace.machines.external_gear.assembly import (
     facing_throats,
 )
 from toothspace.machines.external_gear.chambers import Spaces
-from toothspace.machines.external_gear.flow_paths import gap_by_motion
-from toothspace.machines.external_gear.loads import BODIES, MOTIONS, reduced_modulus
+from toothspace.machines.external_gear.loads import MOTIONS
 from toothspace.machines.external_gear.mesh_split import Throats
-from toothspace.machines.external_gear.numbering import FULL_TURN, Numbering
-from toothspace.model.description import ContactPair, RigidMesh
-from toothspace.numerics.periodic_table import monotone_table
+from toothspace.model.description import RigidMesh
 
 CONTACT_TOLERANCE = 1e-6
 """Gap above that of the touching pair up to which a second flank pair counts as touching. [m]"""
 
 _LEAST_RATIO = 1.02
 _SAMPLES = 1441
-_LEAST_RADIUS = 1e-4
 _NO_THROAT = 1.0
 
 
@@ -95,41 +91,6 @@ def load_share(assembly: Assembly, angles: Array) -> Array:
 def _bump(angles: Array, start: float, end: float, ramp: float) -> Array:
     t = np.clip(np.minimum(angles - start, end - angles) / ramp, 0.0, 1.0)
     return np.asarray(t * t * (3.0 - 2.0 * t), dtype=float)
-
-
-def flank_contact(assembly: Assembly, numbering: Numbering, spaces: Spaces) -> ContactPair:
-    """Contact of the loaded flanks over the angle of the drive spaces."""
-    side, spec = loaded_throats(assembly, spaces), assembly.spec
-    share = load_share(assembly, spaces.angles)
-    drive, driven = flank_radii(assembly, side)
-    rolling, follows = drive, assembly.mesh.ratio * driven
-    complete = side.weight >= 1.0
-    # flanks that do not face one another in the lens are apart
-    gap = np.where(complete, side.gap, side.gap[complete].max())
-    geometry = [gap, share, drive, driven, np.abs(rolling - follows), rolling + follows]
-    return ContactPair(
-        name="drive_flank",
-        body_a=BODIES[0],
-        body_b=BODIES[1],
-        angle_ratio=1.0,
-        phases=numbering.space_phases[0],
-        geometry=monotone_table(FULL_TURN, np.column_stack(geometry)),
-        gap_by_motion=monotone_table(FULL_TURN, gap_by_motion(assembly, side)),
-        width=assembly.face_width,
-        effective_modulus=reduced_modulus(spec.drive.material, spec.driven.material),
-        roughness=float(np.hypot(spec.drive.roughness, spec.driven.roughness)),
-    )
-
-
-def flank_radii(assembly: Assembly, side: Throats) -> tuple[Array, Array]:
-    """Distances of the throat from the points where its normal is closest to both centres. [m].
-
-    On involutes in contact these are the radii of curvature.
-    """
-    center = np.array([0.0, assembly.mesh.center_distance])
-    drive = np.abs(np.sum(side.drive_point * side.normal, axis=1))
-    driven = np.abs(np.sum((side.driven_point - center) * side.normal, axis=1))
-    return np.maximum(drive, _LEAST_RADIUS), np.maximum(driven, _LEAST_RADIUS)
 
 
 def rigid_mesh(assembly: Assembly) -> RigidMesh:

@@ -13,7 +13,8 @@ from toothspace.machines.external_gear.chambers import (
     section_area_rates,
     section_areas,
 )
-from toothspace.machines.external_gear.contacts import displacement, flank_contact, rigid_mesh
+from toothspace.machines.external_gear.contacts import displacement, rigid_mesh
+from toothspace.machines.external_gear.flank_contacts import flank_contacts
 from toothspace.machines.external_gear.flow_paths import flow_paths
 from toothspace.machines.external_gear.loads import (
     BODIES,
@@ -78,7 +79,7 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
         paths=flow_paths(assembly, numbering, spaces),
         journals=journal_bearings(assembly),
         laterals=lateral_films(assembly),
-        contacts=(flank_contact(assembly, numbering, spaces[0]),),
+        contacts=flank_contacts(assembly, numbering, spaces[0]),
         mesh=rigid_mesh(assembly),
         seal_torque=spec.seal_torque,
         port_volumes=(spec.inlet_volume, spec.outlet_volume),

@@ -1,0 +1,178 @@
+"""Contacts of both flanks: shares of a rigid mesh, or compliant teeth with backlash."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toothspace.closures.contact_law import hertz_scale, logarithmic_law
+from toothspace.core.types import Array
+from toothspace.geometry.involute import InvoluteGear
+from toothspace.machines.external_gear.assembly import Assembly, driven_lever
+from toothspace.machines.external_gear.chambers import Spaces
+from toothspace.machines.external_gear.contacts import load_share, loaded_throats
+from toothspace.machines.external_gear.flow_paths import gap_by_motion
+from toothspace.machines.external_gear.loads import BODIES, reduced_modulus
+from toothspace.machines.external_gear.mesh_split import Throats
+from toothspace.machines.external_gear.numbering import FULL_TURN, Numbering
+from toothspace.model.description import ContactPair
+from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
+
+_LEAST_RADIUS = 1e-4
+_STEEL_MODULUS = 206e9
+_MEASURED_OVER_THEORY = 0.8
+_HERTZ_SHARE_DEPTH = 5e-6
+_RADIUS_OVER_PITCH = 0.34
+
+
+def flank_contacts(
+    assembly: Assembly, numbering: Numbering, spaces: Spaces
+) -> tuple[ContactPair, ContactPair]:
+    """Contacts of the loaded and of the unloaded flanks over the angle of the drive spaces."""
+    loaded = loaded_throats(assembly, spaces)
+    other = spaces.right if loaded is spaces.left else spaces.left
+    return (
+        _pair("drive_flank", assembly, numbering, loaded, load_share(assembly, spaces.angles)),
+        _pair("coast_flank", assembly, numbering, other, np.zeros(spaces.angles.size)),
+    )
+
+
+def _pair(
+    name: str, assembly: Assembly, numbering: Numbering, side: Throats, share: Array
+) -> ContactPair:
+    spec = assembly.spec
+    return ContactPair(
+        name=name,
+        body_a=BODIES[0],
+        body_b=BODIES[1],
+        angle_ratio=1.0,
+        phases=numbering.space_phases[0],
+        geometry=_geometry(assembly, side, share),
+        gap_by_motion=monotone_table(FULL_TURN, gap_by_motion(assembly, side)),
+        slip_by_motion=monotone_table(FULL_TURN, _slip_by_motion(assembly, side)),
+        width=assembly.face_width,
+        effective_modulus=reduced_modulus(spec.drive.material, spec.driven.material),
+        roughness=float(np.hypot(spec.drive.roughness, spec.driven.roughness)),
+        law="hertz_line",
+        structure_stiffness=tooth_stiffness(assembly) * assembly.face_width,
+        depth=half_tooth(assembly),
+        friction_account="mesh_friction",
+    )
+
+
+def _geometry(assembly: Assembly, side: Throats, share: Array) -> PeriodicTable:
+    """Channels of a flank contact; the slope of the gap is exact, so conjugate flanks stay so."""
+    drive, driven = flank_radii(assembly, side)
+    ahead, follows = _along_normal(assembly, side)
+    ratio = assembly.mesh.ratio
+    complete = side.weight >= 1.0
+    # flanks that do not face one another in the lens are apart
+    gap = np.where(complete, side.gap, side.gap[complete].max())
+    rolling = np.abs(ahead) + ratio * np.abs(follows)
+    columns = [gap, share, drive, driven, -ratio * follows - ahead, rolling]
+    table = monotone_table(FULL_TURN, np.column_stack(columns))
+    table.slopes[:, 0] = _without_overshoot(gap, np.where(complete, _gap_rate(assembly, side), 0.0))
+    return table
+
+
+def _without_overshoot(values: Array, slopes: Array) -> Array:
+    """Exact slopes, held to three times the smaller secant where the curvature jumps."""
+    right = (np.roll(values, -1) - values) * (values.size / FULL_TURN)
+    limit = 3.0 * np.minimum(np.abs(right), np.abs(np.roll(right, 1)))
+    return np.clip(slopes, -limit, limit)
+
+
+def _gap_rate(assembly: Assembly, side: Throats) -> Array:
+    """Derivative of the gap with respect to the shaft angle, both gears turning. [m/rad]."""
+    x, y = side.drive_point.T
+    drive_lever = -side.normal[:, 0] * y + side.normal[:, 1] * x
+    driven = driven_lever(side, assembly.mesh)
+    return np.asarray(-drive_lever - assembly.mesh.ratio * driven, dtype=float)
+
+
+def _along_normal(assembly: Assembly, side: Throats) -> tuple[Array, Array]:
+    """Distances of the throat's ends from both centres along the normal, signed. [m]."""
+    center = np.array([0.0, assembly.mesh.center_distance])
+    drive = np.sum(side.drive_point * side.normal, axis=1)
+    driven = np.sum((side.driven_point - center) * side.normal, axis=1)
+    return drive, driven
+
+
+def flank_radii(assembly: Assembly, side: Throats) -> tuple[Array, Array]:
+    """Radii of curvature of touching flanks. [m].
+
+    On involutes they are the distances of the contact from both centres along the normal; at
+    a tip corner the edge counts with its rounding.
+    """
+    drive, driven = (np.abs(part) for part in _along_normal(assembly, side))
+    sharp = 1.0 / _LEAST_RADIUS
+    drive = np.where(side.drive_curvature > 0.2 * sharp, _LEAST_RADIUS, drive)
+    driven = np.where(side.driven_curvature > 0.2 * sharp, _LEAST_RADIUS, driven)
+    return np.maximum(drive, _LEAST_RADIUS), np.maximum(driven, _LEAST_RADIUS)
+
+
+def _slip_by_motion(assembly: Assembly, side: Throats) -> Array:
+    """Derivative of the tangential displacement of the driven flank by every micro-motion."""
+    tangent = np.column_stack([-side.normal[:, 1], side.normal[:, 0]])
+    _, follows = _along_normal(assembly, side)
+    weight = (side.weight > 0.0)[:, None]
+    return np.where(weight, np.column_stack([-tangent, tangent, follows]), 0.0)
+
+
+def half_tooth(assembly: Assembly) -> float:
+    """Half thickness of a tooth on the pitch circle: how deep contact deformation counts. [m]."""
+    mesh = assembly.mesh
+    pitch_radius = mesh.center_distance / (1.0 + 1.0 / mesh.ratio)
+    return 0.5 * mesh.half_pitch * pitch_radius
+
+
+def tooth_stiffness(assembly: Assembly) -> float:
+    r"""Stiffness of a tooth pair in bending, shear and at the root, per face width.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        Gears in mesh.
+
+    Returns
+    -------
+    float
+        Stiffness without the contact's own flattening. [N/m2]
+
+    Notes
+    -----
+    ISO 6336-1 gives the largest stiffness of one pair, flattening included, as
+    :math:`c' = 0.8 E / (E_{steel}\, q')` with the minimum flexibility q' of a polynomial in
+    reciprocal tooth counts and profile shifts. The flattening of the law of the contact,
+    :math:`1/k_H` as its secant at 5 um, is taken off: :math:`1/\kappa = 1/c' - 1/k_H`.
+    Profiles from file count with a profile shift of zero.
+
+    References
+    ----------
+    .. [1] ISO 6336-1:2006, section 9.3, method B.
+    """
+    total = _MEASURED_OVER_THEORY / (1e-9 * minimum_flexibility(assembly))
+    gears = (assembly.spec.drive, assembly.spec.driven)
+    moduli = [gear.material.elastic_modulus for gear in gears]
+    total *= 2.0 * moduli[0] * moduli[1] / (moduli[0] + moduli[1]) / _STEEL_MODULUS
+    contact_modulus = 0.5 * reduced_modulus(gears[0].material, gears[1].material)
+    pitch_radius = 2.0 * half_tooth(assembly) / assembly.mesh.half_pitch
+    radius = _RADIUS_OVER_PITCH * pitch_radius
+    other = radius / assembly.mesh.ratio
+    level = float(np.log(hertz_scale(radius, other, half_tooth(assembly))))
+    load, _, _, _ = logarithmic_law(_HERTZ_SHARE_DEPTH, level, contact_modulus)
+    return float(1.0 / (1.0 / total - _HERTZ_SHARE_DEPTH / load))
+
+
+def minimum_flexibility(assembly: Assembly) -> float:
+    """Flexibility q' of one tooth pair of spur gears by ISO 6336-1. [mm um/N]."""
+    drive, driven = assembly.counts
+    shifts = [
+        gear.tooth.profile_shift if isinstance(gear.tooth, InvoluteGear) else 0.0
+        for gear in (assembly.spec.drive, assembly.spec.driven)
+    ]
+    order = (0, 1) if shifts[0] >= shifts[1] else (1, 0)
+    z1, z2 = ((drive, driven)[k] for k in order)
+    x1, x2 = (shifts[k] for k in order)
+    counts = 0.04723 + 0.15551 / z1 + 0.25791 / z2
+    linear = -0.00635 * x1 - 0.11654 * x1 / z1 - 0.00193 * x2 - 0.24188 * x2 / z2
+    return counts + linear + 0.00529 * x1**2 + 0.00182 * x2**2
