@@ -1,0 +1,50 @@
+"""Elastic laws of line contacts against plane strain finite elements of one lobe pair.
+
+The oracle clamps both bodies at a depth of one lobe radius below the contact; approach is that
+of the clamped bases, as the laws count it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.plane_contact import lobe_in_groove
+from toothspace.closures.contact_cylindrical import hertz_half_width, pereira_force
+from toothspace.closures.contact_law import hertz_scale, johnson_scale, logarithmic_law
+
+STEEL = 206e9 / (2.0 * (1.0 - 0.3**2))
+LOBE = 8.5e-3
+APPROACH = np.array([1e-6, 4e-6])
+
+
+def line_loads(scale: float) -> np.ndarray:
+    level = float(np.log(scale))
+    return np.array([logarithmic_law(float(d), level, STEEL)[0] for d in APPROACH])
+
+
+@pytest.mark.parametrize("other", [-9.5e-3, -12e-3, -50e-3, 20e-3])
+def test_hertz_line_against_finite_elements(other: float) -> None:
+    """Within 6 %: lobe in narrow and wide grooves, and on a second lobe."""
+    oracle = lobe_in_groove(LOBE, other, (LOBE, LOBE), APPROACH)
+    assert line_loads(float(hertz_scale(LOBE, other, LOBE))) == pytest.approx(oracle, rel=0.06)
+
+
+def test_johnson_and_pereira_against_finite_elements() -> None:
+    """Within 10 % in a groove of similar radius; in a flat one both are far too soft."""
+    oracle = lobe_in_groove(LOBE, -9.5e-3, (LOBE, LOBE), APPROACH)
+    assert line_loads(float(johnson_scale(LOBE, -9.5e-3))) == pytest.approx(oracle, rel=0.10)
+    pereira = pereira_force(APPROACH, 1e-3, 1.0, STEEL, True)
+    assert pereira == pytest.approx(oracle, rel=0.10)
+    oracle = lobe_in_groove(LOBE, -50e-3, (LOBE, LOBE), APPROACH)
+    assert np.all(line_loads(float(johnson_scale(LOBE, -50e-3))) < 0.86 * oracle)
+
+
+def test_oracle_is_hertzian() -> None:
+    """Far from the bases: load grows by the closed form of the half width, K. L. Johnson 4.2."""
+    load = lobe_in_groove(LOBE, 20e-3, (LOBE, LOBE), APPROACH)
+    relative = LOBE * 20e-3 / (LOBE + 20e-3)
+    half_width = hertz_half_width(load, relative, STEEL)
+    stiffness = np.diff(load) / np.diff(APPROACH)
+    mean = np.pi * STEEL / (2.0 * np.log(4.0 * LOBE / half_width.mean()) - 1.0)
+    assert stiffness == pytest.approx(mean, rel=0.15)
