@@ -69,12 +69,13 @@ CHANNEL_VOLUME, CHANNEL_MESH, CHANNEL_MOTION = range(3)
 # Columns of ``path_values``: geometry, drag and shear speed, d(height)/d(each free motion).
 GEOMETRY, DRAG_SPEED, SHEAR_SPEED, HEIGHT_BY_MOTION = 0, 3, 4, 5
 
-# Columns of ``contact_values``: in a rigid mesh, and where the contacts are compliant instead;
-# d(slip)/d(each free motion) follow those of the gap.
+# Planes of ``contact_values``, and their columns: in a rigid mesh, and where contacts are
+# compliant instead; d(slip)/d(each free motion) follow those of the gap.
+VALUE, SLOPE = range(2)
 GAP, LOAD_SHARE, RADIUS_A, RADIUS_B, SLIDING, ROLLING = range(6)
 CURVATURE, LAW_LEVEL, LAW_EXPONENT, POSSIBLE, GAP_BY_MOTION = 1, 2, 3, 6, 7
 
-# Columns of ``contact``: what acts in a contact, per contact.
+# Columns of ``contact``: what acts in a contact, then constants of its pair.
 (
     CONTACT_FORCE,
     CONTACT_ENERGY,
@@ -86,11 +87,6 @@ CURVATURE, LAW_LEVEL, LAW_EXPONENT, POSSIBLE, GAP_BY_MOTION = 1, 2, 3, 6, 7
     FORCE_BY_RATE,
     FRICTION_BY_FORCE,
     FRICTION_BY_SLIP,
-) = range(10)
-CONTACT_COLUMNS = 10
-
-# Columns of ``contact_data``: constants of the pair of each compliant contact.
-(
     PAIR_MODULUS,
     PAIR_ROUGHNESS,
     PAIR_BOUNDARY,
@@ -100,7 +96,9 @@ CONTACT_COLUMNS = 10
     PAIR_DAMPING,
     PAIR_POWER_LAW,
     PAIR_ACCOUNT,
-) = range(9)
+) = range(19)
+CONTACT_STATE = 10
+CONTACT_COLUMNS = 19
 
 # Columns of ``motion``; ratio and drag are those of a rotation, zero otherwise.
 (
@@ -203,9 +201,7 @@ class SystemArrays(NamedTuple):
     chamber_slopes: Array
     path_values: Array
     contact_values: Array
-    contact_slopes: Array
     contact: Array
-    contact_data: Array
     turns: IntArray
     motion: Array
     film_slopes: Array

@@ -13,6 +13,7 @@ from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.model.arrays import (
     CHANNEL_MOTION,
     CONTACT_COLUMNS,
+    CONTACT_STATE,
     DENSITY,
     FAMILY_COUNT,
     FAMILY_FIRST,
@@ -25,6 +26,7 @@ from toothspace.model.arrays import (
     PARTNER_SHIFT,
     PATH_COLUMNS,
     PRESSURE,
+    VALUE,
     VOLUME,
     Constants,
     ContactSurface,
@@ -115,7 +117,6 @@ def assemble(
         bank=pack_tables(tables),
         chambers=_chambers(description),
         contacts=contacts.members,
-        contact_data=contacts.data,
         paths=path_members(paths, len(families) + len(contacts.tables)),
         dynamic_index=_dynamic_index(description, condition),
         path_index=path_index,
@@ -129,7 +130,8 @@ def assemble(
     )
     fill_constants(arrays.bank, arrays.paths, arrays.path_values)
     fill_constants(arrays.bank, arrays.chambers, arrays.chamber_values)
-    fill_constants(arrays.bank, arrays.contacts, arrays.contact_values)
+    fill_constants(arrays.bank, arrays.contacts, arrays.contact_values[VALUE])
+    arrays.contact[:, CONTACT_STATE:] = contacts.data
     pattern = _pattern(arrays)
     return System(description, condition, arrays, pattern, tuple(free), motion_map)
 
@@ -278,8 +280,7 @@ def _work(sizes: Sizes) -> dict[str, Array]:
         "chamber_values": np.zeros((sizes.chambers, channels)),
         "chamber_slopes": np.zeros((sizes.chambers, channels)),
         "path_values": np.zeros((sizes.paths, HEIGHT_BY_MOTION + sizes.motions)),
-        "contact_values": np.zeros((sizes.contacts, GAP_BY_MOTION + 2 * sizes.motions)),
-        "contact_slopes": np.zeros((sizes.compliant, GAP_BY_MOTION + 2 * sizes.motions)),
+        "contact_values": np.zeros((2, sizes.contacts, GAP_BY_MOTION + 2 * sizes.motions)),
         "contact": np.zeros((sizes.contacts, CONTACT_COLUMNS)),
         "film_slopes": np.zeros((2, sizes.motions, sizes.motions)),
         "torque": np.zeros(len(FRICTION_MECHANISMS) + 1),

@@ -111,8 +111,9 @@ def update_film_forces(s: SystemArrays, state: Array) -> None:
 def update_lateral_drag(s: SystemArrays, state: Array) -> None:
     """Start the film forces with the torque of the lateral films on bodies free to turn."""
     motion, slopes, size = s.motion, s.film_slopes, s.size
-    slopes[:, :, :] = 0.0
     for k in range(size.motions):
+        for m in range(size.motions):
+            slopes[0, k, m] = slopes[1, k, m] = 0.0
         drag = motion[k, LATERAL_DRAG] * s.fluid.dynamic_viscosity
         turning = motion[k, MOTION_RATIO] * state[1] + state[size.velocity + k]
         motion[k, FILM_FORCE] = -drag * turning

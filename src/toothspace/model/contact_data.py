@@ -110,7 +110,7 @@ def _members(contacts: list[ContactPair], first_table: int, gate: int) -> Member
 
 
 def _constants(contact: ContactPair) -> tuple[float, ...]:
-    """Columns of ``contact_data`` in their order."""
+    """Constants of ``contact`` in their order."""
     onset = contact.roughness if contact.onset is None else contact.onset
     loss = 0.75 * (1.0 - contact.restitution**2) / contact.approach_speed
     return (

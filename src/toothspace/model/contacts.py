@@ -28,6 +28,7 @@ from toothspace.model.arrays import (
     CONTACT_FRICTION,
     CONTACT_LOAD,
     CONTACT_SLIP,
+    CONTACT_STATE,
     CONTACT_TORQUE,
     CURVATURE,
     EXTERNAL_FORCE,
@@ -53,6 +54,8 @@ from toothspace.model.arrays import (
     PRESSURE_FORCE,
     ROLLING,
     SLIDING,
+    SLOPE,
+    VALUE,
     SystemArrays,
 )
 from toothspace.model.ledger import CONTACT_LOSS, FRICTION
@@ -71,7 +74,7 @@ def motion_force(s: SystemArrays, k: int) -> float:
 @kernel
 def contact_gap(s: SystemArrays, state: Array, j: int) -> float:
     """Gap of a compliant contact with the present positions of the bodies. [m]."""
-    values = s.contact_values
+    values = s.contact_values[VALUE]
     if values[j, POSSIBLE] == 0.0:
         return FAR
     gap = values[j, GAP]
@@ -83,20 +86,21 @@ def contact_gap(s: SystemArrays, state: Array, j: int) -> float:
 @kernel
 def update_contacts(s: SystemArrays, state: Array) -> None:
     """Forces of all compliant contacts and their sums on the free motions."""
-    size, contact, values, motion = s.size, s.contact, s.contact_values, s.motion
+    size, contact, motion = s.size, s.contact, s.motion
+    values, slopes = s.contact_values[VALUE], s.contact_values[SLOPE]
     for k in range(size.motions):
         motion[k, CONTACT_LOAD] = 0.0
     for j in range(size.compliant):
         gap = contact_gap(s, state, j)
-        if gap >= s.contact_data[j, PAIR_ONSET]:
-            contact[j, :] = 0.0
+        if gap >= contact[j, PAIR_ONSET]:
+            contact[j, :CONTACT_STATE] = 0.0
             continue
-        by_angle = s.contact_slopes[j, GAP]
+        by_angle = slopes[j, GAP]
         slip = values[j, SLIDING] * state[1]
         rate = 0.0
         for k in range(size.motions):
             speed = state[size.velocity + k]
-            by_angle += s.contact_slopes[j, GAP_BY_MOTION + k] * state[size.position + k]
+            by_angle += slopes[j, GAP_BY_MOTION + k] * state[size.position + k]
             rate += values[j, GAP_BY_MOTION + k] * speed
             slip += values[j, GAP_BY_MOTION + size.motions + k] * speed
         rate += by_angle * state[1]
@@ -113,38 +117,38 @@ def update_contacts(s: SystemArrays, state: Array) -> None:
 @kernel
 def press(s: SystemArrays, j: int, overlap: float, rate: float) -> None:
     """Normal force of one contact, its energy, loss and derivatives."""
-    contact, data = s.contact[j], s.contact_data[j]
-    values, slopes = s.contact_values, s.contact_slopes
-    depth, slope, bend = rounded_depth(overlap, data[PAIR_ONSET])
-    if data[PAIR_POWER_LAW] > 0.0:
+    contact = s.contact[j]
+    values, slopes = s.contact_values[VALUE], s.contact_values[SLOPE]
+    depth, slope, bend = rounded_depth(overlap, contact[PAIR_ONSET])
+    if contact[PAIR_POWER_LAW] > 0.0:
         load, stiffness, energy, by_level, by_exponent = power_law(
             depth, values[j, LAW_LEVEL], values[j, LAW_EXPONENT]
         )
     else:
         load, stiffness, energy, by_level = logarithmic_law(
-            depth, values[j, LAW_LEVEL], 0.5 * data[PAIR_MODULUS]
+            depth, values[j, LAW_LEVEL], 0.5 * contact[PAIR_MODULUS]
         )
         by_exponent = 0.0
-    width = data[PAIR_WIDTH]
+    width = contact[PAIR_WIDTH]
     elastic = width * load * slope
-    factor = max(0.0, 1.0 + data[PAIR_DAMPING] * rate)
+    factor = max(0.0, 1.0 + contact[PAIR_DAMPING] * rate)
     contact[CONTACT_FORCE] = elastic * factor
     contact[CONTACT_ENERGY] = width * energy
     contact[CONTACT_DAMPING] = elastic * (factor - 1.0) * rate
     by_angle = by_level * slopes[j, LAW_LEVEL] + by_exponent * slopes[j, LAW_EXPONENT]
     contact[CONTACT_TORQUE] = width * by_angle
     contact[FORCE_BY_OVERLAP] = width * (stiffness * slope * slope + load * bend) * factor
-    contact[FORCE_BY_RATE] = elastic * data[PAIR_DAMPING] if factor > 0.0 else 0.0
+    contact[FORCE_BY_RATE] = elastic * contact[PAIR_DAMPING] if factor > 0.0 else 0.0
 
 
 @kernel
 def rub(s: SystemArrays, j: int, slip: float, rolling: float) -> None:
     """Friction force of one contact on body b along the tangent, and its derivatives."""
-    contact, data, values = s.contact[j], s.contact_data[j], s.contact_values
+    contact, values = s.contact[j], s.contact_values[VALUE]
     surface = FlankSurface(
-        data[PAIR_MODULUS], data[PAIR_ROUGHNESS], data[PAIR_BOUNDARY], data[PAIR_LIMIT]
+        contact[PAIR_MODULUS], contact[PAIR_ROUGHNESS], contact[PAIR_BOUNDARY], contact[PAIR_LIMIT]
     )
-    force, width = contact[CONTACT_FORCE], data[PAIR_WIDTH]
+    force, width = contact[CONTACT_FORCE], contact[PAIR_WIDTH]
     friction, by_load, by_slip = mesh_friction_slopes(
         force / width, 1.0 / values[j, CURVATURE], slip, rolling, s.fluid, surface
     )
@@ -159,10 +163,10 @@ def book_contacts(s: SystemArrays, state: Array, ledger: Array) -> float:
     """Add losses of the compliant contacts to the ledger; return their shaft torque. [N m]."""
     contact, torque = s.contact, 0.0
     for j in range(s.size.compliant):
-        account = int(s.contact_data[j, PAIR_ACCOUNT])
+        account = int(contact[j, PAIR_ACCOUNT])
         drag = contact[j, CONTACT_FRICTION]
         ledger[FRICTION + account] -= drag * contact[j, CONTACT_SLIP]
         ledger[CONTACT_LOSS] += contact[j, CONTACT_DAMPING]
-        s.torque[account] -= drag * s.contact_values[j, SLIDING]
+        s.torque[account] -= drag * s.contact_values[VALUE, j, SLIDING]
         torque += contact[j, CONTACT_TORQUE]
     return torque

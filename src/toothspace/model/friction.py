@@ -17,6 +17,7 @@ from toothspace.model.arrays import (
     ROLLING,
     SHEAR,
     SLIDING,
+    VALUE,
     SystemArrays,
 )
 from toothspace.model.ledger import (
@@ -43,7 +44,7 @@ def mesh_force(s: SystemArrays) -> float:
 @kernel
 def mesh_torque(s: SystemArrays, speed: float) -> float:
     """Friction torque at the shaft of all contacts of a rigid mesh. [N m]."""
-    values, surface, fluid = s.contact_values, s.surface, s.fluid
+    values, surface, fluid = s.contact_values[VALUE], s.surface, s.fluid
     if s.size.compliant > 0:
         return 0.0
     total = mesh_force(s)

@@ -27,6 +27,8 @@ from toothspace.model.arrays import (
     PRESSURE_BY_GAS,
     PRESSURE_BY_MASS,
     PRESSURE_BY_VOLUME,
+    SLOPE,
+    VALUE,
     SystemArrays,
 )
 from toothspace.model.ledger import GAS_MASS, MASS
@@ -172,7 +174,7 @@ def add_films(s: SystemArrays, matrix: Array) -> None:
 @kernel
 def add_contacts(s: SystemArrays, state: Array, matrix: Array) -> None:
     """Derivatives of normal and friction forces of the compliant contacts on the motions."""
-    size, values, slopes = s.size, s.contact_values, s.contact_slopes
+    size, values, slopes = s.size, s.contact_values[VALUE], s.contact_values[SLOPE]
     for j in range(size.compliant):
         contact = s.contact[j]
         if contact[CONTACT_FORCE] == 0.0:

@@ -21,6 +21,8 @@ from toothspace.model.arrays import (
     PAIR_ONSET,
     PRESSURE,
     PRESSURE_BY_MASS,
+    SLOPE,
+    VALUE,
     VOLUME_RATE,
     SystemArrays,
 )
@@ -54,9 +56,9 @@ def update_tables(s: SystemArrays, shaft_angle: float) -> None:
     s.table_angle[0] = shaft_angle
     fill_values(s.bank, s.chambers, shaft_angle, s.chamber_values, s.turns)
     fill_slopes(s.bank, s.chambers, shaft_angle, s.chamber_slopes)
-    fill_values(s.bank, s.contacts, shaft_angle, s.contact_values, s.turns)
+    fill_values(s.bank, s.contacts, shaft_angle, s.contact_values[VALUE], s.turns)
     if s.size.compliant > 0:
-        fill_slopes(s.bank, s.contacts, shaft_angle, s.contact_slopes)
+        fill_slopes(s.bank, s.contacts, shaft_angle, s.contact_values[SLOPE])
     fill_values(s.bank, s.paths, shaft_angle, s.path_values, s.turns)
     update_partners(s)
 
@@ -182,5 +184,5 @@ def event_values(t: float, state: Array, s: SystemArrays, values: Array) -> None
     if size.contacts > size.compliant:
         values[first] = mesh_force(s)
     for j in range(size.compliant):
-        onset = s.contact_data[j, PAIR_ONSET]
+        onset = s.contact[j, PAIR_ONSET]
         values[first + j] = 1.0 - contact_gap(s, state, j) / onset
