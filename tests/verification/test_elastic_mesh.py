@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.external_gear_designs import egm12
+from tests.external_gear_designs import egm12, fuel14
 from toothspace.machines.external_gear import MACHINE
 from toothspace.machines.external_gear.assembly import assemble as assemble_gears
 from toothspace.machines.external_gear.flank_contacts import tooth_stiffness
@@ -132,6 +132,32 @@ def test_load_reversal_takes_the_other_flank(machine: MachineDescription) -> Non
     lost = [event.label for event in history.events if event.kind == "contact_lost"]
     assert sum(label.startswith("coast_flank") for label in lost) >= TEETH
     assert window_ledger(history).energy_balance_error < 1e-5
+
+
+@pytest.mark.slow
+def test_a_pump_on_thin_fuel_rattles() -> None:
+    """Where the rigid mesh of the fuel pump pulls, elastic teeth part, cross over and hit."""
+    machine = MACHINE.describe(fuel14(), 480)
+    fluid = fluid_law("jet_a1", 333.15, 0.002, 0.14, "dynamic")
+    runs = []
+    for compliant in (False, True):
+        condition = OperatingCondition(
+            shaft_speed=489.6,
+            inlet_pressure=7.2e5,
+            outlet_pressure=77.6e5,
+            compliant_mesh=compliant,
+            relative_tolerance=1e-7,
+        )
+        runs.append(march_revolutions(assemble(machine, fluid, condition), PLAN))
+    rigid, elastic = (seen(each).contact_force for each in runs)
+    assert rigid.sum(axis=1).min() < -500.0
+    assert elastic.min() == 0.0
+    assert np.mean(elastic.sum(axis=1) < 1.0) > 0.3
+    assert elastic[:, 14:].max() > 500.0
+    assert elastic.max() > 1.1 * rigid.max()
+    made = [event for event in runs[1].events if event.kind == "contact_made"]
+    assert len(made) >= 3 * 14
+    assert window_ledger(runs[1]).energy_balance_error < 1e-5
 
 
 def test_tooth_stiffness_by_the_standard() -> None:

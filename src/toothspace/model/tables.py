@@ -124,6 +124,11 @@ def fill_slopes(bank: TableBank, members: Members, shaft_angle: float, slopes: A
         interval = min(int(position), nodes - 1)
         t = position - interval
         base = layout[table, OFFSET] + interval * 4 * channels
+        gate = members.gate[j]
+        if gate >= 0:
+            following = layout[table, OFFSET] + ((interval + 1) % nodes) * 4 * channels
+            if coefficients[base + gate] == 0.0 and coefficients[following + gate] == 0.0:
+                continue
         scale = members.ratio[j] * nodes / period[table]
         for k in range(channels):
             c1 = coefficients[base + k + channels]
