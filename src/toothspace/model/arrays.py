@@ -34,8 +34,10 @@ from toothspace.model.tables import Members, TableBank
     EXCHANGE_BY_PRESSURE,
     EXCHANGE_BY_GAS,
     ROOT_VISCOSITY,
-) = range(16)
-NODE_COLUMNS = 16
+    REST_VOLUME,
+    WALL_COMPLIANCE,
+) = range(18)
+NODE_COLUMNS = 18
 
 # Columns of ``path``: what flows through a path.
 (
@@ -133,6 +135,42 @@ MOTION_COLUMNS = 8
 JOURNAL_COLUMNS = 14
 
 
+# Columns of ``drive``: what turns the shaft. Direction is the sense in which friction lets it
+# slide (+1, -1), or zero while it sticks or while its speed is prescribed at zero.
+(
+    FREE,
+    DIRECTION,
+    INERTIA,
+    LOAD_LINEAR,
+    LOAD_CUBIC,
+    LOAD_CONSTANT,
+    BREAKAWAY,
+    RUNNING_FRICTION,
+    BREAKAWAY_SPEED,
+    ADDED_FRICTION,
+    FADE,
+    DRIVING_TORQUE,
+    HOLDING_TORQUE,
+) = range(13)
+DRIVE_COLUMNS = 13
+
+# Columns of ``elements``: hydraulic elements of a circuit and their present flow.
+(
+    ELEMENT_KIND,
+    ELEMENT_A,
+    ELEMENT_B,
+    FIRST_KNOT,
+    KNOTS,
+    PARAMETER_1,
+    PARAMETER_2,
+    PARAMETER_3,
+    ELEMENT_FLOW,
+    ELEMENT_BY_A,
+    ELEMENT_BY_B,
+) = range(11)
+ELEMENT_COLUMNS = 11
+
+
 class Sizes(NamedTuple):
     """Counts and positions in the state vector."""
 
@@ -207,3 +245,8 @@ class SystemArrays(NamedTuple):
     film_slopes: Array
     torque: Array
     table_angle: Array
+    drive: Array
+    elements: Array
+    schedule: Array
+    scratch: Array
+    scratch_states: Array

@@ -15,8 +15,11 @@ from toothspace.model.arrays import (
     CONTACT_COLUMNS,
     CONTACT_STATE,
     DENSITY,
+    ELEMENT_A,
+    ELEMENT_B,
     FAMILY_COUNT,
     FAMILY_FIRST,
+    FREE,
     GAP_BY_MOTION,
     GAS,
     HEIGHT_BY_MOTION,
@@ -26,13 +29,16 @@ from toothspace.model.arrays import (
     PARTNER_SHIFT,
     PATH_COLUMNS,
     PRESSURE,
+    REST_VOLUME,
     VALUE,
     VOLUME,
+    WALL_COMPLIANCE,
     Constants,
     ContactSurface,
     Sizes,
     SystemArrays,
 )
+from toothspace.model.circuit_description import Circuit, drive_row, element_rows
 from toothspace.model.contact_data import (
     contact_parts,
     held_by_contacts,
@@ -45,7 +51,13 @@ from toothspace.model.films import JournalData, journal_data, lateral_torque_coe
 from toothspace.model.inlet_volume import inlet_gas_fraction
 from toothspace.model.ledger import FRICTION_MECHANISMS, GAS_MASS, LEDGER_SIZE, MASS, PORT_NODES
 from toothspace.model.operating_point import OperatingCondition
-from toothspace.model.paths import load_orifice, path_arrays, path_members, path_table
+from toothspace.model.paths import (
+    circuit_orifices,
+    load_orifice,
+    path_arrays,
+    path_members,
+    path_table,
+)
 from toothspace.model.quasi_static import bush_positions
 from toothspace.model.tables import OPEN, Members, fill_constants, pack_tables
 from toothspace.numerics.periodic_table import PeriodicTable, stack_tables
@@ -98,6 +110,9 @@ def assemble(
     paths = description.paths
     if condition.load_area > 0.0:
         paths = (*paths, load_orifice(description, condition.load_area))
+    places = node_places(description, condition)
+    if condition.circuit:
+        paths = (*paths, *circuit_orifices(condition.circuit, places))
     families = description.families
     contacts = contact_parts(description, condition, motion_map, len(families))
     tables = [_chamber_table(description, k, motion_map) for k in range(len(families))]
@@ -108,6 +123,7 @@ def assemble(
     sizes = _sizes(description, condition, len(free), paths)
     sizes = sizes._replace(journals=journals.rows.shape[0], **contacts.counts)
     path_index, path_data = path_arrays(description, paths)
+    elements, schedule = element_rows(condition.circuit, places)
     arrays = SystemArrays(
         size=sizes,
         constant=_constants(description, condition, journals),
@@ -126,6 +142,9 @@ def assemble(
         node=_nodes(description, fluid, condition, sizes),
         motion=motion_rows(description, condition, free),
         turns=np.zeros(max(sizes.paths, sizes.chambers, sizes.contacts), dtype=np.int64),
+        drive=_drive(description, condition, free),
+        elements=elements,
+        schedule=schedule,
         **_work(sizes),
     )
     fill_constants(arrays.bank, arrays.paths, arrays.path_values)
@@ -133,6 +152,7 @@ def assemble(
     fill_constants(arrays.bank, arrays.contacts, arrays.contact_values[VALUE])
     arrays.contact[:, CONTACT_STATE:] = contacts.data
     pattern = _pattern(arrays)
+    _join_circuit(arrays, pattern)
     return System(description, condition, arrays, pattern, tuple(free), motion_map)
 
 
@@ -169,11 +189,11 @@ def _sizes(
     paths: tuple[FlowPath, ...],
 ) -> Sizes:
     chambers = description.chamber_count
-    dynamic = chambers + (1 if condition.load_area > 0.0 else 0)
+    dynamic = int(np.max(_dynamic_index(description, condition))) + 1
     core = 2 + 2 * dynamic + 2 * motions
     return Sizes(
         chambers=chambers,
-        nodes=chambers + len(PORT_NODES),
+        nodes=len(node_places(description, condition)) + chambers,
         dynamic=dynamic,
         paths=sum(path.count for path in paths),
         motions=motions,
@@ -241,11 +261,35 @@ def _constants(
 
 def _dynamic_index(description: MachineDescription, condition: OperatingCondition) -> IntArray:
     chambers = description.chamber_count
-    dynamic = np.full(chambers + len(PORT_NODES), -1, dtype=np.int64)
+    places = node_places(description, condition)
+    dynamic = np.full(chambers + len(places), -1, dtype=np.int64)
     dynamic[:chambers] = np.arange(chambers)
+    nodes = condition.circuit.nodes if condition.circuit else ()
+    filled = [node.name for node in nodes if node.volume > 0.0]
     if condition.load_area > 0.0:
-        dynamic[description.outlet_node] = chambers
+        filled.append("outlet")
+    for k, name in enumerate(filled):
+        dynamic[places[name]] = chambers + k
     return dynamic
+
+
+def node_places(description: MachineDescription, condition: OperatingCondition) -> dict[str, int]:
+    """Numbers of the nodes beyond the chambers by name: ports, then those of the circuit."""
+    names = list(PORT_NODES)
+    for node in condition.circuit.nodes if condition.circuit else ():
+        if node.name not in names:
+            names.append(node.name)
+    return {name: description.chamber_count + k for k, name in enumerate(names)}
+
+
+def _drive(
+    description: MachineDescription, condition: OperatingCondition, free: list[int]
+) -> Array:
+    turning = {m.body for m in (description.motions[k] for k in free) if m.axis == "rotation"}
+    inertia = sum(b.inertia * b.speed_ratio**2 for b in description.bodies if b.name not in turning)
+    return drive_row(
+        condition.free_shaft, condition.shaft_speed, float(description.seal_torque), inertia
+    )
 
 
 def _nodes(
@@ -255,12 +299,13 @@ def _nodes(
     sizes: Sizes,
 ) -> Array:
     node = np.zeros((sizes.nodes, NODE_COLUMNS))
-    ports = node[sizes.chambers :]
+    ports = node[sizes.chambers : sizes.chambers + len(PORT_NODES)]
     ports[:, PRESSURE] = (
         condition.inlet_pressure,
         condition.outlet_pressure,
         condition.drain_pressure,
         condition.load_pressure,
+        condition.circuit.supply_pressure if condition.circuit else condition.inlet_pressure,
     )
     ports[:, GAS] = fluid.feed_gas_mass_fraction
     flow_rate = description.displacement * max(abs(condition.shaft_speed), _SLOWEST_SPEED)
@@ -270,7 +315,20 @@ def _nodes(
     )
     ports[:, DENSITY] = mixture_density(ports[:, PRESSURE], ports[:, GAS], fluid)
     node[description.outlet_node, VOLUME] = description.port_volumes[1]
+    if condition.circuit:
+        _fill_circuit_nodes(node, fluid, condition.circuit, node_places(description, condition))
     return node
+
+
+def _fill_circuit_nodes(
+    node: Array, fluid: FluidLaw, circuit: Circuit, places: dict[str, int]
+) -> None:
+    for place in circuit.nodes:
+        row = node[places[place.name]]
+        row[PRESSURE], row[GAS] = place.pressure, fluid.feed_gas_mass_fraction
+        row[DENSITY] = mixture_density(place.pressure, row[GAS], fluid)
+        row[REST_VOLUME], row[WALL_COMPLIANCE] = place.volume, place.wall_compliance
+        row[VOLUME] = place.volume + place.wall_compliance * place.pressure
 
 
 def _work(sizes: Sizes) -> dict[str, Array]:
@@ -285,6 +343,8 @@ def _work(sizes: Sizes) -> dict[str, Array]:
         "film_slopes": np.zeros((2, sizes.motions, sizes.motions)),
         "torque": np.zeros(len(FRICTION_MECHANISMS) + 1),
         "table_angle": np.array([np.nan]),
+        "scratch": np.zeros(LEDGER_SIZE),
+        "scratch_states": np.zeros((3, sizes.total)),
     }
 
 
@@ -307,6 +367,18 @@ def _pattern(arrays: SystemArrays) -> BoolArray:
         pattern[size.position + k, size.velocity + k] = True
         pattern[size.velocity + k, [*chamber_columns, *motions]] = True
     return pattern
+
+
+def _join_circuit(arrays: SystemArrays, pattern: BoolArray) -> None:
+    """Add circuit elements, and a free shaft that joins everything."""
+    size = arrays.size
+    for element in arrays.elements:
+        a, b = int(element[ELEMENT_A]), int(element[ELEMENT_B])
+        columns = [*_columns(arrays, a), *_columns(arrays, b)]
+        pattern[np.ix_([*_rows(arrays, a), *_rows(arrays, b)], columns)] = True
+    if arrays.drive[FREE] > 0.0:
+        pattern[1, size.mass : size.gas + size.dynamic] = True
+        pattern[: size.core + GAS_MASS + len(PORT_NODES), :2] = True
 
 
 def _columns(arrays: SystemArrays, node: int) -> list[int]:

@@ -24,6 +24,8 @@ from toothspace.model.arrays import (
     BUSH_X,
     BUSH_Y,
     CHANNEL_MOTION,
+    DIRECTION,
+    FADE,
     FILM_FORCE,
     FILM_MAP,
     FILM_X,
@@ -156,7 +158,7 @@ def hold_back(
     k, kx, ky = int(journal[j, ROTATION]), int(journal[j, MOTION_X]), int(journal[j, MOTION_Y])
     ex, ey = place
     viscous, asperity = journal_torques(s, state, j)
-    turning = np.sign(journal[j, SPEED_RATIO])
+    turning = np.sign(journal[j, SPEED_RATIO]) * s.drive[DIRECTION]
     s.motion[k, FILM_FORCE] -= turning * (viscous + asperity)
     c, radius = journal[j, JOURNAL_CLEARANCE], journal[j, RADIUS]
     distance = math.sqrt(ex * ex + ey * ey) + SMALL_RATIO * c
@@ -192,7 +194,7 @@ def journal_torques(s: SystemArrays, state: Array, j: int) -> tuple[float, float
     ratio = math.sqrt(ex * ex + ey * ey) / c
     limited = min(ratio, HIGHEST_FILM_RATIO)
     speed = abs(journal[j, SPEED_RATIO] * state[1])
-    turning = np.sign(journal[j, SPEED_RATIO])
+    turning = np.sign(journal[j, SPEED_RATIO]) * s.drive[DIRECTION]
     shear = 2.0 * math.pi * s.fluid.dynamic_viscosity * speed * journal[j, LENGTH] * radius**3
     shear *= journal[j, BEARINGS] / (c * math.sqrt(1.0 - limited * limited))
     moment = 0.5 * turning * (ex * journal[j, FILM_Y] - ey * journal[j, FILM_X])
@@ -204,9 +206,10 @@ def journal_torques(s: SystemArrays, state: Array, j: int) -> tuple[float, float
 def book_journal_friction(s: SystemArrays, state: Array, ledger: Array) -> float:
     """Add journal losses to the ledger; return their torque at the shaft. [N m]."""
     journal, size = s.journal, s.size
-    total = 0.0
+    total, share = 0.0, s.drive[DIRECTION] * s.drive[FADE]
     for j in range(size.journals):
         viscous, asperity = journal_torques(s, state, j)
+        viscous, asperity = share * viscous, share * asperity
         ratio = abs(journal[j, SPEED_RATIO])
         turning = ratio * state[1]
         if journal[j, ROTATION] >= 0.0:

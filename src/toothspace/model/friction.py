@@ -8,6 +8,8 @@ from toothspace.core.types import Array
 from toothspace.model.arrays import (
     CHANNEL_MESH,
     CONTACT_FORCE,
+    DIRECTION,
+    FADE,
     LATERAL_DRAG,
     LOAD_SHARE,
     MOTION_RATIO,
@@ -20,11 +22,13 @@ from toothspace.model.arrays import (
     VALUE,
     SystemArrays,
 )
+from toothspace.model.drive import running_torque, startup_torque
 from toothspace.model.ledger import (
     FRICTION,
     LATERAL_VISCOUS,
     MESH_FRICTION,
     SHAFT_SEAL,
+    STARTUP,
     TIP_SHEAR,
 )
 
@@ -48,6 +52,7 @@ def mesh_torque(s: SystemArrays, speed: float) -> float:
     if s.size.compliant > 0:
         return 0.0
     total = mesh_force(s)
+    speed = max(speed, 0.0)
     torque = 0.0
     for j in range(s.size.contacts):
         share = values[j, LOAD_SHARE]
@@ -83,12 +88,15 @@ def tip_torque(s: SystemArrays) -> float:
 def book_friction(s: SystemArrays, state: Array, ledger: Array) -> float:
     """Add mesh, lateral, tip and seal friction to the ledger; return their torque. [N m]."""
     torque, motion, speed = s.torque, s.motion, state[1]
-    torque[MESH_FRICTION] = mesh_torque(s, speed)
-    torque[LATERAL_VISCOUS] = s.constant.lateral_torque * s.fluid.dynamic_viscosity * speed
-    torque[TIP_SHEAR] = tip_torque(s)
-    torque[SHAFT_SEAL] = s.constant.seal_torque
+    way, fade = s.drive[DIRECTION], s.drive[FADE]
+    lateral = s.constant.lateral_torque * s.fluid.dynamic_viscosity
+    torque[MESH_FRICTION] = way * fade * mesh_torque(s, way * speed)
+    torque[LATERAL_VISCOUS] = fade * lateral * speed
+    torque[TIP_SHEAR] = fade * tip_torque(s)
+    torque[SHAFT_SEAL] = running_torque(s)
+    torque[STARTUP] = startup_torque(s, speed)
     total = 0.0
-    for mechanism in (MESH_FRICTION, LATERAL_VISCOUS, TIP_SHEAR, SHAFT_SEAL):
+    for mechanism in (MESH_FRICTION, LATERAL_VISCOUS, TIP_SHEAR, SHAFT_SEAL, STARTUP):
         ledger[FRICTION + mechanism] += torque[mechanism] * speed
         total += torque[mechanism]
     for k in range(s.size.motions):

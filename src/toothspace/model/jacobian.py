@@ -8,6 +8,12 @@ from toothspace.model.arrays import (
     CHANNEL_MOTION,
     CONTACT_FORCE,
     DENSITY,
+    DIRECTION,
+    ELEMENT_A,
+    ELEMENT_B,
+    ELEMENT_BY_A,
+    ELEMENT_BY_B,
+    ELEMENT_FLOW,
     EXCHANGE_BY_GAS,
     EXCHANGE_BY_PRESSURE,
     EXCHANGE_RATE,
@@ -16,11 +22,13 @@ from toothspace.model.arrays import (
     FLOW_BY_PRESSURE,
     FORCE_BY_OVERLAP,
     FORCE_BY_RATE,
+    FREE,
     FRICTION_BY_FORCE,
     FRICTION_BY_SLIP,
     GAP_BY_MOTION,
     GAS,
     HEIGHT_BY_MOTION,
+    INERTIA,
     MOTION_MASS,
     NODE_A,
     PRESENT_B,
@@ -29,10 +37,15 @@ from toothspace.model.arrays import (
     PRESSURE_BY_VOLUME,
     SLOPE,
     VALUE,
+    VOLUME_RATE,
     SystemArrays,
 )
+from toothspace.model.circuit import update_elements
 from toothspace.model.ledger import GAS_MASS, MASS
-from toothspace.model.system import evaluate
+from toothspace.model.system import PORTS, evaluate, right_hand_side
+
+ANGLE_STEP = 1e-9
+SPEED_STEP = 1e-7
 
 
 @kernel
@@ -51,6 +64,9 @@ def jacobian(t: float, state: Array, s: SystemArrays, matrix: Array) -> None:
     add_pressure_forces(s, matrix)
     add_films(s, matrix)
     add_contacts(s, state, matrix)
+    add_elements(s, t, matrix)
+    if s.drive[FREE] > 0.0 and s.drive[DIRECTION] != 0.0:
+        add_shaft(t, state, s, matrix)
 
 
 @kernel
@@ -193,3 +209,49 @@ def add_contacts(s: SystemArrays, state: Array, matrix: Array) -> None:
                 place, speed = size.position + m, size.velocity + m
                 matrix[row, place] += (normal + along * friction_slope) * by_place
                 matrix[row, speed] += normal * by_speed + along * dragged
+
+
+@kernel
+def add_elements(s: SystemArrays, t: float, matrix: Array) -> None:
+    """Derivatives of the flows of circuit elements with respect to the pressures at their ends."""
+    node, size = s.node, s.size
+    update_elements(s, t)
+    for j in range(s.elements.shape[0]):
+        element = s.elements[j]
+        a, b = int(element[ELEMENT_A]), int(element[ELEMENT_B])
+        gas = node[a, GAS] if element[ELEMENT_FLOW] >= 0.0 else node[b, GAS]
+        for i, slope in ((a, element[ELEMENT_BY_A]), (b, element[ELEMENT_BY_B])):
+            d = s.dynamic_index[i]
+            if d < 0:
+                continue
+            for column, by_state in (
+                (size.mass + d, node[i, PRESSURE_BY_MASS]),
+                (size.gas + d, node[i, PRESSURE_BY_GAS]),
+            ):
+                change = slope * by_state
+                matrix[mass_row(s, a), column] -= change
+                matrix[mass_row(s, b), column] += change
+                matrix[gas_row(s, a), column] -= gas * change
+                matrix[gas_row(s, b), column] += gas * change
+
+
+@kernel
+def add_shaft(t: float, state: Array, s: SystemArrays, matrix: Array) -> None:
+    """Row of the shaft's acceleration, and the columns of its angle and speed by differences."""
+    node, size, drive = s.node, s.size, s.drive
+    for i in range(size.chambers):
+        d = s.dynamic_index[i]
+        lever = node[i, VOLUME_RATE] / drive[INERTIA]
+        matrix[1, size.mass + d] += lever * node[i, PRESSURE_BY_MASS]
+        matrix[1, size.gas + d] += lever * node[i, PRESSURE_BY_GAS]
+    base, moved, shifted = s.scratch_states[0], s.scratch_states[1], s.scratch_states[2]
+    right_hand_side(t, state, s, base)
+    for i in range(size.total):
+        shifted[i] = state[i]
+    for column, step in ((0, ANGLE_STEP), (1, SPEED_STEP * max(abs(state[1]), 1.0))):
+        shifted[column] = state[column] + step
+        right_hand_side(t, shifted, s, moved)
+        shifted[column] = state[column]
+        for i in range(size.core + GAS_MASS + PORTS):
+            matrix[i, column] = (moved[i] - base[i]) / step
+    evaluate(s, state)

@@ -7,8 +7,8 @@ the masses, which close to round-off.
 
 from __future__ import annotations
 
-PORT_NODES = ("inlet", "outlet", "drain", "load")
-"""Nodes after the chambers: three ports and the far side of a load orifice."""
+PORT_NODES = ("inlet", "outlet", "drain", "load", "supply")
+"""Nodes after the chambers: three ports, the far side of a load, the tank of a supply pump."""
 
 PATH_CATEGORIES = (
     "inlet_port",
@@ -22,6 +22,7 @@ PATH_CATEGORIES = (
     "tip",
     "radial",
     "load_orifice",
+    "circuit_orifice",
 )
 """Categories of flow paths; their throttling loss is a ledger entry each."""
 
@@ -33,6 +34,7 @@ FRICTION_MECHANISMS = (
     "mesh_friction",
     "shaft_seal",
     "contact_friction",
+    "startup",
 )
 """Friction that the shaft has to overcome."""
 
@@ -45,6 +47,9 @@ LEDGER_NAMES = (
     "gas_relaxation",
     "radial_load",
     "contact_damping",
+    "supply",
+    "circuit",
+    "shaft_load",
 )
 """Order of the ledger states."""
 
@@ -56,6 +61,9 @@ FRICTION = THROTTLING + len(PATH_CATEGORIES)
 GAS_RELAXATION = FRICTION + len(FRICTION_MECHANISMS)
 RADIAL_LOAD = GAS_RELAXATION + 1
 CONTACT_LOSS = RADIAL_LOAD + 1
+SUPPLY = CONTACT_LOSS + 1
+CIRCUIT = SUPPLY + 1
+SHAFT_LOAD = CIRCUIT + 1
 LEDGER_SIZE = len(LEDGER_NAMES)
 
 (
@@ -66,4 +74,5 @@ LEDGER_SIZE = len(LEDGER_NAMES)
     MESH_FRICTION,
     SHAFT_SEAL,
     CONTACT_FRICTION_LOSS,
+    STARTUP,
 ) = range(len(FRICTION_MECHANISMS))

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import final
 
+from toothspace.model.circuit_description import Circuit, FreeShaft
+
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -30,6 +32,13 @@ class OperatingCondition:
         Whether contacts are compliant even where the machine offers a rigid mesh.
     relative_tolerance : float
         Relative tolerance of pressures. [-]
+    circuit : Circuit or None
+        Circuit round the machine. Ports in it take their pressures from it; the pressures
+        above stay those at which the bearing blocks seat and tolerances are scaled.
+    free_shaft : FreeShaft or None
+        Shaft that moves freely; None holds the shaft speed.
+    shaft_angle : float
+        Shaft angle at the start. [rad]
     """
 
     shaft_speed: float
@@ -42,3 +51,6 @@ class OperatingCondition:
     radial_motion: bool = True
     compliant_mesh: bool = False
     relative_tolerance: float = 1e-6
+    circuit: Circuit | None = None
+    free_shaft: FreeShaft | None = None
+    shaft_angle: float = 0.0

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from toothspace.core.types import Array, IntArray
+from toothspace.model.circuit_description import Circuit
 from toothspace.model.description import FlowPath, MachineDescription
 from toothspace.model.ledger import PATH_CATEGORIES
 from toothspace.model.tables import Members
@@ -17,7 +18,6 @@ _KINDS = {"orifice": 0, "parallel_gap": 1, "curved_gap": 2}
 
 def load_orifice(description: MachineDescription, area: float) -> FlowPath:
     """Return the orifice between the outlet volume and the load. ``area``: [m2]."""
-    constant = np.tile([area, np.sqrt(4.0 * area / np.pi)], (2, 1))
     return FlowPath(
         name="load_orifice",
         category="load_orifice",
@@ -26,8 +26,30 @@ def load_orifice(description: MachineDescription, area: float) -> FlowPath:
         nodes_b=np.array([description.chamber_count + 3]),
         angle_ratio=1.0,
         phases=np.zeros(1),
-        geometry=PeriodicTable(2.0 * np.pi, constant, np.zeros_like(constant)),
+        geometry=_constant_orifice(area),
     )
+
+
+def circuit_orifices(circuit: Circuit, places: Mapping[str, int]) -> tuple[FlowPath, ...]:
+    """Return the orifices of a circuit as flow paths."""
+    return tuple(
+        FlowPath(
+            name=f"circuit_orifice_{k}",
+            category="circuit_orifice",
+            kind="orifice",
+            nodes_a=np.array([places[orifice.node_a]]),
+            nodes_b=np.array([places[orifice.node_b]]),
+            angle_ratio=1.0,
+            phases=np.zeros(1),
+            geometry=_constant_orifice(orifice.area),
+        )
+        for k, orifice in enumerate(circuit.orifices)
+    )
+
+
+def _constant_orifice(area: float) -> PeriodicTable:
+    constant = np.tile([area, np.sqrt(4.0 * area / np.pi)], (2, 1))
+    return PeriodicTable(2.0 * np.pi, constant, np.zeros_like(constant))
 
 
 def path_table(path: FlowPath, motion_map: Array) -> PeriodicTable:

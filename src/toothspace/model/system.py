@@ -7,11 +7,19 @@ import math
 from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
 from toothspace.model.arrays import (
+    ADDED_FRICTION,
+    BREAKAWAY,
+    BREAKAWAY_SPEED,
     BUSH_X,
     BUSH_Y,
     CLEARANCE,
+    DIRECTION,
+    DRIVING_TORQUE,
     EXTERNAL_FORCE,
+    FREE,
     GAS_RATE,
+    HOLDING_TORQUE,
+    INERTIA,
     JOURNAL_CLEARANCE,
     MASS_RATE,
     MOTION_MASS,
@@ -38,13 +46,27 @@ from toothspace.model.chambers import (
     update_pressures,
     update_volumes,
 )
+from toothspace.model.circuit import book_circuit, update_elements
 from toothspace.model.contacts import book_contacts, contact_gap, motion_force, update_contacts
+from toothspace.model.drive import load_torque, update_fade
 from toothspace.model.friction import book_friction, mesh_force
-from toothspace.model.ledger import GAS_MASS, GAS_RELAXATION, MASS, PORT_NODES, RADIAL_LOAD, SHAFT
+from toothspace.model.ledger import (
+    GAS_MASS,
+    GAS_RELAXATION,
+    JOURNAL_ASPERITY,
+    MASS,
+    MESH_FRICTION,
+    PORT_NODES,
+    RADIAL_LOAD,
+    SHAFT,
+    SHAFT_LOAD,
+    STARTUP,
+)
 from toothspace.model.network import book_throttling, update_network, update_partners
 from toothspace.model.tables import fill_slopes, fill_values
 
 SAME_ANGLE = 1e-13
+SMALLEST_TORQUE = 1e-9
 PORTS = len(PORT_NODES)
 
 
@@ -87,8 +109,9 @@ def right_hand_side(t: float, state: Array, s: SystemArrays, rate: Array) -> Non
     """Time derivative of the core states and of the port masses of the ledger."""
     evaluate(s, state)
     node, motion, dynamic, size = s.node, s.motion, s.dynamic_index, s.size
+    update_elements(s, t)
     rate[0] = state[1]
-    rate[1] = 0.0
+    rate[1] = shaft_acceleration(s, state)
     for i in range(size.nodes):
         d = dynamic[i]
         if d >= 0:
@@ -114,6 +137,7 @@ def full_rates(t: float, state: Array, s: SystemArrays, rate: Array) -> None:
     update_enthalpies(s)
     ledger = rate[s.size.core :]
     ledger[GAS_RELAXATION] = gas_relaxation(s, state)
+    book_circuit(s, ledger)
     for k in range(s.size.motions):
         ledger[RADIAL_LOAD] += s.motion[k, EXTERNAL_FORCE] * state[s.size.velocity + k]
     book_shaft(s, state, ledger)
@@ -126,18 +150,51 @@ def book_shaft(s: SystemArrays, state: Array, ledger: Array) -> None:
     A body that turns on its own takes its share of the shaft's torque through its inertia.
     """
     s.torque[:] = 0.0
-    node = s.node
+    node, drive, speed = s.node, s.drive, state[1]
     torque = 0.0
     for i in range(s.size.chambers):
         torque -= node[i, PRESSURE] * node[i, VOLUME_RATE]
-    torque += book_throttling(s, state[1], ledger)
-    torque += book_journal_friction(s, state, ledger)
-    torque += book_friction(s, state, ledger)
+    torque += book_throttling(s, speed, ledger)
     torque += book_contacts(s, state, ledger)
     for k in range(s.size.motions):
         torque += s.motion[k, MOTION_RATIO] * motion_force(s, k)
+    drive[DRIVING_TORQUE] = -torque - load_torque(s, speed)
+    update_fade(s, speed)
+    torque += book_journal_friction(s, state, ledger)
+    torque += book_friction(s, state, ledger)
+    if drive[FREE] > 0.0 and drive[DIRECTION] == 0.0:
+        s.torque[STARTUP] = drive[DRIVING_TORQUE]
+        torque += drive[DRIVING_TORQUE]
     s.torque[-1] = torque
-    ledger[SHAFT] = torque * state[1]
+    ledger[SHAFT] = torque * speed
+    ledger[SHAFT_LOAD] = load_torque(s, speed) * speed if drive[FREE] > 0.0 else 0.0
+
+
+@kernel
+def shaft_acceleration(s: SystemArrays, state: Array) -> float:
+    """Angular acceleration of the shaft; zero if its speed is prescribed or it sticks. [rad/s2]."""
+    drive = s.drive
+    if drive[FREE] == 0.0:
+        return 0.0
+    s.scratch[:] = 0.0
+    book_shaft(s, state, s.scratch)
+    if drive[DIRECTION] == 0.0:
+        return 0.0
+    return -(s.torque[-1] + load_torque(s, state[1])) / drive[INERTIA]
+
+
+@kernel
+def held_torque(s: SystemArrays, state: Array) -> None:
+    """Torque that friction must hold at rest, and the largest that it can hold."""
+    drive = s.drive
+    drive[DIRECTION] = 1.0
+    s.scratch[:] = 0.0
+    book_shaft(s, state, s.scratch)
+    drive[HOLDING_TORQUE] = drive[BREAKAWAY]
+    if drive[ADDED_FRICTION] > 0.0:
+        for mechanism in (JOURNAL_ASPERITY, MESH_FRICTION):
+            drive[HOLDING_TORQUE] += s.torque[mechanism]
+    drive[DIRECTION] = 0.0
 
 
 @kernel
@@ -186,3 +243,16 @@ def event_values(t: float, state: Array, s: SystemArrays, values: Array) -> None
     for j in range(size.compliant):
         onset = s.contact[j, PAIR_ONSET]
         values[first + j] = 1.0 - contact_gap(s, state, j) / onset
+    if s.drive[FREE] > 0.0:
+        values[-1] = distance_to_switch(t, state, s)
+
+
+@kernel
+def distance_to_switch(t: float, state: Array, s: SystemArrays) -> float:
+    """Positive while the shaft may go on sticking, or sliding in its direction. [-]."""
+    drive = s.drive
+    if drive[DIRECTION] != 0.0:
+        return drive[DIRECTION] * state[1] / drive[BREAKAWAY_SPEED]
+    evaluate(s, state)
+    held_torque(s, state)
+    return 1.0 - abs(drive[DRIVING_TORQUE]) / max(drive[HOLDING_TORQUE], SMALLEST_TORQUE)

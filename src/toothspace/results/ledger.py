@@ -27,6 +27,7 @@ BOUNDARY_ENTRIES: Mapping[str, str] = {
     "port_outlet": "outlet port",
     "port_drain": "drain port",
     "radial_load": "external radial load on the shaft",
+    "supply": "supply pumps of the circuit",
 }
 """Energies that cross the boundary of the machine. [J]"""
 
@@ -52,6 +53,7 @@ LOSS_ENTRIES: Mapping[str, str] = {
     "shaft_seal": "shaft seal",
     "startup": "start-up friction",
     "gas_relaxation": "gas relaxation",
+    "circuit": "valves and orifices of the circuit",
 }
 """Dissipated energies. [J]"""
 
@@ -129,7 +131,8 @@ class Ledger:
     def energy_remainder(self) -> float:
         """What the energy balance leaves unexplained. [J]."""
         kept = sum(self.energy.get(name, 0.0) for name in CHANGE_ENTRIES)
-        work = self.shaft_energy + self.energy.get("radial_load", 0.0)
+        work = self.shaft_energy
+        work += self.energy.get("radial_load", 0.0) + self.energy.get("supply", 0.0)
         return work - self.port_energy - self.loss_energy - kept
 
     @property
@@ -146,8 +149,9 @@ class Ledger:
 
     @property
     def energy_balance_error(self) -> float:
-        """Unexplained energy over the larger of shaft and port energy. [-]."""
-        scale = max(abs(self.shaft_energy), abs(self.port_energy))
+        """Unexplained energy over the largest of shaft, port and supply energy. [-]."""
+        supply = self.energy.get("supply", 0.0)
+        scale = max(abs(self.shaft_energy), abs(self.port_energy), abs(supply))
         return abs(self.energy_remainder) / scale if scale > 0.0 else 0.0
 
 

@@ -17,7 +17,7 @@ from toothspace.model.arrays import (
     MOTION_Y,
     VOLUME,
 )
-from toothspace.model.assembly import System
+from toothspace.model.assembly import System, node_places
 from toothspace.model.chambers import update_volumes
 from toothspace.model.contacts import update_contacts
 from toothspace.model.quasi_static import mean_force, quasi_static_pressures
@@ -37,7 +37,11 @@ def start_state(system: System) -> Array:
     update_tables(arrays, 0.0)
     update_volumes(arrays, state)
     pressure = np.full(size.nodes, system.condition.outlet_pressure)
-    pressure[: size.chambers] = quasi_static_pressures(system.description, system.condition, 0.0)
+    if system.condition.circuit:
+        _set_circuit_pressures(system, pressure)
+    else:
+        chambers = quasi_static_pressures(system.description, system.condition, 0.0)
+        pressure[: size.chambers] = chambers
     _turn_into_contact(system, state, pressure)
     update_volumes(arrays, state)
     gas = arrays.fluid.feed_gas_mass_fraction
@@ -48,6 +52,16 @@ def start_state(system: System) -> Array:
             state[size.mass + d] = density * arrays.node[node, VOLUME]
             state[size.gas + d] = gas * state[size.mass + d]
     return state
+
+
+def _set_circuit_pressures(system: System, pressure: Array) -> None:
+    """Circuit nodes start at their own pressure, the tooth spaces at that of the outlet."""
+    circuit = system.condition.circuit
+    assert circuit is not None
+    places = node_places(system.description, system.condition)
+    for node in circuit.nodes:
+        pressure[places[node.name]] = node.pressure
+    pressure[: system.arrays.size.chambers] = pressure[places["outlet"]]
 
 
 def _place_bodies(system: System, state: Array) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from toothspace.core.compiled import njit
 from toothspace.core.status import Status
 from toothspace.core.types import Array
+from toothspace.model.arrays import DIRECTION
 from toothspace.model.assembly import System
 from toothspace.model.contact_data import loaded_contacts
 from toothspace.model.jacobian import jacobian
@@ -18,6 +19,8 @@ from toothspace.numerics.ndf import bind
 from toothspace.numerics.ndf_types import (
     DONE,
     MAX_STEPS,
+    STOP_AT_EVENT,
+    TERMINAL_EVENT,
     NdfCallbacks,
     NdfRecord,
     NdfSettings,
@@ -31,6 +34,7 @@ from toothspace.results.solution import Event
 
 _EVENT_CAPACITY = 20_000
 _STEPS_PER_RADIAN = 40.0
+_SHORTEST_STEP = 1e-15
 
 
 _start, _continue = bind(
@@ -74,10 +78,15 @@ class March:
         written = int(record.counts[0])
         return Piece(
             status=_status(code),
+            stopped=code == TERMINAL_EVENT,
             times=record.sample_times[:written],
             states=record.samples[:written],
             events=self._events(record),
         )
+
+    def restart(self, time: float, state: Array) -> None:
+        """Go on from a state at a time [s] after a terminal event, at first order."""
+        _begin(self.system.arrays, self.program, self.settings, self.state, time, state)
 
     @property
     def statistics(self) -> dict[str, float]:
@@ -114,6 +123,10 @@ class March:
             kind = "body_at_stop" if direction < 0 else "body_off_stop"
             return kind, description.journals[journal].body
         contact = journal - self.system.arrays.size.journals
+        size = self.system.arrays.size
+        if contact == (size.compliant if size.compliant else min(size.contacts, 1)):
+            sticking = self.system.arrays.drive[DIRECTION] == 0.0
+            return ("shaft_released" if sticking else "shaft_stopped"), "shaft"
         kind = "contact_lost" if direction < 0 else "contact_made"
         if self.system.arrays.size.compliant:
             return kind, self.system.contact_labels[contact]
@@ -129,6 +142,7 @@ class Piece:
     times: Array
     states: Array
     events: tuple[Event, ...]
+    stopped: bool = False
 
 
 def start_march(system: System, state: Array, max_steps: int = 50_000_000) -> March:
@@ -137,19 +151,20 @@ def start_march(system: System, state: Array, max_steps: int = 50_000_000) -> Ma
     events = size.chambers + size.journals
     events += size.compliant if size.compliant else min(size.contacts, 1)
     program = analyse(system.pattern)
-    speed = abs(system.condition.shaft_speed)
-    settings = make_settings(
-        np.zeros(events, dtype=np.int64),
-        max_step=1.0 / (_STEPS_PER_RADIAN * speed),
-        min_step=1e-16 / speed,
-        max_steps=max_steps,
-    )
-    memory = make_state(program, size.total, events)
+    actions = np.zeros(events, dtype=np.int64)
+    longest, shortest = np.inf, _SHORTEST_STEP
+    if system.condition.free_shaft:
+        actions = np.append(actions, STOP_AT_EVENT)
+    else:
+        speed = abs(system.condition.shaft_speed)
+        longest, shortest = 1.0 / (_STEPS_PER_RADIAN * speed), 1e-16 / speed
+    settings = make_settings(actions, longest, shortest, max_steps)
+    memory = make_state(program, size.total, actions.size)
     _begin(system.arrays, program, settings, memory, 0.0, state)
     return March(system, program, settings, memory)
 
 
 def _status(code: int) -> Status:
-    if code == DONE:
+    if code in (DONE, TERMINAL_EVENT):
         return Status.DONE
     return Status.MAX_STEPS if code == MAX_STEPS else Status.STEP_TOO_SMALL

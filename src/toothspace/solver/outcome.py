@@ -19,11 +19,14 @@ from toothspace.model.arrays import (
     BUSH_Y,
     CATEGORY,
     CONTACT_ENERGY,
+    FREE,
+    INERTIA,
     JOURNAL_CLEARANCE,
     MOTION_MASS,
     MOTION_RATIO,
     MOTION_X,
     PRESSURE,
+    WALL_COMPLIANCE,
 )
 from toothspace.model.assembly import System
 from toothspace.model.contact_data import loaded_contacts
@@ -104,21 +107,26 @@ def window_ledger(history: History) -> Ledger:
     first, last = history.states[0], history.states[-1]
     change = dict(zip(LEDGER_NAMES, last[size.core :] - first[size.core :], strict=True))
     entries = {_RENAMED.get(name, name): value for name, value in change.items()}
-    for name in ("mass_load", *(f"gas_{port}" for port in PORT_NODES)):
+    load_work = entries.pop("shaft_load")
+    valves = entries.pop("circuit") + entries.pop("throttling_circuit_orifice")
+    for name in ("mass_load", "mass_supply", *(f"gas_{port}" for port in PORT_NODES)):
         entries.pop(name)
     energy = {port: _port_energy(system, port, change) for port in PORT_NODES}
     load = energy["load"] + change["throttling_load_orifice"]
     entries |= {
-        "mass_inlet": -change["mass_inlet"],
+        "mass_inlet": -change["mass_inlet"] - change["mass_supply"],
         "mass_outlet": change["mass_outlet"] + change["mass_load"],
         "mass_stored_change": stored_mass(system, last) - stored_mass(system, first),
-        "port_inlet": -energy["inlet"],
+        "port_inlet": -energy["inlet"] - energy["supply"],
+        "circuit": valves,
         "port_outlet": energy["outlet"] + load,
         "port_drain": energy["drain"],
         "stored_change": stored_energy(system, last) - stored_energy(system, first),
         "kinetic_change": kinetic_energy(system, last) - kinetic_energy(system, first),
         "elastic_change": elastic_energy(system, last) - elastic_energy(system, first),
     }
+    if system.condition.free_shaft:
+        entries["shaft"] = -load_work
     return ledger_from(
         entries,
         float(history.times[-1] - history.times[0]),
@@ -154,14 +162,16 @@ def stored_energy(system: System, state: Array) -> float:
     pressure, _, _ = mixture_pressure(volume / mass, gas / mass, arrays.fluid)
     liquid = (mass - gas) * liquid_enthalpy(pressure, arrays.fluid)
     bubbles = gas * gas_enthalpy(pressure, arrays.fluid)
-    return float(np.sum(liquid + bubbles - pressure * volume))
+    wall = 0.5 * arrays.node[dynamic, WALL_COMPLIANCE] * pressure**2
+    return float(np.sum(liquid + bubbles - pressure * volume + wall))
 
 
 def kinetic_energy(system: System, state: Array) -> float:
-    """Kinetic energy of the bodies that move on their own. [J]."""
+    """Kinetic energy of the bodies that move on their own, and of a free shaft. [J]."""
     size, motion = system.arrays.size, system.arrays.motion
     velocity = state[size.velocity : size.core] + motion[:, MOTION_RATIO] * state[1]
-    return float(0.5 * np.sum(motion[:, MOTION_MASS] * velocity**2))
+    shaft = system.arrays.drive[FREE] * system.arrays.drive[INERTIA] * state[1] ** 2
+    return float(0.5 * (np.sum(motion[:, MOTION_MASS] * velocity**2) + shaft))
 
 
 def elastic_energy(system: System, state: Array) -> float:

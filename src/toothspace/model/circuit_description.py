@@ -1,0 +1,182 @@
+"""A hydraulic circuit and a shaft as the model sees them, and their arrays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, final
+
+import numpy as np
+
+from toothspace.core.types import Array
+from toothspace.model.arrays import (
+    ADDED_FRICTION,
+    BREAKAWAY,
+    BREAKAWAY_SPEED,
+    DIRECTION,
+    DRIVE_COLUMNS,
+    ELEMENT_A,
+    ELEMENT_B,
+    ELEMENT_COLUMNS,
+    ELEMENT_KIND,
+    FADE,
+    FIRST_KNOT,
+    FREE,
+    INERTIA,
+    KNOTS,
+    LOAD_CONSTANT,
+    LOAD_CUBIC,
+    LOAD_LINEAR,
+    PARAMETER_1,
+    RUNNING_FRICTION,
+)
+from toothspace.model.circuit import PRESSURE_VALVE, SUPPLY_PUMP
+
+_KINDS = {"supply_pump": SUPPLY_PUMP, "pressure_valve": PRESSURE_VALVE}
+
+
+@final
+@dataclass(frozen=True)
+class CircuitNode:
+    """A place of one pressure in a circuit.
+
+    Parameters
+    ----------
+    name : str
+        ``inlet`` and ``outlet`` are those of the machine.
+    pressure : float
+        Absolute pressure, held if the node is a tank, else at the start. [Pa]
+    volume : float
+        Fluid volume at zero pressure; zero makes the node a tank. [m3]
+    wall_compliance : float
+        Growth of the volume per pressure. [m3/Pa]
+    """
+
+    name: str
+    pressure: float
+    volume: float = 0.0
+    wall_compliance: float = 0.0
+
+
+@final
+@dataclass(frozen=True)
+class CircuitElement:
+    """An element that joins two nodes; flow counts from a to b.
+
+    Parameters
+    ----------
+    kind : str
+        ``supply_pump``: parameters are displacement [m3/rad], volumetric efficiency at zero
+        pressure difference [-] and its change per pressure rise [1/Pa]; the schedule is its
+        speed over time. ``pressure_valve`` (relief, check): opening pressure difference [Pa],
+        pressure rise per flow [Pa s/m3] and rounding of the opening point [Pa].
+    node_a, node_b : str
+        Names of nodes; ``supply`` is the tank of a pump.
+    parameters : tuple of float
+        See ``kind``.
+    schedule : ndarray, shape (knots, 2)
+        Time [s] and value, joined by straight lines.
+    """
+
+    kind: Literal["supply_pump", "pressure_valve"]
+    node_a: str
+    node_b: str
+    parameters: tuple[float, float, float]
+    schedule: Array
+
+
+@final
+@dataclass(frozen=True)
+class CircuitOrifice:
+    """Sharp-edged restriction between two nodes. ``area``: [m2]."""
+
+    node_a: str
+    node_b: str
+    area: float
+
+
+@final
+@dataclass(frozen=True)
+class Circuit:
+    """Nodes, elements and orifices round a machine.
+
+    Parameters
+    ----------
+    nodes : tuple of CircuitNode
+        Places with volume, and tanks.
+    elements, orifices
+        What joins them.
+    supply_pressure : float
+        Absolute pressure of the tank that supply pumps draw from. [Pa]
+    """
+
+    nodes: tuple[CircuitNode, ...]
+    elements: tuple[CircuitElement, ...] = ()
+    orifices: tuple[CircuitOrifice, ...] = ()
+    supply_pressure: float = 1e5
+
+    def node(self, name: str) -> CircuitNode | None:
+        """Node of a name, or None."""
+        return next((node for node in self.nodes if node.name == name), None)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class FreeShaft:
+    """A shaft that turns as the torques on it let it.
+
+    Parameters
+    ----------
+    inertia : float
+        Moment of inertia of load and shaft without the machine's bodies. [kg m2]
+    linear, cubic, constant : float
+        Torque of the load: linear w + cubic w^3 + constant. [N m s], [N m s3], [N m]
+    breakaway_torque : float
+        Largest friction at rest; zero leaves out start-up friction. [N m]
+    breakaway_speed : float
+        Speed up to which friction stays at the breakaway torque. [rad/s]
+    additive : bool
+        Whether the boundary friction of the interfaces adds to the breakaway torque; else
+        it stands for all of them and they fade in with speed.
+    """
+
+    inertia: float
+    linear: float = 0.0
+    cubic: float = 0.0
+    constant: float = 0.0
+    breakaway_torque: float = 0.0
+    breakaway_speed: float = 0.7
+    additive: bool = False
+
+
+def drive_row(
+    shaft: FreeShaft | None, shaft_speed: float, running_friction: float, body_inertia: float
+) -> Array:
+    """Row of the shaft; ``running_friction`` is that of the seal. [N m], [kg m2]."""
+    row = np.zeros(DRIVE_COLUMNS)
+    row[FADE] = row[BREAKAWAY_SPEED] = 1.0
+    row[RUNNING_FRICTION] = running_friction
+    row[DIRECTION] = np.sign(shaft_speed)
+    if shaft is not None:
+        row[FREE] = 1.0
+        row[INERTIA] = shaft.inertia + body_inertia
+        row[[LOAD_LINEAR, LOAD_CUBIC, LOAD_CONSTANT]] = shaft.linear, shaft.cubic, shaft.constant
+        row[BREAKAWAY] = shaft.breakaway_torque
+        row[BREAKAWAY_SPEED] = shaft.breakaway_speed
+        row[ADDED_FRICTION] = 1.0 if shaft.additive else 0.0
+    return row
+
+
+def element_rows(circuit: Circuit | None, places: dict[str, int]) -> tuple[Array, Array]:
+    """Rows of the elements and the knots of all schedules."""
+    elements = circuit.elements if circuit else ()
+    rows = np.zeros((len(elements), ELEMENT_COLUMNS))
+    knots = [np.zeros((0, 2))]
+    first = 0
+    for row, element in zip(rows, elements, strict=True):
+        row[ELEMENT_KIND] = _KINDS[element.kind]
+        row[[ELEMENT_A, ELEMENT_B]] = places[element.node_a], places[element.node_b]
+        row[[FIRST_KNOT, KNOTS]] = first, len(element.schedule)
+        row[PARAMETER_1 : PARAMETER_1 + 3] = element.parameters
+        knots.append(np.asarray(element.schedule, dtype=float).reshape(-1, 2))
+        first += len(element.schedule)
+    return rows, np.vstack(knots)

@@ -1,0 +1,89 @@
+r"""The shaft: prescribed speed, or free under the torques of machine, load and friction.
+
+.. math:: J \dot\omega = -M_{machine}(p, \omega) - M_{start}(\omega) - M_{load}(\omega),
+    \qquad J = J_{load} + \sum_k J_k i_k^2
+
+with the ratios i of all bodies that turn rigidly with the shaft. Start-up friction is set
+valued: a shaft at rest is held, and does not move at all, while the torque on it is below the
+breakaway torque. Sliding, its friction is that of the Stribeck law beyond the breakaway speed
+and stays at the breakaway torque below it, where the printed law only regularises.
+"""
+
+from __future__ import annotations
+
+import math
+
+from toothspace.core.compiled import kernel
+from toothspace.core.types import Array
+from toothspace.model.arrays import (
+    ADDED_FRICTION,
+    BREAKAWAY,
+    BREAKAWAY_SPEED,
+    DIRECTION,
+    FADE,
+    LOAD_CONSTANT,
+    LOAD_CUBIC,
+    LOAD_LINEAR,
+    RUNNING_FRICTION,
+    SystemArrays,
+)
+
+ROOT_TWO = math.sqrt(2.0)
+ROOT_TWO_E = math.sqrt(2.0 * math.e)
+
+
+@kernel
+def load_torque(s: SystemArrays, speed: float) -> float:
+    """Torque that the load takes from the shaft. [N m]."""
+    drive = s.drive
+    return speed * (drive[LOAD_LINEAR] + drive[LOAD_CUBIC] * speed * speed) + drive[LOAD_CONSTANT]
+
+
+@kernel
+def update_fade(s: SystemArrays, speed: float) -> None:
+    """Set the share of the interface friction that is present at this speed. [-].
+
+    Where the breakaway torque stands for all interfaces at rest they fade in with speed.
+    """
+    drive = s.drive
+    drive[FADE] = 1.0
+    if drive[BREAKAWAY] > 0.0 and drive[ADDED_FRICTION] == 0.0:
+        ratio = speed / (ROOT_TWO * drive[BREAKAWAY_SPEED])
+        drive[FADE] = -math.expm1(-ratio * ratio)
+
+
+@kernel
+def startup_torque(s: SystemArrays, speed: float) -> float:
+    """Part of the breakaway torque that is left at a speed, against the direction. [N m]."""
+    drive = s.drive
+    if drive[BREAKAWAY] == 0.0:
+        return 0.0
+    sliding = max(drive[DIRECTION] * speed, drive[BREAKAWAY_SPEED])
+    ratio = sliding / (ROOT_TWO * drive[BREAKAWAY_SPEED])
+    hump = ROOT_TWO_E * math.exp(-ratio * ratio) * ratio
+    return drive[DIRECTION] * (drive[BREAKAWAY] - drive[RUNNING_FRICTION]) * hump
+
+
+@kernel
+def running_torque(s: SystemArrays) -> float:
+    """Friction that does not depend on speed (seal), against the direction. [N m]."""
+    return s.drive[DIRECTION] * s.drive[RUNNING_FRICTION]
+
+
+@kernel
+def scheduled(schedule: Array, first: int, count: int, time: float) -> float:
+    """Value of the schedule in rows first to first + count at a time. Units of its column."""
+    last = first + count - 1
+    if time <= schedule[first, 0]:
+        return schedule[first, 1]
+    if time >= schedule[last, 0]:
+        return schedule[last, 1]
+    low, high = first, last
+    while high - low > 1:
+        middle = (low + high) // 2
+        if schedule[middle, 0] <= time:
+            low = middle
+        else:
+            high = middle
+    share = (time - schedule[low, 0]) / (schedule[high, 0] - schedule[low, 0])
+    return schedule[low, 1] + share * (schedule[high, 1] - schedule[low, 1])
