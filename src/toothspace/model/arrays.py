@@ -249,4 +249,3 @@ class SystemArrays(NamedTuple):
     elements: Array
     schedule: Array
     scratch: Array
-    scratch_states: Array

@@ -19,7 +19,6 @@ from toothspace.model.arrays import (
     ELEMENT_B,
     FAMILY_COUNT,
     FAMILY_FIRST,
-    FREE,
     GAP_BY_MOTION,
     GAS,
     HEIGHT_BY_MOTION,
@@ -344,7 +343,6 @@ def _work(sizes: Sizes) -> dict[str, Array]:
         "torque": np.zeros(len(FRICTION_MECHANISMS) + 1),
         "table_angle": np.array([np.nan]),
         "scratch": np.zeros(LEDGER_SIZE),
-        "scratch_states": np.zeros((3, sizes.total)),
     }
 
 
@@ -370,15 +368,11 @@ def _pattern(arrays: SystemArrays) -> BoolArray:
 
 
 def _join_circuit(arrays: SystemArrays, pattern: BoolArray) -> None:
-    """Add circuit elements, and a free shaft that joins everything."""
-    size = arrays.size
+    """Add what circuit elements join."""
     for element in arrays.elements:
         a, b = int(element[ELEMENT_A]), int(element[ELEMENT_B])
         columns = [*_columns(arrays, a), *_columns(arrays, b)]
         pattern[np.ix_([*_rows(arrays, a), *_rows(arrays, b)], columns)] = True
-    if arrays.drive[FREE] > 0.0:
-        pattern[1, size.mass : size.gas + size.dynamic] = True
-        pattern[: size.core + GAS_MASS + len(PORT_NODES), :2] = True
 
 
 def _columns(arrays: SystemArrays, node: int) -> list[int]:

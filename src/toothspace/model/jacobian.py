@@ -8,7 +8,6 @@ from toothspace.model.arrays import (
     CHANNEL_MOTION,
     CONTACT_FORCE,
     DENSITY,
-    DIRECTION,
     ELEMENT_A,
     ELEMENT_B,
     ELEMENT_BY_A,
@@ -22,13 +21,11 @@ from toothspace.model.arrays import (
     FLOW_BY_PRESSURE,
     FORCE_BY_OVERLAP,
     FORCE_BY_RATE,
-    FREE,
     FRICTION_BY_FORCE,
     FRICTION_BY_SLIP,
     GAP_BY_MOTION,
     GAS,
     HEIGHT_BY_MOTION,
-    INERTIA,
     MOTION_MASS,
     NODE_A,
     PRESENT_B,
@@ -37,15 +34,11 @@ from toothspace.model.arrays import (
     PRESSURE_BY_VOLUME,
     SLOPE,
     VALUE,
-    VOLUME_RATE,
     SystemArrays,
 )
 from toothspace.model.circuit import update_elements
 from toothspace.model.ledger import GAS_MASS, MASS
-from toothspace.model.system import PORTS, evaluate, right_hand_side
-
-ANGLE_STEP = 1e-9
-SPEED_STEP = 1e-7
+from toothspace.model.system import evaluate
 
 
 @kernel
@@ -53,6 +46,8 @@ def jacobian(t: float, state: Array, s: SystemArrays, matrix: Array) -> None:
     """Derivatives of all rates with respect to the core states; energy rows are left out.
 
     The rows of port masses and port gas stand in full, so that mass balances close to round-off.
+    Angle and speed of a free shaft are left to the iteration: its inertia makes their feedback
+    within a step weak.
     """
     evaluate(s, state)
     matrix[:, :] = 0.0
@@ -65,8 +60,6 @@ def jacobian(t: float, state: Array, s: SystemArrays, matrix: Array) -> None:
     add_films(s, matrix)
     add_contacts(s, state, matrix)
     add_elements(s, t, matrix)
-    if s.drive[FREE] > 0.0 and s.drive[DIRECTION] != 0.0:
-        add_shaft(t, state, s, matrix)
 
 
 @kernel
@@ -233,25 +226,3 @@ def add_elements(s: SystemArrays, t: float, matrix: Array) -> None:
                 matrix[mass_row(s, b), column] += change
                 matrix[gas_row(s, a), column] -= gas * change
                 matrix[gas_row(s, b), column] += gas * change
-
-
-@kernel
-def add_shaft(t: float, state: Array, s: SystemArrays, matrix: Array) -> None:
-    """Row of the shaft's acceleration, and the columns of its angle and speed by differences."""
-    node, size, drive = s.node, s.size, s.drive
-    for i in range(size.chambers):
-        d = s.dynamic_index[i]
-        lever = node[i, VOLUME_RATE] / drive[INERTIA]
-        matrix[1, size.mass + d] += lever * node[i, PRESSURE_BY_MASS]
-        matrix[1, size.gas + d] += lever * node[i, PRESSURE_BY_GAS]
-    base, moved, shifted = s.scratch_states[0], s.scratch_states[1], s.scratch_states[2]
-    right_hand_side(t, state, s, base)
-    for i in range(size.total):
-        shifted[i] = state[i]
-    for column, step in ((0, ANGLE_STEP), (1, SPEED_STEP * max(abs(state[1]), 1.0))):
-        shifted[column] = state[column] + step
-        right_hand_side(t, shifted, s, moved)
-        shifted[column] = state[column]
-        for i in range(size.core + GAS_MASS + PORTS):
-            matrix[i, column] = (moved[i] - base[i]) / step
-    evaluate(s, state)
