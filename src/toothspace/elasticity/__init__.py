@@ -1,0 +1,40 @@
+"""Linear elasticity of bodies and the influence matrices of their film surfaces.
+
+==============  ==========================================================
+module          responsibility
+==============  ==========================================================
+triangulation   plane regions to triangles
+mesh            bodies swept along z, and their outer faces
+elements        stiffness and mass of solid elements
+condensation    large stiffness to flexibility of chosen loads
+surfaces        film surfaces: coarse nodes and interpolation to cells
+loads           named loads and their nodal forces
+body            :class:`ElasticBody`, the input
+influence       :func:`influence_matrix`, the result
+storage         results on disk
+==============  ==========================================================
+"""
+
+from __future__ import annotations
+
+from toothspace.elasticity.body import ElasticBody, Support, SweptShape
+from toothspace.elasticity.influence import InfluenceMatrix, influence_matrix
+from toothspace.elasticity.loads import AreaPressure, LateralPressure, journal_load
+from toothspace.elasticity.mesh import Prism, annulus, disc
+from toothspace.elasticity.surfaces import CylinderSurface, PlaneSurface
+
+__all__ = [
+    "AreaPressure",
+    "CylinderSurface",
+    "ElasticBody",
+    "InfluenceMatrix",
+    "LateralPressure",
+    "PlaneSurface",
+    "Prism",
+    "Support",
+    "SweptShape",
+    "annulus",
+    "disc",
+    "influence_matrix",
+    "journal_load",
+]

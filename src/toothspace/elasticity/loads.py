@@ -1,0 +1,246 @@
+"""Named loads of a body and their consistent nodal forces."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple, final
+
+import numpy as np
+import scipy.sparse as sp
+import shapely
+
+from toothspace.core.errors import GeometryError
+from toothspace.core.types import Array, BoolArray, IntArray
+from toothspace.elasticity.mesh import Mesh
+from toothspace.elasticity.surfaces import Side, looks
+
+_G = 1.0 / np.sqrt(3.0)
+_QUAD_POINTS = np.array([(-_G, -_G), (_G, -_G), (_G, _G), (-_G, _G)])
+_TRI_POINTS = np.array([(1 / 6, 1 / 6), (2 / 3, 1 / 6), (1 / 6, 2 / 3)])
+
+
+class FacePoints(NamedTuple):
+    """Quadrature points on outer faces."""
+
+    place: Array  # (k, 3) [m]
+    push: Array  # (k, 3) inward normal times area [m2]
+    nodes: IntArray  # (k, a) nodes of the face
+    shape: Array  # (k, a) their shape functions
+
+    def forces(self, values: Array, nodes: int) -> Array:
+        """Nodal forces of a pressure given at the points. [N]."""
+        return self.traction(values[:, None] * self.push, nodes)
+
+    def traction(self, vectors: Array, nodes: int) -> Array:
+        """Nodal forces of force vectors [N] at the points. [N]."""
+        out = np.zeros((nodes, 3))
+        np.add.at(out, self.nodes, self.shape[:, :, None] * vectors[:, None, :])
+        return out.ravel()
+
+
+def _quad(point: Array) -> tuple[Array, Array]:
+    s, t = point
+    values = 0.25 * np.array([(1 - s) * (1 - t), (1 + s) * (1 - t), (1 + s) * (1 + t), (1 - s) * (1 + t)])
+    slopes = 0.25 * np.array([(t - 1, 1 - t, 1 + t, -1 - t), (s - 1, -1 - s, 1 + s, 1 - s)])
+    return values, slopes
+
+
+def _tri(point: Array) -> tuple[Array, Array]:
+    s, t = point
+    r = 1.0 - s - t
+    values = np.array([r * (2 * r - 1), s * (2 * s - 1), t * (2 * t - 1), 4 * r * s, 4 * s * t, 4 * t * r])
+    along = np.array([1 - 4 * r, 4 * s - 1, 0.0, 4 * (r - s), 4 * t, -4 * t])
+    across = np.array([1 - 4 * r, 0.0, 4 * t - 1, -4 * s, 4 * s, 4 * (r - t)])
+    return values, np.array([along, across])
+
+
+def face_points(mesh: Mesh, chosen: BoolArray) -> FacePoints:
+    """Quadrature points on chosen outer faces of a mesh."""
+    faces = mesh.faces[chosen]
+    corners = mesh.nodes[faces]
+    quads = faces.shape[1] == 4
+    rule, points, weight = (_quad, _QUAD_POINTS, 1.0) if quads else (_tri, _TRI_POINTS, 1.0 / 6.0)
+    place, push, shape = [], [], []
+    for point in points:
+        values, slopes = rule(point)
+        along, across = (np.einsum("a,kai->ki", row, corners) for row in slopes)
+        place.append(np.einsum("a,kai->ki", values, corners))
+        push.append(-weight * np.cross(along, across))
+        shape.append(np.tile(values, (len(faces), 1)))
+    return FacePoints(
+        np.vstack(place), np.vstack(push), np.tile(faces, (len(points), 1)), np.vstack(shape)
+    )
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class AreaPressure:
+    """Unit pressure on the part of the faces that look up or down inside a region.
+
+    Parameters
+    ----------
+    name : str
+        Name of the load.
+    side : {"top", "bottom"}
+        Which way the loaded faces look.
+    region : Polygon
+        Region in the x y plane; it need not follow the mesh. [m]
+    per_area : bool
+        False: the pressure is scaled to a total force of one newton, as of a spring.
+    """
+
+    name: str
+    side: Side
+    region: shapely.Geometry
+    per_area: bool = True
+
+    def key(self) -> tuple[object, ...]:
+        """Everything that defines the load."""
+        return ("area", self.name, self.side, shapely.to_wkb(self.region), self.per_area)
+
+    def forces(self, mesh: Mesh) -> Array:
+        """Nodal forces. [N/Pa] or [N/N]."""
+        chosen = np.flatnonzero(looks(mesh, self.side))
+        faces = mesh.faces[chosen]
+        corners = mesh.nodes[faces[:, : 4 if faces.shape[1] == 4 else 3]]
+        cut = shapely.intersection(shapely.polygons(corners[:, :, :2]), self.region)
+        area = shapely.area(cut)
+        hit = area > 0.0
+        if not hit.any():
+            raise _missed(self.name)
+        centre = shapely.get_coordinates(shapely.centroid(cut[hit]))
+        direction = 1.0 if self.side == "bottom" else -1.0
+        push = np.zeros((int(hit.sum()), 3))
+        push[:, 2] = direction * area[hit]
+        shape = _shape_at(corners[hit][:, :, :2], centre)
+        points = FacePoints(push, push, faces[hit][:, : shape.shape[1]], shape)
+        out = points.traction(push, len(mesh.nodes))
+        return out if self.per_area else out / area[hit].sum()
+
+
+def _missed(name: str) -> GeometryError:
+    return GeometryError(f"elastic body: found no surface under load {name!r}, allowed are loads on it")
+
+
+def _shape_at(corners: Array, place: Array) -> Array:
+    """Shape functions of plane faces at a place inside; linear ones on triangles."""
+    if corners.shape[1] == 3:
+        origin = corners[:, 0]
+        axes = np.stack([corners[:, 1] - origin, corners[:, 2] - origin], axis=2)
+        local = np.linalg.solve(axes, (place - origin)[:, :, None])[:, :, 0]
+        return np.column_stack([1.0 - local.sum(axis=1), local])
+    local = np.zeros_like(place)
+    for _ in range(6):
+        s, t = local.T
+        values = _bilinear(s, t)
+        error = place - np.einsum("ka,kai->ki", values, corners)
+        along = 0.25 * np.column_stack([t - 1, 1 - t, 1 + t, -1 - t])
+        across = 0.25 * np.column_stack([s - 1, -1 - s, 1 + s, 1 - s])
+        axes = np.stack([np.einsum("ka,kai->ki", g, corners) for g in (along, across)], axis=2)
+        local = local + np.linalg.solve(axes, error[:, :, None])[:, :, 0]
+    return _bilinear(*local.T)
+
+
+def _bilinear(s: Array, t: Array) -> Array:
+    terms = [(1 - s) * (1 - t), (1 + s) * (1 - t), (1 + s) * (1 + t), (1 - s) * (1 + t)]
+    return 0.25 * np.column_stack(terms)
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class LateralPressure:
+    """Pressure on the faces that look to the side inside a region and between two levels.
+
+    Parameters
+    ----------
+    name : str
+        Name of the load.
+    region : Polygon
+        Region in the x y plane that holds the centres of the loaded faces. [m]
+    bottom, top : float
+        Levels. [m]
+    pattern : callable, optional
+        Pressure at places x, y, z [m] in place of one pascal.
+    label : str
+        Tells patterns apart in the cache.
+    """
+
+    name: str
+    region: shapely.Geometry
+    bottom: float = -np.inf
+    top: float = np.inf
+    pattern: Callable[[Array], Array] | None = None
+    label: str = ""
+
+    def key(self) -> tuple[object, ...]:
+        """Everything that defines the load."""
+        where = (shapely.to_wkb(self.region), self.bottom, self.top)
+        return ("lateral", self.name, where, self.label)
+
+    def forces(self, mesh: Mesh) -> Array:
+        """Nodal forces. [N/Pa]."""
+        centre, _ = mesh.face_frames()
+        chosen = looks(mesh, "lateral") & (centre[:, 2] > self.bottom) & (centre[:, 2] < self.top)
+        chosen &= shapely.contains_xy(self.region, centre[:, 0], centre[:, 1])
+        if not chosen.any():
+            raise _missed(self.name)
+        points = face_points(mesh, chosen)
+        values = np.ones(len(points.place)) if self.pattern is None else self.pattern(points.place)
+        return points.forces(values, len(mesh.nodes))
+
+
+Load = AreaPressure | LateralPressure
+
+
+def journal_load(
+    name: str,
+    radius: float,
+    levels: tuple[float, float],
+    angle: float,
+    *,
+    center: tuple[float, float] = (0.0, 0.0),
+    moment: bool = False,
+) -> LateralPressure:
+    r"""Force or moment of a journal film on a bore or shaft along z.
+
+    Parameters
+    ----------
+    name : str
+        Name of the load.
+    radius : float
+        Radius of the bore or shaft. [m]
+    levels : tuple of float
+        Ends of the film along z. [m]
+    angle : float
+        Direction of the pressure's maximum, from x towards y. [rad]
+    center : tuple of float
+        Place x, y of the axis. [m]
+    moment : bool
+        Antisymmetric along z, with the unit of a moment about the middle.
+
+    Returns
+    -------
+    LateralPressure
+        Pressure :math:`\cos(\varphi - \alpha) / (\pi r l)` of a force of one newton on a bore
+        along its maximum (on a shaft against it), or, times :math:`12 z / l^2`, a moment.
+    """
+    bottom, top = levels
+    length, middle = top - bottom, 0.5 * (bottom + top)
+    axis = shapely.Point(*center)
+    ring = axis.buffer(1.02 * radius).difference(axis.buffer(0.98 * radius))
+
+    def pattern(place: Array) -> Array:
+        turn = np.arctan2(place[:, 1] - center[1], place[:, 0] - center[0])
+        wave = np.cos(turn - angle) / (np.pi * radius * length)
+        return wave * (12.0 * (place[:, 2] - middle) / length**2) if moment else wave
+
+    label = repr(("journal", radius, levels, angle, center, moment))
+    return LateralPressure(name, ring, bottom, top, pattern, label)
+
+
+def load_columns(mesh: Mesh, loads: tuple[Load, ...]) -> sp.csc_matrix:
+    """Nodal forces of all loads, one column each."""
+    if not loads:
+        return sp.csc_matrix((mesh.unknowns, 0))
+    return sp.csc_matrix(np.column_stack([load.forces(mesh) for load in loads]))

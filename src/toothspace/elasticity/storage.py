@@ -1,0 +1,81 @@
+"""Influence matrices on disk, keyed by a hash of the body and of the sources that made them."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import sys
+import tempfile
+from functools import cache
+from pathlib import Path
+from zipfile import BadZipFile
+
+import numpy as np
+
+from toothspace.core.compiled import CACHE_FOLDER
+from toothspace.elasticity.body import ElasticBody
+from toothspace.elasticity.influence import InfluenceMatrix
+
+_ARRAYS = ("nodes", "surface", "compliance", "rigid_modes", "center_of_mass")
+
+
+@cache
+def _sources() -> str:
+    digest = hashlib.sha256()
+    for path in sorted(Path(__file__).resolve().parent.glob("*.py")):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:12]
+
+
+def folder() -> Path:
+    """Folder of the stored matrices, beside that of the compiled code."""
+    return CACHE_FOLDER.parent / "elasticity"
+
+
+def _path(name: str) -> Path:
+    return folder() / f"{name}-{_sources()}.npz"
+
+
+def announce(body: ElasticBody) -> None:
+    """Tell the user on a terminal that a body is being condensed and will be kept."""
+    if sys.stderr.isatty():
+        names = ", ".join(film.name for film in body.films)
+        sys.stderr.write(f"Condensing an elastic body ({names}); kept for later.\n")
+
+
+def load(name: str, body: ElasticBody) -> InfluenceMatrix | None:
+    """Stored matrix of a body, or None."""
+    path = _path(name)
+    try:
+        with np.load(path) as data:
+            stored = {key: data[key] for key in data.files}
+    except (OSError, BadZipFile, ValueError):
+        return None
+    names = [entry.name for entry in body.loads]
+    return InfluenceMatrix(
+        body=body,
+        **{key: stored[key] for key in _ARRAYS},
+        load_cases=dict(zip(names, stored["load_cases"], strict=True)),
+        resultants=dict(zip(names, stored["resultants"], strict=True)),
+        mass=float(stored["mass"]),
+        element_count=int(stored["element_count"]),
+        error_estimate=float(stored["error_estimate"]),
+    )
+
+
+def save(name: str, matrix: InfluenceMatrix) -> None:
+    """Store a matrix; a file is complete or not there."""
+    target = _path(name)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    content: dict[str, object] = {key: getattr(matrix, key) for key in _ARRAYS}
+    for key in ("load_cases", "resultants"):
+        content[key] = np.array(list(getattr(matrix, key).values()))
+    for key in ("mass", "element_count", "error_estimate"):
+        content[key] = np.asarray(getattr(matrix, key))
+    handle, draft = tempfile.mkstemp(dir=target.parent, suffix=".npz")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            np.savez(file, **content)  # type: ignore[arg-type]
+        Path(draft).replace(target)
+    finally:
+        Path(draft).unlink(missing_ok=True)

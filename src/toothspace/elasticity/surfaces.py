@@ -1,0 +1,198 @@
+r"""Film surfaces of a body: coarse nodes, their hat functions and the interpolation to cells.
+
+A pressure enters as nodal loads :math:`\lambda_i = \int \phi_i p\,\mathrm dA`, displacements
+leave as nodal values :math:`u = \sum_i u_i \phi_i`. Loads of a film are gathered with the
+transpose of the interpolation that spreads the displacements, so work is conserved.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Literal, final
+
+import numpy as np
+import scipy.sparse as sp
+import shapely
+from scipy.spatial import cKDTree
+
+from toothspace.core.types import Array, BoolArray, IntArray
+from toothspace.elasticity.mesh import Mesh
+from toothspace.elasticity.triangulation import Triangulation, triangulate
+
+Side = Literal["top", "bottom", "lateral"]
+
+_NEAREST = 12
+"""Triangles that are tried for a point."""
+
+
+def looks(mesh: Mesh, side: Side) -> BoolArray:
+    """Which outer faces look up, down or to the side."""
+    _, normal = mesh.face_frames()
+    up = normal[:, 2] / np.linalg.norm(normal, axis=1)
+    if side == "lateral":
+        return np.asarray(np.abs(up) < 0.5)
+    return np.asarray(up > 0.5 if side == "top" else up < -0.5)
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class PlaneSurface:
+    """Film surface across the z axis: all faces that look one way within a region.
+
+    Parameters
+    ----------
+    name : str
+        Name of the surface.
+    side : {"top", "bottom"}
+        Which way the surface looks.
+    region : Polygon
+        Outline with holes in the x y plane. [m]
+    node_spacing : float
+        Distance of the nodes. [m]
+    """
+
+    name: str
+    side: Side
+    region: shapely.Polygon
+    node_spacing: float
+
+    @cached_property
+    def _plane(self) -> Triangulation:
+        return triangulate([self.region], self.node_spacing)
+
+    @property
+    def nodes(self) -> Array:
+        """Places x, y of the nodes. [m]."""
+        return self._plane.points
+
+    @property
+    def triangles(self) -> IntArray:
+        """Nodes of the triangles between which values vary linearly."""
+        return self._plane.triangles
+
+    def key(self) -> tuple[object, ...]:
+        """Everything that defines the surface."""
+        return ("plane", self.name, self.side, shapely.to_wkb(self.region), self.node_spacing)
+
+    def select(self, mesh: Mesh) -> BoolArray:
+        """Faces of a mesh that belong to the surface."""
+        centre, _ = mesh.face_frames()
+        inside = shapely.contains_xy(self.region, centre[:, 0], centre[:, 1])
+        return np.asarray(inside & looks(mesh, self.side))
+
+    def interpolation(self, points: Array) -> sp.csr_matrix:
+        """Matrix from nodal values to values at points on the body.
+
+        Parameters
+        ----------
+        points : ndarray, shape (k, 2) or (k, 3)
+            Places in the frame of the body; z is ignored. [m]
+
+        Returns
+        -------
+        csr_matrix, shape (k, nodes)
+            Hat functions; a point outside takes the plane of the nearest triangle.
+        """
+        return _barycentric(self._plane, np.asarray(points, dtype=float)[:, :2])
+
+
+def _barycentric(plane: Triangulation, points: Array) -> sp.csr_matrix:
+    corners = plane.points[plane.triangles]
+    near = min(_NEAREST, len(corners))
+    _, tried = cKDTree(corners.mean(axis=1)).query(points, k=near)
+    tried = tried.reshape(len(points), near)
+    best = np.full(len(points), -np.inf)
+    chosen = np.zeros(len(points), dtype=np.int64)
+    weight = np.zeros((len(points), 3))
+    origin = corners[:, 0]
+    inverse = np.linalg.inv(np.stack([corners[:, 1] - origin, corners[:, 2] - origin], axis=2))
+    for column in tried.T:
+        local = np.einsum("kij,kj->ki", inverse[column], points - origin[column])
+        share = np.column_stack([1.0 - local.sum(axis=1), local])
+        inside = share.min(axis=1)
+        better = inside > best
+        best[better], chosen[better], weight[better] = inside[better], column[better], share[better]
+    return _rows(plane.triangles[chosen], weight, len(plane.points))
+
+
+def _rows(columns: IntArray, weights: Array, count: int) -> sp.csr_matrix:
+    rows = np.repeat(np.arange(len(columns)), columns.shape[1])
+    entries = (weights.ravel(), (rows, columns.ravel()))
+    return sp.csr_matrix(entries, shape=(len(columns), count))
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class CylinderSurface:
+    """Film surface round an axis along z: a bore or a shaft.
+
+    Parameters
+    ----------
+    name : str
+        Name of the surface.
+    radius : float
+        Radius. [m]
+    bottom, top : float
+        Levels between which the surface lies. [m]
+    grid : tuple of int
+        Nodes round the circumference and along the axis. [-]
+    center : tuple of float
+        Place x, y of the axis. [m]
+    """
+
+    name: str
+    radius: float
+    bottom: float
+    top: float
+    grid: tuple[int, int]
+    center: tuple[float, float] = (0.0, 0.0)
+    side: Side = field(default="lateral", init=False)
+
+    @property
+    def nodes(self) -> Array:
+        """Angle [rad] and level z [m] of the nodes."""
+        angle = 2.0 * np.pi * np.arange(self.grid[0]) / self.grid[0]
+        level = np.linspace(self.bottom, self.top, self.grid[1])
+        return np.column_stack([np.repeat(angle, level.size), np.tile(level, angle.size)])
+
+    def key(self) -> tuple[object, ...]:
+        """Everything that defines the surface."""
+        return ("cylinder", self.name, self.radius, self.bottom, self.top, self.grid, self.center)
+
+    def select(self, mesh: Mesh) -> BoolArray:
+        """Faces of a mesh that belong to the surface."""
+        centre, _ = mesh.face_frames()
+        p = mesh.nodes[mesh.faces]
+        radii = np.hypot(p[:, :, 0] - self.center[0], p[:, :, 1] - self.center[1])
+        on = np.abs(radii.max(axis=1) / self.radius - 1.0) < 0.02
+        between = (centre[:, 2] > self.bottom) & (centre[:, 2] < self.top)
+        return np.asarray(on & between & looks(mesh, "lateral"))
+
+    def interpolation(self, points: Array) -> sp.csr_matrix:
+        """Matrix from nodal values to values at points on the body, as for a plane.
+
+        Parameters
+        ----------
+        points : ndarray, shape (k, 3)
+            Places in the frame of the body. [m]
+        """
+        points = np.asarray(points, dtype=float)
+        angle = np.arctan2(points[:, 1] - self.center[1], points[:, 0] - self.center[0])
+        return self.interpolation_at(angle, points[:, 2])
+
+    def interpolation_at(self, angle: Array, level: Array) -> sp.csr_matrix:
+        """As :meth:`interpolation`, from angles [rad] and levels [m]."""
+        count, lanes = self.grid
+        turn = np.mod(angle / (2.0 * np.pi), 1.0) * count
+        rise = (level - self.bottom) / (self.top - self.bottom) * (lanes - 1)
+        i = np.minimum(np.floor(turn).astype(int), count - 1)
+        j = np.clip(np.floor(rise).astype(int), 0, lanes - 2)
+        a, b = turn - i, rise - j
+        after = (i + 1) % count
+        columns = [i * lanes + j, after * lanes + j, i * lanes + j + 1, after * lanes + j + 1]
+        weights = [(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b]
+        return _rows(np.column_stack(columns), np.column_stack(weights), count * lanes)
+
+
+FilmSurface = PlaneSurface | CylinderSurface
