@@ -10,7 +10,7 @@ import numpy as np
 import scipy.sparse as sp
 import shapely
 
-from toothspace.core.types import Array, BoolArray
+from toothspace.core.types import BoolArray, IntArray
 from toothspace.elasticity.loads import Load, face_points
 from toothspace.elasticity.mesh import Mesh, Prism, sweep
 from toothspace.elasticity.surfaces import FilmSurface, Side, looks
@@ -105,7 +105,7 @@ class Support:
         entries = (block.ravel(), (rows.ravel(), columns.ravel()))
         return sp.csr_matrix(entries, shape=(mesh.unknowns, mesh.unknowns))
 
-    def held(self, mesh: Mesh) -> Array:
+    def held(self, mesh: Mesh) -> IntArray:
         """Unknowns that the foundation holds; on inclined faces all directions are held."""
         nodes = np.unique(mesh.faces[self.faces(mesh)])
         normal, across = np.isinf(self.normal_stiffness), np.isinf(self.tangential_stiffness)
@@ -113,7 +113,8 @@ class Support:
             directions = [0, 1, 2] if normal else []
         else:
             directions = [2] * bool(normal) + [0, 1] * bool(across)
-        return (3 * nodes[:, None] + np.asarray(directions, dtype=np.int64)).ravel()
+        unknowns = 3 * nodes[:, None] + np.asarray(directions, dtype=np.int64)
+        return np.asarray(unknowns.ravel(), dtype=np.int64)
 
 
 @final

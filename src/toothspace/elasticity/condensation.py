@@ -15,7 +15,7 @@ from scipy.linalg.lapack import dpotrf
 
 from toothspace.core.compiled import njit
 from toothspace.core.errors import GeometryError
-from toothspace.core.types import Array, IntArray
+from toothspace.core.types import Array, BoolArray, IntArray
 
 _LEAF = 96
 """Nodes below which a part is not divided."""
@@ -81,7 +81,9 @@ def _halves(
 
 
 @njit(cache=True)
-def _find_touching(part: IntArray, start: Array, column: Array, side: Array, other: int) -> Array:
+def _find_touching(
+    part: IntArray, start: Array, column: Array, side: Array, other: int
+) -> BoolArray:
     out = np.zeros(part.size, dtype=np.bool_)
     for k in range(part.size):
         for j in range(start[part[k]], start[part[k] + 1]):
@@ -91,7 +93,7 @@ def _find_touching(part: IntArray, start: Array, column: Array, side: Array, oth
     return out
 
 
-def _touching(part: IntArray, graph: sp.csr_matrix, side: np.ndarray, other: int) -> np.ndarray:
+def _touching(part: IntArray, graph: sp.csr_matrix, side: np.ndarray, other: int) -> BoolArray:
     return np.asarray(_find_touching(part, graph.indptr, graph.indices, side, other))
 
 

@@ -1,4 +1,4 @@
-"""Stiffness and mass of solid elements: hexahedron with incompatible modes, ten-node tetrahedron."""
+"""Stiffness and mass of hexahedra with incompatible modes and of ten-node tetrahedra."""
 
 from __future__ import annotations
 

@@ -83,9 +83,7 @@ class InfluenceMatrix:
         self.of(surface)
         return self.body.films[names.index(surface)].interpolation(points)
 
-    def deformation(
-        self, nodal_loads: Array, loads: Mapping[str, float] | None = None
-    ) -> Array:
+    def deformation(self, nodal_loads: Array, loads: Mapping[str, float] | None = None) -> Array:
         """Displacement of the nodes into the body. [m].
 
         Parameters
@@ -108,6 +106,13 @@ class InfluenceMatrix:
         return np.asarray(out)
 
 
+_FILM_ORDER = 4
+"""Quadrature points along the edge of a face of a film surface."""
+
+_WORST_GRAM = 0.25
+"""Smallest eigenvalue of the scaled products of hat functions; 0.5 if well resolved. [-]"""
+
+
 class _Columns(NamedTuple):
     # film loads per unit pressure coefficient, named loads, mass matrix of the hat functions
     films: sp.csc_matrix
@@ -118,7 +123,7 @@ class _Columns(NamedTuple):
 def influence_matrix(
     body: ElasticBody, *, estimate_error: bool = True, cache: bool = True
 ) -> InfluenceMatrix:
-    """Condense a body to its film surfaces.
+    r"""Condense a body to its film surfaces.
 
     Parameters
     ----------
@@ -144,8 +149,8 @@ def influence_matrix(
     A floating body accelerates under loads out of balance: every load is complemented by the
     inertia of its rigid acceleration (inertia relief), and the displacement is orthogonal to the
     rigid modes in the mass inner product. With rigid modes :math:`R`, nodal masses :math:`M`
-    and :math:`\\Pi = 1 - M R (R^T M R)^{-1} R^T` the flexibility is
-    :math:`\\Pi^T K^+ \\Pi`; its null space are the loads :math:`M R`.
+    and :math:`\Pi = 1 - M R (R^T M R)^{-1} R^T` the flexibility is
+    :math:`\Pi^T K^+ \Pi`; its null space are the loads :math:`M R`.
     """
     from toothspace.elasticity import storage
 
@@ -191,7 +196,7 @@ def _columns(body: ElasticBody, mesh: Mesh) -> _Columns:
 
 def _film_columns(film: FilmSurface, mesh: Mesh) -> tuple[sp.csc_matrix, Array]:
     """Nodal forces of the hat pressures of a film, and the integrals of their products."""
-    points = face_points(mesh, film.select(mesh))
+    points = face_points(mesh, film.select(mesh), _FILM_ORDER)
     hats = film.interpolation(points.place)
     count, width = points.nodes.shape
     rows = 3 * points.nodes[:, :, None] + np.arange(3)
@@ -200,7 +205,8 @@ def _film_columns(film: FilmSurface, mesh: Mesh) -> tuple[sp.csc_matrix, Array]:
     spread = sp.csr_matrix((values.ravel(), (rows.ravel(), index)), shape=(mesh.unknowns, count))
     area = sp.diags(np.linalg.norm(points.push, axis=1))
     gram = (hats.T @ area @ hats).toarray()
-    if count < hats.shape[1] or np.diag(gram).min() <= 0.0:
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(gram), 1e-300))
+    if np.linalg.eigvalsh(gram * np.outer(scale, scale))[0] < _WORST_GRAM:
         raise GeometryError(
             f"elastic body: found nodes of film {film.name!r} without elements, allowed are node "
             "spacings above the element size"
@@ -231,7 +237,7 @@ def _relieved(
     inert = masses[:, None] * rigid
     extended = sp.hstack([loads, sp.csc_matrix(inert)]).tocsc()
     work = flexibility(stiffness, mesh.nodes, extended, _three_pins(mesh.nodes))
-    share = -np.linalg.solve(rigid.T @ inert, np.asarray((loads.T @ rigid)).T)
+    share = -np.linalg.solve(rigid.T @ inert, np.asarray(loads.T @ rigid).T)
     count = loads.shape[1]
     own, mixed, inner = work[:count, :count], work[:count, count:], work[count:, count:]
     out = own + mixed @ share
@@ -257,7 +263,7 @@ def _three_pins(nodes: Array) -> IntArray:
 def _supported(
     body: ElasticBody, mesh: Mesh, stiffness: sp.csr_matrix
 ) -> tuple[sp.csr_matrix, IntArray]:
-    held: list[Array] = []
+    held: list[IntArray] = []
     for support in body.supports:
         if not support.faces(mesh).any():
             raise GeometryError("elastic body: found a support without faces, allowed are faces")

@@ -15,8 +15,6 @@ from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.elasticity.mesh import Mesh
 from toothspace.elasticity.surfaces import Side, looks
 
-_G = 1.0 / np.sqrt(3.0)
-_QUAD_POINTS = np.array([(-_G, -_G), (_G, -_G), (_G, _G), (-_G, _G)])
 _TRI_POINTS = np.array([(1 / 6, 1 / 6), (2 / 3, 1 / 6), (1 / 6, 2 / 3)])
 
 
@@ -41,7 +39,9 @@ class FacePoints(NamedTuple):
 
 def _quad(point: Array) -> tuple[Array, Array]:
     s, t = point
-    values = 0.25 * np.array([(1 - s) * (1 - t), (1 + s) * (1 - t), (1 + s) * (1 + t), (1 - s) * (1 + t)])
+    values = 0.25 * np.array(
+        [(1 - s) * (1 - t), (1 + s) * (1 - t), (1 + s) * (1 + t), (1 - s) * (1 + t)]
+    )
     slopes = 0.25 * np.array([(t - 1, 1 - t, 1 + t, -1 - t), (s - 1, -1 - s, 1 + s, 1 - s)])
     return values, slopes
 
@@ -49,20 +49,38 @@ def _quad(point: Array) -> tuple[Array, Array]:
 def _tri(point: Array) -> tuple[Array, Array]:
     s, t = point
     r = 1.0 - s - t
-    values = np.array([r * (2 * r - 1), s * (2 * s - 1), t * (2 * t - 1), 4 * r * s, 4 * s * t, 4 * t * r])
+    values = np.array(
+        [r * (2 * r - 1), s * (2 * s - 1), t * (2 * t - 1), 4 * r * s, 4 * s * t, 4 * t * r]
+    )
     along = np.array([1 - 4 * r, 4 * s - 1, 0.0, 4 * (r - s), 4 * t, -4 * t])
     across = np.array([1 - 4 * r, 0.0, 4 * t - 1, -4 * s, 4 * s, 4 * (r - t)])
     return values, np.array([along, across])
 
 
-def face_points(mesh: Mesh, chosen: BoolArray) -> FacePoints:
-    """Quadrature points on chosen outer faces of a mesh."""
+def face_points(mesh: Mesh, chosen: BoolArray, order: int = 2) -> FacePoints:
+    """Quadrature points on chosen outer faces of a mesh.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Mesh. [m]
+    chosen : ndarray of bool
+        Faces.
+    order : int
+        Points along each edge of a quadrilateral; a triangle is cut into order squared parts.
+
+    Returns
+    -------
+    FacePoints
+        Points, areas and shape functions.
+    """
     faces = mesh.faces[chosen]
     corners = mesh.nodes[faces]
     quads = faces.shape[1] == 4
-    rule, points, weight = (_quad, _QUAD_POINTS, 1.0) if quads else (_tri, _TRI_POINTS, 1.0 / 6.0)
+    rule = _quad if quads else _tri
+    points, weights = _quad_rule(order) if quads else _tri_rule(order - 1)
     place, push, shape = [], [], []
-    for point in points:
+    for point, weight in zip(points, weights, strict=True):
         values, slopes = rule(point)
         along, across = (np.einsum("a,kai->ki", row, corners) for row in slopes)
         place.append(np.einsum("a,kai->ki", values, corners))
@@ -71,6 +89,22 @@ def face_points(mesh: Mesh, chosen: BoolArray) -> FacePoints:
     return FacePoints(
         np.vstack(place), np.vstack(push), np.tile(faces, (len(points), 1)), np.vstack(shape)
     )
+
+
+def _quad_rule(order: int) -> tuple[Array, Array]:
+    nodes, weights = np.polynomial.legendre.leggauss(order)
+    points = np.array([(s, t) for t in nodes for s in nodes])
+    return points, np.outer(weights, weights).ravel()
+
+
+def _tri_rule(parts: int) -> tuple[Array, Array]:
+    """Three points in each of the equal parts of a triangle."""
+    steps = range(parts)
+    upward = [(i, j, 1.0) for i in steps for j in steps if i + j < parts]
+    downward = [(i + 1, j + 1, -1.0) for i in steps for j in steps if i + j < parts - 1]
+    points = [(np.array([i, j]) + sign * _TRI_POINTS) / parts for i, j, sign in upward + downward]
+    stacked = np.vstack(points)
+    return stacked, np.full(len(stacked), 0.5 / len(stacked))
 
 
 @final
@@ -120,7 +154,9 @@ class AreaPressure:
 
 
 def _missed(name: str) -> GeometryError:
-    return GeometryError(f"elastic body: found no surface under load {name!r}, allowed are loads on it")
+    return GeometryError(
+        f"elastic body: found no surface under load {name!r}, allowed are loads on it"
+    )
 
 
 def _shape_at(corners: Array, place: Array) -> Array:

@@ -22,6 +22,9 @@ from toothspace.elasticity.triangulation import Triangulation, triangulate
 
 Side = Literal["top", "bottom", "lateral"]
 
+_CHORD = 0.06
+"""Largest distance of the boundary from the chords between nodes over their spacing. [-]"""
+
 _NEAREST = 12
 """Triangles that are tried for a point."""
 
@@ -59,7 +62,7 @@ class PlaneSurface:
 
     @cached_property
     def _plane(self) -> Triangulation:
-        return triangulate([self.region], self.node_spacing)
+        return triangulate([self.region], self.node_spacing, _CHORD)
 
     @property
     def nodes(self) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple, final
 
 import numpy as np
@@ -10,9 +11,6 @@ from scipy.spatial import Delaunay, cKDTree
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array, BoolArray, IntArray
-
-_CHORD = 0.02
-"""Largest distance of the boundary from its chords over the edge length. [-]"""
 
 _SNAP = 1e-6
 """Distance over the edge length at which boundaries are taken as one. [-]"""
@@ -32,7 +30,9 @@ class Triangulation(NamedTuple):
     triangles: IntArray  # (triangles, 3) counter-clockwise
 
 
-def triangulate(regions: list[shapely.Polygon], edge_length: float) -> Triangulation:
+def triangulate(
+    regions: list[shapely.Polygon], edge_length: float, chord: float = 0.02
+) -> Triangulation:
     """Triangulate the union of regions; the boundary of each region becomes edges.
 
     Parameters
@@ -41,6 +41,8 @@ def triangulate(regions: list[shapely.Polygon], edge_length: float) -> Triangula
         Plane regions; they may overlap or lie inside one another. [m]
     edge_length : float
         Target length of the edges. [m]
+    chord : float
+        Largest distance of the boundary from its chords over the edge length. [-]
 
     Returns
     -------
@@ -60,7 +62,7 @@ def triangulate(regions: list[shapely.Polygon], edge_length: float) -> Triangula
     whole = shapely.union_all(regions)
     if whole.is_empty or not edge_length > 0.0:
         raise GeometryError("elastic body: found an empty section, allowed are closed outlines")
-    boundary, edges = _boundary_points(regions, edge_length)
+    boundary, edges = _boundary_points(regions, edge_length, chord)
     border = shapely.linestrings(boundary[edges])
     inner = _lattice(whole, shapely.union_all(border), edge_length)
     boundary, edges, inner = _clear_edges(boundary, edges, inner)
@@ -78,11 +80,13 @@ def triangulate(regions: list[shapely.Polygon], edge_length: float) -> Triangula
     return Triangulation(points[used], index.reshape(-1, 3).astype(np.int64))
 
 
-def _boundary_points(regions: list[shapely.Polygon], edge: float) -> tuple[Array, IntArray]:
+def _boundary_points(
+    regions: list[shapely.Polygon], edge: float, chord: float
+) -> tuple[Array, IntArray]:
     """Points on all boundaries and the edges between them."""
     lines = shapely.union_all([r.boundary for r in regions], grid_size=_SNAP * edge)
     pieces = shapely.get_parts(shapely.line_merge(lines))
-    pieces = shapely.simplify(pieces, _CHORD * edge, preserve_topology=True)
+    pieces = shapely.simplify(pieces, chord * edge, preserve_topology=True)
     points: list[Array] = []
     edges: list[IntArray] = []
     start = 0
@@ -99,7 +103,7 @@ def _boundary_points(regions: list[shapely.Polygon], edge: float) -> tuple[Array
 def _resampled(chain: Array, edge: float) -> Array:
     """Split long segments of a chain into equal parts."""
     out = [chain[:1]]
-    for first, last in zip(chain[:-1], chain[1:], strict=True):
+    for first, last in pairwise(chain):
         count = max(1, int(np.ceil(np.hypot(*(last - first)) / edge - 1e-9)))
         parts = np.linspace(0.0, 1.0, count + 1)[1:, None]
         out.append(first + parts * (last - first))
@@ -109,7 +113,10 @@ def _resampled(chain: Array, edge: float) -> Array:
 def _merged(points: Array, edges: IntArray, tolerance: float) -> tuple[Array, IntArray]:
     """Join points that coincide."""
     _, first, index = np.unique(
-        np.round(points / tolerance).astype(np.int64), axis=0, return_index=True, return_inverse=True
+        np.round(points / tolerance).astype(np.int64),
+        axis=0,
+        return_index=True,
+        return_inverse=True,
     )
     joined = np.sort(index.ravel()[edges], axis=1)
     joined = np.unique(joined[joined[:, 0] != joined[:, 1]], axis=0)
