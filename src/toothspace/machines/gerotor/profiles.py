@@ -1,0 +1,227 @@
+"""Profiles of gerotor sets: trochoidal, cycloidal, or read from files.
+
+Frame at shaft angle zero: the outer rotor turns about the origin, the inner one about
+``(0, -eccentricity)``; both turn counter-clockwise. A cavity of the outer rotor and a tooth of
+the inner rotor in it lie on the negative y axis, where the pockets are smallest; the largest
+pocket is on the positive y axis.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+import shapely
+
+from toothspace.core.errors import GeometryError
+from toothspace.core.types import Array
+from toothspace.geometry.cad_import import load_closed_curves
+from toothspace.geometry.curve import counter_clockwise, without_repeats
+from toothspace.machines.gerotor.cycloid import cycloid
+from toothspace.machines.gerotor.parameters import RotorParameters
+from toothspace.machines.gerotor.trochoid import Trochoid, inner_outline, outer_outline
+
+POINTS_PER_TOOTH = 480
+
+_FILE_UNITS = {"mm": 1e-3, "m": 1.0, "um": 1e-6, "in": 25.4e-3}
+_LEAST_EDGE = 1e-9
+
+
+@final
+@dataclass(frozen=True)
+class Rotors:
+    """Section of a gerotor set.
+
+    Parameters
+    ----------
+    inner, outer : ndarray, shape (n, 2)
+        Closed counter-clockwise outlines, first point not repeated: the inner rotor, and the
+        inside of the outer rotor, each about its own centre at shaft angle zero. [m]
+    inner_tooth_count : int
+        Teeth of the inner rotor; the outer one has one more.
+    eccentricity : float
+        Distance of the centres. [m]
+    tip_clearance : float
+        Normal gap of every lobe pair of the centred rotors. [m]
+    """
+
+    inner: Array
+    outer: Array
+    inner_tooth_count: int
+    eccentricity: float
+    tip_clearance: float
+
+    @property
+    def outer_tooth_count(self) -> int:
+        """Lobes of the outer rotor."""
+        return self.inner_tooth_count + 1
+
+    @property
+    def inner_center(self) -> Array:
+        """Centre of the inner rotor. [m]."""
+        return np.array([0.0, -self.eccentricity])
+
+    @property
+    def pitch_point(self) -> Array:
+        """Point where both rotors have one velocity; all contact normals meet there. [m]."""
+        return np.array([0.0, -self.outer_tooth_count * self.eccentricity])
+
+
+def rotors_from(parameters: RotorParameters, points_per_tooth: int = POINTS_PER_TOOTH) -> Rotors:
+    """Build both rotors of a case.
+
+    Parameters
+    ----------
+    parameters : RotorParameters
+        Keys ``[machine.rotors]``.
+    points_per_tooth : int
+        Points on one tooth of a generated outline.
+
+    Returns
+    -------
+    Rotors
+        Outlines with half of the tip clearance taken off each rotor by normal offset, so that
+        the curve in the middle of the gaps is the exact conjugate pair. Profiles from files
+        are taken as drawn, less half of ``tip_clearance`` each.
+
+    Raises
+    ------
+    GeometryError
+        If the design undercuts or does not close, or a file holds no rotor.
+    """
+    if parameters.kind == "trochoidal":
+        return _trochoidal(parameters, points_per_tooth)
+    if parameters.kind == "cycloidal":
+        return _cycloidal(parameters, points_per_tooth)
+    return _from_files(parameters)
+
+
+def trochoid_of(parameters: RotorParameters) -> Trochoid:
+    """Return the generating data of a trochoidal set; see :class:`Trochoid`."""
+    return Trochoid(
+        tooth_count=parameters.inner_tooth_count,
+        eccentricity=parameters.eccentricity,
+        generating_radius=parameters.generating_radius or 0.0,
+        lobe_radius=parameters.lobe_radius or 0.0,
+    )
+
+
+def _trochoidal(parameters: RotorParameters, points: int) -> Rotors:
+    design = trochoid_of(parameters)
+    design.check()
+    half = 0.5 * parameters.tip_clearance
+    return _rotors(
+        parameters, inner_outline(design, points, half), outer_outline(design, points, half)
+    )
+
+
+def _cycloidal(parameters: RotorParameters, points: int) -> Rotors:
+    count, rolling = parameters.inner_tooth_count, 0.5 * parameters.eccentricity
+    half = 0.5 * parameters.tip_clearance
+    inner = cycloid(count, rolling, points)
+    outer = cycloid(count + 1, rolling, points)
+    return _rotors(parameters, offset_outline(inner, -half), offset_outline(outer, half))
+
+
+def _rotors(parameters: RotorParameters, inner: Array, outer: Array) -> Rotors:
+    return Rotors(
+        inner=inner,
+        outer=outer,
+        inner_tooth_count=parameters.inner_tooth_count,
+        eccentricity=parameters.eccentricity,
+        tip_clearance=parameters.tip_clearance,
+    )
+
+
+def offset_outline(outline: Array, distance: float) -> Array:
+    """Move a closed outline along its outward normal.
+
+    Parameters
+    ----------
+    outline : ndarray, shape (n, 2)
+        Closed counter-clockwise curve. [m]
+    distance : float
+        Offset, positive outwards; loops that it would cut off are removed. [m]
+
+    Returns
+    -------
+    ndarray
+        Closed counter-clockwise curve. [m]
+    """
+    if distance == 0.0:
+        return outline
+    moved = shapely.Polygon(outline).buffer(distance, join_style="mitre")
+    points = np.asarray(moved.exterior.coords, dtype=float)
+    points = without_repeats(points)
+    long_edge = np.hypot(*(np.roll(points, -1, axis=0) - points).T) > _LEAST_EDGE
+    return counter_clockwise(points[long_edge])
+
+
+def _from_files(parameters: RotorParameters) -> Rotors:
+    unit = _FILE_UNITS[parameters.profile_unit]
+    half = 0.5 * parameters.tip_clearance
+    outlines = []
+    teeth = (parameters.inner_tooth_count, parameters.inner_tooth_count + 1)
+    for path, count, sign in (
+        (parameters.inner_profile, teeth[0], -1.0),
+        (parameters.outer_profile, teeth[1], 1.0),
+    ):
+        if path is None:
+            raise GeometryError("machine.rotors: found no profile, allowed a file or kind")
+        curve = _rotor_curve(load_closed_curves(path, unit), outer=sign > 0.0)
+        outlines.append(offset_outline(turned_to_axis(curve, count, str(path)), sign * half))
+    return _rotors(parameters, *outlines)
+
+
+def _rotor_curve(curves: list[Array], *, outer: bool) -> Array:
+    """Choose the toothed curve: a bore lies inside the inner rotor, a rim round the outer."""
+    if len(curves) == 1:
+        return counter_clockwise(curves[0])
+    spread = [np.ptp(np.hypot(*(c - _center(c)).T)) / np.ptp(c[:, 0]) for c in curves]
+    toothed = [c for c, s in zip(curves, spread, strict=True) if s > 0.02]
+    if not toothed:
+        return counter_clockwise(curves[-1] if outer else curves[0])
+    return counter_clockwise(toothed[0])
+
+
+def _center(curve: Array) -> Array:
+    center = shapely.Polygon(curve).centroid
+    return np.array([center.x, center.y])
+
+
+def turned_to_axis(curve: Array, tooth_count: int, name: str) -> Array:
+    """Move a rotor outline to its centre and turn its farthest points to the negative y axis.
+
+    Parameters
+    ----------
+    curve : ndarray, shape (n, 2)
+        Closed counter-clockwise outline anywhere in its plane. [m]
+    tooth_count : int
+        Teeth or lobes that the outline must have.
+    name : str
+        File name for error messages.
+
+    Returns
+    -------
+    ndarray
+        Outline about its centre. [m]
+
+    Raises
+    ------
+    GeometryError
+        If the outline has another number of teeth.
+    """
+    points = curve - _center(curve)
+    radius, angle = np.hypot(*points.T), np.arctan2(points[:, 1], points[:, 0])
+    weight = np.hypot(*(np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)).T)
+    weight = weight * (radius - np.average(radius, weights=weight))
+    orders = np.arange(2, 2 * tooth_count + 2)
+    waves = np.array([np.sum(weight * np.exp(-1j * k * angle)) for k in orders])
+    found = int(orders[np.argmax(np.abs(waves))])
+    if found != tooth_count:
+        raise GeometryError(f"{name}: found {found} teeth, allowed {tooth_count}")
+    phase = np.angle(waves[tooth_count - 2])
+    turn = -0.5 * np.pi + phase / tooth_count
+    turned = points @ np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
+    return np.asarray(turned, dtype=float)
