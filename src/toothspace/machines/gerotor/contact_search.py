@@ -1,0 +1,275 @@
+"""Where the lobes of two rotors come closest, followed over the angle.
+
+The rotors look the same after the outer one has turned by one pitch, each place on it being
+one tooth farther back. So one pitch is searched; a closest place that leaves it re-enters at
+its start, one tooth farther back on both outlines.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from toothspace.core.types import Array, BoolArray, IntArray
+from toothspace.machines.gerotor.contour import Contour
+
+_OUTER_SAMPLES = 260
+_BISECTIONS = 26
+_LOST_NODES = 3
+_FARTHEST = 0.6e-3
+
+
+@final
+@dataclass(frozen=True)
+class PlacedRotors:
+    """Two rotors at nominal position, as they stand at shaft angle zero.
+
+    Parameters
+    ----------
+    inner, outer : Contour
+        Outlines about their own centres, turned to shaft angle zero.
+    eccentricity : float
+        The inner centre lies this far below the outer one (at minus y). [m]
+    inner_count : int
+        Teeth of the inner rotor; the outer one has one more.
+    """
+
+    inner: Contour
+    outer: Contour
+    eccentricity: float
+    inner_count: int
+
+    @property
+    def outer_count(self) -> int:
+        """Teeth of the outer rotor."""
+        return self.inner_count + 1
+
+    @property
+    def pitch(self) -> float:
+        """Angle of one tooth of the outer rotor. [rad]."""
+        return 2.0 * np.pi / self.outer_count
+
+    @property
+    def turns(self) -> float:
+        """Angle of the inner rotor per angle of the outer one. [-]."""
+        return self.outer_count / self.inner_count
+
+
+@final
+@dataclass(frozen=True)
+class Closest:
+    """Places where the outlines come closest, one row each.
+
+    Parameters
+    ----------
+    node : ndarray of int
+        Number of the angle.
+    outer, inner : ndarray
+        Arc lengths on the outlines. [m]
+    gap : ndarray
+        Distance, negative where they overlap. [m]
+    """
+
+    node: IntArray
+    outer: Array
+    inner: Array
+    gap: Array
+
+
+@final
+@dataclass(frozen=True)
+class Branch:
+    """One closest place over the nodes at which it exists.
+
+    Parameters
+    ----------
+    first : int
+        Node at which it begins, counted from the start of a pitch.
+    rows : ndarray of int
+        Row of :class:`Closest` at each following node; -1 where it is lost for a moment.
+    pitches : ndarray of int
+        How many pitches each node lies after the first.
+    closed : bool
+        It never ends; the last node leads to the first.
+    """
+
+    first: int
+    rows: IntArray
+    pitches: IntArray
+    closed: bool
+
+
+def turned(points: Array, angle: Array) -> Array:
+    """Points turned by angles, broadcast. [m]."""
+    c, s = np.cos(angle), np.sin(angle)
+    x, y = points[..., 0], points[..., 1]
+    return np.stack([c * x - s * y, s * x + c * y], axis=-1)
+
+
+def distance_to_inner(rotors: PlacedRotors, angle: Array, place: Array) -> tuple[Array, Array]:
+    """Nearest place on the inner rotor for places on the outer one.
+
+    Parameters
+    ----------
+    rotors : PlacedRotors
+        Rotors.
+    angle : ndarray
+        Angles of the outer rotor. [rad]
+    place : ndarray
+        Arc lengths on the outer outline. [m]
+
+    Returns
+    -------
+    inner : ndarray
+        Arc lengths on the inner outline. [m]
+    gap : ndarray
+        Distance, negative within the inner rotor. [m]
+    """
+    center = np.array([0.0, -rotors.eccentricity])
+    seen = turned(rotors.outer.point(place), angle) - center
+    seen = turned(seen, -rotors.turns * angle)
+    inner = rotors.inner.nearest(seen)
+    tangent = rotors.inner.tangent(inner)
+    offset = seen - rotors.inner.point(inner)
+    outside = offset[..., 0] * tangent[..., 1] - offset[..., 1] * tangent[..., 0]
+    return inner, np.copysign(np.hypot(offset[..., 0], offset[..., 1]), outside)
+
+
+def closest_places(rotors: PlacedRotors, nodes: int, reach: float) -> Closest:
+    """All local minima of the distance below ``reach`` at angles of one pitch."""
+    count = _OUTER_SAMPLES * rotors.outer_count
+    step = rotors.outer.length / count
+    angle = np.asarray(np.arange(nodes) * (rotors.pitch / nodes), dtype=float)
+    grid_angle, place = np.broadcast_arrays(angle[:, None], step * np.arange(count))
+    _, gap = distance_to_inner(rotors, grid_angle, place)
+    least = (gap <= np.roll(gap, 1, axis=1)) & (gap < np.roll(gap, -1, axis=1)) & (gap < reach)
+    node, column = np.nonzero(least)
+    outer = _refined(rotors, angle[node], np.asarray(column * step), step)
+    inner, gap = distance_to_inner(rotors, angle[node], outer)
+    return Closest(node.astype(np.int64), outer, inner, gap)
+
+
+def _refined(rotors: PlacedRotors, angle: Array, place: Array, step: float) -> Array:
+    """Least distance within one step on either side, by halving on the slope's sign."""
+    low, high = place - step, place + step
+    for _ in range(_BISECTIONS):
+        middle = 0.5 * (low + high)
+        rising = _slope(rotors, angle, middle) > 0.0
+        high = np.where(rising, middle, high)
+        low = np.where(rising, low, middle)
+    return np.asarray(0.5 * (low + high), dtype=float)
+
+
+def _slope(rotors: PlacedRotors, angle: Array, place: Array) -> Array:
+    inner, _ = distance_to_inner(rotors, angle, place)
+    tangent = turned(rotors.inner.tangent(inner), (rotors.turns - 1.0) * angle)
+    along = rotors.outer.tangent(place)
+    return np.asarray(along[..., 0] * tangent[..., 1] - along[..., 1] * tangent[..., 0])
+
+
+def linked(rotors: PlacedRotors, closest: Closest, nodes: int) -> IntArray:
+    """Row that continues every row at the next node (or up to three later); -1: none."""
+    successor = np.full(closest.node.size, -1, dtype=np.int64)
+    tracks: dict[int, _Track] = {}
+    # the first round gives the second one its speeds at the start
+    for step in range(2 * nodes + _LOST_NODES):
+        node = step % nodes
+        rows = np.flatnonzero(closest.node == node)
+        if node == 0 and step > 0:
+            for track in tracks.values():
+                track.back_one_tooth(rotors)
+        tracks = _advance(rotors, closest, rows, tracks, successor)
+    return successor
+
+
+class _Track:
+    """A closest place on its way, with its speed per node. [m]."""
+
+    def __init__(self, row: int, place: Array) -> None:
+        self.row, self.place, self.speed, self.lost = row, place, np.zeros(2), 0
+
+    def ahead(self) -> Array:
+        """Where it should be at this node."""
+        return np.asarray(self.place + self.speed * (1 + self.lost))
+
+    def back_one_tooth(self, rotors: PlacedRotors) -> None:
+        """Count from the following tooth on both outlines."""
+        inner = rotors.inner.length / rotors.inner_count
+        outer = rotors.outer.length / rotors.outer_count
+        self.place = self.place + np.array([outer, inner])
+
+
+def _advance(
+    rotors: PlacedRotors,
+    closest: Closest,
+    rows: IntArray,
+    tracks: dict[int, _Track],
+    successor: IntArray,
+) -> dict[int, _Track]:
+    """Match the tracks with the rows of a node; begin new ones, drop lost ones."""
+    lengths = np.array([rotors.outer.length, rotors.inner.length])
+    places = np.column_stack([closest.outer[rows], closest.inner[rows]])
+    old = list(tracks.values())
+    following: dict[int, _Track] = {}
+    pairs = _nearest_pairs([track.ahead() for track in old], places, lengths)
+    for k, track in enumerate(old):
+        if k in pairs:
+            j = pairs[k]
+            step = places[j] - track.place
+            step -= lengths * np.round(step / lengths)
+            track.speed, track.place = step / (1 + track.lost), places[j]
+            successor[track.row] = rows[j]
+            track.row, track.lost = int(rows[j]), 0
+        else:
+            track.lost += 1
+        if track.lost < _LOST_NODES:
+            following[track.row] = track
+    for j in set(range(rows.size)) - set(pairs.values()):
+        following[int(rows[j])] = _Track(int(rows[j]), places[j])
+    return following
+
+
+def _nearest_pairs(expected: list[Array], places: Array, lengths: Array) -> dict[int, int]:
+    """Pairs in the order of their distance, each side used once, none beyond 0.6 mm."""
+    if not expected or not places.size:
+        return {}
+    difference = np.array(expected)[:, None, :] - places[None, :, :]
+    difference -= lengths * np.round(difference / lengths)
+    far = np.hypot(difference[..., 0], difference[..., 1])
+    pairs: dict[int, int] = {}
+    for flat in np.argsort(far, axis=None):
+        k, j = divmod(int(flat), places.shape[0])
+        if far[k, j] > _FARTHEST:
+            break
+        if k not in pairs and j not in pairs.values():
+            pairs[k] = j
+    return pairs
+
+
+def branches(closest: Closest, successor: IntArray, nodes: int) -> list[Branch]:
+    """Chains of the links: those that begin and end, then those that close on themselves."""
+    free = np.ones(closest.node.size, dtype=bool)
+    starts = np.setdiff1d(np.arange(closest.node.size), successor)
+    found = [_chain(closest, successor, int(row), nodes, free) for row in starts]
+    for row in np.flatnonzero(closest.node == 0):
+        if free[row]:
+            found.append(_chain(closest, successor, int(row), nodes, free))
+    return found
+
+
+def _chain(
+    closest: Closest, successor: IntArray, start: int, nodes: int, free: BoolArray
+) -> Branch:
+    rows, row, first = [], start, int(closest.node[start])
+    while row >= 0 and free[row]:
+        free[row] = False
+        rows.append(row)
+        following = int(successor[row])
+        if following >= 0:
+            skipped = (closest.node[following] - closest.node[row]) % nodes - 1
+            rows.extend([-1] * int(skipped))
+        row = following
+    numbers = first + np.arange(len(rows))
+    return Branch(first, np.array(rows), numbers // nodes, closed=row == start)

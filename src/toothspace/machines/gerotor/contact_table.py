@@ -1,0 +1,293 @@
+r"""Lobe contacts of two rotors over the angle: gap, direction, arms, curvature, speeds.
+
+Every place where the outlines come closest is a contact. Its gap to first order in the planar
+displacement and the rotation of the outer rotor,
+
+.. math:: g = g_0(\psi) + n_x x + n_y y + (x_b n_y - y_b n_x)\,\delta,
+
+has the unit normal n from the inner to the outer rotor and the point :math:`(x_b, y_b)` from
+the outer rotor's centre. Angles are those of the outer rotor.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import final
+
+import numpy as np
+
+from toothspace.core.types import Array, BoolArray
+from toothspace.machines.gerotor.contact_search import (
+    Branch,
+    Closest,
+    PlacedRotors,
+    branches,
+    closest_places,
+    linked,
+    turned,
+)
+
+NODES_PER_PITCH = 120
+FOLLOWED = 0.3e-3
+"""Gap up to which a closest place is followed. [m]"""
+
+APART = 1e-3
+_LEAST_RADIUS = 1e-4
+_LARGEST_RADIUS = 10.0
+_FADED = 1e-4
+_FADING_NODES = 8
+_SPEED_NODES = 2
+
+COLUMNS = (
+    "outer_angle[rad]",
+    "gap[m]",
+    "gap_rate[m/rad]",
+    "normal_x[-]",
+    "normal_y[-]",
+    "point_x[m]",
+    "point_y[m]",
+    "lever[m]",
+    "radius_inner[m]",
+    "radius_outer[m]",
+    "sliding[m/rad]",
+    "rolling_sum[m/rad]",
+)
+"""Columns of the exported table; angle, rate and speeds per angle of the outer rotor."""
+
+
+@final
+@dataclass(frozen=True)
+class LobeContact:
+    """One kind of contact over the outer rotor's angle; its copies follow one pitch apart.
+
+    Parameters
+    ----------
+    copies : int
+        Contacts of this kind; the period of the table is as many pitches.
+    pitch : float
+        Angle of one tooth of the outer rotor. [rad]
+    near : ndarray of bool
+        Whether the contact exists at a node.
+    gap, gap_rate : ndarray
+        Gap of the rotors at nominal position and its derivative. [m], [m/rad]
+    normal : ndarray, shape (nodes, 2)
+        Unit normal from the inner to the outer rotor. [-]
+    inner_point, outer_point : ndarray, shape (nodes, 2)
+        Closest points from the outer rotor's centre, not turning. [m]
+    radius_inner, radius_outer : ndarray
+        Radii of curvature, concave negative. [m]
+    sliding : ndarray
+        Speed of the outer over the inner surface along the normal turned by +90 deg. [m/rad]
+    rolling_sum : ndarray
+        Sum of both surface speeds relative to the contact point. [m/rad]
+    """
+
+    copies: int
+    pitch: float
+    near: BoolArray
+    gap: Array
+    gap_rate: Array
+    normal: Array
+    inner_point: Array
+    outer_point: Array
+    radius_inner: Array
+    radius_outer: Array
+    sliding: Array
+    rolling_sum: Array
+
+    @property
+    def period(self) -> float:
+        """Angle after which the table repeats. [rad]."""
+        return self.copies * self.pitch
+
+    @property
+    def lever(self) -> Array:
+        """Derivative of the gap by the outer rotor's own rotation. [m/rad]."""
+        x, y = self.outer_point.T
+        return np.asarray(x * self.normal[:, 1] - y * self.normal[:, 0], dtype=float)
+
+    @property
+    def along(self) -> Array:
+        """Derivative of the slip by the outer rotor's own rotation. [m/rad]."""
+        return np.asarray(np.sum(self.outer_point * self.normal, axis=1), dtype=float)
+
+    def displaced_gap(self, displacement: tuple[float, float], rotation: float) -> Array:
+        """Gap with the outer rotor moved from its nominal position, to first order.
+
+        Parameters
+        ----------
+        displacement : tuple of float
+            Displacement of the outer rotor. [m]
+        rotation : float
+            Its rotation beyond the kinematic one. [rad]
+
+        Returns
+        -------
+        ndarray
+            Gap at the nodes, negative where the outlines overlap. [m]
+        """
+        moved = self.gap + self.normal @ np.array(displacement) + self.lever * rotation
+        return np.asarray(moved, dtype=float)
+
+
+def lobe_contacts(rotors: PlacedRotors, nodes: int = NODES_PER_PITCH) -> tuple[LobeContact, ...]:
+    """Find all contacts of two rotors.
+
+    Parameters
+    ----------
+    rotors : PlacedRotors
+        Rotors at nominal position.
+    nodes : int
+        Angles per pitch of the outer rotor.
+
+    Returns
+    -------
+    tuple of LobeContact
+        The longest living kind first.
+    """
+    closest = closest_places(rotors, nodes, FOLLOWED)
+    found = branches(closest, linked(rotors, closest, nodes), nodes)
+    lasting = [branch for branch in found if branch.rows.size > 2 * _SPEED_NODES]
+    lasting.sort(key=lambda branch: -branch.rows.size)
+    return tuple(_contact(rotors, closest, branch, nodes) for branch in lasting)
+
+
+def _contact(rotors: PlacedRotors, closest: Closest, branch: Branch, nodes: int) -> LobeContact:
+    """Geometry along one branch, spread over a whole number of pitches."""
+    alive = branch.rows.size
+    copies = alive // nodes if branch.closed else -(-(alive + 1) // nodes)
+    number = branch.first + np.arange(alive)
+    angle = np.asarray((number % nodes) * (rotors.pitch / nodes), dtype=float)
+    columns = _filled(_rows(rotors, closest, branch, angle), branch.rows >= 0)
+    if not branch.closed:
+        _fade(columns, rotors.pitch / nodes)
+    columns[:, _ROLLING] = _rolling(rotors, columns, branch.closed, nodes)
+    place = number % (copies * nodes)
+    whole = np.tile(columns[-1], (copies * nodes, 1))
+    whole[:, _GAP], whole[:, _RATE] = APART, 0.0
+    whole[place] = columns
+    near = np.zeros(copies * nodes, dtype=bool)
+    near[place] = True
+    return LobeContact(
+        copies=copies,
+        pitch=rotors.pitch,
+        near=near,
+        gap=whole[:, _GAP],
+        gap_rate=whole[:, _RATE],
+        normal=whole[:, _NORMAL],
+        inner_point=whole[:, _INNER],
+        outer_point=whole[:, _OUTER],
+        radius_inner=whole[:, _RADII.start],
+        radius_outer=whole[:, _RADII.start + 1],
+        sliding=whole[:, _SLIDING],
+        rolling_sum=whole[:, _ROLLING],
+    )
+
+
+_GAP, _RATE, _SLIDING, _ROLLING = 0, 1, 2, 3
+_NORMAL, _INNER, _OUTER, _RADII = slice(4, 6), slice(6, 8), slice(8, 10), slice(10, 12)
+_WIDTH = 12
+
+
+def _rows(rotors: PlacedRotors, closest: Closest, branch: Branch, angle: Array) -> Array:
+    """All columns but the rolling speed; rows that are lost for a moment are wrong."""
+    outer, inner = closest.outer[branch.rows], closest.inner[branch.rows]
+    center = np.array([0.0, -rotors.eccentricity])
+    turn = rotors.turns * angle
+    tangent = turned(rotors.inner.tangent(inner), turn)
+    normal = np.column_stack([tangent[:, 1], -tangent[:, 0]])
+    arm = turned(rotors.inner.point(inner), turn)
+    outer_point = turned(rotors.outer.point(outer), angle)
+    rows = np.zeros((angle.size, _WIDTH))
+    rows[:, _GAP] = closest.gap[branch.rows]
+    rows[:, _NORMAL], rows[:, _INNER], rows[:, _OUTER] = normal, arm + center, outer_point
+    lever = outer_point[:, 0] * normal[:, 1] - outer_point[:, 1] * normal[:, 0]
+    drive_lever = arm[:, 0] * normal[:, 1] - arm[:, 1] * normal[:, 0]
+    rows[:, _RATE] = lever - rotors.turns * drive_lever
+    rows[:, _SLIDING] = np.sum((outer_point - rotors.turns * arm) * normal, axis=1)
+    # the outer body lies outside its own outline: a lobe that points inward is convex
+    rows[:, _RADII.start] = _radius(rotors.inner.curvature(inner))
+    rows[:, _RADII.start + 1] = _radius(-rotors.outer.curvature(outer))
+    return rows
+
+
+def _radius(curvature: Array) -> Array:
+    size = np.clip(np.abs(curvature), 1.0 / _LARGEST_RADIUS, 1.0 / _LEAST_RADIUS)
+    return np.asarray(np.copysign(1.0 / size, curvature), dtype=float)
+
+
+def _filled(rows: Array, known: BoolArray) -> Array:
+    """Lost rows between their neighbours."""
+    number = np.arange(known.size)
+    for column in rows.T:
+        column[~known] = np.interp(number[~known], number[known], column[known])
+    return rows
+
+
+def _fade(rows: Array, step: float) -> None:
+    """Open the gap of a contact before it merges with another one.
+
+    Where two closest places become one, one ends at a gap that may carry load; its load has
+    to pass to the other without a jump.
+    """
+    count = min(_FADING_NODES, rows.shape[0] // 2)
+    part = np.arange(1, count + 1) / count
+    slope = 2.0 * _FADED * part / (count * step)
+    if rows[-1, _GAP] < FOLLOWED - _FADED:
+        rows[-count:, _GAP] += _FADED * part**2
+        rows[-count:, _RATE] += slope
+    if rows[0, _GAP] < FOLLOWED - _FADED:
+        rows[:count, _GAP] += _FADED * part[::-1] ** 2
+        rows[:count, _RATE] -= slope[::-1]
+
+
+def _rolling(rotors: PlacedRotors, rows: Array, closed: bool, nodes: int) -> Array:
+    """Sum of the surface speeds relative to the moving contact point. [m/rad]."""
+    reach = _SPEED_NODES
+    if closed:
+        outer = np.vstack([rows[-reach:, _OUTER], rows[:, _OUTER], rows[:reach, _OUTER]])
+    else:
+        outer = np.pad(rows[:, _OUTER], ((reach, reach), (0, 0)), mode="edge")
+    moved = (outer[2 * reach :] - outer[: -2 * reach]) / (2 * reach * rotors.pitch / nodes)
+    normal = rows[:, _NORMAL]
+    along = -moved[:, 0] * normal[:, 1] + moved[:, 1] * normal[:, 0]
+    arm = rows[:, _INNER] + [0.0, rotors.eccentricity]
+    speeds = np.sum((rows[:, _OUTER] + rotors.turns * arm) * normal, axis=1)
+    return np.asarray(np.maximum(np.abs(speeds - 2.0 * along), _LEAST_RADIUS), dtype=float)
+
+
+def export_contacts(path: Path, contacts: tuple[LobeContact, ...]) -> None:
+    """Write the contacts as a text table, one block per kind, SI units.
+
+    Parameters
+    ----------
+    path : Path
+        File to write.
+    contacts : tuple of LobeContact
+        Contacts of two rotors.
+    """
+    with path.open("w", encoding="utf-8") as file:
+        for number, contact in enumerate(contacts):
+            file.write(f"# contact {number}, {contact.copies} copies one pitch apart\n")
+            file.write("# " + " ".join(COLUMNS) + "\n")
+            np.savetxt(file, _exported(contact)[contact.near], fmt="%.9e")
+            file.write("\n")
+
+
+def _exported(contact: LobeContact) -> Array:
+    angle = np.arange(contact.gap.size) * (contact.period / contact.gap.size)
+    return np.column_stack(
+        [
+            angle,
+            contact.gap,
+            contact.gap_rate,
+            contact.normal,
+            contact.outer_point,
+            contact.lever,
+            contact.radius_inner,
+            contact.radius_outer,
+            contact.sliding,
+            contact.rolling_sum,
+        ]
+    )

@@ -1,0 +1,182 @@
+"""Contact tables of rotors against exact outlines and the law of gearing."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+from scipy.spatial import cKDTree
+
+from tests.gerotor_designs import (
+    CAVITY,
+    ECCENTRICITY,
+    INNER_COUNT,
+    LOBE_RADIUS,
+    OUTER_COUNT,
+    cycloidal,
+    trochoidal,
+)
+from toothspace.core.types import Array
+from toothspace.machines.gerotor.contact_search import PlacedRotors
+from toothspace.machines.gerotor.contact_table import (
+    NODES_PER_PITCH,
+    LobeContact,
+    export_contacts,
+    lobe_contacts,
+)
+from toothspace.machines.gerotor.contour import contour
+
+CLEARANCE = 40e-6
+DESIGNS = {"trochoidal": trochoidal, "cycloidal": cycloidal}
+
+
+@pytest.fixture(scope="module", params=list(DESIGNS))
+def design(request: pytest.FixtureRequest) -> tuple[Array, Array, tuple[LobeContact, ...]]:
+    inner, outer = DESIGNS[request.param](CLEARANCE)
+    rotors = PlacedRotors(contour(inner), contour(outer), ECCENTRICITY, INNER_COUNT)
+    return inner, outer, lobe_contacts(rotors)
+
+
+def standing(
+    inner: Array, outer: Array, angle: float, motion: tuple[float, float, float]
+) -> tuple[Array, Array, Array]:
+    """Inner outline, outer outline and displaced outer outline in the machine frame."""
+    fixed = inner @ np.array([1.0, 1.0j]) * np.exp(1j * angle * OUTER_COUNT / INNER_COUNT)
+    own = outer @ np.array([1.0, 1.0j])
+    own = np.interp(np.arange(0, own.size, 0.25), np.arange(own.size), own)
+    nominal = own * np.exp(1j * angle)
+    return (
+        fixed - 1j * ECCENTRICITY,
+        nominal,
+        nominal * np.exp(1j * motion[2]) + complex(motion[0], motion[1]),
+    )
+
+
+def polygon_distance(fixed: Array, points: Array) -> Array:
+    """Signed distance of points from a polygon, negative within."""
+    polygon = shapely.Polygon(np.column_stack([fixed.real, fixed.imag]))
+    spots = shapely.points(points.real, points.imag)
+    shapely.prepare(polygon)
+    sign = np.where(shapely.contains(polygon, spots), -1.0, 1.0)
+    return np.asarray(sign * shapely.distance(polygon.exterior, spots))
+
+
+def errors(
+    design: tuple[Array, Array, tuple[LobeContact, ...]], motion: tuple[float, float, float]
+) -> Array:
+    """Exact gap near every contact less the least one of the tables there, at four angles."""
+    inner, outer, contacts = design
+    found = []
+    for node in (0, 17, 63, 101):
+        angle = node * contacts[0].pitch / NODES_PER_PITCH
+        fixed, nominal, moved = standing(inner, outer, angle, motion)
+        place, gap = contacts_at(contacts, node, motion)
+        for here in place:
+            near = np.roll(np.arange(moved.size), -int(np.argmin(np.abs(nominal - here))) + 2000)
+            near = near[:4000][np.abs(nominal[near[:4000]] - here) < 0.5e-3]
+            rough, _ = cKDTree(columns(fixed)).query(columns(moved[near]))
+            least = int(np.argmin(rough))
+            # beyond the ends of the window another contact is nearer
+            if 5 < least < near.size - 6:
+                some = moved[near[max(0, least - 60) : least + 60]]
+                exact = polygon_distance(fixed, some).min()
+                found.append(exact - gap[np.abs(place - here) < 1e-3].min())
+    return np.array(found)
+
+
+def columns(points: Array) -> Array:
+    """Complex numbers as rows of coordinates."""
+    return np.column_stack([points.real, points.imag])
+
+
+def contacts_at(
+    contacts: tuple[LobeContact, ...], node: int, motion: tuple[float, float, float]
+) -> tuple[Array, Array]:
+    """Places and first-order gaps of the contacts that exist at a node of the first pitch."""
+    places, gaps = [], []
+    for contact in contacts:
+        rows = node + NODES_PER_PITCH * np.arange(contact.copies)
+        rows = rows[contact.near[rows]]
+        gaps.append(contact.displaced_gap(motion[:2], motion[2])[rows])
+        places.append(contact.outer_point[rows] @ np.array([1.0, 1.0j]))
+    return np.concatenate(places), np.concatenate(gaps)
+
+
+def test_nominal_gap_is_the_distance_of_the_polygons(
+    design: tuple[Array, Array, tuple[LobeContact, ...]],
+) -> None:
+    """The sharp corner between lobe and cavity of the trochoidal outline costs 0.2 um."""
+    error = errors(design, (0.0, 0.0, 0.0))
+    assert error.size > 4 * OUTER_COUNT
+    assert np.abs(error).max() < 0.3e-6
+    assert np.median(np.abs(error)) < 0.01e-6
+
+
+@pytest.mark.parametrize("motion", [(30e-6, 20e-6, 1.5e-3), (-20e-6, 30e-6, -1.5e-3)])
+def test_first_order_gap_against_displaced_polygons(
+    design: tuple[Array, Array, tuple[LobeContact, ...]], motion: tuple[float, float, float]
+) -> None:
+    """Moved by 36 um and turned by 26 um at the pitch circle.
+
+    Of second order but where a tooth lies in a groove of nearly its own radius: there the
+    nearest place wanders along the groove.
+    """
+    size = np.abs(errors(design, motion))
+    assert np.median(size) < 0.05e-6
+    assert np.percentile(size, 80) < 0.3e-6
+    assert np.percentile(size, 90) < 2e-6
+
+
+def test_conjugate_rotors_keep_their_clearance_and_roll_about_the_pitch_point(
+    design: tuple[Array, Array, tuple[LobeContact, ...]],
+) -> None:
+    """Law of gearing: all normals of the contact that carries pass through the pitch point."""
+    contact = max(design[2], key=lambda c: c.copies)
+    inside = steady(contact)
+    assert np.abs(contact.gap[inside] - CLEARANCE).max() < 0.05e-6
+    arm = contact.outer_point[inside] - [0.0, -OUTER_COUNT * ECCENTRICITY]
+    n = contact.normal[inside]
+    assert np.abs(arm[:, 0] * n[:, 1] - arm[:, 1] * n[:, 0]).max() < 3e-5
+    turns = OUTER_COUNT / INNER_COUNT - 1.0
+    slip = np.abs(np.sum(arm * n, axis=1)) * turns
+    assert np.abs(contact.sliding[inside]) == pytest.approx(slip, abs=5e-5)
+
+
+def test_gap_rate_is_the_derivative_of_the_gap(
+    design: tuple[Array, Array, tuple[LobeContact, ...]],
+) -> None:
+    for contact in design[2]:
+        step = contact.period / contact.gap.size
+        slope = (np.roll(contact.gap, -1) - np.roll(contact.gap, 1)) / (2.0 * step)
+        inside = steady(contact)
+        assert np.abs(slope - contact.gap_rate)[inside].max() < 2e-5
+
+
+def steady(contact: LobeContact) -> Array:
+    """Nodes away from the ends of a contact's life."""
+    near = contact.near.copy()
+    for _ in range(10):
+        near &= np.roll(near, 1) & np.roll(near, -1)
+    return np.flatnonzero(near)
+
+
+def test_exported_table_holds_the_contacts(
+    design: tuple[Array, Array, tuple[LobeContact, ...]], tmp_path: Path
+) -> None:
+    contact = design[2][0]
+    export_contacts(tmp_path / "contacts.txt", design[2][:1])
+    table = np.loadtxt(tmp_path / "contacts.txt")
+    assert table.shape == (np.count_nonzero(contact.near), 12)
+    assert table[:, 1] == pytest.approx(contact.gap[contact.near], abs=1e-12)
+    assert table[:, 7] == pytest.approx(contact.lever[contact.near], abs=1e-9)
+
+
+def test_trochoidal_lobes_keep_their_radius() -> None:
+    inner, outer = trochoidal(CLEARANCE)
+    rotors = PlacedRotors(contour(inner), contour(outer), ECCENTRICITY, INNER_COUNT)
+    lobe, cavity = lobe_contacts(rotors)
+    assert (lobe.copies, cavity.copies) == (OUTER_COUNT, 1)
+    assert lobe.radius_outer == pytest.approx(LOBE_RADIUS, rel=1e-3)
+    assert cavity.radius_outer[steady(cavity)] == pytest.approx(-CAVITY, rel=1e-3)
