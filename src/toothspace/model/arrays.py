@@ -36,8 +36,12 @@ from toothspace.model.tables import Members, TableBank
     ROOT_VISCOSITY,
     REST_VOLUME,
     WALL_COMPLIANCE,
-) = range(18)
-NODE_COLUMNS = 18
+    GAS_VOLUME,
+    PRECHARGE,
+    GAS_EXPONENT,
+    WALL_SLOPE,
+) = range(22)
+NODE_COLUMNS = 22
 
 # Columns of ``path``: what flows through a path.
 (
@@ -151,8 +155,13 @@ JOURNAL_COLUMNS = 14
     FADE,
     DRIVING_TORQUE,
     HOLDING_TORQUE,
-) = range(13)
-DRIVE_COLUMNS = 13
+    SPEED_KNOT,
+    SPEED_KNOTS,
+    LOAD_KNOT,
+    LOAD_KNOTS,
+    PRESENT_LOAD,
+) = range(18)
+DRIVE_COLUMNS = 18
 
 # Columns of ``elements``: hydraulic elements of a circuit and their present flow.
 (
@@ -164,11 +173,13 @@ DRIVE_COLUMNS = 13
     PARAMETER_1,
     PARAMETER_2,
     PARAMETER_3,
+    PARAMETER_4,
     ELEMENT_FLOW,
     ELEMENT_BY_A,
     ELEMENT_BY_B,
-) = range(11)
-ELEMENT_COLUMNS = 11
+) = range(12)
+ELEMENT_COLUMNS = 12
+ELEMENT_PARAMETERS = 4
 
 
 class Sizes(NamedTuple):

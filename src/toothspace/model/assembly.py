@@ -21,23 +21,27 @@ from toothspace.model.arrays import (
     FAMILY_FIRST,
     GAP_BY_MOTION,
     GAS,
+    GAS_EXPONENT,
+    GAS_VOLUME,
     HEIGHT_BY_MOTION,
     NODE_A,
     NODE_B,
     NODE_COLUMNS,
     PARTNER_SHIFT,
     PATH_COLUMNS,
+    PRECHARGE,
     PRESSURE,
     REST_VOLUME,
     VALUE,
     VOLUME,
     WALL_COMPLIANCE,
+    WALL_SLOPE,
     Constants,
     ContactSurface,
     Sizes,
     SystemArrays,
 )
-from toothspace.model.circuit_description import Circuit, drive_row, element_rows
+from toothspace.model.circuit_description import Circuit, circuit_rows, drive_row
 from toothspace.model.contact_data import (
     contact_parts,
     held_by_contacts,
@@ -59,6 +63,7 @@ from toothspace.model.paths import (
 )
 from toothspace.model.quasi_static import bush_positions
 from toothspace.model.tables import OPEN, Members, fill_constants, pack_tables
+from toothspace.model.walls import wall_volume
 from toothspace.numerics.periodic_table import PeriodicTable, stack_tables
 
 _CONTACT_COLUMNS = 7
@@ -122,7 +127,8 @@ def assemble(
     sizes = _sizes(description, condition, len(free), paths)
     sizes = sizes._replace(journals=journals.rows.shape[0], **contacts.counts)
     path_index, path_data = path_arrays(description, paths)
-    elements, schedule = element_rows(condition.circuit, places)
+    drive = _drive(description, condition, free)
+    elements, schedule = circuit_rows(condition.circuit, places, drive, condition.schedules)
     arrays = SystemArrays(
         size=sizes,
         constant=_constants(description, condition, journals),
@@ -141,7 +147,7 @@ def assemble(
         node=_nodes(description, fluid, condition, sizes),
         motion=motion_rows(description, condition, free),
         turns=np.zeros(max(sizes.paths, sizes.chambers, sizes.contacts), dtype=np.int64),
-        drive=_drive(description, condition, free),
+        drive=drive,
         elements=elements,
         schedule=schedule,
         **_work(sizes),
@@ -327,7 +333,9 @@ def _fill_circuit_nodes(
         row[PRESSURE], row[GAS] = place.pressure, fluid.feed_gas_mass_fraction
         row[DENSITY] = mixture_density(place.pressure, row[GAS], fluid)
         row[REST_VOLUME], row[WALL_COMPLIANCE] = place.volume, place.wall_compliance
-        row[VOLUME] = place.volume + place.wall_compliance * place.pressure
+        row[GAS_VOLUME], row[PRECHARGE] = place.gas_volume, place.precharge
+        row[GAS_EXPONENT] = place.gas_exponent
+        row[VOLUME], row[WALL_SLOPE] = wall_volume(row, place.pressure)
 
 
 def _work(sizes: Sizes) -> dict[str, Array]:

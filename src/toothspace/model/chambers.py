@@ -36,12 +36,10 @@ from toothspace.model.arrays import (
     REST_VOLUME,
     VOLUME,
     VOLUME_RATE,
-    WALL_COMPLIANCE,
+    WALL_SLOPE,
     SystemArrays,
 )
-
-WALL_ITERATIONS = 20
-WALL_TOLERANCE = 1e-15
+from toothspace.model.walls import widen
 
 
 @kernel
@@ -69,40 +67,18 @@ def update_pressures(s: SystemArrays, state: Array) -> None:
             continue
         mass = state[size.mass + d]
         gas = state[size.gas + d] / mass
-        if node[i, WALL_COMPLIANCE] > 0.0:
-            widen(s, i, mass, gas)
+        if node[i, REST_VOLUME] > 0.0:
+            widen(node[i], mass, gas, fluid)
         specific_volume = node[i, VOLUME] / mass
         p, by_volume, by_gas = mixture_pressure(specific_volume, gas, fluid)
-        by_gas, by_volume = yielding(s, i, mass, by_volume, by_gas)
+        softer = 1.0 / (1.0 - node[i, WALL_SLOPE] * by_volume / mass)
+        by_volume, by_gas = softer * by_volume, softer * by_gas
         node[i, PRESSURE] = p
         node[i, GAS] = gas
         node[i, DENSITY] = 1.0 / specific_volume
         node[i, PRESSURE_BY_MASS] = -(by_volume * specific_volume + by_gas * gas) / mass
         node[i, PRESSURE_BY_GAS] = by_gas / mass
         node[i, PRESSURE_BY_VOLUME] = by_volume / mass
-
-
-@kernel
-def widen(s: SystemArrays, i: int, mass: float, gas: float) -> None:
-    """Volume of a line whose wall yields: V = V0 + C p with the pressure of its content."""
-    node, rest, compliance = s.node, s.node[i, REST_VOLUME], s.node[i, WALL_COMPLIANCE]
-    volume = rest
-    for _ in range(WALL_ITERATIONS):
-        p, by_volume, _ = mixture_pressure(volume / mass, gas, s.fluid)
-        error = rest + compliance * p - volume
-        volume += error / (1.0 - compliance * by_volume / mass)
-        if abs(error) <= WALL_TOLERANCE * rest:
-            break
-    node[i, VOLUME] = volume
-
-
-@kernel
-def yielding(
-    s: SystemArrays, i: int, mass: float, by_volume: float, by_gas: float
-) -> tuple[float, float]:
-    """Slopes of the pressure over gas fraction and specific volume where the wall yields."""
-    softer = 1.0 / (1.0 - s.node[i, WALL_COMPLIANCE] * by_volume / mass)
-    return by_gas * softer, by_volume * softer
 
 
 @kernel

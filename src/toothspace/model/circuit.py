@@ -7,6 +7,8 @@ nodes of constant pressure, orifices are ordinary flow paths.
 
 from __future__ import annotations
 
+import math
+
 from toothspace.closures.smooth import positive_part, positive_part_slope
 from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
@@ -28,13 +30,15 @@ from toothspace.model.arrays import (
     PARAMETER_1,
     PARAMETER_2,
     PARAMETER_3,
+    PARAMETER_4,
     PRESSURE,
     SystemArrays,
 )
 from toothspace.model.drive import scheduled
 from toothspace.model.ledger import CIRCUIT, SUPPLY
 
-SUPPLY_PUMP, PRESSURE_VALVE = 0, 1
+SUPPLY_PUMP, PRESSURE_VALVE, PROPORTIONAL_VALVE, RESISTANCE = range(4)
+ROUNDING = 1e3
 
 
 @kernel
@@ -45,10 +49,7 @@ def update_elements(s: SystemArrays, time: float) -> None:
         element = elements[j]
         a, b = int(element[ELEMENT_A]), int(element[ELEMENT_B])
         drop = node[a, PRESSURE] - node[b, PRESSURE]
-        if element[ELEMENT_KIND] == SUPPLY_PUMP:
-            flow, by_drop = supply_flow(s, element, drop, time)
-        else:
-            flow, by_drop = valve_flow(element, drop)
+        flow, by_drop = element_flow(s, element, drop, time)
         density = node[a, DENSITY] if flow >= 0.0 else node[b, DENSITY]
         gas = node[a, GAS] if flow >= 0.0 else node[b, GAS]
         element[ELEMENT_FLOW] = density * flow
@@ -61,18 +62,85 @@ def update_elements(s: SystemArrays, time: float) -> None:
 
 
 @kernel
-def supply_flow(s: SystemArrays, element: Array, drop: float, time: float) -> tuple[float, float]:
+def element_flow(s: SystemArrays, element: Array, drop: float, time: float) -> tuple[float, float]:
+    """Volume flow of an element and its derivative with respect to the pressure drop."""
+    kind = element[ELEMENT_KIND]
+    if kind == PRESSURE_VALVE:
+        return valve_flow(element, drop)
+    if kind == RESISTANCE:
+        return resistance_flow(element, drop)
+    value = scheduled(s.schedule, int(element[FIRST_KNOT]), int(element[KNOTS]), time)
+    if kind == SUPPLY_PUMP:
+        return supply_flow(s, element, drop, value)
+    density = s.node[int(element[ELEMENT_A if drop >= 0.0 else ELEMENT_B]), DENSITY]
+    return throttle_flow(element[PARAMETER_1] * value, drop, density)
+
+
+@kernel
+def supply_flow(s: SystemArrays, element: Array, drop: float, speed: float) -> tuple[float, float]:
     """Flow of a supply pump and its derivative with respect to the drop. [m3/s], [m3/(s Pa)].
 
-    Parameters are displacement per radian, volumetric efficiency at zero pressure difference
-    and its change per pressure rise.
+    Parameters are displacement per radian, volumetric efficiency at zero pressure difference,
+    its change per pressure rise (or the first row of an efficiency map, as minus one minus
+    the row) and the leakage per pressure rise.
     """
-    speed = scheduled(s.schedule, int(element[FIRST_KNOT]), int(element[KNOTS]), time)
     ideal = element[PARAMETER_1] * speed
-    efficiency = element[PARAMETER_2] - element[PARAMETER_3] * drop
-    if efficiency <= 0.0:
+    slip = element[PARAMETER_4]
+    if element[PARAMETER_2] < 0.0:
+        efficiency, slope = map_efficiency(s.schedule, int(-element[PARAMETER_2]) - 1, speed, -drop)
+    else:
+        slope = element[PARAMETER_3]
+        efficiency = element[PARAMETER_2] - slope * drop
+    flow = ideal * efficiency + slip * drop
+    if flow * ideal <= 0.0:
         return 0.0, 0.0
-    return ideal * efficiency, -ideal * element[PARAMETER_3]
+    return flow, slip - ideal * slope
+
+
+@kernel
+def map_efficiency(rows: Array, first: int, speed: float, rise: float) -> tuple[float, float]:
+    """Bilinear map at a speed and a pressure rise, and its slope over the rise; flat outside.
+
+    The first row counts speeds and rises; speeds, rises and values follow, rises fastest.
+    """
+    speeds, rises = int(rows[first, 0]), int(rows[first, 1])
+    axis = first + 1
+    i, x = place(rows, axis, speeds, abs(speed))
+    axis += speeds
+    j, y = place(rows, axis, rises, rise)
+    width = rows[axis + j + 1, 0] - rows[axis + j, 0]
+    corner = axis + rises + i * rises + j
+    low = rows[corner, 0] + x * (rows[corner + rises, 0] - rows[corner, 0])
+    high = rows[corner + 1, 0] + x * (rows[corner + rises + 1, 0] - rows[corner + 1, 0])
+    inside = 1.0 if 0.0 < y < 1.0 else 0.0
+    return low + y * (high - low), inside * (high - low) / width
+
+
+@kernel
+def place(rows: Array, first: int, count: int, value: float) -> tuple[int, float]:
+    """Cell of an increasing axis that holds a value, and the share of the cell before it."""
+    k = 0
+    while k < count - 2 and rows[first + k + 1, 0] <= value:
+        k += 1
+    low, high = rows[first + k, 0], rows[first + k + 1, 0]
+    return k, min(max((value - low) / (high - low), 0.0), 1.0)
+
+
+@kernel
+def throttle_flow(area: float, drop: float, density: float) -> tuple[float, float]:
+    """Flow through an effective area [m2], linear below 1 kPa. [m3/s], [m3/(s Pa)]."""
+    scale = area * math.sqrt(2.0 / density)
+    square = drop * drop + ROUNDING * ROUNDING
+    root = math.sqrt(math.sqrt(square))
+    return scale * drop / root, scale * (1.0 - 0.5 * drop * drop / square) / root
+
+
+@kernel
+def resistance_flow(element: Array, drop: float) -> tuple[float, float]:
+    """Flow where the drop is R1 q + R2 q |q| (cooler, line). [m3/s], [m3/(s Pa)]."""
+    linear, square = element[PARAMETER_1], element[PARAMETER_2]
+    flow = 2.0 * drop / (linear + math.sqrt(linear * linear + 4.0 * square * abs(drop)))
+    return flow, 1.0 / (linear + 2.0 * square * abs(flow))
 
 
 @kernel

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal, final
 
 import numpy as np
@@ -25,13 +25,29 @@ from toothspace.model.arrays import (
     KNOTS,
     LOAD_CONSTANT,
     LOAD_CUBIC,
+    LOAD_KNOT,
+    LOAD_KNOTS,
     LOAD_LINEAR,
     PARAMETER_1,
+    PARAMETER_2,
     RUNNING_FRICTION,
+    SPEED_KNOT,
+    SPEED_KNOTS,
 )
-from toothspace.model.circuit import PRESSURE_VALVE, SUPPLY_PUMP
+from toothspace.model.circuit import (
+    PRESSURE_VALVE,
+    PROPORTIONAL_VALVE,
+    RESISTANCE,
+    SUPPLY_PUMP,
+)
 
-_KINDS = {"supply_pump": SUPPLY_PUMP, "pressure_valve": PRESSURE_VALVE}
+_KINDS = {
+    "supply_pump": SUPPLY_PUMP,
+    "pressure_valve": PRESSURE_VALVE,
+    "proportional_valve": PROPORTIONAL_VALVE,
+    "resistance": RESISTANCE,
+}
+_NO_KNOTS: Array = np.zeros((0, 2))
 
 
 @final
@@ -49,12 +65,21 @@ class CircuitNode:
         Fluid volume at zero pressure; zero makes the node a tank. [m3]
     wall_compliance : float
         Growth of the volume per pressure. [m3/Pa]
+    gas_volume : float
+        Volume of the gas charge of an accumulator. [m3]
+    precharge : float
+        Absolute pressure of that charge without fluid. [Pa]
+    gas_exponent : float
+        Polytropic exponent of the charge, not one. [-]
     """
 
     name: str
     pressure: float
     volume: float = 0.0
     wall_compliance: float = 0.0
+    gas_volume: float = 0.0
+    precharge: float = 1e5
+    gas_exponent: float = 1.4
 
 
 @final
@@ -65,23 +90,30 @@ class CircuitElement:
     Parameters
     ----------
     kind : str
-        ``supply_pump``: parameters are displacement [m3/rad], volumetric efficiency at zero
-        pressure difference [-] and its change per pressure rise [1/Pa]; the schedule is its
-        speed over time. ``pressure_valve`` (relief, check): opening pressure difference [Pa],
-        pressure rise per flow [Pa s/m3] and rounding of the opening point [Pa].
+        ``supply_pump``: displacement [m3/rad], volumetric efficiency at zero pressure difference
+        [-], its change per pressure rise [1/Pa] and leakage per pressure rise [m3/(s Pa)]; the
+        schedule is its speed. ``pressure_valve`` (relief, check): opening pressure difference
+        [Pa], pressure rise per flow [Pa s/m3] and rounding of the opening point [Pa].
+        ``proportional_valve``: effective area when fully open [m2]; the schedule is its
+        opening from 0 to 1. ``resistance``: pressure drop per flow [Pa s/m3] and per flow
+        squared [Pa s2/m6].
     node_a, node_b : str
         Names of nodes; ``supply`` is the tank of a pump.
     parameters : tuple of float
         See ``kind``.
     schedule : ndarray, shape (knots, 2)
         Time [s] and value, joined by straight lines.
+    efficiency_map : ndarray, shape (rows, 2), or None
+        Map of the volumetric efficiency of a supply pump instead of its line, as
+        :func:`toothspace.model.circuit.map_efficiency` reads it.
     """
 
-    kind: Literal["supply_pump", "pressure_valve"]
+    kind: Literal["supply_pump", "pressure_valve", "proportional_valve", "resistance"]
     node_a: str
     node_b: str
-    parameters: tuple[float, float, float]
-    schedule: Array
+    parameters: tuple[float, ...]
+    schedule: Array = field(default_factory=lambda: _NO_KNOTS)
+    efficiency_map: Array | None = None
 
 
 @final
@@ -137,6 +169,8 @@ class FreeShaft:
     additive : bool
         Whether the boundary friction of the interfaces adds to the breakaway torque; else
         it stands for all of them and they fade in with speed.
+    load_schedule : ndarray, shape (knots, 2)
+        Time [s] and further torque of the load [N m], joined by straight lines.
     """
 
     inertia: float
@@ -146,6 +180,7 @@ class FreeShaft:
     breakaway_torque: float = 0.0
     breakaway_speed: float = 0.7
     additive: bool = False
+    load_schedule: Array = field(default_factory=lambda: _NO_KNOTS)
 
 
 def drive_row(
@@ -166,17 +201,37 @@ def drive_row(
     return row
 
 
-def element_rows(circuit: Circuit | None, places: dict[str, int]) -> tuple[Array, Array]:
-    """Rows of the elements and the knots of all schedules."""
+def circuit_rows(
+    circuit: Circuit | None, places: dict[str, int], drive: Array, schedules: tuple[Array, Array]
+) -> tuple[Array, Array]:
+    """Rows of the elements and all schedules; tells the drive row where its own ones are.
+
+    ``schedules`` are the prescribed shaft speed and the torque of the load over time.
+    """
     elements = circuit.elements if circuit else ()
     rows = np.zeros((len(elements), ELEMENT_COLUMNS))
-    knots = [np.zeros((0, 2))]
-    first = 0
+    knots = _Knots()
     for row, element in zip(rows, elements, strict=True):
         row[ELEMENT_KIND] = _KINDS[element.kind]
         row[[ELEMENT_A, ELEMENT_B]] = places[element.node_a], places[element.node_b]
-        row[[FIRST_KNOT, KNOTS]] = first, len(element.schedule)
-        row[PARAMETER_1 : PARAMETER_1 + 3] = element.parameters
-        knots.append(np.asarray(element.schedule, dtype=float).reshape(-1, 2))
-        first += len(element.schedule)
-    return rows, np.vstack(knots)
+        row[PARAMETER_1 : PARAMETER_1 + len(element.parameters)] = element.parameters
+        row[[FIRST_KNOT, KNOTS]] = knots.add(element.schedule), len(element.schedule)
+        if element.efficiency_map is not None:
+            row[PARAMETER_2] = -1.0 - knots.add(element.efficiency_map)
+    speed, load = schedules
+    drive[[SPEED_KNOT, SPEED_KNOTS]] = knots.add(speed), len(speed)
+    drive[[LOAD_KNOT, LOAD_KNOTS]] = knots.add(load), len(load)
+    return rows, knots.table
+
+
+class _Knots:
+    """Tables of two columns, put on top of each other."""
+
+    def __init__(self) -> None:
+        self.table: Array = np.zeros((0, 2))
+
+    def add(self, rows: Array) -> int:
+        """Add rows and return where they begin."""
+        first = len(self.table)
+        self.table = np.vstack([self.table, np.reshape(rows, (-1, 2))])
+        return first

@@ -23,8 +23,13 @@ from toothspace.model.arrays import (
     FADE,
     LOAD_CONSTANT,
     LOAD_CUBIC,
+    LOAD_KNOT,
+    LOAD_KNOTS,
     LOAD_LINEAR,
+    PRESENT_LOAD,
     RUNNING_FRICTION,
+    SPEED_KNOT,
+    SPEED_KNOTS,
     SystemArrays,
 )
 
@@ -34,9 +39,33 @@ ROOT_TWO_E = math.sqrt(2.0 * math.e)
 
 @kernel
 def load_torque(s: SystemArrays, speed: float) -> float:
-    """Torque that the load takes from the shaft. [N m]."""
+    """Torque that the load takes from the shaft at the present time. [N m]."""
     drive = s.drive
-    return speed * (drive[LOAD_LINEAR] + drive[LOAD_CUBIC] * speed * speed) + drive[LOAD_CONSTANT]
+    by_speed = drive[LOAD_LINEAR] + drive[LOAD_CUBIC] * speed * speed
+    return speed * by_speed + drive[LOAD_CONSTANT] + drive[PRESENT_LOAD]
+
+
+@kernel
+def update_load(s: SystemArrays, time: float) -> None:
+    """Look up the part of the load that is prescribed over time."""
+    drive = s.drive
+    if drive[LOAD_KNOTS] > 0.0:
+        first, count = int(drive[LOAD_KNOT]), int(drive[LOAD_KNOTS])
+        drive[PRESENT_LOAD] = scheduled(s.schedule, first, count, time)
+
+
+@kernel
+def prescribed_acceleration(s: SystemArrays, time: float) -> float:
+    """Slope of a prescribed shaft speed over time; zero where it is constant. [rad/s2]."""
+    drive = s.drive
+    if drive[SPEED_KNOTS] == 0.0:
+        return 0.0
+    first, count = int(drive[SPEED_KNOT]), int(drive[SPEED_KNOTS])
+    for k in range(first, first + count - 1):
+        begin, end = s.schedule[k, 0], s.schedule[k + 1, 0]
+        if begin <= time < end:
+            return (s.schedule[k + 1, 1] - s.schedule[k, 1]) / (end - begin)
+    return 0.0
 
 
 @kernel

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import final
 
+import numpy as np
+
+from toothspace.core.types import Array
 from toothspace.model.circuit_description import Circuit, FreeShaft
 
 
@@ -37,6 +40,9 @@ class OperatingCondition:
         above stay those at which the bearing blocks seat and tolerances are scaled.
     free_shaft : FreeShaft or None
         Shaft that moves freely; None holds the shaft speed.
+    speed_schedule : ndarray, shape (knots, 2)
+        Time [s] and prescribed shaft speed [rad/s], joined by straight lines; without rows the
+        speed stays as it is.
     shaft_angle : float
         Shaft angle at the start. [rad]
     """
@@ -53,4 +59,12 @@ class OperatingCondition:
     relative_tolerance: float = 1e-6
     circuit: Circuit | None = None
     free_shaft: FreeShaft | None = None
+    speed_schedule: Array = field(default_factory=lambda: np.zeros((0, 2)))
     shaft_angle: float = 0.0
+
+    @property
+    def schedules(self) -> tuple[Array, Array]:
+        """Prescribed shaft speed and torque of the load, over time."""
+        if self.free_shaft is None:
+            return self.speed_schedule, np.zeros((0, 2))
+        return self.speed_schedule, self.free_shaft.load_schedule

@@ -48,7 +48,12 @@ from toothspace.model.chambers import (
 )
 from toothspace.model.circuit import book_circuit, update_elements
 from toothspace.model.contacts import book_contacts, contact_gap, motion_force, update_contacts
-from toothspace.model.drive import load_torque, update_fade
+from toothspace.model.drive import (
+    load_torque,
+    prescribed_acceleration,
+    update_fade,
+    update_load,
+)
 from toothspace.model.friction import book_friction, mesh_force
 from toothspace.model.ledger import (
     GAS_MASS,
@@ -110,8 +115,9 @@ def right_hand_side(t: float, state: Array, s: SystemArrays, rate: Array) -> Non
     evaluate(s, state)
     node, motion, dynamic, size = s.node, s.motion, s.dynamic_index, s.size
     update_elements(s, t)
+    update_load(s, t)
     rate[0] = state[1]
-    rate[1] = shaft_acceleration(s, state)
+    rate[1] = shaft_acceleration(t, state, s)
     for i in range(size.nodes):
         d = dynamic[i]
         if d >= 0:
@@ -171,11 +177,11 @@ def book_shaft(s: SystemArrays, state: Array, ledger: Array) -> None:
 
 
 @kernel
-def shaft_acceleration(s: SystemArrays, state: Array) -> float:
-    """Angular acceleration of the shaft; zero if its speed is prescribed or it sticks. [rad/s2]."""
+def shaft_acceleration(t: float, state: Array, s: SystemArrays) -> float:
+    """Angular acceleration of the shaft: prescribed, zero while it sticks, or free. [rad/s2]."""
     drive = s.drive
     if drive[FREE] == 0.0:
-        return 0.0
+        return prescribed_acceleration(s, t)
     s.scratch[:] = 0.0
     book_shaft(s, state, s.scratch)
     if drive[DIRECTION] == 0.0:
@@ -254,5 +260,6 @@ def distance_to_switch(t: float, state: Array, s: SystemArrays) -> float:
     if drive[DIRECTION] != 0.0:
         return drive[DIRECTION] * state[1] / drive[BREAKAWAY_SPEED]
     evaluate(s, state)
+    update_load(s, t)
     held_torque(s, state)
     return 1.0 - abs(drive[DRIVING_TORQUE]) / max(drive[HOLDING_TORQUE], SMALLEST_TORQUE)

@@ -26,7 +26,6 @@ from toothspace.model.arrays import (
     MOTION_RATIO,
     MOTION_X,
     PRESSURE,
-    WALL_COMPLIANCE,
 )
 from toothspace.model.assembly import System
 from toothspace.model.contact_data import loaded_contacts
@@ -38,6 +37,7 @@ from toothspace.model.ledger import (
     PORT_NODES,
 )
 from toothspace.model.system import evaluate
+from toothspace.model.walls import wall_energy
 from toothspace.results.ledger import Ledger, ledger_from
 from toothspace.results.solution import Solution
 from toothspace.results.variables import dataset_from
@@ -162,8 +162,8 @@ def stored_energy(system: System, state: Array) -> float:
     pressure, _, _ = mixture_pressure(volume / mass, gas / mass, arrays.fluid)
     liquid = (mass - gas) * liquid_enthalpy(pressure, arrays.fluid)
     bubbles = gas * gas_enthalpy(pressure, arrays.fluid)
-    wall = 0.5 * arrays.node[dynamic, WALL_COMPLIANCE] * pressure**2
-    return float(np.sum(liquid + bubbles - pressure * volume + wall))
+    wall = sum(wall_energy(n, p) for n, p in zip(arrays.node[dynamic], pressure, strict=True))
+    return float(np.sum(liquid + bubbles - pressure * volume) + wall)
 
 
 def kinetic_energy(system: System, state: Array) -> float:
