@@ -14,6 +14,8 @@ import numpy as np
 
 import toothspace
 from toothspace.case import Case
+from toothspace.case.circuit import ReliefValve
+from toothspace.case.plumbing import plumb, shaft_of, speed_of
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.compiled import announce_first_compilation
 from toothspace.core.constants import ATMOSPHERIC_PRESSURE
@@ -30,6 +32,8 @@ from toothspace.solver.cyclic import History, RunPlan, march_revolutions
 from toothspace.solver.ideal import ideal_solution
 from toothspace.solver.outcome import solution_from, window_ledger
 from toothspace.solver.running_in import running_in_depths
+from toothspace.solver.transient import TimePlan, TransientMarch
+from toothspace.solver.transient_outcome import transient_solution
 
 Progress = Callable[[float, str], None]
 
@@ -37,6 +41,7 @@ _RUNNING_IN_PLAN = RunPlan(max_revolutions=20, samples_per_revolution=720)
 _RUNNING_IN_TOLERANCE = 1e-5
 _LOAD_ROUNDS = 4
 _LOAD_MATCH = 2e-3
+_SEATING_PRESSURE = 50e5
 
 
 def load_case(path: str | Path, overrides: Iterable[str] = ()) -> Case:
@@ -70,12 +75,17 @@ def simulate(case: Case, progress: Progress | None = None) -> Solution:
     progress : callable, optional
         Called with the finished share and a short text.
     """
-    if case.operating_point is None:
-        raise CaseError("operating_point: found none, allowed a case with an [operating_point]")
+    if case.operating_point is None and case.circuit is None:
+        allowed = "a case with an [operating_point] or a [circuit]"
+        raise CaseError(f"operating_point: found none, allowed {allowed}")
     PRESETS[case.run.fidelity].require_solved()
     started = time.perf_counter()
     announce_first_compilation()
     description, fluid = describe(case), fluid_of(case)
+    if case.circuit is not None:
+        solution = _simulate_circuit(case, description, fluid, progress)
+        wall = time.perf_counter() - started
+        return replace(solution, statistics={**solution.statistics, "wall_time": wall})
     condition = condition_of(case, description)
     if case.run.fidelity == "ideal":
         solution = ideal_solution(
@@ -173,6 +183,53 @@ def _simulate_lumped(
     extra: dict[str, Any] = {"fluid_temperature": np.asarray(_temperature(case))}
     extra |= _running_in_values(description, depths)
     return solution_from(history, provenance_of(case), extra, case.title)
+
+
+def _simulate_circuit(
+    case: Case, description: MachineDescription, fluid: FluidLaw, progress: Progress | None
+) -> Solution:
+    """A run over time in the circuit of the case."""
+    assert case.circuit is not None
+    if case.run.fidelity != "lumped":
+        found = f"run.fidelity: found {case.run.fidelity!r}"
+        raise CaseError(f"{found}, allowed 'lumped' with a [circuit]")
+    condition = circuit_condition(case, description, fluid)
+    worn, depths = run_in(case, description)
+    plan = TimePlan(
+        case.circuit.duration, cells=case.run.time_samples, max_steps=case.run.max_steps
+    )
+    march = TransientMarch(assemble(worn, fluid, condition), plan)
+    extra: dict[str, Any] = {"fluid_temperature": np.asarray(_temperature(case))}
+    extra |= _running_in_values(description, depths)
+    return transient_solution(march, provenance_of(case), extra, case.title, progress)
+
+
+def circuit_condition(
+    case: Case, description: MachineDescription, fluid: FluidLaw
+) -> OperatingCondition:
+    """Condition of a case with a circuit; its highest pressure seats the bearing blocks."""
+    keys = case.circuit
+    assert keys is not None
+    circuit, shaft, speed = plumb(keys, description, fluid), shaft_of(keys, description), None
+    if shaft is None:
+        speed = speed_of(keys)
+        assert speed is not None
+    relief = [e.opening_pressure for e in keys.elements.values() if isinstance(e, ReliefValve)]
+    low = circuit.supply_pressure
+    high = low + max(relief, default=_SEATING_PRESSURE)
+    motor = description.mode == "motor"
+    return OperatingCondition(
+        shaft_speed=keys.initial_shaft_speed if speed is None else float(speed[0, 1]),
+        inlet_pressure=high if motor else low,
+        outlet_pressure=low if motor else high,
+        drain_pressure=description.drain_pressure,
+        compliant_mesh=case.run.mesh == "elastic",
+        relative_tolerance=case.run.relative_tolerance,
+        circuit=circuit,
+        free_shaft=shaft,
+        speed_schedule=np.zeros((0, 2)) if speed is None else speed,
+        shaft_angle=keys.initial_shaft_angle,
+    )
 
 
 def _march(

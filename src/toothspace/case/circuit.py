@@ -11,6 +11,7 @@ from typing import Any, final
 from toothspace.core.keys import (
     Items,
     KeyRuleError,
+    Number,
     Quantity,
     Row,
     Text,
@@ -25,16 +26,25 @@ from toothspace.core.keys import (
     table,
 )
 
-_SPEED_OVER_TIME = Items(
-    item=Row(
-        items=(
-            Quantity(unit="s", low=0, high=1e6),
-            Quantity(unit="rpm", low=-50000, high=50000),
-        )
-    ),
-    low=1,
-    doc="Pairs of time and speed, joined by straight lines.",
-)
+_SPEED = Quantity(unit="rpm", low=-50000, high=50000)
+
+
+def _over_time(value: Any, name: str) -> Any:
+    item = Row(items=(Quantity(unit="s", low=0, high=1e6), value))
+    doc = f"Pairs of time and {name}, joined by straight lines."
+    return declare(Items(item=item, low=1, doc=doc), None)
+
+
+def _check_history(owner: Any, key: str) -> None:
+    """A history stands in the case or in a file, and its times increase."""
+    file, rows = getattr(owner, f"{key}_file"), getattr(owner, key)
+    if file is not None:
+        forbid(owner, f"because {key}_file is given", key)
+        return
+    require(owner, f"unless {key}_file is given", key)
+    times = [row[0] for row in rows]
+    if any(later <= earlier for earlier, later in pairwise(times)):
+        raise KeyRuleError(key, f"times {times}", "times that increase")
 
 
 @final
@@ -46,26 +56,16 @@ class EfficiencyLine:
     per_100_bar: float = number("Change per 100 bar.", low=-1, high=1, default=0.0)
 
 
-def _check_history(owner: Any) -> None:
-    if owner.speed_file is None:
-        require(owner, "unless speed_file is given", "speed")
-        times = [row[0] for row in owner.speed]
-        if any(later <= earlier for earlier, later in pairwise(times)):
-            raise KeyRuleError("speed", f"times {times}", "times that increase")
-    else:
-        forbid(owner, "because speed_file is given", "speed")
-
-
 @final
 @dataclass(frozen=True, kw_only=True)
 class SpeedSource:
     """``kind = "speed_source"``: prescribes the shaft speed."""
 
-    speed: tuple[tuple[float, float], ...] | None = declare(_SPEED_OVER_TIME, None)
-    speed_file: Path | None = file_path("Columns time and speed.", ".csv", ".txt")
+    speed: tuple[tuple[float, float], ...] | None = _over_time(_SPEED, "speed")
+    speed_file: Path | None = file_path("Columns time [s] and speed [rpm].", ".csv", ".txt")
 
     def __post_init__(self) -> None:
-        _check_history(self)
+        _check_history(self, "speed")
 
 
 @final
@@ -74,21 +74,32 @@ class PumpMap:
     """``kind = "pump_map"``: supply pump with a map of volumetric efficiency."""
 
     displacement: float = quantity("cm^3/rev", "Displacement.", above=0, high=10000)
-    speed: tuple[tuple[float, float], ...] | None = declare(_SPEED_OVER_TIME, None)
-    speed_file: Path | None = file_path("Columns time and speed.", ".csv", ".txt")
+    speed: tuple[tuple[float, float], ...] | None = _over_time(_SPEED, "speed")
+    speed_file: Path | None = file_path("Columns time [s] and speed [rpm].", ".csv", ".txt")
     volumetric_efficiency: EfficiencyLine = table(
         EfficiencyLine, "Efficiency over pressure.", default=EfficiencyLine(offset=1.0)
     )
-    table: Path | None = file_path("Map of volumetric efficiency.", ".csv")
+    table: Path | None = file_path(
+        "Map instead of the line: columns speed [rpm], pressure_difference [bar] and "
+        "volumetric_efficiency [1] of a full grid.",
+        ".csv",
+    )
+    slip_coefficient: float = number(
+        "Laminar slip of Wilson: leakage times viscosity over displacement per radian and "
+        "pressure rise.",
+        low=0,
+        high=1e-3,
+        default=0.0,
+    )
 
     def __post_init__(self) -> None:
-        _check_history(self)
+        _check_history(self, "speed")
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
 class Hose:
-    """``kind = "hose"``: line with fluid inertia, friction and wall compliance."""
+    """``kind = "hose"``: line whose wall yields."""
 
     length: float = quantity("m", "Length.", above=0, high=1000)
     bore: float = quantity("mm", "Bore diameter.", above=0, high=500)
@@ -148,6 +159,70 @@ class ReliefValve:
 
 @final
 @dataclass(frozen=True, kw_only=True)
+class CheckValve:
+    """``kind = "check_valve"``: lets fluid pass in the order of its connections."""
+
+    opening_pressure: float = quantity("bar", "Pressure difference.", low=0, high=1000, default=0.0)
+    gradient: float = quantity(
+        "bar s/L", "Pressure rise per flow once open.", above=0, high=1e4, default=1e8
+    )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class ProportionalValve:
+    """``kind = "proportional_valve"``: orifice whose opening changes over time."""
+
+    area: float = quantity("mm^2", "Area when fully open.", above=0, high=1e5)
+    discharge_coefficient: float = number("Discharge coefficient.", above=0, high=1, default=0.7)
+    opening: tuple[tuple[float, float], ...] | None = _over_time(
+        Number(low=0, high=1), "opening from 0 to 1"
+    )
+    opening_file: Path | None = file_path("Columns time [s] and opening [1].", ".csv", ".txt")
+
+    def __post_init__(self) -> None:
+        _check_history(self, "opening")
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Accumulator:
+    """``kind = "accumulator"``: gas charge behind a bladder."""
+
+    gas_volume: float = quantity("cm^3", "Volume of the charge.", above=0, high=1e6)
+    precharge: float = quantity("bar", "Absolute pressure without fluid.", above=0, high=1000)
+    gas_exponent: float = number("Polytropic exponent.", above=1, high=2, default=1.3)
+    fluid_volume: float = quantity(
+        "cm^3", "Fluid volume when empty.", above=0, high=1e6, default=10e-6
+    )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Cooler:
+    """``kind = "cooler"``: pressure drop with a laminar and a turbulent part."""
+
+    pressure_drop: float = quantity("bar", "Drop at the rated flow.", above=0, high=100)
+    flow_rate: float = quantity("L/min", "Rated flow.", above=0, high=10000)
+    laminar_share: float = number("Laminar part of that drop.", above=0, high=1, default=0.5)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class TorqueSource:
+    """``kind = "torque_source"``: torque that the load takes from the shaft over time."""
+
+    torque: tuple[tuple[float, float], ...] | None = _over_time(
+        Quantity(unit="N m", low=-1e5, high=1e5), "torque"
+    )
+    torque_file: Path | None = file_path("Columns time [s] and torque [N m].", ".csv", ".txt")
+
+    def __post_init__(self) -> None:
+        _check_history(self, "torque")
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
 class Fan:
     """``kind = "fan"``: load on the shaft, torque = linear speed + cubic speed^3."""
 
@@ -179,14 +254,19 @@ ELEMENTS: Mapping[str, type] = {
     "volume": Volume,
     "orifice": Orifice,
     "relief_valve": ReliefValve,
+    "check_valve": CheckValve,
+    "proportional_valve": ProportionalValve,
+    "accumulator": Accumulator,
+    "cooler": Cooler,
     "fan": Fan,
     "inertia": Inertia,
+    "torque_source": TorqueSource,
     "tank": Tank,
 }
 """Circuit elements by the value of their key ``kind``."""
 
 ELEMENT_KEY = Variant(tag="kind", variants=ELEMENTS, doc="Circuit element.")
-SHAFT_ELEMENTS = (SpeedSource, Fan, Inertia)
+SHAFT_ELEMENTS = (SpeedSource, Fan, Inertia, TorqueSource)
 MACHINE_PORTS = ("machine.inlet", "machine.outlet", "machine.drain")
 
 
@@ -198,6 +278,16 @@ class Circuit:
     duration: float = quantity("s", "Simulated time.", above=0, high=1e5)
     initial_shaft_speed: float = quantity(
         "rpm", "Shaft speed at time zero.", low=-50000, high=50000, default=0.0
+    )
+    initial_pressure: float | None = quantity(
+        "bar",
+        "Absolute pressure of all volumes at time zero; default that of the first tank.",
+        above=0,
+        high=1000,
+        default=None,
+    )
+    initial_shaft_angle: float = quantity(
+        "deg", "Shaft angle at time zero.", low=-360, high=360, default=0.0
     )
     connections: tuple[tuple[str, str], ...] = declare(
         Items(

@@ -109,6 +109,12 @@ class RunSettings:
     samples_per_revolution: int = integer(
         "Samples that are kept of each revolution.", low=36, high=20000, default=720
     )
+    time_samples: int = integer(
+        "Rows that are kept of a run over time; each holds mean, lowest and highest value.",
+        low=10,
+        high=10**6,
+        default=4000,
+    )
     relative_tolerance: float = number(
         "Local error of the time integration.", low=1e-12, high=1e-4, default=1e-6
     )

@@ -308,6 +308,26 @@ class DesignCheck:
 
 @final
 @dataclass(frozen=True)
+class StartupFriction:
+    """Friction that holds the shaft at rest.
+
+    Parameters
+    ----------
+    torque : float
+        Breakaway torque. [N m]
+    speed : float
+        Speed up to which friction stays there. [rad/s]
+    additive : bool
+        Whether the interfaces resist besides; else the torque stands for all of them.
+    """
+
+    torque: float
+    speed: float
+    additive: bool = False
+
+
+@final
+@dataclass(frozen=True)
 class MachineDescription:
     """A machine as the solver sees it.
 
@@ -321,6 +341,8 @@ class MachineDescription:
         Parts, see their classes.
     seal_torque : float
         Constant shaft seal torque. [N m]
+    startup : StartupFriction or None
+        Friction of the shaft at rest; None leaves it out.
     port_volumes : tuple of float
         Volumes at inlet and outlet. [m3]
     drain : str
@@ -350,6 +372,7 @@ class MachineDescription:
     contacts: tuple[ContactPair, ...] = ()
     mesh: RigidMesh | None = None
     seal_torque: float = 0.0
+    startup: StartupFriction | None = None
     port_volumes: tuple[float, float] = (50e-6, 50e-6)
     drain: Literal["inlet", "outlet", "external"] = "inlet"
     drain_pressure: float = 1e5

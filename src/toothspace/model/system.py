@@ -72,6 +72,7 @@ from toothspace.model.tables import fill_slopes, fill_values
 
 SAME_ANGLE = 1e-13
 SMALLEST_TORQUE = 1e-9
+REVERSED = 1e-4
 PORTS = len(PORT_NODES)
 
 
@@ -258,7 +259,7 @@ def distance_to_switch(t: float, state: Array, s: SystemArrays) -> float:
     """Positive while the shaft may go on sticking, or sliding in its direction. [-]."""
     drive = s.drive
     if drive[DIRECTION] != 0.0:
-        return drive[DIRECTION] * state[1] / drive[BREAKAWAY_SPEED]
+        return drive[DIRECTION] * state[1] / drive[BREAKAWAY_SPEED] + REVERSED
     evaluate(s, state)
     update_load(s, t)
     held_torque(s, state)

@@ -132,6 +132,28 @@ def summary_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
     return {**numbers, **_operating_numbers(data, ledger), **_loss_numbers(data)}
 
 
+def transient_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
+    """Return the summary numbers of a run over time; means are over the whole run."""
+    side = ripple.working_side(data)
+    speed = np.asarray(data["shaft_speed_highest"])
+    return {
+        "displacement_cm3_per_rev": float(data["displacement"]) * _TURN * 1e6,
+        "duration_s": ledger.duration,
+        "revolutions": ledger.shaft_angle / _TURN,
+        "max_shaft_speed_rpm": float(speed.max()) * 60.0 / _TURN,
+        "mean_flow_L_per_min": float(data[f"{side}_flow_rate"].mean()) * _LITRE_PER_MINUTE,
+        "mean_torque_N_m": float(data["shaft_torque"].mean()),
+        "max_pressure_difference_bar": float(data["pressure_difference_highest"].max()) / _BAR,
+        "max_chamber_pressure_bar": float(data["chamber_pressure_highest"].max()) / _BAR,
+        "min_chamber_pressure_bar": float(data["chamber_pressure_lowest"].min()) / _BAR,
+        "mass_balance_error": ledger.mass_balance_error,
+        "energy_balance_error": ledger.energy_balance_error,
+        "supply_energy_J": ledger.energy.get("supply", 0.0),
+        "shaft_energy_J": -ledger.shaft_energy,
+        "loss_energy_J": ledger.loss_energy,
+    }
+
+
 def _operating_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
     duration = ledger.duration
     return {

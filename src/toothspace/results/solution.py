@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple, final
 from toothspace.core.status import Status
 from toothspace.results import performance
 from toothspace.results.ledger import Ledger
+from toothspace.results.startup import startup_numbers
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -71,10 +72,23 @@ class Solution:
 
     def summary(self) -> dict[str, float | str]:
         """Return the summary numbers, with unit suffixes, status and wall time."""
+        numbers = self._transient() if "time" in self.data.sizes else self._steady()
         return {
-            **performance.summary_numbers(self.data, self.ledger),
+            **numbers,
             "status": self.status.name.lower(),
             "wall_time_s": float(self.statistics.get("wall_time", float("nan"))),
+        }
+
+    def _steady(self) -> dict[str, float]:
+        return performance.summary_numbers(self.data, self.ledger)
+
+    def _transient(self) -> dict[str, float]:
+        released = [event.time for event in self.events if event.kind == "shaft_released"]
+        wall = float(self.statistics.get("wall_time", float("nan")))
+        return {
+            **startup_numbers(self.data, released[0] if released else float("nan")),
+            **performance.transient_numbers(self.data, self.ledger),
+            "real_time_factor": self.ledger.duration / wall if wall else float("nan"),
         }
 
     def save(self, path: str | Path) -> Path:

@@ -54,6 +54,15 @@ _ROWS: tuple[tuple[str, str, str, str], ...] = (
     ("outlet_flow_rate", "sample", "m3/s", "Flow out of the machine at outlet pressure"),
     ("inlet_pressure", "sample", "Pa", "Absolute pressure at the inlet"),
     ("outlet_pressure", "sample", "Pa", "Absolute pressure at the outlet"),
+    (
+        "pressure_difference",
+        "sample",
+        "Pa",
+        "Inlet minus outlet pressure of a motor, outlet minus inlet pressure of a pump",
+    ),
+    ("node_pressure", "sample node", "Pa", "Absolute pressure at a node of the circuit"),
+    ("supply_speed", "sample", "rad/s", "Shaft speed of the supply pump"),
+    ("load_torque", "sample", "N m", "Torque that the load takes from the shaft"),
     ("chamber_pressure", "sample chamber", "Pa", "Absolute pressure in a chamber"),
     ("chamber_volume", "sample chamber", "m3", "Volume of a chamber"),
     ("chamber_gas_fraction", "sample chamber", "1", "Volume fraction of free gas in a chamber"),
@@ -109,10 +118,34 @@ _ROWS: tuple[tuple[str, str, str, str], ...] = (
     ("fluid_temperature", "", "K", "Temperature of the fluid at the inlet"),
 )
 
-VARIABLES: Mapping[str, Variable] = {
-    name: Variable(name, tuple(dimensions.split()), units, long_name)
-    for name, dimensions, units, long_name in _ROWS
-}
+WITH_EXTREMES = (
+    "shaft_speed",
+    "shaft_torque",
+    "pressure_difference",
+    "inlet_pressure",
+    "outlet_pressure",
+    "node_pressure",
+    "chamber_pressure",
+    "contact_force",
+)
+"""Variables of which a run over time also keeps the lowest and the highest value of each row."""
+
+
+def _variables() -> dict[str, Variable]:
+    table = {
+        name: Variable(name, tuple(dimensions.split()), units, long_name)
+        for name, dimensions, units, long_name in _ROWS
+    }
+    for name in WITH_EXTREMES:
+        entry = table[name]
+        for extreme in ("lowest", "highest"):
+            text = f"{entry.long_name}, {extreme} value within a row"
+            key = f"{name}_{extreme}"
+            table[key] = Variable(key, entry.dimensions, entry.units, text)
+    return table
+
+
+VARIABLES: Mapping[str, Variable] = _variables()
 """All result variables by name."""
 
 LABELS: Mapping[str, tuple[str, ...]] = {
@@ -142,6 +175,7 @@ LABEL_DIMENSIONS: Mapping[str, str] = {
     "path": "kind of leakage path",
     "mechanism": "cause of a loss",
     "port": "port or relief groove",
+    "node": "node of the circuit",
     "film": "lubricating film",
     "mass_entry": "mass account of the ledger",
     "energy_entry": "energy account of the ledger",

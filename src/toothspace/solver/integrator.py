@@ -35,6 +35,13 @@ from toothspace.results.solution import Event
 _EVENT_CAPACITY = 20_000
 _STEPS_PER_RADIAN = 40.0
 _SHORTEST_STEP = 1e-15
+_COUNTERS = {
+    "steps": "steps",
+    "rejected": "rejected",
+    "rhs": "rhs_calls",
+    "jac": "jacobian_calls",
+    "lu": "factorisations",
+}
 
 
 _start, _continue = bind(
@@ -86,20 +93,16 @@ class March:
 
     def restart(self, time: float, state: Array) -> None:
         """Go on from a state at a time [s] after a terminal event, at first order."""
+        before = self.state.control.copy()
         _begin(self.system.arrays, self.program, self.settings, self.state, time, state)
+        for name in _COUNTERS.values():
+            self.state.control[name] += before[name]
 
     @property
     def statistics(self) -> dict[str, float]:
         """Counters of the integrator since its start."""
         control = self.state.control[0]
-        names = {
-            "steps": "steps",
-            "rejected": "rejected",
-            "rhs": "rhs_calls",
-            "jac": "jacobian_calls",
-            "lu": "factorisations",
-        }
-        return {key: float(control[name]) for key, name in names.items()}
+        return {key: float(control[name]) for key, name in _COUNTERS.items()}
 
     def _events(self, record: NdfRecord) -> tuple[Event, ...]:
         count = min(int(record.counts[1]), record.event_times.size)

@@ -11,6 +11,7 @@ from toothspace.core.types import Array
 from toothspace.model.arrays import (
     CONTACT_FORCE,
     DENSITY,
+    ELEMENT_FLOW,
     FILM_FORCE,
     FLOW,
     GAS,
@@ -40,10 +41,11 @@ class Observation(NamedTuple):
     film_force: Array
     contact_force: Array
     torque: Array
+    element_flow: Array
 
 
-def observe(arrays: SystemArrays, states: Array) -> Observation:
-    """Evaluate the model at every sampled state."""
+def observe(arrays: SystemArrays, states: Array, times: Array | None = None) -> Observation:
+    """Evaluate the model at every sampled state; times [s] matter to circuits only."""
     count, size = states.shape[0], arrays.size
     paths, contacts, motions = size.paths, size.contacts, size.motions
     result = Observation(
@@ -58,17 +60,18 @@ def observe(arrays: SystemArrays, states: Array) -> Observation:
         film_force=np.zeros((count, motions)),
         contact_force=np.zeros((count, contacts)),
         torque=np.zeros((count, arrays.torque.size)),
+        element_flow=np.zeros((count, arrays.elements.shape[0])),
     )
-    _observe(arrays, states, result)
+    _observe(arrays, np.zeros(count) if times is None else times, states, result)
     return result
 
 
 @njit(cache=True)
-def _observe(s: SystemArrays, states: Array, out: Observation) -> None:
+def _observe(s: SystemArrays, times: Array, states: Array, out: Observation) -> None:
     rate = np.zeros(s.size.total)
     for i in range(states.shape[0]):
         state = states[i]
-        full_rates(0.0, state, s, rate)
+        full_rates(times[i], state, s, rate)
         out.pressure[i] = s.node[:, PRESSURE]
         out.density[i] = s.node[:, DENSITY]
         out.volume[i] = s.node[:, VOLUME]
@@ -78,6 +81,7 @@ def _observe(s: SystemArrays, states: Array, out: Observation) -> None:
         out.film_force[i] = s.motion[:, FILM_FORCE]
         out.contact_force[i] = s.contact[:, CONTACT_FORCE]
         out.torque[i] = s.torque
+        out.element_flow[i] = s.elements[:, ELEMENT_FLOW]
         for j in range(s.size.paths):
             a, b = s.path_index[j, NODE_A], s.path_index[j, PRESENT_B]
             out.path_drop[i, j] = s.node[a, PRESSURE] - s.node[b, PRESSURE]

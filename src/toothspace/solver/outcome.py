@@ -78,13 +78,14 @@ def solution_from(
     values = {
         **_port_values(history, seen),
         **_chamber_values(history, seen),
-        **_body_values(history, seen),
-        **_loss_values(history, seen),
+        **body_values(history, seen),
+        **loss_values(history, seen),
+        "leakage": _leakage(system, seen),
         **extra,
     }
     data = dataset_from(
         values,
-        _labels(system),
+        labels_of(system),
         attributes={
             "title": title,
             "machine": system.description.name,
@@ -243,7 +244,8 @@ def _openings(description: MachineDescription, shaft_angle: Array) -> Array:
     return area
 
 
-def _body_values(history: History, seen: Observation) -> dict[str, Array]:
+def body_values(history: History, seen: Observation) -> dict[str, Array]:
+    """Motions of the bodies, forces on them and in their contacts, at every sample."""
     system, size = history.system, history.system.arrays.size
     names = [body.name for body in system.description.bodies]
     shape = (history.times.size, len(names), 3)
@@ -313,12 +315,10 @@ def _contact_gaps(history: History) -> Array:
     return np.hstack(gaps)
 
 
-def _loss_values(history: History, seen: Observation) -> dict[str, Array]:
-    system = history.system
+def loss_values(history: History, seen: Observation) -> dict[str, Array]:
+    """Friction torque and power by mechanism, at every sample."""
     torque = seen.torque[:, : len(FRICTION_MECHANISMS)]
-    values = {"torque_loss": torque, "power_loss": torque * history.states[:, 1:2]}
-    values["leakage"] = _leakage(system, seen)
-    return values
+    return {"torque_loss": torque, "power_loss": torque * history.states[:, 1:2]}
 
 
 def _leakage(system: System, seen: Observation) -> Array:
@@ -333,7 +333,8 @@ def _leakage(system: System, seen: Observation) -> Array:
     return result
 
 
-def _labels(system: System) -> dict[str, list[str]]:
+def labels_of(system: System) -> dict[str, list[str]]:
+    """Labels of all dimensions of a result."""
     description = system.description
     return {
         "chamber": description.chamber_labels,

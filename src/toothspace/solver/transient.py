@@ -12,6 +12,7 @@ from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.model.arrays import BREAKAWAY, DIRECTION, DRIVING_TORQUE, FREE, HOLDING_TORQUE
 from toothspace.model.assembly import System
+from toothspace.model.drive import update_load
 from toothspace.model.system import evaluate, held_torque
 from toothspace.results.solution import Event
 from toothspace.solver.cyclic import Progress
@@ -19,6 +20,7 @@ from toothspace.solver.initial import start_state
 from toothspace.solver.integrator import March, start_march
 
 _CELLS_PER_CHUNK = 50
+_KINKS = 1000
 
 
 @final
@@ -34,11 +36,14 @@ class TimePlan:
         Rows of the result; each keeps mean, lowest and highest value of its samples.
     samples_per_cell : int
         Samples evaluated in each cell.
+    max_steps : int
+        Most time steps.
     """
 
     duration: float
     cells: int = 4000
     samples_per_cell: int = 8
+    max_steps: int = 50_000_000
 
 
 @final
@@ -68,8 +73,8 @@ class TransientMarch:
         state = start_state(self.system)
         state[0] = self.system.condition.shaft_angle
         self.first = self.last = state
-        settle(self.system, state)
-        march = start_march(self.system, state)
+        settle(self.system, state, 0.0)
+        march = start_march(self.system, state, self.plan.max_steps)
         try:
             yield from self._march(march, progress)
         except KeyboardInterrupt:
@@ -93,31 +98,54 @@ class TransientMarch:
                 progress(self.time / plan.duration, f"{self.time:.2f} s")
 
     def _advance(self, march: March, times: Array) -> Array:
-        """States at the times; restarts where the shaft starts to slide or to stick."""
-        parts = []
-        while True:
+        """States at the times; restarts at kinks of schedules and where the shaft switches."""
+        parts: list[Array] = []
+        begin = times[0] - (times[1] - times[0])
+        for kink in [*self._kinks(begin, times[-1]), None]:
+            until = times.size if kink is None else int(np.searchsorted(times, kink, "right"))
+            ahead = times[sum(map(len, parts)) : until]
+            if kink is not None and (ahead.size == 0 or ahead[-1] < kink):
+                ahead = np.append(ahead, kink)
+            states = self._advance_smoothly(march, ahead)
+            parts.append(states[: until - sum(map(len, parts))])
+            if self.status is not Status.DONE:
+                break
+            if kink is not None:
+                self._pass_kink(march, kink)
+        return np.vstack(parts)
+
+    def _advance_smoothly(self, march: March, times: Array) -> Array:
+        parts = [np.zeros((0, self.system.arrays.size.total))]
+        while times.size:
             piece = march.advance(times)
             parts.append(piece.states)
             self.events.extend(piece.events)
-            self._count(march)
-            if not piece.stopped:
-                self.status = piece.status
-                return np.vstack(parts)
+            self.statistics = march.statistics
+            self.status = piece.status
             times = times[len(piece.states) :]
+            if not piece.stopped:
+                break
             self._switch(march)
-            if times.size == 0:
-                return np.vstack(parts)
+        return np.vstack(parts)
 
-    def _count(self, march: March) -> None:
-        """Counters restart with the integrator; keep the sum of its finished parts."""
-        base = self.statistics.setdefault
-        for name, value in march.statistics.items():
-            before = base(f"before_{name}", 0.0)
-            self.statistics[name] = before + value
+    def _kinks(self, begin: float, end: float) -> list[float]:
+        speed = self.system.condition.speed_schedule
+        circuit = self.system.condition.circuit
+        tables = [e.schedule for e in circuit.elements] if circuit else []
+        knots = np.unique(np.concatenate([table[:, 0] for table in (speed, *tables)]))
+        if knots.size > _KINKS:
+            knots = np.unique(speed[:, 0])
+        return [float(knot) for knot in knots if begin < knot <= end]
+
+    def _pass_kink(self, march: March, time: float) -> None:
+        state = march.state.y.copy()
+        speed = self.system.condition.speed_schedule
+        if len(speed):
+            state[1] = np.interp(time, speed[:, 0], speed[:, 1])
+        settle(self.system, state, time)
+        march.restart(time, state)
 
     def _switch(self, march: March) -> None:
-        for name in march.statistics:
-            self.statistics[f"before_{name}"] = self.statistics[name]
         state = march.state.y.copy()
         time = float(march.state.control[0]["valid_until"])
         drive = self.system.arrays.drive
@@ -125,19 +153,24 @@ class TransientMarch:
             drive[DIRECTION] = np.sign(drive[DRIVING_TORQUE])
         else:
             state[1] = 0.0
-            settle(self.system, state)
+            settle(self.system, state, time)
         march.restart(time, state)
 
 
-def settle(system: System, state: Array) -> None:
+def settle(system: System, state: Array, time: float) -> None:
     """Let the shaft stick if it is at rest and friction can hold it; else set its direction."""
     drive = system.arrays.drive
-    if drive[FREE] == 0.0:
-        return
     drive[DIRECTION] = np.sign(state[1])
+    if drive[FREE] == 0.0:
+        speed = system.condition.speed_schedule
+        if state[1] == 0.0 and len(speed):
+            later = speed[speed[:, 0] > time, 1]
+            drive[DIRECTION] = np.sign(later[0]) if later.size else 0.0
+        return
     if state[1] != 0.0:
         return
     evaluate(system.arrays, state)
+    update_load(system.arrays, time)
     held_torque(system.arrays, state)
     if drive[BREAKAWAY] == 0.0 or abs(drive[DRIVING_TORQUE]) > drive[HOLDING_TORQUE]:
         drive[DIRECTION] = np.sign(drive[DRIVING_TORQUE]) or 1.0

@@ -82,6 +82,7 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
         contacts=flank_contacts(assembly, numbering, spaces[0]),
         mesh=rigid_mesh(assembly),
         seal_torque=spec.seal_torque,
+        startup=spec.startup,
         port_volumes=(spec.inlet_volume, spec.outlet_volume),
         drain=spec.drain or ("inlet" if spec.mode == "pump" else "outlet"),
         drain_pressure=spec.drain_pressure,

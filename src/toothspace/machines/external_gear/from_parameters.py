@@ -20,6 +20,7 @@ from toothspace.geometry.profile_detection import gear_profile_from_curve
 from toothspace.library import load_material
 from toothspace.machines.external_gear import parameters as keys
 from toothspace.machines.external_gear import spec
+from toothspace.model.description import StartupFriction
 
 _TOOTH_KEYS = (
     "tooth_count",
@@ -78,9 +79,17 @@ def spec_from(machine: keys.ExternalGearParameters) -> spec.ExternalGearSpec:
         drain=cast(Literal["inlet", "outlet", "external"] | None, machine.drain),
         drain_pressure=1e5 if machine.drain_pressure is None else machine.drain_pressure,
         seal_torque=machine.seals.shaft_seal_torque if machine.seals else 0.0,
+        startup=_startup(machine.startup),
         inlet_volume=machine.inlet.volume,
         outlet_volume=machine.outlet.volume,
     )
+
+
+def _startup(startup: keys.StartupParameters | None) -> StartupFriction | None:
+    if startup is None or startup.breakaway_torque == 0.0:
+        return None
+    additive = startup.breakaway == "additive"
+    return StartupFriction(startup.breakaway_torque, startup.breakaway_speed, additive)
 
 
 def _check_pair(machine: keys.ExternalGearParameters, drive: spec.Gear, driven: spec.Gear) -> None:

@@ -11,6 +11,7 @@ from typing import Literal, final
 from toothspace.core.types import Array
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear
+from toothspace.model.description import StartupFriction
 
 
 @final
@@ -221,6 +222,8 @@ class ExternalGearSpec:
         Absolute pressure of an external drain. [Pa]
     seal_torque : float
         Torque of the shaft seal. [N m]
+    startup : StartupFriction or None
+        Friction of the shaft at rest, None without.
     inlet_volume, outlet_volume : float
         Fluid volumes at the ports. [m3]
     """
@@ -237,5 +240,6 @@ class ExternalGearSpec:
     drain: Literal["inlet", "outlet", "external"] | None = None
     drain_pressure: float = 1e5
     seal_torque: float = 0.0
+    startup: StartupFriction | None = None
     inlet_volume: float = 50e-6
     outlet_volume: float = 50e-6

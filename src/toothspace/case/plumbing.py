@@ -1,0 +1,294 @@
+"""From the circuit of a case to nodes and elements of the model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from toothspace.case import circuit as keys
+from toothspace.case.signals import read_columns, read_signal
+from toothspace.closures.bulk_modulus import liquid_bulk_modulus
+from toothspace.closures.fluid_law import FluidLaw
+from toothspace.closures.viscosity import dynamic_viscosity
+from toothspace.core.constants import ATMOSPHERIC_PRESSURE
+from toothspace.core.errors import CaseError
+from toothspace.core.types import Array
+from toothspace.model.circuit_description import (
+    Circuit,
+    CircuitElement,
+    CircuitNode,
+    CircuitOrifice,
+    FreeShaft,
+)
+from toothspace.model.description import MachineDescription
+
+_ONE_PORT = (keys.Hose, keys.Volume, keys.Accumulator, keys.Tank)
+_TWO_PORT = (
+    keys.Orifice,
+    keys.ReliefValve,
+    keys.CheckValve,
+    keys.ProportionalValve,
+    keys.Cooler,
+    keys.PumpMap,
+)
+_REFERENCE_DISCHARGE = 0.7
+_ROUNDING = 5e3
+_WALL_REFERENCE = 20e5
+
+Place = tuple[str, int]
+"""Element and which of its ends; elements of one end have end 0."""
+
+
+def plumb(circuit: keys.Circuit, description: MachineDescription, fluid: FluidLaw) -> Circuit:
+    """Join the elements of a case to nodes of one pressure each.
+
+    Parameters
+    ----------
+    circuit : Circuit
+        Keys of ``[circuit]``.
+    description : MachineDescription
+        The machine, with the volumes at its ports.
+    fluid : FluidLaw
+        Constants of the fluid; the wall of a hose takes the compliance that its fluid leaves.
+
+    Raises
+    ------
+    CaseError
+        If an end stays open, two tanks are joined, or nothing holds fluid between elements.
+    """
+    names = _node_names(circuit)
+    tanks = [e for e in circuit.elements.values() if isinstance(e, keys.Tank)]
+    supply = tanks[0].pressure if tanks else ATMOSPHERIC_PRESSURE
+    start = circuit.initial_pressure or supply
+    members: dict[str, list[Any]] = {name: [] for name in names.values()}
+    for (element, _), node in names.items():
+        if isinstance(circuit.elements.get(element), _ONE_PORT):
+            members[node].append(circuit.elements[element])
+    ports = dict(zip(("inlet", "outlet"), description.port_volumes, strict=True))
+    nodes = [
+        _node(name, parts, ports.get(name, 0.0), start, fluid) for name, parts in members.items()
+    ]
+    return Circuit(
+        nodes=tuple(nodes),
+        elements=tuple(_elements(circuit, names, fluid)),
+        orifices=tuple(_orifices(circuit, names)),
+        supply_pressure=supply,
+    )
+
+
+def _node_names(circuit: keys.Circuit) -> dict[Place, str]:
+    """Node of every end; joined ends share one, named after a machine port if there is one."""
+    seen: dict[str, int] = {}
+    group: dict[Place, set[Place]] = {}
+    for pair in circuit.connections:
+        ends = [_end(circuit, name, seen) for name in pair]
+        joined = group.get(ends[0], {ends[0]}) | group.get(ends[1], {ends[1]})
+        group.update(dict.fromkeys(joined, joined))
+    _check_ends(circuit, seen)
+    return {place: _node_name(joined) for place, joined in group.items()}
+
+
+def _end(circuit: keys.Circuit, name: str, seen: dict[str, int]) -> Place:
+    """End that a mention of an element means: the first of a valve is its upstream end."""
+    element = circuit.elements.get(name)
+    if not isinstance(element, _TWO_PORT):
+        return name, 0
+    seen[name] = seen.get(name, 0) + 1
+    return name, min(seen[name], 2) - 1
+
+
+def _check_ends(circuit: keys.Circuit, seen: Mapping[str, int]) -> None:
+    for name, element in circuit.elements.items():
+        if not isinstance(element, _TWO_PORT) or isinstance(element, keys.PumpMap):
+            continue
+        if seen.get(name, 0) < 2:
+            raise CaseError(
+                f"circuit.connections: found one connection of {name!r}, "
+                "allowed two: its upstream end, then its downstream end"
+            )
+    mentioned = {name for pair in circuit.connections for name in pair}
+    for port in ("machine.inlet", "machine.outlet"):
+        if port not in mentioned:
+            raise CaseError(f"circuit.connections: found no {port}, allowed circuits that join it")
+
+
+def _node_name(joined: set[Place]) -> str:
+    ports = sorted(name for name, _ in joined if name.startswith("machine."))
+    if len(ports) > 1:
+        raise CaseError(f"circuit.connections: found {ports} joined, allowed one port per node")
+    if ports:
+        return ports[0].removeprefix("machine.")
+    return min(f"{name}_{end}" if end else name for name, end in joined)
+
+
+def _node(
+    name: str, parts: list[Any], port_volume: float, start: float, fluid: FluidLaw
+) -> CircuitNode:
+    tanks = [part for part in parts if isinstance(part, keys.Tank)]
+    if len(tanks) > 1:
+        raise CaseError("circuit.connections: found two tanks joined, allowed one tank per node")
+    if tanks:
+        return CircuitNode(name, tanks[0].pressure)
+    node = CircuitNode(name, start, port_volume)
+    for part in parts:
+        node = _enlarge(node, part, fluid)
+    if node.volume <= 0.0:
+        raise CaseError(
+            f"circuit.connections: found nothing that holds fluid at {name!r}, "
+            "allowed a hose, volume, accumulator, tank or machine port at every joint"
+        )
+    return node
+
+
+def _enlarge(node: CircuitNode, part: Any, fluid: FluidLaw) -> CircuitNode:
+    """Add the fluid volume and the compliance of a part to a node."""
+    if isinstance(part, keys.Volume):
+        return replace(node, volume=node.volume + part.volume)
+    if isinstance(part, keys.Accumulator):
+        if node.gas_volume > 0.0:
+            raise CaseError("circuit.connections: found two accumulators joined, allowed one")
+        return replace(
+            node,
+            volume=node.volume + part.fluid_volume,
+            gas_volume=part.gas_volume,
+            precharge=part.precharge,
+            gas_exponent=part.gas_exponent,
+        )
+    volume = 0.25 * np.pi * part.bore**2 * part.length
+    compliance = volume * wall_flexibility(part, fluid)
+    return replace(
+        node, volume=node.volume + volume, wall_compliance=node.wall_compliance + compliance
+    )
+
+
+def wall_flexibility(hose: keys.Hose, fluid: FluidLaw) -> float:
+    """Relative growth of the bore area of a hose per pressure. [1/Pa].
+
+    From wall modulus and thickness as a thin tube, d/(E t); or what the effective bulk modulus
+    leaves beside that of the liquid.
+    """
+    if hose.effective_bulk_modulus is None:
+        assert hose.wall_modulus is not None
+        assert hose.wall_thickness is not None
+        return hose.bore / (hose.wall_modulus * hose.wall_thickness)
+    liquid = float(liquid_bulk_modulus(_WALL_REFERENCE, fluid))
+    if hose.effective_bulk_modulus > liquid:
+        raise CaseError(
+            f"circuit: effective_bulk_modulus: found {hose.effective_bulk_modulus / 1e9:.4g} GPa, "
+            f"allowed at most that of the liquid, {liquid / 1e9:.4g} GPa"
+        )
+    return 1.0 / hose.effective_bulk_modulus - 1.0 / liquid
+
+
+def _elements(
+    circuit: keys.Circuit, names: Mapping[Place, str], fluid: FluidLaw
+) -> list[CircuitElement]:
+    found = []
+    for name, element in circuit.elements.items():
+        ends = names.get((name, 0), ""), names.get((name, 1), "")
+        if isinstance(element, keys.PumpMap):
+            found.append(_pump(element, ends, fluid))
+        elif isinstance(element, (keys.ReliefValve, keys.CheckValve)):
+            law = (element.opening_pressure, element.gradient, _ROUNDING)
+            found.append(CircuitElement("pressure_valve", *ends, law))
+        elif isinstance(element, keys.ProportionalValve):
+            area = element.discharge_coefficient * element.area
+            opening = history(element, "opening", "1")
+            found.append(CircuitElement("proportional_valve", *ends, (area,), opening))
+        elif isinstance(element, keys.Cooler):
+            linear = element.laminar_share * element.pressure_drop / element.flow_rate
+            square = (1.0 - element.laminar_share) * element.pressure_drop / element.flow_rate**2
+            found.append(CircuitElement("resistance", *ends, (linear, square)))
+    return found
+
+
+def _pump(pump: keys.PumpMap, ends: tuple[str, str], fluid: FluidLaw) -> CircuitElement:
+    """A pump that is joined once draws from the tank, else from its first connection."""
+    suction, pressure = ends if ends[1] else ("supply", ends[0])
+    line = pump.volumetric_efficiency
+    slip = pump.slip_coefficient * pump.displacement
+    slip /= float(dynamic_viscosity(ATMOSPHERIC_PRESSURE, fluid))
+    return CircuitElement(
+        "supply_pump",
+        suction,
+        pressure,
+        (pump.displacement, line.offset, line.per_100_bar / 1e7, slip),
+        history(pump, "speed", "rpm"),
+        _efficiency_map(pump.table) if pump.table else None,
+    )
+
+
+def _efficiency_map(path: Path) -> Array:
+    columns = read_columns(
+        path, {"speed": "rpm", "pressure_difference": "bar", "volumetric_efficiency": "1"}
+    )
+    speeds, rises = (np.unique(columns[name]) for name in ("speed", "pressure_difference"))
+    order = np.lexsort((columns["pressure_difference"], columns["speed"]))
+    grid = np.stack(np.meshgrid(speeds, rises, indexing="ij"), axis=-1).reshape(-1, 2)
+    given = np.column_stack([columns["speed"], columns["pressure_difference"]])[order]
+    if min(speeds.size, rises.size) < 2 or given.shape != grid.shape or np.any(given != grid):
+        raise CaseError(
+            f"{path}: found {len(given)} points at {speeds.size} speeds and {rises.size} pressure "
+            "differences, allowed each pair once and at least two of both"
+        )
+    column = np.concatenate([speeds, rises, columns["volumetric_efficiency"][order]])
+    rows = np.column_stack([column, np.zeros_like(column)])
+    return np.vstack([[speeds.size, rises.size], rows])
+
+
+def _orifices(circuit: keys.Circuit, names: Mapping[Place, str]) -> list[CircuitOrifice]:
+    found = []
+    for name, element in circuit.elements.items():
+        if isinstance(element, keys.Orifice):
+            area = element.area or 0.25 * np.pi * (element.diameter or 0.0) ** 2
+            effective = area * element.discharge_coefficient / _REFERENCE_DISCHARGE
+            found.append(CircuitOrifice(names[name, 0], names[name, 1], effective))
+    return found
+
+
+def history(element: Any, name: str, unit: str) -> Array:
+    """Time [s] and value of a signal that stands in the case or in a file. [SI]."""
+    file = getattr(element, f"{name}_file")
+    if file is not None:
+        return read_signal(file, name, unit)
+    return np.asarray(getattr(element, name), dtype=float)
+
+
+def shaft_of(circuit: keys.Circuit, description: MachineDescription) -> FreeShaft | None:
+    """The free shaft with its loads; None where a source prescribes its speed.
+
+    Raises
+    ------
+    CaseError
+        If more than one load torque is given, or nothing that can turn or resist.
+    """
+    if speed_of(circuit) is not None:
+        return None
+    parts = circuit.elements.values()
+    fans = [part for part in parts if isinstance(part, keys.Fan)]
+    sources = [part for part in parts if isinstance(part, keys.TorqueSource)]
+    if len(sources) > 1:
+        raise CaseError("circuit: found two torque sources, allowed one")
+    turning = sum(part.inertia for part in parts if isinstance(part, (keys.Fan, keys.Inertia)))
+    startup = description.startup
+    return FreeShaft(
+        inertia=turning,
+        linear=sum(fan.linear for fan in fans),
+        cubic=sum(fan.cubic for fan in fans),
+        breakaway_torque=startup.torque if startup else 0.0,
+        breakaway_speed=startup.speed if startup else 1.0,
+        additive=startup.additive if startup else False,
+        load_schedule=history(sources[0], "torque", "N m") if sources else np.zeros((0, 2)),
+    )
+
+
+def speed_of(circuit: keys.Circuit) -> Array | None:
+    """Prescribed shaft speed over time, None where the shaft is free. [s], [rad/s]."""
+    sources = [part for part in circuit.elements.values() if isinstance(part, keys.SpeedSource)]
+    if len(sources) > 1:
+        raise CaseError("circuit: found two speed sources, allowed one")
+    return history(sources[0], "speed", "rpm") if sources else None

@@ -1,0 +1,105 @@
+"""Tables of measured or prescribed signals: columns ``name [unit]`` of a CSV file."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from toothspace.core.errors import CaseError
+from toothspace.core.types import Array
+from toothspace.core.units import compatible, to_si
+
+_HEADER = re.compile(r"\s*(\w+)\s*\[(.+)\]\s*")
+
+
+def read_columns(path: Path, wanted: Mapping[str, str]) -> dict[str, Array]:
+    """Read the wanted columns of a CSV file in SI units.
+
+    Parameters
+    ----------
+    path : Path
+        File with a header of ``name [unit]``, separated by commas or semicolons.
+    wanted : mapping of name to unit
+        Columns that must be there, with a unit of their dimension, ``1`` for none.
+
+    Returns
+    -------
+    dict of name to ndarray, shape (rows,)
+        Values in SI units.
+
+    Raises
+    ------
+    CaseError
+        If a column is missing, has another dimension, or holds something not finite.
+    """
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise CaseError(f"{path}: found {error}, allowed a CSV file in UTF-8") from error
+    separator = ";" if ";" in text.partition("\n")[0] else ","
+    rows = [row for row in csv.reader(text.splitlines(), delimiter=separator) if any(row)]
+    heads = [_HEADER.fullmatch(cell) for cell in rows[0]] if rows else []
+    names = {head[1]: (k, head[2]) for k, head in enumerate(heads) if head}
+    return {name: _column(path, rows[1:], names, name, unit) for name, unit in wanted.items()}
+
+
+def _column(
+    path: Path,
+    rows: list[list[str]],
+    names: Mapping[str, tuple[int, str]],
+    name: str,
+    wanted: str,
+) -> Array:
+    if name not in names:
+        found = ", ".join(names) or "none"
+        raise CaseError(f"{path}: columns: found {found}, allowed one named '{name} [{wanted}]'")
+    place, unit = names[name]
+    if (wanted == "1") != (unit == "1") or (wanted != "1" and not compatible(unit, wanted)):
+        raise CaseError(f"{path}: {name}: found the unit {unit!r}, allowed {wanted!r}")
+    values = np.array([_number(path, row, place, name) for row in rows])
+    if values.size == 0:
+        raise CaseError(f"{path}: {name}: found no rows, allowed at least one")
+    if unit == "1":
+        return values
+    return np.array([to_si(value, unit) for value in values])
+
+
+def _number(path: Path, row: list[str], place: int, name: str) -> float:
+    try:
+        value = float(row[place])
+    except (IndexError, ValueError):
+        value = float("nan")
+    if not np.isfinite(value):
+        found = row[place] if place < len(row) else "nothing"
+        raise CaseError(f"{path}: {name}: found {found!r}, allowed a number in every row")
+    return value
+
+
+def read_signal(path: Path, name: str, unit: str) -> Array:
+    """Read one signal over time; times must increase.
+
+    Parameters
+    ----------
+    path : Path
+        CSV file with the columns ``time [s]`` and the signal.
+    name, unit : str
+        Column of the signal and a unit of its dimension.
+
+    Returns
+    -------
+    ndarray, shape (rows, 2)
+        Time [s] and signal [SI].
+
+    Raises
+    ------
+    CaseError
+        As :func:`read_columns`, and if times do not increase.
+    """
+    columns = read_columns(path, {"time": "s", name: unit})
+    if np.any(np.diff(columns["time"]) <= 0.0):
+        raise CaseError(f"{path}: time: found times that fall or repeat, allowed increasing ones")
+    return np.column_stack([columns["time"], columns[name]])

@@ -1,0 +1,214 @@
+"""From a march through time to a :class:`Solution` with one row per cell of time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from toothspace.closures.aeration import gas_volume_fraction, vapour_fraction
+from toothspace.closures.density import mixture_density
+from toothspace.core.status import Status
+from toothspace.core.types import Array
+from toothspace.model.arrays import (
+    CATEGORY,
+    ELEMENT_A,
+    ELEMENT_B,
+    LOAD_CONSTANT,
+    LOAD_CUBIC,
+    LOAD_LINEAR,
+    NODE_A,
+    NODE_B,
+)
+from toothspace.model.assembly import System, node_places
+from toothspace.model.ledger import LEDGER_NAMES, PATH_CATEGORIES
+from toothspace.results.solution import Event, Solution
+from toothspace.results.variables import WITH_EXTREMES, dataset_from
+from toothspace.solver.cyclic import History, Progress
+from toothspace.solver.observe import Observation, observe
+from toothspace.solver.outcome import body_values, labels_of, loss_values, window_ledger
+from toothspace.solver.transient import TransientMarch
+
+
+def transient_solution(
+    march: TransientMarch,
+    provenance: Mapping[str, str],
+    extra: Mapping[str, Any],
+    title: str,
+    progress: Progress | None = None,
+) -> Solution:
+    """March to the end and keep mean, lowest and highest value of every cell of time.
+
+    Parameters
+    ----------
+    march : TransientMarch
+        Run that has not begun.
+    provenance, extra, title
+        As for :func:`toothspace.solver.outcome.solution_from`.
+    progress : callable, optional
+        Called with the finished share and a short text.
+    """
+    parts: list[dict[str, Array]] = []
+    seat: Array | None = None
+    try:
+        for times, states in march.chunks(progress):
+            values = _values(march, times, states)
+            seat = values.pop("seat_position")
+            parts.append(_cells(values, march.plan.samples_per_cell))
+    except KeyboardInterrupt:
+        march.status = Status.INTERRUPTED
+    if seat is None:
+        raise KeyboardInterrupt
+    system = march.system
+    values = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    constants = {**_constants(system, values), "seat_position": seat}
+    data = dataset_from(
+        {**values, **constants, **extra},
+        {**labels_of(system), "node": list(_nodes(system))},
+        sample="time",
+        attributes={
+            "title": title,
+            "machine": system.description.name,
+            "mode": system.description.mode,
+        },
+    )
+    return Solution(
+        status=march.status,
+        data=data,
+        ledger=window_ledger(_history(march, [0.0, march.time], [march.first, march.last])),
+        statistics=march.statistics,
+        provenance=provenance,
+        events=tuple(_placed(event, values) for event in march.events),
+    )
+
+
+def _history(march: TransientMarch, times: Any, states: Any) -> History:
+    return History(
+        march.status, march.system, np.asarray(times), np.asarray(states), (), 0, march.statistics
+    )
+
+
+def _values(march: TransientMarch, times: Array, states: Array) -> dict[str, Array]:
+    """Everything that is kept of a chunk, at its samples."""
+    system = march.system
+    history = _history(march, times, states)
+    seen = observe(system.arrays, states, times)
+    description = system.description
+    sign = -1.0 if description.mode == "motor" else 1.0
+    inlet, outlet = description.inlet_node, description.outlet_node
+    nodes = list(_nodes(system).values())
+    return {
+        "shaft_angle": states[:, 0],
+        "time": times,
+        "shaft_speed": states[:, 1],
+        "shaft_torque": sign * _machine_torque(system, seen, states),
+        "load_torque": _load(system, times, states[:, 1]),
+        "supply_speed": _supply_speed(system, times),
+        "pressure_difference": sign * (seen.pressure[:, outlet] - seen.pressure[:, inlet]),
+        "inlet_pressure": seen.pressure[:, inlet],
+        "outlet_pressure": seen.pressure[:, outlet],
+        "node_pressure": seen.pressure[:, nodes],
+        "inlet_flow_rate": -_into_port(history, seen, "inlet") / seen.density[:, inlet],
+        "outlet_flow_rate": _into_port(history, seen, "outlet") / seen.density[:, outlet],
+        **_chamber_values(system, seen),
+        **body_values(history, seen),
+        **loss_values(history, seen),
+    }
+
+
+def _machine_torque(system: System, seen: Observation, states: Array) -> Array:
+    """Torque of the shaft on the machine; friction that holds a shaft at rest is inside."""
+    if system.condition.free_shaft is None:
+        return seen.torque[:, -1]
+    return np.where(states[:, 1] == 0.0, 0.0, seen.torque[:, -1])
+
+
+def _load(system: System, times: Array, speed: Array) -> Array:
+    drive, shaft = system.arrays.drive, system.condition.free_shaft
+    by_speed = drive[LOAD_LINEAR] * speed + drive[LOAD_CUBIC] * speed**3 + drive[LOAD_CONSTANT]
+    if shaft is None or not len(shaft.load_schedule):
+        return np.asarray(by_speed)
+    return np.asarray(by_speed + np.interp(times, *shaft.load_schedule.T))
+
+
+def _supply_speed(system: System, times: Array) -> Array:
+    circuit = system.condition.circuit
+    pumps = [e for e in circuit.elements if e.kind == "supply_pump"] if circuit else []
+    if not pumps:
+        return np.zeros(times.size)
+    return np.asarray(np.interp(times, *pumps[0].schedule.T))
+
+
+def _into_port(history: History, seen: Observation, port: str) -> Array:
+    """Mass flow from the machine into a port, from masses and flows of the circuit. [kg/s].
+
+    Wide ports turn pressure errors within tolerance into noise of their own flow.
+    """
+    system = history.system
+    arrays, size = system.arrays, system.arrays.size
+    node = node_places(system.description, system.condition)[port]
+    d = int(arrays.dynamic_index[node])
+    ledger = size.core + LEDGER_NAMES.index(f"mass_{port}")
+    column = ledger if d < 0 else size.mass + d
+    flow: Array = np.gradient(history.states[:, column], history.times)
+    for j, element in enumerate(arrays.elements):
+        flow += seen.element_flow[:, j] * (element[ELEMENT_A] == node)
+        flow -= seen.element_flow[:, j] * (element[ELEMENT_B] == node)
+    for j, index in enumerate(arrays.path_index):
+        if PATH_CATEGORIES[index[CATEGORY]] == "circuit_orifice":
+            flow += seen.path_flow[:, j] * (index[NODE_A] == node)
+            flow -= seen.path_flow[:, j] * (index[NODE_B] == node)
+    return flow
+
+
+def _chamber_values(system: System, seen: Observation) -> dict[str, Array]:
+    chambers, fluid = slice(0, system.arrays.size.chambers), system.arrays.fluid
+    pressure, gas = seen.pressure[:, chambers], seen.gas[:, chambers]
+    specific = 1.0 / seen.density[:, chambers]
+    return {
+        "chamber_pressure": pressure,
+        "chamber_gas_fraction": gas_volume_fraction(pressure, gas, fluid),
+        "chamber_vapour_fraction": vapour_fraction(specific, pressure, gas, fluid),
+    }
+
+
+def _cells(values: Mapping[str, Array], samples: int) -> dict[str, Array]:
+    """Means of cells of so many samples, and their extremes where they are kept."""
+    reduced = {}
+    for name, value in values.items():
+        cells = value.reshape(-1, samples, *value.shape[1:])
+        reduced[name] = cells.mean(axis=1)
+        if name in WITH_EXTREMES:
+            reduced[f"{name}_lowest"] = cells.min(axis=1)
+            reduced[f"{name}_highest"] = cells.max(axis=1)
+    return reduced
+
+
+def _constants(system: System, values: Mapping[str, Array]) -> dict[str, Array]:
+    fluid = system.arrays.fluid
+    feed = fluid.feed_gas_mass_fraction
+    density = {
+        f"{port}_density": np.asarray(
+            mixture_density(values[f"{port}_pressure"].mean(), feed, fluid)
+        )
+        for port in ("inlet", "outlet")
+    }
+    return {
+        "displacement": np.asarray(system.description.displacement),
+        "specific_heat_capacity": np.asarray(fluid.specific_heat_capacity),
+        **density,
+    }
+
+
+def _nodes(system: System) -> dict[str, int]:
+    """Nodes of the circuit by name, with their numbers."""
+    circuit = system.condition.circuit
+    places = node_places(system.description, system.condition)
+    return {node.name: places[node.name] for node in circuit.nodes} if circuit else {}
+
+
+def _placed(event: Event, values: Mapping[str, Array]) -> Event:
+    """Event with the shaft angle at its time."""
+    angle = np.interp(event.time, values["time"], values["shaft_angle"])
+    return event._replace(shaft_angle=float(angle))
