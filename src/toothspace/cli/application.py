@@ -91,9 +91,17 @@ def report(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="HTML file; default RESULT.html.")
     ] = None,
+    measured: Annotated[
+        Path | None,
+        typer.Option(
+            "--measured",
+            help="CSV with 'time [s]' and 'shaft_speed [rpm]' or 'pressure_difference [bar]', "
+            "laid over a run over time.",
+        ),
+    ] = None,
 ) -> int:
     """Write a self-contained HTML report of a result."""
-    return commands.report(result, output)
+    return commands.report(result, output, measured)
 
 
 @application.command()

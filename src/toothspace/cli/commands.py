@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 EXPORT_FORMATS = ("dxf", "stl", "step", "txt")
 PICTURE_SUFFIXES = (".png", ".svg", ".pdf")
 _NUMERICAL_FAILURE = 3
+_START_TABLE = "machine.startup"  # acts on a free shaft only, in a circuit
 _INTERRUPTED = 130
 _EXIT_CODES = {Status.DONE: 0, Status.INTERRUPTED: _INTERRUPTED}
 
@@ -98,15 +99,26 @@ def geometry(
     return 0
 
 
-def report(result: Path, page: Path | None) -> int:
+def report(result: Path, page: Path | None, measured: Path | None = None) -> int:
     """Write the HTML report of a result; returns the exit code."""
     from toothspace.report import write_report
     from toothspace.results.io import load_solution
 
     target = _writable(page or result.with_suffix(".html"), "-o")
-    write_report(load_solution(result), target)
+    overlay = _measured(measured) if measured else None
+    write_report(load_solution(result), target, measured=overlay)
     output.message(f"Report: {target}")
     return 0
+
+
+def _measured(path: Path) -> dict[str, Any]:
+    """Signals of a measurement that figures can lay over results."""
+    from toothspace.case.signals import read_columns
+
+    known = {"shaft_speed": "rpm", "pressure_difference": "bar"}
+    text = path.read_text(encoding="utf-8-sig") if path.is_file() else ""
+    given = {name: unit for name, unit in known.items() if name in text.partition("\n")[0]}
+    return read_columns(path, {"time": "s", **(given or known)})
 
 
 def stand_alone_film(
@@ -154,6 +166,8 @@ def _write_geometry(case: Case, description: Any, outputs: GeometryOutputs) -> N
 
 def _tell_unused(case: Case) -> None:
     for path in PRESETS[case.run.fidelity].unused_tables:
+        if path == _START_TABLE and case.circuit is not None:
+            continue
         value: Any = case
         for name in path.split("."):
             value = getattr(value, name, None)

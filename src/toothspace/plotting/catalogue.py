@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, final
 import numpy as np
 
 from toothspace.model.description import MachineDescription
-from toothspace.plotting import bodies, geometry, losses, section, waveforms
+from toothspace.plotting import bodies, geometry, losses, section, startup, waveforms
 from toothspace.results.solution import Solution
 
 if TYPE_CHECKING:
@@ -41,8 +41,9 @@ class FigureEntry:
     needs_machine : bool
         Whether the machine description is needed.
     sampled : str
-        ``steady`` if it is over the shaft angle, ``transient`` if over time, ``turn`` if it
-        needs a whole revolution, empty if it can always be drawn.
+        ``steady`` if it is over the shaft angle, ``transient`` if over time, ``start`` if it
+        needs a shaft that breaks away, ``turn`` if it needs a whole revolution, empty if it can
+        always be drawn.
     """
 
     name: str
@@ -99,9 +100,41 @@ FIGURES: tuple[FigureEntry, ...] = (
         sampled="turn",
     ),
     FigureEntry(
+        "speed_and_pressure",
+        "Shaft speed and pressure difference; shaded: lowest to highest value within a row.",
+        "time",
+        startup.speed_and_pressure,
+        ("pressure_difference_highest",),
+        sampled="transient",
+    ),
+    FigureEntry(
+        "breakaway_zoom",
+        "The shaft stands still until the pressure overcomes the breakaway torque.",
+        "time",
+        startup.breakaway_zoom,
+        ("pressure_difference",),
+        sampled="start",
+    ),
+    FigureEntry(
+        "torque_shares",
+        "Torque of the load and of every friction mechanism.",
+        "time",
+        startup.torque_shares,
+        ("torque_loss", "load_torque"),
+        sampled="transient",
+    ),
+    FigureEntry(
+        "stribeck_path",
+        "Friction torque over speed: from breakaway through mixed to full films, and back.",
+        "time",
+        startup.stribeck_path,
+        ("torque_loss",),
+        sampled="transient",
+    ),
+    FigureEntry(
         "time_history",
         "Speed, torque, pressures and flows over time.",
-        "ripple",
+        "time",
         waveforms.time_history,
         ("inlet_flow_rate", "outlet_flow_rate", "shaft_torque"),
         sampled="transient",
@@ -203,6 +236,8 @@ def _sampled(kind: str, solution: Solution) -> bool:
     steady = "shaft_angle" in solution.data.sizes
     if kind == "transient":
         return not steady
+    if kind == "start":
+        return bool(np.isfinite(startup.breakaway_time(solution)))
     angle = solution.data["shaft_angle"].values
     if not steady or angle.size < 3:
         return False

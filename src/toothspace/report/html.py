@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
-from toothspace.plotting.catalogue import available_figures
+from toothspace.plotting.catalogue import FigureEntry, available_figures
+from toothspace.plotting.startup import speed_and_pressure
 from toothspace.plotting.style import figure_to_svg
 from toothspace.report import charts
 from toothspace.report.machine import machine_of
@@ -16,6 +18,10 @@ from toothspace.report.wording import Quantity, format_value, quantity
 from toothspace.results.ledger import NOTE_ENTRIES, power_ledger
 from toothspace.results.solution import Solution
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Measured = Mapping[str, Array]
 _TEMPLATES = Path(__file__).parent / "templates"
 
 _KEY_NUMBERS = (
@@ -29,7 +35,19 @@ _KEY_NUMBERS = (
     "outlet_temperature_degC",
 )
 
+_TRANSIENT_NUMBERS = (
+    "startup_pressure_bar",
+    "max_running_pressure_bar",
+    "startup_pressure_ratio",
+    "breakaway_time_s",
+    "max_shaft_speed_rpm",
+    "max_pressure_difference_bar",
+    "max_chamber_pressure_bar",
+    "real_time_factor",
+)
+
 _CHAPTERS: Mapping[str, str] = {
+    "time": "Course over time",
     "pressure": "Pressures",
     "ripple": "Ripple",
     "bodies": "Gears, bearings and casing",
@@ -41,7 +59,10 @@ _PROVENANCE_TEXTS = ("case_toml", "warnings")
 
 
 def write_report(
-    solution: Solution, path: str | Path, description: MachineDescription | None = None
+    solution: Solution,
+    path: str | Path,
+    description: MachineDescription | None = None,
+    measured: Measured | None = None,
 ) -> Path:
     """Write the report of a result.
 
@@ -54,6 +75,9 @@ def write_report(
     description : MachineDescription, optional
         The machine, for its section, design rules, volumes and openings; rebuilt from the
         case in the result if it is not given.
+    measured : mapping, optional
+        ``time`` [s] and measured ``shaft_speed`` [rad/s] or ``pressure_difference`` [Pa], laid
+        over a run over time.
 
     Returns
     -------
@@ -65,12 +89,15 @@ def write_report(
     note = ""
     if description is None:
         description, note = machine_of(solution)
-    target.write_text(report_html(solution, description, note), encoding="utf-8")
+    target.write_text(report_html(solution, description, note, measured), encoding="utf-8")
     return target
 
 
 def report_html(
-    solution: Solution, description: MachineDescription | None = None, note: str = ""
+    solution: Solution,
+    description: MachineDescription | None = None,
+    note: str = "",
+    measured: Measured | None = None,
 ) -> str:
     """Return the report of a result as HTML text.
 
@@ -82,6 +109,8 @@ def report_html(
         The machine that it belongs to.
     note : str, optional
         A further warning.
+    measured : mapping, optional
+        As for :func:`write_report`.
     """
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
     from plotly.offline import get_plotlyjs
@@ -97,7 +126,7 @@ def report_html(
     return template.render(
         plotly_script=get_plotlyjs(),
         style=(_TEMPLATES / "report.css").read_text(encoding="utf-8"),
-        chapters=_chapters(solution, description),
+        chapters=_chapters(solution, description, measured),
         **_numbers(solution),
         **_machine(solution, description),
         **_background(solution),
@@ -107,6 +136,7 @@ def report_html(
 
 def _numbers(solution: Solution) -> dict[str, Any]:
     summary = solution.summary()
+    key_numbers = _TRANSIENT_NUMBERS if "time" in solution.data.sizes else _KEY_NUMBERS
     rows = [
         (r, format_value(r.power), f"{100.0 * r.share:.2f}") for r in power_ledger(solution.ledger)
     ]
@@ -119,7 +149,7 @@ def _numbers(solution: Solution) -> dict[str, Any]:
     return {
         "verdict": verdict(solution),
         "status": solution.status,
-        "key_numbers": [quantity(n, summary[n]) for n in _KEY_NUMBERS if n in summary],
+        "key_numbers": [quantity(n, summary[n]) for n in key_numbers if n in summary],
         "summary": {name: quantity(name, value) for name, value in summary.items()},
         "ledger_rows": rows,
         "ledger_notes": notes,
@@ -169,13 +199,19 @@ def _background(solution: Solution) -> dict[str, Any]:
     }
 
 
-def _chapters(solution: Solution, description: MachineDescription | None) -> list[dict[str, Any]]:
+def _chapters(
+    solution: Solution, description: MachineDescription | None, measured: Measured | None
+) -> list[dict[str, Any]]:
     entries = available_figures(solution, description)
     interactive = _interactive(solution, description)
     chapters = []
     for key, title in _CHAPTERS.items():
         figures = [
-            (entry.name, entry.caption, figure_to_svg(entry.draw(solution, description)))
+            (
+                entry.name,
+                entry.caption,
+                figure_to_svg(_drawn(entry, solution, description, measured)),
+            )
             for entry in entries
             if entry.chapter == key
         ]
@@ -185,11 +221,22 @@ def _chapters(solution: Solution, description: MachineDescription | None) -> lis
     return chapters
 
 
+def _drawn(
+    entry: FigureEntry,
+    solution: Solution,
+    description: MachineDescription | None,
+    measured: Measured | None,
+) -> Figure:
+    if measured and entry.name == "speed_and_pressure":
+        return speed_and_pressure(solution, description, measured)
+    return entry.draw(solution, description)
+
+
 def _interactive(
     solution: Solution, description: MachineDescription | None
 ) -> list[tuple[str, str]]:
     """Charts to play with, as HTML and caption."""
-    if "chamber_pressure" not in solution.data:
+    if "chamber_pressure" not in solution.data or "shaft_angle" not in solution.data.sizes:
         return []
     names = {entry.name for entry in available_figures(solution, description)}
     shown = []

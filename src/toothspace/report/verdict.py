@@ -16,6 +16,8 @@ BALANCE_LIMITS: Mapping[str, float] = {"mass_balance_error": 1e-6, "energy_balan
 def verdict(solution: Solution) -> str:
     """Return one or two sentences on what the machine does and where power is lost."""
     numbers = solution.summary()
+    if "time" in solution.data.sizes:
+        return _course(numbers)
     mode = solution.data.attrs.get("mode", "machine")
     flow, torque = _number(numbers, "mean_flow_L_per_min"), _number(numbers, "mean_torque_N_m")
     overall = _number(numbers, "overall_efficiency")
@@ -28,6 +30,21 @@ def verdict(solution: Solution) -> str:
     if math.isfinite(overall):
         text += f" Overall efficiency is {100.0 * overall:.1f} %"
         text += f" ({_efficiency_split(numbers)}){_largest_loss(solution)}."
+    return text
+
+
+def _course(numbers: Mapping[str, float | str]) -> str:
+    """What happened in a run over time."""
+    duration, speed = _number(numbers, "duration_s"), _number(numbers, "max_shaft_speed_rpm")
+    start, ratio = _number(numbers, "startup_pressure_bar"), numbers["startup_pressure_ratio"]
+    text = f"{duration:.4g} s with at most {speed:.0f} rpm."
+    if math.isfinite(start):
+        time = _number(numbers, "breakaway_time_s")
+        text += f" The shaft breaks away after {time:.3g} s; starting takes {start:.3g} bar"
+        running = _number(numbers, "max_running_pressure_bar")
+        if math.isfinite(running):
+            text += f", {ratio:.3g} times the {running:.3g} bar of running"
+        text += "."
     return text
 
 

@@ -23,6 +23,7 @@ _SUFFIXES: Mapping[str, str] = {
     "_kN": "kN",
     "_MPa": "MPa",
     "_N": "N",
+    "_J": "J",
     "_s": "s",
 }
 """Unit suffixes of summary numbers, longest first where one ends another."""

@@ -11,9 +11,11 @@ from toothspace.core.types import Array
 from toothspace.model.arrays import (
     CONTACT_FORCE,
     DENSITY,
+    DIRECTION,
     ELEMENT_FLOW,
     FILM_FORCE,
     FLOW,
+    FREE,
     GAS,
     GEOMETRY,
     HEIGHT_BY_MOTION,
@@ -69,8 +71,11 @@ def observe(arrays: SystemArrays, states: Array, times: Array | None = None) -> 
 @njit(cache=True)
 def _observe(s: SystemArrays, times: Array, states: Array, out: Observation) -> None:
     rate = np.zeros(s.size.total)
+    direction = s.drive[DIRECTION]
     for i in range(states.shape[0]):
         state = states[i]
+        if s.drive[FREE] > 0.0:
+            s.drive[DIRECTION] = np.sign(state[1])
         full_rates(times[i], state, s, rate)
         out.pressure[i] = s.node[:, PRESSURE]
         out.density[i] = s.node[:, DENSITY]
@@ -89,3 +94,4 @@ def _observe(s: SystemArrays, times: Array, states: Array, out: Observation) -> 
             for k in range(s.size.motions):
                 height += s.path_values[j, HEIGHT_BY_MOTION + k] * state[s.size.position + k]
             out.raw_height[i, j] = height
+    s.drive[DIRECTION] = direction
