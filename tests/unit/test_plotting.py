@@ -11,7 +11,9 @@ from toothspace.plotting.geometry import geometry_overview
 from toothspace.plotting.section import fluid_cells, turned_outline
 from toothspace.plotting.style import figure_to_png, figure_to_svg
 from toothspace.plotting.windows import opening_area, opening_windows
-from toothspace.results.solution import Solution
+from toothspace.results.solution import Event, Solution
+
+OVER_TIME = ("transient", "start")
 
 
 @pytest.fixture(scope="module")
@@ -20,7 +22,7 @@ def parts() -> tuple[object, object]:
 
 
 def test_every_figure_is_available_with_solution_and_machine(parts) -> None:
-    steady = [entry for entry in FIGURES if entry.sampled != "transient"]
+    steady = [entry for entry in FIGURES if entry.sampled not in OVER_TIME]
     assert available_figures(*parts) == steady
 
 
@@ -37,7 +39,7 @@ def test_figures_whose_variables_are_missing_are_left_out(parts) -> None:
 
 @pytest.mark.parametrize("entry", FIGURES, ids=lambda entry: entry.name)
 def test_figures_have_titles_and_labelled_axes(entry: FigureEntry, parts) -> None:
-    solution = transient_solution() if entry.sampled == "transient" else parts[0]
+    solution = transient_solution() if entry.sampled in OVER_TIME else parts[0]
     figure = entry.draw(solution, parts[1])
     assert figure_to_png(figure, 40.0).startswith(b"\x89PNG")
     titles = [axes.get_title(loc="left") + axes.get_title() for axes in figure.axes]
@@ -53,9 +55,21 @@ def test_overview_of_a_machine_needs_no_result() -> None:
 
 
 def transient_solution() -> Solution:
-    """The same samples over time."""
+    """The same samples over time, with what a run in a circuit adds."""
     solution = fake_solution()
-    return replace(solution, data=solution.data.swap_dims(shaft_angle="time"))
+    data = solution.data.swap_dims(shaft_angle="time")
+    drop = abs(data["inlet_pressure"] - data["outlet_pressure"])
+    data = data.assign(
+        supply_speed=data["shaft_speed"],
+        load_torque=0.5 * data["shaft_torque"],
+        pressure_difference=drop,
+        pressure_difference_lowest=0.9 * drop,
+        pressure_difference_highest=1.1 * drop,
+        shaft_speed_lowest=0.9 * data["shaft_speed"],
+        shaft_speed_highest=1.1 * data["shaft_speed"],
+    )
+    released = Event(0.0, float(data["time"][2]), "shaft_released", "shaft")
+    return replace(solution, data=data, events=(released,))
 
 
 def test_transient_runs_are_shown_over_time(parts) -> None:

@@ -8,6 +8,7 @@ from typing import final
 
 import numpy as np
 
+from toothspace.closures.set_valued_friction import STUCK, next_direction
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.model.arrays import BREAKAWAY, DIRECTION, DRIVING_TORQUE, FREE, HOLDING_TORQUE
@@ -149,8 +150,8 @@ class TransientMarch:
         state = march.state.y.copy()
         time = float(march.state.control[0]["valid_until"])
         drive = self.system.arrays.drive
-        if drive[DIRECTION] == 0.0:
-            drive[DIRECTION] = np.sign(drive[DRIVING_TORQUE])
+        if drive[DIRECTION] == STUCK:
+            drive[DIRECTION] = next_direction(0.0, drive[DRIVING_TORQUE], 0.0)
         else:
             state[1] = 0.0
             settle(self.system, state, time)
@@ -172,5 +173,5 @@ def settle(system: System, state: Array, time: float) -> None:
     evaluate(system.arrays, state)
     update_load(system.arrays, time)
     held_torque(system.arrays, state)
-    if drive[BREAKAWAY] == 0.0 or abs(drive[DRIVING_TORQUE]) > drive[HOLDING_TORQUE]:
-        drive[DIRECTION] = np.sign(drive[DRIVING_TORQUE]) or 1.0
+    holding = drive[HOLDING_TORQUE] if drive[BREAKAWAY] > 0.0 else 0.0
+    drive[DIRECTION] = next_direction(0.0, drive[DRIVING_TORQUE], holding)
