@@ -13,7 +13,7 @@ from tests.architecture.sources import PACKAGE, SOURCES, Source
 
 LAYERS = {
     "cli", "app", "fmi", "report", "plotting", "studies", "api", "config", "case", "machines",
-    "solver", "results", "films", "model", "geometry", "closures", "numerics", "core",
+    "solver", "results", "films", "elasticity", "model", "geometry", "closures", "numerics", "core",
 }  # fmt: skip
 """Parts of the package that the import contract orders."""
 
