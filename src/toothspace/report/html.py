@@ -123,10 +123,12 @@ def report_html(
         lstrip_blocks=True,
     )
     template = environment.get_template("report.html.j2")
+    chapters = _chapters(solution, description, measured)
+    interactive = any(chapter["charts"] for chapter in chapters)
     return template.render(
-        plotly_script=get_plotlyjs(),
+        plotly_script=get_plotlyjs() if interactive else "",
         style=(_TEMPLATES / "report.css").read_text(encoding="utf-8"),
-        chapters=_chapters(solution, description, measured),
+        chapters=chapters,
         **_numbers(solution),
         **_machine(solution, description),
         **_background(solution),
