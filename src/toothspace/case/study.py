@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass
 from pathlib import Path
 from typing import Any, final
 
+from toothspace.core.errors import CaseError
 from toothspace.core.keys import (
     Free,
     Grid,
@@ -20,14 +22,18 @@ from toothspace.core.keys import (
     choice,
     declare,
     file_path,
+    forbid,
     integer,
     number,
     quantity,
+    require,
     text,
 )
+from toothspace.core.units import split_quantity
 
 _SPEED = Quantity(unit="rpm", above=0, high=50000)
 _PRESSURE = Quantity(unit="bar", above=0, high=1000)
+_LARGEST_COUNT = 10000
 
 
 @final
@@ -136,7 +142,18 @@ class CalibrateStudy:
     hold_out: float = number("Share of the data kept for the check.", low=0, high=0.9, default=0.3)
 
 
-_VARY = Named(item=Free(), doc="Key paths with a list of values, or {from, to, count}.")
+_VARY = Named(
+    item=Free(),
+    doc="Key paths with a list of values, {from, to, count}, {from, to}, or {mean, deviation}.",
+)
+_FORMS = (
+    {"from", "to", "count"},
+    {"from", "to"},
+    {"mean", "deviation"},
+    {"mean", "deviation", "from"},
+    {"mean", "deviation", "to"},
+    {"mean", "deviation", "from", "to"},
+)
 
 
 def check_vary(vary: Mapping[str, Any], key: str) -> None:
@@ -147,13 +164,44 @@ def check_vary(vary: Mapping[str, Any], key: str) -> None:
     KeyRuleError
         With the key concerned.
     """
-    allowed = "a list of values, or {from, to, count}"
     if not vary:
         raise KeyRuleError(key, "nothing", "at least one key path with values")
     for path, values in vary.items():
-        is_span = isinstance(values, dict) and set(values) == {"from", "to", "count"}
-        if not (is_span or (isinstance(values, list) and values)):
+        if isinstance(values, dict):
+            _check_span(values, f"{key}.{path}")
+        elif not isinstance(values, list) or not all(map(_is_scalar, values)) or not values:
+            allowed = "a list of values, or {from, to, count}"
             raise KeyRuleError(f"{key}.{path}", repr(values), allowed)
+
+
+def _check_span(span: Mapping[str, Any], key: str) -> None:
+    if set(span) not in _FORMS:
+        allowed = "{from, to, count}, {from, to} or {mean, deviation}"
+        raise KeyRuleError(key, repr(span), allowed)
+    count = span.get("count", 2)
+    if isinstance(count, bool) or not isinstance(count, int) or not 2 <= count <= _LARGEST_COUNT:
+        allowed = f"a whole number from 2 to {_LARGEST_COUNT}"
+        raise KeyRuleError(f"{key}.count", repr(count), allowed)
+    limits = [value for name, value in span.items() if name != "count"]
+    if not all(map(_is_limit, limits)):
+        allowed = "numbers, or texts with units such as '20 um'"
+        raise KeyRuleError(key, repr(span), allowed)
+
+
+def _is_limit(value: Any) -> bool:
+    if isinstance(value, str):
+        try:
+            split_quantity(value)
+        except CaseError:
+            return False
+        return True
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def _is_scalar(value: Any) -> bool:
+    return isinstance(value, (str, bool, int)) or (
+        isinstance(value, float) and math.isfinite(value)
+    )
 
 
 @final
@@ -172,6 +220,10 @@ class SweepStudy:
 
     def __post_init__(self) -> None:
         check_vary(self.vary, "vary")
+        if self.method == "grid":
+            forbid(self, 'because method = "grid" takes the points from vary', "sample_count")
+        else:
+            require(self, f'with method = "{self.method}"', "sample_count")
 
 
 @final

@@ -105,6 +105,27 @@ def report(
 
 
 @application.command()
+def study(
+    case: CaseFile,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Folder; default CASE_study here.")
+    ] = None,
+    as_json: Json = False,
+    workers: Annotated[int, typer.Option(min=1, max=1024, help="Processes.")] = 1,
+    scheduler: Annotated[
+        str, typer.Option(metavar="ADDRESS", help="Dask scheduler instead of processes.")
+    ] = "",
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Take finished points from the folder.")
+    ] = False,
+    overrides: Overrides = None,
+) -> int:
+    """Run the study of a case: many runs with one question."""
+    options = commands.StudyOptions(output, workers, scheduler, resume)
+    return commands.study(case, options, overrides or [], as_json=as_json)
+
+
+@application.command()
 def bearing(case: CaseFile, as_json: Json = False, overrides: Overrides = None) -> int:
     """Solve a stand-alone journal bearing."""
     return commands.stand_alone_film(case, "bearing", overrides or [], as_json=as_json)

@@ -51,6 +51,29 @@ class GeometryOutputs:
     export: str | None = None
 
 
+@final
+@dataclass(frozen=True)
+class StudyOptions:
+    """Where and how ``study`` computes.
+
+    Parameters
+    ----------
+    folder : Path or None
+        Folder of the results; None takes CASE_study here.
+    workers : int
+        Processes.
+    scheduler : str
+        Address of a Dask scheduler, empty for processes.
+    resume : bool
+        Whether finished points are taken from the folder.
+    """
+
+    folder: Path | None = None
+    workers: int = 1
+    scheduler: str = ""
+    resume: bool = False
+
+
 def run(case_file: Path, result: Path | None, overrides: Sequence[str], *, as_json: bool) -> int:
     """Simulate a case, write the result and print its summary; returns the exit code."""
     case = _load(case_file, overrides)
@@ -119,6 +142,36 @@ def _measured(path: Path) -> dict[str, Any]:
     text = path.read_text(encoding="utf-8-sig") if path.is_file() else ""
     given = {name: unit for name, unit in known.items() if name in text.partition("\n")[0]}
     return read_columns(path, {"time": "s", **(given or known)})
+
+
+def study(
+    case_file: Path, options: StudyOptions, overrides: Sequence[str], *, as_json: bool
+) -> int:
+    """Run the study of a case, write its results and report; returns the exit code."""
+    case = _load(case_file, overrides)
+    from toothspace.studies.registry import kind_of, run_study
+
+    kind = kind_of(case)
+    folder = options.folder or Path(f"{case_file.stem}_study")
+    if folder.exists() and not folder.is_dir():
+        raise CaseError(f"{folder}: -o: found a file, allowed a folder")
+    with _file_named(case_file), output.progress(f"{kind}:") as progress:
+        result = run_study(
+            case,
+            folder,
+            progress=progress,
+            workers=options.workers,
+            scheduler=options.scheduler,
+            resume=options.resume,
+        )
+    from toothspace.report.study import write_study_report
+
+    write_study_report(result, folder / "report.html")
+    output.write(result.summary(), as_json=as_json)
+    if result.status is not Status.DONE:
+        output.message(f"{case_file}: {result.status.name.lower()}: {result.status.value}")
+    output.message(f"Results: {folder}")
+    return _EXIT_CODES.get(result.status, _NUMERICAL_FAILURE)
 
 
 def stand_alone_film(

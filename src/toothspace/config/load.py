@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ from toothspace.case.conditions import RunSettings
 from toothspace.case.stand_alone import FILMS
 from toothspace.case.study import STUDIES
 from toothspace.config.document import document_text, parse_document, read_document
-from toothspace.config.overrides import apply_overrides
+from toothspace.config.overrides import apply_overrides, apply_values
 from toothspace.config.reader import Reader, joined
 from toothspace.config.rules import check_together
 from toothspace.core.errors import CaseError
@@ -96,6 +96,36 @@ def case_from_text(text: str, folder: str | Path = ".", label: str = "case") -> 
         One line with label, key, what was found and what is allowed.
     """
     return _case(parse_document(text, label), (), Path(folder) / f"{label}.toml", label)
+
+
+def case_with(case: Case, values: Mapping[str, Any]) -> Case:
+    """Return one point of a study: a case without ``[study]`` and with other values.
+
+    Parameters
+    ----------
+    case : Case
+        Case that was read from a file or text.
+    values : mapping of key path to value
+        Values as they would stand in the case file, such as ``"20 um"``.
+
+    Returns
+    -------
+    Case
+        Its hash depends on what is computed only, not on the study.
+
+    Raises
+    ------
+    CaseError
+        One line with file, key, what was found and what is allowed.
+    """
+    source = case.source if case.source is not None else Path("case.toml")
+    tables = parse_document(case.text, str(source))
+    tables.pop("study", None)
+    for path in values:
+        if path.partition(".")[0] in {"study", "schema"}:
+            allowed = "a key of the machine, the fluid, the condition or the run"
+            raise CaseError(f"{source}: study: found {path!r}, allowed {allowed}")
+    return _case(apply_values(tables, values, str(source)), (), source, str(source))
 
 
 def _case(tables: dict[str, Any], overrides: tuple[str, ...], source: Path, label: str) -> Case:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from copy import deepcopy
 from typing import Any
 
@@ -47,13 +47,41 @@ def apply_overrides(tables: dict[str, Any], overrides: Iterable[str], label: str
     return changed
 
 
+def apply_values(tables: dict[str, Any], values: Mapping[str, Any], label: str) -> dict[str, Any]:
+    """Return tables with values of key paths replaced.
+
+    Parameters
+    ----------
+    tables : dict
+        Tables of a case file; not changed.
+    values : mapping of key path to value
+        Values as they would stand in a case file.
+    label : str
+        Name of the case file in messages.
+
+    Raises
+    ------
+    CaseError
+        If a path is no key path, or leads through a value.
+    """
+    changed = deepcopy(tables)
+    for path, value in values.items():
+        if not _PATH.fullmatch(path):
+            raise CaseError(
+                f"{label}: study: found {path!r}, allowed a key path such as fluid.name"
+            )
+        _insert(changed, path.split("."), value, label)
+        _remove_alternative(changed, path)
+    return changed
+
+
 def _remove_alternative(tables: dict[str, Any], given: str) -> None:
     for pair in ALTERNATIVES:
         if given in pair:
             *folders, name = pair[1 - pair.index(given)].split(".")
             table = tables
             for folder in folders:
-                table = table[folder]
+                table = table.get(folder, {})
             table.pop(name, None)
 
 
@@ -79,5 +107,5 @@ def _insert(tables: dict[str, Any], path: list[str], value: Any, label: str) -> 
         if not isinstance(table, dict):
             found = f"{'.'.join(path)} below a value"
             allowed = f"a path through tables, but {'.'.join(path[:depth])} is a value"
-            raise CaseError(f"{label}: --set: found {found}, allowed {allowed}")
+            raise CaseError(f"{label}: {'.'.join(path)}: found {found}, allowed {allowed}")
     table[path[-1]] = value

@@ -21,6 +21,10 @@ class Status(Enum):
     NOT_CONVERGED = (
         "An iteration did not converge. Start from a nearby condition or refine the grid."
     )
+    POINTS_FAILED = (
+        "Some points of the study failed; their rows say why. "
+        "Correct the case, then go on with --resume."
+    )
     INTERRUPTED = "Interrupted by the user; what was computed is kept."
 
     @property

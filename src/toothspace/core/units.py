@@ -145,6 +145,21 @@ def format_si(value: float, unit: str) -> str:
     return f"{from_si(value, unit):.10g} {unit}"
 
 
+def split_quantity(text: str) -> tuple[float, str]:
+    """Split a text such as ``"2.75 mm"`` into its number and its unit.
+
+    Raises
+    ------
+    CaseError
+        If it is no finite number with a known unit.
+    """
+    match = _NUMBER.fullmatch(text)
+    if match is None or not match[2] or not math.isfinite(float(match[1])):
+        raise CaseError(f"found {text!r}, allowed a number with its unit, such as '1 mm'")
+    _unit(match[2])
+    return float(match[1]), match[2]
+
+
 def compatible(unit: str, other: str) -> bool:
     """Tell whether two units measure the same thing."""
     return bool(_unit(unit).dimensionality == _unit(other).dimensionality)

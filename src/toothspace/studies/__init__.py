@@ -1,1 +1,22 @@
-"""Named studies."""
+"""Studies: many runs with one question.
+
+============== ============================================================
+module         responsibility
+============== ============================================================
+registry       studies by name; runs the study of a case
+study          what every study is given and gives back
+points         points of a study, evaluated once each
+records        finished points on disk
+workers        processes that share the points
+variation      values of varied keys: grids, samples, distributions
+sweep          many cases over varied keys
+efficiency_map steady points over speed and pressure difference
+============== ============================================================
+"""
+
+from __future__ import annotations
+
+from toothspace.studies.registry import STUDY_MODULES, run_study
+from toothspace.studies.study import StudyContext, StudyResult, StudyTable
+
+__all__ = ["STUDY_MODULES", "StudyContext", "StudyResult", "StudyTable", "run_study"]

@@ -1,0 +1,226 @@
+"""Figures of studies, by the kind of the study."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, final
+
+import numpy as np
+
+from toothspace.core.types import Array
+from toothspace.plotting.style import BLUE, GREY, INK, PRESSURE_COLOURS, new_figure, styled
+from toothspace.studies.tabulate import label_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+MAIN_NUMBERS = (
+    "volumetric_efficiency",
+    "hydromechanical_efficiency",
+    "mean_flow_L_per_min",
+    "mean_torque_N_m",
+    "flow_ripple_percent",
+    "max_chamber_pressure_bar",
+)
+"""Numbers that a sweep shows."""
+
+_EFFICIENCIES = (
+    ("overall_efficiency", "Overall efficiency (%)"),
+    ("hydromechanical_efficiency", "Hydromechanical efficiency (%)"),
+    ("volumetric_efficiency", "Volumetric efficiency (%)"),
+)
+_CHARACTERISTICS = ("mean_flow_L_per_min", "mean_torque_N_m")
+_RPM = 60.0 / (2.0 * np.pi)
+_MOST_LINES = 8
+_SHOWN_RANGE = 40.0
+"""Percent below the best efficiency that contour lines cover."""
+
+_UNITS = {"um": "µm", "degC": "°C", "deg": "°", "1": ""}
+
+
+@final
+@dataclass(frozen=True)
+class StudyFigure:
+    """A figure of a study with its caption."""
+
+    name: str
+    caption: str
+    figure: Figure
+
+
+def study_figures(kind: str, data: xr.Dataset) -> list[StudyFigure]:
+    """Return all figures that the dataset of a study can give.
+
+    Parameters
+    ----------
+    kind : str
+        Value of ``study.kind``.
+    data : xarray.Dataset
+        Its dataset, see :class:`toothspace.studies.StudyResult`.
+    """
+    draw = _FIGURES.get(kind)
+    return draw(data) if draw is not None else []
+
+
+def _efficiency_map(data: xr.Dataset) -> list[StudyFigure]:
+    found = []
+    if not _has(data, *(name for name, _ in _EFFICIENCIES), *_CHARACTERISTICS):
+        return []
+    if min(data.sizes["shaft_speed"], data.sizes["pressure_difference"]) > 1:
+        caption = (
+            "Lines of equal efficiency over shaft speed and pressure difference; "
+            "dots are the computed points. White: a motor that must be driven, or no result."
+        )
+        found.append(StudyFigure("efficiency_map", caption, efficiency_contours(data)))
+    caption = "Flow and torque over the pressure difference, one line per shaft speed."
+    found.append(StudyFigure("characteristics", caption, characteristics(data)))
+    return found
+
+
+@styled
+def efficiency_contours(data: xr.Dataset) -> Figure:
+    """Contours of the three efficiencies over shaft speed and pressure difference."""
+    figure = new_figure(7.2, 8.6)
+    speed = data["shaft_speed"].values * _RPM
+    pressure = data["pressure_difference"].values * 1e-5
+    panels = figure.subplots(3, 1, sharex=True)
+    for axes, (name, title) in zip(panels, _EFFICIENCIES, strict=True):
+        # below zero a motor is driven: it has no efficiency there
+        values = np.ma.masked_invalid(np.where(data[name] > 0.0, 100.0 * data[name], np.nan).T)
+        if values.count() > 3:
+            _contours(axes, speed, pressure, values)
+        axes.plot(*map(np.ravel, np.meshgrid(speed, pressure)), ".", color=GREY, ms=3)
+        axes.set_title(title)
+        axes.set_ylabel("Pressure difference (bar)")
+    panels[-1].set_xlabel("Shaft speed (rpm)")
+    return figure
+
+
+def _contours(axes: Axes, speed: Array, pressure: Array, values: Any) -> None:
+    from matplotlib.patheffects import withStroke
+
+    high = float(values.max())
+    levels = _levels(max(float(values.min()), high - _SHOWN_RANGE), high)
+    axes.contourf(speed, pressure, values, levels=levels, cmap=PRESSURE_COLOURS, extend="both")
+    lines = axes.contour(speed, pressure, values, levels=levels, colors=INK, linewidths=0.7)
+    for text in axes.clabel(lines, fmt="%g", fontsize=7.5):
+        text.set_path_effects([withStroke(linewidth=2.0, foreground="white")])
+
+
+def _levels(low: float, high: float) -> Array:
+    from matplotlib.ticker import MaxNLocator
+
+    return np.asarray(MaxNLocator(10, steps=[1, 2, 5, 10], min_n_ticks=4).tick_values(low, high))
+
+
+@styled
+def characteristics(data: xr.Dataset) -> Figure:
+    """Flow and torque over the pressure difference, one line per shaft speed."""
+    figure = new_figure(7.2, 3.6)
+    pressure = data["pressure_difference"].values * 1e-5
+    panels = figure.subplots(1, 2)
+    for axes, name in zip(panels, _CHARACTERISTICS, strict=True):
+        for k in _spread(data.sizes["shaft_speed"]):
+            speed = float(data["shaft_speed"][k]) * _RPM
+            axes.plot(pressure, data[name].values[k], "o-", ms=3, label=f"{speed:.4g} rpm")
+        axes.set_xlabel("Pressure difference (bar)")
+        axes.set_ylabel(_label(name))
+    panels[1].legend()
+    return figure
+
+
+def _sweep(data: xr.Dataset) -> list[StudyFigure]:
+    axes = [p for p in data.attrs["varied"].split() if data[p].dtype.kind in "fiu"]
+    shape = [int(size) for size in data.attrs["shape"].split()]
+    if not axes or not _shown_numbers(data):
+        return []
+    if len(axes) == len(shape) <= 2:
+        caption = f"Results over {axes[0]}" + (f", one line per {axes[1]}." if axes[1:] else ".")
+        return [StudyFigure("sweep", caption, sweep_lines(data, axes, shape))]
+    return [
+        StudyFigure(f"sweep_{path}", f"All points over {path}.", scatter(data, path))
+        for path in axes
+    ]
+
+
+@styled
+def sweep_lines(data: xr.Dataset, paths: Sequence[str], shape: Sequence[int]) -> Figure:
+    """Main numbers over the first varied key, one line per value of the second."""
+    sizes = (*shape, 1)[:2]
+    x = data[paths[0]].values.reshape(sizes)
+    second = data[paths[1]].values.reshape(sizes)[0] if len(paths) > 1 else None
+    unit = _unit(data, paths[-1])
+    figure, panels = _panels(data)
+    for axes, name in panels:
+        values = data[name].values.reshape(sizes)
+        for k in _spread(sizes[1]):
+            label = f"{second[k]:.4g} {unit}" if second is not None else None
+            axes.plot(x[:, k], values[:, k], "o-", ms=3, label=label)
+        axes.set_xlabel(_axis_label(data, paths[0]))
+    if second is not None:
+        panels[0][0].legend(title=paths[1].rpartition(".")[2].replace("_", " ").capitalize())
+    return figure
+
+
+@styled
+def scatter(data: xr.Dataset, path: str) -> Figure:
+    """Main numbers of all points over one varied key."""
+    figure, panels = _panels(data)
+    for axes, name in panels:
+        axes.plot(data[path].values, data[name].values, ".", color=BLUE, ms=4)
+        axes.set_xlabel(_axis_label(data, path))
+    return figure
+
+
+def _panels(data: xr.Dataset) -> tuple[Figure, list[tuple[Axes, str]]]:
+    names = _shown_numbers(data)
+    rows = -(-len(names) // 2)
+    figure = new_figure(7.2, 0.4 + 2.4 * rows)
+    flat = list(figure.subplots(rows, 2, squeeze=False).flat)
+    for axes, name in zip(flat, names, strict=False):
+        axes.set_ylabel(_label(name))
+    for axes in flat[len(names) :]:
+        axes.set_visible(False)
+    return figure, list(zip(flat, names, strict=False))
+
+
+def _shown_numbers(data: xr.Dataset) -> list[str]:
+    """Main numbers, or else the first of all."""
+    numbers = [str(name) for name in data.data_vars if data[name].dtype.kind == "f"]
+    results = [name for name in numbers if "." not in name]
+    return [name for name in MAIN_NUMBERS if name in results] or results[: len(MAIN_NUMBERS)]
+
+
+def _has(data: xr.Dataset, *names: str) -> bool:
+    return all(name in data and np.isfinite(data[name]).any() for name in names)
+
+
+def _spread(count: int) -> list[int]:
+    """Some of many lines, the first and the last among them."""
+    shown = np.linspace(0, count - 1, min(count, _MOST_LINES))
+    return [round(k) for k in shown.tolist()]
+
+
+def _label(name: str) -> str:
+    text = label_of(name)
+    return text[:1].upper() + text[1:]
+
+
+def _axis_label(data: xr.Dataset, path: str) -> str:
+    unit = _unit(data, path)
+    words = " ".join(path.split(".")[-2:]).replace("_", " ").capitalize()
+    return f"{words} ({unit})" if unit else words
+
+
+def _unit(data: xr.Dataset, path: str) -> str:
+    unit = str(data[path].attrs.get("units", "1"))
+    return _UNITS.get(unit, unit)
+
+
+_FIGURES: Mapping[str, Callable[..., list[StudyFigure]]] = {
+    "efficiency_map": _efficiency_map,
+    "sweep": _sweep,
+}

@@ -1,0 +1,100 @@
+"""One self-contained HTML page per study."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+from toothspace.plotting.study_figures import study_figures
+from toothspace.plotting.style import figure_to_svg
+from toothspace.report.wording import Quantity, format_value, quantity
+from toothspace.studies.study import StudyResult, StudyTable, write_text
+
+_TEMPLATES = Path(__file__).parent / "templates"
+_LONGEST_TABLE = 400
+_WIDEST_TABLE = 12
+
+
+def write_study_report(result: StudyResult, path: str | Path) -> Path:
+    """Write the page of a study.
+
+    Parameters
+    ----------
+    result : StudyResult
+        Result, complete or not.
+    path : str or Path
+        HTML file to write.
+
+    Returns
+    -------
+    Path
+        The file written.
+    """
+    target = Path(path)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    return write_text(target, study_report_html(result))
+
+
+def study_report_html(result: StudyResult) -> str:
+    """Return the page of a study as HTML text."""
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+    environment = Environment(
+        loader=FileSystemLoader(_TEMPLATES),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    figures = study_figures(result.kind, result.data)
+    provenance = {k: v for k, v in result.provenance.items() if k != "case_toml"}
+    return environment.get_template("study.html.j2").render(
+        title=result.title,
+        kind=result.kind.replace("_", " "),
+        status=result.status,
+        numbers=_numbers(result),
+        figures=[(f.name, f.caption, figure_to_svg(f.figure)) for f in figures],
+        tables=[_table(table) for table in result.tables],
+        style=(_TEMPLATES / "report.css").read_text(encoding="utf-8"),
+        provenance=[(k.replace("_", " "), v or "none") for k, v in provenance.items()],
+        case_toml=result.provenance.get("case_toml", ""),
+    )
+
+
+def _numbers(result: StudyResult) -> list[Quantity]:
+    """Single numbers of the study; its lists stand in the tables."""
+    return [
+        quantity(name, value)
+        for name, value in result.summary().items()
+        if isinstance(value, (int, float, str)) and name != "status"
+    ]
+
+
+def _table(table: StudyTable) -> dict[str, Any]:
+    """Head and text of a table, with few enough columns to be read on a page."""
+    kept = _columns(table)
+    rows = [[_cell(row[k]) for k in kept] for row in table.rows[:_LONGEST_TABLE]]
+    return {
+        "name": table.name,
+        "head": [table.head[k].replace("_", " ") for k in kept],
+        "rows": rows,
+        "left_out": len(table.rows) - len(rows),
+        "columns_left_out": len(table.head) - len(kept),
+    }
+
+
+def _columns(table: StudyTable) -> list[int]:
+    """Columns in which something changes, up to the widest table."""
+    changing = [
+        k
+        for k in range(len(table.head))
+        if len(table.rows) < 2 or len({_cell(row[k]) for row in table.rows}) > 1
+    ]
+    return changing[:_WIDEST_TABLE]
+
+
+def _cell(value: float | str) -> str:
+    if isinstance(value, str):
+        return value
+    return format_value(float(value)) if math.isfinite(value) else "–"

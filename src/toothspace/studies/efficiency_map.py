@@ -1,0 +1,149 @@
+"""Steady efficiencies over shaft speed and pressure difference."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from toothspace.case import Case
+from toothspace.case.study import EfficiencyMapStudy
+from toothspace.core.errors import CaseError
+from toothspace.core.units import from_si
+from toothspace.studies.points import (
+    Point,
+    evaluate_points,
+    point,
+    recorded,
+    require_some,
+    status_of,
+)
+from toothspace.studies.records import Record
+from toothspace.studies.study import Row, StudyContext, StudyResult, StudyTable
+from toothspace.studies.tabulate import columns, provenance, unit_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+TABLE_COLUMNS = (
+    ("mean_flow_L_per_min", "flow q_v (L/min)"),
+    ("mean_torque_N_m", "torque T (N m)"),
+    ("hydraulic_power_W", "hydraulic power P_h (W)"),
+    ("shaft_power_W", "shaft power P_m (W)"),
+    ("volumetric_efficiency", "volumetric efficiency eta_v"),
+    ("hydromechanical_efficiency", "hydromechanical efficiency eta_hm"),
+    ("overall_efficiency", "overall efficiency eta_t"),
+)
+"""Columns of the table, with the quantities of ISO 4409:2019, tables of test results."""
+
+
+def run(case: Case, context: StudyContext) -> StudyResult:
+    """Run the case over ``study.shaft_speed`` and ``study.pressure_difference``.
+
+    The low-pressure side stays as in ``[operating_point]``: the inlet of a pump, the outlet of
+    a motor.
+
+    Parameters
+    ----------
+    case : Case
+        Case with ``kind = "efficiency_map"`` and an operating point.
+    context : StudyContext
+        Progress, workers and records.
+
+    Returns
+    -------
+    StudyResult
+        Summary numbers over ``shaft_speed`` and ``pressure_difference``.
+
+    Raises
+    ------
+    CaseError
+        If the case has no operating point, or no point can be run.
+
+    References
+    ----------
+    .. [1] ISO 4409:2019, Hydraulic fluid power - Positive-displacement pumps, motors and
+       integral transmissions - Methods of testing and presenting basic steady state performance.
+    """
+    study = case.study
+    assert isinstance(study, EfficiencyMapStudy)
+    if case.operating_point is None:
+        found = "no [operating_point]"
+        raise CaseError(f"{case.source}: study.kind: found {found}, allowed a steady case")
+    pairs = list(product(study.shaft_speed, study.pressure_difference))
+    points = [_point(case, speed, difference) for speed, difference in pairs]
+    try:
+        records = evaluate_points(points, context)
+    except KeyboardInterrupt:
+        records = recorded(points, context)
+    require_some(records)
+    return StudyResult(
+        kind="efficiency_map",
+        title=case.title,
+        status=status_of(records),
+        data=_dataset(study, records),
+        numbers=_numbers(pairs, records),
+        tables=(_table(pairs, records),),
+        provenance=provenance(case),
+    )
+
+
+def _point(case: Case, speed: float, difference: float) -> Point:
+    operating = case.operating_point
+    assert operating is not None
+    motor = getattr(case.machine, "mode", "pump") == "motor"
+    low = operating.outlet_pressure if motor else operating.inlet_pressure
+    high_port = "inlet" if motor else "outlet"
+    values = {
+        "operating_point.shaft_speed": f"{from_si(speed, 'rpm'):.12g} rpm",
+        f"operating_point.{high_port}_pressure": f"{(low + difference) * 1e-5:.12g} bar",
+    }
+    return point(case, values)
+
+
+def _dataset(study: EfficiencyMapStudy, records: Sequence[Record]) -> xr.Dataset:
+    import xarray as xr
+
+    shape = (len(study.shaft_speed), len(study.pressure_difference))
+    dims = ("shaft_speed", "pressure_difference")
+    data: dict[str, Any] = {
+        name: (dims, np.asarray(values).reshape(shape), {"units": unit_of(name)})
+        for name, values in columns(records).items()
+    }
+    data["point_status"] = (dims, np.asarray([r.status for r in records]).reshape(shape))
+    axes = {
+        "shaft_speed": ("shaft_speed", np.asarray(study.shaft_speed), {"units": "rad/s"}),
+        "pressure_difference": (
+            "pressure_difference", np.asarray(study.pressure_difference), {"units": "Pa"},
+        ),
+    }  # fmt: skip
+    return xr.Dataset(data, coords=axes)
+
+
+def _numbers(pairs: Sequence[tuple[float, float]], records: Sequence[Record]) -> dict[str, Any]:
+    found = columns(records)
+    found.pop("shaft_speed_rpm", None)
+    return {
+        "points": len(records),
+        "points_failed": sum(not r.succeeded for r in records),
+        "shaft_speed_rpm": [from_si(speed, "rpm") for speed, _ in pairs],
+        "pressure_difference_bar": [difference * 1e-5 for _, difference in pairs],
+        **found,
+        "point_status": [r.status for r in records],
+    }
+
+
+def _table(pairs: Sequence[tuple[float, float]], records: Sequence[Record]) -> StudyTable:
+    head = ("speed n (rpm)", "pressure difference dp (bar)", *(text for _, text in TABLE_COLUMNS))
+    rows: tuple[Row, ...] = tuple(
+        (
+            from_si(speed, "rpm"),
+            difference * 1e-5,
+            *(record.number(name) for name, _ in TABLE_COLUMNS),
+            record.status,
+        )
+        for (speed, difference), record in zip(pairs, records, strict=True)
+    )
+    return StudyTable("iso_4409", (*head, "status"), rows)

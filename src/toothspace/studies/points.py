@@ -1,0 +1,167 @@
+"""Points of a study: cases with other values, evaluated once each."""
+
+from __future__ import annotations
+
+import hashlib
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, final
+
+import toothspace
+from toothspace.case import Case
+from toothspace.config.load import case_with
+from toothspace.core.errors import CaseError
+from toothspace.core.status import Status
+from toothspace.studies.records import BAD_INPUT, FAILED, Record
+from toothspace.studies.study import StudyContext, plain
+
+Evaluate = Callable[[Case], Mapping[str, Any]]
+"""Numbers of one case, with its ``status`` among them; a function of a module."""
+
+
+@final
+@dataclass(frozen=True)
+class Point:
+    """One point of a study.
+
+    Parameters
+    ----------
+    values : mapping of key path to value
+        What differs from the case of the study, as it would stand in a case file.
+    case : Case or None
+        The case of the point; None if the values are refused.
+    message : str
+        Why they are refused.
+    """
+
+    values: Mapping[str, Any]
+    case: Case | None
+    message: str = ""
+
+
+@final
+@dataclass(frozen=True)
+class _Task:
+    key: str
+    case: Case
+    evaluate: Evaluate = field(repr=False)
+
+
+def summary_numbers(case: Case) -> Mapping[str, Any]:
+    """Run a case and return its summary numbers."""
+    from toothspace import api
+
+    return api.simulate(case).summary()
+
+
+def point(case: Case, values: Mapping[str, Any]) -> Point:
+    """Make one point; values that the case refuses are kept with the reason."""
+    try:
+        return Point(values, case_with(case, values))
+    except CaseError as error:
+        return Point(values, None, str(error))
+
+
+def evaluate_points(
+    points: Sequence[Point], context: StudyContext, evaluate: Evaluate = summary_numbers
+) -> list[Record]:
+    """Evaluate points that have no record yet; every finished one is recorded at once.
+
+    Parameters
+    ----------
+    points : sequence of Point
+        What to evaluate.
+    context : StudyContext
+        Records, workers and progress.
+    evaluate : callable
+        Function of a module that turns a case into numbers.
+
+    Returns
+    -------
+    list of Record
+        In the order of the points.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        After an interrupt by the user; finished points are recorded.
+    """
+    keys = [_key(item, evaluate) for item in points]
+    open_tasks: dict[str, _Task] = {}
+    for key, item in zip(keys, points, strict=True):
+        if context.records.get(key) is None:
+            if item.case is None:
+                context.records.add(Record(key, BAD_INPUT, message=item.message))
+            else:
+                open_tasks[key] = _Task(key, item.case, evaluate)
+    done = len(points) - len(open_tasks)
+    _tell(context, done, len(points))
+    try:
+        for _, record in context.workers.each(_evaluated, list(open_tasks.values())):
+            if record.status == Status.INTERRUPTED.name.lower():
+                raise KeyboardInterrupt
+            context.records.add(record)
+            done += 1
+            _tell(context, done, len(points))
+    except KeyboardInterrupt:
+        context.workers.stop()
+        raise
+    return recorded(points, context, evaluate)
+
+
+def recorded(
+    points: Sequence[Point], context: StudyContext, evaluate: Evaluate = summary_numbers
+) -> list[Record]:
+    """Return the records of points; those not evaluated have the status ``interrupted``."""
+    keys = [_key(item, evaluate) for item in points]
+    missing = Status.INTERRUPTED.name.lower()
+    return [context.records.get(key) or Record(key, missing) for key in keys]
+
+
+def status_of(records: Sequence[Record]) -> Status:
+    """Return the status of a study from those of its points."""
+    if any(record.status == Status.INTERRUPTED.name.lower() for record in records):
+        return Status.INTERRUPTED
+    if all(record.succeeded for record in records):
+        return Status.DONE
+    return Status.POINTS_FAILED
+
+
+def require_some(records: Sequence[Record]) -> None:
+    """Refuse a study of which every point is refused.
+
+    Raises
+    ------
+    CaseError
+        With the reason of the first point.
+    """
+    if records and all(record.status == BAD_INPUT for record in records):
+        raise CaseError(records[0].message)
+
+
+def _key(item: Point, evaluate: Evaluate) -> str:
+    content = repr(sorted(item.values.items())) if item.case is None else item.case.hash
+    name = f"{evaluate.__module__}.{evaluate.__qualname__}"
+    text = "\n".join((content, name, toothspace.__version__))
+    return hashlib.sha256(text.encode()).hexdigest()[:32]
+
+
+def _evaluated(task: _Task) -> Record:
+    started = time.perf_counter()
+    try:
+        numbers = dict(task.evaluate(task.case))
+        status, message = str(numbers.pop("status")), ""
+        if status in {s.name.lower() for s in Status} - {"done"}:
+            message = Status[status.upper()].value
+    except CaseError as error:
+        numbers, status, message = {}, BAD_INPUT, str(error)
+    except Exception as error:  # one point that fails must not end a long study
+        numbers, status = {}, FAILED
+        message = f"{type(error).__name__}: {' '.join(str(error).split())}"
+    return Record(task.key, status, plain(numbers), message, time.perf_counter() - started)
+
+
+def _tell(context: StudyContext, done: int, total: int) -> None:
+    if context.progress is not None:
+        context.progress(done / max(total, 1), f"point {done} of {total}")

@@ -1,0 +1,112 @@
+"""Finished points of a study, kept one by one so that an interrupt loses nothing."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any, final
+
+DONE = "done"
+BAD_INPUT = "bad_input"
+FAILED = "failed"
+
+FILE_NAME = "points.jsonl"
+"""Name of the file in the folder of a study: one finished point per line."""
+
+
+@final
+@dataclass(frozen=True)
+class Record:
+    """What one point of a study gave.
+
+    Parameters
+    ----------
+    key : str
+        Hash of what was computed.
+    status : str
+        Status of the run in lower case, ``bad_input``, or ``failed`` after an unexpected error.
+    numbers : mapping
+        Summary numbers, or what else the study evaluates; empty if there are none.
+    message : str
+        Why the point failed, in one line; empty if it did not.
+    wall_time : float
+        Time that it took. [s]
+    """
+
+    key: str
+    status: str
+    numbers: Mapping[str, Any] = field(default_factory=dict)
+    message: str = ""
+    wall_time: float = math.nan
+
+    @property
+    def succeeded(self) -> bool:
+        """Whether the point did what was asked."""
+        return self.status == DONE
+
+    def number(self, name: str) -> float:
+        """Return a number of the point, NaN if it has none of that name. [unit of the name]."""
+        value = self.numbers.get(name)
+        return float(value) if isinstance(value, (int, float)) else math.nan
+
+
+@final
+class Records:
+    """Records by key, in memory and, with a file, on disk.
+
+    Parameters
+    ----------
+    path : Path or None
+        File of one record per line; None keeps them in memory only.
+    resume : bool
+        Whether successful records that the file holds already count; otherwise it starts anew.
+    """
+
+    def __init__(self, path: Path | None = None, *, resume: bool = False) -> None:
+        self.path = path
+        self._found: dict[str, Record] = {}
+        if path is not None and resume and path.is_file():
+            self._found = _read(path)
+        if path is not None:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            _write(path, self._found.values())
+
+    def get(self, key: str) -> Record | None:
+        """Return the record of a key, or None."""
+        return self._found.get(key)
+
+    def add(self, record: Record) -> None:
+        """Keep a record; a reader never sees half of it as a whole line."""
+        self._found[record.key] = record
+        if self.path is not None:
+            with self.path.open("a", encoding="utf-8") as file:
+                file.write(_line(record))
+
+    def __len__(self) -> int:
+        """Return the number of records."""
+        return len(self._found)
+
+
+def _line(record: Record) -> str:
+    return json.dumps(asdict(record)) + "\n"
+
+
+def _write(path: Path, records: Any) -> None:
+    draft = path.with_suffix(".part")
+    draft.write_text("".join(_line(record) for record in records), encoding="utf-8")
+    draft.replace(path)
+
+
+def _read(path: Path) -> dict[str, Record]:
+    found = {}
+    for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
+        try:
+            record = Record(**json.loads(line))
+        except (ValueError, TypeError):
+            continue  # a line that a crash cut short
+        if record.succeeded:
+            found[record.key] = record
+    return found

@@ -1,0 +1,90 @@
+"""Studies by the value of ``study.kind``.
+
+A study is a module with a function ``run(case, context) -> StudyResult``.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import replace
+from importlib import import_module
+from pathlib import Path
+
+from toothspace.case import Case
+from toothspace.case.study import STUDIES
+from toothspace.core.errors import CaseError
+from toothspace.studies.records import FILE_NAME, Records
+from toothspace.studies.study import Progress, StudyContext, StudyResult
+from toothspace.studies.workers import Workers
+
+STUDY_MODULES: Mapping[str, str] = {
+    "efficiency_map": "toothspace.studies.efficiency_map",
+    "sweep": "toothspace.studies.sweep",
+}
+"""Module of each study that can be run."""
+
+
+def kind_of(case: Case) -> str:
+    """Return the kind of the study of a case.
+
+    Raises
+    ------
+    CaseError
+        If the case has no study, or one that this version only reads.
+    """
+    label = str(case.source or "case")
+    if case.study is None:
+        raise CaseError(f"{label}: study: found nothing, allowed a table [study] with its kind")
+    kind = next(name for name, spec in STUDIES.items() if spec is type(case.study))
+    if kind not in STUDY_MODULES:
+        allowed = ", ".join(sorted(STUDY_MODULES))
+        raise CaseError(f"{label}: study.kind: found {kind!r}, allowed in this version {allowed}")
+    return kind
+
+
+def run_study(
+    case: Case,
+    folder: str | Path | None = None,
+    *,
+    progress: Progress | None = None,
+    workers: int = 1,
+    scheduler: str = "",
+    resume: bool = False,
+) -> StudyResult:
+    """Run the study of a case.
+
+    Parameters
+    ----------
+    case : Case
+        Case with a table ``[study]``.
+    folder : str or Path, optional
+        Keeps finished points while the study runs, and the result at its end.
+    progress : callable, optional
+        Called with the finished share and a short text.
+    workers : int
+        Processes that share the points. [-]
+    scheduler : str
+        Address of a Dask scheduler instead of processes.
+    resume : bool
+        Whether to take finished points from the folder.
+
+    Returns
+    -------
+    StudyResult
+        Complete or not, see its status.
+
+    Raises
+    ------
+    CaseError
+        If the case asks for the impossible.
+    """
+    module = import_module(STUDY_MODULES[kind_of(case)])
+    started = time.perf_counter()
+    records = Records(None if folder is None else Path(folder) / FILE_NAME, resume=resume)
+    with Workers(workers, scheduler) as pool:
+        result: StudyResult = module.run(case, StudyContext(progress, pool, records))
+    result = replace(result, wall_time=time.perf_counter() - started)
+    if folder is not None:
+        result.save(folder)
+    return result

@@ -1,0 +1,164 @@
+"""What every study is given and what it gives back."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+import os
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, final
+
+from toothspace.core.status import Status
+from toothspace.studies.records import Records
+from toothspace.studies.workers import Workers
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Progress = Callable[[float, str], None]
+"""Called with the finished share (0 to 1) and a short text."""
+
+Row = Sequence[float | str]
+
+
+@final
+@dataclass(frozen=True)
+class StudyContext:
+    """Where and how a study computes.
+
+    Parameters
+    ----------
+    progress : callable or None
+        Told what is done.
+    workers : Workers
+        Who computes the points.
+    records : Records
+        Finished points.
+    """
+
+    progress: Progress | None = None
+    workers: Workers = field(default_factory=Workers)
+    records: Records = field(default_factory=Records)
+
+
+@final
+@dataclass(frozen=True)
+class StudyTable:
+    """A table of a study, written as CSV; the head names every column with its unit."""
+
+    name: str
+    head: tuple[str, ...]
+    rows: tuple[Row, ...]
+
+    def to_csv(self) -> str:
+        """Return the table as CSV text."""
+        buffer = io.StringIO()
+        writer = csv.writer(buffer, lineterminator="\n")
+        writer.writerow(self.head)
+        writer.writerows([_cell(value) for value in row] for row in self.rows)
+        return buffer.getvalue()
+
+
+@final
+@dataclass(frozen=True)
+class StudyResult:
+    """Result of one study, complete or not.
+
+    Parameters
+    ----------
+    kind, title : str
+        Value of ``study.kind``, and title of the case.
+    status : Status
+        Outcome; what was computed is kept if it failed.
+    data : xarray.Dataset
+        Numbers of the points, over ``point`` or over the axes of a grid.
+    numbers : mapping
+        What ``toothspace study --json`` prints: names with unit suffix.
+    tables : tuple of StudyTable
+        Tables for people.
+    provenance : mapping of str to str
+        Where it comes from.
+    wall_time : float
+        Time that it took. [s]
+    """
+
+    kind: str
+    title: str
+    status: Status
+    data: xr.Dataset
+    numbers: Mapping[str, Any]
+    tables: tuple[StudyTable, ...] = ()
+    provenance: Mapping[str, str] = field(default_factory=dict)
+    wall_time: float = math.nan
+
+    def summary(self) -> dict[str, Any]:
+        """Return the numbers of the study with its status and its wall time."""
+        return {
+            **self.numbers,
+            "status": self.status.name.lower(),
+            "wall_time_s": self.wall_time,
+        }
+
+    def save(self, folder: str | Path) -> list[Path]:
+        """Write ``study.nc``, ``summary.json`` and the tables as CSV into a folder.
+
+        Parameters
+        ----------
+        folder : str or Path
+            Folder, made if it is missing; every file is complete or not there.
+
+        Returns
+        -------
+        list of Path
+            The files written.
+        """
+        from toothspace.results.io import write_atomically
+
+        target = Path(folder)
+        target.mkdir(parents=True, exist_ok=True)
+        data = self.data.assign_attrs(
+            {**self.provenance, "study": self.kind, "status": self.status.name}
+        )
+        written = [write_atomically(data, target / "study.nc")]
+        text = json.dumps(plain(self.summary()), indent=1, allow_nan=False)
+        written.append(write_text(target / "summary.json", text + "\n"))
+        for table in self.tables:
+            written.append(write_text(target / f"{table.name}.csv", table.to_csv()))
+        return written
+
+
+def write_text(path: Path, text: str) -> Path:
+    """Write a text file that is complete or not there."""
+    handle, draft = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".part")
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8") as file:
+            file.write(text)
+        Path(draft).chmod(0o644)
+        Path(draft).replace(path)
+    finally:
+        Path(draft).unlink(missing_ok=True)
+    return path
+
+
+def plain(value: Any) -> Any:
+    """Return a value that JSON can hold; numbers that are not finite become null."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if hasattr(value, "tolist"):
+        return plain(value.tolist())
+    if isinstance(value, (list, tuple)):
+        return [plain(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def _cell(value: float | str) -> str:
+    if isinstance(value, str):
+        return value
+    return f"{value:.6g}" if math.isfinite(value) else ""

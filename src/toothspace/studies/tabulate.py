@@ -1,0 +1,112 @@
+"""Records of points as datasets, JSON lists and tables."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from toothspace.case import Case
+from toothspace.studies.records import Record
+from toothspace.studies.study import StudyTable
+from toothspace.studies.variation import Axis
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+NOT_A_RESULT = ("wall_time_s",)
+"""Summary numbers that say nothing about the machine."""
+
+UNITS: Mapping[str, str] = {
+    "cm3_per_rev": "cm3/rev", "L_per_min": "L/min", "N_m": "N m", "percent": "%", "bar": "bar",
+    "rpm": "rpm", "degC": "degC", "deg": "deg", "W": "W", "um": "um", "mm": "mm", "N": "N",
+    "s": "s", "MPa": "MPa",
+}  # fmt: skip
+"""Units by the suffix of a name."""
+
+
+def unit_of(name: str) -> str:
+    """Return the unit that the suffix of a name says, ``1`` if it has none."""
+    fitting = [suffix for suffix in UNITS if name.endswith(f"_{suffix}")]
+    return UNITS[max(fitting, key=len)] if fitting else "1"
+
+
+def label_of(name: str) -> str:
+    """Return a name with its unit for a reader, such as ``mean flow (L/min)``."""
+    unit = unit_of(name)
+    suffix = next((s for s in sorted(UNITS, key=len, reverse=True) if name.endswith(f"_{s}")), "")
+    words = name.removesuffix(f"_{suffix}").replace("_", " ")
+    return words if unit == "1" else f"{words} ({unit})"
+
+
+def number_names(records: Sequence[Record]) -> list[str]:
+    """Return the names of the numbers that any record holds, in their order."""
+    found: dict[str, None] = {}
+    for record in records:
+        for name, value in record.numbers.items():
+            if isinstance(value, (int, float)) and not isinstance(value, bool):
+                found[name] = None
+    return [name for name in found if name not in NOT_A_RESULT]
+
+
+def columns(records: Sequence[Record]) -> dict[str, list[float]]:
+    """Return the numbers of records by name; NaN where a point has none."""
+    return {name: [r.number(name) for r in records] for name in number_names(records)}
+
+
+def points_dataset(
+    axes: Sequence[Axis], rows: Sequence[Sequence[Any]], records: Sequence[Record]
+) -> xr.Dataset:
+    """Build the dataset over ``point``: varied keys, numbers and statuses."""
+    import xarray as xr
+
+    data: dict[str, Any] = {
+        axis.path: ("point", np.asarray([row[k] for row in rows]), {"units": axis.unit or "1"})
+        for k, axis in enumerate(axes)
+    }
+    data |= {
+        name: ("point", np.asarray(values), {"units": unit_of(name)})
+        for name, values in columns(records).items()
+    }
+    data["point_status"] = ("point", np.asarray([r.status for r in records], dtype=str))
+    data["point_message"] = ("point", np.asarray([r.message for r in records], dtype=str))
+    return xr.Dataset(data, coords={"point": np.arange(len(records))})
+
+
+def points_table(
+    axes: Sequence[Axis], rows: Sequence[Sequence[Any]], records: Sequence[Record]
+) -> StudyTable:
+    """Build the table of all points."""
+    names = number_names(records)
+    head = [f"{axis.path} ({axis.unit})" if axis.unit else axis.path for axis in axes]
+    lines = [
+        (*map(_value, row), *(r.number(name) for name in names), r.status, r.message)
+        for row, r in zip(rows, records, strict=True)
+    ]
+    return StudyTable("points", (*head, *names, "status", "message"), tuple(lines))
+
+
+def point_lists(
+    axes: Sequence[Axis], rows: Sequence[Sequence[Any]], records: Sequence[Record]
+) -> dict[str, Any]:
+    """Return what ``--json`` prints of points: lists in their order."""
+    values = {axis.path: [axis.written(row[k]) for row in rows] for k, axis in enumerate(axes)}
+    return {
+        "points": len(records),
+        "points_failed": sum(not r.succeeded for r in records),
+        **values,
+        **columns(records),
+        "point_status": [r.status for r in records],
+    }
+
+
+def _value(value: Any) -> float | str:
+    return value if isinstance(value, str) else float(value)
+
+
+def provenance(case: Case) -> dict[str, str]:
+    """Return where the result of a study comes from, as text."""
+    from toothspace import api
+
+    return api.provenance_of(case)

@@ -1,0 +1,208 @@
+"""Values of varied keys: lists, spans and distributions, as they stand in a case file."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Any, final
+
+import numpy as np
+
+from toothspace.core.errors import CaseError
+from toothspace.core.types import Array
+from toothspace.core.units import compatible, from_si, split_quantity, to_si
+
+_LARGEST_GRID = 1_000_000
+_LARGEST_DEVIATION = 6.0
+
+
+@final
+@dataclass(frozen=True)
+class Axis:
+    """One varied key.
+
+    Parameters
+    ----------
+    path : str
+        Key path.
+    unit : str
+        Unit of its numbers, empty if it is dimensionless or no number.
+    values : tuple
+        The values of a list or grid as numbers in the unit (or words); empty otherwise.
+    low, high : float
+        Limits of a span, infinite for an unlimited normal distribution. [unit]
+    mean, deviation : float
+        Of a normal distribution, NaN for a uniform one. [unit]
+    whole : bool
+        Whether only whole numbers are meant.
+    """
+
+    path: str
+    unit: str = ""
+    values: tuple[Any, ...] = ()
+    low: float = math.nan
+    high: float = math.nan
+    mean: float = math.nan
+    deviation: float = math.nan
+    whole: bool = False
+
+    @property
+    def is_numeric(self) -> bool:
+        """Whether its values are numbers."""
+        return not any(isinstance(value, (str, bool)) for value in self.values)
+
+    def written(self, number: Any) -> Any:
+        """Return a value of the axis as it would stand in a case file."""
+        if isinstance(number, (str, bool)):
+            return number
+        if self.whole:
+            return round(number)
+        return f"{number:.12g} {self.unit}" if self.unit else float(f"{number:.12g}")
+
+    def quantile(self, share: float) -> Any:
+        """Return the value below which a share (0 to 1) of the distribution lies. [unit]."""
+        if self.values:
+            return self.values[min(int(share * len(self.values)), len(self.values) - 1)]
+        if math.isnan(self.mean):
+            if self.whole:
+                return min(self.low + math.floor(share * (self.high - self.low + 1)), self.high)
+            return self.low + share * (self.high - self.low)
+        from scipy.special import ndtr, ndtri
+
+        below, above = (ndtr((x - self.mean) / self.deviation) for x in (self.low, self.high))
+        inside = min(max(below + share * (above - below), 1e-12), 1.0 - 1e-12)
+        value = self.mean + self.deviation * float(ndtri(inside))
+        return min(max(value, self.low), self.high)
+
+
+def axes_of(vary: Mapping[str, Any], label: str) -> tuple[Axis, ...]:
+    """Read the varied keys of a study.
+
+    Parameters
+    ----------
+    vary : mapping of key path to values
+        A list; ``{from, to, count}`` (equal steps), ``{from, to}`` (uniform) or
+        ``{mean, deviation}`` (normal, cut at ``from`` and ``to`` if they are given).
+    label : str
+        Name of the case file in messages.
+
+    Raises
+    ------
+    CaseError
+        If units do not fit together or limits are the wrong way round.
+    """
+    return tuple(_axis(path, given, f"{label}: study.vary.{path}") for path, given in vary.items())
+
+
+def grid(axes: Sequence[Axis], label: str) -> list[tuple[Any, ...]]:
+    """Return all combinations of the values of the axes, the last axis fastest.
+
+    Raises
+    ------
+    CaseError
+        If an axis has no values of its own, or there are far too many points.
+    """
+    for axis in axes:
+        if not axis.values:
+            allowed = "a list of values, or {from, to, count}, for a grid"
+            raise CaseError(f"{label}: study.vary.{axis.path}: found no count, allowed {allowed}")
+    total = math.prod(len(axis.values) for axis in axes)
+    if total > _LARGEST_GRID:
+        found = f"a grid of {total} points"
+        raise CaseError(f"{label}: study.vary: found {found}, allowed at most {_LARGEST_GRID}")
+    return list(product(*(axis.values for axis in axes)))
+
+
+def samples(axes: Sequence[Axis], method: str, count: int, seed: int) -> list[tuple[Any, ...]]:
+    """Return random points with the distributions of the axes.
+
+    Parameters
+    ----------
+    axes : sequence of Axis
+        Varied keys.
+    method : str
+        ``latin_hypercube``, or ``sobol`` for a scrambled Sobol sequence.
+    count : int
+        Number of points. [-]
+    seed : int
+        Seed of the random numbers. [-]
+    """
+    shares = unit_samples(len(axes), method, count, seed)
+    rows = shares.tolist()
+    return [tuple(a.quantile(s) for a, s in zip(axes, row, strict=True)) for row in rows]
+
+
+def unit_samples(dimensions: int, method: str, count: int, seed: int) -> Array:
+    """Return points of the unit cube, of shape (count, dimensions). [-]."""
+    from scipy.stats import qmc
+
+    if method == "latin_hypercube":
+        return np.asarray(qmc.LatinHypercube(dimensions, seed=seed).random(count))
+    power = max(math.ceil(math.log2(count)), 0)
+    return np.asarray(qmc.Sobol(dimensions, seed=seed).random_base2(power))[:count]
+
+
+def written_values(axes: Sequence[Axis], row: Sequence[Any]) -> dict[str, Any]:
+    """Return the values of one point by key path, as they would stand in a case file."""
+    return {axis.path: axis.written(value) for axis, value in zip(axes, row, strict=True)}
+
+
+def _axis(path: str, given: Any, where: str) -> Axis:
+    if isinstance(given, list):
+        numbers, unit = _numbers(given, where)
+        return Axis(path, unit, tuple(numbers), whole=_all_whole(given))
+    names = [name for name in ("from", "to", "mean", "deviation") if name in given]
+    numbers, unit = _numbers([given[name] for name in names], where)
+    found = dict(zip(names, numbers, strict=True))
+    whole = _all_whole([given[name] for name in names])
+    low, high = found.get("from", -math.inf), found.get("to", math.inf)
+    if not low < high:
+        raise CaseError(f"{where}: found from = {low:g} and to = {high:g}, allowed from below to")
+    if "mean" in found:
+        return _normal(path, unit, (low, high), (found["mean"], found["deviation"]), where)
+    values: tuple[float, ...] = ()
+    if "count" in given:
+        values = tuple(np.linspace(low, high, given["count"]).tolist())
+        whole = whole and all(float(value).is_integer() for value in values)
+    return Axis(path, unit, values, low, high, whole=whole)
+
+
+def _normal(
+    path: str, unit: str, limits: tuple[float, float], shape: tuple[float, float], where: str
+) -> Axis:
+    mean, deviation = shape
+    reach = _LARGEST_DEVIATION * deviation
+    if deviation <= 0.0 or limits[0] - mean > reach or mean - limits[1] > reach:
+        found = f"mean = {mean:g} and deviation = {deviation:g}"
+        raise CaseError(f"{where}: found {found}, allowed deviation > 0 and limits around the mean")
+    return Axis(path, unit, (), *limits, mean, deviation)
+
+
+def _all_whole(given: Sequence[Any]) -> bool:
+    return all(isinstance(value, int) and not isinstance(value, bool) for value in given)
+
+
+def _numbers(given: Sequence[Any], where: str) -> tuple[list[Any], str]:
+    """Numbers of texts with units, all in the unit of the first one; words stay words."""
+    if not any(_is_quantity(value) for value in given):
+        return list(given), ""
+    if not all(_is_quantity(value) for value in given):
+        raise CaseError(f"{where}: found {given!r}, allowed values that all have a unit")
+    pairs = [split_quantity(value) for value in given]
+    unit = pairs[0][1]
+    for value, (_, other) in zip(given, pairs, strict=True):
+        if not compatible(other, unit):
+            raise CaseError(f"{where}: found {value!r}, allowed a value in {unit} or alike")
+    return [n if other == unit else from_si(to_si(n, other), unit) for n, other in pairs], unit
+
+
+def _is_quantity(value: Any) -> bool:
+    if not isinstance(value, str):
+        return False
+    try:
+        split_quantity(value)
+    except CaseError:
+        return False
+    return True
