@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Literal, final
 import numpy as np
 
 from toothspace.core.types import Array, IntArray
+from toothspace.model.lateral_balance import LateralBalance
 from toothspace.model.contact_pair import CONTACT_CHANNELS, ContactPair, RigidMesh
 from toothspace.numerics.periodic_table import PeriodicTable
 
@@ -351,6 +352,8 @@ class MachineDescription:
         Absolute pressure of an external drain. [Pa]
     running_in : RunningIn or None
         Condition of running-in; None leaves the casing as made.
+    lateral_balance : LateralBalance or None
+        Films beside the gears and the bearing pressed against them; None without.
     outlines : mapping of name to ndarray, shape (points, 2)
         Closed polygons for drawing: one per body (own frame, at shaft angle zero), plus
         ``casing``, grooves and ports in the machine frame. [m]
@@ -377,6 +380,7 @@ class MachineDescription:
     drain: Literal["inlet", "outlet", "external"] = "inlet"
     drain_pressure: float = 1e5
     running_in: RunningIn | None = None
+    lateral_balance: LateralBalance | None = None
     outlines: Mapping[str, Array] = field(default_factory=dict)
     geometry_summary: Mapping[str, object] = field(default_factory=dict)
     checks: tuple[DesignCheck, ...] = ()

@@ -7,6 +7,7 @@ from typing import final
 
 from toothspace.core.types import Array
 from toothspace.machines.external_gear.assembly import Assembly, assemble
+from toothspace.machines.external_gear.balance import lateral_balance
 from toothspace.machines.external_gear.chambers import (
     Spaces,
     area_by_motion,
@@ -87,6 +88,7 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
         drain=spec.drain or ("inlet" if spec.mode == "pump" else "outlet"),
         drain_pressure=spec.drain_pressure,
         running_in=_running_in(spec),
+        lateral_balance=lateral_balance(assembly, numbering),
         outlines=outlines(assembly),
         geometry_summary=geometry_summary(assembly, spaces),
         checks=design_checks(assembly),

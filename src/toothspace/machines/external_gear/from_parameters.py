@@ -20,6 +20,7 @@ from toothspace.geometry.profile_detection import gear_profile_from_curve
 from toothspace.library import load_material
 from toothspace.machines.external_gear import parameters as keys
 from toothspace.machines.external_gear import spec
+from toothspace.machines.external_gear.pressed_bearing import pressed_bearing
 from toothspace.model.description import StartupFriction
 
 _TOOTH_KEYS = (
@@ -73,6 +74,7 @@ def spec_from(machine: keys.ExternalGearParameters) -> spec.ExternalGearSpec:
         journals=_journals(machine),
         lateral=_lateral(machine.lateral),
         grooves=_grooves(machine.relief_grooves),
+        pressed=pressed_bearing(machine),
         mode=cast(Literal["pump", "motor"], machine.mode),
         center_distance=machine.gears.center_distance,
         normal_backlash=machine.gears.normal_backlash,

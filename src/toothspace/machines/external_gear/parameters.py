@@ -29,6 +29,7 @@ from toothspace.core.keys import (
 
 PROFILE_SUFFIXES = (".txt", ".csv", ".dxf", ".stl", ".step", ".stp")
 CONTOUR_SUFFIXES = (".txt", ".csv", ".dxf")
+_FORCE = Quantity(unit="N", low=-1e6, high=1e6)
 _POINT = Row(items=(Quantity(unit="mm"), Quantity(unit="mm")))
 
 
@@ -275,7 +276,11 @@ class PressureAreaParameters:
     """``high_pressure_area``: a seal line, a contour, or area and centre."""
 
     seal_line_x: float | None = quantity(
-        "mm", "Chord that divides the back face.", low=-500, high=500, default=None
+        "mm",
+        "Chord that divides the back face, from the centre line towards high pressure.",
+        low=-500,
+        high=500,
+        default=None,
     )
     contour: Path | None = file_path("Closed polygon of the area.", *CONTOUR_SUFFIXES)
     area: float | None = quantity("mm^2", "Area.", low=0, high=1e6, default=None)
@@ -346,6 +351,13 @@ class FloatingBearingParameters:
         HousingContactParameters, "Friction in the housing.", default=None
     )
     motion: str = choice("Free motions of bearing and gears.", "full", "axial", default="full")
+    axial_play: float = quantity(
+        "um", "Travel away from the gears up to the cover.", above=0, high=5000, default=100e-6
+    )
+    gear_axial_force: tuple[float, float] = declare(
+        Row(items=(_FORCE, _FORCE), doc="Axial force of helical teeth on both gears, along z."),
+        (0.0, 0.0),
+    )
 
 
 @final

@@ -195,6 +195,96 @@ class LateralGaps:
 
 @final
 @dataclass(frozen=True, kw_only=True)
+class Spring:
+    """Preload on the back of a pressed bearing.
+
+    Parameters
+    ----------
+    force : float
+        Towards the gears. [N]
+    x, y : float
+        Point of action. [m]
+    """
+
+    force: float
+    x: float
+    y: float
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class PressedBearing:
+    """Bearing block or plate that pressure presses against the gears.
+
+    Parameters
+    ----------
+    material : Material
+        Material of the bearing.
+    length : float
+        Axial length. [m]
+    roughness : float
+        Root mean square roughness of the face. [m]
+    mass : float or None
+        Mass; None: face times length times density. [kg]
+    arrangement : str
+        ``symmetric``, ``asymmetric`` or ``plates``.
+    motion : str
+        ``full`` or ``axial``.
+    seal_line : float or None
+        Distance of the chord that divides the back face from the centre line, towards the
+        high-pressure side. [m]
+    high_pressure_contour : ndarray, shape (points, 2), or None
+        Part of the back face at high pressure. [m]
+    high_pressure_area : float
+        The same as a number, where neither chord nor contour is given. [m2]
+    high_pressure_center : tuple of float
+        Its centroid. [m]
+    nose_area : float
+        Patch of the back face with a pressure of its own. [m2]
+    nose_center : tuple of float
+        Its centroid. [m]
+    springs : tuple of Spring
+        Springs on the back face.
+    seal_preload : float
+        Preload of the seal, on the middle of the face. [N]
+    contact_area : float
+        Outer area of the bearing that low pressure acts on, opposite to high pressure. [m2]
+    friction_coefficient : float
+        Coulomb friction in the housing. [-]
+    breakaway_speed : float
+        Speed of the friction peak. [m/s]
+    friction_law : str
+        ``stick`` or ``stribeck``.
+    axial_play : float
+        Travel away from the gears until the bearing meets its cover. [m]
+    gear_forces : tuple of float
+        Axial force of the teeth on drive and driven gear. [N]
+    """
+
+    material: Material
+    length: float
+    roughness: float
+    mass: float | None = None
+    arrangement: Literal["symmetric", "asymmetric", "plates"] = "asymmetric"
+    motion: Literal["full", "axial"] = "full"
+    seal_line: float | None = None
+    high_pressure_contour: Array | None = None
+    high_pressure_area: float = 0.0
+    high_pressure_center: tuple[float, float] = (0.0, 0.0)
+    nose_area: float = 0.0
+    nose_center: tuple[float, float] = (0.0, 0.0)
+    springs: tuple[Spring, ...] = ()
+    seal_preload: float = 0.0
+    contact_area: float = 0.0
+    friction_coefficient: float = 0.0
+    breakaway_speed: float = 6.45e-3
+    friction_law: str = "stick"
+    axial_play: float = 100e-6
+    gear_forces: tuple[float, float] = (0.0, 0.0)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
 class ExternalGearSpec:
     """Everything that defines an external gear machine.
 
@@ -208,6 +298,8 @@ class ExternalGearSpec:
         Journal bearings of both gears.
     grooves : ReliefGrooves or None
         Relief grooves of the faces, None without.
+    pressed : PressedBearing or None
+        Force balance of the pressed bearing, None without.
     lateral : LateralGaps
         Lateral films.
     mode : str
@@ -234,6 +326,7 @@ class ExternalGearSpec:
     journals: JournalBearings
     lateral: LateralGaps
     grooves: ReliefGrooves | None = None
+    pressed: PressedBearing | None = None
     mode: Literal["pump", "motor"] = "pump"
     center_distance: float | None = None
     normal_backlash: float | None = None

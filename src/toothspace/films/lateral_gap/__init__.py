@@ -1,0 +1,1 @@
+"""Films beside the gears in balance with the bearings pressed against them."""

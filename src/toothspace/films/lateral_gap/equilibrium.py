@@ -1,0 +1,187 @@
+"""Where bearings and gears come to rest, and how they move over the revolution."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+
+from toothspace.core.types import Array
+from toothspace.films.lateral_gap.motion import (
+    Balance,
+    Loads,
+    StepSettings,
+    advance,
+    at_rest,
+    balance_force,
+)
+from toothspace.films.lateral_gap.stack import Scene, Stack
+
+NodePressure = Callable[[float], Array]
+"""Pressures of all nodes at a shaft angle. [Pa]"""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class SearchSettings:
+    """How an equilibrium is looked for.
+
+    Parameters
+    ----------
+    first_step : float
+        First step of the time in which the search moves. [s]
+    longest_time : float
+        Time after which the search stops: the dwell at the operating point. [s]
+    rest : float
+        Viscous force of the remaining motion over the balance force. [-]
+    max_steps : int
+        Most steps.
+    """
+
+    first_step: float = 1e-3
+    longest_time: float = 1e3
+    rest: float = 1e-6
+    max_steps: int = 80
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Equilibrium:
+    """Outcome of a search.
+
+    Parameters
+    ----------
+    balance : Balance
+        Last state.
+    rests : bool
+        Whether the remaining motion is negligible.
+    time : float
+        Time over which the bodies moved. [s]
+    steps : int
+        Steps taken.
+    """
+
+    balance: Balance
+    rests: bool
+    time: float
+    steps: int
+
+
+def scenes_over_pitch(stack: Stack, pressures: NodePressure, count: int) -> tuple[Scene, ...]:
+    """Masks and pressures at evenly spaced angles of one period of the faces."""
+    period = stack.balance.interfaces[0].period
+    angles = (np.arange(count) + 0.5) * period / count
+    return tuple(stack.scene(float(a), pressures(float(a))) for a in angles)
+
+
+def find_equilibrium(
+    stack: Stack,
+    scenes: Sequence[Scene],
+    loads: Loads,
+    start: Balance,
+    search: SearchSettings,
+    step: StepSettings,
+) -> Equilibrium:
+    """Let bearings and gears move under mean forces until they rest or the time is over.
+
+    Parameters
+    ----------
+    stack, scenes, loads
+        Bodies and films, shaft angles over which forces are averaged, other loads.
+    start : Balance
+        Where the motion starts; it begins from rest.
+    search : SearchSettings
+        Steps and end of the search.
+    step : StepSettings
+        When one step is done.
+
+    Notes
+    -----
+    Implicit steps that grow as long as they succeed: accurate in time at first, Newton's method
+    for the equilibrium in the end. A step that fails is repeated with a tenth of its length.
+    """
+    now, time, length = at_rest(start), 0.0, search.first_step
+    scale = balance_force(stack, loads.back)
+    for number in range(1, search.max_steps + 1):
+        length = min(length, search.longest_time - time)
+        if length <= 1e-12:
+            return Equilibrium(now, False, time, number)
+        found = advance(stack, scenes, loads, now, length, step)
+        if not found.converged:
+            length *= 0.1
+            continue
+        now, time = found, time + length
+        length *= 3.0 if found.iterations <= 12 else 1.0
+        if _viscous(stack, now) <= search.rest * scale and number > 2:
+            return Equilibrium(now, True, time, number)
+    return Equilibrium(now, False, time, search.max_steps)
+
+
+def _viscous(stack: Stack, balance: Balance) -> float:
+    """Largest force of the films' damping on a lift. [N]."""
+    assert balance.jacobian is not None
+    force = balance.jacobian[1] @ balance.velocity
+    return float(np.abs(force[::3]).max())
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class March:
+    """Motion over the shaft angle.
+
+    Parameters
+    ----------
+    shaft_angle : ndarray
+        Angles of the steps. [rad]
+    balances : tuple of Balance
+        State after every step.
+    converged : bool
+        Whether every step was in balance.
+    """
+
+    shaft_angle: Array
+    balances: tuple[Balance, ...]
+    converged: bool
+
+
+def march_angles(
+    stack: Stack,
+    pressures: NodePressure,
+    loads: Loads,
+    start: Balance,
+    angles: Array,
+    step: StepSettings,
+    keep: Callable[[int, Balance], None] | None = None,
+) -> March:
+    """March over shaft angles with transient squeeze.
+
+    Parameters
+    ----------
+    stack, loads
+        Bodies, films and other loads.
+    pressures : callable
+        Pressures of all nodes at a shaft angle. [Pa]
+    start : Balance
+        State before the first angle.
+    angles : ndarray
+        Shaft angles at the ends of the steps, evenly spaced. [rad]
+    step : StepSettings
+        When one step is done.
+    keep : callable, optional
+        Called with the number and the state after every step; then states are not kept.
+    """
+    duration = float(angles[1] - angles[0]) / stack.shaft_speed
+    now = replace(start, states=start.states[:1])
+    kept: list[Balance] = []
+    converged = True
+    for k, angle in enumerate(angles):
+        scene = stack.scene(float(angle), pressures(float(angle)))
+        now = advance(stack, (scene,), loads, now, duration, step)
+        converged = converged and now.converged
+        if keep is None:
+            kept.append(now)
+        else:
+            keep(k, now)
+    return March(angles, tuple(kept), converged)

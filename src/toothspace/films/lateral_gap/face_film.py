@@ -1,0 +1,333 @@
+"""One film of the stack: its solution, its forces and their exact variation with the gap."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple, final
+
+import numpy as np
+
+from toothspace.core.types import Array, BoolArray
+from toothspace.films.cavitation import CAVITATION
+from toothspace.films.lateral_gap.faces import FaceGrid, Mask
+from toothspace.films.lateral_gap.yielding_film import (
+    Yielding,
+    YieldingSolution,
+    opened,
+    solve_yielding,
+)
+from toothspace.films.plane_film import FilmFluid, PlaneFilm, PlaneSolution
+from toothspace.films.reynolds import (
+    FluidField,
+    GapField,
+    balance_derivative,
+    balance_variation,
+    film_balance,
+)
+from toothspace.films.rough_surfaces import (
+    NO_CONTACT,
+    SMOOTH,
+    ContactTable,
+    FlowLaw,
+    RoughSurfaces,
+    contact_field,
+    mean_gap,
+)
+from toothspace.numerics.complementarity import face_flows, residual, solve_complementarity
+from toothspace.numerics.linear_system import PRESCRIBED, SATURATED
+from toothspace.numerics.structured_grid import CellBalance
+
+
+class FilmLaw(NamedTuple):
+    """Liquid, walls and cavitation of a film."""
+
+    fluid: FilmFluid
+    law: FlowLaw
+    contact: ContactTable
+    roughness: float  # [m]
+    boundary_friction: float  # [-]
+    cavitation: str
+    cavitation_pressure: float  # [Pa]
+
+
+def film_law(
+    surfaces: RoughSurfaces | None,
+    fluid: FilmFluid,
+    cavitation: str = "jfo",
+    cavitation_pressure: float = 0.0,
+) -> FilmLaw:
+    """Laws of a film between rough surfaces, or smooth ones for None."""
+    if surfaces is None:
+        return FilmLaw(fluid, SMOOTH, NO_CONTACT, 0.0, 0.0, cavitation, cavitation_pressure)
+    return FilmLaw(
+        fluid,
+        surfaces.flow_law(1.0),
+        surfaces.contact_table(),
+        surfaces.roughness,
+        surfaces.boundary_friction,
+        cavitation,
+        cavitation_pressure,
+    )
+
+
+class Place(NamedTuple):
+    """Position and velocity of the upper face: lift [m] and rotations about x and y [rad]."""
+
+    position: Array
+    velocity: Array
+
+
+class Surroundings(NamedTuple):
+    """What a film meets at one shaft angle."""
+
+    mask: Mask
+    node_pressure: Array  # [Pa]
+    shaft_speed: float  # [rad/s]
+    low_pressure: float  # pressure under which nothing gives way [Pa]
+
+
+@final
+@dataclass(frozen=True)
+class FaceFilm:
+    """Solved film of one face.
+
+    Parameters
+    ----------
+    grid : FaceGrid
+        Where it is.
+    law : FilmLaw
+        Its laws.
+    around : Surroundings
+        Its boundaries.
+    solution : YieldingSolution
+        Pressure, film fraction, asperity pressure and linear system.
+    compliance : float
+        Local approach of the faces over pressure. [m/Pa]
+    """
+
+    grid: FaceGrid
+    law: FilmLaw
+    around: Surroundings
+    solution: YieldingSolution
+    compliance: float
+
+    @property
+    def plane(self) -> PlaneSolution:
+        """Fields of the film."""
+        return self.solution.plane
+
+    @property
+    def contact(self) -> Array:
+        """Asperity pressure. [Pa]."""
+        return self.solution.contact
+
+    @property
+    def gap(self) -> Array:
+        """Gap height, deformation included. [m]."""
+        return self.plane.film.gap.centre
+
+    @property
+    def pressure(self) -> Array:
+        """Absolute pressure, chambers and grooves included. [Pa]."""
+        return self.plane.pressure
+
+    @property
+    def total(self) -> Array:
+        """Pressure of film, chambers and asperities. [Pa]."""
+        return self.plane.pressure + self.contact
+
+    def covered_load(self) -> Array:
+        """Load between body and bearing: lift [N] and rotations [N m] about the own axis."""
+        covered = self.around.mask.cells.covered
+        return self.grid.moments(np.where(covered, self.total, 0.0))
+
+    def open_load(self) -> Array:
+        """Load of the chambers on the bearing alone: lift [N] and rotations [N m]."""
+        return self.grid.moments(np.where(self.around.mask.open_face, self.pressure, 0.0))
+
+    def coefficients(self, motions: tuple[int, ...]) -> tuple[Array, Array]:
+        """Stiffness and damping 3x3 of the covered load; unasked motions have zero columns.
+
+        Minus the derivatives with position and velocity of the upper face.
+        """
+        film = self.plane.film
+        slope = balance_derivative(
+            film.grid, film.gap, self.plane.fluid, self.plane.balance, film.law
+        )
+        tables = np.zeros((2, 3, 3))
+        for motion in motions:
+            lever = _lever(self.grid, motion)
+            for k, rate in enumerate((False, True)):
+                tables[k, :, motion] = -self.grid.moments(self._response(slope, lever, rate))
+        return tables[0], tables[1]
+
+    def _response(
+        self, slope: CellBalance, lever: tuple[Array, Array, Array], rate: bool
+    ) -> Array:
+        """Change of the face pressure, asperities included, with one motion or its rate."""
+        found, film, fields = self.solution, self.plane.film, self.plane.fields
+        zero = np.zeros_like(lever[0])
+        if rate:
+            flat = (np.zeros_like(lever[1]), np.zeros_like(lever[2]))
+            change = GapField(zero, *flat, lever[0], zero)
+        else:
+            rigid = GapField(*lever, zero, zero)
+            change = opened(rigid, (found.yielding - 1.0) * lever[0], film.grid.sweep_x)
+        varied = balance_variation(
+            (film.grid, film.gap, self.plane.fluid), change, slope, film.law
+        )
+        push = residual(self.plane.balance, varied, fields.potential, fields.saturation)
+        push[fields.kind == PRESCRIBED] = 0.0
+        response = fields.system.solve(-push.ravel()).reshape(push.shape)
+        response[(fields.kind != SATURATED) | (fields.potential <= 0.0)] = 0.0
+        opening = self.compliance * response + (zero if rate else lever[0])
+        return np.asarray(response + found.contact_slope * found.yielding * opening)
+
+    def friction(self) -> FilmLosses:
+        """Torques of shear and asperities, and flows that the boundaries lose."""
+        b, fields = self.plane.balance, self.plane.fields
+        potential = np.maximum(fields.potential, 0.0)
+        speed = self.grid.interface.speed_ratio * self.around.shaft_speed
+        film, radius = self.around.mask.film, self.grid.radius
+        height = mean_gap(self.gap, self.law.law)
+        shear = np.where(film, fields.saturation / (self.plane.fluid.fluidity * height), 0.0)
+        couette = float((shear * radius**2 * self.grid.area).sum()) * speed**2
+        push = float((np.where(film, self.contact, 0.0) * self.grid.area * radius).sum())
+        asperity = self.law.boundary_friction * push * abs(speed)
+        flow_x, flow_y = face_flows(b, b, potential, fields.saturation)
+        return _losses(self, (flow_x, flow_y), couette, asperity)
+
+
+class FilmLosses(NamedTuple):
+    """Powers of one film [W] and flow into the bore [m3/s]."""
+
+    shear: float  # of the moving face, its drag included
+    asperity: float
+    pressure: float  # delivered by chambers, grooves, bore and rim
+    squeeze: float  # delivered by the film to approaching faces, negative if they approach
+    dissipation: float  # of film flow
+    bore_flow: float
+
+
+def _losses(
+    film: FaceFilm, flows: tuple[Array, Array], couette: float, asperity: float
+) -> FilmLosses:
+    flow_x, flow_y = flows
+    b, fields = film.plane.balance, film.plane.fields
+    u = np.maximum(fields.potential, 0.0)
+    before = np.vstack([u[-1:], u])
+    drop_x = before - np.vstack([u, u[:1]])
+    drop_y = np.hstack([b.south[:, None], u]) - np.hstack([u, b.north[:, None]])
+    free = b.mark != PRESCRIBED
+    live_x, live_y = _live_faces(free)
+    flow_x, flow_y = np.where(live_x, flow_x, 0.0), np.where(live_y, flow_y, 0.0)
+    total = float((flow_x * drop_x).sum() + (flow_y * drop_y).sum())
+    conducted = float((np.where(live_x, b.conductance_x, 0.0) * drop_x**2).sum())
+    conducted += float((np.where(live_y, b.conductance_y, 0.0) * drop_y**2).sum())
+    squeeze = float((np.where(free, b.storage * fields.saturation, 0.0) * u).sum())
+    drag = conducted - total
+    return FilmLosses(
+        shear=couette + drag,
+        asperity=asperity,
+        pressure=total + squeeze,
+        squeeze=squeeze,
+        dissipation=couette + conducted,
+        bore_flow=-float(flow_y[:, 0].sum()),
+    )
+
+
+def _live_faces(free: BoolArray) -> tuple[BoolArray, BoolArray]:
+    """Faces that touch film; the last face of the ring, which repeats the first, is left out."""
+    before = np.vstack([free[-1:], free])
+    live_x = before | np.vstack([free, free[:1]])
+    live_x[-1] = False
+    none = np.zeros((free.shape[0], 1), dtype=bool)
+    return live_x, np.hstack([none, free]) | np.hstack([free, none])
+
+
+def solve_face(
+    grid: FaceGrid,
+    law: FilmLaw,
+    around: Surroundings,
+    place: Place,
+    approach: Approach,
+    former: FaceFilm | None = None,
+) -> FaceFilm:
+    """Film at a position and velocity of the upper face.
+
+    Parameters
+    ----------
+    grid, law, around
+        Where, of what and between which boundaries.
+    place : Place
+        Lift and rotations of the upper face about the own axis, and their rates.
+    approach : Approach
+        How the faces give way.
+    former : FaceFilm, optional
+        Similar film to begin with.
+    """
+    node_pressure = np.maximum(around.node_pressure, law.cavitation_pressure)
+    film = PlaneFilm(
+        grid.film_grid(around.mask, node_pressure, around.shaft_speed),
+        _gap_field(grid, place, approach.distant),
+        grid.points,
+        law.fluid,
+        law.cavitation_pressure,
+        CAVITATION[law.cavitation],
+        law=law.law,
+    )
+    state = law.fluid.fields(np.full(approach.distant.shape, law.cavitation_pressure))
+    start = former.solution if former is not None else None
+    if approach.local > 0.0:
+        reference = around.low_pressure - law.cavitation_pressure
+        how = Yielding(approach.local, reference, law.contact, law.roughness)
+        start = _stiff(film, state, law, None) if start is None else start
+        return FaceFilm(
+            grid, law, around, solve_yielding(film, state, how, start), approach.local
+        )
+    return FaceFilm(grid, law, around, _stiff(film, state, law, start), 0.0)
+
+
+class Approach(NamedTuple):
+    """How faces give way: a local compliance, and what other pressures do to the gap."""
+
+    local: float  # [m/Pa]
+    distant: Array  # [m]
+
+
+def _stiff(
+    film: PlaneFilm, state: FluidField, law: FilmLaw, former: YieldingSolution | None
+) -> YieldingSolution:
+    start = None if former is None else former.plane.fields.kind
+    balance = film_balance(film.grid, film.gap, state, law.cavitation_pressure, law.law)
+    fields = solve_complementarity(balance, film.constraint, start)
+    plane = PlaneSolution(film, state, balance, fields, fields.converged)
+    contact, slope = contact_field(film.gap.centre, max(law.roughness, 1e-12), law.contact)
+    known = film.grid.mark == PRESCRIBED
+    contact[known], slope[known] = 0.0, 0.0
+    return YieldingSolution(plane, contact, slope, np.ones_like(contact))
+
+
+def _lever(grid: FaceGrid, motion: int) -> tuple[Array, Array, Array]:
+    """Change of the gap at centres and faces by a unit motion of the upper face."""
+    p = grid.points
+
+    def shape(x: Array, y: Array) -> Array:
+        return np.ascontiguousarray((np.ones_like(x), y, -x)[motion])
+
+    return shape(p.x, p.y), shape(*p.face_x), shape(*p.face_y)
+
+
+def _gap_field(grid: FaceGrid, place: Place, distant: Array) -> GapField:
+    centre, along, across, rate = (
+        np.zeros_like(x)
+        for x in (distant, grid.points.face_x[0], grid.points.face_y[0], distant)
+    )
+    for motion in range(3):
+        lever = _lever(grid, motion)
+        centre += place.position[motion] * lever[0]
+        along += place.position[motion] * lever[1]
+        across += place.position[motion] * lever[2]
+        rate += place.velocity[motion] * lever[0]
+    rigid = GapField(centre, along, across, rate, np.zeros_like(distant))
+    return opened(rigid, distant, np.full_like(along, grid.interface.speed_ratio))

@@ -1,0 +1,104 @@
+r"""Friction of a pressed bearing in its housing.
+
+Two laws stand to choice. The smooth one,
+
+.. math::
+
+    F = \sqrt{2e}\,(F_b - F_c)\,e^{-(v/v_s)^2}\,\frac{v}{v_s} + F_c \tanh\frac{v}{v_c},
+
+vanishes at rest, so a bearing under load creeps. The set-valued one holds any load up to the
+breakaway force at rest and resists motion with the Coulomb force.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from toothspace.core.types import Array
+from toothspace.model.lateral_balance import HousingContact
+
+BREAKAWAY_RATIO = 2.5
+"""Breakaway over Coulomb force. [-]"""
+
+
+@final
+@dataclass(frozen=True)
+class HousingFriction:
+    """Friction law with the forces of an operating point.
+
+    Parameters
+    ----------
+    coulomb_force : float
+        Friction force in motion. [N]
+    breakaway_speed : float
+        Speed of the friction peak. [m/s]
+    holds : bool
+        Whether the bearing can rest under load (set-valued law).
+
+    References
+    ----------
+    .. [1] D. Thiagarajan, A. Vacca, S. Watkins, On the lubrication performance of external gear
+       pumps for aerospace fuel delivery applications, Mech. Syst. Signal Process. 129 (2019)
+       659-676, equations 15 and 16 and table 2.
+    """
+
+    coulomb_force: float
+    breakaway_speed: float
+    holds: bool
+
+    @property
+    def breakaway_force(self) -> float:
+        """Largest force that friction holds at rest. [N]."""
+        return BREAKAWAY_RATIO * self.coulomb_force
+
+    def force(self, velocity: float) -> tuple[float, float]:
+        """Smooth law: force against the motion and its derivative. [N, N s/m].
+
+        Parameters
+        ----------
+        velocity : float
+            Velocity of the bearing. [m/s]
+        """
+        stribeck = math.sqrt(2.0) * self.breakaway_speed
+        coulomb = 0.1 * self.breakaway_speed
+        peak = math.sqrt(2.0 * math.e) * (self.breakaway_force - self.coulomb_force)
+        ratio = velocity / stribeck
+        bell = math.exp(-ratio * ratio)
+        level = math.tanh(velocity / coulomb)
+        slope = peak * bell * (1.0 - 2.0 * ratio * ratio) / stribeck
+        slope += self.coulomb_force * (1.0 - level * level) / coulomb
+        return peak * bell * ratio + self.coulomb_force * level, slope
+
+
+def normal_force(
+    contact: HousingContact, pressure_difference: float, journal_force: Array
+) -> float:
+    """Force that presses the bearing against the low-pressure wall of its housing. [N].
+
+    Parameters
+    ----------
+    contact : HousingContact
+        Area of the outer face between high and low pressure.
+    pressure_difference : float
+        High less low pressure. [Pa]
+    journal_force : ndarray, shape (2,)
+        Force of the shafts on the bearing, in the plane of the gears; the low-pressure side
+        is at negative x. [N]
+
+    Notes
+    -----
+    The magnitude of the vector sum, where the publication adds magnitudes.
+    """
+    wall = np.array([-pressure_difference * contact.area, 0.0])
+    return float(np.hypot(*(wall + journal_force)))
+
+
+def housing_friction(contact: HousingContact, normal: float) -> HousingFriction:
+    """Friction law of a contact under a normal force. [N]."""
+    return HousingFriction(
+        contact.friction_coefficient * normal, contact.breakaway_speed, contact.law == "stick"
+    )

@@ -1,0 +1,385 @@
+"""One implicit step of bearings and gears under the forces of their films."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple, final
+
+import numpy as np
+
+from toothspace.core.types import Array
+from toothspace.films.lateral_gap.friction import HousingFriction
+from toothspace.films.lateral_gap.stack import BackPressure, Scene, Stack, StackState
+
+_STOP_STIFFNESS = 1e9
+"""Stiffness of the cover that limits the travel. [N/m]"""
+_SHRINK = 0.3
+"""A Newton step may shrink a gap to this part."""
+_GROWTH = 3.0
+"""A Newton step may widen a gap by this factor. [-]"""
+_OVERLAP = 0.5
+"""Overlap of rough walls that a Newton step may add, over the roughness. [-]"""
+_STATUS_ROUNDS = 4
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class StepSettings:
+    """When a step is done.
+
+    Parameters
+    ----------
+    force_tolerance : float
+        Residual force over the balance force. [-]
+    film_tolerance : float
+        Change of deformation over the gap in one iteration. [-]
+    max_iterations : int
+        Newton iterations of one step.
+    relaxation : float
+        Part of a change of the deformation that is taken over. [-]
+    jacobian_age : int
+        Iterations and steps that one Jacobian serves.
+    """
+
+    force_tolerance: float = 1e-6
+    film_tolerance: float = 1e-3
+    max_iterations: int = 40
+    relaxation: float = 1.0
+    jacobian_age: int = 1
+
+
+class Loads(NamedTuple):
+    """What acts on the bearings besides the films."""
+
+    back: BackPressure
+    friction: HousingFriction
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Balance:
+    """Bearings and gears at the end of a step.
+
+    Parameters
+    ----------
+    states : tuple of StackState
+        Films, one state per scene.
+    friction : ndarray
+        Friction force on each pressed bearing, along z. [N]
+    slides : tuple of int
+        Sense in which each pressed bearing slides, 0 at rest.
+    residual : float
+        Largest residual force over the balance force. [-]
+    iterations : int
+        Film solutions per scene.
+    converged : bool
+        Whether forces and films settled.
+    jacobian : tuple of ndarray or None
+        Stiffness and damping that served last.
+    age : int
+        Iterations that it has served.
+    """
+
+    states: tuple[StackState, ...]
+    friction: Array
+    slides: tuple[int, ...]
+    residual: float
+    iterations: int
+    converged: bool
+    jacobian: tuple[Array, Array] | None = None
+    age: int = 0
+
+    @property
+    def position(self) -> Array:
+        """Coordinates. [m, rad]."""
+        return self.states[0].position
+
+    @property
+    def velocity(self) -> Array:
+        """Their rates. [m/s, rad/s]."""
+        return self.states[0].velocity
+
+
+class _Task(NamedTuple):
+    stack: Stack
+    scenes: tuple[Scene, ...]
+    loads: Loads
+    settings: StepSettings
+    start: Array  # coordinates at the begin of the step
+    velocity: Array  # velocity before the step
+    duration: float  # [s]
+
+
+def advance(
+    stack: Stack,
+    scenes: Sequence[Scene],
+    loads: Loads,
+    former: Balance,
+    duration: float,
+    settings: StepSettings,
+) -> Balance:
+    """Move by one implicit Euler step under the mean of the forces in all scenes.
+
+    Parameters
+    ----------
+    stack : Stack
+        Bodies and films.
+    scenes : sequence of Scene
+        Shaft angles over which forces are averaged; one for a step in time.
+    loads : Loads
+        Pressures behind the bearing and friction in the housing.
+    former : Balance
+        State before the step.
+    duration : float
+        Length of the step. [s]
+    settings : StepSettings
+        When it is done.
+
+    Returns
+    -------
+    Balance
+        State after the step; ``converged`` tells whether it is in balance.
+    """
+    task = _Task(
+        stack, tuple(scenes), loads, settings, former.position, former.velocity, duration
+    )
+    if not loads.friction.holds or loads.friction.coulomb_force == 0.0:
+        return _solve(task, former, None)
+    slides = former.slides
+    for _ in range(_STATUS_ROUNDS):
+        found = _solve(task, former, slides)
+        revised = _revised(task, found, slides, former.slides)
+        if revised == slides or not found.converged:
+            return found
+        slides = revised
+    return found
+
+
+def _revised(
+    task: _Task, found: Balance, tried: tuple[int, ...], before: tuple[int, ...]
+) -> tuple[int, ...]:
+    """Rest or slide of every pressed bearing, revised by the forces or the motion found."""
+    revised = []
+    for k, lever in enumerate(_levers(task.stack)):
+        speed = float(lever @ found.velocity)
+        limit = task.loads.friction.breakaway_force
+        if tried[k] == 0 and abs(found.friction[k]) > limit * (1.0 + 1e-9):
+            revised.append(-int(np.sign(found.friction[k])))
+        elif tried[k] != 0 and tried[k] * speed <= 0.0:
+            revised.append(0)
+        else:
+            revised.append(tried[k])
+    del before
+    return tuple(revised)
+
+
+def _levers(stack: Stack) -> list[Array]:
+    """Velocity of the middle of every pressed bearing from the coordinates' rates."""
+    x, y = stack.balance.floating.face.center
+    lever = np.zeros(stack.size)
+    tilts = stack.balance.motion == "full"
+    lever[:3] = 1.0, y * tilts, -x * tilts
+    return [lever, np.roll(lever, -3)] if stack.two_pressed else [lever]
+
+
+def _solve(task: _Task, former: Balance, slides: tuple[int, ...] | None) -> Balance:
+    """Newton's method for positions, with given friction or a smooth law for None."""
+    settings, stack = task.settings, task.stack
+    levers = _levers(stack)
+    held = [lever for k, lever in enumerate(levers) if slides is not None and slides[k] == 0]
+    states: tuple[StackState, ...] = former.states
+    deformed = [list(s.distant) for s in _matched(former, task)]
+    q, jacobian, age = task.start.copy(), former.jacobian, former.age
+    best = np.inf
+    for number in range(1, settings.max_iterations + 1):
+        v = (q - task.start) / task.duration
+        starts = _matched(former, task) if number == 1 else states
+        states = tuple(
+            stack.solve(scene, q, v, old, given)
+            for scene, old, given in zip(task.scenes, starts, deformed, strict=True)
+        )
+        deformed, change = _deform(task, states, deformed)
+        force, drag = _forces(task, states, v, slides)
+        if jacobian is None or age >= settings.jacobian_age:
+            jacobian, age = _mean_coefficients(states), 0
+        age += 1
+        step, holding, error = _newton_step(task, jacobian, force, drag, held, v)
+        scale = _scale(task)
+        best = error / scale
+        if best <= settings.force_tolerance and change <= settings.film_tolerance:
+            return Balance(
+                states, _friction(task, v, slides, holding), slides or (0,) * len(levers),
+                best, number, all(s.converged for s in states), jacobian, age,
+            )
+        q = q + _limited(states, step)
+    return Balance(
+        states, _friction(task, v, slides, holding), slides or (0,) * len(levers),
+        best, settings.max_iterations, False, None, 0,
+    )
+
+
+def _matched(former: Balance, task: _Task) -> tuple[StackState, ...]:
+    """Former states, one for every scene."""
+    if len(former.states) == len(task.scenes):
+        return former.states
+    return tuple(former.states[0] for _ in task.scenes)
+
+
+def _deform(
+    task: _Task, states: tuple[StackState, ...], used: list[list[Array]]
+) -> tuple[list[list[Array]], float]:
+    """Distant widening for the next iteration, and its largest change over the gap."""
+    change, found = 0.0, []
+    part = task.settings.relaxation
+    for state, old in zip(states, used, strict=True):
+        low = task.loads.back.low
+        new = task.stack.compliance.distant(
+            state.face_pressures(low), state.scene.shaft_angle
+        )
+        for film, a, b in zip(state.films, new, old, strict=True):
+            inside = film.around.mask.film
+            floor = np.maximum(film.gap, max(film.law.roughness, 1e-8))
+            change = max(change, float((np.abs(a - b) / floor)[inside].max()))
+        found.append([(1.0 - part) * b + part * a for a, b in zip(new, old, strict=True)])
+    return found, change
+
+
+def _forces(
+    task: _Task, states: tuple[StackState, ...], v: Array, slides: tuple[int, ...] | None
+) -> tuple[Array, Array]:
+    """Force on the coordinates without held friction, and minus its derivative with velocity."""
+    stack = task.stack
+    force = np.zeros(stack.size)
+    for state in states:
+        force += (state.film_force() + state.back_force(task.loads.back)) / len(states)
+    q = task.start + v * task.duration
+    over = np.maximum(q[[0]] - stack.balance.floating.axial_play, 0.0)
+    force[0] -= _STOP_STIFFNESS * float(over[0])
+    drag = np.zeros((stack.size, stack.size))
+    if over[0] > 0.0:
+        drag[0, 0] += _STOP_STIFFNESS * task.duration
+    mass = _masses(stack)
+    force -= mass * (v - task.velocity) / task.duration
+    drag += np.diag(mass) / task.duration
+    for k, lever in enumerate(_levers(stack)):
+        if slides is None:
+            value, slope = task.loads.friction.force(float(lever @ v))
+            force -= value * lever
+            drag += slope * np.outer(lever, lever)
+        else:
+            force -= slides[k] * task.loads.friction.coulomb_force * lever
+    return force, drag
+
+
+def _masses(stack: Stack) -> Array:
+    """Masses of the lifts; rotary inertia is negligible beside the films' damping."""
+    masses = np.zeros(stack.size)
+    masses[0] = stack.balance.floating.mass
+    for k, mass in enumerate(stack.balance.body_masses):
+        masses[3 * (1 + k)] = mass
+    if stack.two_pressed:
+        masses[-3] = stack.balance.floating.mass
+    return masses
+
+
+def _mean_coefficients(states: tuple[StackState, ...]) -> tuple[Array, Array]:
+    pairs = [state.coefficients() for state in states]
+    count = len(pairs)
+    return sum(k for k, _ in pairs) / count, sum(d for _, d in pairs) / count
+
+
+def _newton_step(
+    task: _Task,
+    jacobian: tuple[Array, Array],
+    force: Array,
+    drag: Array,
+    held: list[Array],
+    v: Array,
+) -> tuple[Array, Array, float]:
+    """Step of the coordinates, forces that hold bearings at rest, and the largest residual."""
+    free = task.stack.free
+    stiffness, damping = jacobian
+    matrix = (stiffness + (damping + drag) / task.duration)[np.ix_(free, free)]
+    count, bars = free.size, len(held)
+    full = np.zeros((count + bars, count + bars))
+    full[:count, :count] = matrix
+    right = np.concatenate([force[free], np.zeros(bars)])
+    for k, lever in enumerate(held):
+        full[:count, count + k] = -lever[free]
+        full[count + k, :count] = lever[free]
+        right[count + k] = -float(lever @ v) * task.duration
+    # lifts in metres and tilts in radians differ by the size of the face
+    scale = np.ones(count + bars)
+    scale[:count][free % 3 != 0] = 1.0 / _reach(task.stack)
+    solution = scale * np.linalg.solve(full * scale[:, None] * scale[None, :], right * scale)
+    step = np.zeros(task.stack.size)
+    step[free] = solution[:count]
+    holding = solution[count:]
+    balanced = force.copy()
+    for lever, value in zip(held, holding, strict=True):
+        balanced += value * lever
+    arms = np.where(np.arange(force.size) % 3 == 0, 1.0, 1.0 / _reach(task.stack))
+    return step, holding, float(np.abs(balanced * arms)[free].max())
+
+
+def _reach(stack: Stack) -> float:
+    return stack.balance.interfaces[0].outer_radius
+
+
+def _friction(
+    task: _Task, v: Array, slides: tuple[int, ...] | None, holding: Array
+) -> Array:
+    """Friction force on every pressed bearing. [N]."""
+    levers = _levers(task.stack)
+    if slides is None:
+        return np.array([-task.loads.friction.force(float(w @ v))[0] for w in levers])
+    found, rest = np.zeros(len(levers)), iter(holding)
+    for k, sense in enumerate(slides):
+        found[k] = next(rest) if sense == 0 else -sense * task.loads.friction.coulomb_force
+    return found
+
+
+def balance_force(stack: Stack, back: BackPressure) -> float:
+    """Force behind the pressed bearing, the scale of all residuals. [N]."""
+    bearing = stack.balance.floating
+    rest = bearing.face.area - bearing.high_pressure.area - bearing.nose.area
+    push = back.high * bearing.high_pressure.area + back.nose * bearing.nose.area
+    return push + back.low * rest + bearing.preload
+
+
+def _scale(task: _Task) -> float:
+    return balance_force(task.stack, task.loads.back)
+
+
+def _limited(states: tuple[StackState, ...], step: Array) -> Array:
+    """Longest part of a step that neither closes nor opens a gap by too much."""
+    part = 1.0
+    still = np.zeros_like(step)
+    for state in states:
+        for k, film in enumerate(state.films):
+            lift = state.stack.film_place(k, step, still).position
+            p = film.grid.points
+            inside = film.around.mask.film
+            change = (lift[0] + lift[1] * p.y - lift[2] * p.x)[inside]
+            gap, rough = film.gap[inside], film.law.roughness
+            room = np.where(gap > 0.0, (1.0 - _SHRINK) * gap, 0.0) + _OVERLAP * rough
+            growth = (_GROWTH - 1.0) * np.maximum(gap, 0.0) + max(rough, 1e-7)
+            need = np.maximum(-change / room, change / growth)
+            part = min(part, 1.0 / max(float(need.max()), 1e-300))
+    return part * step
+
+
+def rest_at(stack: Stack, scenes: Sequence[Scene], position: Array) -> Balance:
+    """State without motion at given coordinates, not in balance; where a search begins."""
+    still = np.zeros(stack.size)
+    flat = [np.zeros((g.rows, g.lanes)) for g in stack.grids]
+    states = tuple(stack.solve(scene, position, still, None, flat) for scene in scenes)
+    bearings = 2 if stack.two_pressed else 1
+    return Balance(states, np.zeros(bearings), (0,) * bearings, np.inf, 1, False)
+
+
+def at_rest(balance: Balance) -> Balance:
+    """Forget the motion of a state: the next step begins from rest."""
+    states = tuple(replace(s, velocity=np.zeros_like(s.velocity)) for s in balance.states)
+    return replace(balance, states=states, slides=(0,) * len(balance.slides))

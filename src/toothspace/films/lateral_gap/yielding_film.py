@@ -1,0 +1,267 @@
+"""Film between faces that give way locally: Newton's method for pressure, cavity and gap."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple, final
+
+import numpy as np
+
+from toothspace.core.compiled import njit
+from toothspace.core.types import Array, IntArray
+from toothspace.films.plane_film import PlaneFilm, PlaneSolution
+from toothspace.films.reynolds import FluidField, GapField, balance_derivative, film_balance
+from toothspace.films.rough_surfaces import ContactTable, contact_pressure
+from toothspace.numerics.banded import stencil_product
+from toothspace.numerics.complementarity import ComplementaritySolution, assemble, potential_scale
+from toothspace.numerics.linear_system import (
+    PRESCRIBED,
+    SATURATED,
+    UNSATURATED,
+    LinearSystem,
+    direct_system,
+    iterative_system,
+    prefers_direct,
+)
+from toothspace.numerics.structured_grid import CellBalance, grid_shape
+
+_MOST_PASSES = 60
+_SETTLED = 1e-7
+"""Change of the gap by one pass over the gap at which a film has settled. [-]"""
+_LONGEST = 0.5
+"""Largest change of the gap in one pass over the gap. [-]"""
+_ROUNDING = 1e-10
+
+
+class Yielding(NamedTuple):
+    """How the faces give way."""
+
+    compliance: float  # local approach over pressure [m/Pa]
+    reference: float  # pressure without approach, above the cavitation pressure [Pa]
+    contact: ContactTable
+    roughness: float  # [m]
+
+
+@final
+@dataclass(frozen=True)
+class YieldingSolution:
+    """Film with its gap.
+
+    Parameters
+    ----------
+    plane : PlaneSolution
+        Fields; the linear system is that of the coupled problem.
+    contact, contact_slope : ndarray
+        Asperity pressure and its derivative with the gap. [Pa, Pa/m]
+    yielding : ndarray
+        Change of the gap over a change of its undeformed height. [-]
+    """
+
+    plane: PlaneSolution
+    contact: Array
+    contact_slope: Array
+    yielding: Array
+
+
+@njit(cache=True)
+def _settle_gap(
+    rigid: Array, potential: Array, film: Array, how: Yielding, gap: Array, out: Array
+) -> None:
+    """Gap of every cell under film and asperity pressure; ``out`` holds contact, slope, share."""
+    rows, lanes = rigid.shape
+    for i in range(rows):
+        for j in range(lanes):
+            base = rigid[i, j] + how.compliance * (potential[i, j] - how.reference)
+            gap[i, j] = base
+            out[0, i, j], out[1, i, j], out[2, i, j] = 0.0, 0.0, 1.0
+            if not film[i, j] or how.contact.value.size == 0:
+                continue
+            h = max(base, gap[i, j])
+            for _ in range(40):
+                p, slope = contact_pressure(h, how.roughness, how.contact)
+                error = h - base - how.compliance * p
+                share = 1.0 / (1.0 - how.compliance * slope)
+                h -= error * share
+                if abs(error) < 1e-15:
+                    break
+            gap[i, j] = h
+            out[0, i, j], out[1, i, j], out[2, i, j] = p, slope, share
+
+
+@njit(cache=True)
+def _couple(
+    b: CellBalance,
+    slope: CellBalance,
+    kind: IntArray,
+    potential: Array,
+    saturation: Array,
+    give: Array,
+    stencil: Array,
+) -> None:
+    """Add to a matrix what the flows change with the gaps that pressures open.
+
+    ``give`` is the change of the gap with the pressure of its cell. Gaps of faces of the first
+    index follow the cell upstream, those of the second index the mean of both cells.
+    """
+    rows, lanes = kind.shape
+    for i in range(rows):
+        w = (i + rows - 1) % rows
+        for j in range(lanes):
+            forward = b.advection_x[i, j] >= 0.0
+            up = w if forward else i
+            if kind[up, j] != 0:
+                continue
+            change = slope.conductance_x[i, j] * (potential[w, j] - potential[i, j])
+            change += slope.advection_x[i, j] * saturation[up, j]
+            change *= give[up, j]
+            own, other = i * lanes + j, w * lanes + j
+            if kind[i, j] != 2:
+                stencil[own, 0 if forward else 2] -= change
+            if kind[w, j] != 2:
+                stencil[other, 2 if forward else 4] += change
+    for i in range(rows):
+        for j in range(1, lanes):
+            drop = slope.conductance_y[i, j] * (potential[i, j - 1] - potential[i, j])
+            own, other = i * lanes + j, i * lanes + j - 1
+            for side in range(2):
+                k = j - 1 + side
+                if kind[i, k] != 0:
+                    continue
+                change = 0.5 * drop * give[i, k]
+                if kind[i, j] != 2:
+                    stencil[own, 1 + side] -= change
+                if kind[i, j - 1] != 2:
+                    stencil[other, 2 + side] += change
+        if kind[i, 0] == 0:
+            drop = slope.conductance_y[i, 0] * (b.south[i] - potential[i, 0])
+            stencil[i * lanes, 2] -= drop * give[i, 0]
+        if kind[i, lanes - 1] == 0:
+            drop = slope.conductance_y[i, lanes] * (potential[i, lanes - 1] - b.north[i])
+            stencil[i * lanes + lanes - 1, 2] += drop * give[i, lanes - 1]
+
+
+@njit(cache=True)
+def _revise(kind: IntArray, unknown: Array, scale: float) -> int:
+    """Exchange the kinds of cells that break a bound and put them on it."""
+    rows, lanes = kind.shape
+    changed = 0
+    for i in range(rows):
+        for j in range(lanes):
+            r = i * lanes + j
+            if kind[i, j] == 0 and unknown[r] < -_ROUNDING * scale:
+                kind[i, j], unknown[r] = 1, 1.0
+                changed += 1
+            elif kind[i, j] == 1 and unknown[r] > 1.0 + _ROUNDING:
+                kind[i, j], unknown[r] = 0, 0.0
+                changed += 1
+    return changed
+
+
+class _Pass(NamedTuple):
+    gap: Array
+    touch: Array  # contact, slope, share
+    balance: CellBalance
+    system: LinearSystem
+    right: Array
+
+
+def solve_yielding(
+    film: PlaneFilm, state: FluidField, how: Yielding, former: YieldingSolution | None
+) -> YieldingSolution:
+    """Film whose gap follows its own pressure.
+
+    Parameters
+    ----------
+    film : PlaneFilm
+        Film with the undeformed gap.
+    state : FluidField
+        Fluid.
+    how : Yielding
+        Local compliance and contact.
+    former : YieldingSolution, optional
+        Similar film to begin with.
+    """
+    mark = film.grid.mark
+    inside = mark != PRESCRIBED
+    potential, saturation, kind = _begin(film, former)
+    unknown = np.where(kind == UNSATURATED, saturation, potential).ravel()
+    gap = film.gap.centre.copy() if former is None else former.plane.film.gap.centre.copy()
+    settled = False
+    for number in range(1, _MOST_PASSES + 1):
+        potential = np.where(kind == UNSATURATED, 0.0, unknown.reshape(kind.shape))
+        saturation = np.where(kind == UNSATURATED, unknown.reshape(kind.shape), 1.0)
+        now = _linearise(film, state, how, (potential, saturation, kind), gap)
+        gap = now.gap
+        step = now.system.solve(-now.right)
+        change = how.compliance * np.abs(step).reshape(kind.shape) * now.touch[2]
+        change = np.where(inside & (kind == SATURATED), change, 0.0)
+        largest = float((change / np.maximum(gap, 0.1 * how.roughness + 1e-9)).max())
+        unknown = unknown + min(1.0, _LONGEST / max(largest, 1e-300)) * step
+        used = kind.copy()
+        changed = _revise(kind, unknown, potential_scale(now.balance))
+        settled = changed == 0 and largest <= _SETTLED
+        if settled:
+            break
+    final = np.where(used == UNSATURATED, 0.0, np.where(inside, unknown.reshape(kind.shape), potential))
+    filled = np.where(used == UNSATURATED, unknown.reshape(kind.shape), 1.0)
+    fields = ComplementaritySolution(final, filled, used, now.system, number, settled)
+    moved = PlaneFilm(
+        film.grid, opened(film.gap, gap - film.gap.centre, film.grid.sweep_x), film.points,
+        film.fluid, film.cavitation_pressure, film.constraint, law=film.law,
+    )
+    plane = PlaneSolution(moved, state, now.balance, fields, settled)
+    return YieldingSolution(plane, now.touch[0].copy(), now.touch[1].copy(), now.touch[2].copy())
+
+
+def _begin(
+    film: PlaneFilm, former: YieldingSolution | None
+) -> tuple[Array, Array, IntArray]:
+    known = film.grid.mark == PRESCRIBED
+    given = film.grid.prescribed - film.cavitation_pressure
+    if former is None:
+        kind = np.where(known, PRESCRIBED, SATURATED)
+        return np.where(known, given, 0.0), np.ones(kind.shape), kind
+    fields = former.plane.fields
+    kind = np.where(fields.kind == PRESCRIBED, SATURATED, fields.kind)
+    kind = np.where(known, PRESCRIBED, kind)
+    return np.where(known, given, fields.potential), fields.saturation.copy(), kind
+
+
+def _linearise(
+    film: PlaneFilm,
+    state: FluidField,
+    how: Yielding,
+    fields: tuple[Array, Array, IntArray],
+    gap: Array,
+) -> _Pass:
+    potential, saturation, kind = fields
+    touch = np.empty((3, *gap.shape))
+    height = gap.copy()
+    inside = film.grid.mark != PRESCRIBED
+    _settle_gap(film.gap.centre, potential, inside, how, height, touch)
+    field = opened(film.gap, height - film.gap.centre, film.grid.sweep_x)
+    balance = film_balance(film.grid, field, state, film.cavitation_pressure, film.law)
+    stencil, rhs = assemble(balance, kind)
+    rows, lanes = grid_shape(balance)
+    unknown = np.where(kind == UNSATURATED, saturation, potential).ravel()
+    right = stencil_product(stencil, unknown, rows, lanes) - rhs
+    slope = balance_derivative(film.grid, field, state, balance, film.law)
+    _couple(balance, slope, kind, potential, saturation, how.compliance * touch[2], stencil)
+    system: LinearSystem
+    if prefers_direct(balance):
+        band = np.empty((kind.size, 2 * lanes + 1))
+        system = direct_system(balance, stencil, kind, band)
+    else:
+        system = iterative_system(balance, stencil, kind)
+    return _Pass(height, touch, balance, system, right)
+
+
+def opened(gap: GapField, deformation: Array, sweep: Array) -> GapField:
+    """Gap with a deformation: along the motion that of the cell upstream."""
+    d = deformation
+    before, after = np.vstack([d[-1:], d]), np.vstack([d, d[:1]])
+    along = np.where(sweep >= 0.0, before, after)
+    across = np.hstack([d[:, :1], 0.5 * (d[:, 1:] + d[:, :-1]), d[:, -1:]])
+    return GapField(
+        gap.centre + d, gap.face_x + along, gap.face_y + across, gap.rate, gap.step
+    )

@@ -1,0 +1,152 @@
+"""Axial force balance: areas of the pressed bearing and the films beside the gears."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import shapely
+
+from toothspace.core.errors import GeometryError
+from toothspace.machines.external_gear.assembly import Assembly
+from toothspace.machines.external_gear.films import FaceOfGear
+from toothspace.machines.external_gear.loads import BODIES, bodies, reduced_modulus
+from toothspace.machines.external_gear.numbering import Numbering
+from toothspace.machines.external_gear.spec import PressedBearing
+from toothspace.model.lateral_balance import (
+    FilmInterface,
+    FloatingBearing,
+    HousingContact,
+    LateralBalance,
+    Patch,
+    Side,
+)
+
+_SIDES: tuple[Side, ...] = ("floating", "solid")
+
+
+def lateral_balance(assembly: Assembly, numbering: Numbering) -> LateralBalance | None:
+    """Films beside the gears and the bearing pressed against them; None without.
+
+    Raises
+    ------
+    GeometryError
+        If high-pressure area and nose are larger than the back face.
+    """
+    pressed = assembly.spec.pressed
+    if pressed is None:
+        return None
+    drain = assembly.spec.drain or ("inlet" if assembly.spec.mode == "pump" else "outlet")
+    ports = {"inlet": numbering.inlet, "outlet": numbering.outlet, "external": numbering.drain}
+    pump = assembly.spec.mode == "pump"
+    return LateralBalance(
+        arrangement=pressed.arrangement,
+        motion=pressed.motion,
+        interfaces=tuple(
+            _interface(assembly, numbering, side, gear) for side in _SIDES for gear in (0, 1)
+        ),
+        floating=_floating(assembly, pressed),
+        high_node=numbering.outlet if pump else numbering.inlet,
+        low_node=ports[drain],
+        body_forces=pressed.gear_forces,
+        body_masses=tuple(body.mass for body in bodies(assembly)),
+    )
+
+
+def _interface(assembly: Assembly, numbering: Numbering, side: Side, gear: int) -> FilmInterface:
+    spec, pressed = assembly.spec, assembly.spec.pressed
+    assert pressed is not None
+    own = (spec.drive, spec.driven)[gear]
+    column = pressed.length / pressed.material.elastic_modulus
+    column += 0.5 * own.face_width / own.material.elastic_modulus
+    return FilmInterface(
+        name=f"{side}_{BODIES[gear]}",
+        body=BODIES[gear],
+        side=side,
+        center=(0.0, assembly.mesh.center_distance if gear == 1 else 0.0),
+        inner_radius=0.5 * spec.journals.diameter,
+        outer_radius=assembly.profiles[gear].tip_radius,
+        speed_ratio=1.0 if gear == 0 else -assembly.mesh.ratio,
+        period=assembly.profiles[0].pitch_angle,
+        bore_node=numbering.drain,
+        face_map=FaceOfGear(assembly, numbering, gear),
+        moving_roughness=own.roughness,
+        resting_roughness=pressed.roughness,
+        effective_modulus=reduced_modulus(own.material, pressed.material),
+        hardness=min(own.material.hardness, pressed.material.hardness),
+        column_compliance=column,
+    )
+
+
+def bearing_face(assembly: Assembly) -> shapely.Polygon:
+    """Face of a bearing block: both tip circles less the shaft bores. [m]."""
+    bore = 0.5 * assembly.spec.journals.diameter
+    centers = [shapely.Point(0.0, 0.0), shapely.Point(0.0, assembly.mesh.center_distance)]
+    tips = [profile.tip_radius for profile in assembly.profiles]
+    outline = shapely.union_all(
+        [c.buffer(r, quad_segs=256) for c, r in zip(centers, tips, strict=True)]
+    )
+    return shapely.difference(
+        outline, shapely.union_all([c.buffer(bore, quad_segs=256) for c in centers])
+    )
+
+
+def _patch(shape: Any) -> Patch:
+    return Patch(float(shape.area), (float(shape.centroid.x), float(shape.centroid.y)))
+
+
+def _floating(assembly: Assembly, pressed: PressedBearing) -> FloatingBearing:
+    face = bearing_face(assembly)
+    high = _high_pressure(assembly, pressed, face)
+    nose = Patch(pressed.nose_area, pressed.nose_center)
+    if high.area + nose.area > face.area:
+        raise GeometryError(
+            f"floating_bearing.high_pressure_area: found {high.area * 1e6:.5g} mm^2 with a nose of "
+            f"{nose.area * 1e6:.5g} mm^2, allowed together the back face {face.area * 1e6:.5g} mm^2"
+        )
+    middle = (float(face.centroid.x), float(face.centroid.y))
+    loads = [(s.force, s.x, s.y) for s in pressed.springs]
+    loads += [(pressed.seal_preload, *middle)] if pressed.seal_preload > 0.0 else []
+    total = sum(load[0] for load in loads)
+    share = 1.0 / total if total > 0.0 else 0.0
+    mass = pressed.mass or face.area * pressed.length * pressed.material.density
+    return FloatingBearing(
+        mass=float(mass),
+        face=_patch(face),
+        high_pressure=high,
+        nose=nose,
+        preload=float(total),
+        preload_center=(
+            share * sum(f * x for f, x, _ in loads),
+            share * sum(f * y for f, _, y in loads),
+        ),
+        housing=HousingContact(
+            pressed.contact_area,
+            pressed.friction_coefficient,
+            pressed.breakaway_speed,
+            pressed.friction_law,
+        ),
+        gauge_point=(0.0, -assembly.profiles[0].tip_radius),
+        axial_play=pressed.axial_play,
+    )
+
+
+def _high_pressure(assembly: Assembly, pressed: PressedBearing, face: Any) -> Patch:
+    if pressed.high_pressure_contour is not None:
+        return _patch(shapely.intersection(shapely.Polygon(pressed.high_pressure_contour), face))
+    if pressed.seal_line is None:
+        return Patch(pressed.high_pressure_area, pressed.high_pressure_center)
+    low_x, low_y, high_x, high_y = face.bounds
+    near = pressed.seal_line
+    if assembly.spec.mode == "pump":
+        half = shapely.box(min(near, high_x), low_y, high_x, high_y)
+    else:
+        half = shapely.box(low_x, low_y, max(-near, low_x), high_y)
+    part = shapely.intersection(face, half)
+    if part.area <= 0.0:
+        limit = float(np.round(high_x * 1e3, 3))
+        raise GeometryError(
+            f"floating_bearing.high_pressure_area.seal_line_x: found {near * 1e3:.5g} mm, allowed "
+            f"below {limit} mm"
+        )
+    return _patch(part)

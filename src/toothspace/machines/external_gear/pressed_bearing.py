@@ -1,0 +1,77 @@
+"""From the keys of ``[machine.floating_bearing]`` to the definition of the pressed bearing."""
+
+from __future__ import annotations
+
+from typing import Any, cast
+
+from toothspace.core.errors import GeometryError
+from toothspace.core.keys import KeyRuleError
+from toothspace.core.types import Array
+from toothspace.geometry.cad_import import load_closed_curves
+from toothspace.geometry.polygon import checked_polygon
+from toothspace.library import load_material
+from toothspace.machines.external_gear import parameters as keys
+from toothspace.machines.external_gear import spec
+
+_TABLE = "floating_bearing"
+
+
+def pressed_bearing(machine: keys.ExternalGearParameters) -> spec.PressedBearing | None:
+    """Definition of the pressed bearing of a machine, None without its table.
+
+    Raises
+    ------
+    CaseError
+        With the key relative to ``[machine]``.
+    """
+    given = machine.floating_bearing
+    if given is None or given.high_pressure_area is None:
+        return None
+    data = load_material(given.material, f"{_TABLE}.material")
+    housing = given.housing_contact or keys.HousingContactParameters()
+    return spec.PressedBearing(
+        material=spec.Material(
+            elastic_modulus=data["elastic_modulus"],
+            poisson_ratio=data["poisson_ratio"],
+            hardness=data["hardness"],
+            density=data["density"],
+        ),
+        length=given.length or machine.journal_bearings.length,
+        roughness=given.roughness,
+        mass=given.mass,
+        arrangement=cast(Any, machine.lateral.arrangement),
+        motion=cast(Any, given.motion),
+        springs=tuple(spec.Spring(force=s.force, x=s.x, y=s.y) for s in given.springs),
+        seal_preload=given.seal_preload,
+        nose_area=given.nose.area if given.nose else 0.0,
+        nose_center=given.nose.center if given.nose else (0.0, 0.0),
+        contact_area=housing.area,
+        friction_coefficient=housing.friction_coefficient,
+        breakaway_speed=housing.breakaway_speed,
+        friction_law=housing.law,
+        axial_play=given.axial_play,
+        gear_forces=given.gear_axial_force,
+        **_high_pressure(given.high_pressure_area),
+    )
+
+
+def _high_pressure(area: keys.PressureAreaParameters) -> dict[str, Any]:
+    if area.contour is not None:
+        return {"high_pressure_contour": _contour(area)}
+    if area.seal_line_x is not None:
+        return {"seal_line": area.seal_line_x}
+    return {"high_pressure_area": area.area, "high_pressure_center": area.center}
+
+
+def _contour(area: keys.PressureAreaParameters) -> Array:
+    assert area.contour is not None
+    key = f"{_TABLE}.high_pressure_area.contour"
+    try:
+        curves = load_closed_curves(area.contour, 1e-3, None, None, None)
+        polygons = [checked_polygon(curve, area.contour.name) for curve in curves]
+    except GeometryError as error:
+        raise GeometryError(f"{key}: {error}") from error
+    if len(polygons) != 1:
+        found = f"{len(polygons)} polygons in {area.contour.name}"
+        raise KeyRuleError(key, found, "one polygon")
+    return polygons[0]

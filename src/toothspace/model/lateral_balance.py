@@ -1,0 +1,215 @@
+"""Faces, films and pressed bearings beside the gears: what the axial force balance needs.
+
+Axial positions are positive from the solid towards the floating side.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, NamedTuple, Protocol, final
+
+from toothspace.core.types import Array, BoolArray, IntArray
+
+LAND = -1
+"""Node number of points that a film covers."""
+
+Side = Literal["floating", "solid"]
+
+
+class FaceCells(NamedTuple):
+    """What stands against a bearing's face at given points."""
+
+    node: IntArray
+    """Node whose pressure acts there, LAND where there is a film."""
+    covered: BoolArray
+    """Whether the face of the interface's own body stands there."""
+    owned: BoolArray
+    """Whether the bearing's face there counts with this body and not with a neighbour."""
+
+
+class FaceMap(Protocol):
+    """Geometry of an interface over the shaft angle."""
+
+    def __call__(self, shaft_angle: float, x: Array, y: Array) -> FaceCells:
+        """Classify points of the machine frame at a shaft angle [rad] and places [m]."""
+        ...  # pragma: no cover
+
+
+@final
+@dataclass(frozen=True)
+class FilmInterface:
+    """Film between one face of a turning body and a bearing.
+
+    Parameters
+    ----------
+    name : str
+        Label, for example ``floating_drive_gear``.
+    body : str
+        Turning body.
+    side : {"floating", "solid"}
+        Which bearing it runs against.
+    center : tuple of float
+        Axis of the body. [m]
+    inner_radius, outer_radius : float
+        Shaft bore and tip radius. [m]
+    speed_ratio : float
+        Angular speed over shaft speed. [-]
+    period : float
+        Shaft angle after which the faces look the same. [rad]
+    bore_node : int
+        Node whose pressure acts in the bore.
+    face_map : FaceMap
+        Film, chambers and grooves over the shaft angle.
+    moving_roughness, resting_roughness : float
+        Root mean square roughness of body and bearing. [m]
+    effective_modulus : float
+        E' = 2 / [(1 - nu1^2)/E1 + (1 - nu2^2)/E2]. [Pa]
+    hardness : float
+        Hardness of the softer face. [Pa]
+    correlation_length : float
+        Half-height correlation length of the combined roughness. [m]
+    boundary_friction : float
+        Friction coefficient of touching asperities. [-]
+    column_compliance : float
+        Approach of the faces over the film pressure if body and bearing were columns. [m/Pa]
+    """
+
+    name: str
+    body: str
+    side: Side
+    center: tuple[float, float]
+    inner_radius: float
+    outer_radius: float
+    speed_ratio: float
+    period: float
+    bore_node: int
+    face_map: FaceMap
+    moving_roughness: float
+    resting_roughness: float
+    effective_modulus: float
+    hardness: float
+    correlation_length: float = 15e-6
+    boundary_friction: float = 0.1
+    column_compliance: float = 0.0
+
+
+@final
+@dataclass(frozen=True)
+class Patch:
+    """Part of the back face of a bearing with one pressure.
+
+    Parameters
+    ----------
+    area : float
+        Area. [m2]
+    center : tuple of float
+        Centroid. [m]
+    """
+
+    area: float
+    center: tuple[float, float]
+
+    @property
+    def moments(self) -> tuple[float, float, float]:
+        """Area and its first moments about x and y: lift and rotations of a unit pressure."""
+        x, y = self.center
+        return self.area, self.area * y, -self.area * x
+
+
+@final
+@dataclass(frozen=True)
+class HousingContact:
+    """Friction of a pressed bearing in its housing.
+
+    Parameters
+    ----------
+    area : float
+        Outer area of the bearing that low pressure acts on, opposite to high pressure. [m2]
+    friction_coefficient : float
+        Coulomb friction. [-]
+    breakaway_speed : float
+        Speed of the friction peak. [m/s]
+    law : {"stick", "stribeck"}
+        Set-valued, or smooth.
+    """
+
+    area: float = 0.0
+    friction_coefficient: float = 0.0
+    breakaway_speed: float = 6.45e-3
+    law: str = "stick"
+
+
+@final
+@dataclass(frozen=True)
+class FloatingBearing:
+    """Bearing block or plate that pressure on its back presses towards the gears.
+
+    Parameters
+    ----------
+    mass : float
+        Mass. [kg]
+    face : Patch
+        Whole face: outline less the bores.
+    high_pressure : Patch
+        Part of the back face at high pressure.
+    nose : Patch
+        Part of the back face with a pressure of its own.
+    preload : float
+        Springs and seal together, towards the gears. [N]
+    preload_center : tuple of float
+        Point of action of the preload. [m]
+    housing : HousingContact
+        Friction in the housing.
+    gauge_point : tuple of float
+        Where the position is told. [m]
+    axial_play : float
+        Travel away from the gears until the bearing meets its cover. [m]
+    """
+
+    mass: float
+    face: Patch
+    high_pressure: Patch
+    nose: Patch
+    preload: float
+    preload_center: tuple[float, float]
+    housing: HousingContact
+    gauge_point: tuple[float, float]
+    axial_play: float
+
+
+@final
+@dataclass(frozen=True)
+class LateralBalance:
+    """Interfaces and pressed bearings of a machine.
+
+    Parameters
+    ----------
+    arrangement : {"symmetric", "asymmetric", "plates"}
+        Pressed bearings on both sides, on the floating side only, or plates on both sides.
+    motion : {"full", "axial"}
+        Whether bearings and bodies tilt.
+    interfaces : tuple of FilmInterface
+        Films of both sides.
+    floating : FloatingBearing
+        The pressed bearing, or each of both.
+    high_node, low_node : int
+        Nodes of the high-pressure port and of the low pressure behind the bearing.
+    body_forces : tuple of float
+        Axial force on every turning body from its teeth, along z. [N]
+    body_masses : tuple of float
+        Masses of the turning bodies. [kg]
+    """
+
+    arrangement: Literal["symmetric", "asymmetric", "plates"]
+    motion: Literal["full", "axial"]
+    interfaces: tuple[FilmInterface, ...]
+    floating: FloatingBearing
+    high_node: int
+    low_node: int
+    body_forces: tuple[float, ...]
+    body_masses: tuple[float, ...]
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """Turning bodies in the order of the interfaces."""
+        return tuple(dict.fromkeys(i.body for i in self.interfaces))
