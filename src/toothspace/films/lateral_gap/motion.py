@@ -21,6 +21,10 @@ _GROWTH = 3.0
 _OVERLAP = 0.5
 """Overlap of rough walls that a Newton step may add, over the roughness. [-]"""
 _STATUS_ROUNDS = 4
+_HEAD = 0.3
+"""Part of the former velocity with which a step begins its search. [-]"""
+_MOST_FAILURES = 3
+"""Films that may fail one after another before a step is given up."""
 
 
 @final
@@ -190,8 +194,8 @@ def _solve(task: _Task, former: Balance, slides: tuple[int, ...] | None) -> Bala
     held = [lever for k, lever in enumerate(levers) if slides is not None and slides[k] == 0]
     states: tuple[StackState, ...] = former.states
     deformed = [list(s.distant) for s in _matched(former, task)]
-    q, jacobian, age = task.start.copy(), former.jacobian, former.age
-    best = np.inf
+    q, jacobian, age = task.start + _HEAD * task.duration * task.velocity, former.jacobian, former.age
+    best, failures, holding = np.inf, 0, np.zeros(len(held))
     for number in range(1, settings.max_iterations + 1):
         v = (q - task.start) / task.duration
         starts = _matched(former, task) if number == 1 else states
@@ -199,6 +203,9 @@ def _solve(task: _Task, former: Balance, slides: tuple[int, ...] | None) -> Bala
             stack.solve(scene, q, v, old, given)
             for scene, old, given in zip(task.scenes, starts, deformed, strict=True)
         )
+        failures = 0 if all(s.converged for s in states) else failures + 1
+        if failures > _MOST_FAILURES:
+            break
         deformed, change = _deform(task, states, deformed)
         force, drag = _forces(task, states, v, slides)
         if jacobian is None or age >= settings.jacobian_age:

@@ -13,7 +13,12 @@ from toothspace.films.plane_film import PlaneFilm, PlaneSolution
 from toothspace.films.reynolds import FluidField, GapField, balance_derivative, film_balance
 from toothspace.films.rough_surfaces import ContactTable, contact_pressure
 from toothspace.numerics.banded import stencil_product
-from toothspace.numerics.complementarity import ComplementaritySolution, assemble, potential_scale
+from toothspace.numerics.complementarity import (
+    ComplementaritySolution,
+    assemble,
+    potential_scale,
+    solve_complementarity,
+)
 from toothspace.numerics.linear_system import (
     PRESCRIBED,
     SATURATED,
@@ -25,7 +30,9 @@ from toothspace.numerics.linear_system import (
 )
 from toothspace.numerics.structured_grid import CellBalance, grid_shape
 
-_MOST_PASSES = 60
+_MOST_PASSES = 40
+_PATIENCE = 9
+"""Passes after which the cavity is found afresh with the gap held."""
 _SETTLED = 1e-7
 """Change of the gap by one pass over the gap at which a film has settled. [-]"""
 _LONGEST = 0.5
@@ -202,6 +209,8 @@ def solve_yielding(
         settled = changed == 0 and largest <= _SETTLED
         if settled:
             break
+        if number % _PATIENCE == 0:
+            unknown, kind = _with_gap_held(film, now, unknown, used)
     final = np.where(used == UNSATURATED, 0.0, np.where(inside, unknown.reshape(kind.shape), potential))
     filled = np.where(used == UNSATURATED, unknown.reshape(kind.shape), 1.0)
     fields = ComplementaritySolution(final, filled, used, now.system, number, settled)
@@ -211,6 +220,17 @@ def solve_yielding(
     )
     plane = PlaneSolution(moved, state, now.balance, fields, settled)
     return YieldingSolution(plane, now.touch[0].copy(), now.touch[1].copy(), now.touch[2].copy())
+
+
+def _with_gap_held(
+    film: PlaneFilm, now: _Pass, unknown: Array, kind: IntArray
+) -> tuple[Array, IntArray]:
+    """Fields between pressures found so far and those of the cavity that settles at this gap."""
+    fields = solve_complementarity(now.balance, film.constraint, kind)
+    before = np.where(kind == UNSATURATED, 0.0, np.maximum(unknown.reshape(kind.shape), 0.0))
+    potential = 0.5 * (before + fields.potential)
+    settled = np.where(fields.kind == UNSATURATED, fields.saturation, potential)
+    return settled.ravel(), fields.kind.copy()
 
 
 def _begin(
