@@ -5,10 +5,10 @@ from __future__ import annotations
 import platform
 import time
 from collections.abc import Callable, Iterable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Any, final
 
 import numpy as np
 
@@ -30,6 +30,7 @@ from toothspace.presets import PRESETS
 from toothspace.results.solution import Solution
 from toothspace.solver.cyclic import History, RunPlan, march_revolutions
 from toothspace.solver.ideal import ideal_solution
+from toothspace.solver.lateral_gap import LateralSettings
 from toothspace.solver.outcome import solution_from, window_ledger
 from toothspace.solver.running_in import running_in_depths
 from toothspace.solver.transient import TimePlan, TransientMarch
@@ -97,6 +98,8 @@ def simulate(case: Case, progress: Progress | None = None) -> Solution:
             provenance=provenance_of(case),
             extra={"fluid_temperature": np.asarray(_temperature(case))},
         )
+    elif case.run.fidelity == "elastic":
+        solution = _simulate_elastic(case, progress)
     else:
         solution = _simulate_lumped(case, description, fluid, condition, progress)
     wall = time.perf_counter() - started
@@ -229,6 +232,75 @@ def circuit_condition(
         free_shaft=shaft,
         speed_schedule=np.zeros((0, 2)) if speed is None else speed,
         shaft_angle=keys.initial_shaft_angle,
+    )
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class RunInMachine:
+    """Machine of a case after running-in, for several lumped runs.
+
+    Parameters
+    ----------
+    case : Case
+        Its case.
+    description : MachineDescription
+        The machine after running-in.
+    fluid : FluidLaw
+        Fluid.
+    extra : mapping
+        Values that go into every result.
+    """
+
+    case: Case
+    description: MachineDescription
+    fluid: FluidLaw
+    extra: dict[str, Any]
+
+    def solve(
+        self,
+        condition: OperatingCondition,
+        description: MachineDescription | None = None,
+        progress: Progress | None = None,
+    ) -> Solution:
+        """Lumped solution at a condition, of the machine or a changed one."""
+        machine = description or self.description
+        history = _march(self.case, machine, self.fluid, condition, progress)
+        return solution_from(history, provenance_of(self.case), self.extra, self.case.title)
+
+
+def run_in_machine(case: Case) -> RunInMachine:
+    """Describe the machine of a case and run it in."""
+    description = describe(case)
+    worn, depths = run_in(case, description)
+    extra: dict[str, Any] = {"fluid_temperature": np.asarray(_temperature(case))}
+    extra |= _running_in_values(description, depths)
+    return RunInMachine(case, worn, fluid_of(case), extra)
+
+
+def _simulate_elastic(case: Case, progress: Progress | None) -> Solution:
+    """Chambers and lateral films in agreement, then one revolution of the films."""
+    from toothspace.solver.lateral_coupling import PointRequest, couple_point, elastic_solution
+    from toothspace.solver.lateral_gap import balance_of
+
+    machine = run_in_machine(case)
+    balance_of(machine.description)
+    condition = condition_of(case, machine.description)
+    gap = case.machine_spec.lateral.side_gap_floating
+    point = couple_point(
+        machine.description,
+        machine.fluid,
+        lambda changed: machine.solve(condition, changed, progress),
+        PointRequest(settings=lateral_settings(case), start=float(gap)),
+    )
+    return elastic_solution(point, case.run.film_steps_per_revolution)
+
+
+def lateral_settings(case: Case) -> LateralSettings:
+    """Grids and laws of the lateral films of a case."""
+    run = case.run
+    return LateralSettings(
+        grid=run.film_grid, angles=run.film_angles_per_pitch, deformation=run.deformation
     )
 
 

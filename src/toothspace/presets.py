@@ -108,6 +108,8 @@ _PRESETS = (
         friction=True,
         films="reynolds",
         deformation=True,
+        solved=True,
+        unused_tables=("machine.startup",),
     ),
 )
 

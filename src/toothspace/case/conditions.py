@@ -8,6 +8,7 @@ from typing import final
 
 from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.core.keys import (
+    Integer,
     Quantity,
     Row,
     choice,
@@ -21,6 +22,7 @@ from toothspace.core.keys import (
     text,
 )
 
+_CELLS = Integer(low=8, high=4000)
 _FORCE = Quantity(unit="N", low=-1e6, high=1e6)
 
 
@@ -126,6 +128,25 @@ class RunSettings:
         default="single",
     )
     mesh: str = choice("Stiffness of the mesh.", "rigid", "elastic", default="rigid")
+    deformation: str = choice(
+        "Deformation of bearings and gears under the lateral films (elastic preset).",
+        "columns",
+        "none",
+        default="columns",
+    )
+    film_grid: tuple[int, int] = declare(
+        Row(items=(_CELLS, _CELLS), doc="Cells of each lateral film, round and along the radius."),
+        (126, 18),
+    )
+    film_angles_per_pitch: int = integer(
+        "Shaft angles of a tooth pitch over which axial forces are averaged.",
+        low=1,
+        high=360,
+        default=2,
+    )
+    film_steps_per_revolution: int = integer(
+        "Steps of the lateral films over a revolution.", low=12, high=7200, default=112
+    )
 
     def __post_init__(self) -> None:
         if self.until is not None:

@@ -19,8 +19,8 @@ from typing import TYPE_CHECKING, Literal, final
 import numpy as np
 
 from toothspace.core.types import Array, IntArray
-from toothspace.model.lateral_balance import LateralBalance
 from toothspace.model.contact_pair import CONTACT_CHANNELS, ContactPair, RigidMesh
+from toothspace.model.lateral_balance import LateralBalance
 from toothspace.numerics.periodic_table import PeriodicTable
 
 if TYPE_CHECKING:

@@ -161,9 +161,7 @@ class FaceFilm:
                 tables[k, :, motion] = -self.grid.moments(self._response(slope, lever, rate))
         return tables[0], tables[1]
 
-    def _response(
-        self, slope: CellBalance, lever: tuple[Array, Array, Array], rate: bool
-    ) -> Array:
+    def _response(self, slope: CellBalance, lever: tuple[Array, Array, Array], rate: bool) -> Array:
         """Change of the face pressure, asperities included, with one motion or its rate."""
         found, film, fields = self.solution, self.plane.film, self.plane.fields
         zero = np.zeros_like(lever[0])
@@ -173,9 +171,7 @@ class FaceFilm:
         else:
             rigid = GapField(*lever, zero, zero)
             change = opened(rigid, (found.yielding - 1.0) * lever[0], film.grid.sweep_x)
-        varied = balance_variation(
-            (film.grid, film.gap, self.plane.fluid), change, slope, film.law
-        )
+        varied = balance_variation((film.grid, film.gap, self.plane.fluid), change, slope, film.law)
         push = residual(self.plane.balance, varied, fields.potential, fields.saturation)
         push[fields.kind == PRESCRIBED] = 0.0
         response = fields.system.solve(-push.ravel()).reshape(push.shape)
@@ -282,9 +278,7 @@ def solve_face(
         reference = around.low_pressure - law.cavitation_pressure
         how = Yielding(approach.local, reference, law.contact, law.roughness)
         start = _stiff(film, state, law, None) if start is None else start
-        return FaceFilm(
-            grid, law, around, solve_yielding(film, state, how, start), approach.local
-        )
+        return FaceFilm(grid, law, around, solve_yielding(film, state, how, start), approach.local)
     return FaceFilm(grid, law, around, _stiff(film, state, law, start), 0.0)
 
 
@@ -320,8 +314,7 @@ def _lever(grid: FaceGrid, motion: int) -> tuple[Array, Array, Array]:
 
 def _gap_field(grid: FaceGrid, place: Place, distant: Array) -> GapField:
     centre, along, across, rate = (
-        np.zeros_like(x)
-        for x in (distant, grid.points.face_x[0], grid.points.face_y[0], distant)
+        np.zeros_like(x) for x in (distant, grid.points.face_x[0], grid.points.face_y[0], distant)
     )
     for motion in range(3):
         lever = _lever(grid, motion)

@@ -127,7 +127,11 @@ def _metric(rows: int, step: float, rim: Array, radius: Array) -> FilmGrid:
     """Metric with the sweep of one radian per second."""
     lanes, width = radius.size, np.diff(rim)
     between = np.concatenate(
-        [[np.log(radius[0] / rim[0])], np.log(radius[1:] / radius[:-1]), [np.log(rim[-1] / radius[-1])]]
+        [
+            [np.log(radius[0] / rim[0])],
+            np.log(radius[1:] / radius[:-1]),
+            [np.log(rim[-1] / radius[-1])],
+        ]
     )
     area = 0.5 * step * (rim[1:] ** 2 - rim[:-1] ** 2)
     return FilmGrid(

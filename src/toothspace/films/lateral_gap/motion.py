@@ -145,24 +145,20 @@ def advance(
     Balance
         State after the step; ``converged`` tells whether it is in balance.
     """
-    task = _Task(
-        stack, tuple(scenes), loads, settings, former.position, former.velocity, duration
-    )
+    task = _Task(stack, tuple(scenes), loads, settings, former.position, former.velocity, duration)
     if not loads.friction.holds or loads.friction.coulomb_force == 0.0:
         return _solve(task, former, None)
     slides = former.slides
     for _ in range(_STATUS_ROUNDS):
         found = _solve(task, former, slides)
-        revised = _revised(task, found, slides, former.slides)
+        revised = _revised(task, found, slides)
         if revised == slides or not found.converged:
             return found
         slides = revised
     return found
 
 
-def _revised(
-    task: _Task, found: Balance, tried: tuple[int, ...], before: tuple[int, ...]
-) -> tuple[int, ...]:
+def _revised(task: _Task, found: Balance, tried: tuple[int, ...]) -> tuple[int, ...]:
     """Rest or slide of every pressed bearing, revised by the forces or the motion found."""
     revised = []
     for k, lever in enumerate(_levers(task.stack)):
@@ -174,7 +170,6 @@ def _revised(
             revised.append(0)
         else:
             revised.append(tried[k])
-    del before
     return tuple(revised)
 
 
@@ -194,7 +189,11 @@ def _solve(task: _Task, former: Balance, slides: tuple[int, ...] | None) -> Bala
     held = [lever for k, lever in enumerate(levers) if slides is not None and slides[k] == 0]
     states: tuple[StackState, ...] = former.states
     deformed = [list(s.distant) for s in _matched(former, task)]
-    q, jacobian, age = task.start + _HEAD * task.duration * task.velocity, former.jacobian, former.age
+    q, jacobian, age = (
+        task.start + _HEAD * task.duration * task.velocity,
+        former.jacobian,
+        former.age,
+    )
     best, failures, holding = np.inf, 0, np.zeros(len(held))
     for number in range(1, settings.max_iterations + 1):
         v = (q - task.start) / task.duration
@@ -216,13 +215,25 @@ def _solve(task: _Task, former: Balance, slides: tuple[int, ...] | None) -> Bala
         best = error / scale
         if best <= settings.force_tolerance and change <= settings.film_tolerance:
             return Balance(
-                states, _friction(task, v, slides, holding), slides or (0,) * len(levers),
-                best, number, all(s.converged for s in states), jacobian, age,
+                states,
+                _friction(task, v, slides, holding),
+                slides or (0,) * len(levers),
+                best,
+                number,
+                all(s.converged for s in states),
+                jacobian,
+                age,
             )
         q = q + _limited(states, step)
     return Balance(
-        states, _friction(task, v, slides, holding), slides or (0,) * len(levers),
-        best, settings.max_iterations, False, None, 0,
+        states,
+        _friction(task, v, slides, holding),
+        slides or (0,) * len(levers),
+        best,
+        settings.max_iterations,
+        False,
+        None,
+        0,
     )
 
 
@@ -241,9 +252,7 @@ def _deform(
     part = task.settings.relaxation
     for state, old in zip(states, used, strict=True):
         low = task.loads.back.low
-        new = task.stack.compliance.distant(
-            state.face_pressures(low), state.scene.shaft_angle
-        )
+        new = task.stack.compliance.distant(state.face_pressures(low), state.scene.shaft_angle)
         for film, a, b in zip(state.films, new, old, strict=True):
             inside = film.around.mask.film
             floor = np.maximum(film.gap, max(film.law.roughness, 1e-8))
@@ -334,9 +343,7 @@ def _reach(stack: Stack) -> float:
     return stack.balance.interfaces[0].outer_radius
 
 
-def _friction(
-    task: _Task, v: Array, slides: tuple[int, ...] | None, holding: Array
-) -> Array:
+def _friction(task: _Task, v: Array, slides: tuple[int, ...] | None, holding: Array) -> Array:
     """Friction force on every pressed bearing. [N]."""
     levers = _levers(task.stack)
     if slides is None:

@@ -133,9 +133,7 @@ class Stack:
         for grid in self.grids:
             if grid.interface.body not in masks:
                 masks[grid.interface.body] = grid.mask(shaft_angle)
-        return Scene(
-            shaft_angle, tuple(masks[g.interface.body] for g in self.grids), node_pressure
-        )
+        return Scene(shaft_angle, tuple(masks[g.interface.body] for g in self.grids), node_pressure)
 
     def start(self, gap: float) -> Array:
         """Coordinates with one gap everywhere. [m]."""

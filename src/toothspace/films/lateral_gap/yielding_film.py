@@ -110,6 +110,21 @@ def _couple(
     ``give`` is the change of the gap with the pressure of its cell. Gaps of faces of the first
     index follow the cell upstream, those of the second index the mean of both cells.
     """
+    _couple_along(b, slope, kind, potential, saturation, give, stencil)
+    _couple_across(b, slope, kind, potential, give, stencil)
+
+
+@njit(cache=True)
+def _couple_along(
+    b: CellBalance,
+    slope: CellBalance,
+    kind: IntArray,
+    potential: Array,
+    saturation: Array,
+    give: Array,
+    stencil: Array,
+) -> None:
+    """Faces of the first index, as :func:`_couple`."""
     rows, lanes = kind.shape
     for i in range(rows):
         w = (i + rows - 1) % rows
@@ -126,6 +141,19 @@ def _couple(
                 stencil[own, 0 if forward else 2] -= change
             if kind[w, j] != 2:
                 stencil[other, 2 if forward else 4] += change
+
+
+@njit(cache=True)
+def _couple_across(
+    b: CellBalance,
+    slope: CellBalance,
+    kind: IntArray,
+    potential: Array,
+    give: Array,
+    stencil: Array,
+) -> None:
+    """Faces of the second index, as :func:`_couple`."""
+    rows, lanes = kind.shape
     for i in range(rows):
         for j in range(1, lanes):
             drop = slope.conductance_y[i, j] * (potential[i, j - 1] - potential[i, j])
@@ -211,12 +239,19 @@ def solve_yielding(
             break
         if number % _PATIENCE == 0:
             unknown, kind = _with_gap_held(film, now, unknown, used)
-    final = np.where(used == UNSATURATED, 0.0, np.where(inside, unknown.reshape(kind.shape), potential))
+    final = np.where(
+        used == UNSATURATED, 0.0, np.where(inside, unknown.reshape(kind.shape), potential)
+    )
     filled = np.where(used == UNSATURATED, unknown.reshape(kind.shape), 1.0)
     fields = ComplementaritySolution(final, filled, used, now.system, number, settled)
     moved = PlaneFilm(
-        film.grid, opened(film.gap, gap - film.gap.centre, film.grid.sweep_x), film.points,
-        film.fluid, film.cavitation_pressure, film.constraint, law=film.law,
+        film.grid,
+        opened(film.gap, gap - film.gap.centre, film.grid.sweep_x),
+        film.points,
+        film.fluid,
+        film.cavitation_pressure,
+        film.constraint,
+        law=film.law,
     )
     plane = PlaneSolution(moved, state, now.balance, fields, settled)
     return YieldingSolution(plane, now.touch[0].copy(), now.touch[1].copy(), now.touch[2].copy())
@@ -233,9 +268,7 @@ def _with_gap_held(
     return settled.ravel(), fields.kind.copy()
 
 
-def _begin(
-    film: PlaneFilm, former: YieldingSolution | None
-) -> tuple[Array, Array, IntArray]:
+def _begin(film: PlaneFilm, former: YieldingSolution | None) -> tuple[Array, Array, IntArray]:
     known = film.grid.mark == PRESCRIBED
     given = film.grid.prescribed - film.cavitation_pressure
     if former is None:
@@ -282,6 +315,4 @@ def opened(gap: GapField, deformation: Array, sweep: Array) -> GapField:
     before, after = np.vstack([d[-1:], d]), np.vstack([d, d[:1]])
     along = np.where(sweep >= 0.0, before, after)
     across = np.hstack([d[:, :1], 0.5 * (d[:, 1:] + d[:, :-1]), d[:, -1:]])
-    return GapField(
-        gap.centre + d, gap.face_x + along, gap.face_y + across, gap.rate, gap.step
-    )
+    return GapField(gap.centre + d, gap.face_x + along, gap.face_y + across, gap.rate, gap.step)

@@ -1,0 +1,345 @@
+"""Lateral films and pressed bearings of a machine whose chamber pressures are known."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, final
+
+import numpy as np
+
+from toothspace.closures.fluid_law import FluidLaw
+from toothspace.core.errors import CaseError
+from toothspace.core.types import Array
+from toothspace.films.lateral_gap.equilibrium import (
+    Equilibrium,
+    March,
+    SearchSettings,
+    find_equilibrium,
+    march_angles,
+    scenes_over_pitch,
+)
+from toothspace.films.lateral_gap.face_film import FaceFilm, FilmLaw, film_law
+from toothspace.films.lateral_gap.faces import FaceGrid
+from toothspace.films.lateral_gap.friction import housing_friction, normal_force
+from toothspace.films.lateral_gap.motion import Balance, Loads, StepSettings, rest_at
+from toothspace.films.lateral_gap.stack import BackPressure, Columns, Compliance, Scene, Stack
+from toothspace.films.plane_film import FilmFluid
+from toothspace.films.rough_surfaces import RoughSurfaces
+from toothspace.model.description import MachineDescription
+from toothspace.model.lateral_balance import FilmInterface, LateralBalance
+from toothspace.numerics.periodic_table import PeriodicTable
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_TOUCH = 0.01
+"""Asperity pressure over hardness that counts as contact. [-]"""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class LateralSettings:
+    """Grids and laws of the lateral films.
+
+    Parameters
+    ----------
+    grid : tuple of int
+        Cells of each film round the circumference and along the radius. [-]
+    angles : int
+        Shaft angles of one tooth pitch over which forces are averaged. [-]
+    deformation : {"columns", "none"}
+        How faces give way.
+    cavitation : str
+        Cavitation model of the films.
+    dwell : float
+        Longest time at one operating point; the smooth friction law creeps that long. [s]
+    """
+
+    grid: tuple[int, int] = (126, 18)
+    angles: int = 2
+    deformation: str = "columns"
+    cavitation: str = "jfo"
+    dwell: float = 1e3
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class LateralProblem:
+    """One operating point of the lateral gaps.
+
+    Parameters
+    ----------
+    stack : Stack
+        Bodies and films.
+    scenes : tuple of Scene
+        Shaft angles over which forces are averaged.
+    loads : Loads
+        Pressures behind the bearing and friction in the housing.
+    node_pressure : callable
+        Pressures of all nodes at a shaft angle. [Pa]
+    settings : LateralSettings
+        Grids and laws.
+    """
+
+    stack: Stack
+    scenes: tuple[Scene, ...]
+    loads: Loads
+    node_pressure: Callable[[float], Array]
+    settings: LateralSettings
+
+    def started(self, gap: float) -> Balance:
+        """State at rest with one gap everywhere. [m]."""
+        return rest_at(self.stack, self.scenes, self.stack.start(gap))
+
+    def continued(self, former: Balance) -> Balance:
+        """State at rest at the positions of another operating point."""
+        return rest_at(self.stack, self.scenes, former.position)
+
+    def settle(self, start: Balance) -> Equilibrium:
+        """Let bearings and gears move until they rest, forces averaged over a pitch."""
+        search = SearchSettings(longest_time=self.settings.dwell)
+        return find_equilibrium(
+            self.stack, self.scenes, self.loads, start, search, StepSettings(max_iterations=25)
+        )
+
+    def march(self, start: Balance, steps: int, revolutions: float = 1.0) -> March:
+        """March over the shaft angle with transient squeeze."""
+        angles = np.arange(1, round(steps * revolutions) + 1) * 2.0 * np.pi / steps
+        step = StepSettings(force_tolerance=1e-5, max_iterations=25)
+        return march_angles(self.stack, self.node_pressure, self.loads, start, angles, step)
+
+
+@final
+@dataclass(frozen=True)
+class LateralNumbers:
+    """Numbers of lateral films in one state, all sides together.
+
+    Parameters
+    ----------
+    position : float
+        Position of the pressed bearing at its gauge point, away from the gears. [m]
+    gaps : ndarray
+        Mean gap of every film. [m]
+    smallest_gap : float
+        Smallest gap. [m]
+    leakage : float
+        Flow from high to low pressure that would lose the same power. [m3/s]
+    bore_flow : float
+        Flow into the shaft bores. [m3/s]
+    viscous_torque, asperity_torque : float
+        Friction at the shaft. [N m]
+    contact_force : float
+        Load that asperities carry. [N]
+    contact_share : float
+        Part of the film area with asperity contact above 1 % of the hardness. [-]
+    wear_power : float
+        Largest asperity pressure times sliding speed. [W/m2]
+    friction_force : float
+        Friction of the housing on the pressed bearing. [N]
+    seat_force : float
+        Force that holds the solid bearing on its cover, negative if it lifts off; with two
+        pressed bearings not a number. [N]
+    """
+
+    position: float
+    gaps: Array
+    smallest_gap: float
+    leakage: float
+    bore_flow: float
+    viscous_torque: float
+    asperity_torque: float
+    contact_force: float
+    contact_share: float
+    wear_power: float
+    friction_force: float
+    seat_force: float
+
+
+def lateral_problem(
+    description: MachineDescription,
+    fluid: FluidLaw,
+    data: xr.Dataset,
+    settings: LateralSettings,
+    nose_pressure: float | None = None,
+) -> LateralProblem:
+    """Lateral films at the operating point of a lumped solution.
+
+    Parameters
+    ----------
+    description : MachineDescription
+        The machine, with its lateral balance.
+    fluid : FluidLaw
+        Fluid.
+    data : xarray.Dataset
+        Samples of one revolution: chamber and port pressures, journal forces.
+    settings : LateralSettings
+        Grids and laws.
+    nose_pressure : float, optional
+        Absolute pressure on the nose; default the low pressure. [Pa]
+
+    Raises
+    ------
+    CaseError
+        If the machine has no pressed bearing.
+    """
+    balance = balance_of(description)
+    shaft_speed = float(data["shaft_speed"].mean())
+    pressures = node_pressures(description, data)
+    mean = pressures(0.0)
+    high, low = float(mean[balance.high_node]), float(mean[balance.low_node])
+    back = BackPressure(high, low, low if nose_pressure is None else nose_pressure)
+    # two blocks share the force of every shaft
+    journals = -0.5 * data["journal_force"].values.mean(axis=0).sum(axis=0)[:2]
+    toward_low = np.array([1.0 if description.mode == "pump" else -1.0, 1.0])
+    normal = normal_force(balance.floating.housing, high - low, journals * toward_low)
+    film_fluid = FilmFluid(fluid.dynamic_viscosity * np.exp(fluid.pressure_viscosity * 0.5 * high))
+    grids = tuple(FaceGrid(i, *settings.grid) for i in balance.interfaces)
+    stack = Stack(
+        balance,
+        grids,
+        tuple(_law(i, film_fluid, settings) for i in balance.interfaces),
+        _compliance(balance, settings),
+        shaft_speed,
+    )
+    scenes = scenes_over_pitch(stack, pressures, settings.angles)
+    friction = housing_friction(balance.floating.housing, normal)
+    return LateralProblem(stack, scenes, Loads(back, friction), pressures, settings)
+
+
+def balance_of(description: MachineDescription) -> LateralBalance:
+    """Lateral balance of a machine.
+
+    Raises
+    ------
+    CaseError
+        If it has none.
+    """
+    if description.lateral_balance is None:
+        raise CaseError(
+            "machine.floating_bearing: found no high_pressure_area, allowed a pressed bearing "
+            "with the area that balances it"
+        )
+    return description.lateral_balance
+
+
+def _law(interface: FilmInterface, fluid: FilmFluid, settings: LateralSettings) -> FilmLaw:
+    rough = max(interface.moving_roughness, interface.resting_roughness) > 0.0
+    surfaces = (
+        RoughSurfaces(
+            moving_roughness=interface.moving_roughness,
+            resting_roughness=interface.resting_roughness,
+            correlation_length=interface.correlation_length,
+            effective_modulus=interface.effective_modulus,
+            hardness=interface.hardness,
+            boundary_friction=interface.boundary_friction,
+        )
+        if rough
+        else None
+    )
+    return film_law(surfaces, fluid, settings.cavitation)
+
+
+def _compliance(balance: LateralBalance, settings: LateralSettings) -> Compliance:
+    yields = settings.deformation == "columns"
+    return Columns(tuple(i.column_compliance * yields for i in balance.interfaces))
+
+
+def node_pressures(description: MachineDescription, data: xr.Dataset) -> Callable[[float], Array]:
+    """Pressures of all nodes over the shaft angle, periodic with the revolution. [Pa]."""
+    turn = 2.0 * np.pi
+    angle = np.mod(data["shaft_angle"].values - data["shaft_angle"].values[0], turn)
+    first = float(np.mod(data["shaft_angle"].values[0], turn))
+    keep = np.unique(np.round(angle, 9), return_index=True)[1]
+    chambers = data["chamber_pressure"].values[keep]
+    inlet = float(data["inlet_pressure"].mean())
+    outlet = float(data["outlet_pressure"].mean())
+    ports = {"inlet": inlet, "outlet": outlet, "external": description.drain_pressure}
+    knots = np.append(angle[keep], turn)
+    table = np.vstack([chambers, chambers[:1]])
+    rest = np.array([inlet, outlet, ports[description.drain]])
+
+    def at(shaft_angle: float) -> Array:
+        place = np.mod(shaft_angle - first, turn)
+        k = min(int(np.searchsorted(knots, place, side="right")) - 1, knots.size - 2)
+        share = (place - knots[k]) / (knots[k + 1] - knots[k])
+        return np.concatenate([(1.0 - share) * table[k] + share * table[k + 1], rest])
+
+    return at
+
+
+def numbers_of(problem: LateralProblem, balance: Balance) -> LateralNumbers:
+    """Mean numbers of a state over its scenes."""
+    stack, back = problem.stack, problem.loads.back
+    speed, count = stack.shaft_speed, len(balance.states)
+    films = [film for state in balance.states for film in state.films]
+    lost = [film.friction() for film in films]
+    seats = [s.solid_seat_force(back.low) for s in balance.states]
+    span = max(back.high - back.low, 1.0)
+    return LateralNumbers(
+        position=stack.gauge(balance.position),
+        gaps=np.mean([s.mean_gaps() for s in balance.states], axis=0),
+        smallest_gap=min(s.smallest_gap() for s in balance.states),
+        leakage=sum(x.pressure for x in lost) / count / span,
+        bore_flow=sum(x.bore_flow for x in lost) / count,
+        viscous_torque=sum(x.shear for x in lost) / count / speed,
+        asperity_torque=sum(x.asperity for x in lost) / count / speed,
+        contact_force=sum(float((f.contact * f.grid.area).sum()) for f in films) / count,
+        contact_share=float(np.mean([_contact_share(f) for f in films])),
+        wear_power=max(float(wear_power(f, speed).max()) for f in films),
+        friction_force=float(balance.friction[0]),
+        seat_force=float("nan") if stack.two_pressed else min(seats),
+    )
+
+
+def wear_power(film: FaceFilm, shaft_speed: float) -> Array:
+    """Asperity pressure times sliding speed, the indicator of wear. [W/m2]."""
+    speed = abs(film.grid.interface.speed_ratio) * shaft_speed * film.grid.radius
+    return film.contact * speed
+
+
+def _contact_share(film: FaceFilm) -> float:
+    area = np.where(film.around.mask.film, film.grid.area, 0.0)
+    touching = film.contact > _TOUCH * film.grid.interface.hardness
+    return float((area * touching).sum() / area.sum())
+
+
+def with_lateral_leakage(description: MachineDescription, factor: float) -> MachineDescription:
+    """Widen the lateral and drain paths so that they leak by a factor more. [-]."""
+    paths = tuple(
+        replace(p, geometry=_scaled(p.geometry, factor ** (1.0 / 3.0)))
+        if p.category in {"lateral", "drain"}
+        else p
+        for p in description.paths
+    )
+    return replace(description, paths=paths)
+
+
+def with_lateral_torque(description: MachineDescription, factor: float) -> MachineDescription:
+    """Change the film heights on the faces so that they drag by a factor more. [-]."""
+    laterals = tuple(replace(f, height=f.height / factor) for f in description.laterals)
+    return replace(description, laterals=laterals)
+
+
+def _scaled(table: PeriodicTable, factor: float) -> PeriodicTable:
+    values, slopes = table.values.copy(), table.slopes.copy()
+    values[:, 0] *= factor
+    slopes[:, 0] *= factor
+    return PeriodicTable(table.period, values, slopes)
+
+
+def film_fields(balance: Balance) -> Mapping[str, Array]:
+    """Fields of all films at the last shaft angle, by the names of results."""
+    films = balance.states[-1].films
+    low = films[0].around.low_pressure
+    widened = [
+        f.compliance * np.where(f.around.mask.film, f.total - low, 0.0) + d
+        for f, d in zip(films, balance.states[-1].distant, strict=True)
+    ]
+    return {
+        "film_pressure": np.stack([f.pressure for f in films]),
+        "film_height": np.stack([np.where(f.around.mask.film, f.gap, np.nan) for f in films]),
+        "film_contact_pressure": np.stack([f.contact for f in films]),
+        "film_deformation": np.stack(widened),
+        "film_fraction": np.stack([f.plane.fields.saturation for f in films]),
+    }

@@ -1,0 +1,222 @@
+"""Operating points of a pressed bearing, one after another."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, final
+
+from toothspace.api import RunInMachine, condition_of, lateral_settings, run_in_machine
+from toothspace.case import Case
+from toothspace.core.errors import CaseError
+from toothspace.core.status import Status
+from toothspace.films.lateral_gap.motion import Balance
+from toothspace.model.description import MachineDescription
+from toothspace.model.lateral_balance import HousingContact, LateralBalance
+from toothspace.results.solution import Solution
+from toothspace.solver.lateral_coupling import CoupledPoint, PointRequest, couple_point
+from toothspace.solver.lateral_gap import LateralSettings, balance_of
+
+Progress = Callable[[float, str], None]
+
+_CREEP_TIME = 0.02
+"""Time at each point under the smooth friction law, which holds nothing. [s]"""
+_LUMPED_TOLERANCE = 1e-5
+_LUMPED_REVOLUTIONS = 12
+
+
+@final
+@dataclass(frozen=True)
+class LateralStudy:
+    """Points of a study in their order.
+
+    Parameters
+    ----------
+    kind : str
+        ``hysteresis`` or ``nose_pressure``.
+    labels : tuple of str
+        Names of the points.
+    points : tuple of CoupledPoint
+        What was found.
+    outlet_pressures, nose_pressures : tuple of float
+        Conditions of the points. [Pa]
+    """
+
+    kind: str
+    labels: tuple[str, ...]
+    points: tuple[CoupledPoint, ...]
+    outlet_pressures: tuple[float, ...]
+    nose_pressures: tuple[float, ...]
+
+    @property
+    def status(self) -> Status:
+        """Failure of the first point that failed, else done."""
+        failed = [p.status for p in self.points if p.status is Status.NOT_CONVERGED]
+        return failed[0] if failed else Status.DONE
+
+    def summary(self) -> dict[str, Any]:
+        """Numbers of all points as lists, with unit suffixes."""
+        numbers = [p.numbers for p in self.points]
+        first = numbers[0].position
+        return {
+            "point": list(self.labels),
+            "outlet_pressure_bar": [p * 1e-5 for p in self.outlet_pressures],
+            "nose_pressure_bar": [p * 1e-5 for p in self.nose_pressures],
+            "bearing_position_um": [n.position * 1e6 for n in numbers],
+            "relative_position_um": [(n.position - first) * 1e6 for n in numbers],
+            "film_height_um": [float(n.gaps.mean()) * 1e6 for n in numbers],
+            "smallest_film_um": [n.smallest_gap * 1e6 for n in numbers],
+            "leakage_L_per_min": [n.leakage * 6e4 for n in numbers],
+            "torque_loss_N_m": [n.viscous_torque + n.asperity_torque for n in numbers],
+            "contact_force_N": [n.contact_force for n in numbers],
+            "friction_force_N": [n.friction_force for n in numbers],
+            "breakaway_force_N": [p.problem.loads.friction.breakaway_force for p in self.points],
+            "seat_force_N": [n.seat_force for n in numbers],
+            "point_status": [p.status.name.lower() for p in self.points],
+            "status": self.status.name.lower(),
+        }
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class PointCondition:
+    """One point of a study.
+
+    Parameters
+    ----------
+    label : str
+        Name.
+    outlet_pressure, inlet_pressure : float
+        Absolute pressures. [Pa]
+    shaft_speed : float
+        Shaft speed. [rad/s]
+    nose_pressure : float or None
+        Absolute pressure on the nose; None: the low pressure. [Pa]
+    """
+
+    label: str
+    outlet_pressure: float
+    inlet_pressure: float
+    shaft_speed: float
+    nose_pressure: float | None = None
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class LateralPoints:
+    """Machine of a case, prepared for points of a pressed bearing.
+
+    Parameters
+    ----------
+    case : Case
+        The case, with an operating point.
+    machine : RunInMachine
+        The machine after running-in, with the housing friction of the study.
+    settings : LateralSettings
+        Grids and laws of the films.
+    rounds : int
+        Most lumped runs at a point.
+    """
+
+    case: Case
+    machine: RunInMachine
+    settings: LateralSettings
+    rounds: int = 1
+
+    @property
+    def balance(self) -> LateralBalance:
+        """Lateral balance of the machine."""
+        return balance_of(self.machine.description)
+
+    def solve(
+        self, point: PointCondition, start: CoupledPoint | float, progress: Progress | None = None
+    ) -> CoupledPoint:
+        """Coupled solution of one point, begun from another or from a gap. [m]."""
+        before = None if isinstance(start, float) else start
+        return couple_point(
+            self.machine.description if before is None else before.description,
+            self.machine.fluid,
+            lambda changed: self._lumped(point, changed, progress),
+            self._request(point, start if before is None else before.equilibrium.balance),
+        )
+
+    def solve_alike(
+        self, conditions: Sequence[PointCondition], start_gap: float
+    ) -> list[CoupledPoint]:
+        """Points that differ in the nose pressure alone, each from one gap. [m].
+
+        They share the chamber pressures of the first.
+        """
+        solution = self._lumped(conditions[0], self.machine.description, None)
+        return [
+            couple_point(
+                self.machine.description,
+                self.machine.fluid,
+                lambda _: solution,
+                replace(self._request(point, start_gap), rounds=1),
+            )
+            for point in conditions
+        ]
+
+    def _lumped(
+        self, point: PointCondition, description: MachineDescription, progress: Progress | None
+    ) -> Solution:
+        base = condition_of(self.case, self.machine.description)
+        condition = replace(
+            base,
+            shaft_speed=point.shaft_speed,
+            inlet_pressure=point.inlet_pressure,
+            outlet_pressure=point.outlet_pressure,
+            relative_tolerance=max(base.relative_tolerance, _LUMPED_TOLERANCE),
+        )
+        return self.machine.solve(condition, description, progress)
+
+    def _request(self, point: PointCondition, start: Balance | float) -> PointRequest:
+        return PointRequest(
+            settings=self.settings,
+            start=start,
+            nose_pressure=point.nose_pressure,
+            rounds=self.rounds,
+        )
+
+
+def prepare(case: Case, friction: HousingContact, kind: str) -> LateralPoints:
+    """Run the machine of a study in and give its bearing the friction of the study.
+
+    Raises
+    ------
+    CaseError
+        If the case has no operating point or the machine no pressed bearing.
+    """
+    if case.operating_point is None:
+        allowed = "an [operating_point] that the study starts from"
+        raise CaseError(
+            f"operating_point: found none with study.kind = {kind!r}, allowed {allowed}"
+        )
+    run = replace(case.run, max_revolutions=min(case.run.max_revolutions, _LUMPED_REVOLUTIONS))
+    machine = run_in_machine(replace(case, run=run))
+    balance = balance_of(machine.description)
+    area = balance.floating.housing.area
+    floating = replace(balance.floating, housing=replace(friction, area=area))
+    description = replace(machine.description, lateral_balance=replace(balance, floating=floating))
+    settings = lateral_settings(case)
+    if friction.law == "stribeck":
+        settings = replace(settings, dwell=_CREEP_TIME)
+    return LateralPoints(case, replace(machine, description=description), settings)
+
+
+def follow(
+    points: LateralPoints,
+    conditions: Sequence[PointCondition],
+    start: CoupledPoint | float,
+    progress: Progress | None = None,
+) -> tuple[CoupledPoint, ...]:
+    """Solve points one after another, each from the state that the one before left."""
+    found: list[CoupledPoint] = []
+    now: CoupledPoint | float = start
+    for k, condition in enumerate(conditions):
+        if progress:
+            progress(k / len(conditions), condition.label)
+        now = points.solve(condition, now)
+        found.append(now)
+    return tuple(found)

@@ -1,0 +1,86 @@
+"""Position of a pressed bearing over the pressure on its nose."""
+
+from __future__ import annotations
+
+from toothspace.case import Case
+from toothspace.case.study import NoseCondition, NosePressureStudy
+from toothspace.core.errors import CaseError
+from toothspace.model.lateral_balance import HousingContact
+from toothspace.solver.lateral_coupling import CoupledPoint
+from toothspace.studies.lateral_points import (
+    LateralStudy,
+    PointCondition,
+    Progress,
+    prepare,
+)
+
+
+def run(case: Case, progress: Progress | None = None) -> LateralStudy:
+    """Solve every condition of ``[study]`` at every nose pressure, each from the start gap.
+
+    Parameters
+    ----------
+    case : Case
+        Case with ``kind = "nose_pressure"`` and an operating point.
+    progress : callable, optional
+        Called with the finished share and a short text.
+
+    Returns
+    -------
+    LateralStudy
+        Conditions one after another, nose pressures rising within each.
+
+    Raises
+    ------
+    CaseError
+        If the case has another study, no operating point or no pressed bearing.
+
+    References
+    ----------
+    .. [1] D. Thiagarajan, A. Vacca, S. Watkins, On the lubrication performance of external gear
+       pumps for aerospace fuel delivery applications, Mech. Syst. Signal Process. 129 (2019)
+       659-676, section 4.4.
+    """
+    study = case.study
+    if not isinstance(study, NosePressureStudy):
+        raise CaseError('study.kind: found another study, allowed "nose_pressure"')
+    friction = HousingContact(
+        friction_coefficient=study.friction_coefficient,
+        breakaway_speed=study.breakaway_speed,
+        law="stick",
+    )
+    points = prepare(case, friction, "nose_pressure")
+    conditions: list[PointCondition] = []
+    found: list[CoupledPoint] = []
+    for k, condition in enumerate(study.conditions):
+        if progress:
+            progress(k / len(study.conditions), condition.name)
+        asked = _conditions(case, condition, study.nose_pressure_fractions)
+        conditions += asked
+        found += points.solve_alike(asked, study.start_gap)
+    return LateralStudy(
+        "nose_pressure",
+        tuple(c.label for c in conditions),
+        tuple(found),
+        tuple(c.outlet_pressure for c in conditions),
+        tuple(p.problem.loads.back.nose for p in found),
+    )
+
+
+def _conditions(
+    case: Case, condition: NoseCondition, fractions: tuple[float, ...]
+) -> list[PointCondition]:
+    base = case.operating_point
+    assert base is not None
+    inlet = condition.inlet_pressure or base.inlet_pressure
+    return [
+        PointCondition(
+            label=f"{condition.name}, {fraction:.4g}",
+            outlet_pressure=condition.outlet_pressure,
+            inlet_pressure=inlet,
+            shaft_speed=condition.shaft_speed,
+            # no nose is below the inlet that it is connected to
+            nose_pressure=max(fraction * condition.outlet_pressure, inlet),
+        )
+        for fraction in fractions
+    ]
