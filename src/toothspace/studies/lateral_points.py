@@ -132,12 +132,12 @@ class LateralPoints:
         self, point: PointCondition, start: CoupledPoint | float, progress: Progress | None = None
     ) -> CoupledPoint:
         """Coupled solution of one point, begun from another or from a gap. [m]."""
-        before = None if isinstance(start, float) else start
+        begun = start if isinstance(start, float) else start.equilibrium.balance
         return couple_point(
-            self.machine.description if before is None else before.description,
+            self.machine.description if isinstance(start, float) else start.description,
             self.machine.fluid,
             lambda changed: self._lumped(point, changed, progress),
-            self._request(point, start if before is None else before.equilibrium.balance),
+            self._request(point, begun),
         )
 
     def solve_alike(

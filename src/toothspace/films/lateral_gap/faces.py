@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from toothspace.core.types import Array, BoolArray
+from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.films.plane_film import PlanePoints, polar_points
 from toothspace.films.reynolds import FilmGrid
 from toothspace.model.lateral_balance import LAND, FaceCells, FilmInterface
@@ -31,7 +31,7 @@ class Mask:
     """
 
     cells: FaceCells
-    rim: Array
+    rim: IntArray
 
     @property
     def film(self) -> BoolArray:
@@ -67,12 +67,10 @@ class FaceGrid:
     def __post_init__(self) -> None:
         own = self.interface
         step = 2.0 * np.pi / self.rows
-        rim = np.linspace(own.inner_radius, own.outer_radius, self.lanes + 1)
-        radius = 0.5 * (rim[1:] + rim[:-1])
-        angle = (np.arange(self.rows) + 0.5) * step
-        face = np.arange(self.rows + 1) * step
-        object.__setattr__(self, "points", polar_points(angle, face, radius, rim))
-        object.__setattr__(self, "_metric", _metric(self.rows, step, rim, radius))
+        rim: Array = np.linspace(own.inner_radius, own.outer_radius, self.lanes + 1)
+        face = np.asarray(np.arange(self.rows + 1) * step)
+        object.__setattr__(self, "points", polar_points(self.angle, face, self.radius, rim))
+        object.__setattr__(self, "_metric", _metric(self.rows, step, rim, self.radius))
         object.__setattr__(self, "area", self._metric.area)
 
     @property

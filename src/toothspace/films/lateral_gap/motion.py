@@ -301,8 +301,7 @@ def _masses(stack: Stack) -> Array:
 
 def _mean_coefficients(states: tuple[StackState, ...]) -> tuple[Array, Array]:
     pairs = [state.coefficients() for state in states]
-    count = len(pairs)
-    return sum(k for k, _ in pairs) / count, sum(d for _, d in pairs) / count
+    return np.mean([k for k, _ in pairs], axis=0), np.mean([d for _, d in pairs], axis=0)
 
 
 def _newton_step(
