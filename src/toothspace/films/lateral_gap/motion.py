@@ -270,11 +270,12 @@ def _forces(
     for state in states:
         force += (state.film_force() + state.back_force(task.loads.back)) / len(states)
     q = task.start + v * task.duration
-    over = np.maximum(q[[0]] - stack.balance.floating.axial_play, 0.0)
-    force[0] -= _STOP_STIFFNESS * float(over[0])
     drag = np.zeros((stack.size, stack.size))
-    if over[0] > 0.0:
-        drag[0, 0] += _STOP_STIFFNESS * task.duration
+    for place, sign in ((0, 1.0), (stack.size - 3, -1.0))[: 1 + stack.two_pressed]:
+        over = sign * float(q[place]) - stack.balance.floating.axial_play
+        if over > 0.0:
+            force[place] -= sign * _STOP_STIFFNESS * over
+            drag[place, place] += _STOP_STIFFNESS * task.duration
     mass = _masses(stack)
     force -= mass * (v - task.velocity) / task.duration
     drag += np.diag(mass) / task.duration

@@ -1,0 +1,117 @@
+"""A bearing pressed against one plain ring between two films, for tests of the force balance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from toothspace.films import FilmFluid
+from toothspace.films.lateral_gap.face_film import film_law
+from toothspace.films.lateral_gap.faces import FaceGrid
+from toothspace.films.lateral_gap.friction import housing_friction
+from toothspace.films.lateral_gap.motion import Loads
+from toothspace.films.lateral_gap.stack import BackPressure, Columns, Stack
+from toothspace.films.rough_surfaces import RoughSurfaces
+from toothspace.model.lateral_balance import (
+    LAND,
+    FaceCells,
+    FilmInterface,
+    FloatingBearing,
+    HousingContact,
+    LateralBalance,
+    Patch,
+)
+
+INNER, OUTER, VISCOSITY = 10e-3, 25e-3, 1e-3
+AREA = np.pi * (OUTER**2 - INNER**2)
+LOW, HIGH = 5e5, 60e5
+LOW_NODE, HIGH_NODE = 0, 1
+ROUGH = RoughSurfaces(
+    moving_roughness=0.25e-6,
+    resting_roughness=0.3e-6,
+    effective_modulus=1.5e11,
+    hardness=1e9,
+)
+
+
+@dataclass(frozen=True)
+class RingFace:
+    """Film on a ring; beyond the rim high pressure where x is above a limit."""
+
+    limit: float = -1.0
+
+    def __call__(self, shaft_angle: float, x: np.ndarray, y: np.ndarray) -> FaceCells:
+        inside = np.hypot(x, y) <= OUTER
+        outside = np.where(x > self.limit, HIGH_NODE, LOW_NODE)
+        return FaceCells(np.where(inside, LAND, outside), inside, inside)
+
+
+def ring_stack(
+    *,
+    high_share: float = 0.5,
+    approach: float = 0.0,
+    rough: bool = True,
+    limit: float = -1.0,
+    motion: str = "axial",
+    arrangement: str = "asymmetric",
+    preload: float = 100.0,
+    preload_x: float = 0.0,
+    cells: tuple[int, int] = (36, 10),
+    speed: float = 300.0,
+) -> Stack:
+    """Stack of one ring; ``high_share`` is the part of the back face at high pressure."""
+    interfaces = tuple(
+        FilmInterface(
+            name=f"{side}_ring",
+            body="ring",
+            side=side,
+            center=(0.0, 0.0),
+            inner_radius=INNER,
+            outer_radius=OUTER,
+            speed_ratio=1.0,
+            period=2.0 * np.pi,
+            bore_node=LOW_NODE,
+            face_map=RingFace(limit),
+            moving_roughness=0.0,
+            resting_roughness=0.0,
+            effective_modulus=1.5e11,
+            hardness=1e9,
+        )
+        for side in ("floating", "solid")
+    )
+    floating = FloatingBearing(
+        mass=0.3,
+        face=Patch(AREA, (0.0, 0.0)),
+        high_pressure=Patch(high_share * AREA, (0.0, 0.0)),
+        nose=Patch(0.0, (0.0, 0.0)),
+        preload=preload,
+        preload_center=(preload_x, 0.0),
+        housing=HousingContact(),
+        gauge_point=(0.0, -OUTER),
+        axial_play=100e-6,
+    )
+    balance = LateralBalance(
+        arrangement=arrangement,  # type: ignore[arg-type]
+        motion=motion,  # type: ignore[arg-type]
+        interfaces=interfaces,
+        floating=floating,
+        high_node=HIGH_NODE,
+        low_node=LOW_NODE,
+        body_forces=(0.0,),
+        body_masses=(0.5,),
+    )
+    law = film_law(ROUGH if rough else None, FilmFluid(VISCOSITY))
+    grids = tuple(FaceGrid(i, *cells) for i in interfaces)
+    return Stack(balance, grids, (law, law), Columns((approach, approach)), speed)
+
+
+def loads(high: float, coulomb: float = 0.0, law: str = "stick") -> Loads:
+    """Pressures behind the bearing with a friction force in the housing."""
+    contact = replace(HousingContact(), friction_coefficient=0.01, law=law)
+    return Loads(BackPressure(high, LOW, LOW), housing_friction(contact, coulomb / 0.01))
+
+
+def pressures(high: float, low: float = LOW) -> np.ndarray:
+    """Pressures of both nodes. [Pa]."""
+    return np.array([low, high])

@@ -1,0 +1,262 @@
+"""Pressed bearing between two films: rigid limit, exact derivatives, balance and friction."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.lateral_stack import (
+    AREA,
+    HIGH,
+    INNER,
+    LOW,
+    OUTER,
+    VISCOSITY,
+    loads,
+    pressures,
+    ring_stack,
+)
+from toothspace.films import FilmFluid, LateralFilm
+from toothspace.films.lateral_gap.equilibrium import (
+    Equilibrium,
+    SearchSettings,
+    find_equilibrium,
+    march_angles,
+)
+from toothspace.films.lateral_gap.friction import HousingFriction, normal_force
+from toothspace.films.lateral_gap.motion import StepSettings, balance_force, rest_at
+from toothspace.films.lateral_gap.stack import BackPressure, Stack, StackState
+from toothspace.model.lateral_balance import HousingContact
+
+APPROACH = 3e-13
+SHARE = 0.72
+"""Balanced part of the back face; a plane ring film carries 0.645 of it. [-]"""
+
+
+def _solved(
+    stack: Stack, q: np.ndarray, high: float = HIGH, v: np.ndarray | None = None
+) -> StackState:
+    flat = [np.zeros((g.rows, g.lanes)) for g in stack.grids]
+    scene = stack.scene(0.0, pressures(high))
+    return stack.solve(scene, q, np.zeros(stack.size) if v is None else v, None, flat)
+
+
+def _settled(
+    stack: Stack, high: float, start: float | np.ndarray, coulomb: float = 0.0, law: str = "stick"
+) -> Equilibrium:
+    scenes = (stack.scene(0.0, pressures(high)),)
+    begin = stack.start(start) if isinstance(start, float) else start
+    search = SearchSettings(longest_time=1e3 if law == "stick" else 0.01)
+    first = rest_at(stack, scenes, begin)
+    return find_equilibrium(stack, scenes, loads(high, coulomb, law), first, search, StepSettings())
+
+
+@pytest.mark.parametrize("tilt", [(0.0, 0.0), (1.2e-4, -0.8e-4)])
+def test_rigid_faces_give_the_lateral_film(tilt: tuple[float, float]) -> None:
+    """The same load, moments, shear torque and bore flow as the stand-alone ring."""
+    gap, speed = 6e-6, 300.0
+    stack = ring_stack(rough=False, motion="full", speed=speed)
+    q = stack.start(gap)
+    q[1:3] = tilt
+    found = _solved(stack, q).films[0]
+    # the bearing turns about x and y, the gear below stays plane
+    ring = LateralFilm(
+        inner_radius=INNER,
+        outer_radius=OUTER,
+        side_gap=gap,
+        fluid=FilmFluid(VISCOSITY),
+        tilt=tilt,
+        grid=(36, 10),
+        inner_pressure=LOW,
+        outer_pressure=HIGH,
+    ).solve(shaft_speed=speed)
+    assert found.covered_load() == pytest.approx(ring.load, rel=1e-9, abs=1e-9)
+    assert found.friction().bore_flow == pytest.approx(ring.inner_flow, rel=1e-9)
+    power = ring.friction_torque * speed
+    assert abs(found.friction().shear) == pytest.approx(abs(power), rel=2e-4)
+
+
+@pytest.mark.parametrize("approach", [0.0, APPROACH])
+def test_equal_pressure_everywhere_leaves_the_preload(approach: float) -> None:
+    stack = ring_stack(approach=approach, preload=250.0)
+    state = _solved(stack, stack.start(5e-6), high=LOW)
+    net = state.film_force() + state.back_force(BackPressure(LOW, LOW, LOW))
+    assert net == pytest.approx(np.array([-250.0, 0, 0, 0, 0, 0]), abs=1e-6)
+
+
+@pytest.mark.parametrize("approach", [0.0, APPROACH])
+@pytest.mark.parametrize("gap", [1.2e-6, 4e-6])
+def test_stiffness_and_damping_are_derivatives(approach: float, gap: float) -> None:
+    """Central differences of the film force, tilts included, rough walls in contact at 1.2 um."""
+    stack = ring_stack(approach=approach, motion="full", limit=0.0)
+    q = stack.start(gap)
+    q[1:3] = 1e-5, -0.5e-5
+    stiffness, damping = _solved(stack, q).coefficients()
+    scale = np.array([1.0, 1.0 / OUTER, 1.0 / OUTER] * 2)
+    for k in range(stack.size):
+        for table, step, rate in ((stiffness, 1e-10, False), (damping, 1e-6, True)):
+            change = np.zeros(stack.size)
+            change[k] = step * scale[k]
+            sides = [
+                _solved(stack, q, v=s * change) if rate else _solved(stack, q + s * change)
+                for s in (1.0, -1.0)
+            ]
+            slope = -(sides[0].film_force() - sides[1].film_force()) / (2.0 * change[k])
+            size = float(np.abs(table * scale[:, None] * scale[None, :]).max())
+            error = np.abs(table[:, k] - slope) * scale * scale[k]
+            assert error.max() < 2e-3 * size, (k, rate)
+
+
+def test_bearing_rests_where_forces_balance() -> None:
+    """Residual below 1e-6 of the balance force, told by an independent sum of pressures."""
+    stack = ring_stack(approach=APPROACH, high_share=SHARE)
+    found = _settled(stack, HIGH, 2e-6)
+    assert found.rests
+    state = found.balance.states[0]
+    film = state.films[0]
+    push = float((film.total * film.grid.area).sum())
+    area = float(film.grid.area.sum())
+    back = SHARE * (HIGH - LOW) * AREA + LOW * area + 100.0
+    scale = balance_force(stack, BackPressure(HIGH, LOW, LOW))
+    assert found.balance.residual < 1e-6
+    assert abs(push - back) < 2e-6 * scale
+    gaps = state.mean_gaps()
+    assert gaps[0] == pytest.approx(gaps[1], rel=1e-6)
+
+
+def test_yielding_faces_carry_more_the_closer_they_are() -> None:
+    """Pressure widens the gap where it enters, so a thin film carries more than a plane one."""
+    loads_over_gap = [
+        _solved(s := ring_stack(approach=APPROACH, rough=False), s.start(gap)).film_force()[0]
+        for gap in (2e-6, 4e-6, 8e-6)
+    ]
+    plane = _solved(s := ring_stack(rough=False), s.start(4e-6)).film_force()[0]
+    assert loads_over_gap[0] > loads_over_gap[1] > loads_over_gap[2] > plane
+
+
+def test_two_pressed_bearings_move_alike() -> None:
+    stack = ring_stack(approach=APPROACH, high_share=SHARE, arrangement="symmetric")
+    found = _settled(stack, HIGH, 2e-6)
+    assert found.rests
+    q = found.balance.position
+    gaps = found.balance.states[0].mean_gaps()
+    assert gaps[0] == pytest.approx(gaps[1], rel=1e-5)
+    assert q[0] - q[3] == pytest.approx(q[3] - q[-3], rel=1e-5)
+
+
+def test_springs_beside_the_middle_tilt_the_bearing_until_moments_balance() -> None:
+    stack = ring_stack(approach=APPROACH, high_share=SHARE, motion="full", preload_x=4e-3)
+    found = _settled(stack, HIGH, 3e-6)
+    assert found.rests
+    assert found.balance.residual < 1e-6
+    assert np.abs(found.balance.position[1:3]).max() > 1e-7
+    moment = found.balance.states[0].films[0].covered_load()[2]
+    assert moment == pytest.approx(-100.0 * 4e-3, rel=1e-3)
+
+
+def test_smooth_friction_peaks_at_the_breakaway_speed() -> None:
+    """Eq. 15 of Thiagarajan et al.: odd, F_brk at v_brk, F_c far above."""
+    law = HousingFriction(coulomb_force=40.0, breakaway_speed=6.45e-3, holds=False)
+    speeds = np.linspace(0.1e-3, 30e-3, 3000)
+    forces = np.array([law.force(v)[0] for v in speeds])
+    assert speeds[np.argmax(forces)] == pytest.approx(6.45e-3, rel=0.02)
+    assert forces.max() == pytest.approx(100.0, rel=1e-3)
+    assert law.force(0.2)[0] == pytest.approx(40.0, rel=1e-6)
+    assert law.force(-4e-3)[0] == -law.force(4e-3)[0]
+    for v in (1e-5, 3e-3, 9e-3):
+        slope = (law.force(v * (1 + 1e-6))[0] - law.force(v * (1 - 1e-6))[0]) / (2e-6 * v)
+        assert law.force(v)[1] == pytest.approx(slope, rel=1e-5)
+
+
+def test_wall_force_is_the_magnitude_of_the_vector_sum() -> None:
+    contact = HousingContact(area=900e-6)
+    assert normal_force(contact, 70e5, np.array([-100.0, 0.0])) == pytest.approx(6400.0)
+    assert normal_force(contact, 70e5, np.array([6300.0, 500.0])) == pytest.approx(500.0)
+
+
+def test_stick_holds_below_breakaway_and_slides_down_to_coulomb_force() -> None:
+    stack = ring_stack(approach=APPROACH, high_share=SHARE)
+    free = _settled(stack, HIGH, 2e-6).balance
+    start = free.position * 1.15
+    net = _net_force(stack, start, HIGH)
+    assert net < 0.0
+    held = _settled(stack, HIGH, start, coulomb=abs(net) / 2.0)
+    assert held.balance.position[0] == pytest.approx(start[0], abs=1e-12)
+    assert held.balance.friction[0] == pytest.approx(-net, rel=1e-3)
+    slid = _settled(stack, HIGH, start, coulomb=abs(net) / 4.0)
+    assert slid.balance.position[0] < start[0]
+    assert slid.balance.friction[0] == pytest.approx(abs(net) / 4.0, rel=1e-2)
+    assert slid.balance.position[0] > free.position[0]
+
+
+def _net_force(stack: Stack, position: np.ndarray, high: float) -> float:
+    """Force on the bearing when the gear stands in the middle. [N]."""
+    q = position.copy()
+    q[3] = 0.5 * q[0]
+    state = _solved(stack, q, high)
+    return float((state.film_force() + state.back_force(BackPressure(high, LOW, LOW)))[0])
+
+
+def test_smooth_friction_creeps_where_stick_holds() -> None:
+    stack = ring_stack(approach=APPROACH, high_share=SHARE)
+    start = _settled(stack, HIGH, 2e-6).balance.position * 1.15
+    coulomb = abs(_net_force(stack, start, HIGH)) / 2.0
+    creeps = _settled(stack, HIGH, start, coulomb, law="stribeck").balance.position[0]
+    assert creeps < start[0] - 1e-9
+
+
+def _loop(coulomb: float) -> np.ndarray:
+    """Positions as the pressure goes up and down."""
+    stack = ring_stack(approach=APPROACH, high_share=0.68, preload=400.0, cells=(12, 10))
+    now: float | np.ndarray = 0.8e-6
+    positions = []
+    for high in (20e5, 40e5, 60e5, 40e5, 20e5):
+        found = _settled(stack, high, now, coulomb * high / 60e5)
+        assert found.rests
+        now = found.balance.position
+        positions.append(now[0])
+    return np.array(positions)
+
+
+def test_loop_of_positions_opens_with_friction_and_closes_without() -> None:
+    free, rubbed = _loop(0.0), _loop(60.0)
+    assert free[3:] == pytest.approx(free[1::-1], rel=1e-4)
+    assert np.all(np.diff(free[:3]) > 0.0)
+    assert np.all(np.diff(rubbed[:3]) >= 0.0)
+    assert np.all(rubbed[3:] > rubbed[1::-1] + 1e-8)
+
+
+def test_march_over_the_revolution_keeps_its_rest() -> None:
+    """Steady pressures: implicit steps stay where the search came to rest."""
+    stack = ring_stack(approach=APPROACH, high_share=SHARE)
+    rest = _settled(stack, HIGH, 2e-6).balance
+    angles = np.arange(1, 7) * np.pi / 3.0
+    march = march_angles(
+        stack, lambda _: pressures(HIGH), loads(HIGH), rest, angles, StepSettings()
+    )
+    assert march.converged
+    for balance in march.balances:
+        assert balance.position[0] == pytest.approx(rest.position[0], rel=1e-5)
+
+
+def test_squeeze_slows_the_closing_bearing() -> None:
+    """A step of pressure: the gap closes with the time constant of damping over stiffness."""
+    stack = ring_stack(approach=APPROACH, high_share=SHARE)
+    rest = _settled(stack, HIGH, 2e-6).balance
+    angles = np.arange(1, 21) * 0.5
+    higher = loads(HIGH)._replace(back=BackPressure(1.05 * HIGH, LOW, LOW))
+    march = march_angles(stack, lambda _: pressures(HIGH), higher, rest, angles, StepSettings())
+    path = np.array([rest.position[0]] + [b.position[0] for b in march.balances])
+    assert np.all(np.diff(path) < 0.0)
+    assert abs(path[1] - path[0]) > 2.0 * abs(path[-1] - path[-2])
+
+
+def test_powers_of_a_film_balance() -> None:
+    """Shear and pressure drive what flow dissipates; approaching faces add their work."""
+    stack = ring_stack(approach=APPROACH, rough=False, limit=0.0)
+    v = np.zeros(stack.size)
+    v[0] = -1e-4
+    q = stack.start(4e-6)
+    lost = _solved(stack, q, v=v).films[0].friction()
+    assert lost.dissipation == pytest.approx(lost.shear + lost.pressure - lost.squeeze, rel=1e-9)
+    assert lost.squeeze < 0.0
