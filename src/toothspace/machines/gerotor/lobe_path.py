@@ -1,0 +1,133 @@
+"""Where the lobes of the outer rotor meet the inner rotor, over their way round.
+
+The place of a lobe or pocket is the angle of its middle about the outer rotor's centre, from
+the negative y axis (smallest pocket) in the sense of rotation; pi is at the largest pocket.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from toothspace.core.types import Array
+from toothspace.machines.gerotor.closest_approach import closest_approach
+from toothspace.machines.gerotor.parameters import RotorParameters
+from toothspace.machines.gerotor.profiles import Rotors, trochoid_of
+
+RADIUS_RANGE = (20e-6, 1.0)
+"""Relative radii of curvature are kept in this range: cusps count with the lower end. [m]."""
+
+
+@final
+@dataclass(frozen=True)
+class LobePath:
+    """The throat between one lobe and the inner rotor, over the lobe's place.
+
+    Parameters
+    ----------
+    place : ndarray, shape (n,)
+        Place of the lobe. [rad]
+    point : ndarray, shape (n, 2)
+        Middle of the throat in the machine frame. [m]
+    normal : ndarray, shape (n, 2)
+        Unit normal from the inner to the outer rotor. [-]
+    gap : ndarray
+        Length of the throat. [m]
+    inner_curvature, outer_curvature : ndarray
+        Curvatures of the walls, positive where convex. [1/m]
+    """
+
+    place: Array
+    point: Array
+    normal: Array
+    gap: Array
+    inner_curvature: Array
+    outer_curvature: Array
+
+    @property
+    def relative_radius(self) -> Array:
+        """Relative radius of curvature, within :data:`RADIUS_RANGE`. [m]."""
+        low, high = RADIUS_RANGE
+        curvature = self.inner_curvature + self.outer_curvature
+        return np.asarray(1.0 / np.clip(curvature, 1.0 / high, 1.0 / low), dtype=float)
+
+
+def lobe_path(parameters: RotorParameters, rotors: Rotors, place: Array) -> LobePath:
+    """Find the throats of one lobe at given places.
+
+    Parameters
+    ----------
+    parameters : RotorParameters
+        Design; generated pairs have exact contact points.
+    rotors : Rotors
+        Both rotors.
+    place : ndarray
+        Places of the lobe. [rad]
+
+    Returns
+    -------
+    LobePath
+        Throats; those of generated pairs lie on the path of contact.
+    """
+    if parameters.kind == "trochoidal":
+        return _trochoidal(parameters, rotors, place)
+    if parameters.kind == "cycloidal":
+        return _cycloidal(rotors, place)
+    found = closest_approach(rotors, place)
+    return LobePath(place, *found)
+
+
+def _trochoidal(parameters: RotorParameters, rotors: Rotors, place: Array) -> LobePath:
+    design = trochoid_of(parameters)
+    angle = place - 0.5 * np.pi
+    center = design.generating_radius * np.column_stack([np.cos(angle), np.sin(angle)])
+    normal = center - rotors.pitch_point
+    normal /= np.hypot(*normal.T)[:, None]
+    half_pitch = np.pi / design.lobe_count
+    path = design.path_curvature((place - half_pitch) / design.tooth_count)
+    inner_radius = 1.0 / path - design.lobe_radius - 0.5 * rotors.tip_clearance
+    outer_radius = design.lobe_radius - 0.5 * rotors.tip_clearance
+    return LobePath(
+        place=place,
+        point=center - design.lobe_radius * normal,
+        normal=normal,
+        gap=np.full_like(place, rotors.tip_clearance),
+        inner_curvature=1.0 / inner_radius,
+        outer_curvature=np.full_like(place, 1.0 / outer_radius),
+    )
+
+
+def _cycloidal(rotors: Rotors, place: Array) -> LobePath:
+    # a lobe touches along the large generating circle, and near the pitch point along the small
+    count, lobes, q = rotors.inner_tooth_count, rotors.outer_tooth_count, 0.5 * rotors.eccentricity
+    large = (2 * count + 1) * q
+    rolled = np.mod(place - 0.5 * np.pi / lobes, 2.0 * np.pi) * 2.0 * lobes * q
+    on_small = rolled > 2.0 * np.pi * large
+    turn = np.where(on_small, (rolled - 2.0 * np.pi * large) / q, rolled / large)
+    radius = np.where(on_small, q, large)
+    chord = radius[:, None] * np.column_stack([np.sin(turn), 1.0 - np.cos(turn)])
+    distance = 2.0 * radius * np.abs(np.sin(0.5 * turn))
+    # half of the turn about the pitch point gives the direction also where the chord vanishes
+    away = np.column_stack([np.cos(0.5 * turn), np.sin(0.5 * turn)])
+    normal = np.where(on_small[:, None], -away, away)
+    half = 0.5 * rotors.tip_clearance
+    concave = -distance * 2.0 * (2 * count - 1) / (2 * count - 2)
+    inner_radius = np.where(on_small, concave, distance / lobes) - half
+    outer_radius = distance / count - half
+    return LobePath(
+        place=place,
+        point=rotors.pitch_point + chord,
+        normal=normal,
+        gap=np.full_like(place, rotors.tip_clearance),
+        inner_curvature=_inverse(inner_radius),
+        outer_curvature=_inverse(outer_radius),
+    )
+
+
+def _inverse(radius: Array) -> Array:
+    # near a cusp the offset has cut the convex part away: its edge remains
+    edge = 0.5 * RADIUS_RANGE[0]
+    sharp = np.abs(radius) < edge
+    return np.asarray(1.0 / np.where(sharp, edge, radius), dtype=float)
