@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,7 @@ ENTRY_POINT_GROUP = "toothspace.machines"
 
 def machine_type_names() -> list[str]:
     """Return the names of all installed machine types."""
-    return sorted({point.name for point in entry_points(group=ENTRY_POINT_GROUP)})
+    return sorted(machine_modules())
 
 
 def machine_type(name: str) -> Any:
@@ -24,9 +25,9 @@ def machine_type(name: str) -> Any:
     CaseError
         If no installed package provides it.
     """
-    for point in entry_points(group=ENTRY_POINT_GROUP):
-        if point.name == name:
-            return point.load()
+    modules = machine_modules()
+    if name in modules:
+        return import_module(modules[name]).MACHINE
     allowed = ", ".join(machine_type_names())
     raise CaseError(f"machine.type: found {name!r}, allowed {allowed}")
 

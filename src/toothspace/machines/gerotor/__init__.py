@@ -1,1 +1,5 @@
 """Gerotor pumps and motors."""
+
+from toothspace.machines.gerotor.describe import MACHINE
+
+__all__ = ["MACHINE"]

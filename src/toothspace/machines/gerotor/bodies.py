@@ -1,0 +1,173 @@
+"""Rotors as bodies: inertia, the film round the outer rotor, faces, outlines."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from toothspace.core.types import Array
+from toothspace.geometry.curve import signed_area
+from toothspace.library import load_material
+from toothspace.machines.gerotor.flow_paths import shaft_radius
+from toothspace.machines.gerotor.parameters import GerotorParameters
+from toothspace.machines.gerotor.pockets import Pockets
+from toothspace.machines.gerotor.ports import Ports
+from toothspace.model.description import Body, JournalBearing, LateralFilm, Motion
+
+BODIES = ("inner_rotor", "outer_rotor")
+HOUSING_MATERIAL = "cast_iron"
+"""Material of the bore round the outer rotor and of the shaft's bushes."""
+
+_CORRELATION_LENGTH = 10e-6
+_BEARINGS = 2
+_CIRCLE_POINTS = 361
+
+
+@final
+@dataclass(frozen=True)
+class Solid:
+    """Elastic data of a material: modulus [Pa], Poisson ratio [-], hardness [Pa], density."""
+
+    elastic_modulus: float
+    poisson_ratio: float
+    hardness: float
+    density: float
+
+
+def solid(name: str, key: str) -> Solid:
+    """Return a material of the library, or raise ``CaseError`` naming the key."""
+    data = load_material(name, key)
+    return Solid(
+        float(data["elastic_modulus"]),
+        float(data["poisson_ratio"]),
+        float(data["hardness"]),
+        float(data["density"]),
+    )
+
+
+def reduced_modulus(first: Solid, second: Solid) -> float:
+    """Effective modulus E' = 2 / [(1 - nu1^2)/E1 + (1 - nu2^2)/E2]. [Pa]."""
+    return 2.0 / sum((1.0 - m.poisson_ratio**2) / m.elastic_modulus for m in (first, second))
+
+
+def motions(parameters: GerotorParameters) -> tuple[Motion, ...]:
+    """Micro-motions: planar motion of the outer rotor, x and y of an inner one in bearings."""
+    outer = tuple(Motion("outer_rotor", axis) for axis in ("x", "y", "rotation"))
+    if parameters.journal_bearings is None:
+        return outer
+    return (Motion("inner_rotor", "x"), Motion("inner_rotor", "y"), *outer)
+
+
+def motion_columns(parameters: GerotorParameters) -> tuple[int, ...]:
+    """Columns that these motions have in ``area_by_motion`` and ``gap_by_motion``."""
+    return (2, 3, 4) if parameters.journal_bearings is None else (0, 1, 2, 3, 4)
+
+
+def bodies(parameters: GerotorParameters, pocket: Pockets) -> tuple[Body, Body]:
+    """Both rotors: sections times face width; the shaft fills the inner rotor's bore."""
+    rotors, width = pocket.rotors, parameters.rotors.face_width
+    density = solid(parameters.rotors.material, "machine.rotors.material").density
+    radius = 0.5 * parameters.housing.outer_rotor_diameter
+    inner = density * width * signed_area(rotors.inner)
+    rim = density * width * (np.pi * radius**2 - signed_area(rotors.outer))
+    polar = 0.5 * np.pi * radius**4 - polar_moment(rotors.outer)
+    return (
+        Body(
+            "inner_rotor",
+            (0.0, -rotors.eccentricity),
+            1.0,
+            float(inner),
+            density * width * polar_moment(rotors.inner),
+        ),
+        Body("outer_rotor", (0.0, 0.0), pocket.angle_ratio, float(rim), density * width * polar),
+    )
+
+
+def polar_moment(outline: Array) -> float:
+    """Polar second moment of area of a closed outline about its origin. [m4]."""
+    p, q = outline, np.roll(outline, -1, axis=0)
+    cross = p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]
+    return float(np.sum(cross * np.sum(p * p + p * q + q * q, axis=1)) / 12.0)
+
+
+def journal_bearings(parameters: GerotorParameters) -> tuple[JournalBearing, ...]:
+    """Film round the outer rotor, and the bearings of an inner rotor's shaft."""
+    rotors, housing = parameters.rotors, parameters.housing
+    own, bore = solid(rotors.material, "machine.rotors.material"), solid(HOUSING_MATERIAL, "")
+    found = [
+        JournalBearing(
+            body="outer_rotor",
+            count=1,
+            diameter=housing.outer_rotor_diameter,
+            length=rotors.face_width,
+            radial_clearance=housing.radial_clearance,
+            roughness=float(np.hypot(rotors.roughness, housing.roughness)),
+            correlation_length=_CORRELATION_LENGTH,
+            effective_modulus=reduced_modulus(own, bore),
+            hardness=min(own.hardness, bore.hardness),
+            boundary_friction=parameters.contact.boundary_friction,
+            end_condition="no_flow" if housing.end_condition == "no_flow" else "pressure",
+        )
+    ]
+    shaft = parameters.journal_bearings
+    if shaft is not None:
+        found.append(
+            JournalBearing(
+                body="inner_rotor",
+                count=_BEARINGS,
+                diameter=shaft.diameter,
+                length=shaft.length,
+                radial_clearance=shaft.radial_clearance,
+                roughness=float(np.hypot(shaft.roughness_shaft, shaft.roughness_bush)),
+                correlation_length=_CORRELATION_LENGTH,
+                effective_modulus=reduced_modulus(own, bore),
+                hardness=min(own.hardness, bore.hardness),
+                boundary_friction=shaft.boundary_friction,
+            )
+        )
+    return tuple(found)
+
+
+def shear_height(parameters: GerotorParameters) -> float:
+    """Height that shears like the gaps of both faces together. [m]."""
+    lateral = parameters.lateral
+    if lateral.side_gap is not None:
+        return lateral.side_gap
+    return 2.0 / (1.0 / (lateral.side_gap_a or 1.0) + 1.0 / (lateral.side_gap_b or 1.0))
+
+
+def lateral_films(parameters: GerotorParameters, pocket: Pockets) -> tuple[LateralFilm, ...]:
+    """Films on the faces of both rotors."""
+    rotors, height = pocket.rotors, shear_height(parameters)
+    inner, outer = np.hypot(*rotors.inner.T), np.hypot(*rotors.outer.T)
+    rim = 0.5 * parameters.housing.outer_rotor_diameter
+    root, tip, lobe = float(inner.min()), float(inner.max()), float(outer.min())
+    tooth = polar_moment(rotors.inner) - 0.5 * np.pi * root**4
+    # the outer rotor has no full annulus inside its lobes: all of it counts as tooth
+    face = 0.5 * np.pi * rim**4 - polar_moment(rotors.outer)
+    return (
+        LateralFilm(
+            "inner_rotor", 2, height, shaft_radius(parameters, pocket), root, tip,
+            tooth / (0.5 * np.pi * (tip**4 - root**4)),
+        ),
+        LateralFilm(
+            "outer_rotor", 2, height, lobe, lobe, rim,
+            face / (0.5 * np.pi * (rim**4 - lobe**4)),
+        ),
+    )  # fmt: skip
+
+
+def outlines(parameters: GerotorParameters, pocket: Pockets, ports: Ports) -> dict[str, Array]:
+    """Polygons for drawing: rotors in their own frame at shaft angle zero, casing, ports."""
+    radius = 0.5 * parameters.housing.outer_rotor_diameter
+    angle = np.linspace(0.0, 2.0 * np.pi, _CIRCLE_POINTS)[:-1]
+    circle = np.column_stack([np.cos(angle), np.sin(angle)])
+    return {
+        "inner_rotor": pocket.rotors.inner,
+        "outer_rotor": pocket.rotors.outer,
+        "casing": (radius + parameters.housing.radial_clearance) * circle,
+        "port_inlet": ports.contours["inlet"],
+        "port_outlet": ports.contours["outlet"],
+    }

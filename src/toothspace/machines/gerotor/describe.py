@@ -1,0 +1,126 @@
+"""From the parameters of a gerotor machine to its description."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, final
+
+import numpy as np
+
+from toothspace.machines.gerotor.bodies import (
+    bodies,
+    journal_bearings,
+    lateral_films,
+    motion_columns,
+    motions,
+    outlines,
+)
+from toothspace.machines.gerotor.flow_paths import flow_paths, pocket_phases
+from toothspace.machines.gerotor.parameters import GerotorParameters
+from toothspace.machines.gerotor.pockets import FULL_TURN, Pockets, area_by_motion, pockets
+from toothspace.machines.gerotor.ports import ports_of
+from toothspace.machines.gerotor.profiles import rotors_from
+from toothspace.machines.gerotor.summary import design_checks, geometry_summary
+from toothspace.model.description import ChamberFamily, MachineDescription
+from toothspace.numerics.periodic_table import (
+    monotone_table,
+    smooth_table,
+    table_from_exact_slopes,
+)
+
+DEFAULT_NODES = 720
+
+
+@final
+@dataclass(frozen=True)
+class GerotorMachine:
+    """The machine type: an inner rotor that turns an outer one with one more tooth."""
+
+    name: str = "gerotor"
+
+    def describe(self, spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDescription:
+        """Tables and data of a machine.
+
+        Parameters
+        ----------
+        spec : GerotorParameters
+            Parameters.
+        nodes : int
+            About how many table nodes on one turn of the outer rotor.
+
+        Returns
+        -------
+        MachineDescription
+            What the solver needs.
+
+        Raises
+        ------
+        GeometryError
+            If the rotors cannot be built.
+        """
+        return describe(spec, nodes)
+
+
+def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDescription:
+    """Tables and data of a machine; see :meth:`GerotorMachine.describe`."""
+    pocket = pockets(spec.rotors, rotors_from(spec.rotors), nodes)
+    ports = ports_of(spec.ports, pocket)
+    columns = motion_columns(spec)
+    return MachineDescription(
+        name="gerotor",
+        mode="pump" if spec.mode == "pump" else "motor",
+        displacement=spec.rotors.face_width * pocket.area_per_radian,
+        bodies=bodies(spec, pocket),
+        motions=motions(spec),
+        families=(_pocket_family(spec, pocket, columns), _film_family(spec, len(columns))),
+        paths=flow_paths(spec, pocket, ports, columns),
+        journals=journal_bearings(spec),
+        laterals=lateral_films(spec, pocket),
+        seal_torque=0.0 if spec.seals is None else spec.seals.shaft_seal_torque,
+        port_volumes=(spec.inlet.volume, spec.outlet.volume),
+        drain=_drain(spec),
+        drain_pressure=spec.drain_pressure or 1e5,
+        outlines=outlines(spec, pocket, ports),
+        geometry_summary=geometry_summary(spec, pocket),
+        checks=design_checks(spec, pocket),
+    )
+
+
+def _pocket_family(
+    spec: GerotorParameters, pocket: Pockets, columns: tuple[int, ...]
+) -> ChamberFamily:
+    width = spec.rotors.face_width
+    return ChamberFamily(
+        name="pocket",
+        angle_ratio=pocket.angle_ratio,
+        phases=pocket_phases(pocket),
+        volume=table_from_exact_slopes(
+            FULL_TURN, width * pocket.area, width * pocket.area_rate / pocket.angle_ratio
+        ),
+        volume_by_motion=smooth_table(FULL_TURN, width * area_by_motion(pocket)[:, columns]),
+    )
+
+
+def _film_family(spec: GerotorParameters, motion_count: int) -> ChamberFamily:
+    """Return the film round the outer rotor as one chamber of constant volume."""
+    housing = spec.housing
+    radius = 0.5 * housing.outer_rotor_diameter
+    ring = np.pi * ((radius + housing.radial_clearance) ** 2 - radius**2)
+    return ChamberFamily(
+        name="outer_film",
+        angle_ratio=1.0,
+        phases=np.zeros(1),
+        volume=monotone_table(FULL_TURN, np.full(4, ring * spec.rotors.face_width)),
+        volume_by_motion=monotone_table(FULL_TURN, np.zeros((4, motion_count))),
+    )
+
+
+def _drain(spec: GerotorParameters) -> Literal["inlet", "outlet", "external"]:
+    if spec.drain == "external":
+        return "external"
+    default = "inlet" if spec.mode == "pump" else "outlet"
+    return "inlet" if (spec.drain or default) == "inlet" else "outlet"
+
+
+MACHINE = GerotorMachine()
+"""The machine type found through the entry point."""

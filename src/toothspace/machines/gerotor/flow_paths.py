@@ -1,0 +1,235 @@
+"""Flow paths of a gerotor machine over the place of its lobes and pockets.
+
+Pocket k stands at the place ``2 pi k / z2`` at shaft angle zero; lobe k is between the pockets k
+and k + 1, which is ahead of it. After the pockets comes the film round the outer rotor.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+
+from toothspace.core.types import Array, IntArray
+from toothspace.geometry.curve import signed_area
+from toothspace.machines.gerotor.parameters import GerotorParameters
+from toothspace.machines.gerotor.pockets import FULL_TURN, Pockets
+from toothspace.machines.gerotor.ports import Ports, openings
+from toothspace.model.description import FlowPath
+from toothspace.numerics.periodic_table import monotone_table, smooth_table
+
+_FACES = 2.0
+
+
+def flow_paths(
+    parameters: GerotorParameters, pocket: Pockets, ports: Ports, motions: tuple[int, ...]
+) -> tuple[FlowPath, ...]:
+    """All flow paths of the machine.
+
+    Parameters
+    ----------
+    parameters : GerotorParameters
+        Machine.
+    pocket : Pockets
+        Pockets over their place.
+    ports : Ports
+        Kidneys.
+    motions : tuple of int
+        Which of the motions (inner x, y; outer x, y, rotation) are in the description.
+
+    Returns
+    -------
+    tuple of FlowPath
+        Ports, tips, faces of lobes, land to the shaft, rim to the film round the outer rotor.
+    """
+    return (
+        _port_path(pocket, ports, "inlet"),
+        _port_path(pocket, ports, "outlet"),
+        tip_path(parameters, pocket, motions),
+        lateral_path(parameters, pocket),
+        drain_path(parameters, pocket),
+        rim_path(parameters, pocket),
+        *_film_ends(parameters, pocket),
+    )
+
+
+def pocket_phases(pocket: Pockets) -> Array:
+    """Places of the pockets at shaft angle zero. [rad]."""
+    count = pocket.rotors.outer_tooth_count
+    return FULL_TURN * np.arange(count) / count
+
+
+def lobe_phases(pocket: Pockets) -> Array:
+    """Places of the lobes at shaft angle zero. [rad]."""
+    return pocket_phases(pocket) + np.pi / pocket.rotors.outer_tooth_count
+
+
+def _nodes(pocket: Pockets) -> IntArray:
+    return np.arange(pocket.rotors.outer_tooth_count, dtype=np.int64)
+
+
+def _film_node(pocket: Pockets) -> int:
+    return pocket.rotors.outer_tooth_count
+
+
+def _port_path(pocket: Pockets, ports: Ports, port: Literal["inlet", "outlet"]) -> FlowPath:
+    own = _nodes(pocket)
+    node = own.size + (1 if port == "inlet" else 2)
+    return FlowPath(
+        name=f"port_{port}",
+        category=f"{port}_port",
+        kind="orifice",
+        nodes_a=own,
+        nodes_b=np.full(own.size, node, dtype=np.int64),
+        angle_ratio=pocket.angle_ratio,
+        phases=pocket_phases(pocket),
+        geometry=monotone_table(FULL_TURN, openings(ports, pocket, port)),
+    )
+
+
+def tip_path(parameters: GerotorParameters, pocket: Pockets, motions: tuple[int, ...]) -> FlowPath:
+    """Gap between a lobe and the inner rotor, from the pocket behind to the pocket ahead.
+
+    The walls drag no fluid through it in this account: see the bookkeeping in ``pockets``.
+    """
+    path, own = pocket.path, _nodes(pocket)
+    width = np.full(path.place.size, parameters.rotors.face_width)
+    return FlowPath(
+        name="tip",
+        category="tip",
+        kind="curved_gap",
+        nodes_a=own,
+        nodes_b=np.roll(own, -1),
+        angle_ratio=pocket.angle_ratio,
+        phases=lobe_phases(pocket),
+        geometry=monotone_table(
+            FULL_TURN, np.column_stack([path.gap, width, path.relative_radius])
+        ),
+        height_by_motion=smooth_table(FULL_TURN, gap_by_motion(pocket)[:, motions]),
+        minimum_height=parameters.rotors.roughness,
+    )
+
+
+def gap_by_motion(pocket: Pockets) -> Array:
+    """Derivative of the tip gap by x, y of the inner and x, y, rotation of the outer rotor.
+
+    Returns
+    -------
+    ndarray, shape (n, 5)
+        Over the place of the lobe. [-], [m/rad]
+    """
+    normal, (x, y) = pocket.path.normal, pocket.path.point.T
+    lever = x * normal[:, 1] - y * normal[:, 0]
+    return np.column_stack([-normal, normal, lever])
+
+
+def side_gap(parameters: GerotorParameters) -> float:
+    """Height that lets the same leakage through as the gaps of both faces. [m]."""
+    lateral = parameters.lateral
+    if lateral.side_gap is not None:
+        return lateral.side_gap
+    gaps = np.array([lateral.side_gap_a or 0.0, lateral.side_gap_b or 0.0])
+    return float(np.mean(gaps**3) ** (1.0 / 3.0))
+
+
+def shaft_radius(parameters: GerotorParameters, pocket: Pockets) -> float:
+    """Radius at which the land of the inner rotor ends; half of its root without a bore. [m]."""
+    if parameters.rotors.shaft_diameter is not None:
+        return 0.5 * parameters.rotors.shaft_diameter
+    return 0.5 * float(np.hypot(*pocket.rotors.inner.T).min())
+
+
+def lateral_path(parameters: GerotorParameters, pocket: Pockets) -> FlowPath:
+    """Gaps over both faces of a lobe, with the part of an inner tooth that backs it.
+
+    A land as long as the lobe is thick in the middle of its height, and as wide as both
+    rotors' teeth are high.
+    """
+    rotors, own = pocket.rotors, _nodes(pocket)
+    outer, inner = np.hypot(*rotors.outer.T), np.hypot(*rotors.inner.T)
+    height = float(np.ptp(outer))
+    ring = np.pi * (outer.max() ** 2 - outer.min() ** 2)
+    cavities = signed_area(rotors.outer) - np.pi * outer.min() ** 2
+    thickness = (ring - cavities) / (rotors.outer_tooth_count * height)
+    row = np.array([side_gap(parameters), height + float(np.ptp(inner)), thickness])
+    return FlowPath(
+        name="lateral",
+        category="lateral",
+        kind="parallel_gap",
+        nodes_a=own,
+        nodes_b=np.roll(own, -1),
+        angle_ratio=pocket.angle_ratio,
+        phases=lobe_phases(pocket),
+        geometry=monotone_table(FULL_TURN, np.tile(row, (4, 1))),
+        multiplicity=_FACES,
+    )
+
+
+def drain_path(parameters: GerotorParameters, pocket: Pockets) -> FlowPath:
+    """Gaps over the land between the inner rotor's roots and its shaft, to the drain."""
+    root = float(np.hypot(*pocket.rotors.inner.T).min())
+    radii = shaft_radius(parameters, pocket), root
+    drain = pocket.rotors.outer_tooth_count + 3
+    return _ring_path(parameters, pocket, radii, ("drain", "drain", drain))
+
+
+def rim_path(parameters: GerotorParameters, pocket: Pockets) -> FlowPath:
+    """Gaps over the faces of the outer rotor's rim, to the film round it."""
+    floor = float(np.hypot(*pocket.rotors.outer.T).max())
+    radii = floor, 0.5 * parameters.housing.outer_rotor_diameter
+    return _ring_path(parameters, pocket, radii, ("rim", "radial", _film_node(pocket)))
+
+
+def _ring_path(
+    parameters: GerotorParameters,
+    pocket: Pockets,
+    radii: tuple[float, float],
+    label: tuple[str, str, int],
+) -> FlowPath:
+    # a ring sector leaks like a parallel gap of its mean radius and logarithmic length
+    own = _nodes(pocket)
+    middle = 0.5 * (radii[0] + radii[1])
+    row = [
+        side_gap(parameters),
+        FULL_TURN / own.size * middle,
+        middle * float(np.log(radii[1] / radii[0])),
+    ]
+    return FlowPath(
+        name=label[0],
+        category=label[1],
+        kind="parallel_gap",
+        nodes_a=own,
+        nodes_b=np.full(own.size, label[2], dtype=np.int64),
+        angle_ratio=pocket.angle_ratio,
+        phases=pocket_phases(pocket),
+        geometry=monotone_table(FULL_TURN, np.tile(np.array(row), (4, 1))),
+        multiplicity=_FACES,
+    )
+
+
+def _film_ends(parameters: GerotorParameters, pocket: Pockets) -> list[FlowPath]:
+    """Axial ends of the film round the outer rotor, open to the drain unless closed by walls."""
+    housing = parameters.housing
+    if housing.end_condition == "no_flow":
+        return []
+    # mean pressure to either end: a quarter of the width is the mean way out
+    row = np.array(
+        [
+            housing.radial_clearance,
+            np.pi * housing.outer_rotor_diameter,
+            0.25 * parameters.rotors.face_width,
+        ]
+    )
+    return [
+        FlowPath(
+            name="film_end",
+            category="radial",
+            kind="parallel_gap",
+            nodes_a=np.array([_film_node(pocket)]),
+            nodes_b=np.array([pocket.rotors.outer_tooth_count + 3]),
+            angle_ratio=1.0,
+            phases=np.zeros(1),
+            geometry=monotone_table(FULL_TURN, np.tile(row, (4, 1))),
+            multiplicity=_FACES,
+        )
+    ]

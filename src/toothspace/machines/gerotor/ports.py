@@ -1,0 +1,198 @@
+"""Kidney ports, and how far the pockets open to them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+import shapely
+
+from toothspace.core.errors import GeometryError
+from toothspace.core.types import Array
+from toothspace.geometry.polygon import load_polygons
+from toothspace.machines.gerotor.parameters import PortContourParameters
+from toothspace.machines.gerotor.pockets import FULL_TURN, Pockets
+
+_POLYGON_POINTS = 80
+_LEAST_AREA = 1e-12
+
+
+@final
+@dataclass(frozen=True)
+class Ports:
+    """Kidneys about the outer rotor's centre, mirrored on the line of centres.
+
+    Parameters
+    ----------
+    land_max_half_angle, land_min_half_angle : float
+        Half of the lands at the largest and smallest pocket. [rad]
+    inner_radius, outer_radius : float
+        Radii of the kidneys. [m]
+    contours : mapping of name to ndarray
+        Closed polygons ``inlet`` and ``outlet`` in the machine frame, the inlet on the side
+        where the pockets grow (positive x). [m]
+    """
+
+    land_max_half_angle: float
+    land_min_half_angle: float
+    inner_radius: float
+    outer_radius: float
+    contours: dict[str, Array]
+
+
+def throat_place(pocket: Pockets) -> Array:
+    """Place of the throats' middles over the place of their lobe. [rad]."""
+    x, y = pocket.path.point.T
+    beyond = np.arctan2(y, x) + 0.5 * np.pi - pocket.place
+    return pocket.place + np.mod(beyond + np.pi, FULL_TURN) - np.pi
+
+
+def kinematic_lands(pocket: Pockets) -> tuple[float, float]:
+    """Half angles of the lands that cut a pocket from one port when it opens to the other.
+
+    Parameters
+    ----------
+    pocket : Pockets
+        Pockets over their place.
+
+    Returns
+    -------
+    tuple of float
+        At the largest and at the smallest pocket: places of the throats of the pocket that
+        stands there. [rad]
+    """
+    throat, half = throat_place(pocket), pocket.half_pitch_nodes
+    opposite = pocket.place.size // 2
+    return float(throat[opposite + half] - np.pi), float(throat[half])
+
+
+def ports_of(parameters: PortContourParameters, pocket: Pockets) -> Ports:
+    """Kidneys of a case.
+
+    Parameters
+    ----------
+    parameters : PortContourParameters
+        Keys ``[machine.ports]``; radii left out reach from the inner rotor's roots to the
+        floor of the outer rotor's cavities.
+    pocket : Pockets
+        Pockets over their place.
+
+    Returns
+    -------
+    Ports
+        Both kidneys.
+
+    Raises
+    ------
+    GeometryError
+        If the radii enclose nothing or a contour file has not exactly one polygon per side.
+    """
+    lands = kinematic_lands(pocket)
+    if parameters.land_max_half_angle is not None and parameters.land_min_half_angle is not None:
+        lands = parameters.land_max_half_angle, parameters.land_min_half_angle
+    inner = parameters.inner_radius or float(np.hypot(*pocket.rotors.inner.T).min())
+    outer = parameters.outer_radius or float(np.hypot(*pocket.rotors.outer.T).max())
+    if inner >= outer:
+        raise GeometryError(
+            f"machine.ports.inner_radius: found {inner * 1e3:.5g} mm, allowed below "
+            f"{outer * 1e3:.5g} mm"
+        )
+    if parameters.contour is not None:
+        return _from_file(parameters, (*lands, inner, outer))
+    kidney = _kidney((inner, outer), (lands[1], np.pi - lands[0]))
+    mirrored = (kidney * np.array([-1.0, 1.0]))[::-1]
+    return Ports(*lands, inner, outer, {"inlet": kidney, "outlet": mirrored})
+
+
+def _kidney(radii: tuple[float, float], places: tuple[float, float]) -> Array:
+    angle = np.linspace(*places, _POLYGON_POINTS) - 0.5 * np.pi
+    ray = np.column_stack([np.cos(angle), np.sin(angle)])
+    return np.vstack([radii[1] * ray, radii[0] * ray[::-1]])
+
+
+def _from_file(
+    parameters: PortContourParameters, numbers: tuple[float, float, float, float]
+) -> Ports:
+    path = parameters.contour
+    polygons = [] if path is None else load_polygons(path, 1e-3)
+    sides = {
+        name: [p for p in polygons if sign * shapely.Polygon(p).centroid.x > 0.0]
+        for name, sign in (("inlet", 1.0), ("outlet", -1.0))
+    }
+    if any(len(found) != 1 for found in sides.values()):
+        counts = ", ".join(f"{len(found)} for the {name}" for name, found in sides.items())
+        raise GeometryError(f"{path}: found {counts}, allowed one closed curve on each side of x")
+    return Ports(*numbers, {name: found[0] for name, found in sides.items()})
+
+
+def openings(ports: Ports, pocket: Pockets, port: str) -> Array:
+    """Opening of a pocket to a port.
+
+    Parameters
+    ----------
+    ports : Ports
+        Kidneys of both ports.
+    pocket : Pockets
+        Pockets over their place.
+    port : str
+        ``inlet`` or ``outlet``.
+
+    Returns
+    -------
+    ndarray, shape (n, 2)
+        Area [m2] and hydraulic diameter [m] over the place of the pocket.
+    """
+    kidney = shapely.Polygon(ports.contours[port])
+    shapely.prepare(kidney)
+    table = np.zeros((pocket.place.size, 2))
+    for node in range(pocket.place.size):
+        shape = shapely.make_valid(shapely.Polygon(pocket_polygon(pocket, node)))
+        cut = shapely.intersection(kidney, shape)
+        if cut.area > _LEAST_AREA:
+            table[node] = cut.area, 4.0 * cut.area / cut.length
+    return table
+
+
+def pocket_polygon(pocket: Pockets, node: int) -> Array:
+    """Outline of a pocket at one node of its place, from throat to throat.
+
+    Parameters
+    ----------
+    pocket : Pockets
+        Pockets over their place.
+    node : int
+        Number of the node.
+
+    Returns
+    -------
+    ndarray, shape (n, 2)
+        Closed polygon in the machine frame. [m]
+    """
+    rotors, turn = pocket.rotors, float(pocket.place[node])
+    ends = []
+    for index in (node - pocket.half_pitch_nodes, node + pocket.half_pitch_nodes):
+        i = index % pocket.place.size
+        offset = 0.5 * pocket.path.gap[i] * pocket.path.normal[i]
+        ends.append((pocket.path.point[i] - offset, pocket.path.point[i] + offset))
+    inner_turn = turn * rotors.outer_tooth_count / rotors.inner_tooth_count
+    inner = _turned(rotors.inner, inner_turn) + rotors.inner_center
+    outer = _turned(rotors.outer, turn)
+    upper = _between(outer, np.zeros(2), ends[0][1], ends[1][1])
+    lower = _between(inner, rotors.inner_center, ends[0][0], ends[1][0])
+    return np.vstack([ends[0][1], upper, ends[1][1], ends[1][0], lower[::-1], ends[0][0]])
+
+
+def _turned(points: Array, angle: float) -> Array:
+    cosine, sine = np.cos(angle), np.sin(angle)
+    return np.asarray(points @ np.array([[cosine, sine], [-sine, cosine]]), dtype=float)
+
+
+def _between(points: Array, center: Array, first: Array, last: Array) -> Array:
+    """Points of a closed curve between two of its points, counter-clockwise about a centre."""
+    angle = np.arctan2(*(points - center).T[::-1])
+    start = np.arctan2(*(first - center)[::-1])
+    place = np.mod(angle - start, FULL_TURN)
+    end = np.mod(np.arctan2(*(last - center)[::-1]) - start, FULL_TURN)
+    inside = np.flatnonzero((place > 0.0) & (place < end))
+    return np.asarray(points[inside[np.argsort(place[inside])]], dtype=float)

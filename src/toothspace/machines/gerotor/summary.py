@@ -1,0 +1,138 @@
+"""Numbers and verdicts of the geometry report of gerotors."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toothspace.core.types import Array
+from toothspace.machines.gerotor.parameters import GerotorParameters
+from toothspace.machines.gerotor.pockets import Pockets
+from toothspace.machines.gerotor.ports import kinematic_lands
+from toothspace.machines.gerotor.profiles import trochoid_of
+from toothspace.model.description import DesignCheck
+
+_LEAST_EDGE = 0.5e-3
+_LARGEST_RIPPLE = 0.10
+
+
+def ideal_flow(pocket: Pockets) -> Array:
+    """Section area delivered per shaft radian over one turn of the outer rotor: rising pockets."""
+    step, count = 2 * pocket.half_pitch_nodes, pocket.rotors.outer_tooth_count
+    shifted = [np.roll(pocket.area_rate, k * step) for k in range(count)]
+    return np.asarray(np.sum(np.maximum(shifted, 0.0), axis=0), dtype=float)
+
+
+def flow_ripple(pocket: Pockets) -> float:
+    """Highest less lowest kinematic flow over its mean. [-]."""
+    flow = ideal_flow(pocket)
+    return float(np.ptp(flow) / np.mean(flow))
+
+
+def geometry_summary(parameters: GerotorParameters, pocket: Pockets) -> dict[str, object]:
+    """Numbers of the geometry report.
+
+    Parameters
+    ----------
+    parameters : GerotorParameters
+        Machine.
+    pocket : Pockets
+        Pockets over their place.
+
+    Returns
+    -------
+    dict
+        Values by name; names carry their unit.
+    """
+    width, rotors = parameters.rotors.face_width, pocket.rotors
+    inner, outer = np.hypot(*rotors.inner.T) * 1e3, np.hypot(*rotors.outer.T) * 1e3
+    lands = np.rad2deg(kinematic_lands(pocket))
+    return {
+        "displacement_cm3_per_rev": pocket.area_per_radian * width * 2e6 * np.pi,
+        "max_pocket_volume_mm3": float(pocket.area.max()) * width * 1e9,
+        "min_pocket_volume_mm3": float(pocket.area.min()) * width * 1e9,
+        "no_undercut_limit_mm": _undercut_limit(parameters),
+        "flow_ripple_percent": 100.0 * flow_ripple(pocket),
+        "eccentricity_mm": rotors.eccentricity * 1e3,
+        "inner_tip_diameter_mm": 2.0 * float(inner.max()),
+        "inner_root_diameter_mm": 2.0 * float(inner.min()),
+        "outer_tip_diameter_mm": 2.0 * float(outer.min()),
+        "outer_root_diameter_mm": 2.0 * float(outer.max()),
+        "smallest_relative_radius_mm": float(pocket.path.relative_radius.min()) * 1e3,
+        "kinematic_land_max_half_angle_deg": float(lands[0]),
+        "kinematic_land_min_half_angle_deg": float(lands[1]),
+        "warnings": [
+            f"{check.name}: {check.value:.4g} {check.unit}, allowed {check.allowed}"
+            for check in design_checks(parameters, pocket)
+            if not check.passed
+        ],
+    }
+
+
+def _undercut_limit(parameters: GerotorParameters) -> float | None:
+    if parameters.rotors.kind != "trochoidal":
+        return None
+    return trochoid_of(parameters.rotors).no_undercut_limit * 1e3
+
+
+def design_checks(parameters: GerotorParameters, pocket: Pockets) -> tuple[DesignCheck, ...]:
+    """Design-rule report of a gerotor set."""
+    return (*_undercut_check(parameters), *_common_checks(parameters, pocket))
+
+
+def _undercut_check(parameters: GerotorParameters) -> tuple[DesignCheck, ...]:
+    if parameters.rotors.kind != "trochoidal":
+        return ()
+    design = trochoid_of(parameters.rotors)
+    limit = design.no_undercut_limit
+    return (
+        DesignCheck(
+            "lobe radius over its no-undercut limit", design.lobe_radius / limit, "1",
+            "below 0.95", design.lobe_radius < 0.95 * limit,
+            "Near the limit the inner tips become edges that wear and cannot carry load.",
+        ),
+        DesignCheck(
+            "lobe radius over half the lobe distance",
+            design.lobe_radius / design.closure_limit, "1", "below 0.95",
+            design.lobe_radius < 0.95 * design.closure_limit,
+            "Neighbouring lobes that nearly touch leave no room for the inner teeth.",
+        ),
+    )  # fmt: skip
+
+
+def _common_checks(parameters: GerotorParameters, pocket: Pockets) -> tuple[DesignCheck, ...]:
+    rotors = pocket.rotors
+    rim = 0.5 * parameters.housing.outer_rotor_diameter - np.hypot(*rotors.outer.T).max()
+    height = float(np.ptp(np.hypot(*rotors.outer.T)))
+    edge = float(1.0 / np.maximum(pocket.path.inner_curvature, 1e-3).max())
+    ripple = flow_ripple(pocket)
+    trapped = float(pocket.area.min() / pocket.area.max())
+    gap_share = rotors.tip_clearance / rotors.eccentricity
+    checks = [
+        DesignCheck(
+            "rim of the outer rotor over the lobe height", float(rim) / height, "1",
+            "above 0.6", bool(rim > 0.6 * height),
+            "A thin rim breathes with the pressure and opens the tip gaps.",
+        ),
+        DesignCheck(
+            "flow ripple", 100.0 * ripple, "%", "below 10 %", ripple < _LARGEST_RIPPLE,
+            "Flow ripple excites pressure ripple in the line.",
+        ),
+        DesignCheck(
+            "smallest pocket over the largest", 100.0 * trapped, "%", "below 5 %", trapped < 0.05,
+            "Fluid left in the smallest pocket carries its compression back to the inlet.",
+        ),
+        DesignCheck(
+            "tip clearance over the eccentricity", 100.0 * gap_share, "%", "below 4 %",
+            gap_share < 0.04,
+            "Tip leakage grows with the power 2.5 of the gap.",
+        ),
+    ]  # fmt: skip
+    if parameters.rotors.kind != "cycloidal":
+        checks.append(
+            DesignCheck(
+                "smallest convex radius of the inner rotor", edge * 1e3, "mm", "above 0.5 mm",
+                edge > _LEAST_EDGE,
+                "Small radii raise the contact pressure and chip in sintered steel.",
+            )
+        )  # fmt: skip
+    return tuple(checks)
