@@ -21,6 +21,7 @@ from toothspace.core.compiled import announce_first_compilation
 from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.core.errors import CaseError
 from toothspace.core.registry import machine_type
+from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.model.assembly import assemble
 from toothspace.model.description import MachineDescription
@@ -337,6 +338,8 @@ def _march_against_orifice(
     for _ in range(_LOAD_ROUNDS):
         system = assemble(description, fluid, replace(condition, load_area=area))
         history = march_revolutions(system, plan, progress, state)
+        if history.status is not Status.DONE and history.revolutions == 0:
+            break
         found = mean_outlet_pressure(history) - condition.load_pressure
         if abs(found / wanted - 1.0) < _LOAD_MATCH:
             break

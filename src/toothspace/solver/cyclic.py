@@ -9,9 +9,10 @@ from typing import final
 import numpy as np
 
 from toothspace.core.status import Status
-from toothspace.core.types import Array
+from toothspace.core.types import Array, IntArray
 from toothspace.model.arrays import CLEARANCE
 from toothspace.model.assembly import System
+from toothspace.model.description import MachineDescription
 from toothspace.results.solution import Event
 from toothspace.solver.initial import start_state
 from toothspace.solver.integrator import March, Piece, start_march
@@ -21,6 +22,7 @@ Progress = Callable[[float, str], None]
 
 _CYCLIC_PRESSURE = 2e-4
 _CYCLIC_POSITION = 2e-3
+_SAME_PLACE = 1e-9
 
 
 @final
@@ -106,12 +108,43 @@ def _history(march: March, piece: Piece, status: Status, revolutions: int) -> Hi
     )
 
 
+def successors(description: MachineDescription) -> IntArray:
+    """Chamber that stood, one revolution before, where each chamber stands now.
+
+    A chamber family may come back onto itself in one shaft revolution with its chambers
+    exchanged, as the pockets of a rotor that turns more slowly than the shaft.
+
+    Parameters
+    ----------
+    description : MachineDescription
+        The machine.
+
+    Returns
+    -------
+    ndarray of int
+        Number of that chamber; the chamber itself where none stood there.
+    """
+    places, first = np.arange(description.chamber_count), 0
+    for family in description.families:
+        turn = 2.0 * np.pi * family.angle_ratio
+        ahead = family.phases[:, None] + turn - family.phases[None, :]
+        period = family.volume.period
+        distance = np.abs(np.mod(ahead + 0.5 * period, period) - 0.5 * period)
+        nearest = np.argmin(distance, axis=1)
+        if distance[np.arange(family.count), nearest].max() < _SAME_PLACE * period:
+            places[first : first + family.count] = first + nearest
+        first += family.count
+    return places
+
+
 def _repeats(system: System, before: Piece, after: Piece) -> bool:
     from toothspace.solver.observe import observe
 
     every = slice(None, None, 8)
     old = observe(system.arrays, before.states[every]).pressure
     new = observe(system.arrays, after.states[every]).pressure
+    chambers = system.arrays.size.chambers
+    old[:, :chambers] = old[:, successors(system.description)]
     scale = max(system.condition.inlet_pressure, system.condition.outlet_pressure)
     if np.sqrt(np.mean((new - old) ** 2)) > _CYCLIC_PRESSURE * scale:
         return False
