@@ -29,7 +29,7 @@ from toothspace.model.fluid import fluid_law
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.presets import PRESETS
 from toothspace.results.solution import Solution
-from toothspace.solver.cyclic import History, RunPlan, march_revolutions
+from toothspace.solver.cyclic import History, RunPlan, first_turn_state, march_revolutions
 from toothspace.solver.ideal import ideal_solution
 from toothspace.solver.lateral_gap import LateralSettings
 from toothspace.solver.outcome import solution_from, window_ledger
@@ -344,8 +344,7 @@ def _march_against_orifice(
         if abs(found / wanted - 1.0) < _LOAD_MATCH:
             break
         area *= np.sqrt(found / wanted)
-        state = history.states[-1].copy()
-        state[0] = np.mod(state[0], 2.0 * np.pi)
+        state = first_turn_state(history)
     return history
 
 

@@ -137,6 +137,31 @@ def successors(description: MachineDescription) -> IntArray:
     return places
 
 
+def first_turn_state(history: History) -> Array:
+    """Last state of a march, with the shaft angle and the chambers back in the first turn.
+
+    Parameters
+    ----------
+    history : History
+        March of whole revolutions.
+
+    Returns
+    -------
+    ndarray
+        State to go on from.
+    """
+    system, state = history.system, history.states[-1].copy()
+    turns = int(np.floor(state[0] / (2.0 * np.pi) + 0.5))
+    state[0] -= 2.0 * np.pi * turns
+    places, size = successors(system.description), system.arrays.size
+    node = system.arrays.dynamic_index[: size.chambers]
+    for first in (size.mass, size.gas):
+        for _ in range(turns):
+            values = state[first + node].copy()
+            state[first + node[places]] = values
+    return state
+
+
 def _repeats(system: System, before: Piece, after: Piece) -> bool:
     from toothspace.solver.observe import observe
 
