@@ -15,6 +15,7 @@ import numpy as np
 import toothspace
 from toothspace.case import Case
 from toothspace.case.circuit import ReliefValve
+from toothspace.case.fingerprint import fingerprint
 from toothspace.case.plumbing import plumb, shaft_of, speed_of
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.compiled import announce_first_compilation
@@ -29,6 +30,7 @@ from toothspace.model.fluid import fluid_law
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.presets import PRESETS
 from toothspace.results.solution import Solution
+from toothspace.solver import running_in_store
 from toothspace.solver.cyclic import History, RunPlan, first_turn_state, march_revolutions
 from toothspace.solver.ideal import ideal_solution
 from toothspace.solver.lateral_gap import LateralSettings
@@ -44,6 +46,10 @@ _RUNNING_IN_TOLERANCE = 1e-5
 _LOAD_ROUNDS = 4
 _LOAD_MATCH = 2e-3
 _SEATING_PRESSURE = 50e5
+_CUT_SHORT = (Status.INTERRUPTED, Status.STEP_TOO_SMALL, Status.MAX_STEPS)
+_KEPT_MACHINES = 4
+
+_machines: dict[str, MachineDescription] = {}
 
 
 def load_case(path: str | Path, overrides: Iterable[str] = ()) -> Case:
@@ -60,11 +66,15 @@ def load_case(path: str | Path, overrides: Iterable[str] = ()) -> Case:
 
 
 def describe(case: Case) -> MachineDescription:
-    """Turn the machine of a case into its tables."""
+    """Turn the machine of a case into its tables; those of the last few machines are kept."""
     if case.machine_spec is None:
         raise CaseError("machine: found none, allowed a case with a [machine] table")
-    description: MachineDescription = machine_type(case.machine_type).describe(case.machine_spec)
-    return description
+    key = fingerprint(case.machine_type, case.machine_spec)
+    if key not in _machines:
+        while len(_machines) >= _KEPT_MACHINES:
+            del _machines[next(iter(_machines))]
+        _machines[key] = machine_type(case.machine_type).describe(case.machine_spec)
+    return _machines[key]
 
 
 def simulate(case: Case, progress: Progress | None = None) -> Solution:
@@ -108,7 +118,10 @@ def simulate(case: Case, progress: Progress | None = None) -> Solution:
 
 
 def simulate_all(cases: Iterable[Case], workers: int = 1) -> list[Solution | Exception]:
-    """Run several cases; a case that cannot run is returned as its exception."""
+    """Run several cases; a case that cannot run is returned as its exception.
+
+    A numerical failure within a run is a solution with its status, as in :func:`simulate`.
+    """
     items = list(cases)
     if workers <= 1:
         return [_simulate_safely(case) for case in items]
@@ -158,9 +171,17 @@ def run_in(
     case: Case, description: MachineDescription
 ) -> tuple[MachineDescription, dict[str, Array]]:
     """Cut the casing at the break-in condition; return the worn machine and the depths. [m]."""
+    worn, depths, _ = _run_in(case, description)
+    return worn, depths
+
+
+def _run_in(
+    case: Case, description: MachineDescription
+) -> tuple[MachineDescription, dict[str, Array], Status]:
+    """Running-in, taken from disk if the same one was computed before."""
     state = description.running_in
     if state is None:
-        return description, {}
+        return description, {}, Status.DONE
     high, low = state.pressure, ATMOSPHERIC_PRESSURE
     motor = description.mode == "motor"
     condition = OperatingCondition(
@@ -170,9 +191,19 @@ def run_in(
         drain_pressure=description.drain_pressure,
         relative_tolerance=_RUNNING_IN_TOLERANCE,
     )
-    system = assemble(description, _fluid_at(case, state.temperature), condition)
-    depths = running_in_depths(march_revolutions(system, _RUNNING_IN_PLAN))
-    return description.with_running_in(depths), depths
+    fluid = _fluid_at(case, state.temperature)
+    key = fingerprint(case.machine_type, case.machine_spec, fluid, condition, _RUNNING_IN_PLAN)
+    depths = running_in_store.load(key)
+    if depths is None:
+        plan = replace(_RUNNING_IN_PLAN, max_steps=case.run.max_steps)
+        history = march_revolutions(assemble(description, fluid, condition), plan)
+        if history.status is Status.INTERRUPTED:
+            raise KeyboardInterrupt
+        depths = running_in_depths(history)
+        if history.status in _CUT_SHORT:
+            return description.with_running_in(depths), depths, history.status
+        running_in_store.save(key, depths)
+    return description.with_running_in(depths), depths, Status.DONE
 
 
 def _simulate_lumped(
@@ -182,11 +213,21 @@ def _simulate_lumped(
     condition: OperatingCondition,
     progress: Progress | None,
 ) -> Solution:
-    worn, depths = run_in(case, description)
+    worn, depths, status = _run_in(case, description)
     history = _march(case, worn, fluid, condition, progress)
     extra: dict[str, Any] = {"fluid_temperature": np.asarray(_temperature(case))}
     extra |= _running_in_values(description, depths)
-    return solution_from(history, provenance_of(case), extra, case.title)
+    solution = solution_from(history, provenance_of(case), extra, case.title)
+    return _with_running_in_status(solution, status)
+
+
+def _with_running_in_status(solution: Solution, status: Status) -> Solution:
+    """A run on a casing that was cut only in part is not done."""
+    if status is Status.DONE or solution.status is Status.INTERRUPTED:
+        return solution
+    warnings = [solution.provenance.get("warnings", ""), "Running-in ended before its time."]
+    text = "\n".join(filter(None, warnings))
+    return replace(solution, status=status, provenance={**solution.provenance, "warnings": text})
 
 
 def _simulate_circuit(
@@ -198,14 +239,15 @@ def _simulate_circuit(
         found = f"run.fidelity: found {case.run.fidelity!r}"
         raise CaseError(f"{found}, allowed 'lumped' with a [circuit]")
     condition = circuit_condition(case, description, fluid)
-    worn, depths = run_in(case, description)
+    worn, depths, status = _run_in(case, description)
     plan = TimePlan(
         case.circuit.duration, cells=case.run.time_samples, max_steps=case.run.max_steps
     )
     march = TransientMarch(assemble(worn, fluid, condition), plan)
     extra: dict[str, Any] = {"fluid_temperature": np.asarray(_temperature(case))}
     extra |= _running_in_values(description, depths)
-    return transient_solution(march, provenance_of(case), extra, case.title, progress)
+    solution = transient_solution(march, provenance_of(case), extra, case.title, progress)
+    return _with_running_in_status(solution, status)
 
 
 def circuit_condition(
@@ -316,6 +358,7 @@ def _march(
         revolutions=case.run.revolutions,
         max_revolutions=case.run.max_revolutions,
         samples_per_revolution=case.run.samples_per_revolution,
+        max_steps=case.run.max_steps,
     )
     assert case.operating_point is not None
     if case.operating_point.outlet_load == "fixed_pressure":
@@ -338,7 +381,7 @@ def _march_against_orifice(
     for _ in range(_LOAD_ROUNDS):
         system = assemble(description, fluid, replace(condition, load_area=area))
         history = march_revolutions(system, plan, progress, state)
-        if history.status is not Status.DONE and history.revolutions == 0:
+        if history.status in _CUT_SHORT:
             break
         found = mean_outlet_pressure(history) - condition.load_pressure
         if abs(found / wanted - 1.0) < _LOAD_MATCH:
@@ -398,6 +441,9 @@ def _simulate_safely(case: Case) -> Solution | Exception:
     try:
         return simulate(case)
     except CaseError as error:
+        # its subclasses may not survive the way between processes
+        return CaseError(str(error))
+    except Exception as error:  # one case that fails must not end the others
         return error
 
 
@@ -406,6 +452,7 @@ __all__ = [
     "describe",
     "fluid_of",
     "load_case",
+    "run_in",
     "simulate",
     "simulate_all",
     "window_ledger",

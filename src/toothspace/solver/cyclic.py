@@ -38,11 +38,14 @@ class RunPlan:
         Largest number of revolutions on the way to the cyclic state.
     samples_per_revolution : int
         Samples kept in each revolution.
+    max_steps : int
+        Most time steps.
     """
 
     revolutions: int | None = None
     max_revolutions: int = 40
     samples_per_revolution: int = 720
+    max_steps: int = 50_000_000
 
 
 @final
@@ -68,7 +71,7 @@ def march_revolutions(
     pressure (root mean square over chambers and samples) and all bodies by less than 2e-3 of
     their clearance.
     """
-    march = start_march(system, start_state(system) if state is None else state)
+    march = start_march(system, start_state(system) if state is None else state, plan.max_steps)
     turn = 2.0 * np.pi / system.condition.shaft_speed
     offsets = np.linspace(0.0, turn, plan.samples_per_revolution + 1)
     limit = plan.revolutions or plan.max_revolutions

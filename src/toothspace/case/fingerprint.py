@@ -1,0 +1,58 @@
+"""Fingerprints: hashes of what a result depends on."""
+
+from __future__ import annotations
+
+import hashlib
+import pickle
+from collections.abc import Iterator, Mapping
+from dataclasses import fields, is_dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+
+def fingerprint(*values: Any) -> str:
+    """Return a hash of the content of values, the same in every process.
+
+    Parameters
+    ----------
+    *values : object
+        Dataclasses, mappings, sequences, arrays, numbers, texts; of a path counts the content
+        of its file.
+    """
+    digest = hashlib.sha256()
+    for part in _parts(values):
+        digest.update(part)
+        digest.update(b"\0")
+    return digest.hexdigest()
+
+
+def _parts(value: Any) -> Iterator[bytes]:
+    if is_dataclass(value) and not isinstance(value, type):
+        yield type(value).__qualname__.encode()
+        for entry in fields(value):
+            yield entry.name.encode()
+            yield from _parts(getattr(value, entry.name))
+    elif isinstance(value, np.ndarray):
+        yield f"{value.dtype.str} {value.shape}".encode()
+        yield np.ascontiguousarray(value).tobytes()
+    elif isinstance(value, Mapping):
+        yield f"mapping {len(value)}".encode()
+        for key, item in value.items():
+            yield from _parts(key)
+            yield from _parts(item)
+    elif isinstance(value, (tuple, list)):
+        yield f"{type(value).__name__} {len(value)}".encode()
+        for item in value:
+            yield from _parts(item)
+    else:
+        yield _plain(value)
+
+
+def _plain(value: Any) -> bytes:
+    if isinstance(value, Path):
+        return value.read_bytes()
+    if isinstance(value, (str, int, float, bool, type(None))):
+        return f"{type(value).__name__} {value!r}".encode()
+    return pickle.dumps(value)
