@@ -112,9 +112,20 @@ def simulate(case: Case, progress: Progress | None = None) -> Solution:
     elif case.run.fidelity == "elastic":
         solution = _simulate_elastic(case, progress)
     else:
-        solution = _simulate_lumped(case, description, fluid, condition, progress)
+        solution = _simulate_lumped(
+            case, _solved_films(case, description), fluid, condition, progress
+        )
     wall = time.perf_counter() - started
     return replace(solution, statistics={**solution.statistics, "wall_time": wall})
+
+
+def _solved_films(case: Case, description: MachineDescription) -> MachineDescription:
+    """Machine with the films that the preset asks for."""
+    if PRESETS[case.run.fidelity].films != "reynolds":
+        return description
+    from toothspace.films.solved_machine import with_solved_films
+
+    return with_solved_films(description)
 
 
 def simulate_all(cases: Iterable[Case], workers: int = 1) -> list[Solution | Exception]:

@@ -91,13 +91,15 @@ _PRESETS = (
     ),
     Preset(
         name="films",
-        content="Lumped, with journal, radial and lateral films solved on grids.",
+        content="Lumped, with journal and lateral films solved on grids.",
         compressible=True,
         leakage=True,
         body_motion=True,
         friction=True,
         films="reynolds",
         deformation=False,
+        solved=True,
+        unused_tables=_BALANCE_TABLES,
     ),
     Preset(
         name="elastic",

@@ -47,7 +47,7 @@ from toothspace.model.ledger import FRICTION, JOURNAL_ASPERITY, JOURNAL_VISCOUS
 
 SMALL_RATIO = 1e-9
 HIGHEST_FILM_RATIO = 0.999
-FORCE, LOAD = 0, 1
+FORCE, LOAD, SHEAR = 0, 1, 2
 
 
 @kernel
@@ -65,7 +65,7 @@ def update_pressure_forces(s: SystemArrays) -> None:
 def asperity_value(
     table: Array, journal: int, quantity: int, table_range: float, ratio: float
 ) -> tuple[float, float]:
-    """Force or load of touching asperities and its slope over the eccentricity ratio. [N]."""
+    """Value and slope over the eccentricity ratio: asperity force or load [N], or shear [-]."""
     intervals = table.shape[2]
     position = min(ratio / table_range * intervals, intervals - 1e-9)
     i = int(position)
@@ -167,7 +167,8 @@ def hold_back(
     growth = journal[j, BOUNDARY_FRICTION] * radius * by_ratio
     if ratio < HIGHEST_FILM_RATIO:
         shear = viscous - 0.5 * turning * (ex * force[1] - ey * force[0])
-        growth += shear * ratio / (1.0 - ratio * ratio)
+        solved, rise = asperity_value(s.asperity, j, SHEAR, s.constant.asperity_range, ratio)
+        growth += shear * (ratio / (1.0 - ratio * ratio) + rise / solved)
     growth *= turning / (c * distance)
     slopes = s.film_slopes
     slopes[0, k, kx] -= growth * ex + 0.5 * (force[1] + ex * force[6] - ey * force[2])
@@ -184,7 +185,10 @@ def journal_torques(s: SystemArrays, state: Array, j: int) -> tuple[float, float
     -----
     Full film all round plus the moment of the film force about the journal centre:
 
-    .. math:: T = \frac{2 \pi \mu \omega L R^3}{c \sqrt{1 - \varepsilon^2}} + \frac12 e F_t .
+    .. math:: T = \frac{2 \pi \mu \omega L R^3}{c \sqrt{1 - \varepsilon^2}} f_s(\varepsilon)
+        + \frac12 e F_t,
+
+    with :math:`f_s = 1`, or the shear of a solved film over that of the full one.
     """
     journal, size = s.journal, s.size
     kx, ky = int(journal[j, MOTION_X]), int(journal[j, MOTION_Y])
@@ -197,6 +201,8 @@ def journal_torques(s: SystemArrays, state: Array, j: int) -> tuple[float, float
     turning = np.sign(journal[j, SPEED_RATIO]) * s.drive[DIRECTION]
     shear = 2.0 * math.pi * s.fluid.dynamic_viscosity * speed * journal[j, LENGTH] * radius**3
     shear *= journal[j, BEARINGS] / (c * math.sqrt(1.0 - limited * limited))
+    solved, _ = asperity_value(s.asperity, j, SHEAR, s.constant.asperity_range, ratio)
+    shear *= solved
     moment = 0.5 * turning * (ex * journal[j, FILM_Y] - ey * journal[j, FILM_X])
     load, _ = asperity_value(s.asperity, j, LOAD, s.constant.asperity_range, ratio)
     return shear + moment, journal[j, BOUNDARY_FRICTION] * load * radius

@@ -33,6 +33,7 @@ __all__ = [
     "ChamberFamily",
     "ContactPair",
     "DesignCheck",
+    "FaceOutline",
     "FlowPath",
     "JournalBearing",
     "LateralFilm",
@@ -41,6 +42,7 @@ __all__ = [
     "PathKind",
     "RigidMesh",
     "RunningIn",
+    "SolvedJournal",
 ]
 
 PathKind = Literal["orifice", "parallel_gap", "curved_gap"]
@@ -227,6 +229,8 @@ class JournalBearing:
     end_condition : str
         Both ends of the film: ``pressure`` (open, fluid leaves there) or ``no_flow`` (closed by
         walls: pressure is uniform along the axis, the limit of a long bearing).
+    solved : SolvedJournal or None
+        Solved film in place of the closed form.
     """
 
     body: str
@@ -241,6 +245,60 @@ class JournalBearing:
     boundary_friction: float
     seat_clearance: float = 0.0
     end_condition: Literal["pressure", "no_flow"] = "pressure"
+    solved: SolvedJournal | None = None
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class SolvedJournal:
+    """What a solved Reynolds equation puts in place of the closed form of a journal bearing.
+
+    Parameters
+    ----------
+    force_nodes : ndarray
+        Nodes of a :class:`~toothspace.closures.bearing_map.JournalMap`. [-]
+    shear : ndarray, shape (n,)
+        Viscous shear over that of the closed form, at eccentricity ratios from 0 to
+        ``shear_range`` in equal steps. [-]
+    shear_range : float
+        Last eccentricity ratio; beyond it the last value holds. [-]
+    """
+
+    force_nodes: Array
+    shear: Array
+    shear_range: float = 1.0
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class FaceOutline:
+    """Shape of the film on one face of a body, for solving it on a grid.
+
+    Parameters
+    ----------
+    polygon : ndarray, shape (n, 2)
+        Outline of the body at shaft angle zero. [m]
+    center : tuple of float
+        Its axis. [m]
+    zero_angle : float
+        Polar angle of the table angle zero. [rad]
+    direction : float
+        1 if table angles grow from x towards y, else -1. [-]
+    nodes : ndarray of int
+        Chambers between the teeth.
+    phases : ndarray
+        Table angles of the chambers at shaft angle zero; they grow along the rotation. [rad]
+    recesses : tuple of (int, ndarray)
+        Deep recesses of the opposite face: node that feeds them, and outline. [m]
+    """
+
+    polygon: Array
+    center: tuple[float, float]
+    zero_angle: float
+    direction: float
+    nodes: IntArray
+    phases: Array
+    recesses: tuple[tuple[int, Array], ...] = ()
 
 
 @final
@@ -262,6 +320,11 @@ class LateralFilm:
         Part of the ring between root and outer radius that is tooth, weighted with r^2. [-]
     tilt : float
         Change of height at the outer radius over the height at the axis (0 parallel). [-]
+    face : FaceOutline or None
+        Shape of the film, if the machine type gives it.
+    drag : float or None
+        Torque per viscosity and speed of the body on one face, in place of the closed form.
+        [m3]
     """
 
     body: str
@@ -272,6 +335,8 @@ class LateralFilm:
     outer_radius: float
     tooth_area_fraction: float
     tilt: float = 0.0
+    face: FaceOutline | None = None
+    drag: float | None = None
 
 
 @final

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import final
+from typing import Any, final
 
 import numpy as np
 
@@ -39,7 +39,7 @@ def journal_data(
 ) -> JournalData:
     """Collect the data of the bearings whose bodies are free to move."""
     journals = [j for j in description.journals if j.body in bush]
-    ratios = sorted({_slenderness(j) for j in journals} or {1.0})
+    maps, places = _film_maps(journals)
     speeds = {body.name: body.speed_ratio for body in description.bodies}
     span = max((1.0 + 4.0 * j.roughness / j.radial_clearance for j in journals), default=1.0)
     rows = [
@@ -54,20 +54,42 @@ def journal_data(
             *bush[j.body],
             j.boundary_friction,
             _rotation(description, free, j.body),
-            ratios.index(_slenderness(j)),
+            place,
             0.0,
             0.0,
         )
-        for j in journals
+        for j, place in zip(journals, places, strict=True)
     ]
     return JournalData(
         rows=np.array(rows, dtype=float).reshape(len(journals), JOURNAL_COLUMNS),
         asperity=np.array([_asperity_tables(j, span) for j in journals]).reshape(
-            len(journals), 2, _INTERVALS, 4
+            len(journals), 3, _INTERVALS, 4
         ),
         asperity_range=span,
-        film=_stacked([build_journal_map(ratio) for ratio in ratios]),
+        film=_stacked(maps),
     )
+
+
+def _film_maps(journals: list[JournalBearing]) -> tuple[list[JournalMap], list[int]]:
+    """Different film maps, and which of them each bearing uses."""
+    maps: dict[Any, JournalMap] = {}
+    for journal in journals:
+        key = _map_key(journal)
+        if key in maps:
+            continue
+        shape = build_journal_map(_slenderness(journal))
+        if journal.solved is not None:
+            shape = shape._replace(nodes=journal.solved.force_nodes)
+        maps[key] = shape
+    keys = list(maps)
+    return list(maps.values()) or [build_journal_map(1.0)], [
+        keys.index(_map_key(journal)) for journal in journals
+    ]
+
+
+def _map_key(journal: JournalBearing) -> Any:
+    """Bearings with one key have one film map."""
+    return _slenderness(journal) if journal.solved is None else id(journal.solved.force_nodes)
 
 
 def _slenderness(journal: JournalBearing) -> float:
@@ -91,8 +113,11 @@ def _rotation(description: MachineDescription, free: list[int], body: str) -> in
     return -1
 
 
-def _asperity_tables(journal: JournalBearing, span: float) -> tuple[Array, Array]:
-    """Radial force and total normal load of asperities over the eccentricity ratio. [N]."""
+def _asperity_tables(journal: JournalBearing, span: float) -> tuple[Array, Array, Array]:
+    """Tables over the eccentricity ratio: radial force and load of asperities, viscous shear.
+
+    The shear is that over the closed form. [N, N, -]
+    """
     ratios = np.linspace(0.0, span, _INTERVALS + 1)
     force, load = _asperity_integrals(
         ratios,
@@ -103,7 +128,12 @@ def _asperity_tables(journal: JournalBearing, span: float) -> tuple[Array, Array
         journal.hardness,
     )
     area = journal.count * 0.5 * journal.diameter * journal.length
-    return _spline(area * force), _spline(area * load)
+    shear = np.ones_like(ratios)
+    if journal.solved is not None:
+        known = journal.solved
+        places = np.linspace(0.0, known.shear_range, known.shear.size)
+        shear = np.interp(ratios, places, known.shear)
+    return _spline(area * force), _spline(area * load), _spline(shear)
 
 
 @njit(cache=True)
@@ -153,11 +183,14 @@ def lateral_drag(description: MachineDescription) -> dict[str, float]:
     """Lateral film torque on each body per viscosity and speed of the body. [m3]."""
     drag = {body.name: 0.0 for body in description.bodies}
     for film in description.laterals:
-        drag[film.body] += film.faces * _face_torque(film)
+        drag[film.body] += film.faces * lateral_face_torque(film)
     return drag
 
 
-def _face_torque(film: LateralFilm) -> float:
+def lateral_face_torque(film: LateralFilm) -> float:
+    """Torque of the film on one face per viscosity and speed of the body. [m3]."""
+    if film.drag is not None:
+        return film.drag
     full = lateral_film_torque(
         1.0, 1.0, film.inner_radius, film.root_radius, film.height, film.tilt
     )

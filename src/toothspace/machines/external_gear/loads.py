@@ -7,8 +7,9 @@ import numpy as np
 from toothspace.core.types import Array
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.machines.external_gear.assembly import Assembly
+from toothspace.machines.external_gear.numbering import Numbering
 from toothspace.machines.external_gear.spec import Material
-from toothspace.model.description import Body, JournalBearing, LateralFilm, Motion
+from toothspace.model.description import Body, FaceOutline, JournalBearing, LateralFilm, Motion
 
 BODIES = ("drive_gear", "driven_gear")
 MOTIONS = (
@@ -82,7 +83,7 @@ def journal_bearings(assembly: Assembly) -> tuple[JournalBearing, ...]:
     )
 
 
-def lateral_films(assembly: Assembly) -> tuple[LateralFilm, ...]:
+def lateral_films(assembly: Assembly, numbering: Numbering) -> tuple[LateralFilm, ...]:
     """Films on the faces of both gears; the height shears like both gaps together."""
     lateral = assembly.spec.lateral
     height = 2.0 / (1.0 / lateral.side_gap_floating + 1.0 / lateral.side_gap_solid)
@@ -96,8 +97,25 @@ def lateral_films(assembly: Assembly) -> tuple[LateralFilm, ...]:
             outer_radius=profile.tip_radius,
             tooth_area_fraction=tooth_fraction(profile),
             tilt=lateral.tilt,
+            face=face_outline(assembly, numbering, gear),
         )
-        for name, profile in zip(BODIES, assembly.profiles, strict=True)
+        for gear, (name, profile) in enumerate(zip(BODIES, assembly.profiles, strict=True))
+    )
+
+
+def face_outline(assembly: Assembly, numbering: Numbering, gear: int) -> FaceOutline:
+    """Shape of the film on a gear's faces: its outline, and the relief grooves opposite."""
+    grooves = groove_polygons(assembly)
+    ports = {"inlet": numbering.inlet, "outlet": numbering.outlet}
+    turn, centre_y = assembly.mesh.turn, assembly.mesh.center_distance
+    return FaceOutline(
+        polygon=outlines(assembly)[BODIES[gear]] + np.array([0.0, gear * centre_y]),
+        center=(0.0, gear * centre_y),
+        zero_angle=-0.5 * np.pi if gear == 0 else 0.5 * np.pi + turn,
+        direction=1.0 if gear == 0 else -1.0,
+        nodes=numbering.nodes[gear],
+        phases=numbering.space_phases[gear],
+        recesses=tuple((ports[name.removeprefix("groove_")], p) for name, p in grooves.items()),
     )
 
 
