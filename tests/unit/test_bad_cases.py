@@ -276,13 +276,6 @@ def test_bad_fidelity_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[s
     assert "run.fidelity: found 'cfd'" in line
 
 
-def test_fidelity_that_is_not_solved_yet_is_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    line = complaint(capsys, GEAR_CASE, tmp_path / "out.nc", "--fidelity", "films")
-    assert "run.fidelity: found 'films', allowed 'ideal' or 'lumped' or 'elastic'" in line
-
-
 def test_elastic_preset_asks_for_a_pressed_bearing(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

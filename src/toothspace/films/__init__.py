@@ -16,6 +16,9 @@ shaft_motion        stability threshold and transient orbit
 plane_film          films between nearly parallel faces on any grid
 pad                 :class:`Pad`: rectangular pads with pocket or step
 lateral             :class:`LateralFilm`: rings and discs, masked by given pressures
+journal_map         impedance of journal films for the machine model
+face_conductance    conductances of the film on a toothed face
+solved_machine      machine whose closed-form films are replaced by solved ones
 thermal             bulk heat balance of a film
 field_files         NetCDF and VTK files of the fields
 cases               ``[bearing]`` and ``[film]`` tables to named numbers

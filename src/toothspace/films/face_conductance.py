@@ -105,9 +105,9 @@ def _marks(film: LateralFilm, grid: tuple[int, int], turn: float) -> IntArray:
     face = film.face
     assert face is not None
     step = 2.0 * np.pi / grid[0]
-    angle = (np.arange(grid[0]) + 0.5) * step
+    angle = np.asarray((np.arange(grid[0]) + 0.5) * step, dtype=np.float64)
     rim = np.linspace(film.inner_radius, film.outer_radius, grid[1] + 1)
-    radius = 0.5 * (rim[1:] + rim[:-1])
+    radius: Array = 0.5 * (rim[1:] + rim[:-1])
     at_rest = _points(face.center, face.zero_angle + face.direction * (angle - turn), radius)
     solid = shapely.contains_xy(shapely.Polygon(face.polygon), *at_rest)
     mark = np.where(solid, -1, _nearest_space(face.phases + turn, angle)[:, None])
@@ -144,7 +144,9 @@ def _reduced(balance: CellBalance, mark: IntArray, groups: int) -> Array:
     b = np.concatenate([p[1].ravel() for p in pairs])
     g = np.concatenate([p[2].ravel() for p in pairs])
     # an edge runs between two cells: on the mean half a cell from the centre in the film
-    edge = (np.minimum(a, b) < inside) & (np.maximum(a, b) >= inside) & (np.maximum(a, b) < size - 1)
+    edge = (
+        (np.minimum(a, b) < inside) & (np.maximum(a, b) >= inside) & (np.maximum(a, b) < size - 1)
+    )
     g = np.where(a == b, 0.0, np.where(edge, 2.0 * g, g))
     rows, columns = np.concatenate([a, b, a, b]), np.concatenate([a, b, b, a])
     whole = sp.csc_matrix((np.concatenate([g, g, -g, -g]), (rows, columns)), shape=(size, size))

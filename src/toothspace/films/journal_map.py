@@ -83,9 +83,7 @@ def _unit_bearing(
     surfaces = None
     if math.isfinite(clearance_over_roughness):
         each = 1.0 / (clearance_over_roughness * math.sqrt(2.0))
-        surfaces = RoughSurfaces(
-            moving_roughness=each, resting_roughness=each, contact_law="none"
-        )
+        surfaces = RoughSurfaces(moving_roughness=each, resting_roughness=each, contact_law="none")
     return JournalBearing(
         diameter=2e3,
         length=2e3 * slenderness,

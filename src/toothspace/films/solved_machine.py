@@ -96,7 +96,11 @@ class _Face:
         behind = self._over_turn(self.across, np.roll(spaces, -1), spaces)
         inwards = self._over_turn(self.inwards, spaces, np.full(count, -1))
         found = [
-            replace(self.across, geometry=self._teeth(np.maximum(behind, _LEAST))),
+            replace(
+                self.across,
+                geometry=self._teeth(np.maximum(behind, _LEAST)),
+                drag_speed=_resampled(self.across.drag_speed, behind.size),
+            ),
             replace(self.inwards, geometry=_gap(self.inwards, inwards)),
         ]
         for k, (node, _) in enumerate(self.face.recesses):
@@ -150,6 +154,12 @@ def _path(description: MachineDescription, category: str, nodes: IntArray) -> Fl
         if path.category == category and np.isin(path.nodes_a, nodes).all():
             return path
     raise CaseError(f"run.fidelity: found 'films' without {category} paths, allowed are faces")
+
+
+def _resampled(table: PeriodicTable | None, nodes: int) -> PeriodicTable | None:
+    if table is None:
+        return None
+    return monotone_table(_FULL_TURN, table(np.arange(nodes) * _FULL_TURN / nodes))
 
 
 def _gap(path: FlowPath, conductance: Array) -> PeriodicTable:

@@ -1,0 +1,146 @@
+"""Films of a machine solved on grids: face conductances, journal impedance, and the preset."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from toothspace import api
+from toothspace.closures.bearing_map import build_journal_map, journal_force
+from toothspace.core.errors import CaseError
+from toothspace.core.types import Array
+from toothspace.films.face_conductance import FaceConductance, face_conductance
+from toothspace.films.journal_bearing import JournalBearing
+from toothspace.films.journal_map import solved_journal
+from toothspace.films.solved_machine import with_solved_films
+from toothspace.model.description import FaceOutline, LateralFilm
+
+PUMP = Path(__file__).parents[2] / "cases" / "egm12_pump.toml"
+SHAFT, ROOT, TIP, TEETH = 9e-3, 13e-3, 20e-3, 8
+
+
+def castle(tooth: float, steps: int = 40) -> Array:
+    """Disc with teeth of radial flanks, each over the angle ``tooth``; a space on the x axis."""
+    pitch = 2.0 * math.pi / TEETH
+    points = []
+    for k in range(TEETH):
+        start = k * pitch + 0.5 * (pitch - tooth)
+        points += [(TIP * 1.01, a) for a in np.linspace(start, start + tooth, steps)]
+        points += [(ROOT, a) for a in np.linspace(start + tooth, start + pitch, steps)]
+    r, a = np.array(points).T
+    return np.column_stack([r * np.cos(a), r * np.sin(a)])
+
+
+def solved(
+    tooth: float, recesses: tuple[tuple[int, Array], ...] = (), tip: float = TIP, lanes: int = 44
+) -> FaceConductance:
+    face = FaceOutline(
+        polygon=castle(tooth),
+        center=(0.0, 0.0),
+        zero_angle=0.0,
+        direction=1.0,
+        nodes=np.arange(TEETH),
+        phases=2.0 * math.pi * np.arange(TEETH) / TEETH,
+        recesses=recesses,
+    )
+    film = LateralFilm("gear", 2, 10e-6, SHAFT, ROOT, tip, 0.5, face=face)
+    return face_conductance(film, rows_per_pitch=48, lanes=lanes, angles=2)
+
+
+def test_ring_without_teeth_leaks_like_a_ring() -> None:
+    """Q = 2 pi h^3 dp / (12 mu ln(ro/ri)), shared by the spaces."""
+    matrix = solved(1e-6).matrix[0]
+    np.testing.assert_allclose(-matrix[-1, :-1], matrix[-1, -1] / TEETH, rtol=1e-9)
+    assert matrix[-1, -1] == pytest.approx(2.0 * math.pi / math.log(ROOT / SHAFT), rel=0.02)
+
+
+def test_narrow_tooth_leaks_like_a_gap_of_its_angle() -> None:
+    """Away from its root the flow across a tooth is tangential: dG = ln(r2/r1) / angle.
+
+    All pressures alike give no flow, and a matrix of reciprocal flows is symmetric.
+    """
+    tooth = 2.0 * math.pi / TEETH / 4.0
+    result, shorter = solved(tooth), solved(tooth, tip=18e-3, lanes=36)
+    exact = math.log(TIP / 18e-3) / tooth
+    for matrix, other in zip(result.matrix, shorter.matrix, strict=True):
+        assert other[3, 4] - matrix[3, 4] == pytest.approx(exact, rel=0.02)
+        np.testing.assert_allclose(matrix.sum(axis=1), 0.0, atol=1e-9)
+        np.testing.assert_allclose(matrix, matrix.T, atol=1e-12)
+    teeth = TEETH * tooth * (TIP**4 - ROOT**4) / 4.0
+    full = math.pi * (ROOT**4 - SHAFT**4) / 2.0
+    assert result.drag == pytest.approx(teeth + full, rel=0.02)
+
+
+def test_recess_over_the_land_shortens_the_way_to_the_shaft() -> None:
+    """A ring groove from 11 mm outwards: shaft leakage comes from it alone, 2 pi/ln(11/9)."""
+    angle = np.linspace(0.0, 2.0 * math.pi, 400)[:, None]
+    circle = np.hstack([np.cos(angle), np.sin(angle)])
+    groove = np.vstack([21e-3 * circle, 11e-3 * circle[::-1]])
+    matrix = solved(0.2, ((TEETH, groove),)).matrix[1]
+    assert -matrix[-1, TEETH] == pytest.approx(2.0 * math.pi / math.log(11.0 / 9.0), rel=0.03)
+    np.testing.assert_allclose(matrix[-1, :TEETH], 0.0, atol=1e-9)
+
+
+@pytest.mark.slow
+def test_journal_map_is_the_solved_film() -> None:
+    """Force of the map against films solved on a finer grid, turning and squeezing together."""
+    slenderness, speed = 1.0, 120.0
+    bearing = JournalBearing(
+        diameter=0.02,
+        length=0.02 * slenderness,
+        radial_clearance=10e-6,
+        dynamic_viscosity=0.02,
+        grid=(240, 35),
+        cavitation="reynolds",
+        supply="none",
+    )
+    tables = solved_journal(slenderness, math.inf)
+    chart = build_journal_map(slenderness)._replace(nodes=tables.force_nodes)
+    scale = 0.02 * bearing.length * (0.01 / 10e-6) ** 3
+    for ratio, direction in ((0.2, 1.0), (0.55, 4.0), (0.85, 2.2), (0.95, 5.5)):
+        place = 10e-6 * ratio * np.array([math.cos(0.7), math.sin(0.7)])
+        velocity = 3e-4 * np.array([math.cos(direction), math.sin(direction)])
+        film = bearing.solve(
+            eccentricity=tuple(place / 10e-6), shaft_speed=speed, velocity=tuple(velocity)
+        )
+        force = journal_force(*place, *velocity, speed, 10e-6, scale, chart)
+        assert math.dist(force[:2], film.force) < 0.015 * film.load
+    steady = replace(bearing, cavitation="jfo", supply="auto").solve(eccentricity=(0.7, 0.0), shaft_speed=speed)
+    pull = 0.5 * 0.7 * 10e-6 * float(steady.force[1])
+    shear = 2.0 * math.pi * 0.02 * bearing.length * 0.01**3 * speed / (10e-6 * math.sqrt(0.51))
+    known = np.interp(0.7, np.linspace(0.0, tables.shear_range, tables.shear.size), tables.shear)
+    assert -steady.friction_torque == pytest.approx(known * shear + pull, rel=0.01)
+
+
+@pytest.mark.slow
+def test_solved_films_agree_with_the_closed_forms_where_these_hold() -> None:
+    """Flow and journal positions agree; a film that cavitates and faces over grooves drag less."""
+    case = api.load_case(PUMP)
+    lumped = api.simulate(case)
+    films = api.simulate(api.load_case(PUMP, ("run.fidelity=films",)))
+    assert films.status.succeeded
+    near, far = lumped.summary(), films.summary()
+    assert far["mean_flow_L_per_min"] == pytest.approx(near["mean_flow_L_per_min"], rel=0.005)
+    name = "journal_eccentricity_ratio"
+    np.testing.assert_allclose(
+        films.data[name].mean("shaft_angle"), lumped.data[name].mean("shaft_angle"), rtol=0.05
+    )
+    for key in ("torque_loss_journal_viscous_N_m", "torque_loss_lateral_viscous_N_m"):
+        assert 0.7 * near[key] < far[key] < near[key]
+    key = "leakage_drain_L_per_min"
+    assert far[key] == pytest.approx(near[key], rel=0.2)
+    assert far["leakage_lateral_L_per_min"] > near["leakage_lateral_L_per_min"]
+    assert far["energy_balance_error"] < 1e-5
+
+
+def test_machine_without_face_outlines_is_refused() -> None:
+    description = api.describe(api.load_case(PUMP))
+    bare = replace(
+        description, laterals=tuple(replace(film, face=None) for film in description.laterals)
+    )
+    with pytest.raises(CaseError, match=r"run\.fidelity: found 'films'"):
+        with_solved_films(bare)
