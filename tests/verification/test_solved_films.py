@@ -17,7 +17,8 @@ from toothspace.films.face_conductance import FaceConductance, face_conductance
 from toothspace.films.journal_bearing import JournalBearing
 from toothspace.films.journal_map import solved_journal
 from toothspace.films.solved_machine import with_solved_films
-from toothspace.model.description import FaceOutline, LateralFilm
+from toothspace.model.description import LateralFilm
+from toothspace.model.film_shapes import FaceOutline
 
 PUMP = Path(__file__).parents[2] / "cases" / "egm12_pump.toml"
 SHAFT, ROOT, TIP, TEETH = 9e-3, 13e-3, 20e-3, 8
@@ -109,7 +110,9 @@ def test_journal_map_is_the_solved_film() -> None:
         )
         force = journal_force(*place, *velocity, speed, 10e-6, scale, chart)
         assert math.dist(force[:2], film.force) < 0.015 * film.load
-    steady = replace(bearing, cavitation="jfo", supply="auto").solve(eccentricity=(0.7, 0.0), shaft_speed=speed)
+    steady = replace(bearing, cavitation="jfo", supply="auto").solve(
+        eccentricity=(0.7, 0.0), shaft_speed=speed
+    )
     pull = 0.5 * 0.7 * 10e-6 * float(steady.force[1])
     shear = 2.0 * math.pi * 0.02 * bearing.length * 0.01**3 * speed / (10e-6 * math.sqrt(0.51))
     known = np.interp(0.7, np.linspace(0.0, tables.shear_range, tables.shear.size), tables.shear)

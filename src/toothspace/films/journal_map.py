@@ -18,7 +18,7 @@ from toothspace.closures.bearing_map import build_journal_map
 from toothspace.core.types import Array
 from toothspace.films.journal_bearing import JournalBearing
 from toothspace.films.rough_surfaces import RoughSurfaces
-from toothspace.model.description import SolvedJournal
+from toothspace.model.film_shapes import SolvedJournal
 
 GRID = (120, 17)
 """Cells of the solved films, round and along. [-]"""

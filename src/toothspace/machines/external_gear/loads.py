@@ -9,7 +9,8 @@ from toothspace.geometry.gear_profile import GearProfile
 from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.external_gear.numbering import Numbering
 from toothspace.machines.external_gear.spec import Material
-from toothspace.model.description import Body, FaceOutline, JournalBearing, LateralFilm, Motion
+from toothspace.model.description import Body, JournalBearing, LateralFilm, Motion
+from toothspace.model.film_shapes import FaceOutline
 
 BODIES = ("drive_gear", "driven_gear")
 MOTIONS = (
