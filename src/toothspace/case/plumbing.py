@@ -89,7 +89,7 @@ def _node_names(circuit: keys.Circuit) -> dict[Place, str]:
         joined = group.get(ends[0], {ends[0]}) | group.get(ends[1], {ends[1]})
         group.update(dict.fromkeys(joined, joined))
     _check_ends(circuit, seen)
-    return {place: _node_name(joined) for place, joined in group.items()}
+    return {place: _node_name(circuit, joined) for place, joined in group.items()}
 
 
 def _end(circuit: keys.Circuit, name: str, seen: dict[str, int]) -> Place:
@@ -116,13 +116,15 @@ def _check_ends(circuit: keys.Circuit, seen: Mapping[str, int]) -> None:
             raise CaseError(f"circuit.connections: found no {port}, allowed circuits that join it")
 
 
-def _node_name(joined: set[Place]) -> str:
+def _node_name(circuit: keys.Circuit, joined: set[Place]) -> str:
+    """Name of a machine port, else of a part that holds fluid, else of an end."""
     ports = sorted(name for name, _ in joined if name.startswith("machine."))
     if len(ports) > 1:
         raise CaseError(f"circuit.connections: found {ports} joined, allowed one port per node")
     if ports:
         return ports[0].removeprefix("machine.")
-    return min(f"{name}_{end}" if end else name for name, end in joined)
+    holding = [n for n, _ in joined if isinstance(circuit.elements.get(n), _ONE_PORT)]
+    return min(holding, default=min(f"{name}_{end}" for name, end in joined))
 
 
 def _node(

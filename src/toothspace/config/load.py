@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -180,12 +181,7 @@ def _read_circuit(reader: Reader, raw: Any) -> dict[str, Any]:
     }
     rest = {name: value for name, value in raw.items() if name not in elements}
     plain = reader.table(Circuit, rest, "circuit")
-    circuit = Circuit(
-        duration=plain.duration,
-        initial_shaft_speed=plain.initial_shaft_speed,
-        connections=plain.connections,
-        elements=elements,
-    )
+    circuit = replace(plain, elements=elements)
     try:
         circuit.check_connections()
     except KeyRuleError as error:

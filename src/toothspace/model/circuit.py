@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 
-from toothspace.closures.smooth import positive_part, positive_part_slope
 from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
 from toothspace.model.arrays import (
@@ -147,13 +146,19 @@ def resistance_flow(element: Array, drop: float) -> tuple[float, float]:
 def valve_flow(element: Array, drop: float) -> tuple[float, float]:
     """Flow of a relief or check valve and its derivative. [m3/s], [m3/(s Pa)].
 
-    Parameters are opening pressure difference, pressure rise per flow, and the rounding of
-    the opening point.
+    Parameters are opening pressure difference, pressure rise per flow, and the range over
+    which the slope rises; below the opening pressure nothing flows at all.
     """
-    excess = drop - element[PARAMETER_1]
-    opened = positive_part(excess, element[PARAMETER_3])
-    slope = positive_part_slope(excess, element[PARAMETER_3])
-    return opened / element[PARAMETER_2], slope / element[PARAMETER_2]
+    excess, gradient, rounding = (
+        drop - element[PARAMETER_1],
+        element[PARAMETER_2],
+        element[PARAMETER_3],
+    )
+    if excess <= 0.0:
+        return 0.0, 0.0
+    if excess < rounding:
+        return 0.5 * excess * excess / (rounding * gradient), excess / (rounding * gradient)
+    return (excess - 0.5 * rounding) / gradient, 1.0 / gradient
 
 
 @kernel

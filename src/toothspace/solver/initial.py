@@ -29,18 +29,19 @@ _SEARCH_STEPS = 400
 
 
 def start_state(system: System) -> Array:
-    """Return the state vector at shaft angle zero."""
+    """Return the state vector at the shaft angle of the start."""
     arrays, size = system.arrays, system.arrays.size
     state = np.zeros(size.total)
+    state[0] = system.condition.shaft_angle
     state[1] = system.condition.shaft_speed
     _place_bodies(system, state)
-    update_tables(arrays, 0.0)
+    update_tables(arrays, state[0])
     update_volumes(arrays, state)
     pressure = np.full(size.nodes, system.condition.outlet_pressure)
     if system.condition.circuit:
         _set_circuit_pressures(system, pressure)
     else:
-        chambers = quasi_static_pressures(system.description, system.condition, 0.0)
+        chambers = quasi_static_pressures(system.description, system.condition, float(state[0]))
         pressure[: size.chambers] = chambers
     _turn_into_contact(system, state, pressure)
     update_volumes(arrays, state)

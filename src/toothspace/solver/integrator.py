@@ -35,6 +35,7 @@ from toothspace.results.solution import Event
 _EVENT_CAPACITY = 20_000
 _STEPS_PER_RADIAN = 40.0
 _SHORTEST_STEP = 1e-15
+_SLOWEST_SPEED = 0.1
 _COUNTERS = {
     "steps": "steps",
     "rejected": "rejected",
@@ -159,7 +160,9 @@ def start_march(system: System, state: Array, max_steps: int = 50_000_000) -> Ma
     if system.condition.free_shaft:
         actions = np.append(actions, STOP_AT_EVENT)
     else:
-        speed = abs(system.condition.shaft_speed)
+        schedule = system.condition.speed_schedule
+        speeds = np.append(schedule[:, 1], system.condition.shaft_speed)
+        speed = max(float(np.abs(speeds).max()), _SLOWEST_SPEED)
         longest, shortest = 1.0 / (_STEPS_PER_RADIAN * speed), 1e-16 / speed
     settings = make_settings(actions, longest, shortest, max_steps)
     memory = make_state(program, size.total, actions.size)

@@ -72,7 +72,6 @@ class TransientMarch:
     def chunks(self, progress: Progress | None = None) -> Iterator[tuple[Array, Array]]:
         """Yield times [s] and states of whole cells until the end, a failure or an interrupt."""
         state = start_state(self.system)
-        state[0] = self.system.condition.shaft_angle
         self.first = self.last = state
         settle(self.system, state, 0.0)
         march = start_march(self.system, state, self.plan.max_steps)
