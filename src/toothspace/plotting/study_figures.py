@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, final
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from toothspace.core.types import Array
+from toothspace.plotting.lateral_figures import StudyFigure, hysteresis_figures, nose_figures
 from toothspace.plotting.style import BLUE, GREY, INK, PRESSURE_COLOURS, new_figure, styled
 from toothspace.studies.tabulate import label_of
 
@@ -39,16 +39,6 @@ _SHOWN_RANGE = 40.0
 """Percent below the best efficiency that contour lines cover."""
 
 _UNITS = {"um": "µm", "degC": "°C", "deg": "°", "1": ""}
-
-
-@final
-@dataclass(frozen=True)
-class StudyFigure:
-    """A figure of a study with its caption."""
-
-    name: str
-    caption: str
-    figure: Figure
 
 
 def study_figures(kind: str, data: xr.Dataset) -> list[StudyFigure]:
@@ -222,5 +212,7 @@ def _unit(data: xr.Dataset, path: str) -> str:
 
 _FIGURES: Mapping[str, Callable[..., list[StudyFigure]]] = {
     "efficiency_map": _efficiency_map,
+    "hysteresis": hysteresis_figures,
+    "nose_pressure": nose_figures,
     "sweep": _sweep,
 }

@@ -9,13 +9,37 @@ from toothspace.model.lateral_balance import HousingContact
 from toothspace.studies.lateral_points import (
     LateralStudy,
     PointCondition,
-    Progress,
     follow,
     prepare,
 )
+from toothspace.studies.study import Progress, StudyContext, StudyResult
 
 
-def run(case: Case, progress: Progress | None = None) -> LateralStudy:
+def run(case: Case, context: StudyContext) -> StudyResult:
+    """Position, leakage and torque loss as the outlet pressure goes up and down.
+
+    Parameters
+    ----------
+    case : Case
+        Case with ``kind = "hysteresis"``, an operating point and a pressed bearing.
+    context : StudyContext
+        Progress; points follow from one another, so one process computes them.
+
+    Returns
+    -------
+    StudyResult
+        Numbers and films over ``point``, and the area of the loop.
+
+    Raises
+    ------
+    CaseError
+        If the case has no operating point or no pressed bearing.
+    """
+    study = follow_pressures(case, context.progress)
+    return study.result(case, {"loop_area_um_bar": loop_area(study) * 1e6 * 1e-5})
+
+
+def follow_pressures(case: Case, progress: Progress | None = None) -> LateralStudy:
     """Follow the bearing through the outlet pressures of ``[study]``.
 
     Parameters

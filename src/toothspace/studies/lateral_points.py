@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, final
+from typing import TYPE_CHECKING, Any, final
+
+import numpy as np
 
 from toothspace.api import RunInMachine, condition_of, lateral_settings, run_in_machine
 from toothspace.case import Case
@@ -15,9 +17,12 @@ from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_balance import HousingContact, LateralBalance
 from toothspace.results.solution import Solution
 from toothspace.solver.lateral_coupling import CoupledPoint, PointRequest, couple_point
-from toothspace.solver.lateral_gap import LateralSettings, balance_of
+from toothspace.solver.lateral_gap import LateralSettings, balance_of, film_fields
+from toothspace.studies.study import Progress, StudyResult, StudyTable
+from toothspace.studies.tabulate import provenance, unit_of
 
-Progress = Callable[[float, str], None]
+if TYPE_CHECKING:
+    import xarray as xr
 
 _CREEP_TIME = 0.02
 """Time at each point under the smooth friction law, which holds nothing. [s]"""
@@ -73,8 +78,46 @@ class LateralStudy:
             "breakaway_force_N": [p.problem.loads.friction.breakaway_force for p in self.points],
             "seat_force_N": [n.seat_force for n in numbers],
             "point_status": [p.status.name.lower() for p in self.points],
-            "status": self.status.name.lower(),
         }
+
+    def dataset(self) -> xr.Dataset:
+        """Numbers over ``point`` and the fields of all films at the last angle of each point."""
+        import xarray as xr
+
+        data: dict[str, Any] = {
+            name: ("point", np.asarray(values), {"units": unit_of(name)})
+            for name, values in self.summary().items()
+            if name not in ("point", "point_status")
+        }
+        data["point_label"] = ("point", np.asarray(self.labels, dtype=str))
+        data["point_status"] = ("point", np.asarray(self.summary()["point_status"], dtype=str))
+        fields = [film_fields(p.equilibrium.balance) for p in self.points]
+        for name, units in (("film_height", "m"), ("film_pressure", "Pa")):
+            stacked = np.stack([field[name] for field in fields])
+            dimensions = ("point", "film", "film_row", "film_column")
+            data[name] = (dimensions, stacked.astype(np.float32), {"units": units})
+        grids = self.points[0].problem.stack.grids
+        coords = {
+            "film": [grid.interface.name for grid in grids],
+            "film_angle": ("film_row", grids[0].angle, {"units": "rad"}),
+            "film_radius": ("film_column", grids[0].radius, {"units": "m"}),
+            "film_center": (("film", "axis"), np.array([g.interface.center for g in grids])),
+        }
+        return xr.Dataset(data, coords=coords)
+
+    def result(self, case: Case, numbers: Mapping[str, float]) -> StudyResult:
+        """Return the study for files and reports, with numbers of its own."""
+        lists = self.summary()
+        rows = tuple(zip(*lists.values(), strict=True))
+        return StudyResult(
+            kind=self.kind,
+            title=case.title,
+            status=self.status,
+            data=self.dataset(),
+            numbers={**numbers, **lists},
+            tables=(StudyTable("points", tuple(lists), rows),),
+            provenance=provenance(case),
+        )
 
 
 @final

@@ -10,12 +10,35 @@ from toothspace.solver.lateral_coupling import CoupledPoint
 from toothspace.studies.lateral_points import (
     LateralStudy,
     PointCondition,
-    Progress,
     prepare,
 )
+from toothspace.studies.study import Progress, StudyContext, StudyResult
 
 
-def run(case: Case, progress: Progress | None = None) -> LateralStudy:
+def run(case: Case, context: StudyContext) -> StudyResult:
+    """Position of the bearing over the pressure on its nose at several conditions.
+
+    Parameters
+    ----------
+    case : Case
+        Case with ``kind = "nose_pressure"``, an operating point and a pressed bearing.
+    context : StudyContext
+        Progress.
+
+    Returns
+    -------
+    StudyResult
+        Numbers and films over ``point``.
+
+    Raises
+    ------
+    CaseError
+        If the case has no operating point or no pressed bearing.
+    """
+    return solve_conditions(case, context.progress).result(case, {})
+
+
+def solve_conditions(case: Case, progress: Progress | None = None) -> LateralStudy:
     """Solve every condition of ``[study]`` at every nose pressure, each from the start gap.
 
     Parameters

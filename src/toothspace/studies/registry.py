@@ -20,6 +20,8 @@ from toothspace.studies.workers import Workers
 
 STUDY_MODULES: Mapping[str, str] = {
     "efficiency_map": "toothspace.studies.efficiency_map",
+    "hysteresis": "toothspace.studies.hysteresis",
+    "nose_pressure": "toothspace.studies.nose_pressure",
     "sweep": "toothspace.studies.sweep",
 }
 """Module of each study that can be run."""
