@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, final
 
 import numpy as np
 
+from toothspace.core.types import Array
 from toothspace.plotting.style import BLUE, CYCLE, GREY, INK, ORANGE, new_figure, readable, styled
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.collections import QuadMesh
+    from matplotlib.colors import LogNorm
     from matplotlib.figure import Figure
 
 _MOST_MAPS = 7
@@ -40,7 +42,8 @@ def hysteresis_figures(data: xr.Dataset) -> list[StudyFigure]:
         ),
         StudyFigure(
             "film_height",
-            "Height of both films of the drive gear at every point; white: no film.",
+            "Height of the films beside both gears at every point, seen from the floating side; "
+            "white: tooth spaces and grooves.",
             film_maps(data),
         ),
     ]
@@ -79,41 +82,50 @@ def _loop(axes: Axes, data: xr.Dataset, name: str) -> None:
 
 @styled
 def film_maps(data: xr.Dataset) -> Figure:
-    """Height of the films of the first body at all points, floating side above solid side."""
+    """Height of all films at all points, one row per side of the gears."""
+    from matplotlib.colors import LogNorm
+
     shown = data.isel(point=slice(None, _MOST_MAPS))
-    sides = [k for k, name in enumerate(data["film"].values) if "drive" in str(name)] or [0]
+    names = [str(name) for name in data["film"].values]
+    sides = list(dict.fromkeys(name.partition("_")[0] for name in names))
     count = shown.sizes["point"]
-    figure = new_figure(1.25 + 1.2 * count, 1.55 * len(sides) + 0.7)
-    heights = shown["film_height"].values[:, sides] * _UM
-    low, high = np.nanpercentile(heights, [1.0, 99.0])
+    figure = new_figure(1.2 + 0.95 * count, 1.75 * len(sides) + 0.5)
+    heights = shown["film_height"].values * _UM
+    scale = LogNorm(*np.nanpercentile(heights, [1.0, 99.0]))
     panels = figure.subplots(len(sides), count, squeeze=False)
     for row, side in enumerate(sides):
+        own = [k for k, name in enumerate(names) if name.startswith(f"{side}_")]
         for column in range(count):
             axes = panels[row][column]
-            mesh = _map(axes, data, heights[column, row], (float(low), float(high)))
-            if row == 0:
-                axes.set_title(str(shown["point_label"].values[column]), fontsize=8)
-        label = str(data["film"].values[side]).replace("_", " ")
-        panels[row][0].set_ylabel(readable(label), fontsize=8)
+            for film in own:
+                mesh = _map(axes, data, film, heights[column, film], scale)
+            _bare(axes)
+        panels[row][0].set_ylabel(f"{readable(side)} side", fontsize=8)
+    for axes, label in zip(panels[0], shown["point_label"].values, strict=True):
+        axes.set_title(str(label), fontsize=7.5)
     bar = figure.colorbar(mesh, ax=panels, shrink=0.8)
     bar.set_label("Film height (µm)")
+    bar.ax.yaxis.set_major_formatter("{x:g}")
+    bar.ax.yaxis.set_minor_formatter("{x:g}")
     return figure
 
 
-def _map(axes: Axes, data: xr.Dataset, height: np.ndarray, limits: tuple[float, float]) -> QuadMesh:
+def _map(axes: Axes, data: xr.Dataset, film: int, height: Array, scale: LogNorm) -> QuadMesh:
     angle, radius = data["film_angle"].values, data["film_radius"].values
+    center = data["film_center"].values[film]
     turn, reach = angle[1] - angle[0], radius[1] - radius[0]
-    edges = np.append(angle - 0.5 * turn, angle[-1] + 0.5 * turn)
-    rims = np.append(radius - 0.5 * reach, radius[-1] + 0.5 * reach) * 1e3
-    x, y = np.cos(edges)[:, None] * rims, np.sin(edges)[:, None] * rims
-    low, high = limits
-    mesh = axes.pcolormesh(x, y, height, cmap="viridis", vmin=low, vmax=high, rasterized=True)
+    edges = np.append(angle - 0.5 * turn, angle[-1] + 0.5 * turn)[:, None]
+    rims = np.append(radius - 0.5 * reach, radius[-1] + 0.5 * reach)
+    x, y = center[0] + np.cos(edges) * rims, center[1] + np.sin(edges) * rims
+    return axes.pcolormesh(x, y, height, cmap="viridis", norm=scale, rasterized=True)
+
+
+def _bare(axes: Axes) -> None:
     axes.set_aspect("equal")
     axes.set_xticks([])
     axes.set_yticks([])
     for side in axes.spines.values():
         side.set_visible(False)
-    return mesh
 
 
 @styled

@@ -1,0 +1,108 @@
+"""Studies of a pressed bearing: numbers, figures and page from points of a plain ring."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+from tests.lateral_stack import LOW, loads, pressures, ring_stack
+from toothspace.case import Case
+from toothspace.config import load_case
+from toothspace.core.errors import CaseError
+from toothspace.core.status import Status
+from toothspace.plotting.study_figures import study_figures
+from toothspace.report.study import study_report_html
+from toothspace.solver.lateral_coupling import CoupledPoint
+from toothspace.solver.lateral_gap import LateralProblem, LateralSettings, numbers_of
+from toothspace.studies import STUDY_MODULES, hysteresis, run_study
+from toothspace.studies.lateral_points import LateralStudy
+
+CASES = Path(__file__).parents[2] / "cases"
+UP_AND_DOWN = (20e5, 40e5, 60e5, 40e5, 20e5)
+
+
+def _points(pressure: tuple[float, ...], coulomb: float) -> tuple[CoupledPoint, ...]:
+    stack = ring_stack(approach=3e-13, high_share=0.68, preload=400.0, cells=(12, 8))
+    now, found = None, []
+    for high in pressure:
+        problem = LateralProblem(
+            stack,
+            (stack.scene(0.0, pressures(high)),),
+            loads(high, coulomb * high / 60e5),
+            lambda _, high=high: pressures(high),
+            LateralSettings(),
+        )
+        start = problem.started(0.8e-6) if now is None else problem.continued(now)
+        settled = problem.settle(start)
+        now = settled.balance
+        numbers = numbers_of(problem, now)
+        solution = cast(Any, SimpleNamespace(status=Status.DONE))
+        found.append(CoupledPoint(solution, cast(Any, None), problem, settled, numbers, 0.0))
+    return tuple(found)
+
+
+def _study(kind: str, pressure: tuple[float, ...], coulomb: float = 60.0) -> LateralStudy:
+    labels = tuple(f"A, {k}" for k in range(len(pressure)))
+    return LateralStudy(kind, labels, _points(pressure, coulomb), pressure, (LOW,) * len(pressure))
+
+
+@pytest.fixture(scope="module")
+def study() -> LateralStudy:
+    return _study("hysteresis", UP_AND_DOWN)
+
+
+@pytest.fixture(scope="module")
+def case() -> Case:
+    return load_case(CASES / "hysteresis_055.toml")
+
+
+def test_loop_area_is_positive_where_the_bearing_stays_away(study: LateralStudy) -> None:
+    """Trapezoids by hand, and nothing left without friction."""
+    x = [p.numbers.position for p in study.points]
+    p = np.array(UP_AND_DOWN)
+    by_hand = np.trapezoid(x[2:][::-1], p[2:][::-1]) - np.trapezoid(x[:3], p[:3])
+    assert hysteresis.loop_area(study) == pytest.approx(by_hand, rel=1e-12)
+    assert by_hand > 0.0
+    free = hysteresis.loop_area(_study("hysteresis", UP_AND_DOWN, 0.0))
+    assert abs(free) < 0.02 * by_hand
+
+
+def test_result_lists_every_point_with_units(study: LateralStudy, case: Case) -> None:
+    result = study.result(case, {"loop_area_um_bar": 1.0})
+    assert result.status is Status.DONE
+    assert result.data["bearing_position_um"].attrs["units"] == "um"
+    assert result.data["film_height"].dims == ("point", "film", "film_row", "film_column")
+    assert result.data["outlet_pressure_bar"].values == pytest.approx([20, 40, 60, 40, 20])
+    assert len(result.tables[0].rows) == 5
+    assert result.summary()["loop_area_um_bar"] == 1.0
+
+
+@pytest.mark.parametrize("kind", ["hysteresis", "nose_pressure"])
+def test_figures_and_page(kind: str, study: LateralStudy, case: Case, tmp_path: Path) -> None:
+    renamed = LateralStudy(
+        kind, study.labels, study.points, study.outlet_pressures, study.nose_pressures
+    )
+    result = renamed.result(case, {})
+    figures = study_figures(kind, result.data)
+    assert figures
+    page = study_report_html(result)
+    assert page.count("<svg") >= len(figures)
+    assert {path.name for path in result.save(tmp_path)} >= {"study.nc", "points.csv"}
+
+
+def test_shipped_cases_ask_for_these_studies() -> None:
+    for name in ("hysteresis_055", "hysteresis_078", "nose_pressure"):
+        spec = load_case(CASES / f"{name}.toml").study
+        assert type(spec).__name__.lower() in ("hysteresisstudy", "nosepressurestudy")
+    assert {"hysteresis", "nose_pressure"} <= set(STUDY_MODULES)
+
+
+def test_study_needs_an_operating_point(case: Case) -> None:
+    from dataclasses import replace
+
+    with pytest.raises(CaseError, match="operating_point: found none"):
+        run_study(replace(case, operating_point=None))
