@@ -140,6 +140,16 @@ class CalibrateStudy:
         Named(item=Row(items=(Free(), Free())), doc="Key paths with lower and upper bound.")
     )
     hold_out: float = number("Share of the data kept for the check.", low=0, high=0.9, default=0.3)
+    evaluation_count: int = integer(
+        "Most sets of values that are tried.", low=2, high=10**6, default=200
+    )
+    seed: int = integer("Seed of the choice of rows to hold out.", low=0, high=2**31, default=0)
+
+    def __post_init__(self) -> None:
+        if not self.fit:
+            raise KeyRuleError("fit", "nothing", "at least one key path with two bounds")
+        for path, bounds in self.fit.items():
+            _check_span(dict(zip(("from", "to"), bounds, strict=True)), f"fit.{path}")
 
 
 _VARY = Named(
@@ -228,6 +238,33 @@ class SweepStudy:
 
 @final
 @dataclass(frozen=True, kw_only=True)
+class Limit:
+    """Allowed range of a result."""
+
+    low: float | None = number("Lowest allowed value, in the unit of the name.", default=None)
+    high: float | None = number("Highest allowed value, in the unit of the name.", default=None)
+
+    def __post_init__(self) -> None:
+        if self.low is None and self.high is None:
+            raise KeyRuleError("", "no limit", "low, high or both")
+        if self.low is not None and self.high is not None and self.low > self.high:
+            raise KeyRuleError("", f"low = {self.low:g} above high = {self.high:g}", "low <= high")
+
+    def violation(self, value: float) -> float:
+        """Return how far a value lies outside, over the size of the limit; NaN counts as 1."""
+        if math.isnan(value):
+            return 1.0
+        low = -math.inf if self.low is None else self.low
+        high = math.inf if self.high is None else self.high
+        size = max(abs(x) for x in (self.low, self.high) if x is not None) or 1.0
+        return max(low - value, value - high, 0.0) / size
+
+
+_LIMITS = Named(item=Table(spec=Limit), doc="Names of summary numbers with low, high or both.")
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
 class ToleranceStudy:
     """``kind = "tolerance"``: scatter of results from scatter of dimensions."""
 
@@ -236,6 +273,13 @@ class ToleranceStudy:
     method: str = choice(
         "How points are placed.", "latin_hypercube", "sobol", default="latin_hypercube"
     )
+    sensitivity: str = choice(
+        "Rank correlation, or Sobol indices (sample_count times number of keys + 2 runs).",
+        "rank_correlation",
+        "sobol_indices",
+        default="rank_correlation",
+    )
+    limits: Mapping[str, Limit] | None = declare(_LIMITS, None)
     seed: int = integer("Seed of the random numbers.", low=0, high=2**31, default=0)
 
     def __post_init__(self) -> None:
@@ -248,13 +292,30 @@ class OptimiseStudy:
     """``kind = "optimise"``: best values of varied keys."""
 
     vary: Mapping[str, Any] = declare(_VARY)
-    objective: str = text("Summary number.")
+    objective: str | None = text("Summary number to be made best.", default=None)
     goal: str = choice("Direction.", "maximise", "minimise", default="maximise")
+    targets: Mapping[str, float] | None = declare(
+        Named(item=Number(), doc="Summary numbers with wanted values, instead of objective."), None
+    )
+    constraints: Mapping[str, Limit] | None = declare(_LIMITS, None)
+    method: str = choice(
+        "Search: over the whole range, or from its middle towards targets.",
+        "differential_evolution",
+        "least_squares",
+        default="differential_evolution",
+    )
     evaluation_count: int = integer("Most evaluations.", low=2, high=10**6, default=200)
     seed: int = integer("Seed of the random numbers.", low=0, high=2**31, default=0)
 
     def __post_init__(self) -> None:
         check_vary(self.vary, "vary")
+        if self.targets is None:
+            require(self, "unless targets are given", "objective")
+        else:
+            forbid(self, "because targets are given", "objective")
+        if self.method == "least_squares":
+            require(self, 'with method = "least_squares"', "targets")
+            forbid(self, 'with method = "least_squares"', "constraints")
 
 
 STUDIES: Mapping[str, type] = {

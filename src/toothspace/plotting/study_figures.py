@@ -9,7 +9,15 @@ import numpy as np
 
 from toothspace.core.types import Array
 from toothspace.plotting.lateral_figures import StudyFigure, hysteresis_figures, nose_figures
-from toothspace.plotting.style import BLUE, GREY, INK, PRESSURE_COLOURS, new_figure, styled
+from toothspace.plotting.style import (
+    BLUE,
+    GREY,
+    INK,
+    ORANGE,
+    PRESSURE_COLOURS,
+    new_figure,
+    styled,
+)
 from toothspace.studies.tabulate import label_of
 
 if TYPE_CHECKING:
@@ -38,6 +46,11 @@ _MOST_LINES = 8
 _SHOWN_RANGE = 40.0
 """Percent below the best efficiency that contour lines cover."""
 
+_EFFECTS = {
+    "rank_correlation": "Rank correlation",
+    "first_order_index": "Share of the variance caused alone (first-order index)",
+    "total_index": "Share of the variance with interactions (total index)",
+}
 _UNITS = {"um": "µm", "degC": "°C", "deg": "°", "1": ""}
 
 
@@ -201,8 +214,7 @@ def _label(name: str) -> str:
 
 def _axis_label(data: xr.Dataset, path: str) -> str:
     unit = _unit(data, path)
-    words = " ".join(path.split(".")[-2:]).replace("_", " ").capitalize()
-    return f"{words} ({unit})" if unit else words
+    return f"{_short(path)} ({unit})" if unit else _short(path)
 
 
 def _unit(data: xr.Dataset, path: str) -> str:
@@ -210,9 +222,131 @@ def _unit(data: xr.Dataset, path: str) -> str:
     return _UNITS.get(unit, unit)
 
 
+def _tolerance(data: xr.Dataset) -> list[StudyFigure]:
+    if not _shown_numbers(data):
+        return []
+    found = [
+        StudyFigure("scatter", "Scatter of results; dashed: 5, 50 and 95 %.", histograms(data))
+    ]
+    for kind, words in _EFFECTS.items():
+        if kind in data and np.isfinite(data[kind]).any():
+            found.append(StudyFigure(kind, f"{words} of each varied key.", effect_bars(data, kind)))
+    return found
+
+
+@styled
+def histograms(data: xr.Dataset) -> Figure:
+    """Histograms of the main numbers with their percentiles."""
+    figure, panels = _panels(data)
+    for axes, name in panels:
+        values = data[name].values[np.isfinite(data[name].values)]
+        axes.hist(values, bins=max(5, min(30, round(np.sqrt(values.size)))), color=BLUE)
+        for mark in np.percentile(values, (5.0, 50.0, 95.0)) if values.size else ():
+            axes.axvline(float(mark), color=INK, ls="--", lw=0.9)
+        axes.set_xlabel(axes.get_ylabel())
+        axes.set_ylabel("Number of points")
+    return figure
+
+
+@styled
+def effect_bars(data: xr.Dataset, kind: str) -> Figure:
+    """Sensitivity of the main numbers to each varied key."""
+    table = data[kind]
+    names = [n for n in _shown_numbers(data) if n in table["result"].values]
+    keys = [str(key) for key in table["key"].values]
+    figure = new_figure(7.2, 0.9 + 0.32 * len(keys) * -(-len(names) // 2) + 0.5 * len(names))
+    flat = list(figure.subplots(-(-len(names) // 2), 2, squeeze=False, sharex=True).flat)
+    for axes, name in zip(flat, names, strict=False):
+        values = np.nan_to_num(table.sel(result=name).values)
+        axes.barh([_short(key) for key in keys], values, color=BLUE, height=0.6)
+        axes.axvline(0.0, color=GREY, lw=0.8)
+        axes.set_title(_label(name))
+        axes.invert_yaxis()
+    for axes in flat[len(names) :]:
+        axes.set_visible(False)
+    return figure
+
+
+def _optimise(data: xr.Dataset) -> list[StudyFigure]:
+    if data.sizes["point"] == 0:
+        return []
+    caption = "Every point tried, in its order; the line is the best so far without constraints."
+    return [StudyFigure("search", caption, search_history(data))]
+
+
+@styled
+def search_history(data: xr.Dataset) -> Figure:
+    """Objective of all points tried, and the varied keys."""
+    paths = [p for p in data.attrs["varied"].split() if data[p].dtype.kind in "fiu"]
+    figure = new_figure(7.2, 2.2 + 1.5 * len(paths))
+    panels = figure.subplots(1 + len(paths), 1, sharex=True, squeeze=False)[:, 0]
+    merit = data["merit"].values
+    upwards = data.attrs["goal"] == "maximise" and data.attrs["objective"] != "targets"
+    best = (np.fmax if upwards else np.fmin).accumulate(merit)
+    panels[0].plot(merit, ".", color=BLUE, ms=4)
+    panels[0].plot(best, color=INK, lw=1.0)
+    panels[0].set_ylabel(_label(data.attrs["objective"]))
+    for axes, path in zip(panels[1:], paths, strict=True):
+        axes.plot(data[path].values, ".", color=BLUE, ms=4)
+        axes.set_ylabel(_axis_label(data, path).replace(" (", "\n("))
+    panels[-1].set_xlabel("Point")
+    return figure
+
+
+def _calibrate(data: xr.Dataset) -> list[StudyFigure]:
+    names = [str(n).removeprefix("fitted_") for n in data.data_vars if str(n).startswith("fitted_")]
+    if not names:
+        return []
+    caption = "Measured and fitted; open or grey marks were held out of the fit."
+    return [StudyFigure("fit", caption, fit_comparison(data, names))]
+
+
+@styled
+def fit_comparison(data: xr.Dataset, names: Sequence[str]) -> Figure:
+    """Fitted against measured: over time, or as points beside the line of equality."""
+    rows = len(names) if "time" in data else -(-len(names) // 2)
+    figure = new_figure(7.2, 0.5 + 2.6 * rows)
+    flat = list(figure.subplots(rows, 1 if "time" in data else 2, squeeze=False).flat)
+    used = data["used"].values.astype(bool)
+    for axes, name in zip(flat, names, strict=False):
+        (_over_time if "time" in data else _parity)(axes, data, name, used)
+    for axes in flat[len(names) :]:
+        axes.set_visible(False)
+    flat[0].legend()
+    return figure
+
+
+def _over_time(axes: Axes, data: xr.Dataset, name: str, used: Array) -> None:
+    time = data["time"].values
+    axes.plot(time[used], data[name].values[used], ".", color=INK, ms=3, label="measured")
+    held = np.logical_not(used)
+    axes.plot(time[held], data[name].values[held], ".", color=GREY, ms=3, label="held out")
+    axes.plot(time, data[f"fitted_{name}"].values, color=ORANGE, lw=1.2, label="fitted")
+    axes.set_xlabel("Time (s)")
+    axes.set_ylabel(_label(name))
+
+
+def _parity(axes: Axes, data: xr.Dataset, name: str, used: Array) -> None:
+    x, y = data[name].values, data[f"fitted_{name}"].values
+    held = np.logical_not(used)
+    ends = [float(np.nanmin([x, y])), float(np.nanmax([x, y]))]
+    axes.plot(ends, ends, color=GREY, lw=0.9)
+    axes.plot(x[used], y[used], "o", color=BLUE, ms=4, label="used")
+    axes.plot(x[held], y[held], "o", color=ORANGE, ms=4, mfc="white", label="held out")
+    axes.set_xlabel(f"Measured {label_of(name)}")
+    axes.set_ylabel("Fitted")
+
+
+def _short(path: str) -> str:
+    return " ".join(path.split(".")[-2:]).replace("_", " ").capitalize()
+
+
 _FIGURES: Mapping[str, Callable[..., list[StudyFigure]]] = {
+    "calibrate": _calibrate,
     "efficiency_map": _efficiency_map,
     "hysteresis": hysteresis_figures,
     "nose_pressure": nose_figures,
+    "optimise": _optimise,
     "sweep": _sweep,
+    "tolerance": _tolerance,
 }

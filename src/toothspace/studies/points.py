@@ -17,7 +17,10 @@ from toothspace.studies.records import BAD_INPUT, FAILED, Record
 from toothspace.studies.study import StudyContext, plain
 
 Evaluate = Callable[[Case], Mapping[str, Any]]
-"""Numbers of one case, with its ``status`` among them; a function of a module."""
+"""Numbers of one case, with its ``status`` among them.
+
+A function of a module, or an object with a text ``label`` that says what it evaluates.
+"""
 
 
 @final
@@ -142,9 +145,13 @@ def require_some(records: Sequence[Record]) -> None:
 
 def _key(item: Point, evaluate: Evaluate) -> str:
     content = repr(sorted(item.values.items())) if item.case is None else item.case.hash
-    name = f"{evaluate.__module__}.{evaluate.__qualname__}"
-    text = "\n".join((content, name, toothspace.__version__))
+    text = "\n".join((content, _name(evaluate), toothspace.__version__))
     return hashlib.sha256(text.encode()).hexdigest()[:32]
+
+
+def _name(evaluate: Evaluate) -> str:
+    label = getattr(evaluate, "label", None)
+    return str(label) if label else f"{evaluate.__module__}.{evaluate.__qualname__}"
 
 
 def _evaluated(task: _Task) -> Record:

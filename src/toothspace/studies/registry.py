@@ -19,10 +19,13 @@ from toothspace.studies.study import Progress, StudyContext, StudyResult
 from toothspace.studies.workers import Workers
 
 STUDY_MODULES: Mapping[str, str] = {
+    "calibrate": "toothspace.studies.calibrate",
     "efficiency_map": "toothspace.studies.efficiency_map",
     "hysteresis": "toothspace.studies.hysteresis",
     "nose_pressure": "toothspace.studies.nose_pressure",
+    "optimise": "toothspace.studies.optimise",
     "sweep": "toothspace.studies.sweep",
+    "tolerance": "toothspace.studies.tolerance",
 }
 """Module of each study that can be run."""
 

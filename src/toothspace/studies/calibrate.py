@@ -1,0 +1,298 @@
+"""Parameters of a case fitted to measured data."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, final
+
+import numpy as np
+
+from toothspace.case import Case
+from toothspace.case.study import CalibrateStudy
+from toothspace.config.document import parse_document
+from toothspace.core.errors import CaseError
+from toothspace.core.status import Status
+from toothspace.core.types import Array
+from toothspace.core.units import from_si, split_quantity, to_si
+from toothspace.studies.least_squares import Fit, fit
+from toothspace.studies.measured import Measured, Signals, read_measured
+from toothspace.studies.points import Evaluate, evaluate_points, point, summary_numbers
+from toothspace.studies.records import Record
+from toothspace.studies.study import StudyContext, StudyResult, StudyTable
+from toothspace.studies.tabulate import provenance
+from toothspace.studies.variation import Axis, axes_of, written_values
+
+
+def run(case: Case, context: StudyContext) -> StudyResult:
+    """Fit the keys of ``study.fit`` to the columns of ``study.data``.
+
+    Parameters
+    ----------
+    case : Case
+        Case with ``kind = "calibrate"``; with a circuit for signals over time.
+    context : StudyContext
+        Progress, workers and records.
+
+    Returns
+    -------
+    StudyResult
+        Fitted values with confidence intervals, and errors of the rows used and held out.
+
+    Raises
+    ------
+    CaseError
+        If the data or the keys do not fit the case.
+
+    Notes
+    -----
+    Each channel counts with its deviations over the scatter of its measured values (over their
+    mean, if they do not scatter). Intervals are those of linear regression at the minimum, for
+    independent errors of equal size: correlated signals over time make them too narrow.
+
+    References
+    ----------
+    .. [1] G. A. F. Seber, C. J. Wild, Nonlinear Regression, Wiley (1989), chapter 5.
+    """
+    study = case.study
+    assert isinstance(study, CalibrateStudy)
+    label = str(case.source or "case")
+    spans = {path: {"from": low, "to": high} for path, (low, high) in study.fit.items()}
+    axes = axes_of(spans, label)
+    measured = read_measured(study.data)
+    _check_times(case, measured, label)
+    used = _used_rows(study, measured, len(axes), label)
+    model = _Model(case, axes, measured, context, used, study.evaluation_count)
+    status = Status.DONE
+    try:
+        found = fit(model.residuals, _start(case, axes), study.evaluation_count)
+        if not found.converged:
+            status = Status.NOT_CONVERGED
+        predicted = model.predicted(found.shares)
+    except KeyboardInterrupt:
+        status, found, predicted = Status.INTERRUPTED, None, None
+    return _result(case, status, _Outcome(axes, measured, used, found, predicted))
+
+
+@final
+@dataclass(frozen=True)
+class _Outcome:
+    axes: tuple[Axis, ...]
+    measured: Measured
+    used: Array
+    found: Fit | None
+    predicted: Mapping[str, Array] | None
+
+
+@final
+@dataclass
+class _Model:
+    """The case as a function from the unit cube to the measured channels."""
+
+    case: Case
+    axes: tuple[Axis, ...]
+    measured: Measured
+    context: StudyContext
+    used: Array
+    budget: int
+    tried: int = 0
+    reason: str = ""
+
+    def residuals(self, shares: Array) -> Array:
+        """Return scaled residuals of the rows used, (points, rows times channels)."""
+        found = self._channels(shares, self.used)
+        scales = scales_of(self.measured)
+        wanted = self.measured.channels
+        return np.hstack(
+            [(found[name] - wanted[name][self.used]) / scales[name] for name in wanted]
+        )
+
+    def predicted(self, shares: Array) -> dict[str, Array]:
+        """Return the channels at all rows, those held out among them."""
+        everywhere = np.ones(self.measured.rows, dtype=bool)
+        return {name: rows[0] for name, rows in self._channels(shares[None], everywhere).items()}
+
+    def _channels(self, shares: Array, rows: Array) -> dict[str, Array]:
+        values = [
+            written_values(self.axes, [a.quantile(s) for a, s in zip(self.axes, row, strict=True)])
+            for row in shares.tolist()
+        ]
+        self.tried += len(values)
+        if self.measured.times is not None:
+            return self._signals(values, rows)
+        settings = [s for s, wanted in zip(self.measured.settings, rows, strict=True) if wanted]
+        records = self._evaluate([{**s, **v} for v in values for s in settings], summary_numbers)
+        return {
+            name: np.array([record.number(name) for record in records]).reshape(len(values), -1)
+            for name in self._known(records)
+        }
+
+    def _signals(self, values: Sequence[Mapping[str, Any]], rows: Array) -> dict[str, Array]:
+        assert self.measured.times is not None
+        names = tuple(self.measured.channels)
+        records = self._evaluate(values, Signals(tuple(self.measured.times.tolist()), names))
+        nothing = [np.nan] * self.measured.rows
+        return {
+            name: np.array([r.numbers.get(name, nothing) for r in records], dtype=float)[:, rows]
+            for name in names
+        }
+
+    def _evaluate(self, values: Sequence[Mapping[str, Any]], evaluate: Evaluate) -> list[Record]:
+        told = self.context.progress
+
+        def progress(_share: float, text: str) -> None:
+            if told is not None:
+                told(min(self.tried / self.budget, 1.0), f"{text}, {self.tried} sets tried")
+
+        context = StudyContext(progress, self.context.workers, self.context.records)
+        points = [point(self.case, entry) for entry in values]
+        for entry in points:
+            if entry.case is None:
+                raise CaseError(entry.message)
+        return evaluate_points(points, context, evaluate)
+
+    def _known(self, records: Sequence[Record]) -> list[str]:
+        names = list(self.measured.channels)
+        numbers = next((r.numbers for r in records if r.succeeded), None)
+        unknown = [name for name in names if numbers is not None and name not in numbers]
+        if unknown and numbers is not None:
+            allowed = ", ".join(numbers)
+            raise CaseError(f"study.data: found the column {unknown[0]!r}, allowed {allowed}")
+        return names
+
+
+def scales_of(measured: Measured) -> dict[str, float]:
+    """Scatter of each channel, or its size if it does not scatter. [unit of the channel]."""
+    found = {}
+    for name, column in measured.channels.items():
+        scatter, size = float(column.std()), float(np.abs(column).mean())
+        found[name] = scatter if scatter > 1e-3 * size else size or 1.0
+    return found
+
+
+def _check_times(case: Case, measured: Measured, label: str) -> None:
+    if measured.times is None or case.circuit is None:
+        return
+    first, last, duration = measured.times[0], measured.times[-1], case.circuit.duration
+    if first < 0.0 or last > duration * (1.0 + 1e-9):
+        found = f"times from {first:g} s to {last:g} s"
+        raise CaseError(f"{label}: study.data: found {found}, allowed 0 s to {duration:g} s")
+
+
+def _used_rows(study: CalibrateStudy, measured: Measured, keys: int, label: str) -> Array:
+    """Rows of the fit: the first ones of signals, a random choice of steady points."""
+    rows = measured.rows
+    kept_out = min(round(study.hold_out * rows), rows - 1)
+    order = np.arange(rows)
+    if measured.times is None:
+        order = np.random.default_rng(study.seed).permutation(rows)
+    used = np.ones(rows, dtype=bool)
+    used[order[rows - kept_out :]] = False
+    numbers = int(used.sum()) * len(measured.channels)
+    if numbers < keys:
+        found = f"{numbers} numbers for {keys} keys"
+        raise CaseError(f"{label}: study.data: found {found}, allowed at least as many as keys")
+    return used
+
+
+def _start(case: Case, axes: Sequence[Axis]) -> Array:
+    """Values that stand in the case, where they lie within the bounds; else the middle."""
+    tables = parse_document(case.text, "case")
+    shares = []
+    for axis in axes:
+        value: Any = tables
+        for name in axis.path.split("."):
+            value = value.get(name) if isinstance(value, dict) else None
+        share = (_number(value, axis.unit) - axis.low) / (axis.high - axis.low)
+        shares.append(share if 0.0 < share < 1.0 else 0.5)
+    return np.array(shares)
+
+
+def _number(value: Any, unit: str) -> float:
+    if isinstance(value, str) and unit:
+        number, given = split_quantity(value)
+        return number if given == unit else from_si(to_si(number, given), unit)
+    return float(value) if isinstance(value, (int, float)) else np.nan
+
+
+def _result(case: Case, status: Status, outcome: _Outcome) -> StudyResult:
+    import xarray as xr
+
+    measured = outcome.measured
+    data = xr.Dataset(
+        {name: ("row", column) for name, column in measured.channels.items()},
+        coords={"row": np.arange(measured.rows)},
+    )
+    data["used"] = ("row", outcome.used)
+    if measured.times is not None:
+        data["time"] = ("row", measured.times, {"units": "s"})
+    numbers: dict[str, Any] = {"rows": measured.rows, "rows_used": int(outcome.used.sum())}
+    tables: tuple[StudyTable, ...] = ()
+    if outcome.found is not None and outcome.predicted is not None:
+        for name, column in outcome.predicted.items():
+            data[f"fitted_{name}"] = ("row", column)
+        values, errors = _values(outcome.axes, outcome.found), _errors(outcome)
+        numbers |= {
+            "evaluations": outcome.found.evaluations,
+            **values,
+            **errors,
+            "correlation": _correlation(outcome.found).tolist(),
+        }
+        tables = (_values_table(values), _errors_table(errors))
+    return StudyResult(
+        kind="calibrate",
+        title=case.title,
+        status=status,
+        data=data,
+        numbers=numbers,
+        tables=tables,
+        provenance=provenance(case),
+    )
+
+
+def _values(axes: Sequence[Axis], found: Fit) -> dict[str, Any]:
+    widths = found.half_widths()
+    rows = list(zip(axes, found.shares.tolist(), widths.tolist(), strict=True))
+    return {
+        "fitted": {a.path: a.written(a.quantile(share)) for a, share, _ in rows},
+        "half_width_95": {a.path: float(width * (a.high - a.low)) for a, _, width in rows},
+        "unit": {a.path: a.unit or "1" for a in axes},
+        "at_bounds": [a.path for a, share, _ in rows if min(share, 1.0 - share) < 2e-3],
+    }
+
+
+def _correlation(found: Fit) -> Array:
+    covariance = found.covariance
+    size = np.sqrt(np.diag(covariance))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.asarray(covariance / np.outer(size, size))
+
+
+def _errors(outcome: _Outcome) -> dict[str, Any]:
+    """Root mean square errors of rows used and held out, by channel."""
+    assert outcome.predicted is not None
+    found: dict[str, Any] = {"fit_error": {}, "hold_out_error": {}, "fit_error_percent": {}}
+    found["hold_out_error_percent"] = {}
+    for name, wanted in outcome.measured.channels.items():
+        deviation = outcome.predicted[name] - wanted
+        size = float(np.abs(wanted).mean()) or 1.0
+        for kind, rows in (("fit", outcome.used), ("hold_out", np.logical_not(outcome.used))):
+            error = float(np.sqrt(np.mean(deviation[rows] ** 2))) if rows.any() else float("nan")
+            found[f"{kind}_error"][name] = error
+            found[f"{kind}_error_percent"][name] = 100.0 * error / size
+    return found
+
+
+def _values_table(values: Mapping[str, Any]) -> StudyTable:
+    rows = tuple(
+        (path, str(text), values["half_width_95"][path], values["unit"][path],
+         "at a bound" if path in values["at_bounds"] else "")
+        for path, text in values["fitted"].items()
+    )  # fmt: skip
+    return StudyTable("fitted", ("key", "value", "half width at 95 %", "unit", "note"), rows)
+
+
+def _errors_table(errors: Mapping[str, Any]) -> StudyTable:
+    kinds = tuple(errors)
+    rows = tuple((name, *(errors[kind][name] for kind in kinds)) for name in errors["fit_error"])
+    return StudyTable("errors", ("channel", *kinds), rows)

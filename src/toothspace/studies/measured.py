@@ -1,0 +1,202 @@
+"""Measured columns: signals over time, or one row per steady point."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, final
+
+import numpy as np
+
+from toothspace.case import Case
+from toothspace.core.errors import CaseError
+from toothspace.core.types import Array
+from toothspace.core.units import compatible, from_si, to_si
+from toothspace.results.variables import VARIABLES
+from toothspace.studies.tabulate import unit_of
+
+_HEADER = re.compile(r"\s*([\w.]+)\s*(?:\[(.+)\])?\s*")
+_DIFFERENCE = "pressure_difference"
+
+
+@final
+@dataclass(frozen=True)
+class Measured:
+    """Measured columns.
+
+    Parameters
+    ----------
+    times : ndarray or None
+        Times of signals, None for steady points. [s]
+    settings : tuple of mapping
+        Values of case keys for each steady point, as they would stand in a case file.
+    channels : mapping of name to ndarray, shape (rows,)
+        Signals in SI units, or summary numbers in the unit of their name.
+    """
+
+    times: Array | None
+    settings: tuple[Mapping[str, Any], ...]
+    channels: Mapping[str, Array]
+
+    @property
+    def rows(self) -> int:
+        """Number of rows."""
+        return next(iter(self.channels.values())).size
+
+
+@final
+@dataclass(frozen=True)
+class Signals:
+    """Evaluates a case to its signals at given times: a function for points of a study.
+
+    Parameters
+    ----------
+    times : tuple of float
+        Times. [s]
+    names : tuple of str
+        Result variables over time, or ``pressure_difference``.
+    """
+
+    times: tuple[float, ...]
+    names: tuple[str, ...]
+
+    @property
+    def label(self) -> str:
+        """Says what is evaluated, for the records of points."""
+        return f"signals {self.names} {self.times}"
+
+    def __call__(self, case: Case) -> Mapping[str, Any]:
+        """Return the signals as lists in SI units, with the status of the run."""
+        from toothspace import api
+
+        solution = api.simulate(case)
+        found: dict[str, Any] = {}
+        time = solution.data["time"].values
+        # a run that failed early says nothing about later times
+        after_the_end = None if solution.status.succeeded else np.nan
+        for name in self.names:
+            values = _signal(solution.data, name)
+            found[name] = np.interp(self.times, time, values, right=after_the_end).tolist()
+        return {**found, "status": solution.status.name.lower()}
+
+
+def _signal(data: Any, name: str) -> Array:
+    if name == _DIFFERENCE:
+        return np.abs(np.asarray(data["inlet_pressure"] - data["outlet_pressure"]))
+    return np.asarray(data[name])
+
+
+def read_measured(path: Path) -> Measured:
+    """Read the measured columns of a calibration.
+
+    Parameters
+    ----------
+    path : Path
+        CSV file with a header of ``name [unit]``. With a column ``time`` the others are signals of
+        a result; without it every row is a steady point: columns with a dot in their name are
+        keys of the case, the others summary numbers.
+
+    Raises
+    ------
+    CaseError
+        If a column or a number is not understood.
+    """
+    head, rows = _read(path)
+    if not rows:
+        raise CaseError(f"{path}: found no rows, allowed at least one")
+    table = np.array([[_number(path, row, k) for k in range(len(head))] for row in rows])
+    names = [name for name, _ in head]
+    if "time" not in names:
+        return _steady(path, head, table)
+    times: Array = np.zeros(0)
+    channels = {}
+    for k, (name, unit) in enumerate(head):
+        column = _in_si(path, name, unit, table[:, k])
+        if name == "time":
+            times = column
+        else:
+            channels[name] = column
+    if not channels or np.any(np.diff(times) <= 0.0):
+        raise CaseError(f"{path}: time: found no signal beside it or times that do not grow")
+    return Measured(times, (), channels)
+
+
+def _steady(path: Path, head: list[tuple[str, str]], table: Array) -> Measured:
+    keys = [k for k, (name, _) in enumerate(head) if "." in name]
+    settings = tuple(
+        {head[k][0]: _written(float(row[k]), head[k][1]) for k in keys} for row in table
+    )
+    channels = {}
+    for k, (name, unit) in enumerate(head):
+        if k not in keys:
+            channels[name] = _in_unit_of_name(path, name, unit, table[:, k])
+    if not channels:
+        allowed = "columns of summary numbers, such as 'mean_flow_L_per_min [L/min]'"
+        raise CaseError(f"{path}: columns: found {[name for name, _ in head]}, allowed {allowed}")
+    return Measured(None, settings, channels)
+
+
+def _read(path: Path) -> tuple[list[tuple[str, str]], list[list[str]]]:
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise CaseError(f"{path}: found {error}, allowed a CSV file in UTF-8") from error
+    separator = ";" if ";" in text.partition("\n")[0] else ","
+    rows = [row for row in csv.reader(text.splitlines(), delimiter=separator) if any(row)]
+    head = []
+    for cell in rows[0] if rows else []:
+        match = _HEADER.fullmatch(cell)
+        if match is None:
+            raise CaseError(f"{path}: columns: found {cell!r}, allowed 'name [unit]'")
+        head.append((match[1], match[2] or "1"))
+    return head, rows[1:]
+
+
+def _number(path: Path, row: list[str], place: int) -> float:
+    text = row[place] if place < len(row) else ""
+    try:
+        value = float(text)
+    except ValueError:
+        value = float("nan")
+    if not np.isfinite(value):
+        raise CaseError(f"{path}: found {text!r} in column {place + 1}, allowed a number")
+    return value
+
+
+def _in_si(path: Path, name: str, unit: str, column: Array) -> Array:
+    wanted = "s" if name == "time" else "Pa" if name == _DIFFERENCE else _units(path, name)
+    _check_unit(path, name, unit, wanted)
+    return column if unit == "1" else np.array([to_si(x, unit) for x in column.tolist()])
+
+
+def _units(path: Path, name: str) -> str:
+    found = VARIABLES.get(name)
+    if found is None or found.dimensions != ("sample",):
+        known = [v.name for v in VARIABLES.values() if v.dimensions == ("sample",)]
+        allowed = ", ".join([*known, _DIFFERENCE])
+        raise CaseError(f"{path}: columns: found {name!r}, allowed {allowed}")
+    return found.units.replace("m3", "m^3")
+
+
+def _in_unit_of_name(path: Path, name: str, unit: str, column: Array) -> Array:
+    wanted = unit_of(name).replace("cm3", "cm^3").replace("%", "1")
+    _check_unit(path, name, unit.replace("%", "1"), wanted)
+    if wanted in {"1", unit}:
+        return column
+    return np.array([from_si(to_si(x, unit), wanted) for x in column.tolist()])
+
+
+def _check_unit(path: Path, name: str, unit: str, wanted: str) -> None:
+    try:
+        fits = unit == wanted or ("1" not in {unit, wanted} and compatible(unit, wanted))
+    except CaseError:
+        fits = False
+    if not fits:
+        raise CaseError(f"{path}: {name}: found the unit {unit!r}, allowed {wanted!r}")
+
+
+def _written(value: float, unit: str) -> Any:
+    return value if unit == "1" else f"{value:.12g} {unit}"

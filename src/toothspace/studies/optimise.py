@@ -1,0 +1,243 @@
+"""Best values of varied keys, within constraints."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, final
+
+import numpy as np
+
+from toothspace.case import Case
+from toothspace.case.study import OptimiseStudy
+from toothspace.core.errors import CaseError
+from toothspace.core.status import Status
+from toothspace.core.types import Array
+from toothspace.studies.least_squares import fit
+from toothspace.studies.points import Point, evaluate_points, point, require_some
+from toothspace.studies.records import Record
+from toothspace.studies.study import StudyContext, StudyResult, StudyTable
+from toothspace.studies.tabulate import points_dataset, points_table, provenance
+from toothspace.studies.variation import Axis, axes_of, unit_samples, written_values
+
+_INFEASIBLE = 1e12
+_FAILED = 1e15
+
+
+def run(case: Case, context: StudyContext) -> StudyResult:
+    """Search for the best values of ``study.vary``.
+
+    Parameters
+    ----------
+    case : Case
+        Case with ``kind = "optimise"``.
+    context : StudyContext
+        Progress, workers and records.
+
+    Returns
+    -------
+    StudyResult
+        All points tried in their order, and the best one that keeps the constraints.
+
+    Raises
+    ------
+    CaseError
+        If a result has an unknown name, or no point can be run.
+
+    Notes
+    -----
+    ``differential_evolution`` computes one generation after another. A point that breaks a
+    constraint counts less than any that keeps them, and among those the smaller violation wins.
+    ``least_squares`` needs few points, but finds the nearest minimum only.
+
+    References
+    ----------
+    .. [1] R. Storn, K. Price, Differential evolution, J. Global Optim. 11 (1997) 341-359.
+    .. [2] K. Deb, An efficient constraint handling method for genetic algorithms, Comput. Methods
+       Appl. Mech. Eng. 186 (2000) 311-338.
+    """
+    study = case.study
+    assert isinstance(study, OptimiseStudy)
+    search = _Search(case, study, context)
+    status = Status.DONE
+    try:
+        converged = search.run()
+        if not converged:
+            status = Status.NOT_CONVERGED
+    except KeyboardInterrupt:
+        status = Status.INTERRUPTED
+    require_some(search.records)
+    best = search.best()
+    if best is None and status is Status.DONE:
+        status = Status.NOT_CONVERGED
+    data = points_dataset(search.axes, search.rows, search.records)
+    merits = [search.merit(record) for record in search.records]
+    data = data.assign(merit=("point", np.asarray(merits)))
+    data.attrs["varied"] = " ".join(axis.path for axis in search.axes)
+    data.attrs["objective"] = study.objective or "targets"
+    data.attrs["goal"] = study.goal
+    return StudyResult(
+        kind="optimise",
+        title=case.title,
+        status=status,
+        data=data,
+        numbers=search.numbers(best),
+        tables=(
+            *search.best_table(best),
+            points_table(search.axes, search.rows, search.records),
+        ),
+        provenance=provenance(case),
+    )
+
+
+@final
+class _Search:
+    """Points tried so far, and how good they are."""
+
+    def __init__(self, case: Case, study: OptimiseStudy, context: StudyContext) -> None:
+        self.case, self.study, self.context = case, study, context
+        self.label = str(case.source or "case")
+        self.axes = axes_of(study.vary, self.label)
+        self.rows: list[tuple[Any, ...]] = []
+        self.records: list[Record] = []
+
+    def run(self) -> bool:
+        """Search; returns whether it ended by itself."""
+        if self.study.method == "least_squares":
+            found = fit(self._deviations, np.full(len(self.axes), 0.5), self.study.evaluation_count)
+            return found.converged
+        return self._evolve()
+
+    def _evolve(self) -> bool:
+        from scipy.optimize import differential_evolution
+
+        keys, budget = len(self.axes), self.study.evaluation_count
+        size = max(5, min(max(10, 5 * keys), budget // 3))
+        first = unit_samples(keys, "latin_hypercube", size, self.study.seed)
+        found = differential_evolution(
+            lambda shares: self._costs(shares.T),
+            [(0.0, 1.0)] * keys,
+            init=first,
+            maxiter=max(budget // size - 1, 1),
+            polish=False,
+            vectorized=True,
+            updating="deferred",
+            seed=self.study.seed,
+            tol=1e-3,
+        )
+        # the budget is what the user gave: using it up is no failure
+        return bool(found.success) or "iterations" in str(found.message)
+
+    def _evaluate(self, shares: Array) -> list[Record]:
+        rows = [
+            tuple(axis.quantile(s) for axis, s in zip(self.axes, row, strict=True))
+            for row in shares.tolist()
+        ]
+        points: list[Point] = [point(self.case, written_values(self.axes, row)) for row in rows]
+        context = self._counting()
+        records = evaluate_points(points, context)
+        self.rows += rows
+        self.records += records
+        self._check_names(records)
+        return records
+
+    def _counting(self) -> StudyContext:
+        """Progress over the whole search instead of one batch."""
+        told, done, total = self.context.progress, len(self.records), self.study.evaluation_count
+        if told is None:
+            return self.context
+
+        def progress(_share: float, text: str) -> None:
+            best = self.best()
+            shown = "" if best is None else f", best {self.merit(self.records[best]):.6g}"
+            told(min(done / total, 1.0), f"{text}, {done} tried{shown}")
+
+        return StudyContext(progress, self.context.workers, self.context.records)
+
+    def _check_names(self, records: Sequence[Record]) -> None:
+        study = self.study
+        wanted = [*(study.targets or {}), *(study.constraints or {})]
+        wanted += [study.objective] if study.objective else []
+        for record in records:
+            missing = [name for name in wanted if name not in record.numbers]
+            if record.succeeded and missing:
+                allowed = ", ".join(record.numbers)
+                found = f"{missing[0]!r}, which is no result"
+                raise CaseError(f"{self.label}: study: found {found}, allowed {allowed}")
+
+    def _costs(self, shares: Array) -> Array:
+        return np.array([self._cost(record) for record in self._evaluate(shares)])
+
+    def _cost(self, record: Record) -> float:
+        if not record.succeeded:
+            return _FAILED
+        violation = self.violation(record)
+        return (
+            _INFEASIBLE * (1.0 + min(violation, 100.0)) if violation > 0.0 else self._loss(record)
+        )
+
+    def _loss(self, record: Record) -> float:
+        merit = self.merit(record)
+        upwards = self.study.targets is None and self.study.goal == "maximise"
+        return _FAILED if math.isnan(merit) else -merit if upwards else merit
+
+    def violation(self, record: Record) -> float:
+        """Sum of what breaks the constraints, each over the size of its limit. [-]."""
+        limits = self.study.constraints or {}
+        return sum(limit.violation(record.number(name)) for name, limit in limits.items())
+
+    def merit(self, record: Record) -> float:
+        """Return the objective, or the root mean square of the deviations from targets."""
+        if self.study.objective is not None:
+            return record.number(self.study.objective)
+        deviations = np.array(self._deviations_of(record))
+        return float(np.sqrt(np.mean(deviations**2)))
+
+    def _deviations(self, shares: Array) -> Array:
+        return np.array([self._deviations_of(record) for record in self._evaluate(shares)])
+
+    def _deviations_of(self, record: Record) -> list[float]:
+        targets = self.study.targets or {}
+        return [(record.number(name) - x) / (abs(x) or 1.0) for name, x in targets.items()]
+
+    def best(self) -> int | None:
+        """Return the number of the best point that keeps the constraints, or None."""
+        costs = [self._cost(record) for record in self.records]
+        if not costs or min(costs) >= _INFEASIBLE:
+            return None
+        return int(np.argmin(costs))
+
+    def numbers(self, best: int | None) -> dict[str, Any]:
+        """Return what ``--json`` prints."""
+        found: dict[str, Any] = {
+            "points": len(self.records),
+            "points_failed": sum(not r.succeeded for r in self.records),
+            "feasible": best is not None,
+        }
+        if best is None:
+            return found
+        record = self.records[best]
+        return {
+            **found,
+            "best": written_values(self.axes, self.rows[best]),
+            "best_merit": self.merit(record),
+            "best_point": dict(record.numbers),
+            "at_bounds": [a.path for a, x in zip(self.axes, self.rows[best], strict=True)
+                          if _at_bound(a, x)],
+        }  # fmt: skip
+
+    def best_table(self, best: int | None) -> tuple[StudyTable, ...]:
+        """Return the table of the best values and of the results there."""
+        if best is None:
+            return ()
+        pairs = zip(self.axes, self.rows[best], strict=True)
+        values = [(axis.path, str(axis.written(value))) for axis, value in pairs]
+        names = [self.study.objective, *(self.study.targets or {}), *(self.study.constraints or {})]
+        results = [(n, self.records[best].number(n)) for n in dict.fromkeys(names) if n]
+        return (StudyTable("best", ("name", "value"), (*values, *results)),)
+
+
+def _at_bound(axis: Axis, value: Any) -> bool:
+    if axis.values or axis.whole:
+        return False
+    return min(value - axis.low, axis.high - value) < 0.01 * (axis.high - axis.low)

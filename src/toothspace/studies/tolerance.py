@@ -1,0 +1,164 @@
+"""Scatter of results from scatter of dimensions and conditions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from toothspace.case import Case
+from toothspace.case.study import Limit, ToleranceStudy
+from toothspace.core.types import Array
+from toothspace.studies.points import (
+    evaluate_points,
+    point,
+    recorded,
+    require_some,
+    status_of,
+)
+from toothspace.studies.records import Record
+from toothspace.studies.sensitivity import (
+    index_samples,
+    rank_correlations,
+    sobol_indices,
+    statistics,
+)
+from toothspace.studies.study import Row, StudyContext, StudyResult, StudyTable
+from toothspace.studies.tabulate import columns, points_dataset, points_table, provenance
+from toothspace.studies.variation import Axis, axes_of, unit_samples, written_values
+
+
+def run(case: Case, context: StudyContext) -> StudyResult:
+    """Run samples of ``study.vary`` and describe the scatter of every summary number.
+
+    Parameters
+    ----------
+    case : Case
+        Case with ``kind = "tolerance"``.
+    context : StudyContext
+        Progress, workers and records.
+
+    Returns
+    -------
+    StudyResult
+        Samples over ``point``, percentiles, sensitivities, and the share within the limits.
+
+    Raises
+    ------
+    CaseError
+        If no point can be run.
+    """
+    study = case.study
+    assert isinstance(study, ToleranceStudy)
+    axes = axes_of(study.vary, str(case.source or "case"))
+    shares = _shares(study, len(axes))
+    rows = [tuple(a.quantile(s) for a, s in zip(axes, row, strict=True)) for row in shares.tolist()]
+    points = [point(case, written_values(axes, row)) for row in rows]
+    try:
+        records = evaluate_points(points, context)
+    except KeyboardInterrupt:
+        records = recorded(points, context)
+    require_some(records)
+    # with indices, the first two blocks are the plain sample; the rest repeats its values
+    plain = records[: 2 * study.sample_count] if _wants_indices(study) else records
+    scatter = {name: statistics(values) for name, values in columns(plain).items()}
+    effects = _effects(study, axes, shares, records)
+    data = points_dataset(axes, rows, records)
+    data.attrs["varied"] = " ".join(axis.path for axis in axes)
+    return StudyResult(
+        kind="tolerance",
+        title=case.title,
+        status=status_of(records),
+        data=data.assign(_effect_arrays(axes, effects)),
+        numbers=_numbers(study, records, plain, scatter, effects),
+        tables=(
+            _statistics_table(scatter),
+            *(_effect_table(name, axes, found) for name, found in effects.items()),
+            points_table(axes, rows, records),
+        ),
+        provenance=provenance(case),
+    )
+
+
+def share_within(limits: Mapping[str, Limit], records: Sequence[Record]) -> float:
+    """Share of points that succeeded and keep all limits. [-]."""
+    kept = [
+        record.succeeded
+        and all(limit.violation(record.number(name)) == 0.0 for name, limit in limits.items())
+        for record in records
+    ]
+    return float(np.mean(kept))
+
+
+def _wants_indices(study: ToleranceStudy) -> bool:
+    return study.sensitivity == "sobol_indices"
+
+
+def _shares(study: ToleranceStudy, keys: int) -> Array:
+    if not _wants_indices(study):
+        return unit_samples(keys, study.method, study.sample_count, study.seed)
+    return index_samples(unit_samples(2 * keys, study.method, study.sample_count, study.seed))
+
+
+def _effects(
+    study: ToleranceStudy, axes: Sequence[Axis], shares: Array, records: Sequence[Record]
+) -> dict[str, dict[str, Array]]:
+    """Kind of sensitivity to name of the result to its values over the keys."""
+    results = {name: np.asarray(values) for name, values in columns(records).items()}
+    if not _wants_indices(study):
+        return {"rank_correlation": {n: rank_correlations(shares, v) for n, v in results.items()}}
+    pairs = {name: sobol_indices(values, len(axes)) for name, values in results.items()}
+    return {
+        "first_order_index": {name: pair[0] for name, pair in pairs.items()},
+        "total_index": {name: pair[1] for name, pair in pairs.items()},
+    }
+
+
+def _effect_arrays(
+    axes: Sequence[Axis], effects: Mapping[str, Mapping[str, Array]]
+) -> dict[str, Any]:
+    import xarray as xr
+
+    keys = [axis.path for axis in axes]
+    return {
+        kind: xr.DataArray(
+            np.array(list(found.values())).reshape(len(found), len(keys)),
+            dims=("result", "key"),
+            coords={"result": list(found), "key": keys},
+        )
+        for kind, found in effects.items()
+    }
+
+
+def _numbers(
+    study: ToleranceStudy,
+    records: Sequence[Record],
+    plain: Sequence[Record],
+    scatter: Mapping[str, Mapping[str, float]],
+    effects: Mapping[str, Mapping[str, Array]],
+) -> dict[str, Any]:
+    limits = study.limits
+    keys = list(study.vary)
+    kinds = list(next(iter(scatter.values()), {}))
+    return {
+        "points": len(records),
+        "points_failed": sum(not r.succeeded for r in records),
+        **({"share_within_limits": share_within(limits, plain)} if limits else {}),
+        **{kind: {name: found[kind] for name, found in scatter.items()} for kind in kinds},
+        **{
+            kind: {name: dict(zip(keys, row.tolist(), strict=True)) for name, row in found.items()}
+            for kind, found in effects.items()
+        },
+    }
+
+
+def _statistics_table(scatter: Mapping[str, Mapping[str, float]]) -> StudyTable:
+    kinds = tuple(next(iter(scatter.values()), {}))
+    rows: tuple[Row, ...] = tuple((name, *found.values()) for name, found in scatter.items())
+    return StudyTable("scatter", ("result", *kinds), rows)
+
+
+def _effect_table(kind: str, axes: Sequence[Axis], found: Mapping[str, Array]) -> StudyTable:
+    rows = tuple((name, *row.tolist()) for name, row in found.items() if np.isfinite(row).any())
+    return StudyTable(kind, ("result", *(axis.path for axis in axes)), rows)
