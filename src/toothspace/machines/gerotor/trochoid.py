@@ -20,6 +20,7 @@ from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
 
 _SAMPLES = 2000
+_LEAST_LOBE = 1.05
 
 
 @final
@@ -61,6 +62,13 @@ class Trochoid:
         return float(self.generating_radius * np.sin(np.pi / self.lobe_count))
 
     @property
+    def floor_limit(self) -> float:
+        """Lobe radius at which the cavity floor cuts into the part of a lobe that touches. [m]."""
+        radius, e = self.generating_radius, self.eccentricity
+        slope = np.sqrt(1.0 - (self.lobe_count * e / radius) ** 2)
+        return float(2.0 * e * (e + radius) / (radius + 2.0 * e - radius * slope))
+
+    @property
     def cavity_radius(self) -> float:
         """Radius of the outer rotor's cavity floor, which the inner tips touch. [m]."""
         return self.generating_radius - self.lobe_radius + 2.0 * self.eccentricity
@@ -71,17 +79,18 @@ class Trochoid:
         Raises
         ------
         GeometryError
-            For a generating radius inside the pitch circle, undercut, or lobes that overlap.
+            For a generating radius inside the pitch circle, undercut, lobes that overlap, or lobes
+            that end before the floor of the cavities.
         """
         e, pitch = self.eccentricity, self.lobe_count * self.eccentricity
         if self.generating_radius <= pitch:
             raise _found("generating_radius", self.generating_radius, "above", pitch)
-        limit = min(self.no_undercut_limit, self.closure_limit)
+        limit = min(self.no_undercut_limit, self.closure_limit, self.floor_limit)
         if self.lobe_radius >= limit:
             raise _found("lobe_radius", self.lobe_radius, "below", limit)
-        if self.generating_radius - self.lobe_radius <= 2.0 * e:
-            bound = self.generating_radius - 2.0 * e
-            raise _found("lobe_radius", self.lobe_radius, "below", bound)
+        # a smaller lobe does not reach the cavity floor, which the inner tips need
+        if self.lobe_radius <= _LEAST_LOBE * e:
+            raise _found("lobe_radius", self.lobe_radius, "above", _LEAST_LOBE * e)
 
     def center_path(self, sigma: Array) -> tuple[Array, Array, Array]:
         """Lobe centre in the inner rotor's frame and two derivatives, complex. [m]."""
