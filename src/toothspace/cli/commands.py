@@ -243,7 +243,7 @@ def _export(case: Case, suffix: str) -> None:
     module = f"{machine_modules()[case.machine_type]}.export"
     if find_spec(module) is None:
         raise CaseError(
-            f"--export: found machine type {case.machine_type!r}, allowed external_gear"
+            f"--export: found machine type {case.machine_type!r}, allowed external_gear, gerotor"
         )
     for path in import_module(module).export_profiles(case.machine_spec, Path(case.name), suffix):
         output.message(f"Profile: {path}")

@@ -104,13 +104,14 @@ def _stl_bytes(profile: GearProfile, face_width: float, unit: float) -> bytes:
     import shapely
     import trimesh
 
-    outline = _distinct_in_single_precision(profile.closed_polygon() / unit)
+    outline = distinct_in_single_precision(profile.closed_polygon() / unit)
     vertices, triangles = _cap_triangles(shapely.Polygon(outline))
     solid = trimesh.creation.extrude_triangulation(vertices, triangles, height=face_width / unit)
     return bytes(solid.export(file_type="stl"))
 
 
-def _distinct_in_single_precision(outline: Array) -> Array:
+def distinct_in_single_precision(outline: Array) -> Array:
+    """Drop points that 32-bit numbers cannot tell from their neighbour."""
     # STL stores 32-bit numbers: neighbours that would coincide leave a leaking mesh
     spacing = 8.0 * np.finfo(np.float32).eps * float(np.abs(outline).max())
     kept = [outline[0]]
@@ -133,6 +134,28 @@ def _cap_triangles(polygon: Any) -> tuple[Array, Any]:
 
 
 def _step_bytes(profile: GearProfile, face_width: float) -> bytes:
+    with tempfile.TemporaryDirectory() as folder:
+        target = Path(folder) / "gear.step"
+        return face_prism_bytes(lambda: _step_face(profile), face_width, target)
+
+
+def face_prism_bytes(face: Callable[[], Any], width: float, target: Path) -> bytes:
+    """Return the STEP file of a plane face drawn out along z.
+
+    Parameters
+    ----------
+    face : callable
+        Builds the face, in millimetres.
+    width : float
+        Height of the solid. [m]
+    target : Path
+        Scratch file; its name is written into the header.
+
+    Raises
+    ------
+    GeometryError
+        If the optional package for STEP files is missing.
+    """
     try:
         import OCP.STEPControl  # noqa: F401
     except ImportError as error:
@@ -147,14 +170,11 @@ def _step_bytes(profile: GearProfile, face_width: float) -> bytes:
     from toothspace.geometry.solid_import import silence_ocp
 
     silence_ocp()
-    face = _step_face(profile)
-    solid = BRepPrimAPI_MakePrism(face, gp_Vec(0.0, 0.0, face_width / _STEP_UNIT)).Shape()
+    solid = BRepPrimAPI_MakePrism(face(), gp_Vec(0.0, 0.0, width / _STEP_UNIT)).Shape()
     writer = STEPControl_Writer()
     writer.Transfer(solid, STEPControl_AsIs)
-    with tempfile.TemporaryDirectory() as folder:
-        target = Path(folder) / "gear.step"
-        writer.Write(str(target))
-        return target.read_bytes()
+    writer.Write(str(target))
+    return target.read_bytes()
 
 
 def _step_face(profile: GearProfile) -> Any:
@@ -163,7 +183,7 @@ def _step_face(profile: GearProfile) -> Any:
     wire = BRepBuilderAPI_MakeWire()
     for tooth in range(profile.tooth_count):
         for piece in _smooth_pieces(profile):
-            wire.Add(_spline_edge(piece, tooth * profile.pitch_angle))
+            wire.Add(spline_edge(piece, tooth * profile.pitch_angle))
     return BRepBuilderAPI_MakeFace(wire.Wire(), True).Face()
 
 
@@ -173,7 +193,8 @@ def _smooth_pieces(profile: GearProfile) -> list[Array]:
     return [profile.points[a : b + 1] for a, b in pairwise(cuts)]
 
 
-def _spline_edge(points: Array, rotation: float) -> Any:
+def spline_edge(points: Array, rotation: float) -> Any:
+    """Return the edge through points [m], turned by an angle [rad], in millimetres."""
     from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge
     from OCP.GeomAPI import GeomAPI_Interpolate
     from OCP.gp import gp_Pnt

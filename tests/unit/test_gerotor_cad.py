@@ -1,0 +1,83 @@
+"""Gerotor rotors through CAD and text files and back."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import shapely
+
+from tests.gerotor_designs import CYCLOIDAL, TROCHOIDAL, machine
+from toothspace.core.errors import GeometryError
+from toothspace.geometry.curve import signed_area
+from toothspace.geometry.section_export import Section, export_section, smooth_pieces
+from toothspace.machines.gerotor.export import export_profiles
+from toothspace.machines.gerotor.pockets import pockets
+from toothspace.machines.gerotor.profiles import rotors_from
+
+
+@pytest.mark.parametrize("suffix", ["txt", "dxf", "stl", "step"])
+@pytest.mark.parametrize("design", [TROCHOIDAL, CYCLOIDAL], ids=["trochoidal", "cycloidal"])
+def test_rotors_survive_a_round_trip(design, suffix, tmp_path):
+    """Written with bore and rim, read back: same outlines and the same displacement."""
+    if suffix == "step":
+        pytest.importorskip("OCP")
+    spec = machine(replace(design, shaft_diameter=10e-3))
+    paths = export_profiles(spec, tmp_path / "pump", suffix)
+    assert [p.name for p in paths] == [f"pump_inner.{suffix}", f"pump_outer.{suffix}"]
+    read = replace(
+        design,
+        kind=None,
+        generating_radius=None,
+        lobe_radius=None,
+        inner_profile=paths[0],
+        outer_profile=paths[1],
+        tip_clearance=0.0,
+    )
+    written, found = rotors_from(design), rotors_from(read)
+    for name in ("inner", "outer"):
+        first, second = (shapely.Polygon(getattr(r, name)) for r in (written, found))
+        assert second.area == pytest.approx(first.area, rel=1e-4)
+        assert first.symmetric_difference(second).area < 2e-4 * first.area
+    exact = pockets(design, written, 140).displaced_area
+    assert pockets(read, found, 140).displaced_area == pytest.approx(exact, rel=5e-4)
+
+
+def test_bore_and_rim_are_in_the_solid(tmp_path):
+    """Areas of a section file: toothed curve less bore, rim less toothed curve."""
+    import ezdxf
+
+    spec = machine(replace(TROCHOIDAL, shaft_diameter=10e-3))
+    inner, outer = export_profiles(spec, tmp_path / "pump", "dxf")
+    counts = [len(list(ezdxf.readfile(path).modelspace())) for path in (inner, outer)]
+    assert counts == [2, 2]
+
+
+def test_pieces_join_at_corners():
+    """A square of many points is cut at its four corners; a circle into two halves."""
+    side = np.linspace(-1.0, 1.0, 21)[:-1]
+    ones = np.ones_like(side)
+    square = np.vstack(
+        [
+            np.column_stack([side, -ones]),
+            np.column_stack([ones, side]),
+            np.column_stack([-side, ones]),
+            np.column_stack([-ones, -side]),
+        ]
+    )
+    assert len(smooth_pieces(square)) == 4
+    angle = 2.0 * np.pi * np.arange(90) / 90
+    circle = np.column_stack([np.cos(angle), np.sin(angle)])
+    pieces = smooth_pieces(circle)
+    assert len(pieces) == 2
+    assert np.array_equal(pieces[0][-1], pieces[1][0])
+    assert np.array_equal(pieces[1][-1], pieces[0][0])
+    assert signed_area(circle) > 0.0
+
+
+def test_unknown_suffix_is_refused(tmp_path):
+    """One line with what is allowed."""
+    section = Section(np.array([[0.0, 0.0], [1e-3, 0.0], [0.0, 1e-3]]))
+    with pytest.raises(GeometryError, match=r"allowed \.txt, \.dxf, \.stl, \.step"):
+        export_section(section, tmp_path / "rotor.obj", 1e-3)

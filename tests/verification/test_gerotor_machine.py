@@ -1,0 +1,142 @@
+"""Gerotor machines: closed-form limits of the tables and balances of short runs."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import toothspace as ts
+from tests.gerotor_designs import CYCLOIDAL, TROCHOIDAL, machine
+from toothspace.core.registry import machine_type, machine_type_names
+from toothspace.machines.gerotor.describe import describe
+from toothspace.machines.gerotor.parameters import ShaftBearingParameters
+from toothspace.model.description import MachineDescription
+from toothspace.results.solution import Solution
+from toothspace.solver.cyclic import successors
+
+CASES = Path(__file__).resolve().parents[2] / "cases"
+NAMES = ["gerotor_trochoidal", "gerotor_cycloidal"]
+
+
+@cache
+def _solved(name: str, *overrides: str) -> Solution:
+    return ts.simulate(ts.load_case(CASES / f"{name}.toml", overrides))
+
+
+@cache
+def _described(kind: str) -> MachineDescription:
+    return describe(machine(TROCHOIDAL if kind == "trochoidal" else CYCLOIDAL), 350)
+
+
+def test_gerotor_is_a_machine_type():
+    """Found by its name, without an installed entry point."""
+    assert "gerotor" in machine_type_names()
+    assert machine_type("gerotor").name == "gerotor"
+
+
+@pytest.mark.parametrize(
+    ("name", "displacement", "ripple"),
+    [("gerotor_trochoidal", 6.160, 5.46), ("gerotor_cycloidal", 5.557, None)],
+)
+def test_rigid_fluid_without_leakage_gives_the_kinematic_flow(name, displacement, ripple):
+    """Kinematic flow, and a torque of pressure times dV/dphi at every angle."""
+    ideal = _solved(name, 'run.fidelity="ideal"')
+    summary = ideal.summary()
+    assert summary["displacement_cm3_per_rev"] == pytest.approx(displacement, rel=1e-3)
+    assert summary["volumetric_efficiency"] == pytest.approx(1.0, abs=2e-5)
+    if ripple:
+        assert summary["flow_ripple_percent"] == pytest.approx(ripple, abs=0.01)
+    span = ideal.data["outlet_pressure"] - ideal.data["inlet_pressure"]
+    power = ideal.data["shaft_torque"] * ideal.data["shaft_speed"]
+    assert np.allclose(power, span * ideal.data["outlet_flow_rate"], rtol=1e-9)
+
+
+def test_ideal_flow_pulses_twelve_times_a_revolution():
+    """Seven lobes pass the line of centres twice each while six teeth turn once."""
+    flow = _solved("gerotor_trochoidal", 'run.fidelity="ideal"').data["outlet_flow_rate"].values
+    spectrum = np.abs(np.fft.rfft(flow[:-1] - flow[:-1].mean()))
+    assert int(np.argmax(spectrum)) == 12
+
+
+@pytest.mark.parametrize("kind", ["trochoidal", "cycloidal"])
+def test_volumes_of_all_pockets_sum_to_a_constant(kind):
+    """Interpolated between the nodes as well."""
+    description = _described(kind)
+    family = description.families[0]
+    angles = np.linspace(0.0, 2.0 * np.pi, 97)[:, None]
+    places = family.phases + family.angle_ratio * angles
+    total = family.volume(places).sum(axis=(1, 2))
+    assert np.ptp(total) < 1e-9 * total.mean()
+    assert family.volume.values.min() > 0.0
+
+
+@pytest.mark.parametrize("kind", ["trochoidal", "cycloidal"])
+def test_equal_pressures_give_no_net_force(kind):
+    """On the outer rotor, in x, y and rotation, relative to one chamber alone."""
+    family = _described(kind).families[0]
+    angles = np.linspace(0.0, 2.0 * np.pi, 50)[:, None]
+    force = family.volume_by_motion(family.phases + family.angle_ratio * angles)
+    assert np.abs(force.sum(axis=1)).max() < 1e-6 * np.abs(force).max()
+
+
+def test_pressure_on_the_growing_side_turns_the_outer_rotor_forwards():
+    """Virtual work: a higher pressure in the pockets at positive x drives the rotation."""
+    description = _described("trochoidal")
+    family = description.families[0]
+    columns = family.volume_by_motion(family.phases)
+    growing = family.volume.derivative(family.phases)[:, 0] > 1e-12
+    x, _, rotation = columns[growing].sum(axis=0)
+    assert x > 0.0
+    assert rotation > 0.0
+
+
+def test_ports_lie_where_the_pockets_grow_and_shrink():
+    """Inlet at positive x, outlet at negative x for the counter-clockwise shaft."""
+    outlines = _described("trochoidal").outlines
+    assert outlines["port_inlet"][:, 0].min() > 0.0
+    assert outlines["port_outlet"][:, 0].max() < 0.0
+
+
+def test_pockets_exchange_places_after_a_revolution():
+    """Six sevenths of a turn: every pocket stands where its follower stood."""
+    found = successors(_described("trochoidal"))
+    assert list(found[:7]) == [6, 0, 1, 2, 3, 4, 5]
+    assert found[7] == 7
+
+
+def test_a_floating_inner_rotor_gets_bearings_and_motions():
+    """Bearings under the key journal_bearings free x and y of the inner rotor."""
+    shaft = ShaftBearingParameters(diameter=12e-3, length=12e-3, radial_clearance=15e-6)
+    description = describe(machine(TROCHOIDAL, journal_bearings=shaft), 140)
+    assert [f"{m.body}.{m.axis}" for m in description.motions[:2]] == [
+        "inner_rotor.x",
+        "inner_rotor.y",
+    ]
+    assert {j.body for j in description.journals} == {"inner_rotor", "outer_rotor"}
+    columns = description.families[0].volume_by_motion.values
+    # action and reaction along x and y
+    assert np.allclose(columns[:, :2], -columns[:, 2:4])
+
+
+def test_open_film_ends_leak_to_the_drain():
+    """Condition at the axial ends of the film round the outer rotor."""
+    closed = machine(TROCHOIDAL)
+    housing = replace(closed.housing, end_condition="pressure")
+    opened = describe(replace(closed, housing=housing), 140)
+    assert [p.name for p in opened.paths if p.name == "film_end"] == ["film_end"]
+    assert opened.journals[0].end_condition == "pressure"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_balances_close(name):
+    """Mass and energy ledgers of two revolutions of the shipped cases."""
+    solution = _solved(
+        name, "run.max_revolutions=2", 'operating_point.outlet_load="fixed_pressure"'
+    )
+    assert solution.status in (ts.Status.DONE, ts.Status.NOT_CYCLIC)
+    assert solution.ledger.mass_balance_error < 1e-7
+    assert solution.ledger.energy_balance_error < 2e-5
