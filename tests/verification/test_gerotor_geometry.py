@@ -175,6 +175,35 @@ def test_curvatures_of_the_trochoidal_design():
 
 
 @pytest.mark.parametrize("design", DESIGNS, ids=NAMES)
+def test_curvatures_are_those_of_the_outlines(design):
+    """Circles through three points of the outlines beside the points of contact."""
+    bare = replace(design, tip_clearance=0.0)
+    rotors = rotors_from(bare, 4000)
+    place = np.array([0.0, 0.1, 1.2, 2.0, 2.9, np.pi, 4.0, 5.5])
+    path = lobe_path(bare, rotors, place)
+    turn = place - np.pi / rotors.outer_tooth_count
+    ratio = rotors.outer_tooth_count / rotors.inner_tooth_count
+    for k in range(place.size):
+        found = (
+            _curvature_at(rotors.inner, path.point[k] - rotors.inner_center, ratio * turn[k]),
+            -_curvature_at(rotors.outer, path.point[k], turn[k]),
+        )
+        exact = path.inner_curvature[k], path.outer_curvature[k]
+        assert found == pytest.approx(exact, rel=0.01, abs=1.0)
+
+
+def _curvature_at(outline: np.ndarray, point: np.ndarray, turn: float) -> float:
+    """Curvature of an outline at the place of a machine point, positive where convex."""
+    cosine, sine = np.cos(turn), np.sin(turn)
+    own = np.array([cosine * point[0] + sine * point[1], cosine * point[1] - sine * point[0]])
+    nearest = int(np.argmin(np.hypot(*(outline - own).T)))
+    a, b, c = (outline[(nearest + k) % len(outline)] for k in (-12, 0, 12))
+    sides = [np.hypot(*(p - q)) for p, q in ((a, b), (b, c), (c, a))]
+    cross = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+    return float(2.0 * cross / np.prod(sides))
+
+
+@pytest.mark.parametrize("design", DESIGNS, ids=NAMES)
 def test_throats_lie_on_both_walls(design):
     """Half a gap along the normal on either side of the throat's middle there is a wall."""
     rotors = rotors_from(design)

@@ -58,8 +58,9 @@ def test_rigid_fluid_without_leakage_gives_the_kinematic_flow(name, displacement
 def test_ideal_flow_pulses_twelve_times_a_revolution():
     """Seven lobes pass the line of centres twice each while six teeth turn once."""
     flow = _solved("gerotor_trochoidal", 'run.fidelity="ideal"').data["outlet_flow_rate"].values
-    spectrum = np.abs(np.fft.rfft(flow[:-1] - flow[:-1].mean()))
-    assert int(np.argmax(spectrum)) == 12
+    flow = flow[:-1]
+    peaks = (flow > np.roll(flow, 1)) & (flow >= np.roll(flow, -1))
+    assert np.count_nonzero(peaks) == 12
 
 
 @pytest.mark.parametrize("kind", ["trochoidal", "cycloidal"])

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from toothspace.model.description import MachineDescription
+from toothspace.model.description import ChamberFamily, MachineDescription
 from toothspace.plotting.style import (
     BLUE,
     CYCLE,
@@ -31,7 +31,8 @@ def volumes(description: MachineDescription) -> Figure:
     """Volume of a chamber and its derivative over the chamber's own angle."""
     figure = new_figure(7.2, 4.4)
     upper, lower = figure.subplots(2, 1, sharex=True)
-    for k, (family, color) in enumerate(zip(description.families, CYCLE, strict=False)):
+    families = [f for f in description.families if np.any(f.volume.slopes)]
+    for k, (family, color) in enumerate(zip(families, CYCLE, strict=False)):
         angle = np.linspace(0.0, family.volume.period, 1441)
         style = "-" if k == 0 else "--"
         label = readable(family.name)
@@ -51,7 +52,7 @@ def volumes(description: MachineDescription) -> Figure:
 @styled
 def openings(description: MachineDescription) -> Figure:
     """Open areas of one chamber of each family to ports and grooves over its own angle."""
-    families = description.families
+    families = [f for f in description.families if _has_ports(description, f)]
     figure = new_figure(7.2, 1.2 + 2.0 * len(families))
     all_axes = np.ravel(figure.subplots(len(families), 1))
     for axes, family in zip(all_axes, families, strict=True):
@@ -70,6 +71,14 @@ def openings(description: MachineDescription) -> Figure:
     if all_axes[0].get_legend_handles_labels()[0]:
         figure.legend(*all_axes[0].get_legend_handles_labels(), loc="outside upper right", ncols=4)
     return figure
+
+
+def _has_ports(description: MachineDescription, family: ChamberFamily) -> bool:
+    angle = np.linspace(0.0, family.volume.period, 61)
+    return any(
+        float(opening_area(description, family, category, angle).max()) > 0.0
+        for category in PORT_COLOURS
+    )
 
 
 @styled

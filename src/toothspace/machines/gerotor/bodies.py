@@ -166,8 +166,15 @@ def outlines(parameters: GerotorParameters, pocket: Pockets, ports: Ports) -> di
     circle = np.column_stack([np.cos(angle), np.sin(angle)])
     return {
         "inner_rotor": pocket.rotors.inner,
-        "outer_rotor": pocket.rotors.outer,
+        "outer_rotor": _ring(radius * circle, pocket.rotors.outer),
         "casing": (radius + parameters.housing.radial_clearance) * circle,
         "port_inlet": ports.contours["inlet"],
         "port_outlet": ports.contours["outlet"],
     }
+
+
+def _ring(rim: Array, inside: Array) -> Array:
+    """Rim and inside as one closed curve, with a cut between where both are farthest right."""
+    first, second = int(np.argmax(rim[:, 0])), int(np.argmax(inside[:, 0]))
+    outer, inner = np.roll(rim, -first, axis=0), np.roll(inside, -second, axis=0)
+    return np.vstack([outer, outer[:1], inner[:1], inner[::-1]])

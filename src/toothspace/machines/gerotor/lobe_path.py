@@ -113,9 +113,11 @@ def _cycloidal(rotors: Rotors, place: Array) -> LobePath:
     away = np.column_stack([np.cos(0.5 * turn), np.sin(0.5 * turn)])
     normal = np.where(on_small[:, None], -away, away)
     half = 0.5 * rotors.tip_clearance
-    concave = -distance * 2.0 * (2 * count - 1) / (2 * count - 2)
+    # Euler and Savary: radius of the path of a point on a circle that rolls in another
+    concave = -distance * (2 * count - 1) / (count - 1)
+    convex = distance * (2 * lobes - 1) / (lobes - 1)
     inner_radius = np.where(on_small, concave, distance / lobes) - half
-    outer_radius = distance / count - half
+    outer_radius = np.where(on_small, convex, distance / count) - half
     return LobePath(
         place=place,
         point=rotors.pitch_point + chord,
