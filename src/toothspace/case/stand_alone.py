@@ -17,6 +17,7 @@ from toothspace.core.keys import (
     choice,
     declare,
     forbid,
+    number,
     quantity,
     require,
     table,
@@ -29,6 +30,56 @@ _SPEED = Quantity(unit="m/s", low=-100, high=100)
 _TILT = Quantity(unit="rad", low=-0.1, high=0.1)
 _GRID_DOC = "Number of cells in both directions."
 _CAVITATION = ("jfo", "reynolds", "guembel")
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class FilmSurfaces:
+    """``surfaces``: roughness and contact of the two walls of a film."""
+
+    moving_roughness: float = quantity(
+        "um", "Root mean square roughness of the moving wall.", low=0, high=100
+    )
+    resting_roughness: float = quantity(
+        "um", "Root mean square roughness of the resting wall.", low=0, high=100
+    )
+    moving_pattern: float = number(
+        "Correlation length of the moving wall along over across the motion.",
+        above=0,
+        high=20,
+        default=1.0,
+    )
+    resting_pattern: float = number("The same of the resting wall.", above=0, high=20, default=1.0)
+    correlation_length: float = quantity(
+        "um", "Half-height correlation length, combined.", above=0, high=1000, default=15e-6
+    )
+    effective_modulus: float = quantity(
+        "GPa", "2 / [(1 - nu1^2)/E1 + (1 - nu2^2)/E2].", above=0, high=2000, default=1.55e11
+    )
+    hardness: float = quantity(
+        "MPa", "Hardness of the softer wall.", above=0, high=100000, default=1e9
+    )
+    boundary_friction: float = number(
+        "Friction coefficient of touching asperities.", low=0, high=2, default=0.1
+    )
+    contact_law: str = choice(
+        "Law of the asperity pressure.",
+        "elastic_plastic",
+        "greenwood_tripp",
+        "kogut_etsion",
+        "none",
+        default="elastic_plastic",
+    )
+
+    def __post_init__(self) -> None:
+        if self.moving_roughness + self.resting_roughness <= 0.0:
+            raise KeyRuleError("moving_roughness", "two smooth walls", "one rough wall or more")
+
+
+_SURFACES_DOC = "Roughness and contact; smooth walls without it."
+_BARUS_DOC = "Coefficient alpha of the viscosity mu exp(alpha p)."
+_DENSITY_DOC = "Density constant, or over the pressure after Dowson and Higginson."
+_DENSITIES = ("constant", "dowson_higginson")
 
 
 @final
@@ -79,6 +130,7 @@ class JournalBearingCase:
     grooves: tuple[BearingGroove, ...] = declare(
         Items(item=Table(spec=BearingGroove), doc="Supply grooves.", low=0, high=100), ()
     )
+    surfaces: FilmSurfaces | None = table(FilmSurfaces, _SURFACES_DOC, default=None)
 
     def __post_init__(self) -> None:
         if self.load is None:
@@ -122,6 +174,9 @@ class FilmCase:
     )
     cavitation: str = choice("Cavitation model.", *_CAVITATION, default="jfo")
     grid: tuple[int, int] = declare(Row(items=(_CELLS, _CELLS), doc=_GRID_DOC), (256, 128))
+    pressure_viscosity: float = quantity("1/GPa", _BARUS_DOC, low=0, high=100, default=0.0)
+    density: str = choice(_DENSITY_DOC, *_DENSITIES, default="constant")
+    surfaces: FilmSurfaces | None = table(FilmSurfaces, _SURFACES_DOC, default=None)
 
 
 @final
@@ -147,6 +202,9 @@ class LateralFilmCase:
     )
     cavitation: str = choice("Cavitation model.", *_CAVITATION, default="jfo")
     grid: tuple[int, int] = declare(Row(items=(_CELLS, _CELLS), doc=_GRID_DOC), (256, 64))
+    pressure_viscosity: float = quantity("1/GPa", _BARUS_DOC, low=0, high=100, default=0.0)
+    density: str = choice(_DENSITY_DOC, *_DENSITIES, default="constant")
+    surfaces: FilmSurfaces | None = table(FilmSurfaces, _SURFACES_DOC, default=None)
 
 
 FILMS: Mapping[str, type] = {"pad": FilmCase, "lateral": LateralFilmCase}

@@ -15,7 +15,7 @@ from toothspace.core.units import format_si
 
 Schema = dict[str, Any]
 
-_QUANTITY_PATTERN = r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*[A-Za-zµμ°].*$"
+_QUANTITY_PATTERN = r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?(\s*|\s+1/)[A-Za-zµμ°].*$"
 
 
 def case_schema() -> Schema:

@@ -67,6 +67,7 @@ _NAMES = {
     "kg * m ** 2": "a moment of inertia",
     "kg / m / s ** 2": "a pressure",
     "kg / m / s": "a dynamic viscosity",
+    "m * s ** 2 / kg": "an inverse pressure",
     "kg * m / s ** 2": "a force",
     "kg * m ** 2 / s ** 2": "a torque",
     "m ** 3 / rad": "a displacement",

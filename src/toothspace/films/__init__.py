@@ -19,6 +19,7 @@ lateral             :class:`LateralFilm`: rings and discs, masked by given press
 journal_map         impedance of journal films for the machine model
 face_conductance    conductances of the film on a toothed face
 solved_machine      machine whose closed-form films are replaced by solved ones
+machine_faces       film on one face of every body of a machine
 thermal             bulk heat balance of a film
 field_files         NetCDF and VTK files of the fields
 cases               ``[bearing]`` and ``[film]`` tables to named numbers

@@ -8,12 +8,16 @@ from typing import Any
 import numpy as np
 
 from toothspace.core.errors import CaseError
+from toothspace.core.registry import machine_type
 from toothspace.films.journal_bearing import JournalBearing
 from toothspace.films.journal_film import Groove
 from toothspace.films.journal_solution import JournalBearingSolution
+from toothspace.films.machine_faces import FaceFilms, FaceSetting, solve_faces
 from toothspace.films.pad import Pad, PadSolution, Pocket
 from toothspace.films.plane_film import FilmFluid
+from toothspace.films.rough_surfaces import RoughSurfaces
 from toothspace.model.fluid import LiquidState, library_liquid, table_liquid
+from toothspace.model.operating_point import OperatingCondition
 
 _LITRES_PER_MINUTE = 6e4
 _PASCAL_PER_BAR = 1e5
@@ -90,10 +94,71 @@ def solve_film(case: Any) -> dict[str, Any]:
     """
     started = time.perf_counter()
     keys = case.film
-    if not hasattr(keys, "inlet_height"):
-        raise CaseError("film.kind: found 'lateral', allowed is 'pad' in this command")
-    film = _pad(keys, _viscosity(case, keys)).solve(speed=keys.speed)
-    return {**pad_summary(film), "wall_time_s": time.perf_counter() - started}
+    viscosity = _viscosity(case, keys)
+    if hasattr(keys, "inlet_height"):
+        summary = pad_summary(_pad(keys, viscosity).solve(speed=keys.speed))
+    else:
+        summary = faces_summary(_machine_faces(case, viscosity))
+    return {**summary, "wall_time_s": time.perf_counter() - started}
+
+
+def faces_summary(faces: FaceFilms) -> dict[str, Any]:
+    """Numbers of the films on one face of a machine's bodies with unit suffixes."""
+    films = faces.films
+    load = faces.load
+    worst = max(films, key=lambda film: film.mass_balance_error)
+    each = zip(faces.bodies, films, strict=True)
+    return {
+        "load_N": float(load[0]),
+        "moment_x_N_m": float(load[1]),
+        "moment_y_N_m": float(load[2]),
+        "friction_torque_N_m": {body: film.friction_torque for body, film in each},
+        "drain_flow_L_per_min": sum(film.inner_flow for film in films) * _LITRES_PER_MINUTE,
+        "max_pressure_bar": max(film.max_pressure for film in films) / _PASCAL_PER_BAR,
+        "min_film_um": float(min(film.gap_height.min() for film in films)) * 1e6,
+        "contact_load_N": float(
+            sum((film.contact_pressure * film.plane.film.grid.area).sum() for film in films)
+        ),
+        "cavitated_fraction": max(film.cavitated_fraction for film in films),
+        "mass_balance_error": worst.mass_balance_error,
+        "status": min(films, key=lambda film: film.status.succeeded).status.name.lower(),
+    }
+
+
+def _machine_faces(case: Any, dynamic_viscosity: float) -> FaceFilms:
+    keys = case.film
+    description = machine_type(case.machine_type).describe(case.machine_spec)
+    condition = OperatingCondition(
+        shaft_speed=keys.shaft_speed,
+        inlet_pressure=keys.inlet_pressure,
+        outlet_pressure=keys.outlet_pressure,
+        drain_pressure=description.drain_pressure,
+    )
+    setting = FaceSetting(
+        side_gap=keys.side_gap,
+        fluid=_film_fluid(keys, dynamic_viscosity),
+        tilt=tuple(keys.tilt),
+        shaft_angle=keys.shaft_angle,
+        surfaces=_surfaces(keys),
+        cavitation=keys.cavitation,
+        cavitation_pressure=keys.cavitation_pressure,
+        grid=tuple(keys.grid),
+    )
+    return solve_faces(description, condition, setting)
+
+
+def _film_fluid(keys: Any, dynamic_viscosity: float) -> FilmFluid:
+    return FilmFluid(
+        dynamic_viscosity,
+        getattr(keys, "pressure_viscosity", 0.0),
+        getattr(keys, "density", "constant") == "dowson_higginson",
+    )
+
+
+def _surfaces(keys: Any) -> RoughSurfaces | None:
+    """Rough surfaces of a film table; the keys have the names of the parameters."""
+    given = getattr(keys, "surfaces", None)
+    return None if given is None else RoughSurfaces(**vars(given))
 
 
 def pad_summary(film: PadSolution) -> dict[str, Any]:
@@ -118,22 +183,18 @@ def _pad(keys: Any, dynamic_viscosity: float) -> Pad:
     if keys.pocket is not None:
         p = keys.pocket
         pocket = Pocket(p.depth, p.x, p.length, p.width)
-    fluid = FilmFluid(
-        dynamic_viscosity,
-        getattr(keys, "pressure_viscosity", 0.0),
-        getattr(keys, "density", "constant") == "dowson_higginson",
-    )
     return Pad(
         length=keys.length,
         width=keys.width,
         inlet_height=keys.inlet_height,
         outlet_height=keys.outlet_height,
-        fluid=fluid,
+        fluid=_film_fluid(keys, dynamic_viscosity),
         pocket=pocket,
         grid=tuple(keys.grid),
         cavitation=keys.cavitation,
         ambient_pressure=keys.ambient_pressure,
         cavitation_pressure=keys.cavitation_pressure,
+        surfaces=_surfaces(keys),
     )
 
 
@@ -153,6 +214,7 @@ def _bearing(keys: Any, dynamic_viscosity: float) -> JournalBearing:
         grooves=grooves,
         end_pressure=keys.end_pressure,
         cavitation_pressure=keys.cavitation_pressure,
+        surfaces=_surfaces(keys),
     )
 
 

@@ -23,6 +23,7 @@ from toothspace.films.lateral import LateralFilm as RingFilm
 from toothspace.films.plane_film import FilmFluid
 from toothspace.films.reynolds import FluidField, film_balance
 from toothspace.model.description import LateralFilm
+from toothspace.model.film_shapes import FaceOutline
 from toothspace.numerics.structured_grid import CellBalance
 
 ROWS_PER_PITCH = 60
@@ -102,12 +103,30 @@ def face_conductance(
 
 def _marks(film: LateralFilm, grid: tuple[int, int], turn: float) -> IntArray:
     """Number of the edge that a cell belongs to, -1 in the film."""
-    face = film.face
-    assert face is not None
     step = 2.0 * np.pi / grid[0]
     angle = np.asarray((np.arange(grid[0]) + 0.5) * step, dtype=np.float64)
     rim = np.linspace(film.inner_radius, film.outer_radius, grid[1] + 1)
-    radius: Array = 0.5 * (rim[1:] + rim[:-1])
+    assert film.face is not None
+    return edge_marks(film.face, angle, np.asarray(0.5 * (rim[1:] + rim[:-1])), turn)
+
+
+def edge_marks(face: FaceOutline, angle: Array, radius: Array, turn: float) -> IntArray:
+    """Which edge of the film the points of a face belong to.
+
+    Parameters
+    ----------
+    face : FaceOutline
+        Outline of the body and recesses opposite.
+    angle, radius : ndarray
+        Table angles and radii of the points. [rad], [m]
+    turn : float
+        Turn of the body from shaft angle zero, along the rotation. [rad]
+
+    Returns
+    -------
+    ndarray of int, shape (angles, radii)
+        Number of the chamber; after the chambers those of the recesses; -1 in the film.
+    """
     at_rest = _points(face.center, face.zero_angle + face.direction * (angle - turn), radius)
     solid = shapely.contains_xy(shapely.Polygon(face.polygon), *at_rest)
     mark = np.where(solid, -1, _nearest_space(face.phases + turn, angle)[:, None])

@@ -252,6 +252,16 @@ def _pressure_stress(gap: float, law: FlowLaw) -> float:
 
 
 @njit(cache=True)
+def sliding_stress(gap: Array, law: FlowLaw) -> Array:
+    """Mean sliding stress of both walls over viscosity and speed, of every cell. [1/m]."""
+    out = np.empty_like(gap)
+    for i in range(gap.shape[0]):
+        for j in range(gap.shape[1]):
+            out[i, j] = _stress_factors(gap[i, j], law)[0]
+    return out
+
+
+@njit(cache=True)
 def journal_shear(
     gap: GapField, pressure: Array, sheared: Array, mesh: JournalMesh, law: FlowLaw
 ) -> Array:

@@ -11,6 +11,7 @@ from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.films.cavitation import CAVITATION
+from toothspace.films.journal_film import sliding_stress
 from toothspace.films.plane_film import (
     FilmFluid,
     PlaneFilm,
@@ -255,7 +256,7 @@ class LateralSolution:
         free = film.grid.mark != PRESCRIBED
         height = gap.centre + gap.step
         shear = self.shaft_speed * radius * self.plane.fields.saturation
-        shear = shear / (self.plane.fluid.fluidity * height)
+        shear = shear / self.plane.fluid.fluidity * sliding_stress(height, film.law)
         p = self.plane.pressure
         step = 2.0 * np.pi / self.lateral.grid[0]
         rise = (np.roll(p, -1, axis=0) - np.roll(p, 1, axis=0)) / (2.0 * step * radius)

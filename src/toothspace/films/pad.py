@@ -13,6 +13,7 @@ from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.films.cavitation import CAVITATION
+from toothspace.films.journal_film import sliding_stress
 from toothspace.films.plane_film import (
     FilmFluid,
     PlaneFilm,
@@ -21,6 +22,7 @@ from toothspace.films.plane_film import (
     solve_plane,
 )
 from toothspace.films.reynolds import FilmGrid, GapField
+from toothspace.films.rough_surfaces import SMOOTH, RoughSurfaces, contact_field
 from toothspace.numerics.complementarity import face_flows
 
 GapFunction = Callable[[Array, Array], Array]
@@ -78,6 +80,8 @@ class Pad:
         Absolute pressure in the cavity. [Pa]
     side_condition : {"pressure", "no_flow"}
         Whether the edges along the motion are open or walls (endless pad).
+    surfaces : RoughSurfaces, optional
+        Roughness and contact; the sliding wall is the moving one.
 
     Notes
     -----
@@ -97,6 +101,7 @@ class Pad:
     ambient_pressure: float = ATMOSPHERIC_PRESSURE
     cavitation_pressure: float = 0.0
     side_condition: str = "pressure"
+    surfaces: RoughSurfaces | None = None
 
     def __post_init__(self) -> None:
         if self.cavitation not in CAVITATION:
@@ -142,8 +147,9 @@ class Pad:
         points = cartesian_points(x, x_face, y, y_face)
         weight = 2.0 if half else 1.0
         constraint = CAVITATION[self.cavitation]
+        law = SMOOTH if self.surfaces is None else self.surfaces.flow_law(1.0)
         return PlaneFilm(
-            grid, gap, points, self.fluid, self.cavitation_pressure, constraint, weight
+            grid, gap, points, self.fluid, self.cavitation_pressure, constraint, weight, law
         )
 
     def _lines(self, half: bool) -> tuple[Array, Array, Array, Array]:
@@ -248,14 +254,29 @@ class PadSolution:
 
     @property
     def load(self) -> float:
-        """Force of the film pressure above ambient on the pad. [N]."""
-        return float(self.plane.load(self.plane.pressure - self.pad.ambient_pressure)[0])
+        """Force of film pressure above ambient and of asperities on the pad. [N]."""
+        return float(self.plane.load(self._carried())[0])
 
     @property
     def center_of_pressure(self) -> float:
         """Distance of the resultant from the inlet edge. [m]."""
-        load = self.plane.load(self.plane.pressure - self.pad.ambient_pressure)
+        load = self.plane.load(self._carried())
         return float(-load[2] / load[0]) if load[0] != 0.0 else float("nan")
+
+    @property
+    def contact_pressure(self) -> Array:
+        """Asperity pressure over x and y, whole pad. [Pa]."""
+        return self._whole(self._contact())
+
+    def _contact(self) -> Array:
+        surfaces, gap = self.pad.surfaces, self.plane.film.gap
+        if surfaces is None:
+            return np.zeros_like(gap.centre)
+        height = gap.centre + gap.step
+        return contact_field(height, surfaces.roughness, surfaces.contact_table())[0]
+
+    def _carried(self) -> Array:
+        return self.plane.pressure - self.pad.ambient_pressure + self._contact()
 
     @property
     def friction(self) -> float:
@@ -265,7 +286,11 @@ class PadSolution:
         """
         film, gap = self.plane.film, self.plane.film.gap
         viscous = self.plane.fields.saturation * self.speed / self.plane.fluid.fluidity
-        couette = float((viscous / (gap.centre + gap.step) * film.grid.area).sum())
+        stress = viscous * sliding_stress(gap.centre + gap.step, film.law)
+        couette = float((stress * film.grid.area).sum())
+        if self.pad.surfaces is not None:
+            rubbing = float((self._contact() * film.grid.area).sum())
+            couette += np.sign(self.speed) * self.pad.surfaces.boundary_friction * rubbing
         return film.weight * (couette + 0.5 * self._pressure_drag())
 
     def _pressure_drag(self) -> float:
