@@ -68,6 +68,21 @@ def study_figures(kind: str, data: xr.Dataset) -> list[StudyFigure]:
     return draw(data) if draw is not None else []
 
 
+def _startup(data: xr.Dataset) -> list[StudyFigure]:
+    from toothspace.plotting.startup_study import breakaway_over_angle, ratio_over_plateau_speed
+
+    found = []
+    if _has(data, "startup_pressure_ratio", "settled_pressure_bar"):
+        if data.sizes["plateau_speed"] > 1:
+            caption = "Start-up over running pressure; dashed: the ratio that the paper measured."
+            figure = ratio_over_plateau_speed(data)
+            found.append(StudyFigure("startup_ratio", caption, figure))
+        if data.sizes["start_angle"] > 1:
+            caption = "Breakaway pressure over the start angle; dashed: its mean."
+            found.append(StudyFigure("breakaway_angle", caption, breakaway_over_angle(data)))
+    return found
+
+
 def _efficiency_map(data: xr.Dataset) -> list[StudyFigure]:
     found = []
     if not _has(data, *(name for name, _ in _EFFICIENCIES), *_CHARACTERISTICS):
@@ -347,6 +362,7 @@ _FIGURES: Mapping[str, Callable[..., list[StudyFigure]]] = {
     "hysteresis": hysteresis_figures,
     "nose_pressure": nose_figures,
     "optimise": _optimise,
+    "startup": _startup,
     "sweep": _sweep,
     "tolerance": _tolerance,
 }

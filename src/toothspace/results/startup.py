@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 _BAR = 1e5
 _TURN = 2.0 * np.pi
 _SETTLING = 1.0
+_SETTLED_SHARE = 0.2
 _AT_PLATEAU = 1.0 - 1e-9
 
 
@@ -33,19 +34,26 @@ def startup_numbers(data: xr.Dataset, breakaway: float) -> dict[str, float]:
         ``startup_pressure_bar``: largest pressure difference until the shaft has turned one
         tooth pitch. ``max_running_pressure_bar``: largest moving mean over one pitch, from one
         second after breakaway until the supply slows down. ``startup_pressure_ratio``: one over
-        the other. ``breakaway_time_s``.
+        the other. ``breakaway_time_s`` and ``breakaway_pressure_bar``: when the shaft begins to
+        turn. ``settled_pressure_bar``: mean over the last fifth of running, and
+        ``startup_to_settled_ratio`` with it, which swings after the start do not touch.
     """
     angle = np.asarray(data["shaft_angle"])
     highest = np.asarray(data["pressure_difference_highest"])
     pitch = tooth_pitch(data)
     within_pitch = np.abs(angle - angle[0]) <= pitch
     startup = float(highest[within_pitch].max()) if np.isfinite(breakaway) else np.nan
-    running = _running_pressure(data, breakaway, pitch)
+    running, settled = _running_pressures(data, breakaway, pitch)
+    pressure = np.asarray(data["pressure_difference"])
+    released = float(np.interp(breakaway, np.asarray(data["time"]), pressure))
     return {
         "startup_pressure_bar": startup / _BAR,
         "max_running_pressure_bar": running / _BAR,
         "startup_pressure_ratio": startup / running if running else np.nan,
         "breakaway_time_s": breakaway,
+        "breakaway_pressure_bar": released / _BAR,
+        "settled_pressure_bar": settled / _BAR,
+        "startup_to_settled_ratio": startup / settled if settled else np.nan,
     }
 
 
@@ -79,17 +87,19 @@ def moving_mean(time: Array, angle: Array, signal: Array, window: float) -> tupl
     return time[ends], (whole[ends] - np.interp(begin, time, whole)) / duration
 
 
-def _running_pressure(data: xr.Dataset, breakaway: float, pitch: float) -> float:
+def _running_pressures(data: xr.Dataset, breakaway: float, pitch: float) -> tuple[float, float]:
+    """Largest and settled moving mean between start and end of running. [Pa]."""
     time, angle = (np.asarray(data[name]) for name in ("time", "shaft_angle"))
     supply = np.asarray(data["supply_speed"])
     plateau = np.flatnonzero(supply >= _AT_PLATEAU * supply.max())
     end = time[plateau[-1]] if supply.max() > 0.0 else time[-1]
-    if not np.isfinite(breakaway):
-        return float("nan")
     signal = np.asarray(data["pressure_difference"])
     running = (time >= breakaway) & (time <= end)
     if running.sum() < 2:
-        return float("nan")
+        return float("nan"), float("nan")
     at, mean = moving_mean(time[running], angle[running], signal[running], pitch)
     later = at >= breakaway + _SETTLING
-    return float(mean[later].max()) if later.any() else float("nan")
+    if not later.any():
+        return float("nan"), float("nan")
+    settled = at >= at[-1] - _SETTLED_SHARE * (at[-1] - breakaway)
+    return float(mean[later].max()), float(mean[settled].mean())

@@ -1,0 +1,185 @@
+"""Start-up over the plateau speed of the supply and the shaft angle of the start."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from toothspace.case import Case
+from toothspace.case.circuit import PumpMap
+from toothspace.case.plumbing import history
+from toothspace.case.study import StartupStudy
+from toothspace.core.errors import CaseError
+from toothspace.core.types import Array
+from toothspace.core.units import from_si
+from toothspace.studies.points import (
+    Point,
+    evaluate_points,
+    point,
+    recorded,
+    require_some,
+    status_of,
+)
+from toothspace.studies.records import Record
+from toothspace.studies.study import Row, StudyContext, StudyResult, StudyTable
+from toothspace.studies.tabulate import columns, provenance, unit_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+COLUMNS = (
+    ("breakaway_pressure_bar", "breakaway pressure (bar)"),
+    ("startup_pressure_bar", "start-up pressure (bar)"),
+    ("max_running_pressure_bar", "largest running pressure (bar)"),
+    ("startup_pressure_ratio", "start-up over running pressure"),
+    ("settled_pressure_bar", "settled pressure (bar)"),
+    ("startup_to_settled_ratio", "start-up over settled pressure"),
+    ("breakaway_time_s", "breakaway time (s)"),
+)
+_PRESSURES = (15.0, 20.0, 30.0, 50.0, 75.0, 100.0, 150.0, 200.0, 250.0)
+
+
+def run(case: Case, context: StudyContext) -> StudyResult:
+    """Run a start over ``study.plateau_speed`` and ``study.start_angle_count`` shaft angles.
+
+    The history of the supply speed keeps its form and takes the plateau speed as its largest
+    value; start angles divide one tooth pitch evenly.
+
+    Parameters
+    ----------
+    case : Case
+        Case with ``kind = "startup"`` and a circuit with a supply pump.
+    context : StudyContext
+        Progress, workers and records.
+
+    Returns
+    -------
+    StudyResult
+        Summary numbers over ``plateau_speed`` and ``start_angle``, and the starting torque
+        efficiency over pressure.
+
+    Raises
+    ------
+    CaseError
+        If the case has no circuit with a supply pump, or no point can be run.
+
+    References
+    ----------
+    .. [1] ISO 4392-1:2002, Hydraulic fluid power - Determination of characteristics of motors -
+       Part 1: At constant low speed and constant pressure.
+    """
+    study = case.study
+    assert isinstance(study, StartupStudy)
+    name, supply = _supply(case)
+    speeds = study.plateau_speed or (float(supply[:, 1].max()),)
+    angles = _start_angles(case, study.start_angle_count)
+    pairs = list(product(speeds, angles))
+    points = [_point(case, name, supply, speed, angle) for speed, angle in pairs]
+    try:
+        records = evaluate_points(points, context)
+    except KeyboardInterrupt:
+        records = recorded(points, context)
+    require_some(records)
+    return StudyResult(
+        kind="startup",
+        title=case.title,
+        status=status_of(records),
+        data=_dataset(speeds, angles, records),
+        numbers=_numbers(pairs, records),
+        tables=(_table(pairs, records), _starting_torque(records)),
+        provenance=provenance(case),
+    )
+
+
+def _supply(case: Case) -> tuple[str, Array]:
+    """Name of the supply pump and its speed over time. [s], [rad/s]."""
+    elements = case.circuit.elements if case.circuit else {}
+    for name, element in elements.items():
+        if isinstance(element, PumpMap):
+            return name, history(element, "speed", "rpm")
+    found = "no [circuit] with a pump_map"
+    raise CaseError(f"{case.source}: study.kind: found {found}, allowed a circuit with a supply")
+
+
+def _start_angles(case: Case, count: int) -> list[float]:
+    """Shaft angles that divide one tooth pitch. [rad]."""
+    from toothspace import api
+
+    pitch = 2.0 * math.pi / api.describe(case).families[0].count
+    return [k * pitch / count for k in range(count)]
+
+
+def _point(case: Case, name: str, supply: Array, speed: float, angle: float) -> Point:
+    scaled = supply[:, 1] * speed / supply[:, 1].max()
+    rows = [
+        [f"{time:.12g} s", f"{from_si(value, 'rpm'):.12g} rpm"]
+        for time, value in zip(supply[:, 0], scaled, strict=True)
+    ]
+    values = {
+        f"circuit.{name}.speed": rows,
+        "circuit.initial_shaft_angle": f"{math.degrees(angle):.12g} deg",
+    }
+    return point(case, values)
+
+
+def _dataset(
+    speeds: Sequence[float], angles: Sequence[float], records: Sequence[Record]
+) -> xr.Dataset:
+    import xarray as xr
+
+    shape, dims = (len(speeds), len(angles)), ("plateau_speed", "start_angle")
+    data: dict[str, Any] = {
+        name: (dims, np.asarray(values).reshape(shape), {"units": unit_of(name)})
+        for name, values in columns(records).items()
+    }
+    data["point_status"] = (dims, np.asarray([r.status for r in records]).reshape(shape))
+    axes = {
+        "plateau_speed": ("plateau_speed", np.asarray(speeds), {"units": "rad/s"}),
+        "start_angle": ("start_angle", np.asarray(angles), {"units": "rad"}),
+    }
+    return xr.Dataset(data, coords=axes)
+
+
+def _numbers(pairs: Sequence[tuple[float, float]], records: Sequence[Record]) -> dict[str, Any]:
+    return {
+        "points": len(records),
+        "points_failed": sum(not r.succeeded for r in records),
+        "plateau_speed_rpm": [from_si(speed, "rpm") for speed, _ in pairs],
+        "start_angle_deg": [math.degrees(angle) for _, angle in pairs],
+        **{name: [record.number(name) for record in records] for name, _ in COLUMNS},
+        "real_time_factor": [record.number("real_time_factor") for record in records],
+        "point_status": [r.status for r in records],
+    }
+
+
+def _table(pairs: Sequence[tuple[float, float]], records: Sequence[Record]) -> StudyTable:
+    head = ("plateau speed (rpm)", "start angle (deg)", *(text for _, text in COLUMNS), "status")
+    rows: tuple[Row, ...] = tuple(
+        (
+            from_si(speed, "rpm"),
+            math.degrees(angle),
+            *(record.number(name) for name, _ in COLUMNS),
+            record.status,
+        )
+        for (speed, angle), record in zip(pairs, records, strict=True)
+    )
+    return StudyTable("startup", head, rows)
+
+
+def _starting_torque(records: Sequence[Record]) -> StudyTable:
+    """Starting torque over ideal torque: what breakaway leaves, least and mean over the angle."""
+    found = [record.number("breakaway_pressure_bar") for record in records]
+    breakaway = np.array([value for value in found if math.isfinite(value)])
+    rows: list[Row] = []
+    if breakaway.size:
+        rows = [
+            (p, 1.0 - float(breakaway.max()) / p, 1.0 - float(breakaway.mean()) / p)
+            for p in _PRESSURES
+            if p > breakaway.max()
+        ]
+    head = ("pressure difference (bar)", "least starting efficiency", "mean starting efficiency")
+    return StudyTable("iso_4392_starting_torque", head, tuple(rows))
