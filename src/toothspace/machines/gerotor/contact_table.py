@@ -17,7 +17,7 @@ from typing import final
 
 import numpy as np
 
-from toothspace.core.types import Array, BoolArray
+from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.machines.gerotor.contact_search import (
     Branch,
     Closest,
@@ -232,14 +232,33 @@ def _fade(rows: Array, step: float) -> None:
     to pass to the other without a jump.
     """
     count = min(_FADING_NODES, rows.shape[0] // 2)
-    part = np.arange(1, count + 1) / count
-    slope = 2.0 * _FADED * part / (count * step)
+    extra, slope = fading(np.arange(1, count + 1), step)
     if rows[-1, _GAP] < FOLLOWED - _FADED:
-        rows[-count:, _GAP] += _FADED * part**2
+        rows[-count:, _GAP] += extra
         rows[-count:, _RATE] += slope
     if rows[0, _GAP] < FOLLOWED - _FADED:
-        rows[:count, _GAP] += _FADED * part[::-1] ** 2
+        rows[:count, _GAP] += extra[::-1]
         rows[:count, _RATE] -= slope[::-1]
+
+
+def fading(beyond: IntArray, step: float) -> tuple[Array, Array]:
+    """Widening of a gap over the nodes in which a contact fades out.
+
+    Parameters
+    ----------
+    beyond : ndarray of int
+        Nodes beyond the end of the contact's full life; up to zero it is whole.
+    step : float
+        Angle between nodes. [rad]
+
+    Returns
+    -------
+    extra, slope : ndarray
+        Widening, :data:`APART` once it is over, and its growth. [m], [m/rad]
+    """
+    part = np.maximum(beyond, 0) / _FADING_NODES
+    extra = np.where(part > 1.0, APART, _FADED * part**2)
+    return extra, 2.0 * _FADED * part / (_FADING_NODES * step)
 
 
 def _rolling(rotors: PlacedRotors, rows: Array, closed: bool, nodes: int) -> Array:

@@ -147,13 +147,17 @@ class ContactParameters:
     """``[machine.contact]``: mechanics of the lobe pairs."""
 
     law: str = choice(
-        "Force over penetration.", "hertz", "johnson", "pereira", "lankarani_nikravesh",
-        default="hertz",
-    )  # fmt: skip
+        "Force over penetration.", "hertz", "johnson", "pereira", default="hertz"
+    )
     theory: str = choice(
         "Every pair may carry, or one only.", "multiple", "single", default="multiple"
     )
-    restitution: float = number("Coefficient of restitution.", above=0, high=1, default=0.9)
+    restitution: float = number(
+        "Restitution of an impact (Lankarani and Nikravesh); 1: none is lost.",
+        above=0,
+        high=1,
+        default=0.9,
+    )
     boundary_friction: float = number(
         "Friction coefficient of touching asperities.", low=0, high=1, default=0.10
     )

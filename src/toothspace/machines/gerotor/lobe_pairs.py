@@ -1,0 +1,198 @@
+"""Compliant contacts of the lobes as the model reads them; single-contact theory."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal, final
+
+import numpy as np
+
+from scipy.ndimage import minimum_filter1d
+
+from toothspace.core.types import Array
+from toothspace.machines.gerotor.contact_search import PlacedRotors
+from toothspace.machines.gerotor.contact_table import APART, LobeContact, fading, lobe_contacts
+from toothspace.machines.gerotor.contour import contour
+from toothspace.machines.gerotor.parameters import ContactParameters
+from toothspace.machines.gerotor.profiles import Rotors
+from toothspace.model.contact_pair import ContactPair
+from toothspace.model.description import Motion
+from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
+
+LAWS: dict[str, Literal["hertz_line", "johnson", "pereira"]] = {
+    "hertz": "hertz_line",
+    "johnson": "johnson",
+    "pereira": "pereira",
+}
+"""Law of the model for every law of a case."""
+
+
+@final
+@dataclass(frozen=True)
+class LobeMechanics:
+    """What the contacts of a rotor pair need besides their geometry.
+
+    Parameters
+    ----------
+    bodies : tuple of str
+        Inner and outer rotor.
+    motions : tuple of Motion
+        Micro-motions of the machine, in order.
+    width : float
+        Length of the contact lines. [m]
+    effective_modulus : float
+        E' = 2 / [...] of the pair. [Pa]
+    roughness : float
+        Combined root mean square roughness. [m]
+    settings : ContactParameters
+        Keys ``[machine.contact]``.
+    driving : float
+        1 where the inner rotor drives the outer one (pump), -1 where it is driven (motor).
+    """
+
+    bodies: tuple[str, str]
+    motions: tuple[Motion, ...]
+    width: float
+    effective_modulus: float
+    roughness: float
+    settings: ContactParameters
+    driving: float = 1.0
+
+
+def placed_rotors(rotors: Rotors) -> PlacedRotors:
+    """Rotors of a case for the search of contacts."""
+    return PlacedRotors(
+        contour(rotors.inner),
+        contour(rotors.outer),
+        rotors.eccentricity,
+        rotors.inner_tooth_count,
+    )
+
+
+def lobe_pairs(
+    rotors: Rotors, contacts: tuple[LobeContact, ...], mechanics: LobeMechanics
+) -> tuple[ContactPair, ...]:
+    """Contacts of all lobes for the model, or the one pair of single-contact theory.
+
+    Parameters
+    ----------
+    rotors : Rotors
+        Both rotors.
+    contacts : tuple of LobeContact
+        Their contacts over the outer rotor's angle.
+    mechanics : LobeMechanics
+        Material, law and motions.
+
+    Returns
+    -------
+    tuple of ContactPair
+        One per kind of contact: ``lobe_0`` lives longest.
+    """
+    if mechanics.settings.theory == "single":
+        contacts = (single_contact(contacts[0], mechanics.driving),)
+    return tuple(_pair(rotors, f"lobe_{k}", c, mechanics) for k, c in enumerate(contacts))
+
+
+def _pair(rotors: Rotors, name: str, contact: LobeContact, mechanics: LobeMechanics) -> ContactPair:
+    settings = mechanics.settings
+    ratio = rotors.inner_tooth_count / rotors.outer_tooth_count
+    return ContactPair(
+        name=name,
+        body_a=mechanics.bodies[0],
+        body_b=mechanics.bodies[1],
+        angle_ratio=ratio,
+        phases=contact.pitch * np.arange(contact.copies),
+        geometry=_geometry(contact, ratio),
+        gap_by_motion=_by_motion(rotors, contact, mechanics, along=False),
+        slip_by_motion=_by_motion(rotors, contact, mechanics, along=True),
+        width=mechanics.width,
+        effective_modulus=mechanics.effective_modulus,
+        roughness=mechanics.roughness,
+        boundary_friction=settings.boundary_friction,
+        law=LAWS[settings.law],
+        depth=half_lobe(rotors),
+        restitution=settings.restitution,
+    )
+
+
+def half_lobe(rotors: Rotors) -> float:
+    """Half thickness of an outer lobe on the pitch circle: how deep contacts deform. [m]."""
+    return 0.5 * np.pi * rotors.eccentricity
+
+
+def _geometry(contact: LobeContact, ratio: float) -> PeriodicTable:
+    columns = [
+        contact.gap,
+        np.zeros_like(contact.gap),
+        contact.radius_inner,
+        contact.radius_outer,
+        ratio * contact.sliding,
+        ratio * contact.rolling_sum,
+    ]
+    table = monotone_table(contact.period, np.column_stack(columns))
+    table.slopes[:, 0] = np.where(contact.near, contact.gap_rate, 0.0)
+    return table
+
+
+def _by_motion(
+    rotors: Rotors, contact: LobeContact, mechanics: LobeMechanics, *, along: bool
+) -> PeriodicTable:
+    """Derivatives of gap or slip by every micro-motion of both rotors."""
+    direction = contact.normal
+    if along:
+        direction = np.column_stack([-direction[:, 1], direction[:, 0]])
+    columns = np.zeros((contact.gap.size, len(mechanics.motions)))
+    arms = (contact.inner_point - rotors.inner_center, contact.outer_point)
+    for column, motion in zip(columns.T, mechanics.motions, strict=True):
+        if motion.body not in mechanics.bodies:
+            continue
+        side = mechanics.bodies.index(motion.body)
+        sign = (-1.0, 1.0)[side]
+        if motion.axis == "rotation":
+            column[:] = sign * _moment(arms[side], contact.normal, along=along)
+        elif motion.axis in "xy":
+            column[:] = sign * direction[:, "xy".index(motion.axis)]
+    return monotone_table(contact.period, columns)
+
+
+def _moment(arm: Array, normal: Array, *, along: bool) -> Array:
+    if along:
+        return np.asarray(np.sum(arm * normal, axis=1), dtype=float)
+    return np.asarray(arm[:, 0] * normal[:, 1] - arm[:, 1] * normal[:, 0], dtype=float)
+
+
+def contacts_of(rotors: Rotors) -> tuple[LobeContact, ...]:
+    """Find all contacts of the rotors of a case."""
+    return lobe_contacts(placed_rotors(rotors))
+
+
+def single_contact(contact: LobeContact, sign: float) -> LobeContact:
+    """Contact of single-contact theory: one pair carries, over one pitch, where its arm is best.
+
+    Parameters
+    ----------
+    contact : LobeContact
+        The kind of contact that lives longest.
+    sign : float
+        1 where the inner rotor drives the outer one (pump), -1 where it is driven (motor).
+
+    Returns
+    -------
+    LobeContact
+        The same with wide gaps outside one pitch; at the ends of it load passes on.
+    """
+    nodes = contact.gap.size // contact.copies
+    arm = np.where(contact.near, sign * contact.lever, -np.inf)
+    middle = int(np.argmax(minimum_filter1d(arm, nodes + 1, mode="wrap")))
+    number = np.arange(contact.gap.size) - middle
+    half = contact.gap.size // 2
+    distance = np.mod(number + half, contact.gap.size) - half
+    extra, slope = fading(np.abs(distance) - nodes // 2, contact.pitch / nodes)
+    apart = extra >= APART
+    return replace(
+        contact,
+        near=contact.near & ~apart,
+        gap=np.where(apart, APART, contact.gap + extra),
+        gap_rate=np.where(apart, 0.0, contact.gap_rate + slope * np.sign(distance)),
+    )
+
