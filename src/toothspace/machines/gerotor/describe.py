@@ -16,6 +16,7 @@ from toothspace.machines.gerotor.bodies import (
     outlines,
 )
 from toothspace.machines.gerotor.flow_paths import flow_paths, pocket_phases
+from toothspace.machines.gerotor.lobe_pairs import rotor_contacts
 from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.pockets import FULL_TURN, Pockets, area_by_motion, pockets
 from toothspace.machines.gerotor.ports import ports_of
@@ -76,6 +77,7 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
         paths=flow_paths(spec, pocket, ports, columns),
         journals=journal_bearings(spec),
         laterals=lateral_films(spec, pocket),
+        contacts=rotor_contacts(spec, pocket.rotors),
         seal_torque=0.0 if spec.seals is None else spec.seals.shaft_seal_torque,
         port_volumes=(spec.inlet.volume, spec.outlet.volume),
         drain=_drain(spec),

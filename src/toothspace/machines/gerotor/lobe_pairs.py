@@ -10,10 +10,11 @@ import numpy as np
 from scipy.ndimage import minimum_filter1d
 
 from toothspace.core.types import Array
+from toothspace.machines.gerotor.bodies import BODIES, motions, reduced_modulus, solid
 from toothspace.machines.gerotor.contact_search import PlacedRotors
 from toothspace.machines.gerotor.contact_table import APART, LobeContact, fading, lobe_contacts
 from toothspace.machines.gerotor.contour import contour
-from toothspace.machines.gerotor.parameters import ContactParameters
+from toothspace.machines.gerotor.parameters import ContactParameters, GerotorParameters
 from toothspace.machines.gerotor.profiles import Rotors
 from toothspace.model.contact_pair import ContactPair
 from toothspace.model.description import Motion
@@ -67,6 +68,34 @@ def placed_rotors(rotors: Rotors) -> PlacedRotors:
         rotors.eccentricity,
         rotors.inner_tooth_count,
     )
+
+
+def rotor_contacts(parameters: GerotorParameters, rotors: Rotors) -> tuple[ContactPair, ...]:
+    """Contacts of the lobes of a machine.
+
+    Parameters
+    ----------
+    parameters : GerotorParameters
+        Keys ``[machine]``.
+    rotors : Rotors
+        Its rotors.
+
+    Returns
+    -------
+    tuple of ContactPair
+        See :func:`lobe_pairs`.
+    """
+    material = solid(parameters.rotors.material, "machine.rotors.material")
+    mechanics = LobeMechanics(
+        bodies=BODIES,
+        motions=motions(parameters),
+        width=parameters.rotors.face_width,
+        effective_modulus=reduced_modulus(material, material),
+        roughness=float(np.sqrt(2.0) * parameters.rotors.roughness),
+        settings=parameters.contact,
+        driving=1.0 if parameters.mode == "pump" else -1.0,
+    )
+    return lobe_pairs(rotors, contacts_of(rotors), mechanics)
 
 
 def lobe_pairs(
