@@ -19,6 +19,7 @@ _OUTER_SAMPLES = 260
 _BISECTIONS = 26
 _LOST_NODES = 3
 _FARTHEST = 0.6e-3
+_SEARCHED = 0.8e-3
 
 
 @final
@@ -127,14 +128,19 @@ def distance_to_inner(rotors: PlacedRotors, angle: Array, place: Array) -> tuple
     gap : ndarray
         Distance, negative within the inner rotor. [m]
     """
-    center = np.array([0.0, -rotors.eccentricity])
-    seen = turned(rotors.outer.point(place), angle) - center
-    seen = turned(seen, -rotors.turns * angle)
+    seen = seen_from_inner(rotors, angle, place)
     inner = rotors.inner.nearest(seen)
     tangent = rotors.inner.tangent(inner)
     offset = seen - rotors.inner.point(inner)
     outside = offset[..., 0] * tangent[..., 1] - offset[..., 1] * tangent[..., 0]
     return inner, np.copysign(np.hypot(offset[..., 0], offset[..., 1]), outside)
+
+
+def seen_from_inner(rotors: PlacedRotors, angle: Array, place: Array) -> Array:
+    """Places on the outer outline as points in the turning frame of the inner rotor. [m]."""
+    center = np.array([0.0, -rotors.eccentricity])
+    seen = turned(rotors.outer.point(place), angle) - center
+    return turned(seen, -rotors.turns * angle)
 
 
 def closest_places(rotors: PlacedRotors, nodes: int, reach: float) -> Closest:
@@ -143,7 +149,9 @@ def closest_places(rotors: PlacedRotors, nodes: int, reach: float) -> Closest:
     step = rotors.outer.length / count
     angle = np.asarray(np.arange(nodes) * (rotors.pitch / nodes), dtype=float)
     grid_angle, place = np.broadcast_arrays(angle[:, None], step * np.arange(count))
-    _, gap = distance_to_inner(rotors, grid_angle, place)
+    gap = np.full(place.shape, np.inf)
+    near = rotors.inner.within(seen_from_inner(rotors, grid_angle, place), _SEARCHED)
+    _, gap[near] = distance_to_inner(rotors, grid_angle[near], place[near])
     least = (gap <= np.roll(gap, 1, axis=1)) & (gap < np.roll(gap, -1, axis=1)) & (gap < reach)
     node, column = np.nonzero(least)
     outer = _refined(rotors, angle[node], np.asarray(column * step), step)

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.spatial import cKDTree
 
-from toothspace.core.types import Array
+from toothspace.core.types import Array, BoolArray
 
 _SAMPLES = 12_000
 _NEWTON_STEPS = 5
@@ -53,6 +53,11 @@ class Contour:
         area = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
         size = (np.hypot(v[..., 0], v[..., 1]) for v in (a, b, c))
         return np.asarray(2.0 * area / np.prod(list(size), axis=0), dtype=float)
+
+    def within(self, points: Array, reach: float) -> BoolArray:
+        """Which points lie within a distance of the outline."""
+        distance, _ = self.tree.query(points, distance_upper_bound=reach)
+        return np.asarray(np.isfinite(distance))
 
     def nearest(self, points: Array) -> Array:
         """Arc lengths of the nearest points of the outline. [m]."""

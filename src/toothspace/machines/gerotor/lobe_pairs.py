@@ -224,4 +224,3 @@ def single_contact(contact: LobeContact, sign: float) -> LobeContact:
         gap=np.where(apart, APART, contact.gap + extra),
         gap_rate=np.where(apart, 0.0, contact.gap_rate + slope * np.sign(distance)),
     )
-

@@ -146,9 +146,7 @@ class LateralParameters:
 class ContactParameters:
     """``[machine.contact]``: mechanics of the lobe pairs."""
 
-    law: str = choice(
-        "Force over penetration.", "hertz", "johnson", "pereira", default="hertz"
-    )
+    law: str = choice("Force over penetration.", "hertz", "johnson", "pereira", default="hertz")
     theory: str = choice(
         "Every pair may carry, or one only.", "multiple", "single", default="multiple"
     )
