@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from typing import Literal, final
 
 import numpy as np
-
 from scipy.ndimage import minimum_filter1d
 
 from toothspace.core.types import Array
@@ -130,7 +129,7 @@ def _pair(rotors: Rotors, name: str, contact: LobeContact, mechanics: LobeMechan
         body_a=mechanics.bodies[0],
         body_b=mechanics.bodies[1],
         angle_ratio=ratio,
-        phases=contact.pitch * np.arange(contact.copies),
+        phases=np.asarray(contact.pitch * np.arange(contact.copies), dtype=float),
         geometry=_geometry(contact, ratio),
         gap_by_motion=_by_motion(rotors, contact, mechanics, along=False),
         slip_by_motion=_by_motion(rotors, contact, mechanics, along=True),
