@@ -144,3 +144,28 @@ def pressure_ripple(data: xr.Dataset) -> float:
 def torque_ripple_percent(data: xr.Dataset) -> float:
     """Return the ripple of the shaft torque. [%]."""
     return ripple_percent(np.asarray(data["shaft_torque"]))
+
+
+def high_pass(shaft_angle: Array, signal: Array, lowest_order: float) -> tuple[Array, Array]:
+    """Take low orders out of a periodic signal, as filtered measurements have none.
+
+    Parameters
+    ----------
+    shaft_angle : ndarray, shape (samples,)
+        Growing shaft angle over at least one revolution. [rad]
+    signal : ndarray, shape (samples,)
+        Signal. [any unit]
+    lowest_order : float
+        Lowest order that stays; the mean and everything below it goes. [events per revolution]
+
+    Returns
+    -------
+    shaft_angle : ndarray
+        Uniform angles of the last whole revolutions. [rad]
+    signal : ndarray
+        Filtered signal. [unit of the signal]
+    """
+    uniform, values, revolutions = whole_revolutions(shaft_angle, signal)
+    parts = np.fft.rfft(values)
+    parts[np.arange(parts.size) < lowest_order * revolutions] = 0.0
+    return uniform, np.asarray(np.fft.irfft(parts, values.size), dtype=float)

@@ -140,6 +140,7 @@ def _pair(rotors: Rotors, name: str, contact: LobeContact, mechanics: LobeMechan
         law=LAWS[settings.law],
         depth=half_lobe(rotors),
         restitution=settings.restitution,
+        approach_speed=settings.impact_speed,
     )
 
 

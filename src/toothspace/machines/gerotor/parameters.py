@@ -154,7 +154,10 @@ class ContactParameters:
         "Restitution of an impact (Lankarani and Nikravesh); 1: none is lost.",
         above=0,
         high=1,
-        default=0.9,
+        default=0.8,
+    )
+    impact_speed: float = quantity(
+        "m/s", "Speed of that impact; lobes meet slowly.", above=0, high=10, default=0.01
     )
     boundary_friction: float = number(
         "Friction coefficient of touching asperities.", low=0, high=1, default=0.10

@@ -1,0 +1,193 @@
+"""Gerotor results: life of a pocket, contacts of the teeth, shaft torque and its parts."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from toothspace.core.types import Array
+from toothspace.model.description import MachineDescription
+from toothspace.plotting.style import (
+    BLUE,
+    CYCLE,
+    GREEN,
+    GREY,
+    INK,
+    LIGHT,
+    ORANGE,
+    angle_axis,
+    new_figure,
+    styled,
+)
+from toothspace.results.ripple import high_pass, whole_revolutions
+from toothspace.results.solution import Solution
+from toothspace.results.tooth_contacts import LOADED_SHARE, tooth_forces
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from matplotlib.projections.polar import PolarAxes
+
+_BAR = 1e5
+_TURN = 2.0 * np.pi
+
+
+@styled
+def pocket_cycle(solution: Solution, description: MachineDescription) -> Figure:
+    """Pressure, volume and open port areas of one pocket over the outer rotor's angle."""
+    data, family = solution.data, description.families[0]
+    order, degrees = _pocket_samples(solution, description)
+    column = description.chamber_labels.index(f"{family.name}_0")
+    figure = new_figure(7.2, 5.6)
+    pressure, volume, area = figure.subplots(3, 1, sharex=True)
+    pressure.plot(degrees, np.asarray(data["chamber_pressure"])[order, column] / _BAR, color=BLUE)
+    pressure.set_ylabel("Pressure (bar)")
+    pressure.set_title("One pocket over a turn of the outer rotor")
+    volume.plot(degrees, 1e6 * np.asarray(data["chamber_volume"])[order, column], color=INK)
+    volume.set_ylabel("Volume (cm³)")
+    for port, color in (("inlet", BLUE), ("outlet", ORANGE)):
+        opening = np.asarray(data["opening_area"].sel(port=port))[order, column]
+        area.plot(degrees, 1e6 * opening, color=color, label=port)
+    area.set_ylabel("Port area (mm²)")
+    area.legend(loc="upper right", ncols=2)
+    angle_axis(area, "Outer rotor: angle of the pocket from the largest volume (deg)")
+    return figure
+
+
+def _pocket_samples(solution: Solution, description: MachineDescription) -> tuple[Array, Array]:
+    """Samples of the first pocket in the order of its angle; the last ones where it is twice."""
+    family = description.families[0]
+    angle = np.asarray(solution.data["shaft_angle"])
+    last = angle >= angle[-1] - family.volume.period / family.angle_ratio
+    own = np.mod(family.phases[0] + family.angle_ratio * angle, family.volume.period)
+    order = np.flatnonzero(last)[np.argsort(own[last])]
+    return order, np.degrees(own[order])
+
+
+@styled
+def tooth_contact_forces(solution: Solution, description: MachineDescription) -> Figure:
+    """Contact force of every tooth over the shaft angle, and how many teeth are loaded."""
+    found = tooth_forces(solution.data, description)
+    angle = np.asarray(solution.data["shaft_angle"])
+    degrees = np.degrees(angle - angle[0])
+    figure = new_figure(7.2, 4.2)
+    force, count = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
+    for k, values in enumerate(found.force.T):
+        color = CYCLE[k % len(CYCLE)]
+        force.plot(degrees, values, color=color, linewidth=1.2, label=f"tooth {k + 1}")
+    force.plot(degrees, found.force.sum(axis=1), color=GREY, linestyle="--", label="sum")
+    force.set_ylabel("Contact force (N)")
+    force.set_title("Contact force of the outer rotor's teeth")
+    force.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, fontsize=7.5)
+    loaded = found.loaded()
+    count.fill_between(degrees, loaded, step="mid", color=BLUE, alpha=0.35, linewidth=0.0)
+    count.set_ylabel("Teeth loaded")
+    count.set_yticks(range(int(loaded.max()) + 2))
+    angle_axis(count, span=float(degrees[-1]))
+    return figure
+
+
+@styled
+def contact_span(solution: Solution, description: MachineDescription) -> Figure:
+    """Contact force over the place of a tooth, with the pitch of single-contact theory."""
+    found = tooth_forces(solution.data, description)
+    figure = new_figure(5.6, 4.6)
+    axes: PolarAxes = figure.add_subplot(projection="polar")  # type: ignore[assignment]
+    axes.set_theta_zero_location("N")
+    place, force = found.place.ravel(), found.force.ravel()
+    bins = np.linspace(0.0, _TURN, 361)
+    mean = _binned(place, force, bins)
+    middle = 0.5 * (bins[:-1] + bins[1:])
+    threshold = LOADED_SHARE * found.mean_total
+    axes.bar(middle, np.where(mean > threshold, mean, 0.0), width=bins[1], color=BLUE)
+    _single_pitch(axes, middle, mean, found.force.shape[1])
+    axes.set_title(f"Loaded over {found.span():.2f} pitches")
+    axes.set_rlabel_position(180.0)
+    axes.set_xticks(np.radians(range(0, 360, 45)))
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, -0.18), ncols=2)
+    return figure
+
+
+def _binned(place: Array, values: Array, bins: Array) -> Array:
+    count, _ = np.histogram(place, bins)
+    total, _ = np.histogram(place, bins, weights=values)
+    return np.asarray(total / np.maximum(count, 1))
+
+
+def _single_pitch(axes: PolarAxes, middle: Array, mean: Array, teeth: int) -> None:
+    """Mark one pitch about the centre of the load: what one tooth after the other would need."""
+    center = float(np.angle(np.sum(mean * np.exp(1j * middle))))
+    half = np.pi / teeth
+    arc = np.linspace(center - half, center + half, 40)
+    radius = 1.1 * float(mean.max())
+    axes.plot(arc, np.full(arc.size, radius), color=ORANGE, linewidth=3.0, label="one pitch")
+    axes.plot([], [], color=BLUE, linewidth=5.0, label="contact force (N)")
+    axes.set_ylim(0.0, 1.25 * float(mean.max()) or 1.0)
+
+
+@styled
+def torque_ripple(solution: Solution, description: MachineDescription) -> Figure:
+    """Shaft torque over a turn, as it is and high-pass filtered like a measurement."""
+    data = solution.data
+    angle, torque = np.asarray(data["shaft_angle"]), np.asarray(data["shaft_torque"])
+    lowest = 0.5 * (description.families[0].count - 1)
+    uniform, filtered = high_pass(angle, torque, lowest)
+    _, raw, revolutions = whole_revolutions(angle, torque)
+    last = slice(-(uniform.size // revolutions), None)
+    degrees = np.degrees(uniform[last] - uniform[last][0])
+    figure = new_figure(7.2, 4.2)
+    upper, lower = figure.subplots(2, 1, sharex=True)
+    upper.plot(degrees, raw[last], color=GREEN)
+    upper.axhline(float(raw[last].mean()), color=GREY, linewidth=0.8, linestyle="--")
+    upper.set_ylabel("Shaft torque (N m)")
+    upper.set_title(f"Shaft torque, and without orders below {lowest:g}")
+    lower.plot(degrees, filtered[last], color=GREEN)
+    lower.set_ylabel("High-passed (N m)")
+    angle_axis(lower)
+    return figure
+
+
+TORQUE_STAGES = (
+    ("ideal_torque", "Ideal", GREY),
+    ("torque_with_gaps", "With gaps", BLUE),
+    ("shaft_torque", "With gaps and contact friction", GREEN),
+    ("single_contact_torque", "The same, single contact", ORANGE),
+)
+"""Torques from ideal to complete with their colours."""
+
+
+@styled
+def torque_stages(shaft_angle: Array, torques: dict[str, Array]) -> Figure:
+    """Shaft torque from ideal to complete over one turn.
+
+    Parameters
+    ----------
+    shaft_angle : ndarray
+        Shaft angle over one turn. [rad]
+    torques : dict of str to ndarray
+        Torques by the names of :data:`TORQUE_STAGES`. [N m]
+    """
+    figure = new_figure(7.2, 3.8)
+    waveform, bars = figure.subplots(1, 2, width_ratios=(3, 1))
+    degrees = np.degrees(shaft_angle - shaft_angle[0])
+    shown = [stage for stage in TORQUE_STAGES if stage[0] in torques]
+    for name, label, color in shown:
+        waveform.plot(degrees, torques[name], color=color, linewidth=1.2, label=label)
+    waveform.set_ylabel("Shaft torque (N m)")
+    waveform.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, fontsize=7.5)
+    angle_axis(waveform, span=float(degrees[-1]))
+    _mean_bars(bars, [float(np.mean(torques[name])) for name, _, _ in shown], shown)
+    return figure
+
+
+def _mean_bars(axes: Axes, means: list[float], shown: list[tuple[str, str, str]]) -> None:
+    axes.bar(range(len(means)), means, color=[color for _, _, color in shown])
+    for k, value in enumerate(means):
+        axes.text(k, value, f"{value:.3g}", ha="center", va="bottom", fontsize=7.5)
+    axes.set_ylim(0.9 * min(means), 1.03 * max(means))
+    axes.set_xticks([])
+    axes.set_title("Mean", fontweight="normal", fontsize=9)
+    axes.tick_params(colors=INK)
+    axes.set_facecolor("white")
+    axes.grid(color=LIGHT)

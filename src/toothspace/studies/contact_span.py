@@ -1,0 +1,224 @@
+"""Teeth that carry the contact forces of a gerotor, and what makes up its torque."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from toothspace.case import Case
+from toothspace.case.study import ContactSpanStudy
+from toothspace.config.load import case_with
+from toothspace.core.errors import CaseError
+from toothspace.core.types import Array
+from toothspace.results.solution import Solution
+from toothspace.studies.points import (
+    Point,
+    evaluate_points,
+    point,
+    recorded,
+    require_some,
+    status_of,
+)
+from toothspace.studies.records import Record
+from toothspace.studies.study import Row, StudyContext, StudyResult, StudyTable
+from toothspace.studies.tabulate import columns, provenance, unit_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_CLEARANCE = "machine.rotors.tip_clearance"
+_OUTLET = "operating_point.outlet_pressure"
+_THEORY = "machine.contact.theory"
+_MECHANISM = "contact_friction"
+
+_NUMBERS = (
+    ("span_pitches", "span (pitches)"),
+    ("least_teeth_loaded", "least teeth loaded"),
+    ("most_teeth_loaded", "most teeth loaded"),
+    ("mean_contact_force_N", "mean contact force (N)"),
+    ("largest_contact_force_N", "largest contact force (N)"),
+    ("mean_torque_N_m", "mean torque (N m)"),
+    ("contact_friction_torque_N_m", "contact friction (N m)"),
+    ("gap_friction_torque_N_m", "gap friction (N m)"),
+)
+
+
+def run(case: Case, context: StudyContext) -> StudyResult:
+    """Run the case as it stands and over ``study.tip_clearance`` and ``pressure_difference``.
+
+    Parameters
+    ----------
+    case : Case
+        Steady gerotor case with ``kind = "contact_span"``.
+    context : StudyContext
+        Progress, workers and records.
+
+    Returns
+    -------
+    StudyResult
+        Over ``point`` the span of contact (one pitch in single-contact theory), teeth loaded,
+        forces and torques; over ``shaft_angle`` torques and tooth forces of the case itself.
+
+    Raises
+    ------
+    CaseError
+        If the case is no steady gerotor, or no point can be run.
+    """
+    study = case.study
+    assert isinstance(study, ContactSpanStudy)
+    if case.operating_point is None or not hasattr(case.machine, "rotors"):
+        allowed = "allowed a steady case of a gerotor"
+        raise CaseError(f"{case.source}: study.kind: found no rotors to turn, {allowed}")
+    waveforms = _waveforms(case)
+    pairs = list(product(_clearances(case, study), _differences(case, study)))
+    points = [_point(case, *pair) for pair in pairs]
+    try:
+        records = evaluate_points(points, context, contact_numbers)
+    except KeyboardInterrupt:
+        records = recorded(points, context, contact_numbers)
+    require_some(records)
+    return StudyResult(
+        kind="contact_span",
+        title=case.title,
+        status=status_of(records),
+        data=waveforms.merge(_dataset(pairs, records)),
+        numbers=_numbers(pairs, records, waveforms),
+        tables=(_table(pairs, records),),
+        provenance=provenance(case),
+    )
+
+
+def contact_numbers(case: Case) -> Mapping[str, Any]:
+    """Run a case and return the numbers of its contacts."""
+    from toothspace import api
+    from toothspace.results.tooth_contacts import LOADED_SHARE, tooth_forces
+
+    solution = api.simulate(case)
+    share = getattr(case.study, "force_fraction", LOADED_SHARE)
+    found = tooth_forces(solution.data, api.describe(case))
+    loaded = found.loaded(share)
+    mechanisms = [str(name) for name in solution.data["mechanism"].values]
+    losses = dict(zip(mechanisms, np.asarray(solution.data["torque_loss"]).mean(axis=0)))
+    contact = losses.pop(_MECHANISM)
+    return {
+        "span_pitches": found.span(share),
+        "least_teeth_loaded": int(loaded.min()),
+        "most_teeth_loaded": int(loaded.max()),
+        "mean_contact_force_N": found.mean_total,
+        "largest_contact_force_N": float(found.force.max()),
+        "contact_friction_torque_N_m": float(contact),
+        "gap_friction_torque_N_m": float(sum(losses.values())),
+        **solution.summary(),
+    }
+
+
+def _waveforms(case: Case) -> xr.Dataset:
+    """Torques from ideal to complete and with a single contact, and the forces of the teeth."""
+    import xarray as xr
+
+    from toothspace import api
+    from toothspace.results.tooth_contacts import tooth_forces
+
+    complete = api.simulate(case)
+    ideal = api.simulate(case_with(case, {"run.fidelity": "ideal"}))
+    single = api.simulate(case_with(case, {_THEORY: "single"}))
+    angle = _last_turn(complete)
+    found = tooth_forces(complete.data, api.describe(case))
+    friction = np.asarray(complete.data["torque_loss"].sel(mechanism=_MECHANISM))
+    torque = np.asarray(complete.data["shaft_torque"])
+    torques = {
+        "ideal_torque": _torque(ideal, angle),
+        "torque_with_gaps": torque - friction,
+        "shaft_torque": torque,
+        "single_contact_torque": _torque(single, angle),
+    }
+    forces = (("shaft_angle", "tooth"), found.force, {"units": "N"})
+    places = (("shaft_angle", "tooth"), found.place, {"units": "rad"})
+    return xr.Dataset(
+        {name: ("shaft_angle", values, {"units": "N m"}) for name, values in torques.items()}
+        | {"tooth_force": forces, "tooth_place": places},
+        coords={"shaft_angle": ("shaft_angle", angle, {"units": "rad"})},
+    )
+
+
+def _last_turn(solution: Solution) -> Array:
+    angle = np.asarray(solution.data["shaft_angle"], dtype=float)
+    return angle - angle[0]
+
+
+def _torque(solution: Solution, angle: Array) -> Array:
+    """Shaft torque of another run of the same machine at the same angles within a turn."""
+    own = _last_turn(solution)
+    return np.asarray(
+        np.interp(angle, own, np.asarray(solution.data["shaft_torque"]), period=2.0 * np.pi)
+    )
+
+
+def _clearances(case: Case, study: ContactSpanStudy) -> Sequence[float]:
+    machine: Any = case.machine
+    return study.tip_clearance or (machine.rotors.tip_clearance,)
+
+
+def _differences(case: Case, study: ContactSpanStudy) -> Sequence[float]:
+    operating = case.operating_point
+    assert operating is not None
+    own = operating.outlet_pressure - operating.inlet_pressure
+    return study.pressure_difference or (own,)
+
+
+def _point(case: Case, clearance: float, difference: float) -> Point:
+    operating = case.operating_point
+    assert operating is not None
+    pressure = operating.inlet_pressure + difference
+    values = {
+        _CLEARANCE: f"{clearance * 1e6:.12g} um",
+        _OUTLET: f"{pressure * 1e-5:.12g} bar",
+    }
+    return point(case, values)
+
+
+def _dataset(pairs: Sequence[tuple[float, float]], records: Sequence[Record]) -> xr.Dataset:
+    import xarray as xr
+
+    clearance, difference = np.array(pairs).T
+    data: dict[str, Any] = {
+        "tip_clearance": ("point", clearance, {"units": "m"}),
+        "pressure_difference": ("point", difference, {"units": "Pa"}),
+    }
+    data |= {
+        name: ("point", np.asarray(values), {"units": unit_of(name)})
+        for name, values in columns(records).items()
+    }
+    data["point_status"] = ("point", np.asarray([r.status for r in records], dtype=str))
+    return xr.Dataset(data)
+
+
+def _numbers(
+    pairs: Sequence[tuple[float, float]], records: Sequence[Record], waveforms: xr.Dataset
+) -> dict[str, Any]:
+    means = {
+        f"mean_{name}_N_m": float(waveforms[name].mean())
+        for name in ("ideal_torque", "torque_with_gaps", "shaft_torque", "single_contact_torque")
+    }
+    found = columns(records)
+    return {
+        **means,
+        "points": len(records),
+        "points_failed": sum(not r.succeeded for r in records),
+        "tip_clearance_um": [1e6 * clearance for clearance, _ in pairs],
+        "pressure_difference_bar": [1e-5 * difference for _, difference in pairs],
+        **{name: found[name] for name, _ in _NUMBERS if name in found},
+        "point_status": [r.status for r in records],
+    }
+
+
+def _table(pairs: Sequence[tuple[float, float]], records: Sequence[Record]) -> StudyTable:
+    head = ("tip clearance (um)", "pressure difference (bar)", *(text for _, text in _NUMBERS))
+    rows: tuple[Row, ...] = tuple(
+        (1e6 * clearance, 1e-5 * difference, *(r.number(name) for name, _ in _NUMBERS), r.status)
+        for (clearance, difference), r in zip(pairs, records, strict=True)
+    )
+    return StudyTable("contact_span", (*head, "status"), rows)

@@ -1,0 +1,109 @@
+"""Compliant contacts of a whole gerotor: balances of the outer rotor, laws, single contact."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from toothspace import api
+from toothspace.core.types import Array
+from toothspace.model.description import MachineDescription
+from toothspace.results.solution import Solution
+from toothspace.results.tooth_contacts import tooth_forces
+
+CASE = Path(__file__).parents[2] / "cases" / "gerotor_cycloidal.toml"
+FIXED = ("operating_point.outlet_load=fixed_pressure", "run.samples_per_revolution=360")
+
+
+def solved(*overrides: str) -> tuple[MachineDescription, Solution]:
+    case = api.load_case(CASE, (*FIXED, *overrides))
+    return api.describe(case), api.simulate(case)
+
+
+@pytest.fixture(scope="module")
+def multiple() -> tuple[MachineDescription, Solution]:
+    return solved()
+
+
+def outer(solution: Solution, name: str) -> Array:
+    """Mean of a result of the outer rotor over the last revolution, end point excluded."""
+    return np.asarray(solution.data[name].sel(body="outer_rotor"))[:-1].mean(axis=0)
+
+
+def contact_sums(description: MachineDescription, solution: Solution) -> Array:
+    """Mean of force in x and y and of the moment of all normal forces on the outer rotor."""
+    angle = np.asarray(solution.data["shaft_angle"])[:-1]
+    force = np.asarray(solution.data["contact_force"])[:-1]
+    total, column = np.zeros(3), 0
+    for pair in description.contacts:
+        for phase in pair.phases:
+            direction = pair.gap_by_motion(phase + pair.angle_ratio * angle)
+            total += np.mean(force[:, column, None] * direction, axis=0)
+            column += 1
+    return total
+
+
+def test_contacts_film_and_pressure_hold_the_outer_rotor(
+    multiple: tuple[MachineDescription, Solution],
+) -> None:
+    """Friction of the contacts, which the sums leave out, is below a tenth of their force."""
+    description, solution = multiple
+    contact = contact_sums(description, solution)
+    total = outer(solution, "body_force") + outer(solution, "journal_force")
+    size = np.hypot(contact[0], contact[1])
+    assert size > 50.0
+    assert np.abs(total[:2] + contact[:2]).max() < 0.1 * size
+
+
+def test_contacts_turn_the_outer_rotor_against_the_pressures(
+    multiple: tuple[MachineDescription, Solution],
+) -> None:
+    """What the pressures do not take is the drag of films and contacts on the outer rotor."""
+    description, solution = multiple
+    moment = contact_sums(description, solution)[2]
+    rest = moment + float(outer(solution, "body_moment"))
+    losses = float(np.asarray(solution.data["torque_loss"]).mean(axis=0).sum())
+    assert moment > 1.0
+    assert 0.0 < rest < losses * 7.0 / 6.0
+
+
+def test_ledgers_close(multiple: tuple[MachineDescription, Solution]) -> None:
+    summary = multiple[1].summary()
+    assert summary["mass_balance_error"] < 1e-9
+    assert summary["energy_balance_error"] < 1e-5
+    assert summary["status"] == "done"
+
+
+def test_every_tooth_carries_in_its_turn(multiple: tuple[MachineDescription, Solution]) -> None:
+    """All teeth alike, on the side where the inner rotor drives, and never none at all."""
+    description, solution = multiple
+    found = tooth_forces(solution.data, description)
+    peaks = found.force.max(axis=0)
+    assert np.all(peaks > 0.5 * peaks.max())
+    assert found.loaded().min() >= 1
+    carrying = found.place[found.force > 0.1 * found.mean_total]
+    # from the largest pocket round to the smallest and on: the pumping side is the first half
+    assert np.all(np.sin(carrying) < 0.0)
+
+
+@pytest.mark.parametrize("law", ["johnson", "pereira"])
+def test_torque_hardly_depends_on_the_elastic_law(
+    multiple: tuple[MachineDescription, Solution], law: str
+) -> None:
+    """Which teeth carry is a matter of statics; the law moves them by less than a micrometre."""
+    _, other = solved(f"machine.contact.law={law}")
+    torque = [float(np.mean(s.data["shaft_torque"])) for s in (multiple[1], other)]
+    assert torque[1] == pytest.approx(torque[0], rel=0.01)
+
+
+def test_single_contact_theory_hands_over_once_a_pitch(
+    multiple: tuple[MachineDescription, Solution],
+) -> None:
+    description, solution = solved("machine.contact.theory=single")
+    found = tooth_forces(solution.data, description)
+    assert [pair.name for pair in description.contacts] == ["lobe_0"]
+    assert found.span() == pytest.approx(1.0, abs=0.2)
+    moments = [contact_sums(d, s)[2] for d, s in (multiple, (description, solution))]
+    assert moments[1] == pytest.approx(moments[0], rel=0.1)
