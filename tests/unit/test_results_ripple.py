@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from toothspace.results.ripple import distinct_samples, pressure_ripple, ripple_percent, spectrum
+from toothspace.results.ripple import (
+    distinct_samples,
+    high_pass,
+    pressure_ripple,
+    ripple_percent,
+    spectrum,
+)
 
 TURN = 2.0 * np.pi
 
@@ -59,3 +65,11 @@ def test_pressure_ripple_is_that_of_the_port_that_pulsates(
         attrs={"mode": "pump"},
     )
     assert pressure_ripple(data) == pytest.approx(expected)
+
+
+def test_high_pass_takes_low_orders_out() -> None:
+    angle = np.linspace(0.0, 2.0 * np.pi, 721)
+    kept = 0.3 * np.sin(12.0 * angle)
+    signal = 5.0 + 2.0 * np.cos(angle) + np.sin(2.0 * angle) + kept
+    uniform, filtered = high_pass(angle, signal, 3.0)
+    assert filtered == pytest.approx(0.3 * np.sin(12.0 * uniform), abs=1e-3)

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, final
 import numpy as np
 
 from toothspace.model.description import MachineDescription
-from toothspace.plotting import bodies, geometry, losses, section, startup, waveforms
+from toothspace.plotting import bodies, geometry, losses, rotors, section, startup, waveforms
 from toothspace.results.solution import Solution
+from toothspace.results.tooth_contacts import has_tooth_contacts
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -44,6 +45,8 @@ class FigureEntry:
         ``steady`` if it is over the shaft angle, ``transient`` if over time, ``start`` if it
         needs a shaft that breaks away, ``turn`` if it needs a whole revolution, empty if it can
         always be drawn.
+    rotors : bool or None
+        Only for machines whose outer body turns freely on its contacts, or only for others.
     """
 
     name: str
@@ -53,6 +56,15 @@ class FigureEntry:
     needs: tuple[str, ...] = ()
     needs_machine: bool = False
     sampled: str = ""
+    rotors: bool | None = None
+
+
+def _of_machine(draw: Callable[[Solution, MachineDescription], Figure]) -> Draw:
+    def drawn(solution: Solution, description: MachineDescription | None) -> Figure:
+        assert description is not None
+        return draw(solution, description)
+
+    return drawn
 
 
 def _section(solution: Solution, description: MachineDescription | None) -> Figure:
@@ -89,6 +101,16 @@ FIGURES: tuple[FigureEntry, ...] = (
         waveforms.chamber_pressure_over_turn,
         ("chamber_pressure",),
         sampled="steady",
+    ),
+    FigureEntry(
+        "pocket_cycle",
+        "Pressure, volume and open port areas of one pocket over a turn of the outer rotor.",
+        "pressure",
+        _of_machine(rotors.pocket_cycle),
+        ("chamber_pressure", "chamber_volume", "opening_area"),
+        needs_machine=True,
+        sampled="turn",
+        rotors=True,
     ),
     FigureEntry(
         "ripple",
@@ -130,6 +152,17 @@ FIGURES: tuple[FigureEntry, ...] = (
         startup.stribeck_path,
         ("torque_loss",),
         sampled="transient",
+    ),
+    FigureEntry(
+        "torque_ripple",
+        "Shaft torque over a turn: as it is, and high-pass filtered as measurements are shown, "
+        "without what a shaft that whirls adds.",
+        "ripple",
+        _of_machine(rotors.torque_ripple),
+        ("shaft_torque",),
+        needs_machine=True,
+        sampled="turn",
+        rotors=True,
     ),
     FigureEntry(
         "time_history",
@@ -175,6 +208,28 @@ FIGURES: tuple[FigureEntry, ...] = (
         waveforms.contact_forces,
         ("contact_force",),
         sampled="steady",
+        rotors=False,
+    ),
+    FigureEntry(
+        "tooth_contact_forces",
+        "Contact force of every tooth of the outer rotor, and how many are loaded at a time.",
+        "bodies",
+        _of_machine(rotors.tooth_contact_forces),
+        ("contact_force",),
+        needs_machine=True,
+        sampled="steady",
+        rotors=True,
+    ),
+    FigureEntry(
+        "contact_span",
+        "Contact force over the place of a tooth, the largest pocket at the top. Single-contact "
+        "theory has each tooth carry over one pitch.",
+        "bodies",
+        _of_machine(rotors.contact_span),
+        ("contact_force",),
+        needs_machine=True,
+        sampled="turn",
+        rotors=True,
     ),
     FigureEntry(
         "casing_wear",
@@ -223,6 +278,8 @@ def _possible(
         return False
     if entry.sampled and not _sampled(entry.sampled, solution):
         return False
+    if entry.rotors is not None and entry.rotors != _turns_rotors(description):
+        return False
     if not entry.needs_machine:
         return entry.chapter != "losses" or solution.ledger.loss_energy > 0.0
     if description is None:
@@ -230,6 +287,10 @@ def _possible(
     names = {family.name for family in description.families}
     gears = names <= {body.name for body in description.bodies} and len(names) == 2
     return entry.name != "gear_section" or (gears and names <= set(description.outlines))
+
+
+def _turns_rotors(description: MachineDescription | None) -> bool:
+    return description is not None and has_tooth_contacts(description)
 
 
 def _sampled(kind: str, solution: Solution) -> bool:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from toothspace.core.types import Array
+from toothspace.core.types import Array, IntArray
 from toothspace.model.description import MachineDescription
 from toothspace.plotting.style import (
     BLUE,
@@ -14,7 +14,6 @@ from toothspace.plotting.style import (
     GREEN,
     GREY,
     INK,
-    LIGHT,
     ORANGE,
     angle_axis,
     new_figure,
@@ -25,7 +24,6 @@ from toothspace.results.solution import Solution
 from toothspace.results.tooth_contacts import LOADED_SHARE, tooth_forces
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from matplotlib.projections.polar import PolarAxes
 
@@ -55,7 +53,7 @@ def pocket_cycle(solution: Solution, description: MachineDescription) -> Figure:
     return figure
 
 
-def _pocket_samples(solution: Solution, description: MachineDescription) -> tuple[Array, Array]:
+def _pocket_samples(solution: Solution, description: MachineDescription) -> tuple[IntArray, Array]:
     """Samples of the first pocket in the order of its angle; the last ones where it is twice."""
     family = description.families[0]
     angle = np.asarray(solution.data["shaft_angle"])
@@ -146,48 +144,3 @@ def torque_ripple(solution: Solution, description: MachineDescription) -> Figure
     lower.set_ylabel("High-passed (N m)")
     angle_axis(lower)
     return figure
-
-
-TORQUE_STAGES = (
-    ("ideal_torque", "Ideal", GREY),
-    ("torque_with_gaps", "With gaps", BLUE),
-    ("shaft_torque", "With gaps and contact friction", GREEN),
-    ("single_contact_torque", "The same, single contact", ORANGE),
-)
-"""Torques from ideal to complete with their colours."""
-
-
-@styled
-def torque_stages(shaft_angle: Array, torques: dict[str, Array]) -> Figure:
-    """Shaft torque from ideal to complete over one turn.
-
-    Parameters
-    ----------
-    shaft_angle : ndarray
-        Shaft angle over one turn. [rad]
-    torques : dict of str to ndarray
-        Torques by the names of :data:`TORQUE_STAGES`. [N m]
-    """
-    figure = new_figure(7.2, 3.8)
-    waveform, bars = figure.subplots(1, 2, width_ratios=(3, 1))
-    degrees = np.degrees(shaft_angle - shaft_angle[0])
-    shown = [stage for stage in TORQUE_STAGES if stage[0] in torques]
-    for name, label, color in shown:
-        waveform.plot(degrees, torques[name], color=color, linewidth=1.2, label=label)
-    waveform.set_ylabel("Shaft torque (N m)")
-    waveform.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, fontsize=7.5)
-    angle_axis(waveform, span=float(degrees[-1]))
-    _mean_bars(bars, [float(np.mean(torques[name])) for name, _, _ in shown], shown)
-    return figure
-
-
-def _mean_bars(axes: Axes, means: list[float], shown: list[tuple[str, str, str]]) -> None:
-    axes.bar(range(len(means)), means, color=[color for _, _, color in shown])
-    for k, value in enumerate(means):
-        axes.text(k, value, f"{value:.3g}", ha="center", va="bottom", fontsize=7.5)
-    axes.set_ylim(0.9 * min(means), 1.03 * max(means))
-    axes.set_xticks([])
-    axes.set_title("Mean", fontweight="normal", fontsize=9)
-    axes.tick_params(colors=INK)
-    axes.set_facecolor("white")
-    axes.grid(color=LIGHT)

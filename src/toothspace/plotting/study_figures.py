@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from toothspace.core.types import Array
+from toothspace.plotting.contact_figures import contact_span_figures
 from toothspace.plotting.lateral_figures import StudyFigure, hysteresis_figures, nose_figures
 from toothspace.plotting.style import (
     BLUE,
@@ -358,6 +359,7 @@ def _short(path: str) -> str:
 
 _FIGURES: Mapping[str, Callable[..., list[StudyFigure]]] = {
     "calibrate": _calibrate,
+    "contact_span": contact_span_figures,
     "efficiency_map": _efficiency_map,
     "hysteresis": hysteresis_figures,
     "nose_pressure": nose_figures,

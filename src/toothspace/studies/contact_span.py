@@ -101,7 +101,8 @@ def contact_numbers(case: Case) -> Mapping[str, Any]:
     found = tooth_forces(solution.data, api.describe(case))
     loaded = found.loaded(share)
     mechanisms = [str(name) for name in solution.data["mechanism"].values]
-    losses = dict(zip(mechanisms, np.asarray(solution.data["torque_loss"]).mean(axis=0)))
+    means = np.asarray(solution.data["torque_loss"]).mean(axis=0)
+    losses = dict(zip(mechanisms, means, strict=True))
     contact = losses.pop(_MECHANISM)
     return {
         "span_pitches": found.span(share),

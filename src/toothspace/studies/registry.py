@@ -20,6 +20,7 @@ from toothspace.studies.workers import Workers
 
 STUDY_MODULES: Mapping[str, str] = {
     "calibrate": "toothspace.studies.calibrate",
+    "contact_span": "toothspace.studies.contact_span",
     "efficiency_map": "toothspace.studies.efficiency_map",
     "hysteresis": "toothspace.studies.hysteresis",
     "nose_pressure": "toothspace.studies.nose_pressure",
