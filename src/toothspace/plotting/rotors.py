@@ -80,7 +80,7 @@ def tooth_contact_forces(solution: Solution, description: MachineDescription) ->
     force.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, fontsize=7.5)
     loaded = found.loaded()
     count.fill_between(degrees, loaded, step="mid", color=BLUE, alpha=0.35, linewidth=0.0)
-    count.set_ylabel("Teeth loaded")
+    count.set_ylabel("Loaded teeth (-)")
     count.set_yticks(range(int(loaded.max()) + 2))
     angle_axis(count, span=float(degrees[-1]))
     return figure
