@@ -138,6 +138,21 @@ def film(case: CaseFile, as_json: Json = False, overrides: Overrides = None) -> 
 
 
 @application.command()
+def validate(
+    output: Annotated[
+        Path, typer.Option("-o", "--output", help="HTML file; default validation_book.html.")
+    ] = Path("validation_book.html"),
+    folder: Annotated[
+        Path | None, typer.Option("--cases", metavar="DIR", help="Folder of validation cases.")
+    ] = None,
+    only: Annotated[str, typer.Option(metavar="TEXT", help="Part of a name, as elrod.")] = "",
+    as_json: Json = False,
+) -> int:
+    """Compare this version with published numbers and write the validation book."""
+    return commands.validate(folder, only, output, as_json=as_json)
+
+
+@application.command()
 def schema() -> int:
     """Print the JSON Schema of the case file."""
     return commands.schema()

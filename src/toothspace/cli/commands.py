@@ -189,6 +189,29 @@ def stand_alone_film(
     return 0 if summary["status"] == Status.DONE.name.lower() else _NUMERICAL_FAILURE
 
 
+def validate(folder: Path | None, only: str, book: Path, *, as_json: bool) -> int:
+    """Run the validation cases, write the book and print the verdicts; returns the exit code."""
+    from toothspace.report.validation_book import (
+        find_validation,
+        run_validation,
+        summary_of,
+        write_book,
+    )
+
+    target = _writable(book, "-o")
+    with output.progress("validate:"):
+        sources = run_validation(find_validation(folder), only)
+    write_book(sources, target)
+    summary = summary_of(sources)
+    if as_json:
+        output.write(summary, as_json=True)
+    else:
+        verdicts = summary["sources"].items()
+        output.write({name: found["verdict"] for name, found in verdicts}, as_json=False)
+    output.message(f"Validation book: {target}")
+    return _NUMERICAL_FAILURE if summary["deviating"] else 0
+
+
 def schema() -> int:
     """Print the JSON Schema of the case file; returns the exit code."""
     from toothspace.config.json_schema import case_schema
