@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 import toothspace
-from toothspace.cli import main, output
+from toothspace.cli import commands, main, output
 from toothspace.core.errors import CaseError, GeometryError
 from toothspace.core.status import Status
 
@@ -220,11 +220,14 @@ def test_geometry_exports_profiles_that_can_be_read(
 
 
 @pytest.mark.usefixtures("described")
-def test_export_of_an_unknown_format_or_machine(capsys: pytest.CaptureFixture[str]) -> None:
+def test_export_of_an_unknown_format_or_machine(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main(["geometry", str(MOTOR), "--export", "iges"]) == 2
     assert "--export: found 'iges', allowed dxf, stl, step, txt" in capsys.readouterr().err
+    monkeypatch.setattr(commands, "find_spec", lambda _: None)
     assert main(["geometry", str(GEROTOR), "--export", "dxf"]) == 2
-    assert "--export: found machine type 'gerotor'" in capsys.readouterr().err
+    assert "--export: found machine type 'gerotor', allowed" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
