@@ -1,10 +1,16 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from toothspace.core.errors import GeometryError
 from toothspace.geometry.curve import arc_lengths
 from toothspace.geometry.involute import InvoluteGear, generate_profile, tooth_form
-from toothspace.geometry.involute_fit import fit_involute, involute_deviation
+from toothspace.geometry.involute_fit import (
+    deviation_from_best_involute,
+    fit_involute,
+    involute_deviation,
+)
 from toothspace.geometry.profile_detection import gear_profile_from_curve, gear_profile_from_tooth
 
 MOTOR = InvoluteGear(12, 2.75e-3, np.deg2rad(20.0), 0.3, tip_diameter=40.372e-3)
@@ -82,6 +88,21 @@ def test_pressure_angle_error_tilts_the_deviation():
     fit = fit_involute(profile.points, profile.tip_start, profile.tip_end)
     assert fit is not None
     assert np.rad2deg(fit.pressure_angle(16.5e-3)) == pytest.approx(20.1, abs=1e-3)
+
+
+def test_deviation_from_the_best_involute_shows_a_bump_not_a_wrong_angle():
+    steep = generate_profile(replace(MOTOR, pressure_angle=np.deg2rad(20.1)), 400)
+    ideal = deviation_from_best_involute(steep)
+    assert ideal is not None
+    assert ideal.total_profile_deviation < 1e-7
+    radius, angle = np.hypot(*steep.points.T), np.arctan2(*steep.points.T[::-1])
+    share = (radius - steep.root_radius) / (steep.tip_radius - steep.root_radius)
+    bump = 5e-6 * np.exp(-(((share - 0.68) / 0.06) ** 2)) / steep.base_radius
+    moved = angle + np.sign(angle) * bump
+    points = np.column_stack([radius * np.cos(moved), radius * np.sin(moved)])
+    found = deviation_from_best_involute(replace(steep, points=points))
+    assert found is not None
+    assert found.total_profile_deviation == pytest.approx(5e-6, rel=0.2)
 
 
 def test_single_pitch():

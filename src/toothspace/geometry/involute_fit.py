@@ -132,6 +132,35 @@ def involute_deviation(profile: GearProfile, reference: InvoluteGear) -> Involut
     )
 
 
+def deviation_from_best_involute(profile: GearProfile) -> InvoluteDeviation | None:
+    """Distance of both flanks from the one involute that fits them best.
+
+    Parameters
+    ----------
+    profile : GearProfile
+        Profile to judge, for example measured.
+
+    Returns
+    -------
+    InvoluteDeviation or None
+        Deviation along the flank normal over 45 to 90 % of the tooth height [m]; None if the
+        flanks are no involutes.
+    """
+    fit = fit_involute(profile.points, profile.tip_start, profile.tip_end)
+    if fit is None:
+        return None
+    height = profile.tip_radius - profile.root_radius
+    sides = []
+    for flank in (profile.right_flank * (1.0, -1.0), profile.left_flank):
+        radius = np.hypot(flank[:, 0], flank[:, 1])
+        share = (radius - profile.root_radius) / height
+        keep = (share >= 0.45) & (share <= 0.90) & (radius > fit.base_radius)
+        angle = np.arctan2(flank[keep, 1], flank[keep, 0])
+        roll = involute_function(np.arccos(fit.base_radius / radius[keep]))
+        sides += [radius[keep], fit.base_radius * (angle - fit.base_half_angle + roll)]
+    return InvoluteDeviation(*sides)
+
+
 def _deviation(flank: Array, reference: InvoluteGear) -> tuple[Array, Array]:
     radius = np.hypot(flank[:, 0], flank[:, 1])
     angle = np.arctan2(flank[:, 1], flank[:, 0])

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from toothspace.geometry.design_rules import design_findings
 from toothspace.geometry.gear_pair import flow_ripple
+from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import tooth_form
+from toothspace.geometry.involute_fit import deviation_from_best_involute
 from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.external_gear.chambers import Spaces, section_areas
 from toothspace.machines.external_gear.contacts import (
@@ -49,12 +53,23 @@ def geometry_summary(assembly: Assembly, spaces: tuple[Spaces, Spaces]) -> dict[
         "flow_ripple_percent": 100.0 * _ripple(assembly),
         "trapped_volume_mm3": trapped * 1e9,
         "dead_volume_mm3": dead * 1e9,
+        **_deviations(assembly),
         "warnings": [
             f"{check.name}: {check.value:.4g} {check.unit}, allowed {check.allowed}"
             for check in design_checks(assembly)
             if not check.passed
         ],
     }
+
+
+def _deviations(assembly: Assembly) -> dict[str, object]:
+    """How far profiles from files leave their best involute; nothing for generated gears."""
+    tooth = assembly.spec.drive.tooth
+    if not isinstance(tooth, GearProfile):
+        return {}
+    found = deviation_from_best_involute(tooth)
+    total = math.nan if found is None else found.total_profile_deviation
+    return {"involute_deviation_um": total * 1e6}
 
 
 def trapped_volumes(assembly: Assembly, spaces: tuple[Spaces, Spaces]) -> tuple[float, float]:
