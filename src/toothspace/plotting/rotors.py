@@ -34,33 +34,46 @@ _TURN = 2.0 * np.pi
 @styled
 def pocket_cycle(solution: Solution, description: MachineDescription) -> Figure:
     """Pressure, volume and open port areas of one pocket over the outer rotor's angle."""
-    data, family = solution.data, description.families[0]
-    order, degrees = _pocket_samples(solution, description)
-    column = description.chamber_labels.index(f"{family.name}_0")
+    data = solution.data
+    degrees, sample, chamber = _one_pocket(solution, description)
     figure = new_figure(7.2, 5.6)
     pressure, volume, area = figure.subplots(3, 1, sharex=True)
-    pressure.plot(degrees, np.asarray(data["chamber_pressure"])[order, column] / _BAR, color=BLUE)
+    pressure.plot(degrees, np.asarray(data["chamber_pressure"])[sample, chamber] / _BAR, color=BLUE)
     pressure.set_ylabel("Pressure (bar)")
     pressure.set_title("One pocket over a turn of the outer rotor")
-    volume.plot(degrees, 1e6 * np.asarray(data["chamber_volume"])[order, column], color=INK)
+    volume.plot(degrees, 1e6 * np.asarray(data["chamber_volume"])[sample, chamber], color=INK)
     volume.set_ylabel("Volume (cm³)")
     for port, color in (("inlet", BLUE), ("outlet", ORANGE)):
-        opening = np.asarray(data["opening_area"].sel(port=port))[order, column]
+        opening = np.asarray(data["opening_area"].sel(port=port))[sample, chamber]
         area.plot(degrees, 1e6 * opening, color=color, label=port)
     area.set_ylabel("Port area (mm²)")
     area.legend(loc="upper right", ncols=2)
-    angle_axis(area, "Outer rotor: angle of the pocket from the largest volume (deg)")
+    angle_axis(area, "Angle of the outer rotor (deg)")
     return figure
 
 
-def _pocket_samples(solution: Solution, description: MachineDescription) -> tuple[IntArray, Array]:
-    """Samples of the first pocket in the order of its angle; the last ones where it is twice."""
-    family = description.families[0]
-    angle = np.asarray(solution.data["shaft_angle"])
-    last = angle >= angle[-1] - family.volume.period / family.angle_ratio
-    own = np.mod(family.phases[0] + family.angle_ratio * angle, family.volume.period)
-    order = np.flatnonzero(last)[np.argsort(own[last])]
-    return order, np.degrees(own[order])
+def _one_pocket(
+    solution: Solution, description: MachineDescription
+) -> tuple[Array, IntArray, IntArray]:
+    """Angles of a pocket over its turn with the sample and the pocket that show them.
+
+    In one turn of the shaft a pocket does not come round; the ones behind it, which are alike,
+    show the rest.
+    """
+    family, angle = description.families[0], np.asarray(solution.data["shaft_angle"])
+    last = np.flatnonzero(angle >= angle[-1] - _TURN)
+    step = family.angle_ratio * float(np.median(np.diff(angle)))
+    own = np.mod(family.phases + family.angle_ratio * angle[last, None], family.volume.period)
+    found: list[tuple[float, int, int]] = []
+    shown = np.zeros(round(family.volume.period / step) + 1, dtype=bool)
+    for chamber in range(family.count):
+        places = np.round(own[:, chamber] / step).astype(int)
+        new = np.flatnonzero(~shown[places])
+        found += [(own[k, chamber], int(last[k]), chamber) for k in new]
+        shown[places] = True
+    found.sort()
+    degrees, sample, column = zip(*found, strict=True)
+    return np.degrees(degrees), np.array(sample), np.array(column)
 
 
 @styled

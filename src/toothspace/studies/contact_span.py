@@ -136,18 +136,26 @@ def _waveforms(case: Case) -> xr.Dataset:
         "shaft_torque": torque,
         "single_contact_torque": _torque(single, angle),
     }
+    means = [_mean_torque(ideal), _mean_torque(complete) - float(friction.mean())]
+    means += [_mean_torque(complete), _mean_torque(single)]
     forces = (("shaft_angle", "tooth"), found.force, {"units": "N"})
     places = (("shaft_angle", "tooth"), found.place, {"units": "rad"})
     return xr.Dataset(
         {name: ("shaft_angle", values, {"units": "N m"}) for name, values in torques.items()}
-        | {"tooth_force": forces, "tooth_place": places},
-        coords={"shaft_angle": ("shaft_angle", angle, {"units": "rad"})},
+        | {"tooth_force": forces, "tooth_place": places}
+        | {"mean_torque": ("stage", means, {"units": "N m"})},
+        coords={"shaft_angle": ("shaft_angle", angle, {"units": "rad"}), "stage": list(torques)},
     )
 
 
 def _last_turn(solution: Solution) -> Array:
     angle = np.asarray(solution.data["shaft_angle"], dtype=float)
     return angle - angle[0]
+
+
+def _mean_torque(solution: Solution) -> float:
+    """Mean of the ledger: it has the short impacts between the samples. [N m]."""
+    return float(solution.summary()["mean_torque_N_m"])
 
 
 def _torque(solution: Solution, angle: Array) -> Array:
@@ -201,8 +209,8 @@ def _numbers(
     pairs: Sequence[tuple[float, float]], records: Sequence[Record], waveforms: xr.Dataset
 ) -> dict[str, Any]:
     means = {
-        f"mean_{name}_N_m": float(waveforms[name].mean())
-        for name in ("ideal_torque", "torque_with_gaps", "shaft_torque", "single_contact_torque")
+        f"mean_{name}_N_m": float(waveforms["mean_torque"].sel(stage=name))
+        for name in waveforms["stage"].values
     }
     found = columns(records)
     return {
