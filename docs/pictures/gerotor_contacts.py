@@ -11,7 +11,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.figure import Figure
 
-from tests.gerotor_designs import ECCENTRICITY, INNER_COUNT, OUTER_COUNT, cycloidal
+from tests.drawn_rotors import ECCENTRICITY, INNER_COUNT, OUTER_COUNT, cycloidal
 from toothspace.machines.gerotor.contact_search import PlacedRotors, turned
 from toothspace.machines.gerotor.contact_table import LobeContact, lobe_contacts
 from toothspace.machines.gerotor.contour import contour

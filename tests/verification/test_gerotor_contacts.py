@@ -9,7 +9,7 @@ import pytest
 import shapely
 from scipy.spatial import cKDTree
 
-from tests.gerotor_designs import (
+from tests.drawn_rotors import (
     CAVITY,
     ECCENTRICITY,
     INNER_COUNT,

@@ -8,6 +8,8 @@ import numpy as np
 
 from toothspace.core.types import Array
 from toothspace.geometry.section_export import Section, export_section
+from toothspace.machines.gerotor.contact_table import export_contacts
+from toothspace.machines.gerotor.lobe_pairs import contacts_of
 from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.profiles import rotors_from
 
@@ -24,7 +26,8 @@ def export_profiles(spec: GerotorParameters, stem: Path, suffix: str) -> list[Pa
     stem : Path
         Folder and begin of the file names; ``_inner`` and ``_outer`` follow.
     suffix : str
-        ``txt`` (the toothed curves alone), ``dxf``, ``stl`` or ``step``.
+        ``txt`` (the toothed curves alone, and ``_contacts`` with the table of lobe contacts),
+        ``dxf``, ``stl`` or ``step``.
 
     Returns
     -------
@@ -48,6 +51,9 @@ def export_profiles(spec: GerotorParameters, stem: Path, suffix: str) -> list[Pa
         path = stem.with_name(f"{stem.name}_{name}.{suffix}")
         export_section(section, path, spec.rotors.face_width)
         paths.append(path)
+    if suffix == "txt":
+        paths.append(stem.with_name(f"{stem.name}_contacts.txt"))
+        export_contacts(paths[-1], contacts_of(rotors))
     return paths
 
 
