@@ -5,7 +5,16 @@ from __future__ import annotations
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array
 
-_kernel = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
+_kernel = njit(
+    error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False
+)
+
+
+@_kernel
+def copy(source: Array, target: Array) -> None:
+    """Copy a vector; slices that might overlap would be copied twice."""
+    for i in range(target.size):
+        target[i] = source[i]
 
 
 @_kernel

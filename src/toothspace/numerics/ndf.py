@@ -57,7 +57,7 @@ from typing import Any
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.numerics.dense_output import false_position, interpolate
+from toothspace.numerics.dense_output import copy, false_position, interpolate
 from toothspace.numerics.ndf_step import (
     GO_ON,
     PASSED,
@@ -120,8 +120,8 @@ def _pause(state: NdfState, record: NdfRecord, t_end: float) -> int:
 @kernel
 def _reset(state: NdfState, t0: float, y0: Array) -> None:
     control = state.control[0]
-    state.differences[0, :] = y0
-    state.differences[1:, :] = 0.0
+    state.differences[:, :] = 0.0
+    copy(y0, state.differences[0])
     control.time = control.valid_until = t0
     control.order = control.next_order = 1
     control.equal_steps = control.pending = control.rate_known = 0
@@ -138,7 +138,7 @@ def _first_step(settings: NdfSettings, state: NdfState, part: int) -> None:
     slope, first, second = state.work[4], state.differences[1], state.delta
     inverse = state.differences[2, : second.size]
     if part == 0:
-        first[:] = slope
+        copy(slope, first)
         for i in range(second.size):
             inverse[i] = 1.0 / state.inverse_weights[i]
             second[i] = 0.0
@@ -268,7 +268,7 @@ def _bind_advance(callbacks: NdfCallbacks, begin: Compiled) -> Compiled:
                 rhs(control.new_time, trial, params, slope)
                 code = use_evaluation(program, settings, state)
             if code != PASSED:
-                state.y[:] = state.differences[0]
+                copy(state.differences[0], state.y)
                 return code
             ledger(control.new_time, trial, params, slope)
             accept_step(program, settings, state)

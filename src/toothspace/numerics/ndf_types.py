@@ -15,7 +15,9 @@ from toothspace.core.compiled import njit
 from toothspace.core.types import Array, IntArray
 from toothspace.numerics.static_lu import LuProgram
 
-kernel = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
+kernel = njit(
+    error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False
+)
 """Compiles a function that only compiled code calls; leaving out the wrappers saves seconds."""
 
 MAX_ORDER = 5

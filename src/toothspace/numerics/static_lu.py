@@ -31,7 +31,9 @@ _SMALL_PIVOT = 1e-8
 
 Index = NDArray[np.uint32]
 
-_kernel = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
+_kernel = njit(
+    error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False
+)
 
 
 class LuProgram(NamedTuple):
@@ -183,7 +185,7 @@ def _runs(upper: IntArray, target: IntArray) -> list[tuple[int, int, int]]:
     return [(int(upper[p[0]]), int(target[p[0]]), int(p.size)) for p in pieces]
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", _nrt=False)
 def factorise(
     program: LuProgram, jacobian: Array, gamma: float, values: Array, pivots: IntArray
 ) -> int:
@@ -238,6 +240,8 @@ def _eliminate(program: LuProgram, values: Array) -> bool:
         values[program.diagonal[k]] = inverse
         for pair in range(pair_start[k], pair_start[k + 1]):
             factor = values[pair_lower[pair]] * inverse
+            if factor == 0.0:
+                continue
             values[pair_lower[pair]] = factor
             for run in range(run_start[pair], run_start[pair + 1]):
                 upper, target = run_upper[run], run_target[run]
@@ -282,7 +286,7 @@ def _eliminate_dense_column(a: Array, k: int, best: int) -> None:
                 a[i, j] -= factor * a[k, j]
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", _nrt=False)
 def solve(
     program: LuProgram, values: Array, pivots: IntArray, kind: int, right: Array, scratch: Array
 ) -> None:
@@ -341,7 +345,7 @@ def _solve_dense(values: Array, pivots: IntArray, right: Array) -> None:
         right[i] *= a[i, i]
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", _nrt=False)
 def ledger_product(program: LuProgram, jacobian: Array, vector: Array, product: Array) -> None:
     """Multiply the ledger rows of the Jacobian with a core vector.
 
