@@ -133,7 +133,14 @@ def event_values(t, y, params, g):
         g[0] = t - 1.0
 
 
-_initial_state, _advance = bind(NdfCallbacks(rhs, rhs, jacobian, weights, event_values))
+@njit
+def finish(t, y, params, dydt, w, g):
+    rhs(t, y, params, dydt)
+    weights(t, y, params, w)
+    event_values(t, y, params, g)
+
+
+_initial_state, _advance = bind(NdfCallbacks(rhs, finish, jacobian, weights, event_values))
 
 
 @njit(cache=True)

@@ -53,8 +53,9 @@ NODE_COLUMNS = 22
     DRAG,
     LOSS,
     SHEAR,
-) = range(8)
-PATH_COLUMNS = 8
+    DROP,
+) = range(9)
+PATH_COLUMNS = 9
 
 # Columns of ``path_index`` and ``path_data``: what a path is.
 (
@@ -251,7 +252,6 @@ class SystemArrays(NamedTuple):
     path_values: Array
     contact_values: Array
     contact: Array
-    turns: IntArray
     motion: Array
     film_slopes: Array
     torque: Array

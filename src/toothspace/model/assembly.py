@@ -58,11 +58,11 @@ from toothspace.model.paths import (
     circuit_orifices,
     load_orifice,
     path_arrays,
-    path_members,
+    path_readings,
     path_table,
 )
 from toothspace.model.quasi_static import bush_positions
-from toothspace.model.tables import OPEN, Members, fill_constants, pack_tables
+from toothspace.model.tables import OPEN, Reading, fill_constants, make_members, pack_tables
 from toothspace.model.walls import wall_volume
 from toothspace.numerics.periodic_table import PeriodicTable, stack_tables
 
@@ -122,6 +122,7 @@ def assemble(
     tables = [_chamber_table(description, k, motion_map) for k in range(len(families))]
     tables += contacts.tables
     tables += [path_table(path, motion_map) for path in paths]
+    bank = pack_tables(tables)
     bush = bush_positions(description, condition, motion_map, free)
     journals = journal_data(description, free, bush)
     sizes = _sizes(description, condition, len(free), paths)
@@ -135,10 +136,10 @@ def assemble(
         fluid=fluid,
         surface=_surface(description, condition),
         film=journals.film,
-        bank=pack_tables(tables),
-        chambers=_chambers(description),
-        contacts=contacts.members,
-        paths=path_members(paths, len(families) + len(contacts.tables)),
+        bank=bank,
+        chambers=make_members(bank, _chambers(description)),
+        contacts=make_members(bank, contacts.reading),
+        paths=make_members(bank, path_readings(paths, len(families) + len(contacts.tables))),
         dynamic_index=_dynamic_index(description, condition),
         path_index=path_index,
         path_data=path_data,
@@ -146,7 +147,6 @@ def assemble(
         asperity=journals.asperity,
         node=_nodes(description, fluid, condition, sizes),
         motion=motion_rows(description, condition, free),
-        turns=np.zeros(max(sizes.paths, sizes.chambers, sizes.contacts), dtype=np.int64),
         drive=drive,
         elements=elements,
         schedule=schedule,
@@ -227,9 +227,9 @@ def _chamber_table(description: MachineDescription, k: int, motion_map: Array) -
     )
 
 
-def _chambers(description: MachineDescription) -> Members:
+def _chambers(description: MachineDescription) -> Reading:
     counts = [family.count for family in description.families]
-    return Members(
+    return Reading(
         table=np.repeat(np.arange(len(counts)), counts).astype(np.int64),
         phase=np.concatenate([family.phases for family in description.families]),
         ratio=np.repeat([family.angle_ratio for family in description.families], counts),

@@ -31,7 +31,7 @@ from toothspace.model.description import MachineDescription
 from toothspace.model.films import lateral_drag
 from toothspace.model.ledger import FRICTION_MECHANISMS
 from toothspace.model.operating_point import OperatingCondition
-from toothspace.model.tables import OPEN, Members
+from toothspace.model.tables import OPEN, Reading
 from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
 
 REACH = 0.3e-3
@@ -48,7 +48,7 @@ class ContactParts:
     """Tables, members and constants of the contacts that carry load."""
 
     tables: list[PeriodicTable]
-    members: Members
+    reading: Reading
     data: Array
     counts: dict[str, int]
 
@@ -92,16 +92,16 @@ def contact_parts(
     rows = [row for c in contacts for row in [_constants(c)] * c.count]
     return ContactParts(
         tables=tables,
-        members=_members(contacts, first_table, POSSIBLE if compliant else OPEN),
+        reading=_readings(contacts, first_table, POSSIBLE if compliant else OPEN),
         data=np.array(rows, dtype=float).reshape(count, 9),
         counts={"contacts": count, "compliant": count if compliant else 0},
     )
 
 
-def _members(contacts: list[ContactPair], first_table: int, gate: int) -> Members:
+def _readings(contacts: list[ContactPair], first_table: int, gate: int) -> Reading:
     counts = [contact.count for contact in contacts]
     tables = np.arange(first_table, first_table + len(contacts))
-    return Members(
+    return Reading(
         table=np.repeat(tables, counts).astype(np.int64),
         phase=np.concatenate([*(contact.phases for contact in contacts), np.zeros(0)]),
         ratio=np.repeat([float(contact.angle_ratio) for contact in contacts], counts),

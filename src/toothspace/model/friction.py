@@ -77,10 +77,10 @@ def mesh_torque(s: SystemArrays, speed: float) -> float:
 @kernel
 def tip_torque(s: SystemArrays) -> float:
     """Torque of viscous shear in all gaps with sliding walls. [N m]."""
-    path = s.path
+    path, free = s.path, s.paths.open
     total = 0.0
-    for j in range(s.size.paths):
-        total += path[j, SHEAR]
+    for entry in range(free[-1]):
+        total += path[free[entry], SHEAR]
     return total
 
 

@@ -43,16 +43,23 @@ from toothspace.model.system import evaluate
 
 @kernel
 def jacobian(t: float, state: Array, s: SystemArrays, matrix: Array) -> None:
-    """Derivatives of all rates with respect to the core states; energy rows are left out.
+    """Derivatives of all rates with respect to the core states, see :func:`fill_jacobian`."""
+    evaluate(s, state)
+    fill_jacobian(t, state, s, matrix)
+
+
+@kernel
+def fill_jacobian(t: float, state: Array, s: SystemArrays, matrix: Array) -> None:
+    """Derivatives of all rates at the state last evaluated; energy rows are left out.
 
     The rows of port masses and port gas stand in full, so that mass balances close to round-off.
     Angle and speed of a free shaft are left to the iteration: its inertia makes their feedback
     within a step weak.
     """
-    evaluate(s, state)
     matrix[:, :] = 0.0
     matrix[0, 1] = 1.0
-    for j in range(s.size.paths):
+    for entry in range(s.paths.open[-1]):
+        j = s.paths.open[entry]
         if s.path[j, FLOW] != 0.0:
             add_path(s, state, j, matrix)
     add_gas_exchange(s, state, matrix)

@@ -33,6 +33,7 @@ from toothspace.model.arrays import (
     DENSITY,
     DRAG,
     DRAG_SPEED,
+    DROP,
     FAMILY_COUNT,
     FAMILY_FIRST,
     FLOW,
@@ -63,6 +64,7 @@ from toothspace.model.arrays import (
     SystemArrays,
 )
 from toothspace.model.ledger import THROTTLING
+from toothspace.model.tables import CLOSED
 
 ORIFICE, PARALLEL_GAP, CURVED_GAP = 0, 1, 2
 SHARP_EDGE = 0.7
@@ -75,13 +77,23 @@ CLOSED_GAP = 1e-7
 @kernel
 def update_partners(s: SystemArrays) -> None:
     """Set the present partner of every path: tooth pairing moves on with unequal counts."""
-    index, turns = s.path_index, s.turns
+    index, turns = s.path_index, s.paths.turns
     for j in range(s.size.paths):
         partner = index[j, NODE_B]
         if index[j, PARTNER_SHIFT] != 0:
             first, count = index[j, FAMILY_FIRST], index[j, FAMILY_COUNT]
             partner = first + (partner - first + turns[j] * index[j, PARTNER_SHIFT]) % count
         index[j, PRESENT_B] = partner
+
+
+@kernel
+def close_paths(s: SystemArrays) -> None:
+    """Let nothing flow through the paths that are closed at the present angle."""
+    path, base = s.path, s.paths.base
+    for j in range(base.size):
+        if base[j] == CLOSED:
+            for column in range(path.shape[1]):
+                path[j, column] = 0.0
 
 
 @kernel
@@ -107,8 +119,9 @@ def gap_conductance(
 @kernel
 def update_gap_heights(s: SystemArrays, state: Array) -> None:
     """Nominal heights of all gaps with the present positions of the bodies."""
-    values, path, index, size = s.path_values, s.path, s.path_index, s.size
-    for j in range(size.paths):
+    values, path, index, size, free = s.path_values, s.path, s.path_index, s.size, s.paths.open
+    for entry in range(free[-1]):
+        j = free[entry]
         if index[j, KIND] == ORIFICE or values[j, 1] <= CLOSED_GAP:
             continue
         height = values[j, GEOMETRY]
@@ -129,8 +142,9 @@ def update_viscosities(s: SystemArrays) -> None:
 def update_flows(s: SystemArrays, speed: float) -> None:
     """Flow of every path from the pressures at its ends and its gap, with derivatives."""
     node, path, values, index = s.node, s.path, s.path_values, s.path_index
-    data, fluid = s.path_data, s.fluid
-    for j in range(s.size.paths):
+    data, fluid, free = s.path_data, s.fluid, s.paths.open
+    for entry in range(free[-1]):
+        j = free[entry]
         kind = index[j, KIND]
         first, second, third = values[j, 0], values[j, 1], values[j, 2]
         if (kind == ORIFICE and first <= CLOSED_ORIFICE) or (
@@ -169,16 +183,18 @@ def update_flows(s: SystemArrays, speed: float) -> None:
         path[j, FLOW_BY_PRESSURE] = many * by_pressure
         path[j, FLOW_BY_HEIGHT] = many * (by_conductance * by_height + drag_by_height)
         path[j, DRAG] = many * drag
+        path[j, DROP] = drop
 
 
 @kernel
 def sum_flows(s: SystemArrays) -> None:
     """Mass and gas flows of all paths, summed into the nodes."""
-    node, path, index = s.node, s.path, s.path_index
+    node, path, index, free = s.node, s.path, s.path_index, s.paths.open
     for i in range(s.size.nodes):
         node[i, MASS_RATE] = 0.0
         node[i, GAS_RATE] = 0.0
-    for j in range(s.size.paths):
+    for entry in range(free[-1]):
+        j = free[entry]
         flow = path[j, VOLUME_FLOW]
         if flow == 0.0:
             path[j, FLOW] = 0.0
@@ -195,6 +211,22 @@ def sum_flows(s: SystemArrays) -> None:
 
 
 @kernel
+def shift_flows(s: SystemArrays) -> None:
+    """Move the flows of all paths linearly to the present pressures."""
+    node, path, index, free = s.node, s.path, s.path_index, s.paths.open
+    for entry in range(free[-1]):
+        j = free[entry]
+        if path[j, FLOW] == 0.0:
+            continue
+        a, b = index[j, NODE_A], index[j, PRESENT_B]
+        change = node[a, PRESSURE] - node[b, PRESSURE] - path[j, DROP]
+        path[j, DROP] += change
+        path[j, VOLUME_FLOW] += path[j, FLOW_BY_PRESSURE] * change
+        source = a if path[j, VOLUME_FLOW] > 0.0 else b
+        path[j, FLOW] = node[source, DENSITY] * path[j, VOLUME_FLOW]
+
+
+@kernel
 def update_network(s: SystemArrays, state: Array) -> None:
     """Flows of all paths and their sums in the nodes."""
     update_viscosities(s)
@@ -206,9 +238,10 @@ def update_network(s: SystemArrays, state: Array) -> None:
 @kernel
 def book_throttling(s: SystemArrays, speed: float, ledger: Array) -> float:
     """Add the power lost in every path to its category; return the torque of wall drag. [N m]."""
-    node, path, index = s.node, s.path, s.path_index
+    node, path, index, free = s.node, s.path, s.path_index, s.paths.open
     torque = 0.0
-    for j in range(s.size.paths):
+    for entry in range(free[-1]):
+        j = free[entry]
         flow = path[j, FLOW]
         if flow == 0.0:
             continue

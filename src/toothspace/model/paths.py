@@ -10,7 +10,7 @@ from toothspace.core.types import Array, IntArray
 from toothspace.model.circuit_description import Circuit
 from toothspace.model.description import FlowPath, MachineDescription
 from toothspace.model.ledger import PATH_CATEGORIES
-from toothspace.model.tables import Members
+from toothspace.model.tables import Reading
 from toothspace.numerics.periodic_table import PeriodicTable
 
 _KINDS = {"orifice": 0, "parallel_gap": 1, "curved_gap": 2}
@@ -74,10 +74,10 @@ def path_table(path: FlowPath, motion_map: Array) -> PeriodicTable:
     return PeriodicTable(period, values, slopes)
 
 
-def path_members(paths: Sequence[FlowPath], first_table: int) -> Members:
+def path_readings(paths: Sequence[FlowPath], first_table: int) -> Reading:
     """Table, phase and growth of the angle of every path."""
     counts = [path.count for path in paths]
-    return Members(
+    return Reading(
         table=np.repeat(np.arange(first_table, first_table + len(paths)), counts),
         phase=np.concatenate([path.phases for path in paths]),
         ratio=np.repeat([path.angle_ratio for path in paths], counts),

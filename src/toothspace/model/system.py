@@ -67,8 +67,14 @@ from toothspace.model.ledger import (
     SHAFT_LOAD,
     STARTUP,
 )
-from toothspace.model.network import book_throttling, update_network, update_partners
-from toothspace.model.tables import fill_slopes, fill_values
+from toothspace.model.network import (
+    book_throttling,
+    close_paths,
+    shift_flows,
+    update_network,
+    update_partners,
+)
+from toothspace.model.tables import fill_slopes, fill_values, find_intervals
 
 SAME_ANGLE = 1e-13
 SMALLEST_TORQUE = 1e-9
@@ -82,13 +88,17 @@ def update_tables(s: SystemArrays, shaft_angle: float) -> None:
     if abs(shaft_angle - s.table_angle[0]) <= SAME_ANGLE * max(1.0, abs(shaft_angle)):
         return
     s.table_angle[0] = shaft_angle
-    fill_values(s.bank, s.chambers, shaft_angle, s.chamber_values, s.turns)
+    find_intervals(s.bank, s.chambers, shaft_angle, s.chamber_values)
+    fill_values(s.bank, s.chambers, shaft_angle, s.chamber_values)
     fill_slopes(s.bank, s.chambers, shaft_angle, s.chamber_slopes)
-    fill_values(s.bank, s.contacts, shaft_angle, s.contact_values[VALUE], s.turns)
+    find_intervals(s.bank, s.contacts, shaft_angle, s.contact_values[VALUE])
+    fill_values(s.bank, s.contacts, shaft_angle, s.contact_values[VALUE])
     if s.size.compliant > 0:
         fill_slopes(s.bank, s.contacts, shaft_angle, s.contact_values[SLOPE])
-    fill_values(s.bank, s.paths, shaft_angle, s.path_values, s.turns)
-    update_partners(s)
+    if find_intervals(s.bank, s.paths, shaft_angle, s.path_values):
+        update_partners(s)
+        close_paths(s)
+    fill_values(s.bank, s.paths, shaft_angle, s.path_values)
 
 
 @kernel
@@ -141,6 +151,12 @@ def right_hand_side(t: float, state: Array, s: SystemArrays, rate: Array) -> Non
 def full_rates(t: float, state: Array, s: SystemArrays, rate: Array) -> None:
     """Time derivative of the state with the whole ledger."""
     right_hand_side(t, state, s, rate)
+    book_rates(s, state, rate)
+
+
+@kernel
+def book_rates(s: SystemArrays, state: Array, rate: Array) -> None:
+    """Add the rates of the ledger to those of the port masses."""
     update_enthalpies(s)
     ledger = rate[s.size.core :]
     ledger[GAS_RELAXATION] = gas_relaxation(s, state)
@@ -205,13 +221,41 @@ def held_torque(s: SystemArrays, state: Array) -> None:
 
 
 @kernel
+def finish_step(
+    t: float, state: Array, s: SystemArrays, rate: Array, weight: Array, values: Array
+) -> None:
+    """Ledger rates, error weights and event values of an accepted state.
+
+    The flows are moved on linearly from the last state of the iteration, which was within the
+    tolerance of the accepted one; all else is evaluated. Port masses are left out.
+    """
+    evaluate_pressures(s, state)
+    shift_flows(s)
+    update_pressure_forces(s)
+    update_film_forces(s, state)
+    update_contacts(s, state)
+    update_elements(s, t)
+    for i in range(s.size.core, s.size.total):
+        rate[i] = 0.0
+    book_rates(s, state, rate)
+    fill_weights(s, state, weight)
+    fill_event_values(s, t, state, values)
+
+
+@kernel
 def error_weights(t: float, state: Array, s: SystemArrays, weight: Array) -> None:
+    """Error allowed in each core state, see :func:`fill_weights`."""
+    evaluate_pressures(s, state)
+    fill_weights(s, state, weight)
+
+
+@kernel
+def fill_weights(s: SystemArrays, state: Array, weight: Array) -> None:
     """Error allowed in each core state, from a tolerance on pressures and on positions.
 
     A pressure error p belongs to a mass error m p / (rho dp/drho); where the bulk modulus
     is low the mass itself is kept to ten times the relative tolerance.
     """
-    evaluate_pressures(s, state)
     node, motion, size, tolerance = s.node, s.motion, s.size, s.constant.relative_tolerance
     weight[0] = tolerance
     weight[1] = tolerance * max(abs(state[1]), 1.0)
@@ -233,8 +277,14 @@ def error_weights(t: float, state: Array, s: SystemArrays, weight: Array) -> Non
 
 @kernel
 def event_values(t: float, state: Array, s: SystemArrays, values: Array) -> None:
-    """Signed distances to events: vapour in a chamber, a body at its stop, contact lost."""
+    """Signed distances to events, see :func:`fill_event_values`."""
     evaluate_pressures(s, state)
+    fill_event_values(s, t, state, values)
+
+
+@kernel
+def fill_event_values(s: SystemArrays, t: float, state: Array, values: Array) -> None:
+    """Signed distances to events: vapour in a chamber, a body at its stop, contact lost."""
     node, journal, size = s.node, s.journal, s.size
     onset = s.fluid.vapour_pressure + 2.0 * s.fluid.vapour_smoothing
     for i in range(size.chambers):

@@ -27,7 +27,7 @@ class TableBank(NamedTuple):
     period: Array
 
 
-class Members(NamedTuple):
+class Reading(NamedTuple):
     """Things that read one row of a table each: which table, phase and growth of its angle.
 
     Where the channel ``gate`` is zero the thing is closed and its other channels are not read.
@@ -39,8 +39,61 @@ class Members(NamedTuple):
     gate: IntArray
 
 
+class Members(NamedTuple):
+    """Things that read one row of a table each, and where in their tables they stand.
+
+    Parameters
+    ----------
+    table : ndarray of int
+        Number of the table.
+    gate : ndarray of int
+        Where this channel is zero the thing is closed and its other channels are not read.
+    origin, growth : ndarray
+        Place in the table in nodes at shaft angle zero, and its growth per angle. [-], [1/rad]
+    interval : ndarray
+        Node below the present place, counted on beyond full turns; NaN at the start. [-]
+    base : ndarray of int
+        First coefficient of that interval; CLOSED where the thing is closed.
+    turns : ndarray of int
+        Periods passed.
+    moving, open : ndarray of int
+        Numbers of the things to be interpolated, and of all that are not closed; their
+        count stands at the end.
+    """
+
+    table: IntArray
+    gate: IntArray
+    origin: Array
+    growth: Array
+    interval: Array
+    base: IntArray
+    turns: IntArray
+    moving: IntArray
+    open: IntArray
+
+
 OPEN = -1
 """Gate of members that are never closed."""
+
+CLOSED = -1
+"""Place of the coefficients of a closed member."""
+
+
+def make_members(bank: TableBank, reading: Reading) -> Members:
+    """Return members that stand nowhere yet."""
+    table = np.asarray(reading.table, dtype=np.int64)
+    count, nodes = table.size, bank.layout[table, NODES]
+    return Members(
+        table=table,
+        gate=np.asarray(reading.gate, dtype=np.int64),
+        origin=np.asarray(reading.phase * nodes / bank.period[table], dtype=float),
+        growth=np.asarray(reading.ratio * nodes / bank.period[table], dtype=float),
+        interval=np.full(count, np.nan),
+        base=np.full(count, CLOSED),
+        turns=np.zeros(count, dtype=np.int64),
+        moving=np.zeros(count + 1, dtype=np.int64),
+        open=np.zeros(count + 1, dtype=np.int64),
+    )
 
 
 def fill_constants(bank: TableBank, members: Members, values: Array) -> None:
@@ -65,10 +118,12 @@ def pack_tables(tables: Sequence[PeriodicTable]) -> TableBank:
 
 
 def _shortened(table: PeriodicTable) -> PeriodicTable:
-    """Keep one node of a table that does not depend on the angle."""
-    if np.any(table.slopes) or np.any(table.values != table.values[0]):
-        return table
-    return PeriodicTable(table.period, table.values[:1], table.slopes[:1])
+    """Drop trailing channels of zeros, and all nodes but one if nothing depends on the angle."""
+    used = np.flatnonzero(np.any(table.values, axis=0) | np.any(table.slopes, axis=0))
+    channels = max(used[-1] + 1 if used.size else 0, min(2, table.values.shape[1]))
+    values, slopes = table.values[:, :channels], table.slopes[:, :channels]
+    nodes = len(values) if np.any(slopes) or np.any(values != values[0]) else 1
+    return PeriodicTable(table.period, values[:nodes], slopes[:nodes])
 
 
 def _hermite_coefficients(table: PeriodicTable) -> Array:
@@ -81,29 +136,62 @@ def _hermite_coefficients(table: PeriodicTable) -> Array:
 
 
 @kernel
-def fill_values(
-    bank: TableBank, members: Members, shaft_angle: float, values: Array, turns: IntArray
-) -> None:
-    """Evaluate all channels of every member's table, one row each, and the periods passed."""
-    coefficients, layout, period = bank.coefficients, bank.layout, bank.period
-    for j in range(members.table.size):
-        table = members.table[j]
-        nodes, channels = layout[table, NODES], layout[table, CHANNELS]
-        if nodes == 1:
+def find_intervals(bank: TableBank, members: Members, shaft_angle: float, values: Array) -> bool:
+    """Move members on to the intervals of a shaft angle; False if all stayed in theirs."""
+    origin, growth, interval = members.origin, members.growth, members.interval
+    moved = False
+    for j in range(interval.size):
+        place = origin[j] + growth[j] * shaft_angle
+        if not 0.0 <= place - interval[j] < 1.0:
+            interval[j] = np.floor(place)
+            find_coefficients(bank, members, j)
+            moved = True
+    if moved:
+        list_members(bank, members, values)
+    return moved
+
+
+@kernel
+def find_coefficients(bank: TableBank, members: Members, j: int) -> None:
+    """Point one member to the coefficients of its interval, or close it."""
+    coefficients, table, gate = bank.coefficients, members.table[j], members.gate[j]
+    nodes, channels = bank.layout[table, NODES], bank.layout[table, CHANNELS]
+    passed = np.floor(members.interval[j] / nodes)
+    number = min(max(int(members.interval[j] - passed * nodes), 0), nodes - 1)
+    first = bank.layout[table, OFFSET]
+    base = first + number * 4 * channels
+    following = first + (number + 1) % nodes * 4 * channels
+    members.turns[j] = int(passed)
+    closed = gate >= channels
+    if 0 <= gate < channels:
+        closed = coefficients[base + gate] == 0.0 == coefficients[following + gate]
+    members.base[j] = CLOSED if closed else base
+
+
+@kernel
+def list_members(bank: TableBank, members: Members, values: Array) -> None:
+    """List the members to be interpolated and those that are not closed; close the gates."""
+    moving, free = 0, 0
+    for j in range(members.base.size):
+        if members.base[j] == CLOSED:
+            values[j, members.gate[j]] = 0.0
             continue
-        turn = (members.phase[j] + members.ratio[j] * shaft_angle) / period[table]
-        passed = np.floor(turn)
-        position = (turn - passed) * nodes
-        interval = min(int(position), nodes - 1)
-        turns[j] = int(passed)
-        t = position - interval
-        base = layout[table, OFFSET] + interval * 4 * channels
-        gate = members.gate[j]
-        if gate >= 0:
-            following = layout[table, OFFSET] + ((interval + 1) % nodes) * 4 * channels
-            if coefficients[base + gate] == 0.0 and coefficients[following + gate] == 0.0:
-                values[j, gate] = 0.0
-                continue
+        members.open[free] = j
+        free += 1
+        if bank.layout[members.table[j], NODES] > 1:
+            members.moving[moving] = j
+            moving += 1
+    members.moving[-1], members.open[-1] = moving, free
+
+
+@kernel
+def fill_values(bank: TableBank, members: Members, shaft_angle: float, values: Array) -> None:
+    """Evaluate all channels of the open members' tables at the angle of their intervals."""
+    coefficients, moving = bank.coefficients, members.moving
+    for entry in range(moving[-1]):
+        j = moving[entry]
+        channels, base = bank.layout[members.table[j], CHANNELS], members.base[j]
+        t = members.origin[j] + members.growth[j] * shaft_angle - members.interval[j]
         for k in range(channels):
             c0 = coefficients[base + k]
             c1 = coefficients[base + k + channels]
@@ -115,21 +203,12 @@ def fill_values(
 @kernel
 def fill_slopes(bank: TableBank, members: Members, shaft_angle: float, slopes: Array) -> None:
     """Evaluate the derivatives of all channels with respect to the shaft angle."""
-    coefficients, layout, period = bank.coefficients, bank.layout, bank.period
-    for j in range(members.table.size):
-        table = members.table[j]
-        nodes, channels = layout[table, NODES], layout[table, CHANNELS]
-        turn = (members.phase[j] + members.ratio[j] * shaft_angle) / period[table]
-        position = (turn - np.floor(turn)) * nodes
-        interval = min(int(position), nodes - 1)
-        t = position - interval
-        base = layout[table, OFFSET] + interval * 4 * channels
-        gate = members.gate[j]
-        if gate >= 0:
-            following = layout[table, OFFSET] + ((interval + 1) % nodes) * 4 * channels
-            if coefficients[base + gate] == 0.0 and coefficients[following + gate] == 0.0:
-                continue
-        scale = members.ratio[j] * nodes / period[table]
+    coefficients, moving = bank.coefficients, members.moving
+    for entry in range(moving[-1]):
+        j = moving[entry]
+        channels, base = bank.layout[members.table[j], CHANNELS], members.base[j]
+        scale = members.growth[j]
+        t = members.origin[j] + scale * shaft_angle - members.interval[j]
         for k in range(channels):
             c1 = coefficients[base + k + channels]
             c2 = coefficients[base + k + 2 * channels]

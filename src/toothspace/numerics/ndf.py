@@ -16,7 +16,7 @@ How to use it::
     @njit
     def rhs(t, y, params, dydt): ...                # core and balances of the ledger
     @njit
-    def ledger(t, y, params, dydt): ...             # all n_total entries, once a step
+    def finish(t, y, params, dydt, w, g): ...       # once a step: ledger, weights, events
     @njit
     def jacobian(t, y, params, jac): ...            # zeroes, fills (n_total, n_core)
     @njit
@@ -24,7 +24,7 @@ How to use it::
     @njit
     def event_values(t, y, params, g): ...          # g[:n_events]
 
-    _initial_state, _advance = bind(NdfCallbacks(rhs, ledger, jacobian, weights, event_values))
+    _initial_state, _advance = bind(NdfCallbacks(rhs, finish, jacobian, weights, event_values))
 
     @njit(cache=True)                               # cached with all that they call
     def begin(params, program, settings, state, t0, y0):
@@ -140,7 +140,7 @@ def _first_step(settings: NdfSettings, state: NdfState, part: int) -> None:
     if part == 0:
         copy(slope, first)
         for i in range(second.size):
-            inverse[i] = 1.0 / state.inverse_weights[i]
+            inverse[i] = 1.0 / state.weights[i]
             second[i] = 0.0
             for j in range(second.size):
                 second[i] += state.jacobian[i, j] * slope[j]
@@ -233,8 +233,7 @@ def _bind_initial_state(begin: Compiled) -> Compiled:
 
 
 def _bind_advance(callbacks: NdfCallbacks, begin: Compiled) -> Compiled:
-    rhs, ledger, jacobian = callbacks.rhs, callbacks.ledger, callbacks.jacobian
-    weights = callbacks.weights
+    rhs, finish, jacobian = callbacks.rhs, callbacks.finish, callbacks.jacobian
     find_events = _bind_events(callbacks.event_values)
 
     @kernel
@@ -259,18 +258,17 @@ def _bind_advance(callbacks: NdfCallbacks, begin: Compiled) -> Compiled:
                 return code
             if control.pending == RESTART_AT_EVENT:
                 begin(params, settings, state, control.valid_until, state.y)
-            weights(control.time, state.differences[0], params, state.inverse_weights)
             code = start_step(settings, state)
             while code == GO_ON:
+                rhs(control.new_time, trial, params, slope)
                 if control.jacobian_wanted == 1:
                     jacobian(control.new_time, trial, params, state.jacobian)
                     note_jacobian(state)
-                rhs(control.new_time, trial, params, slope)
                 code = use_evaluation(program, settings, state)
             if code != PASSED:
                 copy(state.differences[0], state.y)
                 return code
-            ledger(control.new_time, trial, params, slope)
+            finish(control.new_time, trial, params, slope, state.weights, state.events[1])
             accept_step(program, settings, state)
             control.valid_until = control.time
             if settings.event_actions.size > 0:
@@ -293,15 +291,14 @@ def _bind_begin(callbacks: NdfCallbacks) -> Compiled:
         control = state.control[0]
         _reset(state, t0, y0)
         start, slope = state.differences[0], state.work[4]
-        weights(t0, start, params, state.inverse_weights)
+        weights(t0, start, params, state.weights)
+        rhs(t0, start, params, slope)
         jacobian(t0, start, params, state.jacobian)
         note_jacobian(state)
-        later = t0
-        for part in range(2):
-            rhs(later, start, params, slope)
-            control.rhs_calls += 1
-            _first_step(settings, state, part)
-            later = t0 + control.step
+        _first_step(settings, state, 0)
+        rhs(t0 + control.step, start, params, slope)
+        _first_step(settings, state, 1)
+        control.rhs_calls += 2
         if settings.event_actions.size > 0:
             event_values(t0, start, params, state.events[0])
 
@@ -321,7 +318,6 @@ def _bind_events(event_values: Compiled) -> Compiled:
         control = state.control[0]
         actions = settings.event_actions
         before, after, roots = state.events[0], state.events[1], state.events[3]
-        event_values(control.time, state.differences[0], params, after)
         until, action = control.time, _NOTHING
         for e in range(actions.size):
             roots[e] = np.inf

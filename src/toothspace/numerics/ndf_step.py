@@ -93,7 +93,7 @@ def start_step(settings: NdfSettings, state: NdfState) -> int:
     control = state.control[0]
     inverse = state.inverse_weights
     for i in range(inverse.size):
-        inverse[i] = 1.0 / inverse[i]
+        inverse[i] = 1.0 / state.weights[i]
     _apply_plan(state)
     if control.jacobian_age >= JACOBIAN_AGE:
         control.jacobian_wanted = 1

@@ -15,9 +15,7 @@ from toothspace.core.compiled import njit
 from toothspace.core.types import Array, IntArray
 from toothspace.numerics.static_lu import LuProgram
 
-kernel = njit(
-    error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False
-)
+kernel = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False)
 """Compiles a function that only compiled code calls; leaving out the wrappers saves seconds."""
 
 MAX_ORDER = 5
@@ -79,12 +77,15 @@ class NdfCallbacks(NamedTuple):
     rhs : callable
         ``rhs(t, y, params, dydt)`` fills the time derivatives of the core states and of the
         ledger states whose Jacobian rows are in the pattern (balances).
-    ledger : callable
-        ``ledger(t, y, params, dydt)`` fills all n_total time derivatives; called once at
-        each accepted state, for the ledger states without Jacobian rows (plain integrals).
+    finish : callable
+        ``finish(t, y, params, dydt, w, g)`` is called once at each accepted state, shortly
+        after ``rhs`` at a state within the tolerance of it. Fills the time derivatives of the
+        ledger states without Jacobian rows (plain integrals), and what ``weights`` and
+        ``event_values`` give.
     jacobian : callable
         ``jacobian(t, y, params, jac)`` zeroes and fills the derivatives of ``dydt`` with
-        respect to the core states, shape (n_total, n_core).
+        respect to the core states, shape (n_total, n_core); called after ``rhs`` at the
+        same time and state, whose work it may use.
     weights : callable
         ``weights(t, y, params, w)`` fills the absolute error allowed in each core state.
     event_values : callable
@@ -92,7 +93,7 @@ class NdfCallbacks(NamedTuple):
     """
 
     rhs: Compiled
-    ledger: Compiled
+    finish: Compiled
     jacobian: Compiled
     weights: Compiled
     event_values: Compiled
@@ -185,6 +186,7 @@ class NdfState(NamedTuple):
     factors: Array
     pivots: IntArray
     work: Array
+    weights: Array
     inverse_weights: Array
     delta: Array
     change: Array
@@ -236,6 +238,7 @@ def make_state(program: LuProgram, n_total: int, n_events: int) -> NdfState:
         factors=np.zeros(max(program.packed_size[0], n_core * n_core)),
         pivots=np.zeros(n_core, dtype=np.int64),
         work=np.zeros((6, n_total)),
+        weights=np.zeros(n_core),
         inverse_weights=np.zeros(n_core),
         delta=np.zeros(n_core),
         change=np.zeros((2 * MAX_ORDER + 4, MAX_ORDER + 2)),

@@ -31,9 +31,7 @@ _SMALL_PIVOT = 1e-8
 
 Index = NDArray[np.uint32]
 
-_kernel = njit(
-    error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False
-)
+_kernel = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False)
 
 
 class LuProgram(NamedTuple):

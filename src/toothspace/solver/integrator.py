@@ -13,8 +13,8 @@ from toothspace.core.types import Array
 from toothspace.model.arrays import DIRECTION
 from toothspace.model.assembly import System
 from toothspace.model.contact_data import loaded_contacts
-from toothspace.model.jacobian import jacobian
-from toothspace.model.system import error_weights, event_values, full_rates, right_hand_side
+from toothspace.model.jacobian import fill_jacobian
+from toothspace.model.system import error_weights, event_values, finish_step, right_hand_side
 from toothspace.numerics.ndf import bind
 from toothspace.numerics.ndf_types import (
     DONE,
@@ -46,7 +46,7 @@ _COUNTERS = {
 
 
 _start, _continue = bind(
-    NdfCallbacks(right_hand_side, full_rates, jacobian, error_weights, event_values)
+    NdfCallbacks(right_hand_side, finish_step, fill_jacobian, error_weights, event_values)
 )
 
 
