@@ -46,6 +46,8 @@ class Members(NamedTuple):
     ----------
     table : ndarray of int
         Number of the table.
+    phase, ratio : ndarray
+        Angle of the table at shaft angle zero, and its growth. [rad], [-]
     gate : ndarray of int
         Where this channel is zero the thing is closed and its other channels are not read.
     origin, growth : ndarray
@@ -62,6 +64,8 @@ class Members(NamedTuple):
     """
 
     table: IntArray
+    phase: Array
+    ratio: Array
     gate: IntArray
     origin: Array
     growth: Array
@@ -85,6 +89,8 @@ def make_members(bank: TableBank, reading: Reading) -> Members:
     count, nodes = table.size, bank.layout[table, NODES]
     return Members(
         table=table,
+        phase=np.asarray(reading.phase, dtype=float),
+        ratio=np.asarray(reading.ratio, dtype=float),
         gate=np.asarray(reading.gate, dtype=np.int64),
         origin=np.asarray(reading.phase * nodes / bank.period[table], dtype=float),
         growth=np.asarray(reading.ratio * nodes / bank.period[table], dtype=float),
