@@ -1,7 +1,8 @@
 """Lumped simulation of the 12-tooth motor against SciPy and SUNDIALS on one right-hand side.
 
-All integrators see the same compiled right-hand side and analytic Jacobian, and start from the
-same point of the cyclic state. The competitors are given the package's error weights, averaged
+All integrators see the same compiled right-hand side and start from the same point of the cyclic
+state. They are given the analytic Jacobian too; "own J" marks runs in which SciPy makes its
+own by differences, as a user without one would call it. The competitors are given the package's error weights, averaged
 over the revolution because theirs cannot vary in time, and integrate the core states only; the
 package also integrates the ledger and looks for events. Errors of the chamber pressures against
 a run of the package at a far smaller tolerance show what each has really achieved, and times at
@@ -13,6 +14,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -149,8 +151,8 @@ def run_package(problem: Problem, tolerance: float) -> Run:
     return seconds, piece.states[:, : problem.core], int(counts["rhs"]), int(counts["jac"])
 
 
-def run_scipy(problem: Problem, tolerance: float, method: str) -> Run:
-    """March with a method of SciPy."""
+def run_scipy(problem: Problem, tolerance: float, method: str, *, analytic: bool) -> Run:
+    """March with a method of SciPy, with the package's Jacobian or with SciPy's differences."""
     n = problem.core
 
     def rates(t: float, y: Any) -> Any:
@@ -166,7 +168,7 @@ def run_scipy(problem: Problem, tolerance: float, method: str) -> Run:
     began = time.perf_counter()
     found = solve_ivp(
         rates, (0.0, problem.times[-1]), problem.start[:n], method, problem.times,
-        jac=slopes, rtol=1e-13, atol=tolerance * problem.unit_weights,
+        jac=slopes if analytic else None, rtol=1e-13, atol=tolerance * problem.unit_weights,
         max_step=_longest_step(problem),
     )  # fmt: skip
     seconds = time.perf_counter() - began
@@ -225,8 +227,13 @@ def measure(problem: Problem) -> list[Outcome]:
     runs: dict[str, Callable[[float], Run]] = {
         "toothspace NDF": lambda tolerance: run_package(problem, tolerance),
         "SUNDIALS CVODE": lambda tolerance: run_cvode(problem, tolerance),
-        "SciPy LSODA": lambda tolerance: run_scipy(problem, tolerance, "LSODA"),
-        "SciPy BDF": lambda tolerance: run_scipy(problem, tolerance, "BDF"),
+        **{
+            f"SciPy {method}{', own J' if not analytic else ''}": partial(
+                run_scipy, problem, method=method, analytic=analytic
+            )
+            for method in ("LSODA", "BDF")
+            for analytic in (True, False)
+        },
     }
     outcomes = []
     for tolerance in TOLERANCES:

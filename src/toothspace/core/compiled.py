@@ -46,6 +46,9 @@ prange = numba.prange
 kernel = numba.njit(cache=True, error_model="numpy", _nrt=False)
 """Compiles a function that allocates nothing: arrays pass without reference counting."""
 
+merged = numba.njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+"""A kernel that becomes part of its callers: handing on all arrays costs more than its work."""
+
 inlined = register_jitable
 """Marks a formula that stays plain Python and is compiled where compiled code calls it."""
 
@@ -58,4 +61,4 @@ def announce_first_compilation() -> None:
         )
 
 
-__all__ = ["CACHE_FOLDER", "announce_first_compilation", "inlined", "kernel", "njit", "prange"]
+__all__ = ["CACHE_FOLDER", "announce_first_compilation", "inlined", "kernel", "merged", "njit", "prange"]

@@ -26,7 +26,7 @@ import math
 from toothspace.closures.gap_flow import curved_gap_conductance, parallel_gap_conductance
 from toothspace.closures.orifice import inertial_laminar_flow, orifice_conductance
 from toothspace.closures.viscosity import dynamic_viscosity, throttling_viscosity
-from toothspace.core.compiled import kernel
+from toothspace.core.compiled import kernel, merged
 from toothspace.core.types import Array
 from toothspace.model.arrays import (
     CATEGORY,
@@ -226,7 +226,7 @@ def shift_flows(s: SystemArrays) -> None:
         path[j, FLOW] = node[source, DENSITY] * path[j, VOLUME_FLOW]
 
 
-@kernel
+@merged
 def update_network(s: SystemArrays, state: Array) -> None:
     """Flows of all paths and their sums in the nodes."""
     update_viscosities(s)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from toothspace.core.compiled import kernel
+from toothspace.core.compiled import kernel, merged
 from toothspace.core.types import Array
 from toothspace.model.arrays import (
     ADDED_FRICTION,
@@ -84,9 +84,7 @@ PORTS = len(PORT_NODES)
 
 @kernel
 def update_tables(s: SystemArrays, shaft_angle: float) -> None:
-    """Evaluate all tables, unless they stand at this angle already."""
-    if abs(shaft_angle - s.table_angle[0]) <= SAME_ANGLE * max(1.0, abs(shaft_angle)):
-        return
+    """Evaluate all tables at an angle."""
     s.table_angle[0] = shaft_angle
     find_intervals(s.bank, s.chambers, shaft_angle, s.chamber_values)
     fill_values(s.bank, s.chambers, shaft_angle, s.chamber_values)
@@ -101,15 +99,16 @@ def update_tables(s: SystemArrays, shaft_angle: float) -> None:
     fill_values(s.bank, s.paths, shaft_angle, s.path_values)
 
 
-@kernel
+@merged
 def evaluate_pressures(s: SystemArrays, state: Array) -> None:
-    """Compute the pressures of a state into the work arrays."""
-    update_tables(s, state[0])
+    """Compute the pressures of a state into the work arrays; tables only at a new angle."""
+    if not abs(state[0] - s.table_angle[0]) <= SAME_ANGLE * max(1.0, abs(state[0])):
+        update_tables(s, state[0])
     update_volumes(s, state)
     update_pressures(s, state)
 
 
-@kernel
+@merged
 def evaluate(s: SystemArrays, state: Array) -> None:
     """Compute pressures, flows and forces of a state into the work arrays."""
     evaluate_pressures(s, state)
