@@ -1,12 +1,12 @@
 """Lumped simulation of the 12-tooth motor against SciPy and SUNDIALS on one right-hand side.
 
 All integrators see the same compiled right-hand side and start from the same point of the cyclic
-state. They are given the analytic Jacobian too; "own J" marks runs in which SciPy makes its
-own by differences, as a user without one would call it. The competitors are given the package's error weights, averaged
-over the revolution because theirs cannot vary in time, and integrate the core states only; the
-package also integrates the ledger and looks for events. Errors of the chamber pressures against
-a run of the package at a far smaller tolerance show what each has really achieved, and times at
-equal root mean square error are interpolated between the tolerances.
+state. They are given the analytic Jacobian too; "own J" marks runs in which SciPy makes its own
+by differences, as a user without one would call it. The competitors are given the package's
+error weights, averaged over the revolution because theirs cannot vary in time, and integrate the
+core states only; the package also integrates the ledger and looks for events. Errors of the
+chamber pressures against a run of the package at a far smaller tolerance show what each has
+really achieved, and times at equal root mean square error are interpolated between tolerances.
 """
 
 from __future__ import annotations

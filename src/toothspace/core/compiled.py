@@ -61,4 +61,12 @@ def announce_first_compilation() -> None:
         )
 
 
-__all__ = ["CACHE_FOLDER", "announce_first_compilation", "inlined", "kernel", "merged", "njit", "prange"]
+__all__ = [
+    "CACHE_FOLDER",
+    "announce_first_compilation",
+    "inlined",
+    "kernel",
+    "merged",
+    "njit",
+    "prange",
+]
