@@ -88,7 +88,7 @@ def _rate(i):
     return 10.0 ** (i % 7)
 
 
-@njit
+@njit(_nrt=True)  # allocates, which callbacks otherwise must not
 def jacobian(t, y, params, jac):
     """Differences of the right-hand side by central steps, exact for quadratics."""
     n_total, n_core = jac.shape
