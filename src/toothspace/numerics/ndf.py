@@ -1,8 +1,8 @@
 """Variable-order stiff integrator (NDF 1 to 5), compiled, resumable, with events.
 
-The problem is given as compiled functions; ``params`` is any named tuple of arrays and is
-only passed on. The functions allocate no arrays. The state is ``y = [core | ledger]``: ledger states are integrals of
-functions of the core states and stand in no right-hand side.
+The problem is given as compiled functions that allocate no arrays; ``params`` is any named
+tuple of arrays and is only passed on. The state is ``y = [core | ledger]``: ledger states are
+integrals of functions of the core states and stand in no right-hand side.
 
 How to use it::
 
