@@ -188,3 +188,22 @@ def test_contact_is_refused_with_one_line() -> None:
         GROOVED.solve(eccentricity=(1.02, 0.0), shaft_speed=SPEED)
     with pytest.raises(CaseError, match=r"bearing\.cavitation: found 'elrod'"):
         replace(GROOVED, cavitation="elrod")
+
+
+@pytest.mark.parametrize("turn", [1.0, -1.0])
+def test_light_load_against_the_pressure_of_grooves_comes_to_rest(turn: float) -> None:
+    """Two grooves push forty times harder than the load: Newton's method alone jumps about."""
+    bearing = JournalBearing(
+        diameter=0.02,
+        length=0.02,
+        radial_clearance=18e-6,
+        dynamic_viscosity=0.02,
+        grid=(134, 13),
+        cavitation="reynolds",
+        grooves=(Groove(5.98, 0.361, 0.0169, 4.8e5), Groove(4.19, 0.455, 0.0132, 2.87e5)),
+        cavitation_pressure=0.0,
+    )
+    load = np.array([-27.85, -12.04])
+    film = bearing.equilibrium(load=(load[0], load[1]), shaft_speed=0.597 * turn)
+    assert film.status.succeeded
+    np.testing.assert_allclose(film.force, -load, atol=1e-6)

@@ -38,6 +38,8 @@ from toothspace.films.mixed_lubrication import (
     FrictionCurve,
     FrictionSweep,
     fit_friction_curve,
+    machine_bearing,
+    save_friction_table,
     sweep_friction,
 )
 from toothspace.films.pad import Pad, PadSolution, Pocket
@@ -73,9 +75,11 @@ __all__ = [
     "critical_mass",
     "film_dataset",
     "fit_friction_curve",
+    "machine_bearing",
     "pad_summary",
     "save_film",
     "save_film_vtk",
+    "save_friction_table",
     "shaft_orbit",
     "solve_bearing",
     "solve_film",

@@ -19,6 +19,18 @@ if TYPE_CHECKING:
 _LONGEST_STEP = 0.5
 """Longest step over the clearance. [-]"""
 
+_SINGULAR = 1e10
+"""Condition number from which a film counts as empty. [-]"""
+_LONGEST_SINK = 0.1
+"""Longest step of a sinking shaft over the clearance. [-]"""
+_SINK_STEPS = 150
+_QUICKER = 0.8
+"""Growth of the pace of a sinking shaft from step to step, beside that of the error. [-]"""
+_OVERSHOT = 2.0
+"""Growth of the force out of balance with which a step counts as too long. [-]"""
+_TOLERANCE = 1e-9
+"""Force out of balance over the load. [-]"""
+
 _SMALLEST_SHRINK = 0.3
 """A step may shrink the smallest gap to this part."""
 
@@ -40,7 +52,55 @@ def find_equilibrium(
         place = guess.eccentricity * min(1.0, 0.97 / max(guess.eccentricity_ratio, 0.01))
     else:
         place = np.asarray(start, dtype=float)
-    return _newton(bearing, load, speed, place, 1e-9)
+    film = _newton(bearing, load, speed, place, _TOLERANCE)
+    if film.status.succeeded:
+        return film
+    return _sunk(bearing, load, _solve_at(bearing, _inner(film.eccentricity), speed))
+
+
+def _inner(place: Array) -> Array:
+    """Place from which a shaft is let sink: not deeper than 0.7 of the clearance."""
+    return np.asarray(place * min(1.0, 0.7 / max(float(np.hypot(*place)), 1e-9)))
+
+
+def _sunk(
+    bearing: JournalBearing, load: Array, film: JournalBearingSolution
+) -> JournalBearingSolution:
+    """Let a shaft without mass sink to its place in ever longer implicit steps of time.
+
+    Squeeze damping holds it on the way that a real shaft takes where Newton's method jumps to
+    and fro, as between a light load and the pressure of a groove.
+    """
+    size, pace, longest = float(np.hypot(*load)), np.inf, _LONGEST_SINK
+    for _ in range(_SINK_STEPS):
+        error = film.force + load
+        length = float(np.hypot(*error))
+        if length <= _TOLERANCE * size:
+            return film
+        pace, step = _sinking_step(film, error, pace, longest)
+        place = film.eccentricity + _kept_inside(film.eccentricity, step, bearing)
+        trial = _solve_at(bearing, place, film.speed, film)
+        after = float(np.hypot(*(trial.force + load)))
+        if after > _OVERSHOT * length:
+            longest = 0.3 * min(longest, float(np.hypot(*step)))
+            continue
+        film, longest = trial, min(1.5 * longest, _LONGEST_SINK)
+        pace *= max(after / length, 0.1) * _QUICKER
+    return replace(film, status=Status.NOT_CONVERGED)
+
+
+def _sinking_step(
+    film: JournalBearingSolution, error: Array, pace: float, longest: float
+) -> tuple[float, Array]:
+    """Pace that keeps the step short [1/s], and the step over the clearance."""
+    clearance = film.bearing.radial_clearance
+    damping, stiffness = film.damping * clearance, film.stiffness * clearance
+    if np.linalg.cond(damping) > _SINGULAR:
+        return pace, np.asarray(longest * error / np.hypot(*error))
+    free = np.linalg.solve(damping, error)
+    pace = min(pace, float(np.hypot(*free)) / longest)
+    step = np.linalg.solve(stiffness + pace * damping, error)
+    return pace, np.asarray(step * min(1.0, longest / max(float(np.hypot(*step)), 1e-300)))
 
 
 def _coarse(grid: tuple[int, int]) -> tuple[int, int]:
@@ -80,7 +140,7 @@ def _newton(
 def _newton_step(film: JournalBearingSolution, load: Array) -> Array:
     """Newton's step over the clearance; an empty film has no stiffness and follows the load."""
     stiffness = film.stiffness * film.bearing.radial_clearance
-    if np.linalg.cond(stiffness) > 1e10:
+    if np.linalg.cond(stiffness) > _SINGULAR:
         return np.asarray(_LONGEST_STEP * load / np.hypot(*load), dtype=np.float64)
     step = np.linalg.solve(stiffness, film.force + load)
     return np.asarray(step * min(1.0, _LONGEST_STEP / max(np.hypot(*step), 1e-300)))

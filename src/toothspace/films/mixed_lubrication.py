@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, final
 
 import numpy as np
 from scipy.optimize import least_squares
 
 from toothspace.core.types import Array
+from toothspace.films.rough_surfaces import RoughSurfaces
 
 if TYPE_CHECKING:
     from toothspace.films.journal_bearing import JournalBearing
+    from toothspace.model.description import JournalBearing as MachineBearing
 
 
 @final
@@ -120,6 +123,61 @@ def sweep_friction(
         rows[k] = friction, float(np.hypot(*film.contact_force)) / load, film.eccentricity_ratio
         converged = converged and film.status.succeeded
     return FrictionSweep(numbers, speeds, rows[:, 0], rows[:, 1], rows[:, 2], converged)
+
+
+def machine_bearing(
+    journal: MachineBearing, dynamic_viscosity: float, grid: tuple[int, int] = (144, 15)
+) -> JournalBearing:
+    """Film of a machine's journal bearing with its roughness, hardness and boundary friction.
+
+    Parameters
+    ----------
+    journal : JournalBearing of a MachineDescription
+        Bearing; its combined roughness is shared by both walls.
+    dynamic_viscosity : float
+        Dynamic viscosity. [Pa s]
+    grid : tuple of int
+        Cells round the circumference and along the axis. [-]
+    """
+    from toothspace.films.journal_bearing import JournalBearing
+
+    each = journal.roughness / 2.0**0.5
+    return JournalBearing(
+        diameter=journal.diameter,
+        length=journal.length,
+        radial_clearance=journal.radial_clearance,
+        dynamic_viscosity=dynamic_viscosity,
+        grid=grid,
+        surfaces=RoughSurfaces(
+            moving_roughness=each,
+            resting_roughness=each,
+            correlation_length=journal.correlation_length,
+            effective_modulus=journal.effective_modulus,
+            hardness=journal.hardness,
+            boundary_friction=journal.boundary_friction,
+        ),
+    )
+
+
+def save_friction_table(sweep: FrictionSweep, path: Path) -> FrictionCurve:
+    """Write a sweep as a table of numbers with its fitted curve in the head; return the curve.
+
+    Columns: Sommerfeld number, friction coefficient, share of the load that asperities carry,
+    eccentricity ratio. [-]
+    """
+    curve = fit_friction_curve(sweep.sommerfeld_number, sweep.friction_coefficient)
+    names = ["boundary", "decay", "rise", "transition", "offset"]
+    terms = ", ".join(f"{name} = {getattr(curve, name):.6g}" for name in names)
+    head = f"friction = boundary exp(-S/decay) + rise tanh(S/transition) + offset: {terms}\n"
+    head += "sommerfeld_number,friction_coefficient,contact_share,eccentricity_ratio"
+    columns = (
+        sweep.sommerfeld_number,
+        sweep.friction_coefficient,
+        sweep.contact_share,
+        sweep.eccentricity_ratio,
+    )
+    np.savetxt(path, np.column_stack(columns), "%.6g", ",", header=head)
+    return curve
 
 
 def shaft_speeds(bearing: JournalBearing, load: float, sommerfeld_numbers: Array) -> Array:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
-from toothspace.films import JournalBearing, RoughSurfaces, fit_friction_curve, sweep_friction
+from toothspace.films import JournalBearing, RoughSurfaces, save_friction_table, sweep_friction
 from toothspace.films.mixed_lubrication import PUBLISHED_CURVE
 
 
-def test_boundary_level_minimum_and_slope() -> None:
+@pytest.mark.parametrize(("shaft", "bush"), [(0.15e-6, 0.3e-6), (0.1e-6, 0.2e-6)])
+def test_boundary_level_minimum_and_slope(shaft: float, bush: float, tmp_path: Path) -> None:
     bearing = JournalBearing(
         diameter=18e-3,
         length=19e-3,
@@ -18,8 +21,8 @@ def test_boundary_level_minimum_and_slope() -> None:
         grid=(144, 15),
         cavitation="reynolds",
         surfaces=RoughSurfaces(
-            moving_roughness=0.1e-6,
-            resting_roughness=0.2e-6,
+            moving_roughness=shaft,
+            resting_roughness=bush,
             correlation_length=15e-6,
             effective_modulus=50e9,
             hardness=0.3e9,
@@ -28,7 +31,9 @@ def test_boundary_level_minimum_and_slope() -> None:
     )
     numbers = np.geomspace(0.001, 0.2, 16)
     sweep = sweep_friction(bearing, load=3000.0, sommerfeld_numbers=numbers)
-    curve = fit_friction_curve(sweep.sommerfeld_number, sweep.friction_coefficient)
+    curve = save_friction_table(sweep, tmp_path / "friction.csv")
+    table = np.loadtxt(tmp_path / "friction.csv", delimiter=",")
+    np.testing.assert_allclose(table[:, 1], sweep.friction_coefficient, rtol=1e-5)
     assert sweep.converged
     assert np.all(np.diff(sweep.contact_share) <= 1e-12)
     assert curve.boundary_level == pytest.approx(PUBLISHED_CURVE.boundary_level, rel=0.2)
