@@ -24,7 +24,7 @@ from toothspace.plotting.study_figures import study_figures
 from toothspace.report.study import study_report_html
 from toothspace.results.io import read_dataset
 from toothspace.studies import STUDY_MODULES, run_study
-from toothspace.studies.records import FILE_NAME, Record, Records
+from toothspace.studies.records import FILE_NAME, PREVIOUS_FILE_NAME, Record, Records
 from toothspace.studies.workers import Workers
 
 CLEARANCE = "machine.casing.radial_clearance"
@@ -203,6 +203,8 @@ def test_resume_takes_a_longer_grid_and_forgets_failures(calls: list[Case], tmp_
     assert len(calls) == 3
     run_study(case_with_study(longer), tmp_path)
     assert len(calls) == 6
+    # what a forgotten --resume would have used is kept beside
+    assert len((tmp_path / PREVIOUS_FILE_NAME).read_text().splitlines()) == 3
 
 
 def test_records_survive_a_line_cut_short(tmp_path: Path) -> None:

@@ -16,6 +16,9 @@ FAILED = "failed"
 FILE_NAME = "points.jsonl"
 """Name of the file in the folder of a study: one finished point per line."""
 
+PREVIOUS_FILE_NAME = "points_previous.jsonl"
+"""What a study that starts anew makes of the points of the one before."""
+
 
 @final
 @dataclass(frozen=True)
@@ -72,6 +75,9 @@ class Records:
             self._found = _read(path)
         if path is not None:
             path.parent.mkdir(parents=True, exist_ok=True)
+            if path.is_file() and path.stat().st_size and not resume:
+                # a forgotten --resume must not cost hours of computing
+                path.replace(path.with_name(PREVIOUS_FILE_NAME))
             _write(path, self._found.values())
 
     def get(self, key: str) -> Record | None:
