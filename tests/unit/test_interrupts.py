@@ -203,7 +203,12 @@ def test_a_case_that_fails_is_a_value(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.slow
 def test_ctrl_c_at_the_terminal_keeps_the_result(tmp_path: Path) -> None:
     target = tmp_path / "result.nc"
-    command = [sys.executable, "-m", "toothspace", "run", str(MOTOR), "-o", str(target)]
+    # a test run in the background inherits that interrupts are ignored
+    program = (
+        "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
+        "from toothspace.cli import main; sys.exit(main(sys.argv[1:]))"
+    )
+    command = [sys.executable, "-c", program, "run", str(MOTOR), "-o", str(target)]
     # once to the end, so that nothing is compiled or run in the second time
     subprocess.run([*command, "--set", "run.revolutions=1"], check=True, capture_output=True)
     target.unlink()

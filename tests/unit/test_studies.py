@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import csv
 import json
+import multiprocessing
 import os
 import re
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -177,6 +179,7 @@ def test_an_interrupt_keeps_finished_points_and_resume_goes_on(
     first = run_study(case_with_study(SWEEP), tmp_path)
     assert first.status is Status.INTERRUPTED
     assert first.numbers["point_status"] == ["done"] * 2 + ["interrupted"] * 4
+    assert first.numbers["points_failed"] == 0
     assert len((tmp_path / FILE_NAME).read_text().splitlines()) == 2
 
     second = run_study(case_with_study(SWEEP), tmp_path, resume=True)
@@ -228,6 +231,16 @@ def test_processes_give_the_same_and_a_dead_one_is_told() -> None:
     assert found == {0: 1.0, 1: 2.0, 2: 3.0}
     with Workers(2) as workers, pytest.raises(ToothspaceError, match="--resume"):
         list(workers.each(os._exit, [1]))
+
+
+def test_an_interrupt_does_not_wait_for_what_is_computed() -> None:
+    started = time.perf_counter()
+    workers = Workers(2)
+    for _ in workers.each(time.sleep, [0.0, 60.0, 60.0, 60.0]):
+        break
+    workers.stop()
+    assert time.perf_counter() - started < 30.0
+    assert not multiprocessing.active_children()
 
 
 def test_a_scheduler_needs_its_package(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -22,7 +22,7 @@ from toothspace.studies.points import (
     require_some,
     status_of,
 )
-from toothspace.studies.records import Record
+from toothspace.studies.records import Record, failed_count
 from toothspace.studies.study import Row, StudyContext, StudyResult, StudyTable
 from toothspace.studies.tabulate import columns, provenance, unit_of
 
@@ -216,7 +216,7 @@ def _numbers(
     return {
         **means,
         "points": len(records),
-        "points_failed": sum(not r.succeeded for r in records),
+        "points_failed": failed_count(records),
         "tip_clearance_um": [1e6 * clearance for clearance, _ in pairs],
         "pressure_difference_bar": [1e-5 * difference for _, difference in pairs],
         **{name: found[name] for name, _ in _NUMBERS if name in found},

@@ -20,7 +20,7 @@ from toothspace.studies.points import (
     require_some,
     status_of,
 )
-from toothspace.studies.records import Record
+from toothspace.studies.records import Record, failed_count
 from toothspace.studies.study import Row, StudyContext, StudyResult, StudyTable
 from toothspace.studies.tabulate import columns, provenance, unit_of
 
@@ -127,7 +127,7 @@ def _numbers(pairs: Sequence[tuple[float, float]], records: Sequence[Record]) ->
     found.pop("shaft_speed_rpm", None)
     return {
         "points": len(records),
-        "points_failed": sum(not r.succeeded for r in records),
+        "points_failed": failed_count(records),
         "shaft_speed_rpm": [from_si(speed, "rpm") for speed, _ in pairs],
         "pressure_difference_bar": [difference * 1e-5 for _, difference in pairs],
         **found,

@@ -15,7 +15,7 @@ from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.studies.least_squares import fit
 from toothspace.studies.points import Point, evaluate_points, point, require_some
-from toothspace.studies.records import Record
+from toothspace.studies.records import Record, failed_count
 from toothspace.studies.study import StudyContext, StudyResult, StudyTable
 from toothspace.studies.tabulate import points_dataset, points_table, provenance
 from toothspace.studies.variation import Axis, axes_of, unit_samples, written_values
@@ -211,7 +211,7 @@ class _Search:
         """Return what ``--json`` prints."""
         found: dict[str, Any] = {
             "points": len(self.records),
-            "points_failed": sum(not r.succeeded for r in self.records),
+            "points_failed": failed_count(self.records),
             "feasible": best is not None,
         }
         if best is None:

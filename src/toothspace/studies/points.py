@@ -13,7 +13,7 @@ from toothspace.case import Case
 from toothspace.config.load import case_with
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
-from toothspace.studies.records import BAD_INPUT, FAILED, Record
+from toothspace.studies.records import BAD_INPUT, FAILED, INTERRUPTED, Record
 from toothspace.studies.study import StudyContext, plain
 
 Evaluate = Callable[[Case], Mapping[str, Any]]
@@ -102,7 +102,7 @@ def evaluate_points(
     _tell(context, done, len(points))
     try:
         for _, record in context.workers.each(_evaluated, list(open_tasks.values())):
-            if record.status == Status.INTERRUPTED.name.lower():
+            if record.status == INTERRUPTED:
                 raise KeyboardInterrupt
             context.records.add(record)
             done += 1
@@ -118,13 +118,12 @@ def recorded(
 ) -> list[Record]:
     """Return the records of points; those not evaluated have the status ``interrupted``."""
     keys = [_key(item, evaluate) for item in points]
-    missing = Status.INTERRUPTED.name.lower()
-    return [context.records.get(key) or Record(key, missing) for key in keys]
+    return [context.records.get(key) or Record(key, INTERRUPTED) for key in keys]
 
 
 def status_of(records: Sequence[Record]) -> Status:
     """Return the status of a study from those of its points."""
-    if any(record.status == Status.INTERRUPTED.name.lower() for record in records):
+    if any(record.status == INTERRUPTED for record in records):
         return Status.INTERRUPTED
     if all(record.succeeded for record in records):
         return Status.DONE

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, final
@@ -12,6 +12,7 @@ from typing import Any, final
 DONE = "done"
 BAD_INPUT = "bad_input"
 FAILED = "failed"
+INTERRUPTED = "interrupted"
 
 FILE_NAME = "points.jsonl"
 """Name of the file in the folder of a study: one finished point per line."""
@@ -94,6 +95,11 @@ class Records:
     def __len__(self) -> int:
         """Return the number of records."""
         return len(self._found)
+
+
+def failed_count(records: Sequence[Record]) -> int:
+    """Return the number of points that were tried and failed. [-]."""
+    return sum(not record.succeeded and record.status != INTERRUPTED for record in records)
 
 
 def _line(record: Record) -> str:

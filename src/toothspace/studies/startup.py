@@ -24,7 +24,7 @@ from toothspace.studies.points import (
     require_some,
     status_of,
 )
-from toothspace.studies.records import Record
+from toothspace.studies.records import Record, failed_count
 from toothspace.studies.study import Row, StudyContext, StudyResult, StudyTable
 from toothspace.studies.tabulate import columns, provenance, unit_of
 
@@ -147,7 +147,7 @@ def _dataset(
 def _numbers(pairs: Sequence[tuple[float, float]], records: Sequence[Record]) -> dict[str, Any]:
     return {
         "points": len(records),
-        "points_failed": sum(not r.succeeded for r in records),
+        "points_failed": failed_count(records),
         "plateau_speed_rpm": [from_si(speed, "rpm") for speed, _ in pairs],
         "start_angle_deg": [math.degrees(angle) for _, angle in pairs],
         **{name: [record.number(name) for record in records] for name, _ in COLUMNS},

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from toothspace.case import Case
-from toothspace.studies.records import Record
+from toothspace.studies.records import Record, failed_count
 from toothspace.studies.study import StudyTable
 from toothspace.studies.variation import Axis
 
@@ -94,7 +94,7 @@ def point_lists(
     values = {axis.path: [axis.written(row[k]) for row in rows] for k, axis in enumerate(axes)}
     return {
         "points": len(records),
-        "points_failed": sum(not r.succeeded for r in records),
+        "points_failed": failed_count(records),
         **values,
         **columns(records),
         "point_status": [r.status for r in records],

@@ -17,7 +17,7 @@ from toothspace.studies.points import (
     require_some,
     status_of,
 )
-from toothspace.studies.records import Record
+from toothspace.studies.records import Record, failed_count
 from toothspace.studies.sensitivity import (
     index_samples,
     rank_correlations,
@@ -143,7 +143,7 @@ def _numbers(
     kinds = list(next(iter(scatter.values()), {}))
     return {
         "points": len(records),
-        "points_failed": sum(not r.succeeded for r in records),
+        "points_failed": failed_count(records),
         **({"share_within_limits": share_within(limits, plain)} if limits else {}),
         **{kind: {name: found[kind] for name, found in scatter.items()} for kind in kinds},
         **{

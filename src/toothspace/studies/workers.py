@@ -12,6 +12,9 @@ from typing import Any, final
 
 from toothspace.core.errors import CaseError, ToothspaceError
 
+_LAST_WAIT = 5.0
+"""Time that a process gets to end. [s]"""
+
 
 @final
 class Workers:
@@ -57,10 +60,12 @@ class Workers:
         executor, self._executor = self._executor, None
         if executor is None:
             return
-        running = list(getattr(executor, "_processes", None) or {}.values())
+        running = list((getattr(executor, "_processes", None) or {}).values())
         executor.shutdown(wait=False, cancel_futures=True)
         for process in running:
             process.terminate()
+        for process in running:
+            process.join(_LAST_WAIT)
 
     def __enter__(self) -> Workers:
         """Return itself; processes start when they are first needed."""
