@@ -31,7 +31,7 @@ from __future__ import annotations
 from toothspace.films.cases import bearing_summary, pad_summary, solve_bearing, solve_film
 from toothspace.films.field_files import film_dataset, save_film, save_film_vtk
 from toothspace.films.journal_bearing import JournalBearing
-from toothspace.films.journal_film import Groove
+from toothspace.films.journal_film import Groove, Lobes
 from toothspace.films.journal_solution import JournalBearingSolution
 from toothspace.films.lateral import LateralFilm, LateralSolution
 from toothspace.films.mixed_lubrication import (
@@ -65,6 +65,7 @@ __all__ = [
     "JournalBearingSolution",
     "LateralFilm",
     "LateralSolution",
+    "Lobes",
     "Orbit",
     "OrbitSettings",
     "Pad",

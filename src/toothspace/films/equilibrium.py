@@ -23,6 +23,7 @@ _SINGULAR = 1e10
 """Condition number from which a film counts as empty. [-]"""
 _LONGEST_SINK = 0.1
 """Longest step of a sinking shaft over the clearance. [-]"""
+_ROUND = np.linspace(0.0, 2.0 * np.pi, 180, endpoint=False)
 _SINK_STEPS = 150
 _QUICKER = 0.8
 """Growth of the pace of a sinking shaft from step to step, beside that of the error. [-]"""
@@ -47,20 +48,22 @@ def find_equilibrium(
     """
     if start is None:
         coarse = replace(bearing, grid=_coarse(bearing.grid))
-        guess = _newton(coarse, load, speed, _first_guess(load, speed), 1e-3)
+        guess = _newton(coarse, load, speed, _first_guess(bearing, load, speed), 1e-3)
         # a coarse grid does not resolve a nearly closed gap, so it may go too far
-        place = guess.eccentricity * min(1.0, 0.97 / max(guess.eccentricity_ratio, 0.01))
+        place = guess.eccentricity
+        place = place * min(1.0, 0.97 / max(_closeness(place, bearing), 0.01))
     else:
         place = np.asarray(start, dtype=float)
     film = _newton(bearing, load, speed, place, _TOLERANCE)
     if film.status.succeeded:
         return film
-    return _sunk(bearing, load, _solve_at(bearing, _inner(film.eccentricity), speed))
+    return _sunk(bearing, load, _solve_at(bearing, _inner(film.eccentricity, bearing), speed))
 
 
-def _inner(place: Array) -> Array:
+def _inner(place: Array, bearing: JournalBearing) -> Array:
     """Place from which a shaft is let sink: not deeper than 0.7 of the clearance."""
-    return np.asarray(place * min(1.0, 0.7 / max(float(np.hypot(*place)), 1e-9)))
+    deepest = 0.7 if bearing.lobes is None else 0.7 * (1.0 - bearing.lobes.preload)
+    return np.asarray(place * min(1.0, deepest / max(float(np.hypot(*place)), 1e-9)))
 
 
 def _sunk(
@@ -107,11 +110,12 @@ def _coarse(grid: tuple[int, int]) -> tuple[int, int]:
     return max(min(grid[0], 48), grid[0] // 4), max(min(grid[1], 9), grid[1] // 4)
 
 
-def _first_guess(load: Array, speed: SurfaceSpeed) -> Array:
-    """Half the clearance, 55 degrees from the load along the rotation."""
+def _first_guess(bearing: JournalBearing, load: Array, speed: SurfaceSpeed) -> Array:
+    """Half the smallest clearance of the centred shaft, 55 degrees from the load with rotation."""
     sense = -1.0 if speed.shaft + speed.bush < 0.0 else 1.0
+    size = 0.5 if bearing.lobes is None else 0.5 * (1.0 - bearing.lobes.preload)
     angle = np.arctan2(load[1], load[0]) + sense * np.radians(55.0)
-    return 0.5 * np.array([np.cos(angle), np.sin(angle)])
+    return size * np.array([np.cos(angle), np.sin(angle)])
 
 
 def _solve_at(
@@ -161,16 +165,24 @@ def _damped_step(
     return trial
 
 
+def _closeness(place: Array, bearing: JournalBearing) -> float:
+    """One less the smallest gap over the clearance: the eccentricity ratio in a cylinder."""
+    if bearing.lobes is None:
+        return float(np.hypot(*place))
+    nearer = place[0] * np.cos(_ROUND) + place[1] * np.sin(_ROUND)
+    return float((nearer + bearing.lobes.narrowing(_ROUND)).max())
+
+
 def _kept_inside(place: Array, step: Array, bearing: JournalBearing) -> Array:
     """Shorten a step that would close the gap; rough walls may overlap a little more each time."""
-    ratio = float(np.hypot(*place))
+    ratio = _closeness(place, bearing)
     limit = ratio + (1.0 - _SMALLEST_SHRINK) * max(1.0 - ratio, 0.0)
     if bearing.surfaces is None:
         limit = min(limit, 0.9999)
     else:
         limit += 0.5 * bearing.surfaces.roughness / bearing.radial_clearance
     for _ in range(60):
-        if np.hypot(*(place + step)) <= limit:
+        if _closeness(place + step, bearing) <= limit:
             break
         step = 0.8 * step
     return step

@@ -11,7 +11,7 @@ from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.core.errors import CaseError
 from toothspace.films.cavitation import CAVITATION
 from toothspace.films.equilibrium import find_equilibrium
-from toothspace.films.journal_film import Groove, MotionState
+from toothspace.films.journal_film import Groove, Lobes, MotionState
 from toothspace.films.journal_solution import FilmHistory, JournalBearingSolution, SurfaceSpeed
 from toothspace.films.journal_solver import solve_motion
 from toothspace.films.rough_surfaces import RoughSurfaces
@@ -48,6 +48,8 @@ class JournalBearing:
         Whether the ends are open or walls.
     surfaces : RoughSurfaces, optional
         Roughness and contact; the shaft is the moving wall. Smooth walls if not given.
+    lobes : Lobes, optional
+        Bore of lobes; the radial clearance is then that of each lobe's own circle.
     supply : {"auto", "none", "widest_gap"}
         Ideal axial supply line at end pressure on the widest gap. ``auto`` adds it where oil
         could not enter otherwise: no grooves, and ends not above the cavitation pressure.
@@ -92,6 +94,7 @@ class JournalBearing:
     cavitation_pressure: float = ATMOSPHERIC_PRESSURE
     end_condition: str = "pressure"
     surfaces: RoughSurfaces | None = None
+    lobes: Lobes | None = None
     supply: str = "auto"
 
     def __post_init__(self) -> None:

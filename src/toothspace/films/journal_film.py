@@ -22,9 +22,43 @@ from toothspace.closures.flow_factors import (
     shear_stress_factor,
 )
 from toothspace.core.compiled import inlined, njit
+from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
 from toothspace.films.reynolds import FilmGrid, GapField
 from toothspace.films.rough_surfaces import FlowLaw
+
+
+@final
+@dataclass(frozen=True)
+class Lobes:
+    """Bore of equal circular lobes that are moved towards the middle; two make an ellipse.
+
+    Parameters
+    ----------
+    count : int
+        Number of lobes. [-]
+    preload : float
+        Displacement of the lobes over the radial clearance of their own circle, below 1. [-]
+    angle : float
+        Middle of the first lobe, from x towards y. [rad]
+    """
+
+    count: int
+    preload: float
+    angle: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.count < 1 or not 0.0 <= self.preload < 1.0:
+            raise CaseError(
+                f"bearing.lobes: found {self.count} lobes of preload {self.preload!r}, allowed are "
+                "1 lobe or more and preloads from 0 to below 1"
+            )
+
+    def narrowing(self, angle: Array) -> Array:
+        """Loss of gap height over the radial clearance at angles. [-]."""
+        pitch = 2.0 * np.pi / self.count
+        away = np.mod(angle - self.angle + 0.5 * pitch, pitch) - 0.5 * pitch
+        return np.asarray(self.preload * np.cos(away))
 
 
 @final
@@ -200,6 +234,17 @@ def _gap(mesh: JournalMesh, clearance: float, place: Array, speed: Array) -> Gap
 def journal_gap(mesh: JournalMesh, clearance: float, motion: MotionState) -> GapField:
     """Gap height of a rigid shaft in a rigid cylindrical bush. [m]."""
     return GapField(*_gap(mesh, clearance, motion.place, motion.speed))
+
+
+def lobed(gap: GapField, mesh: JournalMesh, lobes: Lobes, clearance: float) -> GapField:
+    """Gap height in a bore of lobes instead of a cylinder. [m]."""
+    face = np.append(mesh.angle - 0.5 * mesh.angle_step, mesh.angle[-1] + 0.5 * mesh.angle_step)
+    centre = clearance * lobes.narrowing(mesh.angle)[:, None]
+    return gap._replace(
+        centre=gap.centre - centre,
+        face_x=gap.face_x - clearance * lobes.narrowing(face)[:, None],
+        face_y=gap.face_y - centre,
+    )
 
 
 @njit(cache=True)

@@ -21,6 +21,7 @@ from toothspace.films.journal_film import (
     journal_load,
     journal_mesh,
     journal_shear,
+    lobed,
 )
 from toothspace.films.journal_solution import (
     FilmHistory,
@@ -98,6 +99,8 @@ def solve_motion(
     mesh, unit_grid = _metric(bearing, grooves, first_angle, half)
     grid = unit_grid._replace(sweep_x=unit_grid.sweep_x * surface_speed)
     gap = journal_gap(mesh, bearing.radial_clearance, motion)
+    if bearing.lobes is not None:
+        gap = lobed(gap, mesh, bearing.lobes, bearing.radial_clearance)
     law, contact = _walls(bearing, speed, gap)
     if contact is None:
         _refuse_contact(gap, motion, bearing)
