@@ -128,6 +128,11 @@ class ContactSpanStudy:
     pressure_difference: tuple[float, ...] | None = declare(
         Grid(item=_PRESSURE, doc="Outlet minus inlet pressure."), None
     )
+    measured: Path | None = file_path(
+        "Columns time [s], shaft_torque and outlet_pressure to lay over the results.",
+        ".csv",
+        default=None,
+    )
 
 
 @final

@@ -9,6 +9,7 @@ import numpy as np
 from toothspace.core.types import Array
 from toothspace.plotting.lateral_figures import StudyFigure
 from toothspace.plotting.style import BLUE, GREEN, GREY, ORANGE, angle_axis, new_figure, styled
+from toothspace.results.ripple import high_pass
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -31,6 +32,10 @@ def contact_span_figures(data: xr.Dataset) -> list[StudyFigure]:
     means = [float(data["mean_torque"].sel(stage=name)) for name in torques]
     stages = torque_stages(data["shaft_angle"].values, torques, means)
     found = [StudyFigure("torque_stages", caption, stages)]
+    caption = "Ripple over one turn: torque, torque without low orders, pressure at the outlet."
+    if "measured_angle" in data:
+        caption += " Dots: measured."
+    found.append(StudyFigure("ripple_over_turn", caption, ripple_over_turn(data)))
     if "span_pitches" in data:
         caption = (
             "Part of a turn over which a tooth carries, in pitches, and shaft torque: one line "
@@ -96,4 +101,32 @@ def span_lines(data: xr.Dataset) -> Figure:
     panels[0].axhline(1.0, color=GREY, linestyle="--", linewidth=0.8)
     panels[0].set_ylim(bottom=0.0)
     panels[1].legend(title="Tip clearance")
+    return figure
+
+
+@styled
+def ripple_over_turn(data: xr.Dataset) -> Figure:
+    """Torque, high-passed torque and outlet pressure over a turn, measured ones as dots."""
+    figure = new_figure(7.2, 5.6)
+    lowest = 0.5 * (data.sizes["tooth"] - 1)
+    rows = [
+        ("shaft_torque", "Shaft torque (N m)", 1.0, 0.0),
+        ("shaft_torque", "High-passed torque (N m)", 1.0, lowest),
+    ]
+    if np.ptp(data["outlet_pressure"].values) > 0.0 or "measured_outlet_pressure" in data:
+        rows.append(("outlet_pressure", "Outlet pressure, varying (bar)", 1e-5, 0.5))
+    panels = figure.subplots(len(rows), 1, sharex=True)
+    for axes, (name, label, factor, order) in zip(panels, rows, strict=True):
+        angle, values = high_pass(np.asarray(data["shaft_angle"]), np.asarray(data[name]), order)
+        degrees = np.degrees(angle - angle[0])
+        axes.plot(degrees, factor * values, color=GREEN, label="computed")
+        if f"measured_{name}" in data:
+            measured = np.asarray(data["measured_angle"]), np.asarray(data[f"measured_{name}"])
+            angle, values = high_pass(*measured, order)
+            degrees = np.degrees(np.mod(angle, 2.0 * np.pi))
+            axes.plot(degrees, factor * values, ".", color=GREY, markersize=3, label="measured")
+        axes.set_ylabel(label)
+    panels[0].set_title("One turn")
+    panels[0].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
+    angle_axis(panels[-1])
     return figure

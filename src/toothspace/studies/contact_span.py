@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import product
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from toothspace.config.load import case_with
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
 from toothspace.results.solution import Solution
+from toothspace.studies.measured import read_measured
 from toothspace.studies.points import (
     Point,
     evaluate_points,
@@ -73,6 +75,8 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         allowed = "allowed a steady case of a gerotor"
         raise CaseError(f"{case.source}: study.kind: found no rotors to turn, {allowed}")
     waveforms = _waveforms(case)
+    if study.measured is not None:
+        waveforms = waveforms.merge(_measured(study.measured, case.operating_point.shaft_speed))
     pairs = list(product(_clearances(case, study), _differences(case, study)))
     points = [_point(case, *pair) for pair in pairs]
     try:
@@ -136,15 +140,34 @@ def _waveforms(case: Case) -> xr.Dataset:
         "shaft_torque": torque,
         "single_contact_torque": _torque(single, angle),
     }
+    pascal = {"units": "Pa"}
     means = [_mean_torque(ideal), _mean_torque(complete) - float(friction.mean())]
     means += [_mean_torque(complete), _mean_torque(single)]
     forces = (("shaft_angle", "tooth"), found.force, {"units": "N"})
     places = (("shaft_angle", "tooth"), found.place, {"units": "rad"})
     return xr.Dataset(
         {name: ("shaft_angle", values, {"units": "N m"}) for name, values in torques.items()}
+        | {"outlet_pressure": ("shaft_angle", np.asarray(complete.data["outlet_pressure"]), pascal)}
         | {"tooth_force": forces, "tooth_place": places}
         | {"mean_torque": ("stage", means, {"units": "N m"})},
         coords={"shaft_angle": ("shaft_angle", angle, {"units": "rad"}), "stage": list(torques)},
+    )
+
+
+def _measured(path: Path, shaft_speed: float) -> xr.Dataset:
+    """Measured columns over the shaft angle; without that column, at constant speed."""
+    import xarray as xr
+
+    found = read_measured(path)
+    if found.times is None:
+        raise CaseError(f"{path}: columns: found no time, allowed signals over 'time [s]'")
+    channels = dict(found.channels)
+    angle = channels.pop("shaft_angle", shaft_speed * found.times)
+    if angle[-1] - angle[0] < 2.0 * np.pi:
+        raise CaseError(f"{path}: time: found less than a turn, allowed whole revolutions")
+    return xr.Dataset(
+        {f"measured_{name}": ("measured_sample", values) for name, values in channels.items()}
+        | {"measured_angle": ("measured_sample", angle, {"units": "rad"})}
     )
 
 
