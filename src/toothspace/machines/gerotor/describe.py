@@ -21,7 +21,8 @@ from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.pockets import FULL_TURN, Pockets, area_by_motion, pockets
 from toothspace.machines.gerotor.ports import ports_of
 from toothspace.machines.gerotor.profiles import rotors_from
-from toothspace.machines.gerotor.summary import design_checks, geometry_summary
+from toothspace.machines.gerotor.summary import design_checks, geometry_summary, warnings
+from toothspace.machines.gerotor.timing import timing_of
 from toothspace.model.description import ChamberFamily, MachineDescription
 from toothspace.numerics.periodic_table import (
     monotone_table,
@@ -66,6 +67,8 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
     """Tables and data of a machine; see :meth:`GerotorMachine.describe`."""
     pocket = pockets(spec.rotors, rotors_from(spec.rotors), nodes)
     ports = ports_of(spec.ports, pocket)
+    timing = timing_of(ports, pocket)
+    checks = design_checks(spec, pocket, timing)
     columns = motion_columns(spec)
     return MachineDescription(
         name="gerotor",
@@ -74,7 +77,7 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
         bodies=bodies(spec, pocket),
         motions=motions(spec),
         families=(_pocket_family(spec, pocket, columns), _film_family(spec, len(columns))),
-        paths=flow_paths(spec, pocket, ports, columns),
+        paths=flow_paths(spec, pocket, timing, columns),
         journals=journal_bearings(spec),
         laterals=lateral_films(spec, pocket),
         contacts=rotor_contacts(spec, pocket.rotors),
@@ -83,8 +86,8 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
         drain=_drain(spec),
         drain_pressure=spec.drain_pressure or 1e5,
         outlines=outlines(spec, pocket, ports),
-        geometry_summary=geometry_summary(spec, pocket),
-        checks=design_checks(spec, pocket),
+        geometry_summary=geometry_summary(spec, pocket, timing) | {"warnings": warnings(checks)},
+        checks=checks,
     )
 
 

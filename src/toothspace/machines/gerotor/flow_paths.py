@@ -14,7 +14,7 @@ from toothspace.core.types import Array, IntArray
 from toothspace.geometry.curve import signed_area
 from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.pockets import FULL_TURN, Pockets
-from toothspace.machines.gerotor.ports import Ports, openings
+from toothspace.machines.gerotor.timing import Timing
 from toothspace.model.description import FlowPath
 from toothspace.numerics.periodic_table import monotone_table, smooth_table
 
@@ -22,7 +22,7 @@ _FACES = 2.0
 
 
 def flow_paths(
-    parameters: GerotorParameters, pocket: Pockets, ports: Ports, motions: tuple[int, ...]
+    parameters: GerotorParameters, pocket: Pockets, timing: Timing, motions: tuple[int, ...]
 ) -> tuple[FlowPath, ...]:
     """All flow paths of the machine.
 
@@ -32,8 +32,8 @@ def flow_paths(
         Machine.
     pocket : Pockets
         Pockets over their place.
-    ports : Ports
-        Kidneys.
+    timing : Timing
+        Openings to the ports.
     motions : tuple of int
         Which of the motions (inner x, y; outer x, y, rotation) are in the description.
 
@@ -43,8 +43,8 @@ def flow_paths(
         Ports, tips, faces of lobes, land to the shaft, rim to the film round the outer rotor.
     """
     return (
-        _port_path(pocket, ports, "inlet"),
-        _port_path(pocket, ports, "outlet"),
+        _port_path(pocket, timing.inlet, "inlet"),
+        _port_path(pocket, timing.outlet, "outlet"),
         tip_path(parameters, pocket, motions),
         lateral_path(parameters, pocket),
         drain_path(parameters, pocket),
@@ -72,7 +72,7 @@ def _film_node(pocket: Pockets) -> int:
     return pocket.rotors.outer_tooth_count
 
 
-def _port_path(pocket: Pockets, ports: Ports, port: Literal["inlet", "outlet"]) -> FlowPath:
+def _port_path(pocket: Pockets, table: Array, port: Literal["inlet", "outlet"]) -> FlowPath:
     own = _nodes(pocket)
     node = own.size + (1 if port == "inlet" else 2)
     return FlowPath(
@@ -83,7 +83,7 @@ def _port_path(pocket: Pockets, ports: Ports, port: Literal["inlet", "outlet"]) 
         nodes_b=np.full(own.size, node, dtype=np.int64),
         angle_ratio=pocket.angle_ratio,
         phases=pocket_phases(pocket),
-        geometry=monotone_table(FULL_TURN, openings(ports, pocket, port)),
+        geometry=monotone_table(FULL_TURN, table),
     )
 
 

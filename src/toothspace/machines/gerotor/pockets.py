@@ -20,6 +20,7 @@ from typing import final
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
 from toothspace.geometry.curve import signed_area
 from toothspace.machines.gerotor.lobe_path import LobePath, lobe_path
@@ -28,6 +29,7 @@ from toothspace.machines.gerotor.profiles import Rotors
 
 FULL_TURN = 2.0 * np.pi
 _FINER = 8
+_OVERLAP_LIMIT = 50e-6
 
 
 @final
@@ -107,15 +109,30 @@ def pockets(parameters: RotorParameters, rotors: Rotors, nodes: int) -> Pockets:
     -------
     Pockets
         Throats, areas and their rates.
+
+    Raises
+    ------
+    GeometryError
+        If profiles from files overlap.
     """
     per_pitch = 2 * max(round(0.5 * nodes / rotors.outer_tooth_count), 4)
     count = per_pitch * rotors.outer_tooth_count
     path = lobe_path(parameters, rotors, FULL_TURN * np.arange(count) / count)
+    _check_overlap(rotors, path)
     rate = _area_rate(rotors, path, per_pitch // 2)
     area = _integrated(parameters, rotors, count, rate)
     enclosed = signed_area(rotors.outer) - signed_area(rotors.inner)
     area += enclosed / rotors.outer_tooth_count - float(np.mean(area))
     return Pockets(rotors, path, area, rate)
+
+
+def _check_overlap(rotors: Rotors, path: LobePath) -> None:
+    least = float(path.gap.min())
+    if least < -_OVERLAP_LIMIT:
+        raise GeometryError(
+            f"machine.rotors.eccentricity: found {rotors.eccentricity * 1e3:.5g} mm, at which the "
+            f"rotors overlap by {-least * 1e3:.3g} mm, allowed below {_OVERLAP_LIMIT * 1e3:.2g} mm"
+        )
 
 
 def _area_rate(rotors: Rotors, path: LobePath, half_pitch_nodes: int) -> Array:

@@ -9,10 +9,13 @@ from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.pockets import Pockets
 from toothspace.machines.gerotor.ports import kinematic_lands
 from toothspace.machines.gerotor.profiles import trochoid_of
+from toothspace.machines.gerotor.timing import Timing
 from toothspace.model.description import DesignCheck
 
 _LEAST_EDGE = 0.5e-3
 _LARGEST_RIPPLE = 0.10
+_LARGEST_JOINED_AREA = 0.2e-6
+_LARGEST_TRAPPED_SHARE = 0.01
 
 
 def ideal_flow(pocket: Pockets) -> Array:
@@ -28,7 +31,9 @@ def flow_ripple(pocket: Pockets) -> float:
     return float(np.ptp(flow) / np.mean(flow))
 
 
-def geometry_summary(parameters: GerotorParameters, pocket: Pockets) -> dict[str, object]:
+def geometry_summary(
+    parameters: GerotorParameters, pocket: Pockets, timing: Timing
+) -> dict[str, object]:
     """Numbers of the geometry report.
 
     Parameters
@@ -37,6 +42,8 @@ def geometry_summary(parameters: GerotorParameters, pocket: Pockets) -> dict[str
         Machine.
     pocket : Pockets
         Pockets over their place.
+    timing : Timing
+        Openings to the ports.
 
     Returns
     -------
@@ -60,11 +67,9 @@ def geometry_summary(parameters: GerotorParameters, pocket: Pockets) -> dict[str
         "smallest_relative_radius_mm": float(pocket.path.relative_radius.min()) * 1e3,
         "kinematic_land_max_half_angle_deg": float(lands[0]),
         "kinematic_land_min_half_angle_deg": float(lands[1]),
-        "warnings": [
-            f"{check.name}: {check.value:.4g} {check.unit}, allowed {check.allowed}"
-            for check in design_checks(parameters, pocket)
-            if not check.passed
-        ],
+        "smallest_tip_gap_um": float(pocket.path.gap.min()) * 1e6,
+        "trapped_volume_mm3": timing.trapped_area(pocket) * width * 1e9,
+        "sealed_shaft_angle_deg": float(np.rad2deg(timing.sealed_angle(pocket))),
     }
 
 
@@ -74,9 +79,41 @@ def _undercut_limit(parameters: GerotorParameters) -> float | None:
     return trochoid_of(parameters.rotors).no_undercut_limit * 1e3
 
 
-def design_checks(parameters: GerotorParameters, pocket: Pockets) -> tuple[DesignCheck, ...]:
-    """Design-rule report of a gerotor set."""
-    return (*_undercut_check(parameters), *_common_checks(parameters, pocket))
+def warnings(checks: tuple[DesignCheck, ...]) -> list[str]:
+    """One line for every check that failed."""
+    return [
+        f"{check.name}: {check.value:.4g} {check.unit}, allowed {check.allowed}"
+        for check in checks
+        if not check.passed
+    ]
+
+
+def design_checks(
+    parameters: GerotorParameters, pocket: Pockets, timing: Timing
+) -> tuple[DesignCheck, ...]:
+    """Design-rule report of a gerotor set: profiles, rim, timing."""
+    return (
+        *_undercut_check(parameters),
+        *_common_checks(parameters, pocket),
+        *_timing_checks(pocket, timing),
+    )
+
+
+def _timing_checks(pocket: Pockets, timing: Timing) -> tuple[DesignCheck, ...]:
+    joined = timing.joined_area
+    trapped = timing.trapped_area(pocket) / float(pocket.area.max())
+    return (
+        DesignCheck(
+            "area that joins both ports through a pocket", joined * 1e6, "mm2", "below 0.2 mm2",
+            joined < _LARGEST_JOINED_AREA,
+            "A pocket open to both ports short-circuits them: widen the lands.",
+        ),
+        DesignCheck(
+            "volume change of a sealed pocket over the largest pocket", 100.0 * trapped, "%",
+            "below 1 %", trapped < _LARGEST_TRAPPED_SHARE,
+            "Fluid squeezed or stretched in a sealed pocket makes pressure peaks or cavitation.",
+        ),
+    )  # fmt: skip
 
 
 def _undercut_check(parameters: GerotorParameters) -> tuple[DesignCheck, ...]:
@@ -106,7 +143,7 @@ def _common_checks(parameters: GerotorParameters, pocket: Pockets) -> tuple[Desi
     edge = float(1.0 / np.maximum(pocket.path.inner_curvature, 1e-3).max())
     ripple = flow_ripple(pocket)
     trapped = float(pocket.area.min() / pocket.area.max())
-    gap_share = rotors.tip_clearance / rotors.eccentricity
+    gap_share = float(np.median(pocket.path.gap)) / rotors.eccentricity
     checks = [
         DesignCheck(
             "rim of the outer rotor over the lobe height", float(rim) / height, "1",
@@ -122,7 +159,7 @@ def _common_checks(parameters: GerotorParameters, pocket: Pockets) -> tuple[Desi
             "Fluid left in the smallest pocket carries its compression back to the inlet.",
         ),
         DesignCheck(
-            "tip clearance over the eccentricity", 100.0 * gap_share, "%", "below 4 %",
+            "tip gap over the eccentricity", 100.0 * gap_share, "%", "below 4 %",
             gap_share < 0.04,
             "Tip leakage grows with the power 2.5 of the gap.",
         ),
