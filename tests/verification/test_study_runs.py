@@ -43,7 +43,7 @@ def test_a_map_is_made_of_plain_runs_in_any_number_of_processes(tmp_path: Path) 
 @pytest.mark.slow
 def test_calibration_finds_the_values_that_made_the_measurement() -> None:
     # the file holds runs at 9.2 um and 0.21 N m with 0.2 percent of random noise
-    result = run_study(api.load_case(REPOSITORY / "cases" / "calibrate_gaps.toml"))
+    result = run_study(api.load_case(REPOSITORY / "cases" / "calibrate_gaps.toml", COARSE))
     assert result.status is Status.DONE
     for key, true in (
         ("machine.lateral.side_gap", 9.2),

@@ -313,19 +313,19 @@ def _calibrate(data: xr.Dataset) -> list[StudyFigure]:
     names = [str(n).removeprefix("fitted_") for n in data.data_vars if str(n).startswith("fitted_")]
     if not names:
         return []
-    caption = "Measured and fitted; open or grey marks were held out of the fit."
+    caption = "Fitted against measured; open or grey marks were held out of the fit."
     return [StudyFigure("fit", caption, fit_comparison(data, names))]
 
 
 @styled
 def fit_comparison(data: xr.Dataset, names: Sequence[str]) -> Figure:
-    """Fitted against measured: over time, or as points beside the line of equality."""
+    """Fitted against measured: over time, or as deviations."""
     rows = len(names) if "time" in data else -(-len(names) // 2)
     figure = new_figure(7.2, 0.5 + 2.6 * rows)
     flat = list(figure.subplots(rows, 1 if "time" in data else 2, squeeze=False).flat)
     used = data["used"].values.astype(bool)
     for axes, name in zip(flat, names, strict=False):
-        (_over_time if "time" in data else _parity)(axes, data, name, used)
+        (_over_time if "time" in data else _deviations)(axes, data, name, used)
     for axes in flat[len(names) :]:
         axes.set_visible(False)
     flat[0].legend()
@@ -342,15 +342,14 @@ def _over_time(axes: Axes, data: xr.Dataset, name: str, used: Array) -> None:
     axes.set_ylabel(_label(name))
 
 
-def _parity(axes: Axes, data: xr.Dataset, name: str, used: Array) -> None:
-    x, y = data[name].values, data[f"fitted_{name}"].values
-    held = np.logical_not(used)
-    ends = [float(np.nanmin([x, y])), float(np.nanmax([x, y]))]
-    axes.plot(ends, ends, color=GREY, lw=0.9)
+def _deviations(axes: Axes, data: xr.Dataset, name: str, used: Array) -> None:
+    x, held = data[name].values, np.logical_not(used)
+    y = 100.0 * (data[f"fitted_{name}"].values - x) / (np.abs(x).mean() or 1.0)
+    axes.axhline(0.0, color=GREY, lw=0.9)
     axes.plot(x[used], y[used], "o", color=BLUE, ms=4, label="used")
     axes.plot(x[held], y[held], "o", color=ORANGE, ms=4, mfc="white", label="held out")
     axes.set_xlabel(f"Measured {label_of(name)}")
-    axes.set_ylabel("Fitted")
+    axes.set_ylabel("Fitted minus measured (% of mean)")
 
 
 def _short(path: str) -> str:

@@ -254,7 +254,7 @@ def _values(axes: Sequence[Axis], found: Fit) -> dict[str, Any]:
     widths = found.half_widths()
     rows = list(zip(axes, found.shares.tolist(), widths.tolist(), strict=True))
     return {
-        "fitted": {a.path: a.written(a.quantile(share)) for a, share, _ in rows},
+        "fitted": {a.path: a.written(float(f"{a.quantile(share):.6g}")) for a, share, _ in rows},
         "half_width_95": {a.path: float(width * (a.high - a.low)) for a, _, width in rows},
         "unit": {a.path: a.unit or "1" for a in axes},
         "at_bounds": [a.path for a, share, _ in rows if min(share, 1.0 - share) < 2e-3],

@@ -16,7 +16,7 @@ Residuals = Callable[[Array], Array]
 DIFFERENCE_STEP = 5e-3
 """Step of difference quotients over the range of a key: above the noise of a cyclic state."""
 
-_TOLERANCE = 1e-4
+_TOLERANCE = 1e-3
 _FAR = 1e3
 
 
