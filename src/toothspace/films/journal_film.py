@@ -317,13 +317,18 @@ def journal_shear(
     """
     rows, lanes = pressure.shape
     sliding, pattern, poiseuille = 0.0, 0.0, 0.0
+    smooth = law.roughness == 0.0
     for i in range(rows):
         west = (i + rows - 1) % rows
         for j in range(lanes):
             width = mesh.axial_face[j + 1] - mesh.axial_face[j]
-            mean, difference = _stress_factors(gap.centre[i, j], law)
+            if smooth:
+                mean, difference, half = 1.0 / gap.centre[i, j], 0.0, 0.5 * gap.face_x[i, j]
+            else:
+                mean, difference = _stress_factors(gap.centre[i, j], law)
+                half = _pressure_stress(gap.face_x[i, j], law)
             sliding += sheared[i, j] * mesh.angle_step * width * mean
             pattern += sheared[i, j] * mesh.angle_step * width * difference
             drop = pressure[i, j] - pressure[west, j]
-            poiseuille += _pressure_stress(gap.face_x[i, j], law) * drop * width
+            poiseuille += half * drop * width
     return np.array([sliding, pattern, poiseuille])
