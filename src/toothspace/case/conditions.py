@@ -131,6 +131,7 @@ class RunSettings:
     deformation: str = choice(
         "Deformation of bearings and gears under the lateral films (elastic preset).",
         "columns",
+        "bodies",
         "none",
         default="columns",
     )

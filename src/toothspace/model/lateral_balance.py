@@ -5,6 +5,7 @@ Axial positions are positive from the solid towards the floating side.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal, NamedTuple, Protocol, final
 
@@ -32,6 +33,14 @@ class FaceMap(Protocol):
 
     def __call__(self, shaft_angle: float, x: Array, y: Array) -> FaceCells:
         """Classify points of the machine frame at a shaft angle [rad] and places [m]."""
+        ...  # pragma: no cover
+
+
+class ElasticBodies(Protocol):
+    """Definition of the elastic bodies of a machine, made when it is asked for."""
+
+    def __call__(self) -> Mapping[str, object]:
+        """Bearings ``floating`` and ``solid`` and the turning bodies, by name."""
         ...  # pragma: no cover
 
 
@@ -72,6 +81,8 @@ class FilmInterface:
         Friction coefficient of touching asperities. [-]
     column_compliance : float
         Approach of the faces over the film pressure if body and bearing were columns. [m/Pa]
+    body_angle : float
+        Angle of the body's own frame at shaft angle zero. [rad]
     """
 
     name: str
@@ -91,6 +102,7 @@ class FilmInterface:
     correlation_length: float = 15e-6
     boundary_friction: float = 0.1
     column_compliance: float = 0.0
+    body_angle: float = 0.0
 
 
 @final
@@ -198,6 +210,8 @@ class LateralBalance:
         Axial force on every turning body from its teeth, along z. [N]
     body_masses : tuple of float
         Masses of the turning bodies. [kg]
+    elastic_bodies : callable or None
+        Elastic bodies of the machine, where bearings and turning bodies can deform.
     """
 
     arrangement: Literal["symmetric", "asymmetric", "plates"]
@@ -208,6 +222,7 @@ class LateralBalance:
     low_node: int
     body_forces: tuple[float, ...]
     body_masses: tuple[float, ...]
+    elastic_bodies: ElasticBodies | None = None
 
     @property
     def bodies(self) -> tuple[str, ...]:

@@ -11,6 +11,8 @@ import numpy as np
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
+from toothspace.elasticity import ElasticBody
+from toothspace.films.lateral_gap.elastic_faces import RELAXATION, elastic_faces
 from toothspace.films.lateral_gap.equilibrium import (
     Equilibrium,
     March,
@@ -48,7 +50,7 @@ class LateralSettings:
         Cells of each film round the circumference and along the radius. [-]
     angles : int
         Shaft angles of one tooth pitch over which forces are averaged. [-]
-    deformation : {"columns", "none"}
+    deformation : {"columns", "bodies", "none"}
         How faces give way.
     cavitation : str
         Cavitation model of the films.
@@ -100,14 +102,22 @@ class LateralProblem:
         """Let bearings and gears move until they rest, forces averaged over a pitch."""
         search = SearchSettings(longest_time=self.settings.dwell)
         return find_equilibrium(
-            self.stack, self.scenes, self.loads, start, search, StepSettings(max_iterations=25)
+            self.stack, self.scenes, self.loads, start, search, self._step(1e-6)
         )
 
     def march(self, start: Balance, steps: int, revolutions: float = 1.0) -> March:
         """March over the shaft angle with transient squeeze."""
         angles = np.arange(1, round(steps * revolutions) + 1) * 2.0 * np.pi / steps
-        step = StepSettings(force_tolerance=1e-5, max_iterations=25)
+        step = self._step(1e-5)
         return march_angles(self.stack, self.node_pressure, self.loads, start, angles, step)
+
+    def _step(self, tolerance: float) -> StepSettings:
+        bends = self.settings.deformation == "bodies"
+        return StepSettings(
+            force_tolerance=tolerance,
+            max_iterations=40 if bends else 25,
+            relaxation=RELAXATION if bends else 1.0,
+        )
 
 
 @final
@@ -199,7 +209,7 @@ def lateral_problem(
         balance,
         grids,
         tuple(_law(i, film_fluid, settings) for i in balance.interfaces),
-        _compliance(balance, settings),
+        _compliance(balance, grids, settings, back),
         shaft_speed,
     )
     scenes = scenes_over_pitch(stack, pressures, settings.angles)
@@ -240,9 +250,31 @@ def _law(interface: FilmInterface, fluid: FilmFluid, settings: LateralSettings) 
     return film_law(surfaces, fluid, settings.cavitation)
 
 
-def _compliance(balance: LateralBalance, settings: LateralSettings) -> Compliance:
+def _compliance(
+    balance: LateralBalance,
+    grids: tuple[FaceGrid, ...],
+    settings: LateralSettings,
+    back: BackPressure,
+) -> Compliance:
+    if settings.deformation == "bodies":
+        return _elastic_bodies(balance, grids, back)
     yields = settings.deformation == "columns"
     return Columns(tuple(i.column_compliance * yields for i in balance.interfaces))
+
+
+def _elastic_bodies(
+    balance: LateralBalance, grids: tuple[FaceGrid, ...], back: BackPressure
+) -> Compliance:
+    if balance.elastic_bodies is None:
+        raise CaseError("run.deformation: found 'bodies', allowed 'columns' or 'none' here")
+    made = balance.elastic_bodies()
+    bodies = {name: body for name, body in made.items() if isinstance(body, ElasticBody)}
+    names = [load.name for load in bodies["floating"].loads]
+    springs = [name for name in names if name.startswith("spring")]
+    sizes = dict.fromkeys(springs, balance.floating.preload / max(len(springs), 1))
+    if "high" in names:
+        sizes["high"] = back.high - back.low
+    return elastic_faces(grids, bodies, sizes)
 
 
 def node_pressures(description: MachineDescription, data: xr.Dataset) -> Callable[[float], Array]:

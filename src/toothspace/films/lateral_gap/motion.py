@@ -252,7 +252,7 @@ def _deform(
     part = task.settings.relaxation
     for state, old in zip(states, used, strict=True):
         low = task.loads.back.low
-        new = task.stack.compliance.distant(state.face_pressures(low), state.scene.shaft_angle)
+        new = task.stack.compliance.distant(state.face_pressures(low), state.scene)
         for film, a, b in zip(state.films, new, old, strict=True):
             inside = film.around.mask.film
             floor = np.maximum(film.gap, max(film.law.roughness, 1e-8))

@@ -31,7 +31,7 @@ class Compliance(Protocol):
         """Part of the approach that follows the pressure at the same place, by film. [m/Pa]."""
         ...  # pragma: no cover
 
-    def distant(self, pressures: Sequence[Array], shaft_angle: float) -> list[Array]:
+    def distant(self, pressures: Sequence[Array], scene: Scene) -> list[Array]:
         """Rest of the widening of every gap [m] under pressures above the low one. [Pa]."""
         ...  # pragma: no cover
 
@@ -49,7 +49,7 @@ class Columns:
 
     local: tuple[float, ...]
 
-    def distant(self, pressures: Sequence[Array], shaft_angle: float) -> list[Array]:
+    def distant(self, pressures: Sequence[Array], scene: Scene) -> list[Array]:
         """Return no further widening. [m]."""
         return [np.zeros_like(p) for p in pressures]
 

@@ -9,6 +9,7 @@ import shapely
 
 from toothspace.core.errors import GeometryError
 from toothspace.machines.external_gear.assembly import Assembly
+from toothspace.machines.external_gear.elastic_bodies import PressedBodies
 from toothspace.machines.external_gear.films import FaceOfGear
 from toothspace.machines.external_gear.loads import BODIES, bodies, reduced_modulus
 from toothspace.machines.external_gear.numbering import Numbering
@@ -50,6 +51,7 @@ def lateral_balance(assembly: Assembly, numbering: Numbering) -> LateralBalance 
         low_node=ports[drain],
         body_forces=pressed.gear_forces,
         body_masses=tuple(body.mass for body in bodies(assembly)),
+        elastic_bodies=PressedBodies(assembly),
     )
 
 
@@ -58,6 +60,7 @@ def _interface(assembly: Assembly, numbering: Numbering, side: Side, gear: int) 
     assert pressed is not None
     own = (spec.drive, spec.driven)[gear]
     column = pressed.length / pressed.material.elastic_modulus
+    face = FaceOfGear(assembly, numbering, gear)
     column += 0.5 * own.face_width / own.material.elastic_modulus
     return FilmInterface(
         name=f"{side}_{BODIES[gear]}",
@@ -69,12 +72,13 @@ def _interface(assembly: Assembly, numbering: Numbering, side: Side, gear: int) 
         speed_ratio=1.0 if gear == 0 else -assembly.mesh.ratio,
         period=assembly.profiles[0].pitch_angle,
         bore_node=numbering.drain,
-        face_map=FaceOfGear(assembly, numbering, gear),
+        face_map=face,
         moving_roughness=own.roughness,
         resting_roughness=pressed.roughness,
         effective_modulus=reduced_modulus(own.material, pressed.material),
         hardness=min(own.material.hardness, pressed.material.hardness),
         column_compliance=column,
+        body_angle=face.tooth_angle(gear, 0.0),
     )
 
 

@@ -7,7 +7,7 @@ middle of the face width), bearings and plates in the machine frame with z = 0 o
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal, final
 
 import numpy as np
@@ -18,7 +18,7 @@ from toothspace.elasticity.loads import AreaPressure, LateralPressure, Load, jou
 from toothspace.elasticity.mesh import Prism, disc
 from toothspace.elasticity.surfaces import PlaneSurface
 from toothspace.machines.external_gear.assembly import Assembly
-from toothspace.machines.external_gear.loads import groove_polygons
+from toothspace.machines.external_gear.loads import BODIES, groove_polygons
 from toothspace.machines.external_gear.spec import Material
 
 BearingSide = Literal["floating", "solid"]
@@ -247,3 +247,59 @@ def _bore_loads(assembly: Assembly, levels: list[float]) -> list[Load]:
         for name, center in zip(_NAMES, _centers(assembly), strict=True)
         for axis, angle in (("x", 0.0), ("y", 0.5 * np.pi))
     ]
+
+
+COARSE = MeshSize(0.16, 0.16, 0.13)
+"""A few thousand elements for each body."""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class PressedBodies:
+    """Bearings and gears of a machine with a pressed bearing.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        Gears in mesh.
+    size : MeshSize
+        Fineness of all bodies.
+    """
+
+    assembly: Assembly
+    size: MeshSize = COARSE
+
+    def __call__(self) -> Mapping[str, object]:
+        """Bearings ``floating`` and ``solid``, and the gears by name."""
+        assembly, pressed = self.assembly, self.assembly.spec.pressed
+        assert pressed is not None
+        material, length = pressed.material, pressed.length
+        gears = {name: gear_body(assembly, k, self.size) for k, name in enumerate(BODIES)}
+        # with two pressed bearings the second floats as well
+        free = pressed.arrangement != "asymmetric"
+        solid = bearing_body(assembly, material, length, "solid", size=self.size)
+        return {
+            "floating": bearing_body(
+                assembly, material, length, "floating", self._back(), self.size
+            ),
+            "solid": replace(solid, supports=()) if free else solid,
+            **gears,
+        }
+
+    def _back(self) -> BackLoads:
+        """High-pressure area and springs; the nose where it has an area."""
+        spec = self.assembly.spec
+        pressed = spec.pressed
+        assert pressed is not None
+        section = bearing_section(self.assembly)
+        areas: dict[str, shapely.Geometry] = {}
+        if pressed.high_pressure_contour is not None:
+            areas["high"] = shapely.Polygon(pressed.high_pressure_contour).intersection(section)
+        elif pressed.seal_line is not None:
+            low_x, low_y, high_x, high_y = section.bounds
+            near = pressed.seal_line
+            pump = spec.mode == "pump"
+            half = (near, low_y, high_x, high_y) if pump else (low_x, low_y, -near, high_y)
+            areas["high"] = section.intersection(shapely.box(*half))
+        points = {f"spring_{k}": (s.x, s.y) for k, s in enumerate(pressed.springs)}
+        return BackLoads(areas=areas, points=points)

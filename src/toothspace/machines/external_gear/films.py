@@ -69,13 +69,14 @@ class FaceOfGear:
         radius, polar = self._polar(gear, x, y)
         pitch = profile.pitch_angle
         # a middle of a tooth is at this angle, see the outlines of the gears
-        tooth = self._tooth_angle(gear, shaft_angle)
+        tooth = self.tooth_angle(gear, shaft_angle)
         place = np.mod(polar - tooth + 0.5 * pitch, pitch) - 0.5 * pitch
         low, high = np.interp(radius, radii, right), np.interp(radius, radii, left)
         on_tooth = (place >= low) & (place <= high) & (radius <= profile.tip_radius)
         return np.asarray((radius <= profile.root_radius) | on_tooth)
 
-    def _tooth_angle(self, gear: int, shaft_angle: float) -> float:
+    def tooth_angle(self, gear: int, shaft_angle: float) -> float:
+        """Angle of the middle of a tooth at a shaft angle. [rad]."""
         mesh = self.assembly.mesh
         if gear == 0:
             return 0.5 * np.pi + mesh.half_pitch + shaft_angle

@@ -1,0 +1,121 @@
+"""Pressed bearing and ring as elastic bodies: Hooke's law, shares of the bodies, balance."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.lateral_stack import HIGH, INNER, LOW, OUTER, loads, pressures, ring_stack
+from toothspace.elasticity import (
+    ElasticBody,
+    PlaneSurface,
+    Prism,
+    Support,
+    SweptShape,
+    annulus,
+    storage,
+)
+from toothspace.films.lateral_gap.elastic_faces import (
+    RELAXATION,
+    ElasticFaces,
+    elastic_faces,
+)
+from toothspace.films.lateral_gap.equilibrium import SearchSettings, find_equilibrium
+from toothspace.films.lateral_gap.motion import StepSettings, rest_at
+from toothspace.films.lateral_gap.stack import Stack
+
+MODULUS, LENGTH, WIDTH = 100e9, 20e-3, 16e-3
+SECTION = annulus(INNER, OUTER)
+SIZE = (5e-3, 5e-3)
+
+
+def _face(name: str, side: str) -> PlaneSurface:
+    return PlaneSurface(name, side, SECTION, 5.5e-3)  # type: ignore[arg-type]
+
+
+def _bodies() -> dict[str, ElasticBody]:
+    def body(
+        bottom: float, top: float, films: tuple[PlaneSurface, ...], *rest: Support
+    ) -> ElasticBody:
+        shape = SweptShape((Prism(SECTION, bottom, top),), *SIZE)
+        return ElasticBody(shape, MODULUS, 0.0, 8000.0, films, (), rest)
+
+    return {
+        "floating": body(0.0, LENGTH, (_face("face", "bottom"),)),
+        "solid": body(-LENGTH, 0.0, (_face("face", "top"),), Support("bottom", SECTION)),
+        "ring": body(
+            -0.5 * WIDTH, 0.5 * WIDTH, (_face("floating", "top"), _face("solid", "bottom"))
+        ),
+    }
+
+
+@pytest.fixture(scope="module")
+def faces(tmp_path_factory: pytest.TempPathFactory) -> ElasticFaces:
+    patch = pytest.MonkeyPatch()
+    patch.setattr(storage, "folder", lambda: tmp_path_factory.getbasetemp() / "elastic")
+    found = elastic_faces(ring_stack().grids, _bodies(), {})
+    patch.undo()
+    return found
+
+
+def _stack(faces: ElasticFaces) -> Stack:
+    return replace(ring_stack(high_share=0.72), compliance=faces)
+
+
+def test_even_pressure_gives_hookes_law(faces: ElasticFaces) -> None:
+    """Ring pressed on both sides: p b / (2 E); a bearing held by its inertia alone: p L / (3 E);
+    a bearing on its foundation: p L / E, without lateral strain."""
+    stack = _stack(faces)
+    scene = stack.scene(0.0, pressures(HIGH))
+    p = [np.full_like(grid.area, 1e7) for grid in stack.grids]
+    floating, solid = faces.widening(p, scene)
+    ring = 1e7 * WIDTH / (2.0 * MODULUS)
+    free, held = 1e7 * LENGTH / (3.0 * MODULUS), 1e7 * LENGTH / MODULUS
+    for found, wanted in ((floating, ring + free), (solid, ring + held)):
+        assert found.mean() == pytest.approx(wanted, rel=0.02)
+        # cells beyond the chords between the nodes of the rim lie outside the interpolation
+        assert np.abs(found - wanted).max() < 0.1 * wanted
+
+
+def test_turned_pressure_gives_turned_widening(faces: ElasticFaces) -> None:
+    """A pressure that turns with the grid: round bodies give way alike in all directions."""
+    stack = _stack(faces)
+    scene = stack.scene(0.0, pressures(HIGH))
+    wave = 1e7 * (1.0 + np.cos(stack.grids[0].angle))[:, None] * np.ones(stack.grids[0].lanes)
+    zero = np.zeros_like(wave)
+    first = faces.widening([wave, zero], scene)[0]
+    turned = faces.widening([np.roll(wave, 9, axis=0), zero], scene)[0]
+    assert np.abs(np.roll(first, 9, axis=0) - turned).max() < 0.05 * np.ptp(first)
+
+
+def test_rings_frame_turns_with_the_shaft(faces: ElasticFaces) -> None:
+    stack = _stack(faces)
+    wave = 1e7 * (1.0 + np.cos(2 * stack.grids[0].angle))[:, None] * np.ones(stack.grids[0].lanes)
+    found = [
+        faces.widening([wave, wave], stack.scene(turn, pressures(HIGH)))[0] for turn in (0.0, 1.0)
+    ]
+    assert np.abs(found[0] - found[1]).max() < 0.05 * np.ptp(found[0])
+
+
+def test_bearing_rests_between_elastic_bodies(faces: ElasticFaces) -> None:
+    """Forces balance to 1e-6, and the gap is the rigid gap widened by the pressures found."""
+    stack = _stack(faces)
+    scenes = (stack.scene(0.0, pressures(HIGH)),)
+    first = rest_at(stack, scenes, stack.start(2e-6))
+    found = find_equilibrium(
+        stack,
+        scenes,
+        loads(HIGH),
+        first,
+        SearchSettings(),
+        StepSettings(film_tolerance=1e-4, relaxation=RELAXATION),
+    )
+    assert found.rests
+    assert found.balance.residual < 1e-6
+    state = found.balance.states[0]
+    wanted = faces.widening(state.face_pressures(LOW), scenes[0])
+    for k, film in enumerate(state.films):
+        rigid = stack.film_place(k, found.balance.position, found.balance.velocity).position[0]
+        assert film.gap - rigid == pytest.approx(wanted[k], abs=2e-3 * float(film.gap.mean()))
