@@ -113,9 +113,10 @@ def claims(gaps: np.ndarray) -> tuple[bool, bool, bool]:
 @styled
 def window(names: tuple[str, ...]):
     """Gaps over the balance ratio, and bars where each claim holds."""
-    figure = new_figure(7.2, 3.0 * len(names))
+    figure, plane = new_figure(7.2, 3.0 * len(names)), 0.0
     for axes, name in zip(np.ravel(figure.subplots(len(names), 1)), names, strict=True):
-        forces, order, plane = tabulate(name)
+        forces, order, own = tabulate(name)
+        plane = plane or own
         loops = [follow(forces, order, ratio * plane, 1e-6) for ratio in RATIOS]
         top = len(order) // 2
         for k in range(top + 1):
@@ -136,7 +137,7 @@ def window(names: tuple[str, ...]):
         every = RATIOS[held.all(axis=1)]
         print(name, f"plane area {plane * 1e6:.0f} mm2, all claims", every.round(4))
         axes.set_yscale("log")
-        axes.set_xlim(RATIOS[0], 1.105)
+        axes.set_xlim(RATIOS[0], RATIOS[-1])
         axes.set_ylim(0.5, 12.0)
         axes.set_yticks([1, 2, 5, 10], labels=["1", "2", "5", "10"])
         axes.minorticks_off()

@@ -29,6 +29,7 @@ from toothspace.films.lateral_gap.stack import Stack
 MODULUS, LENGTH, WIDTH = 100e9, 20e-3, 16e-3
 SECTION = annulus(INNER, OUTER)
 SIZE = (5e-3, 5e-3)
+CELLS = (18, 8)
 
 
 def _face(name: str, side: str) -> PlaneSurface:
@@ -55,13 +56,13 @@ def _bodies() -> dict[str, ElasticBody]:
 def faces(tmp_path_factory: pytest.TempPathFactory) -> ElasticFaces:
     patch = pytest.MonkeyPatch()
     patch.setattr(storage, "folder", lambda: tmp_path_factory.getbasetemp() / "elastic")
-    found = elastic_faces(ring_stack().grids, _bodies(), {})
+    found = elastic_faces(ring_stack(cells=CELLS).grids, _bodies(), {})
     patch.undo()
     return found
 
 
 def _stack(faces: ElasticFaces) -> Stack:
-    return replace(ring_stack(high_share=0.72), compliance=faces)
+    return replace(ring_stack(high_share=0.72, cells=CELLS), compliance=faces)
 
 
 def test_even_pressure_gives_hookes_law(faces: ElasticFaces) -> None:
@@ -76,7 +77,7 @@ def test_even_pressure_gives_hookes_law(faces: ElasticFaces) -> None:
     for found, wanted in ((floating, ring + free), (solid, ring + held)):
         assert found.mean() == pytest.approx(wanted, rel=0.02)
         # cells beyond the chords between the nodes of the rim lie outside the interpolation
-        assert np.abs(found - wanted).max() < 0.1 * wanted
+        assert np.abs(found - wanted).max() < 0.15 * wanted
 
 
 def test_turned_pressure_gives_turned_widening(faces: ElasticFaces) -> None:
@@ -109,7 +110,7 @@ def test_bearing_rests_between_elastic_bodies(faces: ElasticFaces) -> None:
         scenes,
         loads(HIGH),
         first,
-        SearchSettings(),
+        SearchSettings(first_step=10.0),
         StepSettings(film_tolerance=1e-4, relaxation=RELAXATION),
     )
     assert found.rests
