@@ -29,7 +29,7 @@ from toothspace.films.lateral_gap.stack import Stack
 MODULUS, LENGTH, WIDTH = 100e9, 20e-3, 16e-3
 SECTION = annulus(INNER, OUTER)
 SIZE = (5e-3, 5e-3)
-CELLS = (18, 8)
+CELLS = (36, 10)
 
 
 def _face(name: str, side: str) -> PlaneSurface:
