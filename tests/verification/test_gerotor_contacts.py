@@ -18,6 +18,7 @@ from tests.drawn_rotors import (
     cycloidal,
     trochoidal,
 )
+from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
 from toothspace.machines.gerotor.contact_search import PlacedRotors
 from toothspace.machines.gerotor.contact_table import (
@@ -27,6 +28,9 @@ from toothspace.machines.gerotor.contact_table import (
     lobe_contacts,
 )
 from toothspace.machines.gerotor.contour import contour
+from toothspace.machines.gerotor.lobe_pairs import contacts_of
+from toothspace.machines.gerotor.parameters import RotorParameters
+from toothspace.machines.gerotor.profiles import rotors_from
 
 CLEARANCE = 40e-6
 DESIGNS = {"trochoidal": trochoidal, "cycloidal": cycloidal}
@@ -180,3 +184,34 @@ def test_trochoidal_lobes_keep_their_radius() -> None:
     assert (lobe.copies, cavity.copies) == (OUTER_COUNT, 1)
     assert lobe.radius_outer == pytest.approx(LOBE_RADIUS, rel=1e-3)
     assert cavity.radius_outer[steady(cavity)] == pytest.approx(-CAVITY, rel=1e-3)
+
+
+def test_rough_outlines_are_refused() -> None:
+    """Noise of 1 um from point to point: a minimum on every bump."""
+    noise = np.random.default_rng(1)
+    inner, outer = (
+        points + noise.normal(0.0, 1e-6, points.shape) for points in trochoidal(CLEARANCE)
+    )
+    rotors = PlacedRotors(contour(inner), contour(outer), ECCENTRICITY, INNER_COUNT)
+    with pytest.raises(GeometryError, match="smooth profiles"):
+        lobe_contacts(rotors)
+
+
+@pytest.mark.parametrize("count", [4, 9])
+@pytest.mark.parametrize("kind", ["trochoidal", "cycloidal"])
+def test_any_tooth_count_has_one_endless_set_of_contacts(kind: str, count: int) -> None:
+    """One more contact than the inner rotor has teeth, each at the clearance of the design."""
+    eccentricity = 15e-3 / (count + 1)
+    design = RotorParameters(
+        kind=kind,
+        inner_tooth_count=count,
+        eccentricity=eccentricity,
+        generating_radius=1.5 * (count + 1) * eccentricity if kind == "trochoidal" else None,
+        lobe_radius=2.0 * eccentricity if kind == "trochoidal" else None,
+        face_width=10e-3,
+        tip_clearance=30e-6,
+    )
+    contact = contacts_of(rotors_from(design))[0]
+    assert count + 1 <= contact.copies <= count + 2
+    gap = contact.gap[steady(contact)]
+    assert gap == pytest.approx(30e-6, abs=0.1e-6)

@@ -17,6 +17,7 @@ from typing import final
 
 import numpy as np
 
+from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.machines.gerotor.contact_search import (
     Branch,
@@ -38,6 +39,7 @@ _LARGEST_RADIUS = 10.0
 _FADED = 1e-4
 _FADING_NODES = 8
 _SPEED_NODES = 2
+_MOST_KINDS = 12
 
 COLUMNS = (
     "outer_angle[rad]",
@@ -145,10 +147,19 @@ def lobe_contacts(rotors: PlacedRotors, nodes: int = NODES_PER_PITCH) -> tuple[L
     -------
     tuple of LobeContact
         The longest living kind first.
+
+    Raises
+    ------
+    GeometryError
+        If the outlines are so rough that every bump makes a contact of its own.
     """
     closest = closest_places(rotors, nodes, FOLLOWED)
     found = branches(closest, linked(rotors, closest, nodes), nodes)
     lasting = [branch for branch in found if branch.rows.size > 2 * _SPEED_NODES]
+    if len(lasting) > _MOST_KINDS:
+        found_kinds = f"outlines with {len(lasting)} kinds of contact"
+        allowed = f"allowed at most {_MOST_KINDS}: smooth profiles, alike in all teeth"
+        raise GeometryError(f"machine.rotors: found {found_kinds}, {allowed}")
     lasting.sort(key=lambda branch: -branch.rows.size)
     return tuple(_contact(rotors, closest, branch, nodes) for branch in lasting)
 
