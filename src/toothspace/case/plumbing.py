@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from toothspace.case import circuit as keys
-from toothspace.case.signals import read_columns, read_signal
 from toothspace.closures.bulk_modulus import liquid_bulk_modulus
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.viscosity import dynamic_viscosity
 from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.core.errors import CaseError
+from toothspace.core.signals import read_columns, read_signal
 from toothspace.core.types import Array
 from toothspace.model.circuit_description import (
     Circuit,

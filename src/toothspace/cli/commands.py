@@ -136,7 +136,7 @@ def report(result: Path, page: Path | None, measured: Path | None = None) -> int
 
 def _measured(path: Path) -> dict[str, Any]:
     """Signals of a measurement that figures can lay over results."""
-    from toothspace.case.signals import read_columns
+    from toothspace.core.signals import read_columns
 
     known = {"shaft_speed": "rpm", "pressure_difference": "bar"}
     text = path.read_text(encoding="utf-8-sig") if path.is_file() else ""

@@ -8,6 +8,7 @@ constants  physical constants and reference states
 errors     exceptions that a user sees as one line
 status     outcome of a run, with advice
 units      quantities with units in text, converted to SI
+signals    columns of CSV files in SI units
 registry   machine types found by name (built in or entry points)
 compiled   numba with a cache that follows the package's sources
 ========== ===========================================================

@@ -21,6 +21,7 @@ from toothspace.library import load_material
 from toothspace.machines.external_gear import parameters as keys
 from toothspace.machines.external_gear import spec
 from toothspace.machines.external_gear.pressed_bearing import pressed_bearing
+from toothspace.machines.external_gear.shaft_seal import seal_torque
 from toothspace.model.description import StartupFriction
 
 _TOOTH_KEYS = (
@@ -80,7 +81,7 @@ def spec_from(machine: keys.ExternalGearParameters) -> spec.ExternalGearSpec:
         normal_backlash=machine.gears.normal_backlash,
         drain=cast(Literal["inlet", "outlet", "external"] | None, machine.drain),
         drain_pressure=1e5 if machine.drain_pressure is None else machine.drain_pressure,
-        seal_torque=machine.seals.shaft_seal_torque if machine.seals else 0.0,
+        seal_torque=seal_torque(machine.seals, machine.journal_bearings.diameter),
         startup=_startup(machine.startup),
         inlet_volume=machine.inlet.volume,
         outlet_volume=machine.outlet.volume,

@@ -365,7 +365,28 @@ class FloatingBearingParameters:
 class SealParameters:
     """``[machine.seals]``."""
 
-    shaft_seal_torque: float = quantity("N m", "Friction of the shaft seal.", low=0, high=100)
+    shaft_seal_torque: float | None = quantity(
+        "N m", "Friction of the shaft seal.", low=0, high=100, default=None
+    )
+    table: Path | None = file_path(
+        "Or its friction force at the lip: columns temperature [degC], penetration [mm] and "
+        "friction_force [N] of a full grid.",
+        ".csv",
+    )
+    temperature: float | None = quantity(
+        "degC", "Temperature of the lip, with a table.", low=-60, high=250, default=None
+    )
+    penetration: float | None = quantity(
+        "mm", "Penetration of the lip, with a table.", low=0, high=10, default=None
+    )
+
+    def __post_init__(self) -> None:
+        if self.table is None:
+            require(self, "unless a table is given", "shaft_seal_torque")
+            forbid(self, "without a table", "temperature", "penetration")
+        else:
+            forbid(self, "because a table is given", "shaft_seal_torque")
+            require(self, "with a table", "temperature", "penetration")
 
 
 @final
