@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -44,6 +45,7 @@ _EFFICIENCIES = (
 _CHARACTERISTICS = ("mean_flow_L_per_min", "mean_torque_N_m")
 _RPM = 60.0 / (2.0 * np.pi)
 _MOST_LINES = 8
+_LABEL_WIDTH = 22
 _SHOWN_RANGE = 40.0
 """Percent below the best efficiency that contour lines cover."""
 
@@ -286,7 +288,9 @@ def effect_bars(data: xr.Dataset, kind: str) -> Figure:
 def _optimise(data: xr.Dataset) -> list[StudyFigure]:
     if data.sizes["point"] == 0:
         return []
-    caption = "Every point tried, in its order; the line is the best so far without constraints."
+    caption = (
+        "Every point tried, in its order; grey: a constraint is broken; line: the best so far."
+    )
     return [StudyFigure("search", caption, search_history(data))]
 
 
@@ -296,15 +300,17 @@ def search_history(data: xr.Dataset) -> Figure:
     paths = [p for p in data.attrs["varied"].split() if data[p].dtype.kind in "fiu"]
     figure = new_figure(7.2, 2.2 + 1.5 * len(paths))
     panels = figure.subplots(1 + len(paths), 1, sharex=True, squeeze=False)[:, 0]
-    merit = data["merit"].values
+    order, kept = data["point"].values, data["feasible"].values.astype(bool)
     upwards = data.attrs["goal"] == "maximise" and data.attrs["objective"] != "targets"
-    best = (np.fmax if upwards else np.fmin).accumulate(merit)
-    panels[0].plot(merit, ".", color=BLUE, ms=4)
-    panels[0].plot(best, color=INK, lw=1.0)
-    panels[0].set_ylabel(_label(data.attrs["objective"]))
-    for axes, path in zip(panels[1:], paths, strict=True):
-        axes.plot(data[path].values, ".", color=BLUE, ms=4)
-        axes.set_ylabel(_axis_label(data, path).replace(" (", "\n("))
+    merit = np.where(kept, data["merit"].values, np.nan)
+    panels[0].plot(order, (np.fmax if upwards else np.fmin).accumulate(merit), color=INK, lw=1.0)
+    shown = [("merit", _label(data.attrs["objective"]))]
+    shown += [(path, _axis_label(data, path)) for path in paths]
+    for axes, (name, label) in zip(panels, shown, strict=True):
+        broken = np.logical_not(kept)
+        axes.plot(order[broken], data[name].values[broken], ".", color=GREY, ms=3)
+        axes.plot(order[kept], data[name].values[kept], ".", color=BLUE, ms=5)
+        axes.set_ylabel(fill(label, _LABEL_WIDTH), fontsize=8)
     panels[-1].set_xlabel("Point")
     return figure
 

@@ -84,7 +84,7 @@ class Signals:
 
 
 def _signal(data: Any, name: str) -> Array:
-    if name == _DIFFERENCE:
+    if name == _DIFFERENCE and name not in data:
         return np.abs(np.asarray(data["inlet_pressure"] - data["outlet_pressure"]))
     return np.asarray(data[name])
 

@@ -72,7 +72,10 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         status = Status.NOT_CONVERGED
     data = points_dataset(search.axes, search.rows, search.records)
     merits = [search.merit(record) for record in search.records]
-    data = data.assign(merit=("point", np.asarray(merits)))
+    kept = [r.succeeded and search.violation(r) == 0.0 for r in search.records]
+    data = data.assign(
+        merit=("point", np.asarray(merits)), feasible=("point", np.asarray(kept, dtype=bool))
+    )
     data.attrs["varied"] = " ".join(axis.path for axis in search.axes)
     data.attrs["objective"] = study.objective or "targets"
     data.attrs["goal"] = study.goal
