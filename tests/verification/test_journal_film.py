@@ -207,3 +207,20 @@ def test_light_load_against_the_pressure_of_grooves_comes_to_rest(turn: float) -
     film = bearing.equilibrium(load=(load[0], load[1]), shaft_speed=0.597 * turn)
     assert film.status.succeeded
     np.testing.assert_allclose(film.force, -load, atol=1e-6)
+
+
+def test_groove_below_the_pressure_of_the_cavity_holds_a_cavity() -> None:
+    """1 bar in a groove under an atmospheric cavity: as at cavity pressure, and mass is kept."""
+    films = []
+    for pressure in (1.0e5, 101325.0):
+        bearing = JournalBearing(
+            diameter=0.02,
+            length=0.02,
+            radial_clearance=1e-5,
+            dynamic_viscosity=0.02,
+            grid=(64, 10),
+            grooves=(Groove(1.0, 0.4, 0.01, pressure),),
+        )
+        films.append(bearing.solve(eccentricity=(0.6, 0.0), shaft_speed=100.0))
+    assert films[0].mass_balance_error < 1e-10
+    np.testing.assert_allclose(films[0].force, films[1].force, rtol=1e-9)

@@ -197,6 +197,10 @@ def _fill_cells(
             b.storage[i, j] = fluid.density[i, j] * rate * grid.area[i, j]
 
 
+def _gauge(pressure: Array, cavitation_pressure: float) -> Array:
+    return np.maximum(pressure - cavitation_pressure, 0.0)
+
+
 def film_balance(
     grid: FilmGrid,
     gap: GapField,
@@ -206,7 +210,8 @@ def film_balance(
 ) -> CellBalance:
     """Volume balance of every cell at the density of the cavitation pressure.
 
-    Potentials are pressures above the cavitation pressure. [Pa, m3/s]
+    Potentials are pressures above the cavitation pressure, given ones not below it: a groove or
+    edge of lower pressure holds a cavity. [Pa, m3/s]
     """
     b = CellBalance(
         np.empty_like(gap.face_x),
@@ -216,11 +221,11 @@ def film_balance(
         np.empty_like(gap.centre),
         np.zeros_like(gap.centre),
         grid.mark,
-        np.where(grid.mark == PRESCRIBED, grid.prescribed - cavitation_pressure, 0.0),
-        grid.west - cavitation_pressure,
-        grid.east - cavitation_pressure,
-        grid.south - cavitation_pressure,
-        grid.north - cavitation_pressure,
+        np.where(grid.mark == PRESCRIBED, _gauge(grid.prescribed, cavitation_pressure), 0.0),
+        _gauge(grid.west, cavitation_pressure),
+        _gauge(grid.east, cavitation_pressure),
+        _gauge(grid.south, cavitation_pressure),
+        _gauge(grid.north, cavitation_pressure),
         grid.ring,
     )
     _fill_x(grid, gap, fluid, law, b, False)
