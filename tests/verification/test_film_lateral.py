@@ -147,3 +147,24 @@ def test_wrong_shapes_are_refused() -> None:
         replace(RING, given_pressure=np.zeros((3, 3)))
     with pytest.raises(CaseError, match=r"film\.inner_radius"):
         replace(RING, inner_radius=30e-3)
+
+
+def test_tangent_of_a_rough_film_holds_contact() -> None:
+    """Stiffness of film and asperities together against central differences of the load."""
+    surfaces = RoughSurfaces(moving_roughness=0.6e-6, resting_roughness=0.8e-6, hardness=0.5e9)
+    film = replace(RING, side_gap=2.2e-6, tilt=(2e-5, -1e-5), surfaces=surfaces)
+    stiffness, _ = film.solve(shaft_speed=50.0).coefficients()
+    plain, _ = film.solve(shaft_speed=50.0).plane.rigid_coefficients()
+    assert stiffness[0, 0] > 1.05 * plain[0, 0]
+    for k, step in enumerate((1e-10, 1e-8, 1e-8)):
+        loads = []
+        for sign in (1.0, -1.0):
+            tilt = [2e-5, -1e-5]
+            if k > 0:
+                tilt[k - 1] += sign * step
+            gap = 2.2e-6 + (sign * step if k == 0 else 0.0)
+            moved = replace(film, side_gap=gap, tilt=(tilt[0], tilt[1]))
+            loads.append(moved.solve(shaft_speed=50.0).load)
+        expected = -(loads[0] - loads[1]) / (2.0 * step)
+        size = np.abs(stiffness[:, k]).max()
+        np.testing.assert_allclose(stiffness[:, k], expected, atol=1e-4 * size)

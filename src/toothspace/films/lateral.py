@@ -237,6 +237,26 @@ class LateralSolution:
         pressure, _ = contact_field(height, surfaces.roughness, surfaces.contact_table())
         return np.where(self.plane.film.grid.mark == PRESCRIBED, 0.0, pressure)
 
+    def coefficients(self) -> tuple[Array, Array]:
+        """Stiffness and damping 3x3 for lift of the upper face and its rotations about x and y.
+
+        Of film and touching asperities; units as of
+        :meth:`~toothspace.films.plane_film.PlaneSolution.rigid_coefficients`.
+        """
+        stiffness, damping = self.plane.rigid_coefficients()
+        return stiffness + self._contact_stiffness(), damping
+
+    def _contact_stiffness(self) -> Array:
+        """Part of the stiffness that asperities add. [N/m, N/rad, N m/rad]."""
+        surfaces, film = self.lateral.surfaces, self.plane.film
+        if surfaces is None:
+            return np.zeros((3, 3))
+        height = film.gap.centre + film.gap.step
+        _, slope = contact_field(height, surfaces.roughness, surfaces.contact_table())
+        softer = np.where(film.grid.mark == PRESCRIBED, 0.0, -slope * film.grid.area)
+        lift = np.stack([np.ones_like(height), film.points.y, -film.points.x])
+        return np.asarray(np.einsum("ikl,jkl,kl->ij", lift, lift, softer))
+
     @property
     def load(self) -> Array:
         """Force along z [N] and moments about x and y [N m] on the upper face.
