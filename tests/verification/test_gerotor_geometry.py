@@ -13,7 +13,7 @@ from shapely import affinity
 
 from tests.gerotor_designs import CYCLOIDAL, TROCHOIDAL
 from toothspace.core.errors import GeometryError
-from toothspace.machines.gerotor.flow_paths import gap_by_motion
+from toothspace.machines.gerotor.flow_paths import gap_by_motion, slip_speed
 from toothspace.machines.gerotor.lobe_path import lobe_path
 from toothspace.machines.gerotor.parameters import PortContourParameters, RotorParameters
 from toothspace.machines.gerotor.pockets import Pockets, area_by_motion, pockets
@@ -358,3 +358,24 @@ def test_explicit_lands_are_kept():
     )
     assert ports.land_max_half_angle == pytest.approx(np.deg2rad(35.0))
     assert inlet.sum() < kinematic[:, 0].sum()
+
+
+@pytest.mark.parametrize("design", DESIGNS, ids=NAMES)
+def test_layers_of_clearance_pass_the_throats_as_walls_drag(design):
+    """What drag through the tips brings to a pocket is what its wall layers grow by.
+
+    Polygons between the walls change by the pocket's own rate and by half a gap times the length
+    of its walls; the drag flow of both throats makes up for just that, to first order in the gap.
+    """
+    pocket = _pockets(design, 700)
+    drag = design.tip_clearance * slip_speed(pocket)
+    into = pocket.behind(drag) - pocket.ahead(drag)
+    # the lobe behind is where its throat runs ahead of the walls
+    nodes, span = np.arange(80, 121), 20
+    walls = np.array([shapely.Polygon(pocket_polygon(pocket, n)).area for n in nodes])
+    layers = walls - pocket.area[nodes]
+    grown = layers[span:] - layers[:-span]
+    sums = np.concatenate([[0.0], np.cumsum(0.5 * (into[nodes[1:]] + into[nodes[:-1]]))])
+    brought = (sums[span:] - sums[:-span]) * pocket.place[1] / pocket.angle_ratio
+    assert np.abs(brought).max() > 0.005 * design.tip_clearance * pocket.rotors.eccentricity
+    assert grown == pytest.approx(brought, abs=0.02 * np.abs(brought).max())

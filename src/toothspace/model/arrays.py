@@ -68,7 +68,7 @@ PATH_COLUMNS = 9
     FAMILY_COUNT,
     PARTNER_SHIFT,
 ) = range(8)
-MULTIPLICITY, MINIMUM_HEIGHT, THROAT_SPEED = range(3)
+MULTIPLICITY, MINIMUM_HEIGHT, THROAT_SPEED, CARRIED_SHARE = range(4)
 
 # Columns of ``chamber_values``: volume, dV/d(mesh rotation), dV/d(each free motion).
 CHANNEL_VOLUME, CHANNEL_MESH, CHANNEL_MOTION = range(3)

@@ -165,6 +165,9 @@ class FlowPath:
         Speed of the throat towards b per shaft speed, where volumes count to the casing as
         bodies move but to the body's own boundary at rest (tooth tips): that part of the gap
         which micro-motion opens is carried along, not dragged through. [m/rad]
+    drags_opening_only : bool
+        Whether walls drag fluid only through that part of the gap which micro-motion opens: the
+        layers that fill the nominal gap are carried with the walls in the chambers' account.
     multiplicity : float
         Equal paths in parallel, for example both faces. [-]
     partner_shift : int
@@ -188,6 +191,7 @@ class FlowPath:
     drag_speed: PeriodicTable | None = None
     shear_speed: PeriodicTable | None = None
     throat_speed: float = 0.0
+    drags_opening_only: bool = False
     multiplicity: float = 1.0
     partner_shift: int = 0
     wears: bool = False

@@ -29,6 +29,7 @@ from toothspace.closures.viscosity import dynamic_viscosity, throttling_viscosit
 from toothspace.core.compiled import kernel, merged
 from toothspace.core.types import Array
 from toothspace.model.arrays import (
+    CARRIED_SHARE,
     CATEGORY,
     DENSITY,
     DRAG,
@@ -172,7 +173,8 @@ def update_flows(s: SystemArrays, speed: float) -> None:
             discharge = SMOOTH_THROAT if kind == CURVED_GAP else SHARP_EDGE
             by_height *= factor
             carried = second * data[j, THROAT_SPEED]
-            drag = area * values[j, DRAG_SPEED] - carried * (path[j, HEIGHT] - first)
+            dragged = area - second * data[j, CARRIED_SHARE] * first
+            drag = dragged * values[j, DRAG_SPEED] - carried * (path[j, HEIGHT] - first)
             drag_by_height = (second * values[j, DRAG_SPEED] * factor - carried) * speed
             shear = values[j, SHEAR_SPEED] ** 2 * second * third / height
             path[j, SHEAR] = many * viscosity * speed * shear

@@ -108,6 +108,7 @@ def path_arrays(
             np.repeat([path.multiplicity for path in paths], counts),
             np.repeat([path.minimum_height for path in paths], counts),
             np.repeat([path.throat_speed for path in paths], counts),
+            np.repeat([float(path.drags_opening_only) for path in paths], counts),
         ]
     ).astype(float)
     return index, data

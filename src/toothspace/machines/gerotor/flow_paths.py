@@ -90,7 +90,8 @@ def _port_path(pocket: Pockets, table: Array, port: Literal["inlet", "outlet"]) 
 def tip_path(parameters: GerotorParameters, pocket: Pockets, motions: tuple[int, ...]) -> FlowPath:
     """Gap between a lobe and the inner rotor, from the pocket behind to the pocket ahead.
 
-    The walls drag no fluid through it in this account: see the bookkeeping in ``pockets``.
+    The walls drag fluid only through what the motion of the rotors opens: the layers in the
+    nominal gap are in the bookkeeping of ``pockets``.
     """
     path, own = pocket.path, _nodes(pocket)
     width = np.full(path.place.size, parameters.rotors.face_width)
@@ -106,8 +107,37 @@ def tip_path(parameters: GerotorParameters, pocket: Pockets, motions: tuple[int,
             FULL_TURN, np.column_stack([path.gap, width, path.relative_radius])
         ),
         height_by_motion=smooth_table(FULL_TURN, gap_by_motion(pocket)[:, motions]),
+        drag_speed=smooth_table(FULL_TURN, slip_speed(pocket)),
+        drags_opening_only=True,
         minimum_height=parameters.rotors.roughness,
     )
+
+
+def slip_speed(pocket: Pockets) -> Array:
+    r"""Mean speed of both walls ahead, relative to the throat, per shaft speed.
+
+    Returns
+    -------
+    ndarray
+        Over the place of the lobe. [m/rad]
+
+    Notes
+    -----
+    .. math:: \left[\tfrac12(\mathbf u_1 + \mathbf u_2) - \mathbf V_c\right] \cdot \mathbf t
+
+    with the velocity of the throat's middle from its place, and the tangent that leads ahead.
+    """
+    point, normal, ratio = pocket.path.point, pocket.path.normal, pocket.angle_ratio
+    step = pocket.place[1] - pocket.place[0]
+    throat = ratio * (np.roll(point, -1, axis=0) - np.roll(point, 1, axis=0)) / (2.0 * step)
+    inner = point - pocket.rotors.inner_center
+    walls = 0.5 * (_turned_left(inner) + ratio * _turned_left(point))
+    # the outer rotor lies beyond the gap: ahead is to the left of the normal
+    return np.asarray(np.sum((walls - throat) * _turned_left(normal), axis=1), dtype=float)
+
+
+def _turned_left(vectors: Array) -> Array:
+    return np.column_stack([-vectors[:, 1], vectors[:, 0]])
 
 
 def gap_by_motion(pocket: Pockets) -> Array:
