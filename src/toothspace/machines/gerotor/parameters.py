@@ -108,7 +108,13 @@ class PortContourParameters:
     outer_radius: float | None = quantity(
         "mm", "Outer radius of the kidneys.", above=0, high=500, default=None
     )
-    depth: float = quantity("mm", "Depth of the kidneys.", above=0, high=200, default=10e-3)
+    depth: float = quantity(
+        "mm",
+        "Depth of the kidneys, for records: they count as deep.",
+        above=0,
+        high=200,
+        default=10e-3,
+    )
     contour: Path | None = file_path("Closed port polygons.", *CONTOUR_SUFFIXES)
 
     def __post_init__(self) -> None:
