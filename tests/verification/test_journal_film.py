@@ -224,3 +224,25 @@ def test_groove_below_the_pressure_of_the_cavity_holds_a_cavity() -> None:
         films.append(bearing.solve(eccentricity=(0.6, 0.0), shaft_speed=100.0))
     assert films[0].mass_balance_error < 1e-10
     np.testing.assert_allclose(films[0].force, films[1].force, rtol=1e-9)
+
+
+@pytest.mark.parametrize("moment", [(0.0, 0.0), (0.8, -1.5)])
+def test_shaft_free_to_tilt_carries_a_moment(moment: tuple[float, float]) -> None:
+    """Force and moment balance; without a moment the tilted search ends where the parallel does."""
+    bearing = JournalBearing(
+        diameter=0.02,
+        length=0.02,
+        radial_clearance=1.5e-5,
+        dynamic_viscosity=0.02,
+        grid=(64, 12),
+        cavitation="reynolds",
+    )
+    film = bearing.equilibrium(load=(400.0, 0.0), shaft_speed=150.0, moment=moment)
+    assert film.status.succeeded
+    np.testing.assert_allclose(film.force, (-400.0, 0.0), atol=1e-5)
+    np.testing.assert_allclose(film.moment, (-moment[0], -moment[1]), atol=1e-7)
+    if moment == (0.0, 0.0):
+        parallel = bearing.equilibrium(load=(400.0, 0.0), shaft_speed=150.0)
+        np.testing.assert_allclose(film.eccentricity, parallel.eccentricity, atol=1e-6)
+    else:
+        assert np.hypot(*film.motion.place[2:]) > 1e-5

@@ -11,6 +11,7 @@ journal_solver      film for a given motion of the shaft
 journal_solution    fields, loads, flows, stiffness and damping
 cavitation          names of the cavitation models
 equilibrium         position of the shaft under a load
+tilted_equilibrium  the same under a moment, free to tilt
 mixed_lubrication   friction over speed and its reduction to a formula
 shaft_motion        stability threshold and transient orbit
 plane_film          films between nearly parallel faces on any grid

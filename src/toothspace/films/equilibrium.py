@@ -51,7 +51,7 @@ def find_equilibrium(
         guess = _newton(coarse, load, speed, _first_guess(bearing, load, speed), 1e-3)
         # a coarse grid does not resolve a nearly closed gap, so it may go too far
         place = guess.eccentricity
-        place = place * min(1.0, 0.97 / max(_closeness(place, bearing), 0.01))
+        place = place * min(1.0, 0.97 / max(closeness(place, bearing), 0.01))
     else:
         place = np.asarray(start, dtype=float)
     film = _newton(bearing, load, speed, place, _TOLERANCE)
@@ -165,7 +165,7 @@ def _damped_step(
     return trial
 
 
-def _closeness(place: Array, bearing: JournalBearing) -> float:
+def closeness(place: Array, bearing: JournalBearing) -> float:
     """One less the smallest gap over the clearance: the eccentricity ratio in a cylinder."""
     if bearing.lobes is None:
         return float(np.hypot(*place))
@@ -175,14 +175,14 @@ def _closeness(place: Array, bearing: JournalBearing) -> float:
 
 def _kept_inside(place: Array, step: Array, bearing: JournalBearing) -> Array:
     """Shorten a step that would close the gap; rough walls may overlap a little more each time."""
-    ratio = _closeness(place, bearing)
+    ratio = closeness(place, bearing)
     limit = ratio + (1.0 - _SMALLEST_SHRINK) * max(1.0 - ratio, 0.0)
     if bearing.surfaces is None:
         limit = min(limit, 0.9999)
     else:
         limit += 0.5 * bearing.surfaces.roughness / bearing.radial_clearance
     for _ in range(60):
-        if _closeness(place + step, bearing) <= limit:
+        if closeness(place + step, bearing) <= limit:
             break
         step = 0.8 * step
     return step

@@ -15,6 +15,7 @@ from toothspace.films.journal_film import Groove, Lobes, MotionState
 from toothspace.films.journal_solution import FilmHistory, JournalBearingSolution, SurfaceSpeed
 from toothspace.films.journal_solver import solve_motion
 from toothspace.films.rough_surfaces import RoughSurfaces
+from toothspace.films.tilted_equilibrium import find_tilted_equilibrium
 
 Pair = tuple[float, float]
 
@@ -163,6 +164,7 @@ class JournalBearing:
         shaft_speed: float,
         start: Pair | None = None,
         bush_speed: float = 0.0,
+        moment: Pair | None = None,
     ) -> JournalBearingSolution:
         """Steady position of the shaft under a load.
 
@@ -176,6 +178,9 @@ class JournalBearing:
             Eccentricity to begin with. [-]
         bush_speed : float
             Rotation of the bush. [rad/s]
+        moment : tuple of float, optional
+            External moment about x and y on the shaft, which is then free to tilt; without it
+            the shaft stays parallel to the bush. [N m]
 
         Returns
         -------
@@ -183,7 +188,10 @@ class JournalBearing:
             Film in equilibrium; ``status`` tells whether it was found.
         """
         speed = SurfaceSpeed(shaft_speed, bush_speed)
-        return find_equilibrium(self, np.asarray(load, dtype=float), speed, start)
+        force = np.asarray(load, dtype=float)
+        if moment is None:
+            return find_equilibrium(self, force, speed, start)
+        return find_tilted_equilibrium(self, force, np.asarray(moment, float), speed, start)
 
 
 _CHOICES = {
