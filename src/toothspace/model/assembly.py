@@ -32,7 +32,6 @@ from toothspace.model.arrays import (
     PRECHARGE,
     PRESSURE,
     REST_VOLUME,
-    VALUE,
     VOLUME,
     WALL_COMPLIANCE,
     WALL_SLOPE,
@@ -62,7 +61,7 @@ from toothspace.model.paths import (
     path_table,
 )
 from toothspace.model.quasi_static import bush_positions
-from toothspace.model.tables import OPEN, Reading, fill_constants, make_members, pack_tables
+from toothspace.model.tables import OPEN, Reading, make_members, pack_tables
 from toothspace.model.walls import wall_volume
 from toothspace.numerics.periodic_table import PeriodicTable, stack_tables
 
@@ -152,9 +151,6 @@ def assemble(
         schedule=schedule,
         **_work(sizes),
     )
-    fill_constants(arrays.bank, arrays.paths, arrays.path_values)
-    fill_constants(arrays.bank, arrays.chambers, arrays.chamber_values)
-    fill_constants(arrays.bank, arrays.contacts, arrays.contact_values[VALUE])
     arrays.contact[:, CONTACT_STATE:] = contacts.data
     pattern = _pattern(arrays)
     _join_circuit(arrays, pattern)
@@ -339,13 +335,15 @@ def _fill_circuit_nodes(
 
 
 def _work(sizes: Sizes) -> dict[str, Array]:
+    """Work arrays; tables are evaluated channel by channel, so their values stand in columns."""
     channels = CHANNEL_MOTION + sizes.motions
+    gap_channels = GAP_BY_MOTION + 2 * sizes.motions
     return {
         "path": np.zeros((sizes.paths, PATH_COLUMNS)),
-        "chamber_values": np.zeros((sizes.chambers, channels)),
-        "chamber_slopes": np.zeros((sizes.chambers, channels)),
-        "path_values": np.zeros((sizes.paths, HEIGHT_BY_MOTION + sizes.motions)),
-        "contact_values": np.zeros((2, sizes.contacts, GAP_BY_MOTION + 2 * sizes.motions)),
+        "chamber_values": np.zeros((channels, sizes.chambers)).T,
+        "chamber_slopes": np.zeros((channels, sizes.chambers)).T,
+        "path_values": np.zeros((HEIGHT_BY_MOTION + sizes.motions, sizes.paths)).T,
+        "contact_values": np.zeros((2, gap_channels, sizes.contacts)).transpose(0, 2, 1),
         "contact": np.zeros((sizes.contacts, CONTACT_COLUMNS)),
         "film_slopes": np.zeros((2, sizes.motions, sizes.motions)),
         "torque": np.zeros(len(FRICTION_MECHANISMS) + 1),

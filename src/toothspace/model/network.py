@@ -65,7 +65,7 @@ from toothspace.model.arrays import (
     SystemArrays,
 )
 from toothspace.model.ledger import THROTTLING
-from toothspace.model.tables import CLOSED
+from toothspace.model.tables import is_closed
 
 ORIFICE, PARALLEL_GAP, CURVED_GAP = 0, 1, 2
 SHARP_EDGE = 0.7
@@ -90,9 +90,9 @@ def update_partners(s: SystemArrays) -> None:
 @kernel
 def close_paths(s: SystemArrays) -> None:
     """Let nothing flow through the paths that are closed at the present angle."""
-    path, base = s.path, s.paths.base
-    for j in range(base.size):
-        if base[j] == CLOSED:
+    path = s.path
+    for j in range(s.size.paths):
+        if is_closed(s.paths, j):
             for column in range(path.shape[1]):
                 path[j, column] = 0.0
 

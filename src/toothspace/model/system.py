@@ -86,17 +86,17 @@ PORTS = len(PORT_NODES)
 def update_tables(s: SystemArrays, shaft_angle: float) -> None:
     """Evaluate all tables at an angle."""
     s.table_angle[0] = shaft_angle
-    find_intervals(s.bank, s.chambers, shaft_angle, s.chamber_values)
-    fill_values(s.bank, s.chambers, shaft_angle, s.chamber_values)
-    fill_slopes(s.bank, s.chambers, shaft_angle, s.chamber_slopes)
-    find_intervals(s.bank, s.contacts, shaft_angle, s.contact_values[VALUE])
-    fill_values(s.bank, s.contacts, shaft_angle, s.contact_values[VALUE])
+    find_intervals(s.bank, s.chambers, shaft_angle)
+    fill_values(s.chambers, s.chamber_values)
+    fill_slopes(s.chambers, s.chamber_slopes)
+    find_intervals(s.bank, s.contacts, shaft_angle)
+    fill_values(s.contacts, s.contact_values[VALUE])
     if s.size.compliant > 0:
-        fill_slopes(s.bank, s.contacts, shaft_angle, s.contact_values[SLOPE])
-    if find_intervals(s.bank, s.paths, shaft_angle, s.path_values):
+        fill_slopes(s.contacts, s.contact_values[SLOPE])
+    if find_intervals(s.bank, s.paths, shaft_angle):
         update_partners(s)
         close_paths(s)
-    fill_values(s.bank, s.paths, shaft_angle, s.path_values)
+    fill_values(s.paths, s.path_values)
 
 
 @merged

@@ -44,23 +44,21 @@ class Members(NamedTuple):
 
     Parameters
     ----------
-    table : ndarray of int
-        Number of the table.
-    phase, ratio : ndarray
-        Angle of the table at shaft angle zero, and its growth. [rad], [-]
-    gate : ndarray of int
-        Where this channel is zero the thing is closed and its other channels are not read.
-    origin, growth : ndarray
+    table, phase, ratio, gate
+        See :class:`Reading`.
+    origin, growth : ndarray, shape (members,)
         Place in the table in nodes at shaft angle zero, and its growth per angle. [-], [1/rad]
-    interval : ndarray
-        Node below the present place, counted on beyond full turns; NaN at the start. [-]
-    base : ndarray of int
-        First coefficient of that interval; CLOSED where the thing is closed.
-    turns : ndarray of int
+    interval, place : ndarray, shape (members,)
+        Node below the present place, counted on beyond full turns (NaN at the start), and the
+        place beyond that node, 0 to 1. [-]
+    cubic : ndarray, shape (channels, 4, members)
+        Coefficients of the present intervals.
+    last : ndarray of int, shape (channels,)
+        Count of members up to the last that has this channel.
+    turns : ndarray of int, shape (members,)
         Periods passed.
-    moving, open : ndarray of int
-        Numbers of the things to be interpolated, and of all that are not closed; their
-        count stands at the end.
+    open : ndarray of int, shape (members + 1,)
+        Numbers of the members that are not closed; their count stands at the end.
     """
 
     table: IntArray
@@ -70,23 +68,24 @@ class Members(NamedTuple):
     origin: Array
     growth: Array
     interval: Array
-    base: IntArray
+    place: Array
+    cubic: Array
+    last: IntArray
     turns: IntArray
-    moving: IntArray
     open: IntArray
 
 
 OPEN = -1
 """Gate of members that are never closed."""
 
-CLOSED = -1
-"""Place of the coefficients of a closed member."""
-
 
 def make_members(bank: TableBank, reading: Reading) -> Members:
     """Return members that stand nowhere yet."""
     table = np.asarray(reading.table, dtype=np.int64)
     count, nodes = table.size, bank.layout[table, NODES]
+    channels = bank.layout[table, CHANNELS]
+    most = int(channels.max(initial=0))
+    having = [np.flatnonzero(channels > k) for k in range(most)]
     return Members(
         table=table,
         phase=np.asarray(reading.phase, dtype=float),
@@ -95,19 +94,12 @@ def make_members(bank: TableBank, reading: Reading) -> Members:
         origin=np.asarray(reading.phase * nodes / bank.period[table], dtype=float),
         growth=np.asarray(reading.ratio * nodes / bank.period[table], dtype=float),
         interval=np.full(count, np.nan),
-        base=np.full(count, CLOSED),
+        place=np.zeros(count),
+        cubic=np.zeros((most, 4, count)),
+        last=np.array([members[-1] + 1 for members in having], dtype=np.int64),
         turns=np.zeros(count, dtype=np.int64),
-        moving=np.zeros(count + 1, dtype=np.int64),
         open=np.zeros(count + 1, dtype=np.int64),
     )
-
-
-def fill_constants(bank: TableBank, members: Members, values: Array) -> None:
-    """Write the rows of members with constant tables, which :func:`fill_values` leaves alone."""
-    for j, table in enumerate(members.table):
-        offset, nodes, channels = bank.layout[table]
-        if nodes == 1:
-            values[j, :channels] = bank.coefficients[offset : offset + channels]
 
 
 def pack_tables(tables: Sequence[PeriodicTable]) -> TableBank:
@@ -142,81 +134,86 @@ def _hermite_coefficients(table: PeriodicTable) -> Array:
 
 
 @kernel
-def find_intervals(bank: TableBank, members: Members, shaft_angle: float, values: Array) -> bool:
+def find_intervals(bank: TableBank, members: Members, shaft_angle: float) -> bool:
     """Move members on to the intervals of a shaft angle; False if all stayed in theirs."""
     origin, growth, interval = members.origin, members.growth, members.interval
-    moved = False
-    for j in range(interval.size):
-        place = origin[j] + growth[j] * shaft_angle
-        if not 0.0 <= place - interval[j] < 1.0:
-            interval[j] = np.floor(place)
-            find_coefficients(bank, members, j)
-            moved = True
-    if moved:
-        list_members(bank, members, values)
-    return moved
+    place = members.place
+    outside = 0
+    for j in range(place.size):
+        place[j] = origin[j] + growth[j] * shaft_angle - interval[j]
+        outside += 0 if (place[j] >= 0.0) & (place[j] < 1.0) else 1
+    if outside == 0:
+        return False
+    for j in range(place.size):
+        if not 0.0 <= place[j] < 1.0:
+            position = origin[j] + growth[j] * shaft_angle
+            interval[j] = np.floor(position)
+            place[j] = position - interval[j]
+            read_interval(bank, members, j)
+    list_open(members)
+    return True
 
 
 @kernel
-def find_coefficients(bank: TableBank, members: Members, j: int) -> None:
-    """Point one member to the coefficients of its interval, or close it."""
+def read_interval(bank: TableBank, members: Members, j: int) -> None:
+    """Copy the coefficients of one member's interval; the gate of a closed one is zero."""
     coefficients, table, gate = bank.coefficients, members.table[j], members.gate[j]
     nodes, channels = bank.layout[table, NODES], bank.layout[table, CHANNELS]
     passed = np.floor(members.interval[j] / nodes)
     number = min(max(int(members.interval[j] - passed * nodes), 0), nodes - 1)
-    first = bank.layout[table, OFFSET]
-    base = first + number * 4 * channels
-    following = first + (number + 1) % nodes * 4 * channels
     members.turns[j] = int(passed)
-    closed = gate >= channels
-    if 0 <= gate < channels:
-        closed = coefficients[base + gate] == 0.0 == coefficients[following + gate]
-    members.base[j] = CLOSED if closed else base
+    base = bank.layout[table, OFFSET] + number * 4 * channels
+    following = bank.layout[table, OFFSET] + (number + 1) % nodes * 4 * channels
+    for k in range(channels):
+        closed = k == gate and coefficients[base + k] == 0.0 == coefficients[following + k]
+        for power in range(4):
+            value = 0.0 if closed else coefficients[base + power * channels + k]
+            members.cubic[k, power, j] = value
 
 
 @kernel
-def list_members(bank: TableBank, members: Members, values: Array) -> None:
-    """List the members to be interpolated and those that are not closed; close the gates."""
-    moving, free = 0, 0
-    for j in range(members.base.size):
-        if members.base[j] == CLOSED:
-            values[j, members.gate[j]] = 0.0
-            continue
-        members.open[free] = j
-        free += 1
-        if bank.layout[members.table[j], NODES] > 1:
-            members.moving[moving] = j
-            moving += 1
-    members.moving[-1], members.open[-1] = moving, free
+def is_closed(members: Members, j: int) -> bool:
+    """Whether the gate of a member is zero over its interval."""
+    gate = members.gate[j]
+    if gate < 0:
+        return False
+    cubic = members.cubic
+    if gate >= cubic.shape[0]:
+        return True
+    return cubic[gate, 0, j] == cubic[gate, 1, j] == cubic[gate, 2, j] == cubic[gate, 3, j] == 0.0
 
 
 @kernel
-def fill_values(bank: TableBank, members: Members, shaft_angle: float, values: Array) -> None:
-    """Evaluate all channels of the open members' tables at the angle of their intervals."""
-    coefficients, moving = bank.coefficients, members.moving
-    for entry in range(moving[-1]):
-        j = moving[entry]
-        channels, base = bank.layout[members.table[j], CHANNELS], members.base[j]
-        t = members.origin[j] + members.growth[j] * shaft_angle - members.interval[j]
-        for k in range(channels):
-            c0 = coefficients[base + k]
-            c1 = coefficients[base + k + channels]
-            c2 = coefficients[base + k + 2 * channels]
-            c3 = coefficients[base + k + 3 * channels]
-            values[j, k] = c0 + t * (c1 + t * (c2 + t * c3))
+def list_open(members: Members) -> None:
+    """List the members that are not closed."""
+    count = 0
+    for j in range(members.gate.size):
+        if not is_closed(members, j):
+            members.open[count] = j
+            count += 1
+    members.open[-1] = count
 
 
 @kernel
-def fill_slopes(bank: TableBank, members: Members, shaft_angle: float, slopes: Array) -> None:
+def fill_values(members: Members, values: Array) -> None:
+    """Evaluate all channels of all members at their places; values has one row each."""
+    place, columns = members.place, values.T
+    for k in range(members.last.size):
+        c0, c1 = members.cubic[k, 0], members.cubic[k, 1]
+        c2, c3 = members.cubic[k, 2], members.cubic[k, 3]
+        column = columns[k]
+        for j in range(members.last[k]):
+            t = place[j]
+            column[j] = c0[j] + t * (c1[j] + t * (c2[j] + t * c3[j]))
+
+
+@kernel
+def fill_slopes(members: Members, slopes: Array) -> None:
     """Evaluate the derivatives of all channels with respect to the shaft angle."""
-    coefficients, moving = bank.coefficients, members.moving
-    for entry in range(moving[-1]):
-        j = moving[entry]
-        channels, base = bank.layout[members.table[j], CHANNELS], members.base[j]
-        scale = members.growth[j]
-        t = members.origin[j] + scale * shaft_angle - members.interval[j]
-        for k in range(channels):
-            c1 = coefficients[base + k + channels]
-            c2 = coefficients[base + k + 2 * channels]
-            c3 = coefficients[base + k + 3 * channels]
-            slopes[j, k] = scale * (c1 + t * (2.0 * c2 + 3.0 * t * c3))
+    place, growth, columns = members.place, members.growth, slopes.T
+    for k in range(members.last.size):
+        c1, c2, c3 = members.cubic[k, 1], members.cubic[k, 2], members.cubic[k, 3]
+        column = columns[k]
+        for j in range(members.last[k]):
+            t = place[j]
+            column[j] = growth[j] * (c1[j] + t * (2.0 * c2[j] + 3.0 * t * c3[j]))

@@ -33,6 +33,15 @@ Index = NDArray[np.uint32]
 
 _kernel = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False)
 
+_summing_kernel = njit(
+    error_model="numpy",
+    no_cpython_wrapper=True,
+    no_cfunc_wrapper=True,
+    _nrt=False,
+    fastmath={"reassoc", "contract"},
+)
+"""For inner products, whose terms may then be added in any order."""
+
 
 class LuProgram(NamedTuple):
     """List of operations of one pattern, made by :func:`analyse`.
@@ -309,7 +318,7 @@ def solve(
         _solve_dense(values, pivots, right)
 
 
-@_kernel
+@_summing_kernel
 def _solve_sparse(program: LuProgram, values: Array, right: Array, x: Array) -> None:
     order, diagonal, columns = program.order, program.diagonal, program.columns
     row_start = program.row_start
@@ -328,7 +337,7 @@ def _solve_sparse(program: LuProgram, values: Array, right: Array, x: Array) -> 
         right[order[i]] = x[i]
 
 
-@_kernel
+@_summing_kernel
 def _solve_dense(values: Array, pivots: IntArray, right: Array) -> None:
     n = pivots.size
     a = values[: n * n].reshape((n, n))
