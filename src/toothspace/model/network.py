@@ -65,7 +65,7 @@ from toothspace.model.arrays import (
     SystemArrays,
 )
 from toothspace.model.ledger import THROTTLING
-from toothspace.model.tables import is_closed
+from toothspace.model.tables import CLOSED
 
 ORIFICE, PARALLEL_GAP, CURVED_GAP = 0, 1, 2
 SHARP_EDGE = 0.7
@@ -92,7 +92,7 @@ def close_paths(s: SystemArrays) -> None:
     """Let nothing flow through the paths that are closed at the present angle."""
     path = s.path
     for j in range(s.size.paths):
-        if is_closed(s.paths, j):
+        if s.paths.closed[j] == CLOSED:
             for column in range(path.shape[1]):
                 path[j, column] = 0.0
 

@@ -55,8 +55,9 @@ class Members(NamedTuple):
         Coefficients of the present intervals.
     last : ndarray of int, shape (channels,)
         Count of members up to the last that has this channel.
-    turns : ndarray of int, shape (members,)
-        Periods passed.
+    turns, closed : ndarrays of int, shape (members,)
+        Periods passed, and CLOSED where the gate is zero over the interval, else OPEN. Other
+        channels of closed members are left as they were.
     open : ndarray of int, shape (members + 1,)
         Numbers of the members that are not closed; their count stands at the end.
     """
@@ -72,11 +73,14 @@ class Members(NamedTuple):
     cubic: Array
     last: IntArray
     turns: IntArray
+    closed: IntArray
     open: IntArray
 
 
 OPEN = -1
-"""Gate of members that are never closed."""
+"""Gate of members that are never closed, and mark of those that are open."""
+
+CLOSED, UNKNOWN = 1, 0
 
 
 def make_members(bank: TableBank, reading: Reading) -> Members:
@@ -98,6 +102,7 @@ def make_members(bank: TableBank, reading: Reading) -> Members:
         cubic=np.zeros((most, 4, count)),
         last=np.array([members[-1] + 1 for members in having], dtype=np.int64),
         turns=np.zeros(count, dtype=np.int64),
+        closed=np.full(count, UNKNOWN),
         open=np.zeros(count + 1, dtype=np.int64),
     )
 
@@ -135,7 +140,7 @@ def _hermite_coefficients(table: PeriodicTable) -> Array:
 
 @kernel
 def find_intervals(bank: TableBank, members: Members, shaft_angle: float) -> bool:
-    """Move members on to the intervals of a shaft angle; False if all stayed in theirs."""
+    """Move members on to the intervals of a shaft angle; True if one opened, closed or turned."""
     origin, growth, interval = members.origin, members.growth, members.interval
     place = members.place
     outside = 0
@@ -144,51 +149,49 @@ def find_intervals(bank: TableBank, members: Members, shaft_angle: float) -> boo
         outside += 0 if (place[j] >= 0.0) & (place[j] < 1.0) else 1
     if outside == 0:
         return False
+    changed = False
     for j in range(place.size):
         if not 0.0 <= place[j] < 1.0:
             position = origin[j] + growth[j] * shaft_angle
             interval[j] = np.floor(position)
             place[j] = position - interval[j]
-            read_interval(bank, members, j)
-    list_open(members)
-    return True
+            if read_interval(bank, members, j):
+                changed = True
+    if changed:
+        list_open(members)
+    return changed
 
 
 @kernel
-def read_interval(bank: TableBank, members: Members, j: int) -> None:
-    """Copy the coefficients of one member's interval; the gate of a closed one is zero."""
+def read_interval(bank: TableBank, members: Members, j: int) -> bool:
+    """Copy the coefficients of one member's interval; True if it opened, closed or turned."""
     coefficients, table, gate = bank.coefficients, members.table[j], members.gate[j]
     nodes, channels = bank.layout[table, NODES], bank.layout[table, CHANNELS]
     passed = np.floor(members.interval[j] / nodes)
     number = min(max(int(members.interval[j] - passed * nodes), 0), nodes - 1)
-    members.turns[j] = int(passed)
     base = bank.layout[table, OFFSET] + number * 4 * channels
     following = bank.layout[table, OFFSET] + (number + 1) % nodes * 4 * channels
-    for k in range(channels):
-        closed = k == gate and coefficients[base + k] == 0.0 == coefficients[following + k]
+    closed = CLOSED if gate >= channels else OPEN
+    if 0 <= gate < channels and coefficients[base + gate] == 0.0 == coefficients[following + gate]:
+        closed = CLOSED
+    changed = closed != members.closed[j] or int(passed) != members.turns[j]
+    members.closed[j], members.turns[j] = closed, int(passed)
+    if closed == OPEN:
         for power in range(4):
-            value = 0.0 if closed else coefficients[base + power * channels + k]
-            members.cubic[k, power, j] = value
-
-
-@kernel
-def is_closed(members: Members, j: int) -> bool:
-    """Whether the gate of a member is zero over its interval."""
-    gate = members.gate[j]
-    if gate < 0:
-        return False
-    cubic = members.cubic
-    if gate >= cubic.shape[0]:
-        return True
-    return cubic[gate, 0, j] == cubic[gate, 1, j] == cubic[gate, 2, j] == cubic[gate, 3, j] == 0.0
+            for k in range(channels):
+                members.cubic[k, power, j] = coefficients[base + power * channels + k]
+    elif changed and gate < channels:
+        for power in range(4):
+            members.cubic[gate, power, j] = 0.0
+    return changed
 
 
 @kernel
 def list_open(members: Members) -> None:
     """List the members that are not closed."""
     count = 0
-    for j in range(members.gate.size):
-        if not is_closed(members, j):
+    for j in range(members.closed.size):
+        if members.closed[j] == OPEN:
             members.open[count] = j
             count += 1
     members.open[-1] = count
