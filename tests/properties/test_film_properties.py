@@ -104,5 +104,7 @@ def test_similar_films_have_similar_forces(
         end_condition=bearing.end_condition,
     )
     one, other = _solve(bearing, ratio, angle, 100.0), _solve(scaled, ratio, angle, 100.0)
-    size = max(1e-6, one.load)
-    assert other.force / factor == pytest.approx(one.force, rel=1e-6, abs=1e-6 * size)
+    # a centred shaft carries nothing: what is left are the rounded sums of the pressures
+    sums = max(bearing.end_pressure, base) * bearing.diameter * bearing.length
+    allowed = 1e-6 * one.load + 1e-9 * sums + 1e-12
+    assert other.force / factor == pytest.approx(one.force, rel=1e-6, abs=allowed)
