@@ -14,6 +14,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from toothspace import api
+from toothspace.closures.journal_friction import PUBLISHED_CURVE
 from toothspace.films import (
     FilmFluid,
     Groove,
@@ -26,7 +27,6 @@ from toothspace.films import (
     sweep_friction,
 )
 from toothspace.films.machine_faces import FaceSetting, solve_faces
-from toothspace.films.mixed_lubrication import PUBLISHED_CURVE
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.plotting.style import BLUE, GREEN, INK, ORANGE, styled
 

@@ -129,6 +129,15 @@ def _solved_films(case: Case, description: MachineDescription) -> MachineDescrip
     return with_solved_films(description)
 
 
+def _with_tables(case: Case, description: MachineDescription) -> MachineDescription:
+    """Machine with the film tables of the case, if it names any."""
+    if case.run.film_tables is None:
+        return description
+    from toothspace.films.film_tables import with_film_tables
+
+    return with_film_tables(description, case.run.film_tables)
+
+
 def simulate_all(cases: Iterable[Case], workers: int = 1) -> list[Solution | Exception]:
     """Run several cases; a case that cannot run is returned as its exception.
 
@@ -226,6 +235,7 @@ def _simulate_lumped(
     progress: Progress | None,
 ) -> Solution:
     worn, depths, status = _run_in(case, description)
+    worn = _with_tables(case, worn)
     history = _march(case, worn, fluid, condition, progress)
     extra: dict[str, Any] = {"fluid_temperature": np.asarray(_temperature(case))}
     extra |= _running_in_values(description, depths)
@@ -252,6 +262,7 @@ def _simulate_circuit(
         raise CaseError(f"{found}, allowed 'lumped' with a [circuit]")
     condition = circuit_condition(case, description, fluid)
     worn, depths, status = _run_in(case, description)
+    worn = _with_tables(case, worn)
     plan = TimePlan(
         case.circuit.duration, cells=case.run.time_samples, max_steps=case.run.max_steps
     )
@@ -338,6 +349,7 @@ def run_in_machine(case: Case) -> RunInMachine:
     """Describe the machine of a case and run it in."""
     description = describe(case)
     worn, depths = run_in(case, description)
+    worn = _with_tables(case, worn)
     extra: dict[str, Any] = {"fluid_temperature": np.asarray(_temperature(case))}
     extra |= _running_in_values(description, depths)
     return RunInMachine(case, worn, fluid_of(case), extra)

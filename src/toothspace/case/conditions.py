@@ -121,6 +121,9 @@ class RunSettings:
         "Local error of the time integration.", low=1e-12, high=1e-4, default=1e-6
     )
     max_steps: int = integer("Most time steps of the run.", low=100, high=10**9, default=20_000_000)
+    film_tables: Path | None = file_path(
+        "Tables of 'toothspace reduce' in place of the closed-form films (lumped preset).", ".nc"
+    )
     flank_sealing: str = choice(
         "Whether meshing chambers share one pressure (ideal preset).",
         "single",

@@ -138,6 +138,23 @@ def film(case: CaseFile, as_json: Json = False, overrides: Overrides = None) -> 
 
 
 @application.command()
+def reduce(
+    case: CaseFile,
+    output: Annotated[
+        Path, typer.Option("-o", "--output", metavar="TABLES.nc", help="File of the tables.")
+    ],
+    film: Annotated[
+        list[str] | None,
+        typer.Option(metavar="KIND", help="Kind of film, as journal; repeatable; default all."),
+    ] = None,
+    as_json: Json = False,
+    overrides: Overrides = None,
+) -> int:
+    """Solve the films of a machine and reduce them to tables for the lumped preset."""
+    return commands.reduce(case, output, film or [], overrides or [], as_json=as_json)
+
+
+@application.command()
 def validate(
     output: Annotated[
         Path, typer.Option("-o", "--output", help="HTML file; default validation_book.html.")

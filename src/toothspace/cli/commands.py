@@ -189,6 +189,29 @@ def stand_alone_film(
     return 0 if summary["status"] == Status.DONE.name.lower() else _NUMERICAL_FAILURE
 
 
+def reduce(
+    case_file: Path,
+    tables_file: Path,
+    kinds: Sequence[str],
+    overrides: Sequence[str],
+    *,
+    as_json: bool,
+) -> int:
+    """Reduce the films of a machine to a file of tables; returns the exit code."""
+    target = _writable(tables_file, "-o")
+    case = _load(case_file, overrides)
+    from toothspace.results.io import write_atomically
+    from toothspace.studies.reduce import reduce_films, reduce_summary
+
+    with _file_named(case_file), output.progress(case.title) as progress:
+        tables = reduce_films(case, kinds, progress)
+    write_atomically(tables, target)
+    summary = reduce_summary(tables)
+    output.write(summary, as_json=as_json)
+    output.message(f"Tables: {target}; read by [run] film_tables")
+    return 0 if summary["status"] == Status.DONE.name.lower() else _NUMERICAL_FAILURE
+
+
 def validate(folder: Path | None, only: str, book: Path, *, as_json: bool) -> int:
     """Run the validation cases, write the book and print the verdicts; returns the exit code."""
     from toothspace.report.validation_book import (

@@ -1,4 +1,4 @@
-"""Plain journal bearing without a grid: load, friction and the friction of mixed films.
+"""Plain journal bearing without a grid: load and friction.
 
 Angles are counted from the widest gap. The compiled right-hand side reads the force from
 :mod:`toothspace.closures.bearing_map`, built from the same pressure.
@@ -10,7 +10,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from toothspace.closures.smooth import smooth_step
 from toothspace.core.compiled import inlined
 
 _ANGLES = (np.arange(128) + 0.5) * (2.0 * np.pi / 128)
@@ -285,39 +284,3 @@ def journal_friction_torque(
     """
     ratio = np.minimum((ex * ex + ey * ey) / radial_clearance**2, 0.998)
     return viscous_torque / np.sqrt(1.0 - ratio) + 0.5 * (ex * force_y - ey * force_x)
-
-
-@inlined
-def mixed_bearing_friction(sommerfeld: Any) -> Any:
-    r"""Friction coefficient of a PTFE-lined gear machine bearing from boundary to full film.
-
-    Parameters
-    ----------
-    sommerfeld : float or ndarray
-        Sommerfeld number of :func:`sommerfeld_number`. [-]
-
-    Returns
-    -------
-    float or ndarray
-        Friction coefficient. [-]
-
-    Notes
-    -----
-    .. math:: \mu = 0.04486\, e^{-S/0.002681} + 0.01897 \tanh(S/1.085) + 0.0006507
-
-    fitted to simulations with S from 0.001 to 0.2; blended about S = 0.5 into the full film's
-    line 0.01748 S (Petroff with c/R = 8.9e-4), because the fit saturates.
-
-    References
-    ----------
-    .. [1] Pawar, Vacca, Rigosi, start-up of spur gear motors, equation 2.7.
-
-    Examples
-    --------
-    >>> round(float(mixed_bearing_friction(0.0184)), 5)
-    0.00102
-    """
-    boundary = 0.04486 * np.exp(-sommerfeld / 0.002681)
-    fit = boundary + 0.01897 * np.tanh(sommerfeld / 1.085) + 0.0006507
-    blend = smooth_step((sommerfeld - 0.4) / 0.2)
-    return fit + blend * (0.01748 * sommerfeld - fit)

@@ -22,6 +22,8 @@ def check_together(case: Case, reader: Reader) -> None:
     """
     _check_condition(case, reader)
     _check_parts(case, reader)
+    if case.run.film_tables is not None and case.run.fidelity != "lumped":
+        reader.fail("run.film_tables", f"tables with {case.run.fidelity!r}", "fidelity 'lumped'")
     if case.fluid is not None:
         _check_fluid(case, reader)
     if case.operating_point is not None:

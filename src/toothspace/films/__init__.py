@@ -13,6 +13,7 @@ cavitation          names of the cavitation models
 equilibrium         position of the shaft under a load
 tilted_equilibrium  the same under a moment, free to tilt
 mixed_lubrication   friction over speed and its reduction to a formula
+film_tables         tables of reduced films in place of closed forms
 shaft_motion        stability threshold and transient orbit
 plane_film          films between nearly parallel faces on any grid
 pad                 :class:`Pad`: rectangular pads with pocket or step
@@ -29,6 +30,7 @@ cases               ``[bearing]`` and ``[film]`` tables to named numbers
 
 from __future__ import annotations
 
+from toothspace.closures.journal_friction import FrictionCurve
 from toothspace.films.cases import bearing_summary, pad_summary, solve_bearing, solve_film
 from toothspace.films.field_files import film_dataset, save_film, save_film_vtk
 from toothspace.films.journal_bearing import JournalBearing
@@ -36,7 +38,6 @@ from toothspace.films.journal_film import Groove, Lobes
 from toothspace.films.journal_solution import JournalBearingSolution
 from toothspace.films.lateral import LateralFilm, LateralSolution
 from toothspace.films.mixed_lubrication import (
-    FrictionCurve,
     FrictionSweep,
     fit_friction_curve,
     machine_bearing,

@@ -3,13 +3,14 @@ r"""Friction of a journal bearing from boundary to full film, and its reduction 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, final
 
 import numpy as np
 from scipy.optimize import least_squares
 
+from toothspace.closures.journal_friction import FULL_FILM_NUMBER, FrictionCurve
 from toothspace.core.types import Array
 from toothspace.films.rough_surfaces import RoughSurfaces
 
@@ -35,60 +36,6 @@ class FrictionSweep:
     """Eccentricity over clearance. [-]"""
     converged: bool
     """Whether every equilibrium was found."""
-
-
-@final
-@dataclass(frozen=True)
-class FrictionCurve:
-    r"""Friction coefficient over the Sommerfeld number.
-
-    Notes
-    -----
-    .. math:: \mu = a\,e^{-S/b} + c \tanh(S/d) + e
-
-    References
-    ----------
-    .. [1] Equation 2.7 of the study of the start-up of external gear motors (published values
-       a = 0.04486, b = 0.002681, c = 0.01897, d = 1.085, e = 0.0006507).
-    """
-
-    boundary: float
-    """a. [-]"""
-    decay: float
-    """b. [-]"""
-    rise: float
-    """c. [-]"""
-    transition: float
-    """d. [-]"""
-    offset: float
-    """e. [-]"""
-
-    def __call__(self, sommerfeld_number: Array | float) -> Array:
-        """Friction coefficient. [-]."""
-        S = np.asarray(sommerfeld_number, dtype=float)
-        mixed = self.boundary * np.exp(-S / self.decay)
-        return np.asarray(mixed + self.rise * np.tanh(S / self.transition) + self.offset)
-
-    @property
-    def boundary_level(self) -> float:
-        """Friction coefficient at rest. [-]."""
-        return self.boundary + self.offset
-
-    def full_film_slope(self, lowest: float = 0.05, highest: float = 0.2) -> float:
-        """Mean slope between two Sommerfeld numbers of the full-film branch. [-]."""
-        values = self(np.array([lowest, highest]))
-        return float((values[1] - values[0]) / (highest - lowest))
-
-    def minimum(self) -> tuple[float, float]:
-        """Sommerfeld number and friction coefficient at the lowest point. [-, -]."""
-        S = np.geomspace(1e-4, 1.0, 4001)
-        mu = self(S)
-        k = int(np.argmin(mu))
-        return float(S[k]), float(mu[k])
-
-
-PUBLISHED_CURVE = FrictionCurve(0.04486, 0.002681, 0.01897, 1.085, 0.0006507)
-"""Fit of the motor study, for S from 0.001 to 0.2."""
 
 
 def sweep_friction(
@@ -166,8 +113,7 @@ def save_friction_table(sweep: FrictionSweep, path: Path) -> FrictionCurve:
     eccentricity ratio. [-]
     """
     curve = fit_friction_curve(sweep.sommerfeld_number, sweep.friction_coefficient)
-    names = ["boundary", "decay", "rise", "transition", "offset"]
-    terms = ", ".join(f"{name} = {getattr(curve, name):.6g}" for name in names)
+    terms = ", ".join(f"{name} = {value:.6g}" for name, value in asdict(curve).items())
     head = f"friction = boundary exp(-S/decay) + rise tanh(S/transition) + offset: {terms}\n"
     head += "sommerfeld_number,friction_coefficient,contact_share,eccentricity_ratio"
     columns = (
@@ -194,22 +140,29 @@ def fit_friction_curve(sommerfeld_number: Array, friction_coefficient: Array) ->
     Parameters
     ----------
     sommerfeld_number : ndarray
-        Load parameter S. [-]
+        Load parameter S; at least six up to 0.5. [-]
     friction_coefficient : ndarray
         Friction coefficient there, positive. [-]
 
     Returns
     -------
     FrictionCurve
-        Curve with positive coefficients.
+        Curve with positive coefficients. Points beyond S = 0.5 give the line of the full film;
+        without them it goes through the fit at 0.5.
     """
-    target = np.log(friction_coefficient)
+    fitted = sommerfeld_number <= FULL_FILM_NUMBER
+    numbers, target = sommerfeld_number[fitted], np.log(friction_coefficient[fitted])
 
     def mismatch(logarithms: Array) -> Array:
-        values = np.exp(logarithms)
-        return np.asarray(np.log(FrictionCurve(*values)(sommerfeld_number)) - target)
+        boundary, decay, rise, transition, offset = np.exp(logarithms)
+        fit = boundary * np.exp(-numbers / decay) + rise * np.tanh(numbers / transition) + offset
+        return np.asarray(np.log(fit) - target)
 
-    first = np.log([float(friction_coefficient.max()), 0.003, 0.02, 1.0, 5e-4])
+    first = np.log([float(friction_coefficient[fitted].max()), 0.003, 0.02, 1.0, 5e-4])
     bounds = (np.log([1e-4, 1e-5, 1e-4, 0.05, 1e-7]), np.log([1.0, 0.1, 10.0, 100.0, 0.1]))
     found = least_squares(mismatch, first, bounds=bounds, x_scale=1.0, max_nfev=2000)
-    return FrictionCurve(*(float(value) for value in np.exp(found.x)))
+    boundary, decay, rise, transition, offset = (float(value) for value in np.exp(found.x))
+    line = (rise * np.tanh(FULL_FILM_NUMBER / transition) + offset) / FULL_FILM_NUMBER
+    if not fitted.all():
+        line = (friction_coefficient[~fitted] / sommerfeld_number[~fitted]).mean()
+    return FrictionCurve(boundary, decay, rise, transition, offset, float(line))

@@ -136,8 +136,14 @@ MOTION_COLUMNS = 8
     FILM_MAP,
     FILM_X,
     FILM_Y,
-) = range(14)
-JOURNAL_COLUMNS = 14
+    CURVE_BOUNDARY,
+    CURVE_DECAY,
+    CURVE_RISE,
+    CURVE_TRANSITION,
+    CURVE_OFFSET,
+    CURVE_LINE,
+) = range(20)
+JOURNAL_COLUMNS = 20
 
 
 # Columns of ``drive``: what turns the shaft. Direction is the sense in which friction lets it

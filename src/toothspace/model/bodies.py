@@ -16,6 +16,7 @@ import math
 import numpy as np
 
 from toothspace.closures.bearing_map import JournalMap, journal_force
+from toothspace.closures.journal_friction import boundary_friction_term, film_friction_term
 from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
 from toothspace.model.arrays import (
@@ -24,6 +25,12 @@ from toothspace.model.arrays import (
     BUSH_X,
     BUSH_Y,
     CHANNEL_MOTION,
+    CURVE_BOUNDARY,
+    CURVE_DECAY,
+    CURVE_LINE,
+    CURVE_OFFSET,
+    CURVE_RISE,
+    CURVE_TRANSITION,
     DIRECTION,
     FADE,
     FILM_FORCE,
@@ -48,6 +55,8 @@ from toothspace.model.ledger import FRICTION, JOURNAL_ASPERITY, JOURNAL_VISCOUS
 SMALL_RATIO = 1e-9
 HIGHEST_FILM_RATIO = 0.999
 FORCE, LOAD, SHEAR = 0, 1, 2
+LEAST_FORCE = 1e-3
+"""Force on a journal below which its friction is that of this force. [N]"""
 
 
 @kernel
@@ -160,6 +169,9 @@ def hold_back(
     viscous, asperity = journal_torques(s, state, j)
     turning = np.sign(journal[j, SPEED_RATIO]) * s.drive[DIRECTION]
     s.motion[k, FILM_FORCE] -= turning * (viscous + asperity)
+    if journal[j, CURVE_LINE] > 0.0:
+        add_curve_slopes(s, state, j, turning)
+        return
     c, radius = journal[j, JOURNAL_CLEARANCE], journal[j, RADIUS]
     distance = math.sqrt(ex * ex + ey * ey) + SMALL_RATIO * c
     ratio = distance / c
@@ -188,9 +200,13 @@ def journal_torques(s: SystemArrays, state: Array, j: int) -> tuple[float, float
     .. math:: T = \frac{2 \pi \mu \omega L R^3}{c \sqrt{1 - \varepsilon^2}} f_s(\varepsilon)
         + \frac12 e F_t,
 
-    with :math:`f_s = 1`, or the shear of a solved film over that of the full one.
+    with :math:`f_s = 1`, or the shear of a solved film over that of the full one. A bearing
+    with a friction curve has :func:`curve_torques` instead.
     """
     journal, size = s.journal, s.size
+    if journal[j, CURVE_LINE] > 0.0:
+        force = math.sqrt(journal[j, FILM_X] ** 2 + journal[j, FILM_Y] ** 2)
+        return curve_torques(s, state, j, force)
     kx, ky = int(journal[j, MOTION_X]), int(journal[j, MOTION_Y])
     ex = state[size.position + kx] - journal[j, BUSH_X]
     ey = state[size.position + ky] - journal[j, BUSH_Y]
@@ -206,6 +222,47 @@ def journal_torques(s: SystemArrays, state: Array, j: int) -> tuple[float, float
     moment = 0.5 * turning * (ex * journal[j, FILM_Y] - ey * journal[j, FILM_X])
     load, _ = asperity_value(s.asperity, j, LOAD, s.constant.asperity_range, ratio)
     return shear + moment, journal[j, BOUNDARY_FRICTION] * load * radius
+
+
+@kernel
+def curve_torques(s: SystemArrays, state: Array, j: int, force: float) -> tuple[float, float]:
+    r"""Film and boundary friction torque from a curve over the Sommerfeld number. [N m].
+
+    Notes
+    -----
+    .. math:: T = \mu(S)\, F R, \qquad S = \frac{\mu_0 N}{P} \frac{R^2}{c^2}, \qquad
+        P = \frac{F}{2 n R L}
+
+    with the force of film and asperities on the journals. The term that fades with S counts as
+    friction of asperities.
+    """
+    row = s.journal[j]
+    radius = row[RADIUS]
+    speed = abs(row[SPEED_RATIO] * state[1])
+    number = row[BEARINGS] * radius * row[LENGTH] * (radius / row[JOURNAL_CLEARANCE]) ** 2
+    number *= s.fluid.dynamic_viscosity * speed / (math.pi * max(force, LEAST_FORCE))
+    film = film_friction_term(
+        number, row[CURVE_RISE], row[CURVE_TRANSITION], row[CURVE_OFFSET], row[CURVE_LINE]
+    )
+    boundary = boundary_friction_term(number, row[CURVE_BOUNDARY], row[CURVE_DECAY])
+    return film * max(force, LEAST_FORCE) * radius, boundary * force * radius
+
+
+@kernel
+def add_curve_slopes(s: SystemArrays, state: Array, j: int, turning: float) -> None:
+    """Derivatives of the torque of a friction curve on a body that turns on its own."""
+    journal, slopes = s.journal, s.film_slopes
+    k, kx, ky = int(journal[j, ROTATION]), int(journal[j, MOTION_X]), int(journal[j, MOTION_Y])
+    fx, fy = journal[j, FILM_X], journal[j, FILM_Y]
+    force = max(math.sqrt(fx * fx + fy * fy), LEAST_FORCE)
+    step = 1e-4 * force
+    film, boundary = curve_torques(s, state, j, force + step)
+    less_film, less_boundary = curve_torques(s, state, j, force - step)
+    growth = turning * (film + boundary - less_film - less_boundary) / (2.0 * step)
+    for order in range(2):
+        for m in (kx, ky):
+            rise = (fx * slopes[order, kx, m] + fy * slopes[order, ky, m]) / force
+            slopes[order, k, m] -= growth * rise
 
 
 @kernel

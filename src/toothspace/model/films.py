@@ -19,6 +19,7 @@ from toothspace.model.description import JournalBearing, LateralFilm, MachineDes
 _INTERVALS = 240
 _CIRCUMFERENCE_POINTS = 720
 _LONG = 1e4
+_NO_CURVE = (0.0,) * 6
 
 
 @final
@@ -57,6 +58,7 @@ def journal_data(
             place,
             0.0,
             0.0,
+            *(_NO_CURVE if j.friction is None else j.friction.terms),
         )
         for j, place in zip(journals, places, strict=True)
     ]

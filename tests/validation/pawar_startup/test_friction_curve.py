@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from toothspace.closures.journal_friction import PUBLISHED_CURVE
 from toothspace.films import JournalBearing, RoughSurfaces, save_friction_table, sweep_friction
-from toothspace.films.mixed_lubrication import PUBLISHED_CURVE
 
 
 @pytest.mark.parametrize(("shaft", "bush"), [(0.15e-6, 0.3e-6), (0.1e-6, 0.2e-6)])

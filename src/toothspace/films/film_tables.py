@@ -1,0 +1,90 @@
+"""Tables of reduced films: how a machine takes them in place of its closed forms."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from toothspace.closures.journal_friction import FrictionCurve
+from toothspace.core.errors import CaseError
+from toothspace.model.description import JournalBearing, MachineDescription
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+KINDS = "film_kinds"
+"""Attribute of the file that lists the kinds of films in it."""
+JOURNAL_SIZES = ("diameter", "length", "radial_clearance")
+_SAME_SIZE = 1e-6
+
+
+def with_film_tables(description: MachineDescription, path: str | Path) -> MachineDescription:
+    """Machine that takes its films from tables.
+
+    Parameters
+    ----------
+    description : MachineDescription
+        Machine with closed-form films.
+    path : str or Path
+        NetCDF file of ``toothspace reduce``.
+
+    Returns
+    -------
+    MachineDescription
+        The machine with every kind of film in the file replaced.
+
+    Raises
+    ------
+    CaseError
+        If the file holds no film tables, or those of another machine.
+    """
+    import xarray as xr
+
+    try:
+        tables = xr.load_dataset(path, engine="h5netcdf")
+    except (OSError, ValueError) as error:
+        found = f"run.film_tables: found {path}, which is no NetCDF file"
+        raise CaseError(f"{found}, allowed a file of 'toothspace reduce'") from error
+    kinds = str(tables.attrs.get(KINDS, "")).split()
+    if not kinds or not set(kinds) <= APPLIED.keys():
+        found = f"run.film_tables: found {path} with {' '.join(kinds) or 'no films'}"
+        raise CaseError(f"{found}, allowed tables of {', '.join(sorted(APPLIED))} films")
+    for kind in kinds:
+        description = APPLIED[kind](description, tables)
+    return description
+
+
+def with_journal_friction(
+    description: MachineDescription, tables: xr.Dataset
+) -> MachineDescription:
+    """Machine whose journal bearings have the friction curves of tables."""
+    known = [str(name) for name in tables["journal"].values]
+    return replace(
+        description,
+        journals=tuple(_with_curve(j, tables, known) for j in description.journals),
+    )
+
+
+def _with_curve(journal: JournalBearing, tables: xr.Dataset, known: list[str]) -> JournalBearing:
+    if journal.body not in known:
+        allowed = f"a table for {journal.body}"
+        raise CaseError(f"run.film_tables: found bearings of {', '.join(known)}, allowed {allowed}")
+    row = tables.sel(journal=journal.body)
+    for name in JOURNAL_SIZES:
+        found, size = float(row[f"journal_{name}"]), float(getattr(journal, name))
+        if not np.isclose(found, size, rtol=_SAME_SIZE):
+            raise CaseError(
+                f"run.film_tables: found a bearing with {name} {found:.6g} m, "
+                f"allowed that of the case, {size:.6g} m"
+            )
+    terms = row["journal_friction_terms"].values
+    return replace(journal, friction=FrictionCurve(*(float(term) for term in terms)))
+
+
+Applied = Callable[[MachineDescription, "xr.Dataset"], MachineDescription]
+APPLIED: Mapping[str, Applied] = {"journal": with_journal_friction}
+"""How each kind of film in a file enters the machine."""

@@ -1,0 +1,241 @@
+"""Films of a machine, solved over their range and reduced to tables for the lumped preset."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import Any, final
+
+import numpy as np
+import xarray as xr
+
+from toothspace import api
+from toothspace.case import Case
+from toothspace.closures.fluid_law import FluidLaw
+from toothspace.closures.journal_friction import FrictionCurve
+from toothspace.core.errors import CaseError
+from toothspace.core.status import Status
+from toothspace.core.types import Array
+from toothspace.films.film_tables import JOURNAL_SIZES, KINDS
+from toothspace.films.mixed_lubrication import (
+    FrictionSweep,
+    fit_friction_curve,
+    machine_bearing,
+    sweep_friction,
+)
+from toothspace.model.description import JournalBearing, MachineDescription
+from toothspace.model.operating_point import OperatingCondition
+from toothspace.model.quasi_static import mean_force
+
+SOMMERFELD_NUMBERS = (*np.geomspace(0.001, 0.2, 16), 2.0)
+"""Points of the sweep; the last gives the line of the full film. [-]"""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class ReduceInput:
+    """What every reduction starts from.
+
+    Parameters
+    ----------
+    case : Case
+        Case with a machine and a condition.
+    description : MachineDescription
+        The machine.
+    fluid : FluidLaw
+        Fluid at the temperature of the case.
+    condition : OperatingCondition
+        Condition of the case.
+    """
+
+    case: Case
+    description: MachineDescription
+    fluid: FluidLaw
+    condition: OperatingCondition
+
+
+def reduce_films(
+    case: Case, kinds: Sequence[str] = (), progress: api.Progress | None = None
+) -> xr.Dataset:
+    """Solve the films of a machine and reduce them to tables.
+
+    Parameters
+    ----------
+    case : Case
+        Case with a machine and a condition.
+    kinds : sequence of str
+        Kinds of films, names of :data:`REDUCED`; all that the machine has if empty.
+    progress : callable, optional
+        Called with the finished share and a short text.
+
+    Returns
+    -------
+    xarray.Dataset
+        Tables that ``run.film_tables`` reads; names begin with the kind of film.
+
+    Raises
+    ------
+    CaseError
+        If the case has no machine, or the machine no such film.
+    """
+    given = _input(case)
+    wanted = list(kinds) or [kind for kind, found in REDUCED.items() if found.has(given)]
+    _check(given, wanted)
+    parts = []
+    for k, kind in enumerate(wanted):
+        if progress:
+            progress(k / len(wanted), kind)
+        parts.append(REDUCED[kind].reduce(given))
+    tables = xr.merge(parts, join="exact", compat="no_conflicts", combine_attrs="drop_conflicts")
+    tables.attrs |= {KINDS: " ".join(wanted), **api.provenance_of(case)}
+    return tables
+
+
+def reduce_summary(tables: xr.Dataset) -> dict[str, Any]:
+    """Numbers of tables with unit suffixes, for the command line."""
+    kinds = str(tables.attrs[KINDS]).split()
+    numbers: dict[str, Any] = {"films": kinds}
+    for kind in kinds:
+        numbers |= REDUCED[kind].summary(tables)
+    done = all(bool(tables[f"{kind}_converged"].all()) for kind in kinds)
+    numbers["status"] = (Status.DONE if done else Status.NOT_CONVERGED).name.lower()
+    return numbers
+
+
+def _input(case: Case) -> ReduceInput:
+    if case.machine_spec is None:
+        raise CaseError("machine: found none, allowed a case with a [machine] table")
+    description, fluid = api.describe(case), api.fluid_of(case)
+    if case.circuit is not None:
+        condition = api.circuit_condition(case, description, fluid)
+    elif case.operating_point is not None:
+        condition = api.condition_of(case, description)
+    else:
+        allowed = "a case with an [operating_point] or a [circuit]"
+        raise CaseError(f"operating_point: found none, allowed {allowed}")
+    return ReduceInput(case, description, fluid, condition)
+
+
+def _check(given: ReduceInput, wanted: Sequence[str]) -> None:
+    able = [kind for kind, found in REDUCED.items() if found.has(given)]
+    for kind in wanted or ["none"]:
+        if kind not in able:
+            allowed = ", ".join(able) or "a machine with journal bearings"
+            raise CaseError(f"--film: found {kind!r}, allowed {allowed}")
+
+
+def reduce_journals(given: ReduceInput) -> xr.Dataset:
+    """Friction of every journal bearing at its mean load over the Sommerfeld number.
+
+    Parameters
+    ----------
+    given : ReduceInput
+        Machine, fluid and condition; the mean pressure load of the condition is the load.
+
+    Returns
+    -------
+    xarray.Dataset
+        Sweeps, and the terms of :class:`FrictionCurve` that fit them, per body.
+
+    Notes
+    -----
+    Solved with mass-conserving cavitation, average flow and asperity contact of both rough
+    walls. The load is that of quasi-static chamber pressures; the mesh force is part of it
+    where the machine ties the bodies by a rigid mesh.
+    """
+    description = given.description
+    force = mean_force(description, given.condition)
+    viscosity = float(given.fluid.dynamic_viscosity)
+    sweeps: dict[str, FrictionSweep] = {}
+    loads: dict[str, float] = {}
+    for journal in description.journals:
+        loads[journal.body] = _load_of(description, journal, force)
+        bearing = machine_bearing(journal, viscosity)
+        sweeps[journal.body] = sweep_friction(
+            bearing, load=loads[journal.body], sommerfeld_numbers=SOMMERFELD_NUMBERS
+        )
+    return _journal_tables(description, sweeps, loads)
+
+
+def _load_of(description: MachineDescription, journal: JournalBearing, force: Array) -> float:
+    """Mean load on one bearing. [N]."""
+    places = [description.motion_index(journal.body, axis) for axis in ("x", "y")]
+    load = float(np.hypot(*force[places])) / journal.count
+    if not load > 0.0:
+        allowed = "a pressure difference that loads its bearings"
+        raise CaseError(f"operating_point: found no load on {journal.body}, allowed {allowed}")
+    return load
+
+
+def _journal_tables(
+    description: MachineDescription, sweeps: dict[str, FrictionSweep], loads: dict[str, float]
+) -> xr.Dataset:
+    over = ("journal", "journal_point")
+    found = list(sweeps.values())
+    curves = [fit_friction_curve(s.sommerfeld_number, s.friction_coefficient) for s in found]
+    columns = {
+        "sommerfeld_number": "Load parameter (eta N / P) (R / c)^2",
+        "friction_coefficient": "Friction torque over load and radius",
+        "contact_share": "Part of the load that asperities carry",
+        "eccentricity_ratio": "Eccentricity over clearance",
+    }
+    values: dict[str, Any] = {
+        f"journal_{name}": (over, [getattr(s, name) for s in found], _about("1", text))
+        for name, text in columns.items()
+    }
+    converged = [s.converged for s in found]
+    values["journal_converged"] = ("journal", converged, _about("1", "All equilibria found"))
+    values["journal_load"] = ("journal", list(loads.values()), _about("N", "Load on one bearing"))
+    values["journal_friction_terms"] = (
+        ("journal", "friction_term"),
+        [curve.terms for curve in curves],
+        _about("1", "boundary exp(-S/decay) + rise tanh(S/transition) + offset; line S beyond"),
+    )
+    for name in JOURNAL_SIZES:
+        sizes = [getattr(journal, name) for journal in description.journals]
+        values[f"journal_{name}"] = ("journal", sizes, _about("m", name.replace("_", " ")))
+    names = [f.name for f in fields(FrictionCurve)]
+    return xr.Dataset(values, {"journal": list(sweeps), "friction_term": names})
+
+
+def _about(units: str, meaning: str) -> dict[str, str]:
+    return {"units": units, "long_name": meaning}
+
+
+def _journal_summary(tables: xr.Dataset) -> dict[str, Any]:
+    """Curve of each body: terms, level at rest, minimum and slope of the full film."""
+    numbers: dict[str, Any] = {}
+    for body in tables["journal"].values:
+        row = tables.sel(journal=body)
+        curve = FrictionCurve(*(float(term) for term in row["journal_friction_terms"].values))
+        number, friction = curve.minimum()
+        numbers[f"{body}_load_N"] = float(row["journal_load"])
+        numbers[f"{body}_friction_terms"] = list(curve.terms)
+        numbers[f"{body}_boundary_friction"] = curve.boundary_level
+        numbers[f"{body}_lowest_friction"] = friction
+        numbers[f"{body}_lowest_at_sommerfeld_number"] = number
+        numbers[f"{body}_full_film_slope"] = curve.full_film_slope()
+    return numbers
+
+
+@final
+@dataclass(frozen=True)
+class ReducedFilm:
+    """One kind of film: whether a machine has it, its tables, and their summary."""
+
+    has: Callable[[ReduceInput], bool]
+    reduce: Callable[[ReduceInput], xr.Dataset]
+    summary: Callable[[xr.Dataset], dict[str, Any]]
+
+
+REDUCED: Mapping[str, ReducedFilm] = {
+    "journal": ReducedFilm(
+        has=lambda given: bool(given.description.journals),
+        reduce=reduce_journals,
+        summary=_journal_summary,
+    ),
+}
+"""Kinds of films by name; each has its counterpart in ``films.film_tables.APPLIED``.
+
+The names in the tables of a kind begin with it, and ``<kind>_converged`` is among them.
+"""
