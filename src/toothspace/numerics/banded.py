@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from toothspace.core.compiled import njit
+from toothspace.core.compiled import inlined, njit
 from toothspace.core.types import Array
 from toothspace.numerics.vectors import dot
 
@@ -43,17 +43,18 @@ PANEL = 4
 
 
 @njit(cache=True, fastmath={"contract"})
-def _factor_panel(flat: Array, columns: int, first: int, count: int) -> None:
-    """Eliminate among the rows of one panel."""
+def _factor_panel(flat: Array, columns: int, first: int, count: int, inverse: Array) -> None:
+    """Eliminate among the rows of one panel; keep the inverse pivots."""
     width = columns // 2
     n = flat.size // columns
     for m in range(count):
         k = first + m
         base = k * columns + width
+        inverse[m] = 1.0 / flat[base]
         reach = min(width, n - 1 - k)
         for d in range(1, min(count - m, reach + 1)):
             start = base + d * (columns - 1)
-            factor = flat[start] / flat[base]
+            factor = flat[start] * inverse[m]
             flat[start] = factor
             if factor != 0.0:
                 for c in range(1, reach + 1):
@@ -76,34 +77,69 @@ def _multiplier(flat: Array, columns: int, first: int, row: int, m: int) -> floa
     return value
 
 
+@inlined
+def _beyond(flat: Array, columns: int, first: int, entry: int, factors: tuple[float, ...]) -> None:
+    """Columns that the later pivots of a panel reach, but not the first one."""
+    width = columns // 2
+    n = flat.size // columns
+    p0 = first * columns + width - first
+    for c in range(max(first + 4, first + width + 1), min(first + 3 + width, n - 1) + 1):
+        total = factors[3] * flat[p0 + 3 * (columns - 1) + c]
+        if c <= first + 1 + width:
+            total += factors[1] * flat[p0 + columns - 1 + c]
+        if c <= first + 2 + width:
+            total += factors[2] * flat[p0 + 2 * (columns - 1) + c]
+        flat[entry + c] -= total
+
+
+@njit(cache=True, fastmath={"contract"})
+def _update_rows(flat: Array, columns: int, first: int, inverse: Array) -> int:
+    """Eliminate the columns of a panel from the rows that hold all four; return the next row."""
+    width = columns // 2
+    n = flat.size // columns
+    p0 = first * columns + width - first
+    p1, p2, p3 = p0 + columns - 1, p0 + 2 * (columns - 1), p0 + 3 * (columns - 1)
+    i0, i1, i2, i3 = inverse[0], inverse[1], inverse[2], inverse[3]
+    u01, u02, u03 = flat[p0 + first + 1], flat[p0 + first + 2], flat[p0 + first + 3]
+    u12, u13, u23 = flat[p1 + first + 2], flat[p1 + first + 3], flat[p2 + first + 3]
+    # slices, because a loop counter from zero is known to need no wrap-around
+    start, stop = first + 4, min(first + width, n - 1) + 1
+    r0, r1 = flat[p0 + start : p0 + stop], flat[p1 + start : p1 + stop]
+    r2, r3 = flat[p2 + start : p2 + stop], flat[p3 + start : p3 + stop]
+    last = min(first + width + 1, n)
+    for row in range(first + 4, last):
+        entry = row * columns + width - row
+        e = entry + first
+        f0 = flat[e] * i0
+        f1 = (flat[e + 1] - f0 * u01) * i1
+        f2 = (flat[e + 2] - f0 * u02 - f1 * u12) * i2
+        f3 = (flat[e + 3] - f0 * u03 - f1 * u13 - f2 * u23) * i3
+        if f0 == 0.0 and f1 == 0.0 and f2 == 0.0 and f3 == 0.0:
+            continue
+        flat[e], flat[e + 1], flat[e + 2], flat[e + 3] = f0, f1, f2, f3
+        target = flat[entry + start : entry + stop]
+        for c in range(target.size):
+            target[c] -= f0 * r0[c] + f1 * r1[c] + f2 * r2[c] + f3 * r3[c]
+        _beyond(flat, columns, first, entry, (f0, f1, f2, f3))
+    return max(first + 4, last)
+
+
 @njit(cache=True, fastmath={"contract"})
 def _update_row(flat: Array, columns: int, first: int, row: int) -> None:
-    """Eliminate the four columns of a panel from one row below it."""
+    """Eliminate the columns of a panel from a row that begins within it."""
     width = columns // 2
     n = flat.size // columns
     f0 = _multiplier(flat, columns, first, row, 0)
     f1 = _multiplier(flat, columns, first, row, 1)
     f2 = _multiplier(flat, columns, first, row, 2)
     f3 = _multiplier(flat, columns, first, row, 3)
-    if f0 == 0.0 and f1 == 0.0 and f2 == 0.0 and f3 == 0.0:
-        return
     entry = row * columns + width - row
     p0 = first * columns + width - first
-    p1, p2, p3 = p0 + columns - 1, p0 + 2 * (columns - 1), p0 + 3 * (columns - 1)
-    # slices, because a loop counter from zero is known to need no wrap-around
-    start, stop = first + 4, min(first + width, n - 1) + 1
-    target = flat[entry + start : entry + stop]
-    r0, r1 = flat[p0 + start : p0 + stop], flat[p1 + start : p1 + stop]
-    r2, r3 = flat[p2 + start : p2 + stop], flat[p3 + start : p3 + stop]
-    for c in range(target.size):
-        target[c] -= f0 * r0[c] + f1 * r1[c] + f2 * r2[c] + f3 * r3[c]
-    for c in range(max(start, stop), min(first + 3 + width, n - 1) + 1):
-        total = f3 * flat[p3 + c]
-        if c <= first + 1 + width:
-            total += f1 * flat[p1 + c]
-        if c <= first + 2 + width:
-            total += f2 * flat[p2 + c]
+    for c in range(first + 4, min(first + width, n - 1) + 1):
+        total = f0 * flat[p0 + c] + f1 * flat[p0 + columns - 1 + c]
+        total += f2 * flat[p0 + 2 * (columns - 1) + c] + f3 * flat[p0 + 3 * (columns - 1) + c]
         flat[entry + c] -= total
+    _beyond(flat, columns, first, entry, (f0, f1, f2, f3))
 
 
 @njit(cache=True, fastmath={"contract"})
@@ -116,11 +152,13 @@ def factor_band(band: Array) -> None:
     n, columns = band.shape
     width = columns // 2
     flat = band.reshape(n * columns)
+    inverse = np.empty(PANEL)
     for first in range(0, n, PANEL):
         count = min(PANEL, n - first)
-        _factor_panel(flat, columns, first, count)
+        _factor_panel(flat, columns, first, count, inverse)
         if count == PANEL:
-            for row in range(first + PANEL, min(first + PANEL + width, n)):
+            begin = _update_rows(flat, columns, first, inverse)
+            for row in range(begin, min(first + PANEL + width, n)):
                 _update_row(flat, columns, first, row)
 
 

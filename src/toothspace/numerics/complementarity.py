@@ -25,9 +25,7 @@ from toothspace.numerics.linear_system import (
     TIGHT,
     UNSATURATED,
     LinearSystem,
-    direct_system,
-    iterative_system,
-    prefers_direct,
+    PassSystems,
 )
 from toothspace.numerics.structured_grid import CellBalance, coarsened, grid_shape
 from toothspace.numerics.vectors import norm
@@ -317,21 +315,16 @@ def solve_complementarity(
     kind = _initial_kind(balance, constraint, start)
     scale = potential_scale(balance)
     sense = -1 if balance.advection_x.sum() < 0.0 else 1
-    direct = prefers_direct(balance)
-    band = np.empty((kind.size if direct else 0, 2 * kind.shape[1] + 1))
+    systems = PassSystems(balance)
     unknown = np.zeros(kind.size)
     for number in range(1, max_passes + 1):
         _close_rings(balance, kind, number)
         stencil, rhs = assemble(balance, kind)
-        system: LinearSystem
-        if direct:
-            system = direct_system(balance, stencil, kind, band)
-        else:
-            system = iterative_system(balance, stencil, kind)
+        system = systems.system(stencil, kind)
         used = kind.copy()
-        unknown = system.solve(rhs, unknown, TIGHT if direct else LOOSE)
+        unknown = system.solve(rhs, unknown, TIGHT if systems.direct else LOOSE)
         changed = _revise(balance, constraint, kind, unknown, scale)
-        if changed == 0 and not direct:
+        if changed == 0 and not systems.direct:
             unknown = system.solve(rhs, unknown, TIGHT)
             changed = _revise(balance, constraint, kind, unknown, scale)
         if changed == 0:

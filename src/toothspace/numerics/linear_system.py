@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -19,7 +19,7 @@ SATURATED = 0
 UNSATURATED = 1
 PRESCRIBED = 2
 
-DIRECT_LIMIT = 1.0e8
+DIRECT_LIMIT = 5.0e8
 """Cells times squared lanes up to which the band is factored. [-]"""
 TIGHT = 1e-12
 """Relative residual of a finished solution. [-]"""
@@ -30,7 +30,10 @@ LOOSE = 1e-5
 @final
 @dataclass(frozen=True)
 class DirectSystem:
-    """Factored band; a ring is cut at one row and closed by a few Krylov iterations."""
+    """Factored band; a ring is cut at one row and closed by a few Krylov iterations.
+
+    A band that is not exact is that of a system nearby; the iterations make up for it.
+    """
 
     stencil: Array
     band: Array
@@ -38,28 +41,29 @@ class DirectSystem:
     lanes: int
     cut: int
     ring: bool
+    exact: bool = True
 
     def solve(
         self, rhs: Array, start: Array | None = None, relative_tolerance: float = TIGHT
     ) -> Array:
         """Solution in grid order; the direct part needs neither start nor tolerance."""
         x = self._precondition(rhs)
-        if not self.ring:
+        if self.exact and not self.ring:
             return x
         limit = 0.1 * TIGHT * norm(rhs)
-        # what the cut drops usually only leads along the flow, then one repetition is exact
-        for _ in range(2):
+        for _ in range(3):
             remainder = rhs - self._product(x)
-            if norm(remainder) <= limit:
-                return x
-            x = x + self._precondition(remainder)
-        remainder = rhs - self._product(x)
-        if norm(remainder) <= limit:
-            return x
-        correction, _ = gmres(
-            self._product, self._precondition, remainder, relative_tolerance=1e-11
-        )
-        return np.asarray(x + correction)
+            size = norm(remainder)
+            if size <= limit:
+                break
+            correction, _ = gmres(
+                self._product,
+                self._precondition,
+                remainder,
+                relative_tolerance=max(0.5 * limit / size, 1e-13),
+            )
+            x = x + correction
+        return np.asarray(x)
 
     def _product(self, x: Array) -> Array:
         return stencil_product(self.stencil, x, self.rows, self.lanes)
@@ -141,6 +145,40 @@ def prefers_direct(balance: CellBalance) -> bool:
     """Whether factoring the band is cheaper than iterating."""
     rows, lanes = grid_shape(balance)
     return float(rows) * lanes**3 <= DIRECT_LIMIT
+
+
+_CHANGED_PER_LANE = 0.125
+"""Changed rows per lane up to which iterations with an old band are cheaper than a new one. [-]"""
+
+
+@final
+class PassSystems:
+    """Linear systems of one pass after another of an active-set method on one grid.
+
+    Parameters
+    ----------
+    balance : CellBalance
+        Coefficients. [any]
+    """
+
+    def __init__(self, balance: CellBalance) -> None:
+        self._balance = balance
+        self.direct = prefers_direct(balance)
+        rows, lanes = grid_shape(balance)
+        self._band = np.empty((rows * lanes if self.direct else 0, 2 * lanes + 1))
+        self._factored: tuple[DirectSystem, IntArray] | None = None
+
+    def system(self, stencil: Array, kind: IntArray) -> LinearSystem:
+        """System for given kinds of the cells; an earlier band serves on while few changed."""
+        if not self.direct:
+            return iterative_system(self._balance, stencil, kind)
+        if self._factored is not None:
+            former, known = self._factored
+            if np.count_nonzero(kind != known) <= _CHANGED_PER_LANE * former.lanes:
+                return replace(former, stencil=stencil, exact=False)
+        system = direct_system(self._balance, stencil, kind, self._band)
+        self._factored = system, kind.copy()
+        return system
 
 
 def direct_system(
