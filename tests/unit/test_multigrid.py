@@ -14,7 +14,7 @@ from toothspace.films.journal_film import (
     journal_mesh,
 )
 from toothspace.films.reynolds import FluidField, film_balance
-from toothspace.numerics import complementarity
+from toothspace.numerics import linear_system
 from toothspace.numerics.banded import stencil_product
 from toothspace.numerics.complementarity import Constraint, assemble, solve_complementarity
 from toothspace.numerics.conduction import ConductionSolver
@@ -105,7 +105,7 @@ def test_cavitated_film_is_the_same_with_both_systems(monkeypatch: pytest.Monkey
     )
     position = {"eccentricity": (0.5, 0.1), "tilt": (3e-4, 0.0), "shaft_speed": 300.0}
     direct = bearing.solve(**position)  # type: ignore[arg-type]
-    monkeypatch.setattr(complementarity, "prefers_direct", lambda balance: False)
+    monkeypatch.setattr(linear_system, "prefers_direct", lambda balance: False)
     iterative = bearing.solve(**position)  # type: ignore[arg-type]
     assert iterative.status.succeeded
     assert iterative.force == pytest.approx(direct.force, rel=1e-8)
@@ -116,7 +116,7 @@ def test_cavitated_film_is_the_same_with_both_systems(monkeypatch: pytest.Monkey
 def test_obstacle_is_the_same_with_both_systems(monkeypatch: pytest.MonkeyPatch) -> None:
     balance = _balance(72, 24, 0.8, 1e-4)
     direct = solve_complementarity(balance, Constraint.OBSTACLE)
-    monkeypatch.setattr(complementarity, "prefers_direct", lambda balance: False)
+    monkeypatch.setattr(linear_system, "prefers_direct", lambda balance: False)
     iterative = solve_complementarity(balance, Constraint.OBSTACLE)
     assert iterative.converged
     scale = direct.potential.max()
