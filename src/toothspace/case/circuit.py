@@ -20,6 +20,7 @@ from toothspace.core.keys import (
     declare,
     file_path,
     forbid,
+    integer,
     number,
     quantity,
     require,
@@ -112,7 +113,13 @@ class Hose:
     wall_modulus: float | None = quantity(
         "GPa", "Elastic modulus of the wall.", above=0, high=300, default=None
     )
-    model: str = choice("One volume, or waves.", "lumped", "transmission_line", default="lumped")
+    model: str = choice(
+        "One volume, or waves with friction that depends on frequency.",
+        "lumped",
+        "transmission_line",
+        default="lumped",
+    )
+    cells: int = integer("Cells of a transmission line.", low=2, high=200, default=16)
 
     def __post_init__(self) -> None:
         names = ("wall_thickness", "wall_modulus")
@@ -120,6 +127,11 @@ class Hose:
             require(self, "unless effective_bulk_modulus is given", *names)
         else:
             forbid(self, "because effective_bulk_modulus is given", *names)
+
+    @property
+    def carries_waves(self) -> bool:
+        """Whether its two ends are places of their own."""
+        return self.model == "transmission_line"
 
 
 @final
@@ -224,9 +236,12 @@ class TorqueSource:
 @final
 @dataclass(frozen=True, kw_only=True)
 class Fan:
-    """``kind = "fan"``: load on the shaft, torque = linear speed + cubic speed^3."""
+    """``kind = "fan"``: load, torque = linear speed + quadratic speed^2 + cubic speed^3."""
 
     linear: float = quantity("N m/rpm", "Torque per speed.", low=0, high=100, default=0.0)
+    quadratic: float = quantity(
+        "N m/rpm^2", "Torque per speed squared, the law of a fan.", low=0, high=1, default=0.0
+    )
     cubic: float = quantity("N m s^3/rad^3", "Torque per speed cubed.", low=0, high=1, default=0.0)
     inertia: float = quantity("kg m^2", "Moment of inertia.", low=0, high=1000, default=0.0)
 
@@ -237,6 +252,15 @@ class Inertia:
     """``kind = "inertia"``: rotating mass on the shaft."""
 
     inertia: float = quantity("kg m^2", "Moment of inertia.", above=0, high=1000)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Coupling:
+    """``kind = "coupling"``: elastic coupling between the shaft and all fans and inertias."""
+
+    stiffness: float = quantity("N m/rad", "Torque per twist.", above=0, high=1e8)
+    damping: float = quantity("N m s/rad", "Torque per slip.", low=0, high=1e6, default=0.0)
 
 
 @final
@@ -260,13 +284,14 @@ ELEMENTS: Mapping[str, type] = {
     "cooler": Cooler,
     "fan": Fan,
     "inertia": Inertia,
+    "coupling": Coupling,
     "torque_source": TorqueSource,
     "tank": Tank,
 }
 """Circuit elements by the value of their key ``kind``."""
 
 ELEMENT_KEY = Variant(tag="kind", variants=ELEMENTS, doc="Circuit element.")
-SHAFT_ELEMENTS = (SpeedSource, Fan, Inertia, TorqueSource)
+SHAFT_ELEMENTS = (SpeedSource, Fan, Inertia, Coupling, TorqueSource)
 MACHINE_PORTS = ("machine.inlet", "machine.outlet", "machine.drain")
 
 

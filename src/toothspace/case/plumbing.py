@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from toothspace.case import circuit as keys
-from toothspace.closures.bulk_modulus import liquid_bulk_modulus
+from toothspace.case.lines import LineCell, end_cell, line_parts, wall_flexibility
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.viscosity import dynamic_viscosity
 from toothspace.core.constants import ATMOSPHERIC_PRESSURE
@@ -22,6 +22,7 @@ from toothspace.model.circuit_description import (
     CircuitElement,
     CircuitNode,
     CircuitOrifice,
+    Coupling,
     FreeShaft,
 )
 from toothspace.model.description import MachineDescription
@@ -37,7 +38,6 @@ _TWO_PORT = (
 )
 _REFERENCE_DISCHARGE = 0.7
 _ROUNDING = 5e3
-_WALL_REFERENCE = 20e5
 
 Place = tuple[str, int]
 """Element and which of its ends; elements of one end have end 0."""
@@ -65,16 +65,27 @@ def plumb(circuit: keys.Circuit, description: MachineDescription, fluid: FluidLa
     supply = tanks[0].pressure if tanks else ATMOSPHERIC_PRESSURE
     start = circuit.initial_pressure or supply
     members: dict[str, list[Any]] = {name: [] for name in names.values()}
-    for (element, _), node in names.items():
-        if isinstance(circuit.elements.get(element), _ONE_PORT):
-            members[node].append(circuit.elements[element])
+    waves = _lines_with_waves(circuit)
+    for (name, _), node in names.items():
+        element = circuit.elements.get(name)
+        if name in waves:
+            members[node].append(end_cell(waves[name], fluid))
+        elif isinstance(element, _ONE_PORT):
+            members[node].append(element)
+    lines = [
+        line_parts(name, hose, (names[name, 0], names[name, 1]), start, fluid)
+        for name, hose in waves.items()
+    ]
     ports = dict(zip(("inlet", "outlet"), description.port_volumes, strict=True))
     nodes = [
         _node(name, parts, ports.get(name, 0.0), start, fluid) for name, parts in members.items()
     ]
     return Circuit(
-        nodes=tuple(nodes),
-        elements=tuple(_elements(circuit, names, fluid)),
+        nodes=(*nodes, *(node for line in lines for node in line.nodes)),
+        elements=(
+            *_elements(circuit, names, fluid),
+            *(column for line in lines for column in line.columns),
+        ),
         orifices=tuple(_orifices(circuit, names)),
         supply_pressure=supply,
     )
@@ -95,15 +106,26 @@ def _node_names(circuit: keys.Circuit) -> dict[Place, str]:
 def _end(circuit: keys.Circuit, name: str, seen: dict[str, int]) -> Place:
     """End that a mention of an element means: the first of a valve is its upstream end."""
     element = circuit.elements.get(name)
-    if not isinstance(element, _TWO_PORT):
+    if not _has_two_ends(element):
         return name, 0
     seen[name] = seen.get(name, 0) + 1
     return name, min(seen[name], 2) - 1
 
 
+def _lines_with_waves(circuit: keys.Circuit) -> dict[str, keys.Hose]:
+    hoses = {n: e for n, e in circuit.elements.items() if isinstance(e, keys.Hose)}
+    return {name: hose for name, hose in hoses.items() if hose.carries_waves}
+
+
+def _has_two_ends(element: Any) -> bool:
+    return isinstance(element, _TWO_PORT) or (
+        isinstance(element, keys.Hose) and element.carries_waves
+    )
+
+
 def _check_ends(circuit: keys.Circuit, seen: Mapping[str, int]) -> None:
     for name, element in circuit.elements.items():
-        if not isinstance(element, _TWO_PORT) or isinstance(element, keys.PumpMap):
+        if not _has_two_ends(element) or isinstance(element, keys.PumpMap):
             continue
         if seen.get(name, 0) < 2:
             raise CaseError(
@@ -123,7 +145,8 @@ def _node_name(circuit: keys.Circuit, joined: set[Place]) -> str:
         raise CaseError(f"circuit.connections: found {ports} joined, allowed one port per node")
     if ports:
         return ports[0].removeprefix("machine.")
-    holding = [n for n, _ in joined if isinstance(circuit.elements.get(n), _ONE_PORT)]
+    parts = {name: circuit.elements.get(name) for name, _ in joined}
+    holding = [n for n, e in parts.items() if isinstance(e, _ONE_PORT) and not _has_two_ends(e)]
     return min(holding, default=min(f"{name}_{end}" for name, end in joined))
 
 
@@ -150,6 +173,9 @@ def _enlarge(node: CircuitNode, part: Any, fluid: FluidLaw) -> CircuitNode:
     """Add the fluid volume and the compliance of a part to a node."""
     if isinstance(part, keys.Volume):
         return replace(node, volume=node.volume + part.volume)
+    if isinstance(part, LineCell):
+        compliance = node.wall_compliance + part.wall_compliance
+        return replace(node, volume=node.volume + part.volume, wall_compliance=compliance)
     if isinstance(part, keys.Accumulator):
         if node.gas_volume > 0.0:
             raise CaseError("circuit.connections: found two accumulators joined, allowed one")
@@ -165,25 +191,6 @@ def _enlarge(node: CircuitNode, part: Any, fluid: FluidLaw) -> CircuitNode:
     return replace(
         node, volume=node.volume + volume, wall_compliance=node.wall_compliance + compliance
     )
-
-
-def wall_flexibility(hose: keys.Hose, fluid: FluidLaw) -> float:
-    """Relative growth of the bore area of a hose per pressure. [1/Pa].
-
-    From wall modulus and thickness as a thin tube, d/(E t); or what the effective bulk modulus
-    leaves beside that of the liquid.
-    """
-    if hose.effective_bulk_modulus is None:
-        assert hose.wall_modulus is not None
-        assert hose.wall_thickness is not None
-        return hose.bore / (hose.wall_modulus * hose.wall_thickness)
-    liquid = float(liquid_bulk_modulus(_WALL_REFERENCE, fluid))
-    if hose.effective_bulk_modulus > liquid:
-        raise CaseError(
-            f"circuit: effective_bulk_modulus: found {hose.effective_bulk_modulus / 1e9:.4g} GPa, "
-            f"allowed at most that of the liquid, {liquid / 1e9:.4g} GPa"
-        )
-    return 1.0 / hose.effective_bulk_modulus - 1.0 / liquid
 
 
 def _elements(
@@ -279,6 +286,8 @@ def shaft_of(circuit: keys.Circuit, description: MachineDescription) -> FreeShaf
     startup = description.startup
     return FreeShaft(
         inertia=turning,
+        coupling=_coupling(circuit, turning),
+        square=sum(fan.quadratic for fan in fans),
         linear=sum(fan.linear for fan in fans),
         cubic=sum(fan.cubic for fan in fans),
         breakaway_torque=startup.torque if startup else 0.0,
@@ -288,9 +297,24 @@ def shaft_of(circuit: keys.Circuit, description: MachineDescription) -> FreeShaf
     )
 
 
+def _coupling(circuit: keys.Circuit, load_inertia: float) -> Coupling | None:
+    parts = [part for part in circuit.elements.values() if isinstance(part, keys.Coupling)]
+    if len(parts) > 1:
+        raise CaseError("circuit: found two couplings, allowed one")
+    if parts and load_inertia <= 0.0:
+        raise CaseError(
+            "circuit: found a coupling without inertia beyond it, allowed one with a fan or "
+            "an inertia above 0 kg m^2"
+        )
+    return Coupling(parts[0].stiffness, parts[0].damping) if parts else None
+
+
 def speed_of(circuit: keys.Circuit) -> Array | None:
     """Prescribed shaft speed over time, None where the shaft is free. [s], [rad/s]."""
     sources = [part for part in circuit.elements.values() if isinstance(part, keys.SpeedSource)]
     if len(sources) > 1:
         raise CaseError("circuit: found two speed sources, allowed one")
+    couplings = [part for part in circuit.elements.values() if isinstance(part, keys.Coupling)]
+    if sources and couplings:
+        raise CaseError("circuit: found a coupling and a speed source, allowed one of them")
     return history(sources[0], "speed", "rpm") if sources else None

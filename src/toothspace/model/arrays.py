@@ -1,7 +1,9 @@
 """Flat arrays of one system, as compiled code reads them, and the meaning of their columns.
 
 State vector: shaft angle, shaft speed, fluid mass of each dynamic node, undissolved gas mass
-of each dynamic node, free micro-motions, their velocities, then the ledger states.
+of each dynamic node, free micro-motions, their velocities, flows of fluid columns with the
+memory of their friction, twist of an elastic coupling and speed of the load beyond it, then
+the ledger states.
 
 Few arrays with named columns instead of many arrays: compiled functions pass them by value,
 and each costs reference counting.
@@ -167,8 +169,12 @@ JOURNAL_COLUMNS = 20
     LOAD_KNOT,
     LOAD_KNOTS,
     PRESENT_LOAD,
-) = range(18)
-DRIVE_COLUMNS = 18
+    LOAD_SQUARE,
+    LOAD_INERTIA,
+    COUPLING_STIFFNESS,
+    COUPLING_DAMPING,
+) = range(22)
+DRIVE_COLUMNS = 22
 
 # Columns of ``elements``: hydraulic elements of a circuit and their present flow.
 (
@@ -204,6 +210,8 @@ class Sizes(NamedTuple):
     gas: int
     position: int
     velocity: int
+    column: int
+    load: int
     core: int
     total: int
 

@@ -17,6 +17,7 @@ from toothspace.model.arrays import (
     DENSITY,
     ELEMENT_A,
     ELEMENT_B,
+    ELEMENT_KIND,
     FAMILY_COUNT,
     FAMILY_FIRST,
     GAP_BY_MOTION,
@@ -24,9 +25,11 @@ from toothspace.model.arrays import (
     GAS_EXPONENT,
     GAS_VOLUME,
     HEIGHT_BY_MOTION,
+    KNOTS,
     NODE_A,
     NODE_B,
     NODE_COLUMNS,
+    PARAMETER_4,
     PARTNER_SHIFT,
     PATH_COLUMNS,
     PRECHARGE,
@@ -40,7 +43,13 @@ from toothspace.model.arrays import (
     Sizes,
     SystemArrays,
 )
-from toothspace.model.circuit_description import Circuit, circuit_rows, drive_row
+from toothspace.model.circuit_description import (
+    Circuit,
+    circuit_rows,
+    column_states,
+    coupling_states,
+    drive_row,
+)
 from toothspace.model.contact_data import (
     contact_parts,
     held_by_contacts,
@@ -50,6 +59,7 @@ from toothspace.model.contact_data import (
 )
 from toothspace.model.description import FlowPath, MachineDescription
 from toothspace.model.films import JournalData, journal_data, lateral_torque_coefficient
+from toothspace.model.fluid_column import FLUID_COLUMN
 from toothspace.model.inlet_volume import inlet_gas_fraction
 from toothspace.model.ledger import FRICTION_MECHANISMS, GAS_MASS, LEDGER_SIZE, MASS, PORT_NODES
 from toothspace.model.operating_point import OperatingCondition
@@ -191,7 +201,9 @@ def _sizes(
 ) -> Sizes:
     chambers = description.chamber_count
     dynamic = int(np.max(_dynamic_index(description, condition))) + 1
-    core = 2 + 2 * dynamic + 2 * motions
+    column = 2 + 2 * dynamic + 2 * motions
+    load = column + column_states(condition.circuit)
+    core = load + coupling_states(condition.free_shaft)
     return Sizes(
         chambers=chambers,
         nodes=len(node_places(description, condition)) + chambers,
@@ -205,6 +217,8 @@ def _sizes(
         gas=2 + dynamic,
         position=2 + 2 * dynamic,
         velocity=2 + 2 * dynamic + motions,
+        column=column,
+        load=load,
         core=core,
         total=core + LEDGER_SIZE,
     )
@@ -269,8 +283,8 @@ def _dynamic_index(description: MachineDescription, condition: OperatingConditio
     filled = [node.name for node in nodes if node.volume > 0.0]
     if condition.load_area > 0.0:
         filled.append("outlet")
-    for k, name in enumerate(filled):
-        dynamic[places[name]] = chambers + k
+    for k, place in enumerate(sorted(places[name] for name in filled)):
+        dynamic[place] = chambers + k
     return dynamic
 
 
@@ -360,7 +374,7 @@ def _pattern(arrays: SystemArrays) -> BoolArray:
     pattern[0, 1] = True
     columns = [_columns(arrays, node) for node in range(size.nodes)]
     rows = [_rows(arrays, node) for node in range(size.nodes)]
-    motions = list(range(size.position, size.core))
+    motions = list(range(size.position, size.column))
     for index in arrays.path_index:
         a = int(index[NODE_A])
         for b in _partners(index):
@@ -374,10 +388,18 @@ def _pattern(arrays: SystemArrays) -> BoolArray:
 
 
 def _join_circuit(arrays: SystemArrays, pattern: BoolArray) -> None:
-    """Add what circuit elements join."""
+    """Add what circuit elements and an elastic coupling join."""
+    size = arrays.size
+    coupled = [1, *range(size.load, size.core)]
+    pattern[np.ix_(coupled, coupled)] = True
     for element in arrays.elements:
         a, b = int(element[ELEMENT_A]), int(element[ELEMENT_B])
         columns = [*_columns(arrays, a), *_columns(arrays, b)]
+        if element[ELEMENT_KIND] == FLUID_COLUMN:
+            place = size.column + int(element[PARAMETER_4])
+            own = list(range(place, place + 1 + int(element[KNOTS])))
+            pattern[np.ix_(own, [*own, *columns])] = True
+            columns.append(place)
         pattern[np.ix_([*_rows(arrays, a), *_rows(arrays, b)], columns)] = True
 
 

@@ -2,7 +2,8 @@ r"""Hydraulic elements round the machine: supply pump, valves; their flows and l
 
 Each element joins two nodes; its volume flow counts from a to b and depends on the pressures
 at both ends and on time. Volumes (hoses, lines) are dynamic nodes of the network, tanks are
-nodes of constant pressure, orifices are ordinary flow paths.
+nodes of constant pressure, orifices are ordinary flow paths, lines with waves are chains of
+nodes and fluid columns.
 """
 
 from __future__ import annotations
@@ -34,6 +35,7 @@ from toothspace.model.arrays import (
     SystemArrays,
 )
 from toothspace.model.drive import scheduled
+from toothspace.model.fluid_column import FLUID_COLUMN, column_flow, column_power
 from toothspace.model.ledger import CIRCUIT, SUPPLY
 
 SUPPLY_PUMP, PRESSURE_VALVE, PROPORTIONAL_VALVE, RESISTANCE = range(4)
@@ -41,14 +43,17 @@ ROUNDING = 1e3
 
 
 @kernel
-def update_elements(s: SystemArrays, time: float) -> None:
+def update_elements(s: SystemArrays, state: Array, time: float) -> None:
     """Flow of every element and its derivatives; add them to the balances of the nodes."""
     elements, node = s.elements, s.node
     for j in range(elements.shape[0]):
         element = elements[j]
         a, b = int(element[ELEMENT_A]), int(element[ELEMENT_B])
-        drop = node[a, PRESSURE] - node[b, PRESSURE]
-        flow, by_drop = element_flow(s, element, drop, time)
+        if element[ELEMENT_KIND] == FLUID_COLUMN:
+            flow, by_drop = column_flow(s, element, state), 0.0
+        else:
+            drop = node[a, PRESSURE] - node[b, PRESSURE]
+            flow, by_drop = element_flow(s, element, drop, time)
         density = node[a, DENSITY] if flow >= 0.0 else node[b, DENSITY]
         gas = node[a, GAS] if flow >= 0.0 else node[b, GAS]
         element[ELEMENT_FLOW] = density * flow
@@ -162,8 +167,8 @@ def valve_flow(element: Array, drop: float) -> tuple[float, float]:
 
 
 @kernel
-def book_circuit(s: SystemArrays, ledger: Array) -> None:
-    """Work of supply pumps on the fluid, and losses in valves."""
+def book_circuit(s: SystemArrays, state: Array, ledger: Array) -> None:
+    """Work of supply pumps on the fluid, and losses in valves and lines."""
     node = s.node
     for j in range(s.elements.shape[0]):
         element = s.elements[j]
@@ -174,5 +179,7 @@ def book_circuit(s: SystemArrays, ledger: Array) -> None:
         rise += gas * (node[b, GAS_ENTHALPY] - node[a, GAS_ENTHALPY])
         if element[ELEMENT_KIND] == SUPPLY_PUMP:
             ledger[SUPPLY] += flow * rise
-        else:
-            ledger[CIRCUIT] -= flow * rise
+            continue
+        ledger[CIRCUIT] -= flow * rise
+        if element[ELEMENT_KIND] == FLUID_COLUMN:
+            ledger[CIRCUIT] -= column_power(s, element, state)

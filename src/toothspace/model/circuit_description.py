@@ -12,6 +12,8 @@ from toothspace.model.arrays import (
     ADDED_FRICTION,
     BREAKAWAY,
     BREAKAWAY_SPEED,
+    COUPLING_DAMPING,
+    COUPLING_STIFFNESS,
     DIRECTION,
     DRIVE_COLUMNS,
     ELEMENT_A,
@@ -25,11 +27,14 @@ from toothspace.model.arrays import (
     KNOTS,
     LOAD_CONSTANT,
     LOAD_CUBIC,
+    LOAD_INERTIA,
     LOAD_KNOT,
     LOAD_KNOTS,
     LOAD_LINEAR,
+    LOAD_SQUARE,
     PARAMETER_1,
     PARAMETER_2,
+    PARAMETER_4,
     RUNNING_FRICTION,
     SPEED_KNOT,
     SPEED_KNOTS,
@@ -40,13 +45,19 @@ from toothspace.model.circuit import (
     RESISTANCE,
     SUPPLY_PUMP,
 )
+from toothspace.model.fluid_column import FLUID_COLUMN
 
 _KINDS = {
     "supply_pump": SUPPLY_PUMP,
     "pressure_valve": PRESSURE_VALVE,
     "proportional_valve": PROPORTIONAL_VALVE,
     "resistance": RESISTANCE,
+    "fluid_column": FLUID_COLUMN,
 }
+ElementKind = Literal[
+    "supply_pump", "pressure_valve", "proportional_valve", "resistance", "fluid_column"
+]
+
 _NO_KNOTS: Array = np.zeros((0, 2))
 
 
@@ -96,7 +107,8 @@ class CircuitElement:
         [Pa], pressure rise per flow [Pa s/m3] and rounding of the opening point [Pa].
         ``proportional_valve``: effective area when fully open [m2]; the schedule is its
         opening from 0 to 1. ``resistance``: pressure drop per flow [Pa s/m3] and per flow
-        squared [Pa s2/m6].
+        squared [Pa s2/m6]. ``fluid_column``: inertance [kg/m4], laminar pressure drop per flow
+        [Pa s/m3] and flow at a Reynolds number of 2300 [m3/s].
     node_a, node_b : str
         Names of nodes; ``supply`` is the tank of a pump.
     parameters : tuple of float
@@ -106,14 +118,22 @@ class CircuitElement:
     efficiency_map : ndarray, shape (rows, 2), or None
         Map of the volumetric efficiency of a supply pump instead of its line, as
         :func:`toothspace.model.circuit.map_efficiency` reads it.
+    memory : ndarray, shape (branches, 2)
+        Friction of a fluid column that remembers: decay rate [1/s] and resistance [Pa s/m3].
     """
 
-    kind: Literal["supply_pump", "pressure_valve", "proportional_valve", "resistance"]
+    kind: ElementKind
     node_a: str
     node_b: str
     parameters: tuple[float, ...]
     schedule: Array = field(default_factory=lambda: _NO_KNOTS)
     efficiency_map: Array | None = None
+    memory: Array = field(default_factory=lambda: _NO_KNOTS)
+
+    @property
+    def states(self) -> int:
+        """States of its own: flow and memory of a fluid column."""
+        return 1 + len(self.memory) if self.kind == "fluid_column" else 0
 
 
 @final
@@ -152,6 +172,15 @@ class Circuit:
 
 
 @final
+@dataclass(frozen=True)
+class Coupling:
+    """Elastic coupling: torque over twist [N m/rad] and over slip [N m s/rad]."""
+
+    stiffness: float
+    damping: float
+
+
+@final
 @dataclass(frozen=True, kw_only=True)
 class FreeShaft:
     """A shaft that turns as the torques on it let it.
@@ -161,7 +190,8 @@ class FreeShaft:
     inertia : float
         Moment of inertia of load and shaft without the machine's bodies. [kg m2]
     linear, cubic, constant : float
-        Torque of the load: linear w + cubic w^3 + constant. [N m s], [N m s3], [N m]
+        Torque of the load: linear w + square w|w| + cubic w^3 + constant.
+        [N m s], [N m s3], [N m]
     breakaway_torque : float
         Largest friction at rest; zero leaves out start-up friction. [N m]
     breakaway_speed : float
@@ -171,6 +201,10 @@ class FreeShaft:
         it stands for all of them and they fade in with speed.
     load_schedule : ndarray, shape (knots, 2)
         Time [s] and further torque of the load [N m], joined by straight lines.
+    square : float
+        Torque of the load per speed squared. [N m s2]
+    coupling : Coupling or None
+        Elastic coupling between the machine and its load; None joins them rigidly.
     """
 
     inertia: float
@@ -181,6 +215,18 @@ class FreeShaft:
     breakaway_speed: float = 0.7
     additive: bool = False
     load_schedule: Array = field(default_factory=lambda: _NO_KNOTS)
+    square: float = 0.0
+    coupling: Coupling | None = None
+
+
+def column_states(circuit: Circuit | None) -> int:
+    """States of all fluid columns of a circuit."""
+    return sum(element.states for element in circuit.elements) if circuit else 0
+
+
+def coupling_states(shaft: FreeShaft | None) -> int:
+    """Twist of an elastic coupling and speed of the load beyond it."""
+    return 2 if shaft is not None and shaft.coupling is not None else 0
 
 
 def drive_row(
@@ -194,6 +240,11 @@ def drive_row(
     if shaft is not None:
         row[FREE] = 1.0
         row[INERTIA] = shaft.inertia + body_inertia
+        row[LOAD_SQUARE] = shaft.square
+        if shaft.coupling is not None:
+            row[[INERTIA, LOAD_INERTIA]] = body_inertia, shaft.inertia
+            row[COUPLING_STIFFNESS] = shaft.coupling.stiffness
+            row[COUPLING_DAMPING] = shaft.coupling.damping
         row[[LOAD_LINEAR, LOAD_CUBIC, LOAD_CONSTANT]] = shaft.linear, shaft.cubic, shaft.constant
         row[BREAKAWAY] = shaft.breakaway_torque
         row[BREAKAWAY_SPEED] = shaft.breakaway_speed
@@ -211,11 +262,16 @@ def circuit_rows(
     elements = circuit.elements if circuit else ()
     rows = np.zeros((len(elements), ELEMENT_COLUMNS))
     knots = _Knots()
+    states = 0
     for row, element in zip(rows, elements, strict=True):
         row[ELEMENT_KIND] = _KINDS[element.kind]
         row[[ELEMENT_A, ELEMENT_B]] = places[element.node_a], places[element.node_b]
         row[PARAMETER_1 : PARAMETER_1 + len(element.parameters)] = element.parameters
-        row[[FIRST_KNOT, KNOTS]] = knots.add(element.schedule), len(element.schedule)
+        table = element.memory if element.states else element.schedule
+        row[[FIRST_KNOT, KNOTS]] = knots.add(table), len(table)
+        if element.states:
+            row[PARAMETER_4] = states
+            states += element.states
         if element.efficiency_map is not None:
             row[PARAMETER_2] = -1.0 - knots.add(element.efficiency_map)
     speed, load = schedules

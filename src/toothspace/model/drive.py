@@ -19,13 +19,19 @@ from toothspace.model.arrays import (
     ADDED_FRICTION,
     BREAKAWAY,
     BREAKAWAY_SPEED,
+    COUPLING_DAMPING,
+    COUPLING_STIFFNESS,
     DIRECTION,
     FADE,
+    FREE,
+    INERTIA,
     LOAD_CONSTANT,
     LOAD_CUBIC,
+    LOAD_INERTIA,
     LOAD_KNOT,
     LOAD_KNOTS,
     LOAD_LINEAR,
+    LOAD_SQUARE,
     PRESENT_LOAD,
     RUNNING_FRICTION,
     SPEED_KNOT,
@@ -39,10 +45,90 @@ ROOT_TWO_E = math.sqrt(2.0 * math.e)
 
 @kernel
 def load_torque(s: SystemArrays, speed: float) -> float:
-    """Torque that the load takes from the shaft at the present time. [N m]."""
+    """Torque that the load takes at its speed at the present time. [N m]."""
     drive = s.drive
-    by_speed = drive[LOAD_LINEAR] + drive[LOAD_CUBIC] * speed * speed
+    by_speed = drive[LOAD_LINEAR] + drive[LOAD_SQUARE] * abs(speed)
+    by_speed += drive[LOAD_CUBIC] * speed * speed
     return speed * by_speed + drive[LOAD_CONSTANT] + drive[PRESENT_LOAD]
+
+
+@kernel
+def taken_torque(s: SystemArrays, state: Array) -> float:
+    """Torque that load or coupling takes from the shaft. [N m]."""
+    drive = s.drive
+    if drive[COUPLING_STIFFNESS] == 0.0:
+        return load_torque(s, state[1])
+    place = s.size.load
+    slip = state[1] - state[place + 1]
+    return drive[COUPLING_STIFFNESS] * state[place] + drive[COUPLING_DAMPING] * slip
+
+
+@kernel
+def load_power(s: SystemArrays, state: Array) -> tuple[float, float]:
+    """Power that the load takes, and that the coupling dissipates. [W]."""
+    drive = s.drive
+    if drive[FREE] == 0.0:
+        return 0.0, 0.0
+    if drive[COUPLING_STIFFNESS] == 0.0:
+        return load_torque(s, state[1]) * state[1], 0.0
+    speed = state[s.size.load + 1]
+    slip = state[1] - speed
+    return load_torque(s, speed) * speed, drive[COUPLING_DAMPING] * slip * slip
+
+
+@kernel
+def fill_load_rates(s: SystemArrays, state: Array, rate: Array) -> None:
+    """Rates of the twist of an elastic coupling and of the speed of the load beyond it."""
+    drive, place = s.drive, s.size.load
+    if drive[COUPLING_STIFFNESS] == 0.0:
+        return
+    speed = state[place + 1]
+    rate[place] = state[1] - speed
+    driving = taken_torque(s, state) - load_torque(s, speed)
+    rate[place + 1] = driving / drive[LOAD_INERTIA]
+
+
+@kernel
+def fill_load_weights(s: SystemArrays, state: Array, weight: Array) -> None:
+    """Error allowed in the twist of an elastic coupling and in the speed beyond it."""
+    drive, place = s.drive, s.size.load
+    if drive[COUPLING_STIFFNESS] == 0.0:
+        return
+    tolerance = s.constant.relative_tolerance
+    rest = drive[BREAKAWAY] / drive[COUPLING_STIFFNESS]
+    weight[place] = tolerance * max(abs(state[place]), rest, tolerance)
+    weight[place + 1] = tolerance * max(abs(state[place + 1]), 1.0)
+
+
+@kernel
+def load_energy(s: SystemArrays, state: Array) -> float:
+    """Energy in the twist of the coupling and in the load beyond it. [J]."""
+    drive, place = s.drive, s.size.load
+    if drive[COUPLING_STIFFNESS] == 0.0:
+        return 0.0
+    twist = drive[COUPLING_STIFFNESS] * state[place] * state[place]
+    return 0.5 * (twist + drive[LOAD_INERTIA] * state[place + 1] * state[place + 1])
+
+
+@kernel
+def add_coupling(s: SystemArrays, state: Array, matrix: Array) -> None:
+    """Derivatives of the rates at both ends of an elastic coupling."""
+    drive, place = s.drive, s.size.load
+    stiffness, damping = drive[COUPLING_STIFFNESS], drive[COUPLING_DAMPING]
+    if stiffness == 0.0:
+        return
+    speed, inertia = abs(state[place + 1]), drive[LOAD_INERTIA]
+    by_speed = drive[LOAD_LINEAR] + 2.0 * drive[LOAD_SQUARE] * speed
+    by_speed += 3.0 * drive[LOAD_CUBIC] * speed * speed
+    matrix[place, 1] += 1.0
+    matrix[place, place + 1] -= 1.0
+    matrix[place + 1, place] += stiffness / inertia
+    matrix[place + 1, 1] += damping / inertia
+    matrix[place + 1, place + 1] -= (damping + by_speed) / inertia
+    if drive[FREE] > 0.0 and drive[DIRECTION] != 0.0:
+        matrix[1, place] -= stiffness / drive[INERTIA]
+        matrix[1, 1] -= damping / drive[INERTIA]
+        matrix[1, place + 1] += damping / drive[INERTIA]
 
 
 @kernel

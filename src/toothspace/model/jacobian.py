@@ -13,6 +13,7 @@ from toothspace.model.arrays import (
     ELEMENT_BY_A,
     ELEMENT_BY_B,
     ELEMENT_FLOW,
+    ELEMENT_KIND,
     EXCHANGE_BY_GAS,
     EXCHANGE_BY_PRESSURE,
     EXCHANGE_RATE,
@@ -37,6 +38,8 @@ from toothspace.model.arrays import (
     SystemArrays,
 )
 from toothspace.model.circuit import update_elements
+from toothspace.model.drive import add_coupling
+from toothspace.model.fluid_column import FLUID_COLUMN, add_column
 from toothspace.model.ledger import GAS_MASS, MASS
 from toothspace.model.system import evaluate
 
@@ -66,7 +69,8 @@ def fill_jacobian(t: float, state: Array, s: SystemArrays, matrix: Array) -> Non
     add_pressure_forces(s, matrix)
     add_films(s, matrix)
     add_contacts(s, state, matrix)
-    add_elements(s, t, matrix)
+    add_elements(s, state, t, matrix)
+    add_coupling(s, state, matrix)
 
 
 @kernel
@@ -212,12 +216,15 @@ def add_contacts(s: SystemArrays, state: Array, matrix: Array) -> None:
 
 
 @kernel
-def add_elements(s: SystemArrays, t: float, matrix: Array) -> None:
+def add_elements(s: SystemArrays, state: Array, t: float, matrix: Array) -> None:
     """Derivatives of the flows of circuit elements with respect to the pressures at their ends."""
     node, size = s.node, s.size
-    update_elements(s, t)
+    update_elements(s, state, t)
     for j in range(s.elements.shape[0]):
         element = s.elements[j]
+        if element[ELEMENT_KIND] == FLUID_COLUMN:
+            add_column(s, state, j, matrix)
+            continue
         a, b = int(element[ELEMENT_A]), int(element[ELEMENT_B])
         gas = node[a, GAS] if element[ELEMENT_FLOW] >= 0.0 else node[b, GAS]
         for i, slope in ((a, element[ELEMENT_BY_A]), (b, element[ELEMENT_BY_B])):

@@ -50,6 +50,7 @@ LEDGER_NAMES = (
     "supply",
     "circuit",
     "shaft_load",
+    "coupling",
 )
 """Order of the ledger states."""
 
@@ -64,6 +65,7 @@ CONTACT_LOSS = RADIAL_LOAD + 1
 SUPPLY = CONTACT_LOSS + 1
 CIRCUIT = SUPPLY + 1
 SHAFT_LOAD = CIRCUIT + 1
+COUPLING = SHAFT_LOAD + 1
 LEDGER_SIZE = len(LEDGER_NAMES)
 
 (

@@ -49,13 +49,18 @@ from toothspace.model.chambers import (
 from toothspace.model.circuit import book_circuit, update_elements
 from toothspace.model.contacts import book_contacts, contact_gap, motion_force, update_contacts
 from toothspace.model.drive import (
-    load_torque,
+    fill_load_rates,
+    fill_load_weights,
+    load_power,
     prescribed_acceleration,
+    taken_torque,
     update_fade,
     update_load,
 )
+from toothspace.model.fluid_column import fill_column_rates, fill_column_weights
 from toothspace.model.friction import book_friction, mesh_force
 from toothspace.model.ledger import (
+    COUPLING,
     GAS_MASS,
     GAS_RELAXATION,
     JOURNAL_ASPERITY,
@@ -124,7 +129,7 @@ def right_hand_side(t: float, state: Array, s: SystemArrays, rate: Array) -> Non
     """Time derivative of the core states and of the port masses of the ledger."""
     evaluate(s, state)
     node, motion, dynamic, size = s.node, s.motion, s.dynamic_index, s.size
-    update_elements(s, t)
+    update_elements(s, state, t)
     update_load(s, t)
     rate[0] = state[1]
     rate[1] = shaft_acceleration(t, state, s)
@@ -137,6 +142,9 @@ def right_hand_side(t: float, state: Array, s: SystemArrays, rate: Array) -> Non
         rate[size.position + k] = state[size.velocity + k]
         carried = motion[k, MOTION_RATIO] * rate[1]
         rate[size.velocity + k] = motion_force(s, k) / motion[k, MOTION_MASS] - carried
+    if size.core > size.column:
+        fill_column_rates(s, state, rate)
+        fill_load_rates(s, state, rate)
     for i in range(size.core, size.total):
         rate[i] = 0.0
     for port in range(PORTS):
@@ -159,7 +167,7 @@ def book_rates(s: SystemArrays, state: Array, rate: Array) -> None:
     update_enthalpies(s)
     ledger = rate[s.size.core :]
     ledger[GAS_RELAXATION] = gas_relaxation(s, state)
-    book_circuit(s, ledger)
+    book_circuit(s, state, ledger)
     for k in range(s.size.motions):
         ledger[RADIAL_LOAD] += s.motion[k, EXTERNAL_FORCE] * state[s.size.velocity + k]
     book_shaft(s, state, ledger)
@@ -180,7 +188,7 @@ def book_shaft(s: SystemArrays, state: Array, ledger: Array) -> None:
     torque += book_contacts(s, state, ledger)
     for k in range(s.size.motions):
         torque += s.motion[k, MOTION_RATIO] * motion_force(s, k)
-    drive[DRIVING_TORQUE] = -torque - load_torque(s, speed)
+    drive[DRIVING_TORQUE] = -torque - taken_torque(s, state)
     update_fade(s, speed)
     torque += book_journal_friction(s, state, ledger)
     torque += book_friction(s, state, ledger)
@@ -189,7 +197,7 @@ def book_shaft(s: SystemArrays, state: Array, ledger: Array) -> None:
         torque += drive[DRIVING_TORQUE]
     s.torque[-1] = torque
     ledger[SHAFT] = torque * speed
-    ledger[SHAFT_LOAD] = load_torque(s, speed) * speed if drive[FREE] > 0.0 else 0.0
+    ledger[SHAFT_LOAD], ledger[COUPLING] = load_power(s, state)
 
 
 @kernel
@@ -202,7 +210,7 @@ def shaft_acceleration(t: float, state: Array, s: SystemArrays) -> float:
     book_shaft(s, state, s.scratch)
     if drive[DIRECTION] == 0.0:
         return 0.0
-    return -(s.torque[-1] + load_torque(s, state[1])) / drive[INERTIA]
+    return -(s.torque[-1] + taken_torque(s, state)) / drive[INERTIA]
 
 
 @kernel
@@ -233,7 +241,7 @@ def finish_step(
     update_pressure_forces(s)
     update_film_forces(s, state)
     update_contacts(s, state)
-    update_elements(s, t)
+    update_elements(s, state, t)
     for i in range(s.size.core, s.size.total):
         rate[i] = 0.0
     book_rates(s, state, rate)
@@ -272,6 +280,9 @@ def fill_weights(s: SystemArrays, state: Array, weight: Array) -> None:
         clearance = motion[k, CLEARANCE]
         weight[size.position + k] = 10.0 * tolerance * clearance
         weight[size.velocity + k] = 1000.0 * tolerance * clearance * max(abs(state[1]), 1.0)
+    if size.core > size.column:
+        fill_column_weights(s, state, weight)
+        fill_load_weights(s, state, weight)
 
 
 @kernel

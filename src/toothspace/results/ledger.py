@@ -53,7 +53,8 @@ LOSS_ENTRIES: Mapping[str, str] = {
     "shaft_seal": "shaft seal",
     "startup": "start-up friction",
     "gas_relaxation": "gas relaxation",
-    "circuit": "valves and orifices of the circuit",
+    "circuit": "valves, orifices and lines of the circuit",
+    "coupling": "elastic coupling",
 }
 """Dissipated energies. [J]"""
 

@@ -63,6 +63,8 @@ _ROWS: tuple[tuple[str, str, str, str], ...] = (
     ("node_pressure", "sample node", "Pa", "Absolute pressure at a node of the circuit"),
     ("supply_speed", "sample", "rad/s", "Shaft speed of the supply pump"),
     ("load_torque", "sample", "N m", "Torque that the load takes from the shaft"),
+    ("load_speed", "sample", "rad/s", "Speed of the load beyond an elastic coupling"),
+    ("coupling_torque", "sample", "N m", "Torque that an elastic coupling takes from the shaft"),
     ("chamber_pressure", "sample chamber", "Pa", "Absolute pressure in a chamber"),
     ("chamber_volume", "sample chamber", "m3", "Volume of a chamber"),
     ("chamber_gas_fraction", "sample chamber", "1", "Volume fraction of free gas in a chamber"),
@@ -127,6 +129,7 @@ WITH_EXTREMES = (
     "node_pressure",
     "chamber_pressure",
     "contact_force",
+    "coupling_torque",
 )
 """Variables of which a run over time also keeps the lowest and the highest value of each row."""
 

@@ -34,6 +34,8 @@ def start_state(system: System) -> Array:
     state = np.zeros(size.total)
     state[0] = system.condition.shaft_angle
     state[1] = system.condition.shaft_speed
+    if size.core > size.load:
+        state[size.load + 1] = state[1]
     _place_bodies(system, state)
     update_tables(arrays, state[0])
     update_volumes(arrays, state)

@@ -30,6 +30,8 @@ from toothspace.model.arrays import (
 from toothspace.model.assembly import System
 from toothspace.model.contact_data import loaded_contacts
 from toothspace.model.description import MachineDescription
+from toothspace.model.drive import load_energy
+from toothspace.model.fluid_column import column_energy
 from toothspace.model.ledger import (
     FRICTION_MECHANISMS,
     LEDGER_NAMES,
@@ -168,11 +170,12 @@ def stored_energy(system: System, state: Array) -> float:
 
 
 def kinetic_energy(system: System, state: Array) -> float:
-    """Kinetic energy of the bodies that move on their own, and of a free shaft. [J]."""
+    """Kinetic energy of bodies that move on their own, free shaft, load and fluid columns. [J]."""
     size, motion = system.arrays.size, system.arrays.motion
-    velocity = state[size.velocity : size.core] + motion[:, MOTION_RATIO] * state[1]
+    velocity = state[size.velocity : size.column] + motion[:, MOTION_RATIO] * state[1]
     shaft = system.arrays.drive[FREE] * system.arrays.drive[INERTIA] * state[1] ** 2
-    return float(0.5 * (np.sum(motion[:, MOTION_MASS] * velocity**2) + shaft))
+    bodies = 0.5 * (np.sum(motion[:, MOTION_MASS] * velocity**2) + shaft)
+    return float(bodies + column_energy(system.arrays, state) + load_energy(system.arrays, state))
 
 
 def elastic_energy(system: System, state: Array) -> float:

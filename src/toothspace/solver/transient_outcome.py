@@ -15,9 +15,6 @@ from toothspace.model.arrays import (
     CATEGORY,
     ELEMENT_A,
     ELEMENT_B,
-    LOAD_CONSTANT,
-    LOAD_CUBIC,
-    LOAD_LINEAR,
     NODE_A,
     NODE_B,
 )
@@ -103,7 +100,7 @@ def _values(march: TransientMarch, times: Array, states: Array) -> dict[str, Arr
         "time": times,
         "shaft_speed": states[:, 1],
         "shaft_torque": sign * _machine_torque(system, seen, states),
-        "load_torque": _load(system, times, states[:, 1]),
+        **_load_values(system, times, states),
         "supply_speed": _supply_speed(system, times),
         "pressure_difference": sign * (seen.pressure[:, outlet] - seen.pressure[:, inlet]),
         "inlet_pressure": seen.pressure[:, inlet],
@@ -124,12 +121,29 @@ def _machine_torque(system: System, seen: Observation, states: Array) -> Array:
     return np.where(states[:, 1] == 0.0, 0.0, seen.torque[:, -1])
 
 
+def _load_values(system: System, times: Array, states: Array) -> dict[str, Array]:
+    """Torque of the load, and its speed and the torque of the coupling where it has its own."""
+    shaft, place = system.condition.free_shaft, system.arrays.size.load
+    if shaft is None or shaft.coupling is None:
+        return {"load_torque": _load(system, times, states[:, 1])}
+    speed, twist = states[:, place + 1], states[:, place]
+    torque = shaft.coupling.stiffness * twist + shaft.coupling.damping * (states[:, 1] - speed)
+    return {
+        "load_torque": _load(system, times, speed),
+        "load_speed": speed,
+        "coupling_torque": torque,
+    }
+
+
 def _load(system: System, times: Array, speed: Array) -> Array:
-    drive, shaft = system.arrays.drive, system.condition.free_shaft
-    by_speed = drive[LOAD_LINEAR] * speed + drive[LOAD_CUBIC] * speed**3 + drive[LOAD_CONSTANT]
-    if shaft is None or not len(shaft.load_schedule):
-        return np.asarray(by_speed)
-    return np.asarray(by_speed + np.interp(times, *shaft.load_schedule.T))
+    shaft = system.condition.free_shaft
+    if shaft is None:
+        return np.zeros(times.size)
+    torque = shaft.linear * speed + shaft.square * speed * abs(speed)
+    torque += shaft.cubic * speed**3 + shaft.constant
+    if len(shaft.load_schedule):
+        torque += np.interp(times, *shaft.load_schedule.T)
+    return np.asarray(torque)
 
 
 def _supply_speed(system: System, times: Array) -> Array:

@@ -1,0 +1,117 @@
+"""Lines of a circuit: compliance of their walls, and their cells where waves run in them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import final
+
+import numpy as np
+
+from toothspace.case.circuit import Hose
+from toothspace.closures.bulk_modulus import liquid_bulk_modulus
+from toothspace.closures.density import mixture_density
+from toothspace.closures.fluid_law import FluidLaw
+from toothspace.closures.line_friction import CRITICAL_REYNOLDS, memory_branches
+from toothspace.closures.viscosity import dynamic_viscosity
+from toothspace.core.errors import CaseError
+from toothspace.model.circuit_description import CircuitElement, CircuitNode
+
+_WALL_REFERENCE = 20e5
+
+
+@final
+@dataclass(frozen=True)
+class LineCell:
+    """Part of a line: fluid volume at zero pressure [m3], its growth per pressure [m3/Pa]."""
+
+    volume: float
+    wall_compliance: float
+
+
+@final
+@dataclass(frozen=True)
+class LineParts:
+    """Inner nodes of a line, and the columns of fluid between all its nodes."""
+
+    nodes: tuple[CircuitNode, ...]
+    columns: tuple[CircuitElement, ...]
+
+
+def wall_flexibility(hose: Hose, fluid: FluidLaw) -> float:
+    """Relative growth of the bore area of a hose per pressure. [1/Pa].
+
+    From wall modulus and thickness as a thin tube, d/(E t); or what the effective bulk modulus
+    leaves beside that of the liquid.
+    """
+    if hose.effective_bulk_modulus is None:
+        assert hose.wall_modulus is not None
+        assert hose.wall_thickness is not None
+        return hose.bore / (hose.wall_modulus * hose.wall_thickness)
+    liquid = float(liquid_bulk_modulus(_WALL_REFERENCE, fluid))
+    if hose.effective_bulk_modulus > liquid:
+        raise CaseError(
+            f"circuit: effective_bulk_modulus: found {hose.effective_bulk_modulus / 1e9:.4g} GPa, "
+            f"allowed at most that of the liquid, {liquid / 1e9:.4g} GPa"
+        )
+    return 1.0 / hose.effective_bulk_modulus - 1.0 / liquid
+
+
+def end_cell(hose: Hose, fluid: FluidLaw) -> LineCell:
+    """Half a cell, which belongs to the node at either end."""
+    volume = 0.125 * np.pi * hose.bore**2 * hose.length / hose.cells
+    return LineCell(volume, volume * wall_flexibility(hose, fluid))
+
+
+def line_parts(
+    name: str, hose: Hose, ends: tuple[str, str], pressure: float, fluid: FluidLaw
+) -> LineParts:
+    """Divide a line into cells joined by columns of fluid.
+
+    Parameters
+    ----------
+    name, ends : str
+        Name of the line, which its inner nodes carry, and the nodes at its ends.
+    hose : Hose
+        Size and wall.
+    pressure : float
+        Absolute pressure at the start, at which density and viscosity are taken. [Pa]
+    fluid : FluidLaw
+        Constants of the fluid.
+    """
+    half = end_cell(hose, fluid)
+    inner = tuple(
+        CircuitNode(f"{name}_{k}", pressure, 2.0 * half.volume, 2.0 * half.wall_compliance)
+        for k in range(1, hose.cells)
+    )
+    names = [ends[0], *(node.name for node in inner), ends[1]]
+    columns = _columns(hose, names, pressure, fluid)
+    return LineParts(inner, columns)
+
+
+def _columns(
+    hose: Hose, names: list[str], pressure: float, fluid: FluidLaw
+) -> tuple[CircuitElement, ...]:
+    gas = fluid.feed_gas_mass_fraction
+    density = float(mixture_density(pressure, gas, fluid))
+    diffusion = float(dynamic_viscosity(pressure, fluid)) / density
+    radius, step = 0.5 * hose.bore, hose.length / hose.cells
+    inertance = density * step / (np.pi * radius**2)
+    renewal = diffusion / radius**2
+    branches = memory_branches(_highest_rate(hose, density, fluid) / renewal)
+    law = (
+        inertance,
+        8.0 * renewal * inertance,
+        0.5 * np.pi * radius * diffusion * CRITICAL_REYNOLDS,
+    )
+    memory = branches * [renewal, 4.0 * renewal * inertance]
+    return tuple(
+        CircuitElement("fluid_column", a, b, law, memory=memory) for a, b in pairwise(names)
+    )
+
+
+def _highest_rate(hose: Hose, density: float, fluid: FluidLaw) -> float:
+    """Angular frequency of the shortest wave that the cells can carry. [rad/s]."""
+    liquid = 1.0 / float(liquid_bulk_modulus(_WALL_REFERENCE, fluid))
+    speed = 1.0 / np.sqrt(density * (liquid + wall_flexibility(hose, fluid)))
+    return float(2.0 * speed * hose.cells / hose.length)
