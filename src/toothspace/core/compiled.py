@@ -1,28 +1,42 @@
 """Numba with a cache folder that follows the package's sources.
 
 Numba's own cache does not notice a change in a function imported from another
-module. The cache folder is therefore keyed by a hash of the sources that compiled code is made of.
+module. The cache folder is therefore keyed by a hash of the sources that compiled code is made
+of: modules that compile, and all that these import.
 """
 
 from __future__ import annotations
 
 import hashlib
 import os
+import re
 import sys
 from pathlib import Path
 
 _PACKAGE = Path(__file__).resolve().parent.parent
-_NEVER_COMPILED = ("api.py", "case", "cli", "config", "plotting", "report", "results", "studies")
+_IMPORT = re.compile(r"^\s*from toothspace\.([\w.]+) import", re.MULTILINE)
+_COMPILED = re.compile(r"^@(\w*kernel|merged|inlined|njit)\b", re.MULTILINE)
+
+
+def compiled_sources() -> dict[str, str]:
+    """Names and texts of all modules that compiled code is made of."""
+    texts = {
+        ".".join(path.relative_to(_PACKAGE).with_suffix("").parts): path.read_text("utf-8")
+        for path in _PACKAGE.rglob("*.py")
+    }
+    found = {name for name, text in texts.items() if _COMPILED.search(text)}
+    ahead = list(found)
+    while ahead:
+        imported = set(_IMPORT.findall(texts[ahead.pop()])) & texts.keys()
+        ahead += imported - found
+        found |= imported
+    return {name: texts[name] for name in sorted(found)}
 
 
 def _sources_hash() -> str:
     digest = hashlib.sha256()
-    for path in sorted(_PACKAGE.rglob("*.py")):
-        relative = path.relative_to(_PACKAGE)
-        if relative.parts[0] in _NEVER_COMPILED:
-            continue
-        digest.update(str(relative).encode())
-        digest.update(path.read_bytes())
+    for name, text in compiled_sources().items():
+        digest.update(f"{name}\n{text}".encode())
     return digest.hexdigest()[:16]
 
 
