@@ -149,7 +149,8 @@ JOURNAL_COLUMNS = 20
 
 
 # Columns of ``drive``: what turns the shaft. Direction is the sense in which friction lets it
-# slide (+1, -1), or zero while it sticks or while its speed is prescribed at zero.
+# slide (+1, -1), or zero while it sticks or while its speed is prescribed at zero. Driven are
+# the bodies that turn against the shaft, whose friction and inertia the mesh carries.
 (
     FREE,
     DIRECTION,
@@ -173,8 +174,11 @@ JOURNAL_COLUMNS = 20
     LOAD_INERTIA,
     COUPLING_STIFFNESS,
     COUPLING_DAMPING,
-) = range(22)
-DRIVE_COLUMNS = 22
+    DRIVEN_INERTIA,
+    DRIVEN_LATERAL,
+    DRIVEN_FRICTION,
+) = range(25)
+DRIVE_COLUMNS = 25
 
 # Columns of ``elements``: hydraulic elements of a circuit and their present flow.
 (

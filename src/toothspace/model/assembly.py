@@ -15,6 +15,8 @@ from toothspace.model.arrays import (
     CONTACT_COLUMNS,
     CONTACT_STATE,
     DENSITY,
+    DRIVEN_INERTIA,
+    DRIVEN_LATERAL,
     ELEMENT_A,
     ELEMENT_B,
     ELEMENT_KIND,
@@ -58,7 +60,12 @@ from toothspace.model.contact_data import (
     rigid_mesh,
 )
 from toothspace.model.description import FlowPath, MachineDescription
-from toothspace.model.films import JournalData, journal_data, lateral_torque_coefficient
+from toothspace.model.films import (
+    JournalData,
+    journal_data,
+    lateral_drag,
+    lateral_torque_coefficient,
+)
 from toothspace.model.fluid_column import FLUID_COLUMN
 from toothspace.model.inlet_volume import inlet_gas_fraction
 from toothspace.model.ledger import FRICTION_MECHANISMS, GAS_MASS, LEDGER_SIZE, MASS, PORT_NODES
@@ -302,9 +309,14 @@ def _drive(
 ) -> Array:
     turning = {m.body for m in (description.motions[k] for k in free) if m.axis == "rotation"}
     inertia = sum(b.inertia * b.speed_ratio**2 for b in description.bodies if b.name not in turning)
-    return drive_row(
+    row = drive_row(
         condition.free_shaft, condition.shaft_speed, float(description.seal_torque), inertia
     )
+    drag = lateral_drag(description)
+    driven = [body for body in description.bodies if body.speed_ratio < 0.0]
+    row[DRIVEN_INERTIA] = sum(b.inertia * abs(b.speed_ratio) for b in driven)
+    row[DRIVEN_LATERAL] = sum(drag[b.name] * abs(b.speed_ratio) for b in driven)
+    return row
 
 
 def _nodes(

@@ -32,6 +32,7 @@ from toothspace.model.arrays import (
     CURVE_RISE,
     CURVE_TRANSITION,
     DIRECTION,
+    DRIVEN_FRICTION,
     FADE,
     FILM_FORCE,
     FILM_MAP,
@@ -270,6 +271,7 @@ def book_journal_friction(s: SystemArrays, state: Array, ledger: Array) -> float
     """Add journal losses to the ledger; return their torque at the shaft. [N m]."""
     journal, size = s.journal, s.size
     total, share = 0.0, s.drive[DIRECTION] * s.drive[FADE]
+    s.drive[DRIVEN_FRICTION] = 0.0
     for j in range(size.journals):
         viscous, asperity = journal_torques(s, state, j)
         viscous, asperity = share * viscous, share * asperity
@@ -285,4 +287,6 @@ def book_journal_friction(s: SystemArrays, state: Array, ledger: Array) -> float
         ledger[FRICTION + JOURNAL_VISCOUS] += viscous * turning - squeeze
         ledger[FRICTION + JOURNAL_ASPERITY] += asperity * turning
         total += ratio * (viscous + asperity)
+        if journal[j, SPEED_RATIO] < 0.0:
+            s.drive[DRIVEN_FRICTION] += viscous + asperity
     return total

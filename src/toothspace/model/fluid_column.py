@@ -38,7 +38,7 @@ from toothspace.model.arrays import (
 from toothspace.model.ledger import GAS_MASS, MASS
 
 FLUID_COLUMN = 4
-SMALL_SHARE = 0.1
+SMALL_SHARE = 0.03
 INERTANCE, RESISTANCE, CRITICAL_FLOW, STATE = PARAMETER_1, PARAMETER_2, PARAMETER_3, PARAMETER_4
 
 
@@ -71,7 +71,7 @@ def fill_column_rates(s: SystemArrays, state: Array, rate: Array) -> None:
 @kernel
 def fill_column_weights(s: SystemArrays, state: Array, weight: Array) -> None:
     """Error allowed in flows and memory of all columns."""
-    tolerance = 10.0 * s.constant.relative_tolerance
+    tolerance = s.constant.relative_tolerance
     for j in range(s.elements.shape[0]):
         element = s.elements[j]
         if element[ELEMENT_KIND] != FLUID_COLUMN:

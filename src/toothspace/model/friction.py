@@ -9,7 +9,12 @@ from toothspace.model.arrays import (
     CHANNEL_MESH,
     CONTACT_FORCE,
     DIRECTION,
+    DRIVEN_FRICTION,
+    DRIVEN_INERTIA,
+    DRIVEN_LATERAL,
     FADE,
+    FREE,
+    INERTIA,
     LATERAL_DRAG,
     LOAD_SHARE,
     MOTION_RATIO,
@@ -22,7 +27,7 @@ from toothspace.model.arrays import (
     VALUE,
     SystemArrays,
 )
-from toothspace.model.drive import running_torque, startup_torque
+from toothspace.model.drive import running_torque, startup_torque, taken_torque
 from toothspace.model.ledger import (
     FRICTION,
     LATERAL_VISCOUS,
@@ -37,9 +42,12 @@ NO_SHARE = 1e-9
 
 @kernel
 def mesh_force(s: SystemArrays) -> float:
-    """Contact force of the rigid mesh that balances the pressure torque of the driven body. [N]."""
+    """Contact force of the rigid mesh that balances all torques on the driven body. [N].
+
+    Besides the pressures these are inertia and the friction of its bearings and faces.
+    """
     node, values = s.node, s.chamber_values
-    torque = 0.0
+    torque = s.drive[DRIVEN_FRICTION]
     for i in range(s.size.chambers):
         torque += node[i, PRESSURE] * values[i, CHANNEL_MESH]
     return -torque / s.surface.lever
@@ -85,23 +93,42 @@ def tip_torque(s: SystemArrays) -> float:
 
 
 @kernel
-def book_friction(s: SystemArrays, state: Array, ledger: Array) -> float:
-    """Add mesh, lateral, tip and seal friction to the ledger; return their torque. [N m]."""
+def load_mesh(s: SystemArrays, state: Array, torque: float) -> None:
+    """Add friction of the faces and inertia to what the mesh carries of the driven bodies.
+
+    ``torque`` is that at the shaft without mesh friction, too small to matter here. [N m]
+    """
+    drive, speed = s.drive, state[1]
+    lateral = drive[DRIVEN_LATERAL] * s.fluid.dynamic_viscosity
+    drive[DRIVEN_FRICTION] += drive[FADE] * lateral * speed
+    if drive[FREE] > 0.0 and drive[DIRECTION] != 0.0:
+        acceleration = -(torque + taken_torque(s, state)) / drive[INERTIA]
+        drive[DRIVEN_FRICTION] += drive[DRIVEN_INERTIA] * acceleration
+
+
+@kernel
+def book_friction(s: SystemArrays, state: Array, ledger: Array, driving: float) -> float:
+    """Add mesh, lateral, tip and seal friction to the ledger; return their torque. [N m].
+
+    ``driving`` is the torque at the shaft of all that acts on it besides. [N m]
+    """
     torque, motion, speed = s.torque, s.motion, state[1]
     way, fade = s.drive[DIRECTION], s.drive[FADE]
     lateral = s.constant.lateral_torque * s.fluid.dynamic_viscosity
-    torque[MESH_FRICTION] = way * fade * mesh_torque(s, way * speed)
     torque[LATERAL_VISCOUS] = fade * lateral * speed
     torque[TIP_SHEAR] = fade * tip_torque(s)
     torque[SHAFT_SEAL] = running_torque(s)
     torque[STARTUP] = startup_torque(s, speed)
     total = 0.0
-    for mechanism in (MESH_FRICTION, LATERAL_VISCOUS, TIP_SHEAR, SHAFT_SEAL, STARTUP):
-        ledger[FRICTION + mechanism] += torque[mechanism] * speed
+    for mechanism in (LATERAL_VISCOUS, TIP_SHEAR, SHAFT_SEAL, STARTUP):
         total += torque[mechanism]
     for k in range(s.size.motions):
         drag = motion[k, LATERAL_DRAG] * s.fluid.dynamic_viscosity
         turning, ahead = motion[k, MOTION_RATIO] * speed, state[s.size.velocity + k]
         ledger[FRICTION + LATERAL_VISCOUS] += drag * (2.0 * turning + ahead) * ahead
         total += motion[k, MOTION_RATIO] * drag * ahead
-    return total
+    load_mesh(s, state, driving + total)
+    torque[MESH_FRICTION] = way * fade * mesh_torque(s, way * speed)
+    for mechanism in (MESH_FRICTION, LATERAL_VISCOUS, TIP_SHEAR, SHAFT_SEAL, STARTUP):
+        ledger[FRICTION + mechanism] += torque[mechanism] * speed
+    return total + torque[MESH_FRICTION]

@@ -191,7 +191,7 @@ def book_shaft(s: SystemArrays, state: Array, ledger: Array) -> None:
     drive[DRIVING_TORQUE] = -torque - taken_torque(s, state)
     update_fade(s, speed)
     torque += book_journal_friction(s, state, ledger)
-    torque += book_friction(s, state, ledger)
+    torque += book_friction(s, state, ledger, torque)
     if drive[FREE] > 0.0 and drive[DIRECTION] == 0.0:
         s.torque[STARTUP] = drive[DRIVING_TORQUE]
         torque += drive[DRIVING_TORQUE]
