@@ -71,19 +71,14 @@ def elastic(machine: MachineDescription) -> History:
 
 
 def test_stiff_teeth_are_a_rigid_mesh(machine: MachineDescription, rigid: History) -> None:
-    """Flow, torque, leakage and mean contact force of the constraint come back in the limit.
-
-    The constraint's force leaves out the friction of the driven gear's bearings and faces.
-    """
+    """Flow, torque, leakage and mean contact force of the constraint come back in the limit."""
     stiff = run(stiffened(machine), compliant=True)
     before, after = window_ledger(rigid), window_ledger(stiff)
     assert after.mass["outlet"] == pytest.approx(before.mass["outlet"], rel=1e-3)
     assert after.energy["shaft"] == pytest.approx(before.energy["shaft"], rel=3e-3)
     assert after.energy["flank"] == pytest.approx(before.energy["flank"], rel=0.06)
     force = [seen(each).contact_force.sum(axis=1).mean() for each in (rigid, stiff)]
-    assert machine.mesh is not None
-    friction = abs(seen(stiff).film_force[:, -1].mean() / machine.mesh.lever)
-    assert force[1] - friction == pytest.approx(force[0], rel=0.01)
+    assert force[1] == pytest.approx(force[0], rel=0.01)
 
 
 def test_elastic_teeth_change_the_means_little(rigid: History, elastic: History) -> None:

@@ -32,12 +32,17 @@ ComplexArray = npt.NDArray[np.complex128]
 
 @inlined
 def turbulent_growth(ratio: float) -> tuple[float, float]:
-    """Friction over that of laminar flow, and its slope over the ratio of flows. [-].
+    """Friction over that of laminar flow, and its slope over the ratio of flows.
 
     Parameters
     ----------
     ratio : float
         Flow over that at a Reynolds number of 2300, not negative. [-]
+
+    Returns
+    -------
+    tuple of float
+        Growth of the friction and its slope. [-]
 
     Notes
     -----
@@ -58,9 +63,21 @@ def turbulent_growth(ratio: float) -> tuple[float, float]:
 
 
 def memory_transform(rate: npt.ArrayLike) -> ComplexArray:
-    """Laplace transform of the weighting function W at s r^2/nu. [-].
+    """Laplace transform of the weighting function W.
 
-    Raises nothing; the real part of the argument must not be negative (Zielke, 1968).
+    Parameters
+    ----------
+    rate : array_like of complex
+        Laplace variable s r^2/nu, its real part not negative. [-]
+
+    Returns
+    -------
+    ndarray of complex
+        Transform of W over nu t/r^2. [-]
+
+    Notes
+    -----
+    From the series impedance s I0(z)/I2(z) with z^2 = s r^2/nu (Zielke, 1968).
     """
     from scipy.special import ive
 
