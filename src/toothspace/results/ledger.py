@@ -10,7 +10,7 @@ reference; a loss is positive when it dissipates, a change when the machine stor
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, final
 
 MASS_ENTRIES: Mapping[str, str] = {
@@ -111,6 +111,10 @@ class Ledger:
         unknown = (set(self.mass) - set(MASS_ENTRIES)) | (set(self.energy) - set(ENERGY_ENTRIES))
         if unknown:
             raise KeyError(f"unknown ledger entries {sorted(unknown)}")
+
+    def with_note(self, name: str, energy: float) -> Ledger:
+        """Return the ledger with an energy reported beside the balance. [J]."""
+        return replace(self, energy={**self.energy, name: energy})
 
     @property
     def port_energy(self) -> float:

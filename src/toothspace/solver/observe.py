@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toothspace.core.compiled import njit
-from toothspace.core.types import Array
+from toothspace.core.types import Array, IntArray
 from toothspace.model.arrays import (
     CONTACT_FORCE,
     DENSITY,
@@ -19,6 +19,7 @@ from toothspace.model.arrays import (
     GAS,
     GEOMETRY,
     HEIGHT_BY_MOTION,
+    LOSS,
     NODE_A,
     PRESENT_B,
     PRESSURE,
@@ -38,6 +39,8 @@ class Observation(NamedTuple):
     gas: Array
     path_flow: Array
     path_drop: Array
+    path_loss: Array
+    path_partner: IntArray
     raw_height: Array
     pressure_force: Array
     film_force: Array
@@ -57,6 +60,8 @@ def observe(arrays: SystemArrays, states: Array, times: Array | None = None) -> 
         gas=np.zeros((count, size.nodes)),
         path_flow=np.zeros((count, paths)),
         path_drop=np.zeros((count, paths)),
+        path_loss=np.zeros((count, paths)),
+        path_partner=np.zeros((count, paths), dtype=np.int64),
         raw_height=np.zeros((count, paths)),
         pressure_force=np.zeros((count, motions)),
         film_force=np.zeros((count, motions)),
@@ -82,6 +87,8 @@ def _observe(s: SystemArrays, times: Array, states: Array, out: Observation) -> 
         out.volume[i] = s.node[:, VOLUME]
         out.gas[i] = s.node[:, GAS]
         out.path_flow[i] = s.path[:, FLOW]
+        out.path_loss[i] = s.path[:, LOSS]
+        out.path_partner[i] = s.path_index[:, PRESENT_B]
         out.pressure_force[i] = s.motion[:, PRESSURE_FORCE]
         out.film_force[i] = s.motion[:, FILM_FORCE]
         out.contact_force[i] = s.contact[:, CONTACT_FORCE]

@@ -25,6 +25,7 @@ from toothspace.model.arrays import (
     MOTION_MASS,
     MOTION_RATIO,
     MOTION_X,
+    NODE_A,
     PRESSURE,
 )
 from toothspace.model.assembly import System
@@ -47,6 +48,7 @@ from toothspace.solver.cyclic import History
 from toothspace.solver.observe import Observation, observe
 
 _LEAKAGE_PATHS = ("tooth_tip", "flank", "lateral", "drain", "tip", "radial")
+_TRAPPED_PATHS = ("inlet_groove", "outlet_groove", "flank")
 _RENAMED = {
     "throttling_inlet_port": "throttle_inlet_port",
     "throttling_outlet_port": "throttle_outlet_port",
@@ -97,11 +99,26 @@ def solution_from(
     return Solution(
         status=history.status,
         data=data,
-        ledger=window_ledger(history),
+        ledger=window_ledger(history).with_note("trapped_volume", trapped_loss(history, seen)),
         statistics=history.statistics,
         provenance=provenance,
         events=history.events,
     )
+
+
+def trapped_loss(history: History, seen: Observation) -> float:
+    """Throttling in grooves and flanks of chambers that are sealed from both ports. [J]."""
+    system, size = history.system, history.system.arrays.size
+    ports = _openings(system.description, history.states[:, 0])[..., :2]
+    sealed = np.zeros((history.times.size, size.nodes), dtype=bool)
+    sealed[:, : size.chambers] = ports.max(axis=2) <= 0.0
+    categories = np.array(PATH_CATEGORIES)[system.arrays.path_index[:, CATEGORY]]
+    inside = np.isin(categories, _TRAPPED_PATHS)
+    first = sealed[:, system.arrays.path_index[:, NODE_A]]
+    second = np.take_along_axis(sealed, seen.path_partner, axis=1)
+    flows = inside & (first | second) & (seen.path_flow != 0.0)
+    power = np.sum(np.where(flows, seen.path_loss, 0.0), axis=1)
+    return float(np.trapezoid(power, history.times))
 
 
 def window_ledger(history: History) -> Ledger:
