@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import base64
 import re
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import xarray as xr
 
+from toothspace.case import Case
+from toothspace.config import case_from_text
 from toothspace.core.errors import CaseError
 from toothspace.films import (
     FilmFluid,
@@ -91,24 +93,14 @@ def test_vtk_surface_has_the_area_of_the_film(name: str, tmp_path: Path) -> None
     assert area == pytest.approx(exact[name], rel=0.015)
 
 
-def _bearing_case(**changes: object) -> SimpleNamespace:
-    keys = {
-        "diameter": 0.1,
-        "length": 0.08,
-        "radial_clearance": 150e-6,
-        "shaft_speed": 100.0 * np.pi,
-        "dynamic_viscosity": 0.01,
-        "eccentricity": (0.5, 0.0),
-        "load": None,
-        "velocity": (0.0, 0.0),
-        "tilt": (0.0, 0.0),
-        "end_pressure": 1e5,
-        "cavitation_pressure": 1e5,
-        "cavitation": "jfo",
-        "grid": (60, 15),
-        "grooves": (SimpleNamespace(angle=1.57, width=0.26, length=0.06, pressure=1.7e5),),
-    }
-    return SimpleNamespace(bearing=SimpleNamespace(**{**keys, **changes}), fluid=None)
+def _bearing_case(place: str = "eccentricity = [0.5, 0.0]") -> Case:
+    return case_from_text(
+        'schema = 1\n[bearing]\ndiameter = "100 mm"\nlength = "80 mm"\n'
+        'radial_clearance = "150 um"\nshaft_speed = "3000 rpm"\ndynamic_viscosity = "0.01 Pa s"\n'
+        f"grid = [60, 15]\n{place}\n"
+        '[[bearing.grooves]]\nangle = "90 deg"\nwidth = "15 deg"\nlength = "60 mm"\n'
+        'pressure = "1.7 bar"\n'
+    )
 
 
 def test_bearing_table_gives_the_promised_names() -> None:
@@ -126,31 +118,27 @@ def test_bearing_table_gives_the_promised_names() -> None:
 
 
 def test_bearing_table_with_a_load() -> None:
-    numbers = solve_bearing(_bearing_case(load=(1000.0, 0.0), eccentricity=None))
+    numbers = solve_bearing(_bearing_case('load = ["1000 N", "0 N"]'))
     assert numbers["force_x_N"] == pytest.approx(-1000.0, rel=1e-6)
     assert numbers["status"] == "done"
 
 
 def test_missing_viscosity_is_refused() -> None:
+    case = _bearing_case()
+    assert case.bearing is not None
     with pytest.raises(CaseError, match="dynamic_viscosity"):
-        solve_bearing(_bearing_case(dynamic_viscosity=None))
+        solve_bearing(replace(case, bearing=replace(case.bearing, dynamic_viscosity=None)))
 
 
 def test_film_table_gives_the_promised_names() -> None:
-    keys = SimpleNamespace(
-        length=0.02,
-        width=0.01,
-        speed=1.0,
-        inlet_height=2e-5,
-        outlet_height=1e-5,
-        pocket=SimpleNamespace(depth=4e-7, x=4e-3, length=6e-3, width=7e-3),
-        dynamic_viscosity=0.01,
-        ambient_pressure=1e5,
-        cavitation_pressure=0.0,
-        cavitation="jfo",
-        grid=(32, 16),
+    numbers = solve_film(
+        case_from_text(
+            'schema = 1\n[film]\nkind = "pad"\nlength = "20 mm"\nwidth = "10 mm"\n'
+            'speed = "1 m/s"\ninlet_height = "20 um"\noutlet_height = "10 um"\n'
+            'pocket = {depth = "0.4 um", x = "4 mm", length = "6 mm", width = "7 mm"}\n'
+            'dynamic_viscosity = "0.01 Pa s"\ngrid = [32, 16]\n'
+        )
     )
-    numbers = solve_film(SimpleNamespace(film=keys, fluid=None))
     names = (
         "load_N center_of_pressure_x_mm friction_N max_pressure_bar inlet_flow_L_per_min "
         "side_flow_L_per_min cavitated_fraction mass_balance_error pressure_centerline_bar "

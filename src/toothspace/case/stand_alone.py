@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import final
 
 from toothspace.core.keys import (
+    Flag,
     Integer,
     Items,
     KeyRuleError,
@@ -17,6 +18,7 @@ from toothspace.core.keys import (
     choice,
     declare,
     forbid,
+    integer,
     number,
     quantity,
     require,
@@ -27,6 +29,8 @@ _CELLS = Integer(low=4, high=5000)
 _RATIO = Number(low=-0.999, high=0.999)
 _FORCE = Quantity(unit="N", low=-1e8, high=1e8)
 _SPEED = Quantity(unit="m/s", low=-100, high=100)
+_MOMENT = Quantity(unit="N m", low=-1e6, high=1e6)
+_MOST_STEPS = 100_000
 _TILT = Quantity(unit="rad", low=-0.1, high=0.1)
 _GRID_DOC = "Number of cells in both directions."
 _CAVITATION = ("jfo", "reynolds", "guembel")
@@ -45,11 +49,11 @@ class FilmSurfaces:
     )
     moving_pattern: float = number(
         "Correlation length of the moving wall along over across the motion.",
-        above=0,
-        high=20,
+        low=1 / 9,
+        high=9,
         default=1.0,
     )
-    resting_pattern: float = number("The same of the resting wall.", above=0, high=20, default=1.0)
+    resting_pattern: float = number("The same of the resting wall.", low=1 / 9, high=9, default=1.0)
     correlation_length: float = quantity(
         "um", "Half-height correlation length, combined.", above=0, high=1000, default=15e-6
     )
@@ -67,13 +71,33 @@ class FilmSurfaces:
         "elastic_plastic",
         "greenwood_tripp",
         "kogut_etsion",
+        "table",
         "none",
         default="elastic_plastic",
+    )
+    asperity_product: float = number(
+        "Density times radius of the asperities times roughness, of Greenwood and Tripp.",
+        above=0,
+        high=1,
+        default=0.04,
+    )
+    roughness_over_radius: float = number(
+        "Roughness over asperity radius, of Greenwood and Tripp.", above=0, high=1, default=1e-3
+    )
+    contact_points: tuple[tuple[float, float], ...] = declare(
+        Items(
+            item=Row(items=(Number(low=-5, high=20), Quantity(unit="MPa", above=0, high=1e6))),
+            doc="Gap over roughness and asperity pressure, for the law 'table'.",
+            low=0,
+        ),
+        (),
     )
 
     def __post_init__(self) -> None:
         if self.moving_roughness + self.resting_roughness <= 0.0:
             raise KeyRuleError("moving_roughness", "two smooth walls", "one rough wall or more")
+        if self.contact_law == "table":
+            require(self, "because the contact law is a table", "contact_points")
 
 
 _SURFACES_DOC = "Roughness and contact; smooth walls without it."
@@ -91,6 +115,57 @@ class BearingGroove:
     width: float = quantity("deg", "Extent along the circumference.", above=0, high=360)
     length: float = quantity("mm", "Axial extent, centred.", above=0, high=1000)
     pressure: float = quantity("bar", "Absolute pressure.", low=0, high=1000)
+    position: float = quantity(
+        "mm", "Axial position of its centre, from the middle.", low=-1000, high=1000, default=0.0
+    )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class BearingLobes:
+    """``lobes``: bore of equal circular arcs that are moved towards the middle."""
+
+    count: int = integer("Number of lobes; two make an ellipse.", low=1, high=12)
+    preload: float = number(
+        "Displacement of the lobes over the radial clearance of their own circle.", low=0, high=0.99
+    )
+    angle: float = quantity(
+        "deg", "Middle of the first lobe, from x towards y.", low=-360, high=360, default=0.0
+    )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class FilmHeat:
+    """``heat``: viscosity at the mean temperature that friction gives the oil."""
+
+    oil_share: float = number(
+        "Part of the friction power that the oil carries away: 1 adiabatic, 0 isothermal.",
+        low=0,
+        high=1,
+        default=1.0,
+    )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class ShaftOrbit:
+    """``orbit``: motion of a rigid shaft in time, from its place in the case."""
+
+    mass: float = quantity("kg", "Mass of the shaft per bearing.", above=0, high=1e6)
+    duration: float = quantity("s", "Simulated time.", above=0, high=1000)
+    time_step: float = quantity("s", "Time step.", above=0, high=10)
+    unbalance: float = quantity(
+        "kg m", "Mass times its distance from the axis.", low=0, high=1e3, default=0.0
+    )
+    film_memory: bool = declare(
+        Flag(doc="Whether the liquid in the cavity is followed in time."), False
+    )
+
+    def __post_init__(self) -> None:
+        if self.duration > _MOST_STEPS * self.time_step:
+            found = f"{self.duration / self.time_step:.0f} steps"
+            raise KeyRuleError("time_step", found, f"at most {_MOST_STEPS} steps")
 
 
 @final
@@ -131,12 +206,35 @@ class JournalBearingCase:
         Items(item=Table(spec=BearingGroove), doc="Supply grooves.", low=0, high=100), ()
     )
     surfaces: FilmSurfaces | None = table(FilmSurfaces, _SURFACES_DOC, default=None)
+    lobes: BearingLobes | None = table(BearingLobes, "Lobes; a cylinder without.", default=None)
+    bush_speed: float = quantity(
+        "rpm", "Speed of the bush; grooves rest.", low=-100000, high=100000, default=0.0
+    )
+    moment: tuple[float, float] | None = declare(
+        Row(items=(_MOMENT, _MOMENT), doc="Moment x, y on the shaft, which is then free to tilt."),
+        None,
+    )
+    end_condition: str = choice("Ends of the film.", "pressure", "no_flow", default="pressure")
+    supply: str = choice(
+        "Supply line on the widest gap; 'auto' where oil could not enter otherwise.",
+        "auto",
+        "none",
+        "widest_gap",
+        default="auto",
+    )
+    pressure_viscosity: float = quantity("1/GPa", _BARUS_DOC, low=0, high=100, default=0.0)
+    density: str = choice(_DENSITY_DOC, *_DENSITIES, default="constant")
+    heat: FilmHeat | None = table(FilmHeat, "Heat balance; isothermal without.", default=None)
+    orbit: ShaftOrbit | None = table(ShaftOrbit, "Motion in time; steady without.", default=None)
 
     def __post_init__(self) -> None:
         if self.load is None:
             require(self, "unless load is given", "eccentricity")
+            forbid(self, "without a load", "moment")
         else:
             forbid(self, "because load is given", "eccentricity")
+        if self.moment is not None and self.orbit is not None:
+            raise KeyRuleError("moment", "a moment with an orbit", "one of both")
         if self.eccentricity is not None and sum(e * e for e in self.eccentricity) >= 1.0:
             raise KeyRuleError("eccentricity", str(list(self.eccentricity)), "length below 1")
 
@@ -168,6 +266,15 @@ class FilmCase:
     )
     ambient_pressure: float = quantity(
         "bar", "Absolute pressure at all edges.", low=0, high=1000, default=1e5
+    )
+    side_condition: str = choice(
+        "Edges along the motion; walls make an endless pad.",
+        "pressure",
+        "no_flow",
+        default="pressure",
+    )
+    squeeze_velocity: float = quantity(
+        "m/s", "Velocity of the pad away from the wall.", low=-100, high=100, default=0.0
     )
     cavitation_pressure: float = quantity(
         "bar", "Absolute pressure in the cavity.", low=0, high=1000, default=0.0
@@ -207,5 +314,51 @@ class LateralFilmCase:
     surfaces: FilmSurfaces | None = table(FilmSurfaces, _SURFACES_DOC, default=None)
 
 
-FILMS: Mapping[str, type] = {"pad": FilmCase, "lateral": LateralFilmCase}
+@final
+@dataclass(frozen=True, kw_only=True)
+class RingFilmCase:
+    """``[film]`` with ``kind = "ring"``: plane ring or disc, its lower face turns."""
+
+    inner_radius: float = quantity("mm", "Inner radius; zero for a disc.", low=0, high=2000)
+    outer_radius: float = quantity("mm", "Outer radius.", above=0, high=2000)
+    side_gap: float = quantity("um", "Film height on the axis.", above=0, high=10000)
+    tilt: tuple[float, float] = declare(
+        Row(items=(_TILT, _TILT), doc="Rotation of the upper face about x and y."), (0.0, 0.0)
+    )
+    shaft_speed: float = quantity("rpm", "Speed of the lower face.", low=-100000, high=100000)
+    squeeze_velocity: float = quantity(
+        "m/s", "Velocity of the upper face away from the lower.", low=-100, high=100, default=0.0
+    )
+    inner_pressure: float | None = quantity(
+        "bar", "Absolute pressure at the inner rim; a wall without.", low=0, high=5000, default=None
+    )
+    outer_pressure: float | None = quantity(
+        "bar", "Absolute pressure at the outer rim; a wall without.", low=0, high=5000, default=None
+    )
+    dynamic_viscosity: float | None = quantity(
+        "Pa s", "Viscosity; or give a fluid.", above=0, high=100, default=None
+    )
+    cavitation_pressure: float = quantity(
+        "bar", "Absolute pressure in the cavity.", low=0, high=1000, default=0.0
+    )
+    cavitation: str = choice("Cavitation model.", *_CAVITATION, default="jfo")
+    grid: tuple[int, int] = declare(Row(items=(_CELLS, _CELLS), doc=_GRID_DOC), (256, 64))
+    pressure_viscosity: float = quantity("1/GPa", _BARUS_DOC, low=0, high=100, default=0.0)
+    density: str = choice(_DENSITY_DOC, *_DENSITIES, default="constant")
+    surfaces: FilmSurfaces | None = table(FilmSurfaces, _SURFACES_DOC, default=None)
+
+    def __post_init__(self) -> None:
+        if self.inner_radius >= self.outer_radius:
+            found = f"{1e3 * self.inner_radius:g} mm"
+            raise KeyRuleError("inner_radius", found, "below the outer radius")
+        if self.inner_pressure is None and self.outer_pressure is None:
+            require(self, "unless inner_pressure is given", "outer_pressure")
+
+
+FILMS: Mapping[str, type] = {
+    "pad": FilmCase,
+    "lateral": LateralFilmCase,
+    "ring": RingFilmCase,
+    "journal": JournalBearingCase,
+}
 """Stand-alone films by the value of their key ``kind``."""

@@ -21,6 +21,10 @@ application = typer.Typer(
 
 CaseFile = Annotated[Path, typer.Argument(metavar="CASE.toml", help="Case file.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
+Fields = Annotated[
+    Path | None,
+    typer.Option("-o", "--output", metavar="FIELDS", help="Fields of the film, .nc or .vts."),
+]
 Overrides = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="Override a key of the case, repeatable."),
@@ -126,15 +130,19 @@ def study(
 
 
 @application.command()
-def bearing(case: CaseFile, as_json: Json = False, overrides: Overrides = None) -> int:
+def bearing(
+    case: CaseFile, fields: Fields = None, as_json: Json = False, overrides: Overrides = None
+) -> int:
     """Solve a stand-alone journal bearing."""
-    return commands.stand_alone_film(case, "bearing", overrides or [], as_json=as_json)
+    return commands.stand_alone_film(case, "bearing", fields, overrides or [], as_json=as_json)
 
 
 @application.command()
-def film(case: CaseFile, as_json: Json = False, overrides: Overrides = None) -> int:
-    """Solve a stand-alone film, as a pad or slider."""
-    return commands.stand_alone_film(case, "film", overrides or [], as_json=as_json)
+def film(
+    case: CaseFile, fields: Fields = None, as_json: Json = False, overrides: Overrides = None
+) -> int:
+    """Solve a stand-alone film, as a pad, a ring or the face of a machine's bearing."""
+    return commands.stand_alone_film(case, "film", fields, overrides or [], as_json=as_json)
 
 
 @application.command()

@@ -175,16 +175,18 @@ def study(
 
 
 def stand_alone_film(
-    case_file: Path, table: str, overrides: Sequence[str], *, as_json: bool
+    case_file: Path, table: str, fields: Path | None, overrides: Sequence[str], *, as_json: bool
 ) -> int:
     """Solve the table ``bearing`` or ``film`` of a case; returns the exit code."""
+    target = None if fields is None else _writable(fields, "-o")
     case = _load(case_file, overrides)
     if getattr(case, table) is None:
         raise CaseError(f"{case_file}: {table}: found nothing, allowed a table [{table}]")
     from toothspace import films
 
     with _file_named(case_file):
-        summary = (films.solve_bearing if table == "bearing" else films.solve_film)(case)
+        solve = films.solve_bearing if table == "bearing" else films.solve_film
+        summary = solve(case, target)
     output.write(summary, as_json=as_json)
     return 0 if summary["status"] == Status.DONE.name.lower() else _NUMERICAL_FAILURE
 

@@ -12,6 +12,8 @@ from scipy.special import pbdv
 
 from toothspace.core.types import Array
 
+_SUMMIT_LEVELS = np.polynomial.legendre.leggauss(200)
+
 
 def exceedance_moment(order: float, gap_ratio: float) -> float:
     r"""Moment of Gaussian heights above a level.
@@ -178,7 +180,7 @@ def kogut_etsion_pressure(
     """
     density = 0.1274 / correlation_length**2
     radius = 0.2768 * correlation_length**2 / roughness
-    nodes, weights = np.polynomial.legendre.leggauss(200)
+    nodes, weights = _SUMMIT_LEVELS
     highest = 1.303 + 6.0 * 0.8373
     half = 0.5 * max(highest - gap_ratio, 0.0)
     height = gap_ratio + half * (1.0 + nodes)

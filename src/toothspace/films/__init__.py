@@ -24,14 +24,15 @@ solved_machine      machine whose closed-form films are replaced by solved ones
 machine_faces       film on one face of every body of a machine
 thermal             bulk heat balance of a film
 field_files         NetCDF and VTK files of the fields
-cases               ``[bearing]`` and ``[film]`` tables to named numbers
+cases               ``[bearing]`` and ``[film]`` tables to solved films
+summaries           solved films to named numbers
 ==================  ==========================================================
 """
 
 from __future__ import annotations
 
 from toothspace.closures.journal_friction import FrictionCurve
-from toothspace.films.cases import bearing_summary, pad_summary, solve_bearing, solve_film
+from toothspace.films.cases import solve_bearing, solve_film
 from toothspace.films.field_files import film_dataset, save_film, save_film_vtk
 from toothspace.films.journal_bearing import JournalBearing
 from toothspace.films.journal_film import Groove, Lobes
@@ -54,6 +55,7 @@ from toothspace.films.shaft_motion import (
     shaft_orbit,
     threshold_speed,
 )
+from toothspace.films.summaries import bearing_summary, pad_summary
 from toothspace.films.thermal import HeatBalance, HeatedFilm, solve_heated
 
 __all__ = [

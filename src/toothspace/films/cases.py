@@ -1,128 +1,217 @@
-"""Results of stand-alone film cases under the names of the command line."""
+"""Stand-alone film cases: from their tables to solved films and named numbers."""
 
 from __future__ import annotations
 
 import time
-from typing import Any
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, final
 
 import numpy as np
 
 from toothspace.core.errors import CaseError
 from toothspace.core.registry import machine_type
+from toothspace.core.status import Status
+from toothspace.films.field_files import FilmSolution, save_film, save_film_vtk
 from toothspace.films.journal_bearing import JournalBearing
-from toothspace.films.journal_film import Groove
+from toothspace.films.journal_film import Groove, Lobes
 from toothspace.films.journal_solution import JournalBearingSolution
+from toothspace.films.lateral import LateralFilm
 from toothspace.films.machine_faces import FaceFilms, FaceSetting, solve_faces
-from toothspace.films.pad import Pad, PadSolution, Pocket
+from toothspace.films.pad import Pad, Pocket
 from toothspace.films.plane_film import FilmFluid
 from toothspace.films.rough_surfaces import RoughSurfaces
+from toothspace.films.shaft_motion import OrbitSettings, shaft_orbit
+from toothspace.films.summaries import (
+    bearing_summary,
+    faces_summary,
+    heat_summary,
+    orbit_summary,
+    pad_summary,
+    ring_summary,
+)
+from toothspace.films.thermal import HeatBalance, solve_heated
 from toothspace.model.fluid import LiquidState, library_liquid, table_liquid
 from toothspace.model.operating_point import OperatingCondition
 
-_LITRES_PER_MINUTE = 6e4
-_PASCAL_PER_BAR = 1e5
+FILE_SUFFIXES: Mapping[str, Callable[[FilmSolution, Path], None]] = {
+    ".nc": save_film,
+    ".vts": save_film_vtk,
+}
+"""How the fields of a film are written, by the ending of the file."""
 
 
-def solve_bearing(case: Any) -> dict[str, Any]:
+@final
+@dataclass(frozen=True)
+class CaseFilms:
+    """Films of a case by name, and their numbers."""
+
+    films: Mapping[str, FilmSolution]
+    """Solved films; one without a name, or one per body."""
+    summary: dict[str, Any]
+    """Numbers with unit suffixes."""
+
+
+def solve_bearing(case: Any, fields: Path | None = None) -> dict[str, Any]:
     """Solve the table ``[bearing]`` of a case.
 
     Parameters
     ----------
     case : Case
         Case with a ``bearing`` in SI units.
+    fields : Path, optional
+        File for the fields, NetCDF (.nc) or VTK (.vts).
 
     Returns
     -------
     dict
         Numbers with unit suffixes; forces and torques act on the shaft by the film.
     """
-    started = time.perf_counter()
-    keys = case.bearing
-    bearing = _bearing(keys, _viscosity(case, keys))
-    if keys.load is not None:
-        film = bearing.equilibrium(load=tuple(keys.load), shaft_speed=keys.shaft_speed)
-    else:
-        film = bearing.solve(
-            eccentricity=tuple(keys.eccentricity),
-            shaft_speed=keys.shaft_speed,
-            velocity=tuple(keys.velocity),
-            tilt=tuple(keys.tilt),
-        )
-    return {**bearing_summary(film), "wall_time_s": time.perf_counter() - started}
+    return _solved(lambda: _solve_journal(case, case.bearing), fields)
 
 
-def bearing_summary(film: JournalBearingSolution) -> dict[str, Any]:
-    """Numbers of a journal film with unit suffixes."""
-    return {
-        "force_x_N": float(film.force[0]),
-        "force_y_N": float(film.force[1]),
-        "moment_x_N_m": float(film.moment[0]),
-        "moment_y_N_m": float(film.moment[1]),
-        "friction_torque_N_m": film.friction_torque,
-        "bush_friction_torque_N_m": film.bush_friction_torque,
-        "power_loss_W": film.power_loss,
-        "eccentricity_x": float(film.eccentricity[0]),
-        "eccentricity_y": float(film.eccentricity[1]),
-        "eccentricity_ratio": film.eccentricity_ratio,
-        "attitude_angle_deg": float(np.degrees(film.attitude_angle)),
-        "sommerfeld_number": _finite(film.sommerfeld_number),
-        "sommerfeld_number_din": _finite(film.sommerfeld_number_din),
-        "side_flow_L_per_min": film.side_flow * _LITRES_PER_MINUTE,
-        "supply_flow_L_per_min": film.supply_flow * _LITRES_PER_MINUTE,
-        "max_pressure_bar": film.max_pressure / _PASCAL_PER_BAR,
-        "min_film_um": film.min_gap_height * 1e6,
-        "cavitated_fraction": film.cavitated_fraction,
-        "mass_balance_error": film.mass_balance_error,
-        "stiffness_N_per_m": film.stiffness.tolist(),
-        "damping_N_s_per_m": film.damping.tolist(),
-        "status": film.status.name.lower(),
-    }
-
-
-def solve_film(case: Any) -> dict[str, Any]:
+def solve_film(case: Any, fields: Path | None = None) -> dict[str, Any]:
     """Solve the table ``[film]`` of a case.
 
     Parameters
     ----------
     case : Case
         Case with a ``film`` in SI units.
+    fields : Path, optional
+        File for the fields, NetCDF (.nc) or VTK (.vts); one per body of a machine.
 
     Returns
     -------
     dict
-        Numbers with unit suffixes; the load is that of the pressure above ambient.
+        Numbers with unit suffixes; the load of a pad is that of the pressure above ambient.
     """
+    return _solved(lambda: _SOLVERS[type(case.film).__name__](case, case.film), fields)
+
+
+def _solved(solve: Callable[[], CaseFilms], fields: Path | None) -> dict[str, Any]:
+    if fields is not None and fields.suffix.lower() not in FILE_SUFFIXES:
+        allowed = ", ".join(FILE_SUFFIXES)
+        raise CaseError(f"-o: found the ending {fields.suffix!r}, allowed {allowed}")
     started = time.perf_counter()
-    keys = case.film
-    viscosity = _viscosity(case, keys)
-    if hasattr(keys, "inlet_height"):
-        summary = pad_summary(_pad(keys, viscosity).solve(speed=keys.speed))
-    else:
-        summary = faces_summary(_machine_faces(case, viscosity))
-    return {**summary, "wall_time_s": time.perf_counter() - started}
+    found = solve()
+    if fields is not None:
+        for name, film in found.films.items():
+            path = fields.with_stem(f"{fields.stem}_{name}") if name else fields
+            FILE_SUFFIXES[fields.suffix.lower()](film, path)
+    return {**found.summary, "wall_time_s": time.perf_counter() - started}
 
 
-def faces_summary(faces: FaceFilms) -> dict[str, Any]:
-    """Numbers of the films on one face of a machine's bodies with unit suffixes."""
-    films = faces.films
-    load = faces.load
-    worst = max(films, key=lambda film: film.mass_balance_error)
-    each = zip(faces.bodies, films, strict=True)
-    return {
-        "load_N": float(load[0]),
-        "moment_x_N_m": float(load[1]),
-        "moment_y_N_m": float(load[2]),
-        "friction_torque_N_m": {body: film.friction_torque for body, film in each},
-        "drain_flow_L_per_min": sum(film.inner_flow for film in films) * _LITRES_PER_MINUTE,
-        "max_pressure_bar": max(film.max_pressure for film in films) / _PASCAL_PER_BAR,
-        "min_film_um": float(min(film.gap_height.min() for film in films)) * 1e6,
-        "contact_load_N": float(
-            sum((film.contact_pressure * film.plane.film.grid.area).sum() for film in films)
+def _solve_journal(case: Any, keys: Any) -> CaseFilms:
+    if keys.heat is not None:
+        return _solve_heated_journal(case, keys)
+    film = _journal_film(_bearing(keys, _viscosity(case, keys)), keys)
+    summary = bearing_summary(film)
+    if keys.orbit is not None:
+        summary |= _orbit(film, keys)
+    return CaseFilms({"": film}, summary)
+
+
+def _journal_film(bearing: JournalBearing, keys: Any) -> JournalBearingSolution:
+    if keys.load is not None:
+        return bearing.equilibrium(
+            load=tuple(keys.load),
+            shaft_speed=keys.shaft_speed,
+            bush_speed=keys.bush_speed,
+            moment=None if keys.moment is None else tuple(keys.moment),
+        )
+    return bearing.solve(
+        eccentricity=tuple(keys.eccentricity),
+        shaft_speed=keys.shaft_speed,
+        velocity=tuple(keys.velocity),
+        tilt=tuple(keys.tilt),
+        bush_speed=keys.bush_speed,
+    )
+
+
+def _solve_heated_journal(case: Any, keys: Any) -> CaseFilms:
+    """Film at the viscosity of the mean temperature that its friction gives the oil."""
+    if case.fluid is None or keys.orbit is not None:
+        found = "an orbit" if case.fluid is not None else "no fluid"
+        raise CaseError(f"bearing.heat: found {found}, allowed a steady film and a table [fluid]")
+    bearing, liquid = _bearing(keys, _viscosity(case, keys)), _liquid(case)
+    balance = HeatBalance(
+        supply_temperature=case.fluid.temperature,
+        density=liquid.density,
+        heat_capacity=liquid.specific_heat_capacity,
+        oil_share=keys.heat.oil_share,
+    )
+    heated = solve_heated(
+        lambda viscosity: _journal_film(replace(bearing, dynamic_viscosity=viscosity), keys),
+        lambda temperature: _liquid(case, temperature).dynamic_viscosity,
+        balance,
+    )
+    return CaseFilms({"": heated.film}, bearing_summary(heated.film) | heat_summary(heated))
+
+
+def _orbit(film: JournalBearingSolution, keys: Any) -> dict[str, Any]:
+    """Path of the shaft from the place and velocity of the case under load and unbalance."""
+    orbit, speed = keys.orbit, keys.shaft_speed
+    load = np.zeros(2) if keys.load is None else np.asarray(keys.load)
+    pull = orbit.unbalance * speed**2
+    place = film.motion.place[:2]
+    found = shaft_orbit(
+        film.bearing,
+        mass=orbit.mass,
+        load=lambda t: (
+            float(load[0] + pull * np.cos(speed * t)),
+            float(load[1] + pull * np.sin(speed * t)),
         ),
-        "cavitated_fraction": max(film.cavitated_fraction for film in films),
-        "mass_balance_error": worst.mass_balance_error,
-        "status": min(films, key=lambda film: film.status.succeeded).status.name.lower(),
-    }
+        shaft_speed=speed,
+        settings=OrbitSettings(
+            position=(float(place[0]), float(place[1])),
+            velocity=tuple(keys.velocity),
+            duration=orbit.duration,
+            time_step=orbit.time_step,
+            film_memory=orbit.film_memory,
+        ),
+    )
+    status = film.status if found.converged else Status.NOT_CONVERGED
+    summary = orbit_summary(found, film.bearing.radial_clearance)
+    return {**summary, "status": status.name.lower()}
+
+
+def _solve_pad(case: Any, keys: Any) -> CaseFilms:
+    pad = _pad(keys, _viscosity(case, keys))
+    film = pad.solve(speed=keys.speed, squeeze_velocity=keys.squeeze_velocity)
+    return CaseFilms({"": film}, pad_summary(film))
+
+
+def _solve_ring(case: Any, keys: Any) -> CaseFilms:
+    ring = LateralFilm(
+        inner_radius=keys.inner_radius,
+        outer_radius=keys.outer_radius,
+        side_gap=keys.side_gap,
+        fluid=_film_fluid(keys, _viscosity(case, keys)),
+        tilt=tuple(keys.tilt),
+        grid=tuple(keys.grid),
+        inner_pressure=keys.inner_pressure,
+        outer_pressure=keys.outer_pressure,
+        surfaces=_surfaces(keys),
+        cavitation=keys.cavitation,
+        cavitation_pressure=keys.cavitation_pressure,
+    )
+    film = ring.solve(shaft_speed=keys.shaft_speed, squeeze_velocity=keys.squeeze_velocity)
+    return CaseFilms({"": film}, ring_summary(film))
+
+
+def _solve_faces(case: Any, keys: Any) -> CaseFilms:
+    faces = _machine_faces(case, _viscosity(case, keys))
+    return CaseFilms(dict(zip(faces.bodies, faces.films, strict=True)), faces_summary(faces))
+
+
+_SOLVERS: Mapping[str, Callable[[Any, Any], CaseFilms]] = {
+    "FilmCase": _solve_pad,
+    "LateralFilmCase": _solve_faces,
+    "RingFilmCase": _solve_ring,
+    "JournalBearingCase": _solve_journal,
+}
+"""Solvers by the class of the table, which a layer above declares."""
 
 
 def _machine_faces(case: Any, dynamic_viscosity: float) -> FaceFilms:
@@ -161,23 +250,6 @@ def _surfaces(keys: Any) -> RoughSurfaces | None:
     return None if given is None else RoughSurfaces(**vars(given))
 
 
-def pad_summary(film: PadSolution) -> dict[str, Any]:
-    """Numbers of a pad with unit suffixes."""
-    return {
-        "load_N": film.load,
-        "center_of_pressure_x_mm": _finite(film.center_of_pressure * 1e3),
-        "friction_N": film.friction,
-        "max_pressure_bar": film.max_pressure / _PASCAL_PER_BAR,
-        "inlet_flow_L_per_min": film.inlet_flow * _LITRES_PER_MINUTE,
-        "outlet_flow_L_per_min": film.outlet_flow * _LITRES_PER_MINUTE,
-        "side_flow_L_per_min": film.side_flow * _LITRES_PER_MINUTE,
-        "cavitated_fraction": film.cavitated_fraction,
-        "mass_balance_error": film.mass_balance_error,
-        "pressure_centerline_bar": (film.pressure_centerline / _PASCAL_PER_BAR).tolist(),
-        "status": film.status.name.lower(),
-    }
-
-
 def _pad(keys: Any, dynamic_viscosity: float) -> Pad:
     pocket = None
     if keys.pocket is not None:
@@ -194,16 +266,15 @@ def _pad(keys: Any, dynamic_viscosity: float) -> Pad:
         cavitation=keys.cavitation,
         ambient_pressure=keys.ambient_pressure,
         cavitation_pressure=keys.cavitation_pressure,
+        side_condition=keys.side_condition,
         surfaces=_surfaces(keys),
     )
 
 
-def _finite(value: float) -> float | None:
-    return value if np.isfinite(value) else None
-
-
 def _bearing(keys: Any, dynamic_viscosity: float) -> JournalBearing:
-    grooves = tuple(Groove(g.angle, g.width, g.length, g.pressure) for g in keys.grooves)
+    grooves = tuple(
+        Groove(g.angle, g.width, g.length, g.pressure, g.position) for g in keys.grooves
+    )
     return JournalBearing(
         diameter=keys.diameter,
         length=keys.length,
@@ -214,7 +285,12 @@ def _bearing(keys: Any, dynamic_viscosity: float) -> JournalBearing:
         grooves=grooves,
         end_pressure=keys.end_pressure,
         cavitation_pressure=keys.cavitation_pressure,
+        end_condition=keys.end_condition,
         surfaces=_surfaces(keys),
+        lobes=None if keys.lobes is None else Lobes(**vars(keys.lobes)),
+        supply=keys.supply,
+        pressure_viscosity=keys.pressure_viscosity,
+        compressible=keys.density == "dowson_higginson",
     )
 
 
@@ -227,7 +303,8 @@ def _viscosity(case: Any, keys: Any) -> float:
     return _liquid(case).dynamic_viscosity
 
 
-def _liquid(case: Any) -> LiquidState:
+def _liquid(case: Any, temperature: float | None = None) -> LiquidState:
+    given = case.fluid.temperature if temperature is None else temperature
     if case.fluid.table is not None:
-        return table_liquid(case.fluid.table, case.fluid.temperature)
-    return library_liquid(case.fluid.name, case.fluid.temperature)
+        return table_liquid(case.fluid.table, given)
+    return library_liquid(case.fluid.name, given)

@@ -14,6 +14,7 @@ from toothspace.films.equilibrium import find_equilibrium
 from toothspace.films.journal_film import Groove, Lobes, MotionState
 from toothspace.films.journal_solution import FilmHistory, JournalBearingSolution, SurfaceSpeed
 from toothspace.films.journal_solver import solve_motion
+from toothspace.films.plane_film import FilmFluid
 from toothspace.films.rough_surfaces import RoughSurfaces
 from toothspace.films.tilted_equilibrium import find_tilted_equilibrium
 
@@ -51,6 +52,10 @@ class JournalBearing:
         Roughness and contact; the shaft is the moving wall. Smooth walls if not given.
     lobes : Lobes, optional
         Bore of lobes; the radial clearance is then that of each lobe's own circle.
+    pressure_viscosity : float
+        Coefficient of Barus, of mu exp(alpha p). [1/Pa]
+    compressible : bool
+        Whether the density follows the pressure after Dowson and Higginson.
     supply : {"auto", "none", "widest_gap"}
         Ideal axial supply line at end pressure on the widest gap. ``auto`` adds it where oil
         could not enter otherwise: no grooves, and ends not above the cavitation pressure.
@@ -66,8 +71,9 @@ class JournalBearing:
         \right) + s\,\frac{\partial h}{\partial t} = 0, \quad
         p \ge p_c,\ s \le 1,\ (p - p_c)(1 - s) = 0 .
 
-    Validity: laminar, isoviscous, incompressible, no inertia, :math:`c \ll R`; the film
-    fraction follows the motion of the shaft without delay.
+    Validity: laminar, no inertia, :math:`c \ll R`; the film fraction follows the motion of the
+    shaft without delay. Stiffness and damping hold viscosity and density; flows count at the
+    density of zero pressure.
 
     References
     ----------
@@ -97,6 +103,8 @@ class JournalBearing:
     surfaces: RoughSurfaces | None = None
     lobes: Lobes | None = None
     supply: str = "auto"
+    pressure_viscosity: float = 0.0
+    compressible: bool = False
 
     def __post_init__(self) -> None:
         for key in ("diameter", "length", "radial_clearance", "dynamic_viscosity"):
@@ -110,6 +118,11 @@ class JournalBearing:
         if min(self.grid) < 4:
             raise CaseError(f"bearing.grid: found {self.grid!r}, allowed are 4 cells or more")
         object.__setattr__(self, "grooves", tuple(self.grooves))
+
+    @property
+    def fluid(self) -> FilmFluid:
+        """Liquid of the film."""
+        return FilmFluid(self.dynamic_viscosity, self.pressure_viscosity, self.compressible)
 
     def solve(
         self,

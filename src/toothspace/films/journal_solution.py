@@ -45,7 +45,7 @@ class FilmHistory:
     """Liquid that the film held one time step ago."""
 
     content: Array
-    """Film fraction times gap height, on the solved cells. [m]"""
+    """Film fraction times gap height times relative density, on the solved cells. [m]"""
     time_step: float
     """Time that has passed since. [s]"""
 
@@ -228,7 +228,8 @@ class JournalBearingSolution:
     def history(self, time_step: float) -> FilmHistory:
         """What the film holds, as the past of a film one time step later. [s]."""
         film = self.film
-        return FilmHistory(film.fields.saturation * mean_gap(film.gap.centre, film.law), time_step)
+        held = film.fields.saturation * film.fluid.density
+        return FilmHistory(held * mean_gap(film.gap.centre, film.law), time_step)
 
     def coefficients(self) -> tuple[Array, Array]:
         """Stiffness and damping 4x4 for x, y and rotations about x and y.

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
-from toothspace.core.types import Array
+from toothspace.core.types import Array, IntArray
 from toothspace.films.cavitation import CAVITATION
 from toothspace.films.journal_film import (
     EndConditions,
@@ -30,7 +31,8 @@ from toothspace.films.journal_solution import (
     JournalField,
     SurfaceSpeed,
 )
-from toothspace.films.reynolds import FilmGrid, FluidField, GapField, film_balance
+from toothspace.films.plane_film import FLUID_PASSES, FLUID_TOLERANCE
+from toothspace.films.reynolds import FilmGrid, GapField, film_balance
 from toothspace.films.rough_surfaces import SMOOTH, FlowLaw, contact_field, mean_gap
 from toothspace.numerics.complementarity import (
     ComplementaritySolution,
@@ -104,15 +106,49 @@ def solve_motion(
     law, contact = _walls(bearing, speed, gap)
     if contact is None:
         _refuse_contact(gap, motion, bearing)
-    fluid = FluidField(
-        np.full(gap.centre.shape, 1.0 / bearing.dynamic_viscosity), np.ones(gap.centre.shape)
-    )
-    balance = film_balance(grid, gap, fluid, bearing.cavitation_pressure, law)
-    if history is not None:
-        balance = _with_history(balance, grid, mean_gap(gap.centre, law), history)
-    fields = _solve_fields(balance, CAVITATION[bearing.cavitation], former)
-    film = JournalField(mesh, grid, gap, fluid, balance, fields, law, contact)
+    film = _solved(bearing, JournalGap(mesh, grid, gap, law, contact), former, history)
     return _evaluate(bearing, motion, speed, film)
+
+
+class JournalGap(NamedTuple):
+    """Film before it is solved."""
+
+    mesh: JournalMesh
+    grid: FilmGrid
+    gap: GapField
+    law: FlowLaw
+    contact: JournalContact | None
+
+
+def _solved(
+    bearing: JournalBearing,
+    film: JournalGap,
+    former: JournalBearingSolution | None,
+    history: FilmHistory | None,
+) -> JournalField:
+    """Pressure and film fraction; viscosity and density are iterated with the pressure."""
+    constraint, lowest = CAVITATION[bearing.cavitation], bearing.cavitation_pressure
+    fluid = bearing.fluid
+    pressure = np.full(film.gap.centre.shape, lowest)
+    start = None if former is None else former.film.fields.kind
+    for _ in range(FLUID_PASSES):
+        state = fluid.fields(pressure)
+        balance = film_balance(film.grid, film.gap, state, lowest, film.law)
+        if history is not None:
+            content = state.density * mean_gap(film.gap.centre, film.law)
+            balance = _with_history(balance, film.grid, content, history)
+        fields = _solve_fields(balance, constraint, start)
+        found = np.maximum(fields.potential, 0.0) + lowest
+        change = float(np.abs(found - pressure).max())
+        pressure, start = found, fields.kind
+        settled = fluid.constant or change <= FLUID_TOLERANCE * float(pressure.max())
+        if settled:
+            break
+    if not settled:
+        fields = replace(fields, converged=False)
+    return JournalField(
+        film.mesh, film.grid, film.gap, state, balance, fields, film.law, film.contact
+    )
 
 
 def _walls(
@@ -142,10 +178,9 @@ def _with_history(
 
 
 def _solve_fields(
-    balance: CellBalance, constraint: Constraint, former: JournalBearingSolution | None
+    balance: CellBalance, constraint: Constraint, start: IntArray | None
 ) -> ComplementaritySolution:
-    if former is not None and former.film.fields.kind.shape == balance.storage.shape:
-        start = former.film.fields.kind
+    if start is not None and start.shape == balance.storage.shape:
         fields = solve_complementarity(balance, constraint, start, max_passes=15)
         if fields.converged:
             return fields
@@ -208,8 +243,9 @@ def _friction(
 ) -> tuple[float, float]:
     """Torques on shaft and bush; a cavity carries shear in proportion to its film fraction."""
     radius = 0.5 * bearing.diameter
+    thickness = 1.0 / (bearing.dynamic_viscosity * film.fluid.fluidity)
     couette, pattern, pressure = film.mesh.weight * journal_shear(
-        film.gap, film.gauge, film.fields.saturation, film.mesh, film.law
+        film.gap, film.gauge, film.fields.saturation * thickness, film.mesh, film.law
     )
     scale = bearing.dynamic_viscosity * (speed.shaft - speed.bush) * radius**3
     shaft = -scale * (couette - pattern) - radius * pressure

@@ -27,8 +27,14 @@ from toothspace.numerics.complementarity import (
 from toothspace.numerics.linear_system import PRESCRIBED, SATURATED
 from toothspace.numerics.structured_grid import CellBalance
 
-_FLUID_PASSES = 60
-_FLUID_TOLERANCE = 1e-9
+FLUID_PASSES = 60
+"""Most iterations of viscosity and density with the pressure. [-]"""
+FLUID_TOLERANCE = 1e-12
+"""Change of the pressure over its maximum at which they end. [-]"""
+_ROUNDING = 1e-12
+"""Part of the flow that potentials drive, up to which a film counts as without flow. [-]"""
+_HIGHEST_EXPONENT = 20.0
+"""Logarithm of the viscosity ratio beyond which Barus' law is not followed. [-]"""
 
 
 @final
@@ -64,7 +70,8 @@ class FilmFluid:
 
     def viscosity(self, pressure: Array) -> Array:
         """Dynamic viscosity at absolute pressures. [Pa s]."""
-        return np.asarray(self.dynamic_viscosity * np.exp(self.pressure_viscosity * pressure))
+        exponent = np.minimum(self.pressure_viscosity * pressure, _HIGHEST_EXPONENT)
+        return np.asarray(self.dynamic_viscosity * np.exp(exponent))
 
     def fields(self, pressure: Array) -> FluidField:
         """Fluid state of every cell at absolute pressures."""
@@ -157,7 +164,14 @@ class PlaneSolution:
             float(np.abs(b.advection_y).sum(axis=0).max()),
             self._edge_flow(),
         )
-        return abs(float(net[free].sum())) / through if through > 0.0 else 0.0
+        if through <= _ROUNDING * self._conducted():
+            return 0.0
+        return abs(float(net[free].sum())) / through
+
+    def _conducted(self) -> float:
+        """Flow that the potentials themselves would drive: what rounding is measured with."""
+        b, u = self.balance, np.abs(self.fields.potential)
+        return float((b.conductance_x[1:] * u).sum() + (b.conductance_y[:, 1:] * u).sum())
 
     def _edge_flow(self) -> float:
         b, u = self.balance, self.fields.potential
@@ -204,7 +218,7 @@ def solve_plane(film: PlaneFilm) -> PlaneSolution:
         raise CaseError(f"film: found a smallest gap of {lowest:.3g} m, allowed are open gaps")
     pressure = np.full(film.gap.centre.shape, film.cavitation_pressure)
     kind = None
-    for _ in range(_FLUID_PASSES):
+    for _ in range(FLUID_PASSES):
         fluid = film.fluid.fields(pressure)
         balance = film_balance(film.grid, film.gap, fluid, film.cavitation_pressure, film.law)
         fields = solve_complementarity(balance, film.constraint, kind)
@@ -213,7 +227,7 @@ def solve_plane(film: PlaneFilm) -> PlaneSolution:
             return solution
         change = float(np.abs(solution.pressure - pressure).max())
         pressure, kind = solution.pressure, fields.kind
-        if change <= _FLUID_TOLERANCE * float(pressure.max()):
+        if change <= FLUID_TOLERANCE * float(pressure.max()):
             return solution
     return PlaneSolution(film, fluid, balance, fields, False)
 

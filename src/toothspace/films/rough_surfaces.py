@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 from typing import NamedTuple, final
 
 import numpy as np
@@ -167,7 +168,8 @@ class RoughSurfaces:
     asperity_product, roughness_over_radius : float
         Parameters of Greenwood and Tripp. [-]
     contact_points : tuple of (float, float)
-        User's table of gap ratio and asperity pressure, for ``table``. [-, Pa]
+        User's table of gap ratio and asperity pressure, for ``table``; its ends are carried on
+        along the logarithm of the pressure, downwards, and without contact, upwards. [-, Pa]
     """
 
     moving_roughness: float
@@ -188,6 +190,8 @@ class RoughSurfaces:
             raise CaseError("roughness: found two smooth walls, allowed is one rough wall or more")
         if self.contact_law not in _LAWS:
             raise CaseError(f"contact_law: found {self.contact_law!r}, allowed are {sorted(_LAWS)}")
+        if self.contact_law == "table":
+            _check_table(self.contact_points)
 
     @property
     def roughness(self) -> float:
@@ -217,6 +221,18 @@ class RoughSurfaces:
         return _contact_table(self)
 
 
+def _check_table(points: tuple[tuple[float, float], ...]) -> None:
+    """Refuse tables that are no falling, positive pressure over a growing gap."""
+    ratios, pressures = ([point[k] for point in points] for k in range(2))
+    growing = all(b > a for a, b in pairwise(ratios))
+    falling = all(0.0 < b <= a for a, b in pairwise(pressures))
+    if len(points) < 2 or not growing or not falling:
+        raise CaseError(
+            f"contact_points: found {len(points)} points, allowed are two or more with a growing "
+            "gap ratio and a positive, falling pressure"
+        )
+
+
 def _elastic_plastic(s: RoughSurfaces, ratio: float) -> float:
     return float(
         asperity_pressure(
@@ -243,7 +259,13 @@ def _kogut_etsion(s: RoughSurfaces, ratio: float) -> float:
 
 def _user_table(s: RoughSurfaces, ratio: float) -> float:
     points = np.array(s.contact_points)
-    return float(np.exp(np.interp(ratio, points[:, 0], np.log(points[:, 1]))))
+    gap, logarithm = points[:, 0], np.log(points[:, 1])
+    if ratio > gap[-1]:
+        return 0.0
+    if ratio < gap[0]:
+        slope = (logarithm[1] - logarithm[0]) / (gap[1] - gap[0])
+        return float(np.exp(logarithm[0] + slope * (ratio - gap[0])))
+    return float(np.exp(np.interp(ratio, gap, logarithm)))
 
 
 _LAWS: dict[str, Callable[[RoughSurfaces, float], float] | None] = {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, final
 
 import numpy as np
@@ -98,6 +98,12 @@ def threshold_speed(
     return float(brentq(margin, speeds[0], speeds[1], rtol=1e-6))
 
 
+_STEP_PASSES = 30
+"""Most iterations of Newton's method in one time step. [-]"""
+_HALVINGS = 8
+"""Most halvings of one of its steps. [-]"""
+
+
 @final
 @dataclass(frozen=True)
 class Orbit:
@@ -164,25 +170,40 @@ def shaft_orbit(
 
     Notes
     -----
-    Newmark's method of constant mean acceleration (second order, no numerical damping); the
-    film force is implicit, its exact stiffness and damping serve Newton's method.
+    Backward differences of second order, begun with one of first order: stiff films do not ring.
+    The film force is implicit, its exact stiffness and damping serve Newton's method.
     """
     step = _OrbitStep(bearing, mass, SurfaceSpeed(shaft_speed), settings)
-    position, velocity = np.array(settings.position), np.array(settings.velocity)
-    film = step.film(position, velocity, None)
-    acceleration = (np.array(load(0.0)) + film.force) / mass
+    place = _Past(np.array(settings.position), np.array(settings.velocity))
+    film = step.film(place.position, place.velocity, None)
     count = int(np.ceil(settings.duration / settings.time_step - 1e-9))
-    rows = [(0.0, position, velocity, film.force)]
-    converged = True
+    rows = [(0.0, place.position, place.velocity, film.force)]
+    converged, past = True, place
     for k in range(1, count + 1):
         time = k * settings.time_step
-        state = (position, velocity, acceleration)
-        position, film, found = step.advance(state, np.array(load(time)), film)
-        acceleration, velocity = step.derivatives(position, state)
-        rows.append((time, position, velocity, film.force))
-        converged = converged and found
+        found, film, done = step.advance(past, np.array(load(time)), film)
+        past = replace(found, before=replace(past, before=None))
+        rows.append((time, found.position, found.velocity, film.force))
+        converged = converged and done
     time_column, x, v, f = (np.array([row[c] for row in rows]) for c in range(4))
     return Orbit(time_column, x, v, f, converged)
+
+
+@final
+@dataclass(frozen=True)
+class _Past:
+    """State of the shaft, and the one before it."""
+
+    position: Array
+    velocity: Array
+    before: _Past | None = None
+
+    def derivative(self, name: str) -> tuple[float, Array]:
+        """Factor of the new value and what is subtracted in the rate times the step."""
+        now = getattr(self, name)
+        if self.before is None:
+            return 1.0, now
+        return 1.5, 2.0 * now - 0.5 * getattr(self.before, name)
 
 
 @final
@@ -203,36 +224,74 @@ class _OrbitStep:
             history = former.history(self.settings.time_step)
         return solve_motion(self.bearing, motion, self.speed, former=former, history=history)
 
-    def derivatives(
-        self, position: Array, state: tuple[Array, Array, Array]
-    ) -> tuple[Array, Array]:
-        """Acceleration and velocity at the end of a step that ends at a position."""
-        dt = self.settings.time_step
-        x, v, a = state
-        acceleration = 4.0 / dt**2 * (position - x) - 4.0 / dt * v - a
-        return acceleration, v + 0.5 * dt * (a + acceleration)
+    def velocity(self, position: Array, past: _Past) -> Array:
+        """Velocity at the end of a step that ends at a position."""
+        factor, rest = past.derivative("position")
+        return np.asarray((factor * position - rest) / self.settings.time_step)
+
+    def trial(
+        self, position: Array, past: _Past, load: Array, former: JournalBearingSolution
+    ) -> tuple[JournalBearingSolution, Array]:
+        """Film at the end of a step, and the force that is out of balance."""
+        velocity = self.velocity(position, past)
+        factor, rest = past.derivative("velocity")
+        acceleration = (factor * velocity - rest) / self.settings.time_step
+        film = self.film(position, velocity, former)
+        return film, load + film.force - self.mass * acceleration
+
+    def tangent(self, film: JournalBearingSolution, past: _Past) -> Array:
+        """Minus the derivative of the force out of balance with the position."""
+        rate = past.derivative("position")[0] / self.settings.time_step
+        return np.asarray(self.mass * rate**2 * np.eye(2) + film.stiffness + rate * film.damping)
 
     def advance(
-        self, state: tuple[Array, Array, Array], load: Array, former: JournalBearingSolution
-    ) -> tuple[Array, JournalBearingSolution, bool]:
-        dt = self.settings.time_step
-        position = state[0] + dt * state[1] + 0.25 * dt**2 * state[2]
-        position = self._inside(position, state[0])
-        film = former
-        for _ in range(15):
-            acceleration, velocity = self.derivatives(position, state)
-            film = self.film(position, velocity, former)
-            error = load + film.force - self.mass * acceleration
-            tangent = 4.0 * self.mass / dt**2 * np.eye(2) + film.stiffness + 2.0 / dt * film.damping
-            change = np.linalg.solve(tangent, error)
-            position = self._inside(position + change, position)
+        self, past: _Past, load: Array, former: JournalBearingSolution
+    ) -> tuple[_Past, JournalBearingSolution, bool]:
+        position = past.position
+
+        def trial(place: Array) -> tuple[JournalBearingSolution, Array]:
+            return self.trial(place, past, load, former)
+
+        film, error = trial(position)
+        tangent = self.tangent(film, past)
+        for _ in range(_STEP_PASSES):
+            full = np.asarray(np.linalg.solve(tangent, error), dtype=np.float64)
+            change, film, next_error = self._damped(position, full, error, trial)
+            position = position + change
             if np.hypot(*change) <= 1e-9 * self.bearing.radial_clearance:
-                return position, film, True
-        return position, film, False
+                return _Past(position, self.velocity(position, past)), film, True
+            if self.settings.film_memory:
+                # the memory has no derivative of its own: Broyden's rank-one correction
+                missing = error - next_error - tangent @ change
+                tangent = tangent + np.outer(missing, change) / (change @ change)
+            else:
+                tangent = self.tangent(film, past)
+            error = next_error
+        return _Past(position, self.velocity(position, past)), film, False
+
+    def _damped(
+        self,
+        position: Array,
+        full: Array,
+        error: Array,
+        trial: Callable[[Array], tuple[JournalBearingSolution, Array]],
+    ) -> tuple[Array, JournalBearingSolution, Array]:
+        """Longest part of a step that keeps the gap open and does not raise the error."""
+        change = self._inside(position + full, position) - position
+        for _ in range(_HALVINGS):
+            film, found = trial(position + change)
+            if np.hypot(*found) <= np.hypot(*error):
+                break
+            change = 0.5 * change
+        return change, film, found
 
     def _inside(self, position: Array, before: Array) -> Array:
         """Shorten a step that would close the gap."""
         c = self.bearing.radial_clearance
-        limit = 1.0 - 0.2 * (1.0 - float(np.hypot(*before)) / c)
-        ratio = float(np.hypot(*position)) / c
-        return position if ratio <= limit else position * (limit / ratio)
+        limit = 1.0 - 0.3 * max(1.0 - float(np.hypot(*before)) / c, 1e-3)
+        change = position - before
+        for _ in range(60):
+            if np.hypot(*(before + change)) <= limit * c:
+                break
+            change = 0.8 * change
+        return np.asarray(before + change)

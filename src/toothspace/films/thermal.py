@@ -14,6 +14,8 @@ from toothspace.films.journal_solution import JournalBearingSolution
 
 HIGHEST_RISE = 400.0
 """Largest rise of the mean temperature that is searched. [K]"""
+_FIRST_RISE = 12.5
+"""Rise that is tried first, so that no temperature far beyond the answer is asked for. [K]"""
 
 
 @final
@@ -125,6 +127,9 @@ def solve_heated(
     if mismatch(first) <= 0.0:
         mean = first
     else:
-        mean = float(brentq(mismatch, first, first + HIGHEST_RISE, xtol=1e-6, rtol=1e-12))
+        rise = _FIRST_RISE
+        while mismatch(first + rise) > 0.0 and rise < HIGHEST_RISE:
+            rise *= 2.0
+        mean = float(brentq(mismatch, first, first + rise, xtol=1e-6, rtol=1e-12))
     film = solve(viscosity(mean))
     return HeatedFilm(film, mean, balance.outlet_temperature(film), film.status)

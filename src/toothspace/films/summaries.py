@@ -1,0 +1,131 @@
+"""Numbers of solved films under the names of the command line."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from toothspace.films.journal_solution import JournalBearingSolution
+from toothspace.films.lateral import LateralSolution
+from toothspace.films.machine_faces import FaceFilms
+from toothspace.films.pad import PadSolution
+from toothspace.films.shaft_motion import Orbit
+from toothspace.films.thermal import HeatedFilm
+
+_LITRES_PER_MINUTE = 6e4
+_PASCAL_PER_BAR = 1e5
+_ZERO_CELSIUS = 273.15
+
+
+def bearing_summary(film: JournalBearingSolution) -> dict[str, Any]:
+    """Numbers of a journal film with unit suffixes."""
+    return {
+        "force_x_N": float(film.force[0]),
+        "force_y_N": float(film.force[1]),
+        "moment_x_N_m": float(film.moment[0]),
+        "moment_y_N_m": float(film.moment[1]),
+        "friction_torque_N_m": film.friction_torque,
+        "bush_friction_torque_N_m": film.bush_friction_torque,
+        "power_loss_W": film.power_loss,
+        "eccentricity_x": float(film.eccentricity[0]),
+        "eccentricity_y": float(film.eccentricity[1]),
+        "eccentricity_ratio": film.eccentricity_ratio,
+        "attitude_angle_deg": float(np.degrees(film.attitude_angle)),
+        "sommerfeld_number": _finite(film.sommerfeld_number),
+        "sommerfeld_number_din": _finite(film.sommerfeld_number_din),
+        "side_flow_L_per_min": film.side_flow * _LITRES_PER_MINUTE,
+        "supply_flow_L_per_min": film.supply_flow * _LITRES_PER_MINUTE,
+        "max_pressure_bar": film.max_pressure / _PASCAL_PER_BAR,
+        "min_film_um": film.min_gap_height * 1e6,
+        "cavitated_fraction": film.cavitated_fraction,
+        "mass_balance_error": film.mass_balance_error,
+        "stiffness_N_per_m": film.stiffness.tolist(),
+        "damping_N_s_per_m": film.damping.tolist(),
+        "status": film.status.name.lower(),
+    }
+
+
+def faces_summary(faces: FaceFilms) -> dict[str, Any]:
+    """Numbers of the films on one face of a machine's bodies with unit suffixes."""
+    films = faces.films
+    load = faces.load
+    worst = max(films, key=lambda film: film.mass_balance_error)
+    each = zip(faces.bodies, films, strict=True)
+    return {
+        "load_N": float(load[0]),
+        "moment_x_N_m": float(load[1]),
+        "moment_y_N_m": float(load[2]),
+        "friction_torque_N_m": {body: film.friction_torque for body, film in each},
+        "drain_flow_L_per_min": sum(film.inner_flow for film in films) * _LITRES_PER_MINUTE,
+        "max_pressure_bar": max(film.max_pressure for film in films) / _PASCAL_PER_BAR,
+        "min_film_um": float(min(film.gap_height.min() for film in films)) * 1e6,
+        "contact_load_N": float(
+            sum((film.contact_pressure * film.plane.film.grid.area).sum() for film in films)
+        ),
+        "cavitated_fraction": max(film.cavitated_fraction for film in films),
+        "mass_balance_error": worst.mass_balance_error,
+        "status": min(films, key=lambda film: film.status.succeeded).status.name.lower(),
+    }
+
+
+def pad_summary(film: PadSolution) -> dict[str, Any]:
+    """Numbers of a pad with unit suffixes."""
+    return {
+        "load_N": film.load,
+        "center_of_pressure_x_mm": _finite(film.center_of_pressure * 1e3),
+        "friction_N": film.friction,
+        "max_pressure_bar": film.max_pressure / _PASCAL_PER_BAR,
+        "inlet_flow_L_per_min": film.inlet_flow * _LITRES_PER_MINUTE,
+        "outlet_flow_L_per_min": film.outlet_flow * _LITRES_PER_MINUTE,
+        "side_flow_L_per_min": film.side_flow * _LITRES_PER_MINUTE,
+        "cavitated_fraction": film.cavitated_fraction,
+        "mass_balance_error": film.mass_balance_error,
+        "pressure_centerline_bar": (film.pressure_centerline / _PASCAL_PER_BAR).tolist(),
+        "status": film.status.name.lower(),
+    }
+
+
+def ring_summary(film: LateralSolution) -> dict[str, Any]:
+    """Numbers of a ring or disc with unit suffixes; the load is that of the absolute pressure."""
+    stiffness, damping = film.coefficients()
+    return {
+        "load_N": float(film.load[0]),
+        "moment_x_N_m": float(film.load[1]),
+        "moment_y_N_m": float(film.load[2]),
+        "friction_torque_N_m": film.friction_torque,
+        "inner_flow_L_per_min": film.inner_flow * _LITRES_PER_MINUTE,
+        "outer_flow_L_per_min": film.outer_flow * _LITRES_PER_MINUTE,
+        "max_pressure_bar": film.max_pressure / _PASCAL_PER_BAR,
+        "min_film_um": float(film.gap_height.min()) * 1e6,
+        "cavitated_fraction": film.cavitated_fraction,
+        "mass_balance_error": film.mass_balance_error,
+        "stiffness": stiffness.tolist(),
+        "damping": damping.tolist(),
+        "status": film.status.name.lower(),
+    }
+
+
+def heat_summary(heated: HeatedFilm) -> dict[str, Any]:
+    """Temperatures of a film with unit suffixes."""
+    return {
+        "mean_temperature_degC": heated.mean_temperature - _ZERO_CELSIUS,
+        "outlet_temperature_degC": heated.outlet_temperature - _ZERO_CELSIUS,
+        "dynamic_viscosity_Pa_s": heated.film.bearing.dynamic_viscosity,
+    }
+
+
+def orbit_summary(orbit: Orbit, clearance: float) -> dict[str, Any]:
+    """Path of the shaft over time with unit suffixes."""
+    return {
+        "time_s": orbit.time.tolist(),
+        "orbit_x_um": (1e6 * orbit.position[:, 0]).tolist(),
+        "orbit_y_um": (1e6 * orbit.position[:, 1]).tolist(),
+        "orbit_force_x_N": orbit.force[:, 0].tolist(),
+        "orbit_force_y_N": orbit.force[:, 1].tolist(),
+        "orbit_max_eccentricity_ratio": float(np.hypot(*orbit.position.T).max() / clearance),
+    }
+
+
+def _finite(value: float) -> float | None:
+    return value if np.isfinite(value) else None
