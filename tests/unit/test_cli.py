@@ -239,7 +239,7 @@ def test_stand_alone_film(
     films = pytest.importorskip("toothspace.films")
     for status, code in (("done", 0), ("not_converged", 3)):
         summary = {"load_N": 1.0, "status": status}
-        monkeypatch.setattr(films, f"solve_{table}", lambda case, summary=summary: summary)
+        monkeypatch.setattr(films, f"solve_{table}", lambda case, _fields, summary=summary: summary)
         assert main([table, str(MOTOR.with_name(f"{name}.toml")), "--json"]) == code
         assert json.loads(capsys.readouterr().out) == summary
 
