@@ -152,7 +152,7 @@ def test_running_in_cuts_the_low_pressure_side_only(name: str, side: str) -> Non
 
 @pytest.mark.parametrize("name", ["egm12_motor", "egm12_pump"])
 def test_trapped_loss_is_a_part_of_groove_and_flank_throttling(name: str) -> None:
-    """Grooves and backlash serve trapped spaces, so nearly all of their loss is theirs (sampled)."""
+    """Grooves and backlash serve trapped spaces, so nearly all of their loss is there."""
     energy = solved(name).ledger.energy
     inside = sum(energy[k] for k in ("throttle_inlet_groove", "throttle_outlet_groove", "flank"))
     assert 0.8 * inside < energy["trapped_volume"] < 1.05 * inside
