@@ -69,7 +69,9 @@ def observe(arrays: SystemArrays, states: Array, times: Array | None = None) -> 
         torque=np.zeros((count, arrays.torque.size)),
         element_flow=np.zeros((count, arrays.elements.shape[0])),
     )
-    _observe(arrays, np.zeros(count) if times is None else times, states, result)
+    at = np.zeros(count) if times is None else np.ascontiguousarray(times)
+    # one memory layout, so that the model is compiled once
+    _observe(arrays, at, np.ascontiguousarray(states), result)
     return result
 
 
