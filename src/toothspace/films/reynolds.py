@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toothspace.closures.flow_factors import PatternColumns
-from toothspace.core.compiled import inlined, njit
+from toothspace.core.compiled import inlined, kernel, njit
 from toothspace.core.types import Array, IntArray
 from toothspace.films.rough_surfaces import (
     SMOOTH,
@@ -25,6 +25,8 @@ from toothspace.films.rough_surfaces import (
     carried_law,
     conductance_law,
     squeeze_law,
+    tabulated,
+    tabulates,
 )
 from toothspace.numerics.structured_grid import PRESCRIBED, CellBalance
 
@@ -68,12 +70,17 @@ class FluidField(NamedTuple):
 
 @inlined
 def face_values(
-    left: float, right: float, law: FlowLaw, columns: PatternColumns
+    left: float, right: float, law: FlowLaw, columns: PatternColumns, nodes: Array
 ) -> tuple[float, float]:
     """Conductance and carried height of a face between half cells of gaps left and right.
 
     The half cells carry the same flow, so their resistances add. [m3, m]
     """
+    ratio = left / law.roughness
+    if right == left and tabulates(law.table, ratio):
+        value, _ = tabulated(law.table, nodes, ratio)
+        height, _ = tabulated(law.table, law.table.carried, ratio)
+        return value * law.roughness**3, height * law.roughness
     cube, _ = conductance_law(left, law, columns)
     carried, _ = carried_law(left, law)
     if right == left:
@@ -86,9 +93,14 @@ def face_values(
 
 @inlined
 def face_variation(
-    left: float, right: float, law: FlowLaw, columns: PatternColumns
+    left: float, right: float, law: FlowLaw, columns: PatternColumns, nodes: Array
 ) -> tuple[float, float]:
     """Derivatives of :func:`face_values` when both gaps grow alike. [m2, -]."""
+    ratio = left / law.roughness
+    if right == left and tabulates(law.table, ratio):
+        _, slope = tabulated(law.table, nodes, ratio)
+        _, height_slope = tabulated(law.table, law.table.carried, ratio)
+        return slope * law.roughness**2, height_slope
     cube, cube_slope = conductance_law(left, law, columns)
     carried, carried_slope = carried_law(left, law)
     if right == left:
@@ -130,7 +142,7 @@ def smooth_variation(left: float, right: float) -> tuple[float, float]:
     return -2.0 * total_slope / total**2, (mean_slope - mean * total_slope) / total
 
 
-@njit(cache=True)
+@kernel
 def _fill_x(
     grid: FilmGrid, gap: GapField, fluid: FluidField, law: FlowLaw, b: CellBalance, varied: bool
 ) -> None:
@@ -149,16 +161,16 @@ def _fill_x(
             elif smooth:
                 cube, carried = smooth_values(left, right)
             elif varied:
-                cube, carried = face_variation(left, right, law, law.along)
+                cube, carried = face_variation(left, right, law, law.along, law.table.along)
             else:
-                cube, carried = face_values(left, right, law, law.along)
+                cube, carried = face_values(left, right, law, law.along, law.table.along)
             density = 0.5 * (fluid.density[w, j] + fluid.density[e, j])
             fluidity = 0.5 * (fluid.fluidity[w, j] + fluid.fluidity[e, j])
             b.conductance_x[i, j] = density * fluidity * cube / 12.0 * grid.shape_x[i, j]
             b.advection_x[i, j] = density * carried * grid.sweep_x[i, j]
 
 
-@njit(cache=True)
+@kernel
 def _fill_y(
     grid: FilmGrid, gap: GapField, fluid: FluidField, law: FlowLaw, b: CellBalance, varied: bool
 ) -> None:
@@ -174,16 +186,16 @@ def _fill_y(
             elif smooth:
                 cube, carried = smooth_values(left, right)
             elif varied:
-                cube, carried = face_variation(left, right, law, law.across)
+                cube, carried = face_variation(left, right, law, law.across, law.table.across)
             else:
-                cube, carried = face_values(left, right, law, law.across)
+                cube, carried = face_values(left, right, law, law.across, law.table.across)
             density = 0.5 * (fluid.density[i, s] + fluid.density[i, n])
             fluidity = 0.5 * (fluid.fluidity[i, s] + fluid.fluidity[i, n])
             b.conductance_y[i, j] = density * fluidity * cube / 12.0 * grid.shape_y[i, j]
             b.advection_y[i, j] = density * carried * grid.sweep_y[i, j]
 
 
-@njit(cache=True)
+@kernel
 def _fill_cells(
     grid: FilmGrid, gap: GapField, fluid: FluidField, law: FlowLaw, b: CellBalance
 ) -> None:

@@ -28,6 +28,16 @@ SMALLEST_FLOW_GAP = 0.1
 """Gap over roughness below which the conductance is not reduced further (percolation). [-]"""
 
 
+class FlowTable(NamedTuple):
+    """Average flow over the gap ratio, uniform nodes: values and slopes with the gap ratio."""
+
+    first: float
+    step: float
+    along: Array  # (nodes, 2) cube of the gap ratio times the pressure flow factor
+    across: Array
+    carried: Array  # (nodes, 2) carried height over the roughness
+
+
 class FlowLaw(NamedTuple):
     """Average flow of a film; zero roughness means smooth walls."""
 
@@ -38,6 +48,7 @@ class FlowLaw(NamedTuple):
     resting: PatternColumns
     moving_share: float  # variance of the moving wall over that of both [-]
     slide_ratio: float  # sliding over sum speed, 1 if one wall rests [-]
+    table: FlowTable  # of the same law, no nodes for none
 
 
 class ContactTable(NamedTuple):
@@ -50,7 +61,9 @@ class ContactTable(NamedTuple):
 
 
 _PLAIN = pattern_columns(1.0)
-SMOOTH = FlowLaw(0.0, _PLAIN, _PLAIN, _PLAIN, _PLAIN, 0.5, 0.0)
+_NO_TABLE = FlowTable(SMALLEST_FLOW_GAP, 0.02, *(np.zeros((0, 2)) for _ in range(3)))
+_TABLE_NODES = 500
+SMOOTH = FlowLaw(0.0, _PLAIN, _PLAIN, _PLAIN, _PLAIN, 0.5, 0.0, _NO_TABLE)
 """Smooth walls."""
 NO_CONTACT = ContactTable(0.0, 1.0, np.zeros(0), np.zeros(0))
 """Walls that carry nothing by contact."""
@@ -98,6 +111,24 @@ def mean_gap(gap: Array, law: FlowLaw) -> Array:
                 density = math.exp(-0.5 * ratio * ratio) / math.sqrt(2.0 * math.pi)
                 out[i, j] = law.roughness * (ratio * contact_factor(ratio) + density)
     return out
+
+
+@inlined
+def tabulated(table: FlowTable, column: Array, ratio: float) -> tuple[float, float]:
+    """Value and slope of a column at a gap ratio inside the table. [-]."""
+    place = (ratio - table.first) / table.step
+    k = int(place)
+    t = place - k
+    v0, v1 = column[k, 0], column[k + 1, 0]
+    s0, s1 = column[k, 1] * table.step, column[k + 1, 1] * table.step
+    c2, c3 = 3.0 * (v1 - v0) - 2.0 * s0 - s1, s0 + s1 - 2.0 * (v1 - v0)
+    return v0 + t * (s0 + t * (c2 + t * c3)), (s0 + t * (2.0 * c2 + 3.0 * t * c3)) / table.step
+
+
+@inlined
+def tabulates(table: FlowTable, ratio: float) -> bool:
+    """Whether a gap ratio lies inside the table."""
+    return table.first <= ratio < table.first + table.step * (table.carried.shape[0] - 1)
 
 
 @inlined
@@ -203,18 +234,7 @@ class RoughSurfaces:
 
         The pattern of the pressure flow is that of the walls weighted with their variances.
         """
-        share = (self.moving_roughness / self.roughness) ** 2
-        logarithm = share * math.log(self.moving_pattern)
-        logarithm += (1.0 - share) * math.log(self.resting_pattern)
-        return FlowLaw(
-            self.roughness,
-            pattern_columns(math.exp(logarithm)),
-            pattern_columns(math.exp(-logarithm)),
-            pattern_columns(self.moving_pattern),
-            pattern_columns(self.resting_pattern),
-            share,
-            slide_ratio,
-        )
+        return _flow_law(self, slide_ratio)
 
     def contact_table(self) -> ContactTable:
         """Table of the asperity pressure."""
@@ -231,6 +251,39 @@ def _check_table(points: tuple[tuple[float, float], ...]) -> None:
             f"contact_points: found {len(points)} points, allowed are two or more with a growing "
             "gap ratio and a positive, falling pressure"
         )
+
+
+@lru_cache(maxsize=64)
+def _flow_law(surfaces: RoughSurfaces, slide_ratio: float) -> FlowLaw:
+    share = (surfaces.moving_roughness / surfaces.roughness) ** 2
+    logarithm = share * math.log(surfaces.moving_pattern)
+    logarithm += (1.0 - share) * math.log(surfaces.resting_pattern)
+    law = FlowLaw(
+        surfaces.roughness,
+        pattern_columns(math.exp(logarithm)),
+        pattern_columns(math.exp(-logarithm)),
+        pattern_columns(surfaces.moving_pattern),
+        pattern_columns(surfaces.resting_pattern),
+        share,
+        slide_ratio,
+        _NO_TABLE,
+    )
+    return law._replace(table=_flow_table(law))
+
+
+def _flow_table(law: FlowLaw) -> FlowTable:
+    """Table that replaces powers and exponentials of the law where films are thin."""
+    ratios = _NO_TABLE.first + _NO_TABLE.step * np.arange(_TABLE_NODES)
+    # just above its first node the law no longer holds the gap
+    gaps = np.maximum(ratios, _NO_TABLE.first * (1.0 + 1e-12)) * law.roughness
+    unit = np.array([1.0 / law.roughness**3, 1.0 / law.roughness**2])
+    cubes = [
+        np.array([conductance_law(float(h), law, columns) for h in gaps]) * unit
+        for columns in (law.along, law.across)
+    ]
+    carried = np.array([carried_law(float(h), law) for h in gaps])
+    carried[:, 0] /= law.roughness
+    return _NO_TABLE._replace(along=cubes[0], across=cubes[1], carried=carried)
 
 
 def _elastic_plastic(s: RoughSurfaces, ratio: float) -> float:

@@ -26,6 +26,7 @@ from toothspace.films.lateral_gap.faces import FaceGrid
 from toothspace.films.lateral_gap.friction import housing_friction, normal_force
 from toothspace.films.lateral_gap.motion import Balance, Loads, StepSettings, rest_at
 from toothspace.films.lateral_gap.stack import BackPressure, Columns, Compliance, Scene, Stack
+from toothspace.films.lateral_gap.yielding_film import Accuracy
 from toothspace.films.plane_film import FilmFluid
 from toothspace.films.rough_surfaces import RoughSurfaces
 from toothspace.model.description import MachineDescription
@@ -37,6 +38,10 @@ if TYPE_CHECKING:
 
 _TOUCH = 0.01
 """Asperity pressure over hardness that counts as contact. [-]"""
+_MARCHED = Accuracy(settled=1e-4, linear=1e-4)
+"""Accuracy of films within one step of the march, whose force balance repeats them."""
+_JACOBIAN_AGE = 60
+"""Iterations of the march that one Jacobian serves. [-]"""
 
 
 @final
@@ -108,8 +113,10 @@ class LateralProblem:
     def march(self, start: Balance, steps: int, revolutions: float = 1.0) -> March:
         """March over the shaft angle with transient squeeze."""
         angles = np.arange(1, round(steps * revolutions) + 1) * 2.0 * np.pi / steps
-        step = self._step(1e-5)
-        return march_angles(self.stack, self.node_pressure, self.loads, start, angles, step)
+        step = replace(self._step(1e-5), jacobian_age=_JACOBIAN_AGE)
+        laws = tuple(law._replace(accuracy=_MARCHED) for law in self.stack.laws)
+        stack = replace(self.stack, laws=laws)
+        return march_angles(stack, self.node_pressure, self.loads, start, angles, step)
 
     def _step(self, tolerance: float) -> StepSettings:
         bends = self.settings.deformation == "bodies"

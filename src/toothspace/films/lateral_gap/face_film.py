@@ -11,6 +11,7 @@ from toothspace.core.types import Array, BoolArray
 from toothspace.films.cavitation import CAVITATION
 from toothspace.films.lateral_gap.faces import FaceGrid, Mask
 from toothspace.films.lateral_gap.yielding_film import (
+    Accuracy,
     Yielding,
     YieldingSolution,
     opened,
@@ -48,6 +49,7 @@ class FilmLaw(NamedTuple):
     boundary_friction: float  # [-]
     cavitation: str
     cavitation_pressure: float  # [Pa]
+    accuracy: Accuracy = Accuracy()
 
 
 def film_law(
@@ -174,7 +176,9 @@ class FaceFilm:
         varied = balance_variation((film.grid, film.gap, self.plane.fluid), change, slope, film.law)
         push = residual(self.plane.balance, varied, fields.potential, fields.saturation)
         push[fields.kind == PRESCRIBED] = 0.0
-        response = fields.system.solve(-push.ravel()).reshape(push.shape)
+        response = fields.system.solve(
+            -push.ravel(), relative_tolerance=self.law.accuracy.linear
+        ).reshape(push.shape)
         response[(fields.kind != SATURATED) | (fields.potential <= 0.0)] = 0.0
         opening = self.compliance * response + (zero if rate else lever[0])
         return np.asarray(response + found.contact_slope * found.yielding * opening)
@@ -276,7 +280,7 @@ def solve_face(
     start = former.solution if former is not None else None
     if approach.local > 0.0:
         reference = around.low_pressure - law.cavitation_pressure
-        how = Yielding(approach.local, reference, law.contact, law.roughness)
+        how = Yielding(approach.local, reference, law.contact, law.roughness, law.accuracy)
         start = _stiff(film, state, law, None) if start is None else start
         return FaceFilm(grid, law, around, solve_yielding(film, state, how, start), approach.local)
     return FaceFilm(grid, law, around, _stiff(film, state, law, start), 0.0)

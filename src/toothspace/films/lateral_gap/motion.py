@@ -21,6 +21,8 @@ _GROWTH = 3.0
 _OVERLAP = 0.5
 """Overlap of rough walls that a Newton step may add, over the roughness. [-]"""
 _STATUS_ROUNDS = 4
+_PATIENCE = 8
+"""Iterations of one step after which an older Jacobian is made afresh. [-]"""
 _HEAD = 0.3
 """Part of the former velocity with which a step begins its search. [-]"""
 _MOST_FAILURES = 3
@@ -207,7 +209,7 @@ def _solve(task: _Task, former: Balance, slides: tuple[int, ...] | None) -> Bala
             break
         deformed, change = _deform(task, states, deformed)
         force, drag = _forces(task, states, v, slides)
-        if jacobian is None or age >= settings.jacobian_age:
+        if jacobian is None or age >= settings.jacobian_age or number % _PATIENCE == 0:
             jacobian, age = _mean_coefficients(states), 0
         age += 1
         step, holding, error = _newton_step(task, jacobian, force, drag, held, v)

@@ -7,7 +7,7 @@ from typing import NamedTuple, final
 
 import numpy as np
 
-from toothspace.core.compiled import njit
+from toothspace.core.compiled import kernel
 from toothspace.core.types import Array, IntArray
 from toothspace.films.plane_film import PlaneFilm, PlaneSolution
 from toothspace.films.reynolds import FluidField, GapField, balance_derivative, film_balance
@@ -22,6 +22,7 @@ from toothspace.numerics.complementarity import (
 from toothspace.numerics.linear_system import (
     PRESCRIBED,
     SATURATED,
+    TIGHT,
     UNSATURATED,
     LinearSystem,
     direct_system,
@@ -33,11 +34,16 @@ from toothspace.numerics.structured_grid import CellBalance, grid_shape
 _MOST_PASSES = 40
 _PATIENCE = 9
 """Passes after which the cavity is found afresh with the gap held."""
-_SETTLED = 1e-7
-"""Change of the gap by one pass over the gap at which a film has settled. [-]"""
 _LONGEST = 0.5
 """Largest change of the gap in one pass over the gap. [-]"""
 _ROUNDING = 1e-10
+
+
+class Accuracy(NamedTuple):
+    """When a film is done."""
+
+    settled: float = 1e-7  # change of the gap by one pass over the gap [-]
+    linear: float = TIGHT  # residual of one linear solution over its right-hand side [-]
 
 
 class Yielding(NamedTuple):
@@ -47,6 +53,7 @@ class Yielding(NamedTuple):
     reference: float  # pressure without approach, above the cavitation pressure [Pa]
     contact: ContactTable
     roughness: float  # [m]
+    accuracy: Accuracy = Accuracy()
 
 
 @final
@@ -70,7 +77,7 @@ class YieldingSolution:
     yielding: Array
 
 
-@njit(cache=True)
+@kernel
 def _settle_gap(
     rigid: Array, potential: Array, film: Array, how: Yielding, gap: Array, out: Array
 ) -> None:
@@ -95,7 +102,7 @@ def _settle_gap(
             out[0, i, j], out[1, i, j], out[2, i, j] = p, slope, share
 
 
-@njit(cache=True)
+@kernel
 def _couple(
     b: CellBalance,
     slope: CellBalance,
@@ -114,7 +121,7 @@ def _couple(
     _couple_across(b, slope, kind, potential, give, stencil)
 
 
-@njit(cache=True)
+@kernel
 def _couple_along(
     b: CellBalance,
     slope: CellBalance,
@@ -143,7 +150,7 @@ def _couple_along(
                 stencil[other, 2 if forward else 4] += change
 
 
-@njit(cache=True)
+@kernel
 def _couple_across(
     b: CellBalance,
     slope: CellBalance,
@@ -175,7 +182,7 @@ def _couple_across(
             stencil[i * lanes + lanes - 1, 2] += drop * give[i, lanes - 1]
 
 
-@njit(cache=True)
+@kernel
 def _revise(kind: IntArray, unknown: Array, scale: float) -> int:
     """Exchange the kinds of cells that break a bound and put them on it."""
     rows, lanes = kind.shape
@@ -227,14 +234,14 @@ def solve_yielding(
         saturation = np.where(kind == UNSATURATED, unknown.reshape(kind.shape), 1.0)
         now = _linearise(film, state, how, (potential, saturation, kind), gap)
         gap = now.gap
-        step = now.system.solve(-now.right)
+        step = now.system.solve(-now.right, relative_tolerance=how.accuracy.linear)
         change = how.compliance * np.abs(step).reshape(kind.shape) * now.touch[2]
         change = np.where(inside & (kind == SATURATED), change, 0.0)
         largest = float((change / np.maximum(gap, 0.1 * how.roughness + 1e-9)).max())
         unknown = unknown + min(1.0, _LONGEST / max(largest, 1e-300)) * step
         used = kind.copy()
         changed = _revise(kind, unknown, potential_scale(now.balance))
-        settled = changed == 0 and largest <= _SETTLED
+        settled = changed == 0 and largest <= how.accuracy.settled
         if settled:
             break
         if number % _PATIENCE == 0:
