@@ -12,6 +12,7 @@ import numpy as np
 from toothspace.closures.journal_friction import FrictionCurve
 from toothspace.core.errors import CaseError
 from toothspace.model.description import JournalBearing, MachineDescription
+from toothspace.model.lateral_table import LateralTable
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -85,6 +86,51 @@ def _with_curve(journal: JournalBearing, tables: xr.Dataset, known: list[str]) -
     return replace(journal, friction=FrictionCurve(*(float(term) for term in terms)))
 
 
+def with_lateral_loads(description: MachineDescription, tables: xr.Dataset) -> MachineDescription:
+    """Machine whose lateral films take drag and leakage from tables over axial loads.
+
+    Raises
+    ------
+    CaseError
+        If the machine has no pressed bearing, or the tables are of another size.
+    """
+    balance = description.lateral_balance
+    if balance is None:
+        allowed = "a machine with machine.floating_bearing.high_pressure_area"
+        raise CaseError(f"run.film_tables: found tables of lateral films, allowed {allowed}")
+    for name, size in lateral_sizes(description).items():
+        found = float(tables[f"lateral_{name}"])
+        if not np.isclose(found, size, rtol=_SAME_SIZE):
+            raise CaseError(
+                f"run.film_tables: found lateral films with {name} {found:.6g} (SI units), allowed "
+                f"that of the case, {size:.6g}"
+            )
+    if not bool(tables["lateral_converged"].all()):
+        raise CaseError("run.film_tables: found loads without an equilibrium, allowed none")
+    unit = float(tables["lateral_viscosity"]) * float(tables["lateral_shaft_speed"])
+    table = LateralTable(
+        tables["lateral_force"].values,
+        tables["lateral_moment"].values,
+        tables["lateral_extra_torque"].values / unit,
+        tables["lateral_leakage_factor"].values,
+    )
+    return replace(description, lateral_table=table)
+
+
+def lateral_sizes(description: MachineDescription) -> dict[str, float]:
+    """Sizes that tables of lateral films belong to: areas [m2], closed-form height [m]."""
+    balance = description.lateral_balance
+    assert balance is not None
+    return {
+        "face_area": balance.floating.face.area,
+        "high_pressure_area": balance.floating.high_pressure.area,
+        "height": description.laterals[0].height,
+    }
+
+
 Applied = Callable[[MachineDescription, "xr.Dataset"], MachineDescription]
-APPLIED: Mapping[str, Applied] = {"journal": with_journal_friction}
+APPLIED: Mapping[str, Applied] = {
+    "journal": with_journal_friction,
+    "lateral": with_lateral_loads,
+}
 """How each kind of film in a file enters the machine."""

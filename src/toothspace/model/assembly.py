@@ -68,6 +68,7 @@ from toothspace.model.films import (
 )
 from toothspace.model.fluid_column import FLUID_COLUMN
 from toothspace.model.inlet_volume import inlet_gas_fraction
+from toothspace.model.lateral_table import with_lateral_table
 from toothspace.model.ledger import FRICTION_MECHANISMS, GAS_MASS, LEDGER_SIZE, MASS, PORT_NODES
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.paths import (
@@ -125,6 +126,7 @@ def assemble(
     description: MachineDescription, fluid: FluidLaw, condition: OperatingCondition
 ) -> System:
     """Build the arrays of a machine at a condition."""
+    description = with_lateral_table(description, condition)
     free = _free_motions(description, condition)
     motion_map = _motion_map(description, condition, free)
     paths = description.paths

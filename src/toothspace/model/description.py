@@ -28,6 +28,8 @@ from toothspace.numerics.periodic_table import PeriodicTable
 if TYPE_CHECKING:
     import xarray as xr
 
+    from toothspace.model.lateral_table import LateralTable
+
 __all__ = [
     "CONTACT_CHANNELS",
     "PATH_CHANNELS",
@@ -373,6 +375,8 @@ class MachineDescription:
         Condition of running-in; None leaves the casing as made.
     lateral_balance : LateralBalance or None
         Films beside the gears and the bearing pressed against them; None without.
+    lateral_table : LateralTable or None
+        Drag and leakage beside the gears over the load on that bearing, for closed-form films.
     outlines : mapping of name to ndarray, shape (points, 2)
         Closed polygons for drawing: one per body (own frame, at shaft angle zero), plus
         ``casing``, grooves and ports in the machine frame. [m]
@@ -400,6 +404,7 @@ class MachineDescription:
     drain_pressure: float = 1e5
     running_in: RunningIn | None = None
     lateral_balance: LateralBalance | None = None
+    lateral_table: LateralTable | None = None
     outlines: Mapping[str, Array] = field(default_factory=dict)
     geometry_summary: Mapping[str, object] = field(default_factory=dict)
     checks: tuple[DesignCheck, ...] = ()

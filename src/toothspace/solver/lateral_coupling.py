@@ -13,6 +13,7 @@ from toothspace.core.status import Status
 from toothspace.films.lateral_gap.equilibrium import Equilibrium
 from toothspace.films.lateral_gap.motion import Balance
 from toothspace.model.description import MachineDescription
+from toothspace.model.lateral_table import LATERAL_PATHS, with_lateral_leakage
 from toothspace.results.solution import Solution
 from toothspace.results.variables import VARIABLES
 from toothspace.solver.lateral_gap import (
@@ -22,18 +23,20 @@ from toothspace.solver.lateral_gap import (
     film_fields,
     lateral_problem,
     numbers_of,
-    with_lateral_leakage,
     with_lateral_torque,
 )
 
 LumpedRun = Callable[[MachineDescription], Solution]
 """Lumped solution of a machine at the operating point."""
 
-_LATERAL_PATHS = ("lateral", "drain")
 _AGREEMENT = 0.02
 """Difference of leakage at which films and chambers agree. [-]"""
 _NEGLIGIBLE = 5e-4
 """Difference of leakage over displaced flow at which films and chambers agree. [-]"""
+_TOLERATED = 0.01
+"""Difference of leakage over displaced flow above which a point has failed. [-]"""
+_LONGEST_CHANGE = 3.0
+"""Largest change of the logarithm of the leakage of the paths in one round. [-]"""
 
 
 @final
@@ -50,13 +53,13 @@ class PointRequest:
     nose_pressure : float or None
         Absolute pressure on the nose; None: the low pressure. [Pa]
     rounds : int
-        Most lumped runs at this point.
+        Most lumped runs at this point; one leaves the paths of the network as they are.
     """
 
     settings: LateralSettings
     start: Balance | float
     nose_pressure: float | None = None
-    rounds: int = 2
+    rounds: int = 6
 
 
 @final
@@ -78,6 +81,8 @@ class CoupledPoint:
         Mean numbers of the films.
     leakage_mismatch : float
         Leakage of films less that of the lumped paths, over the displaced flow. [-]
+    agreed : bool
+        Whether films and paths were brought to agree, or were not meant to be.
     """
 
     solution: Solution
@@ -86,11 +91,13 @@ class CoupledPoint:
     equilibrium: Equilibrium
     numbers: LateralNumbers
     leakage_mismatch: float
+    agreed: bool = True
 
     @property
     def status(self) -> Status:
-        """Outcome of the lumped run, or failure of the force balance."""
-        return self.solution.status if self.equilibrium.rests else Status.NOT_CONVERGED
+        """Outcome of the lumped run, or failure of the force balance or of the agreement."""
+        settled = self.equilibrium.rests and self.agreed
+        return self.solution.status if settled else Status.NOT_CONVERGED
 
 
 def couple_point(
@@ -111,9 +118,11 @@ def couple_point(
 
     Notes
     -----
-    Fixed point: the lumped lateral and drain paths are widened until they leak like the films,
-    and the film heights of the faces are set to drag like them.
+    Secant method on the logarithm of the factor by which the lumped lateral and drain paths leak
+    more; the film heights of the faces are set to drag like the films.
     """
+    known: list[tuple[float, float]] = []
+    widened = 0.0
     for number in range(1, request.rounds + 1):
         solution = run(description)
         problem = lateral_problem(
@@ -123,19 +132,37 @@ def couple_point(
         begun = problem.started(start) if isinstance(start, float) else problem.continued(start)
         found = problem.settle(begun)
         numbers = numbers_of(problem, found.balance)
-        paths = solution.data["leakage"].sel(path=list(_LATERAL_PATHS))
+        paths = solution.data["leakage"].sel(path=list(LATERAL_PATHS))
         lumped = float(paths.sum("path").mean())
         mismatch = numbers.leakage - lumped
         flow = description.displacement * problem.stack.shaft_speed
-        point = CoupledPoint(solution, description, problem, found, numbers, mismatch / flow)
         close = abs(mismatch) <= max(_AGREEMENT * abs(numbers.leakage), _NEGLIGIBLE * flow)
+        agreed = request.rounds == 1 or abs(mismatch) <= max(
+            _AGREEMENT * abs(numbers.leakage), _TOLERATED * flow
+        )
+        point = CoupledPoint(
+            solution, description, problem, found, numbers, mismatch / flow, agreed
+        )
         if close or number == request.rounds:
             return point
         if lumped > 0.0 and numbers.leakage > 0.0:
-            factor = float(np.clip(numbers.leakage / lumped, 1e-3, 1e3))
-            description = with_lateral_leakage(description, factor)
+            known.append((widened, float(np.log(numbers.leakage / lumped))))
+            change = _next_change(known)
+            widened += change
+            description = with_lateral_leakage(description, float(np.exp(change)))
         description = _with_drag(description, solution, numbers)
     return point
+
+
+def _next_change(known: list[tuple[float, float]]) -> float:
+    """Change of the logarithm of the paths' leakage; secant between opposite errors."""
+    place, error = known[-1]
+    opposite = [(s, e) for s, e in known if e * error < 0.0]
+    if opposite:
+        other, before = min(opposite, key=lambda pair: abs(pair[0] - place))
+        share = float(np.clip(error / (error - before), 0.2, 0.8))
+        return share * (other - place)
+    return float(np.clip(error, -_LONGEST_CHANGE, _LONGEST_CHANGE))
 
 
 def _with_drag(

@@ -31,7 +31,6 @@ from toothspace.films.plane_film import FilmFluid
 from toothspace.films.rough_surfaces import RoughSurfaces
 from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_balance import FilmInterface, LateralBalance
-from toothspace.numerics.periodic_table import PeriodicTable
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -343,28 +342,10 @@ def _contact_share(film: FaceFilm) -> float:
     return float((area * touching).sum() / area.sum())
 
 
-def with_lateral_leakage(description: MachineDescription, factor: float) -> MachineDescription:
-    """Widen the lateral and drain paths so that they leak by a factor more. [-]."""
-    paths = tuple(
-        replace(p, geometry=_scaled(p.geometry, factor ** (1.0 / 3.0)))
-        if p.category in {"lateral", "drain"}
-        else p
-        for p in description.paths
-    )
-    return replace(description, paths=paths)
-
-
 def with_lateral_torque(description: MachineDescription, factor: float) -> MachineDescription:
     """Change the film heights on the faces so that they drag by a factor more. [-]."""
     laterals = tuple(replace(f, height=f.height / factor) for f in description.laterals)
     return replace(description, laterals=laterals)
-
-
-def _scaled(table: PeriodicTable, factor: float) -> PeriodicTable:
-    values, slopes = table.values.copy(), table.slopes.copy()
-    values[:, 0] *= factor
-    slopes[:, 0] *= factor
-    return PeriodicTable(table.period, values, slopes)
 
 
 def film_fields(balance: Balance) -> Mapping[str, Array]:

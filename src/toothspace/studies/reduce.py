@@ -16,7 +16,7 @@ from toothspace.closures.journal_friction import FrictionCurve
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.films.film_tables import JOURNAL_SIZES, KINDS
+from toothspace.films.film_tables import JOURNAL_SIZES, KINDS, lateral_sizes
 from toothspace.films.mixed_lubrication import (
     FrictionSweep,
     fit_friction_curve,
@@ -26,6 +26,7 @@ from toothspace.films.mixed_lubrication import (
 from toothspace.model.description import JournalBearing, MachineDescription
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.quasi_static import mean_force
+from toothspace.solver.lateral_reduction import reduce_lateral
 
 SOMMERFELD_NUMBERS = (*np.geomspace(0.001, 0.2, 16), 2.0)
 """Points of the sweep; the last gives the line of the full film. [-]"""
@@ -218,6 +219,61 @@ def _journal_summary(tables: xr.Dataset) -> dict[str, Any]:
     return numbers
 
 
+def reduce_lateral_films(given: ReduceInput) -> xr.Dataset:
+    """Torque and leakage beside the gears over force and moment on the pressed bearing.
+
+    Parameters
+    ----------
+    given : ReduceInput
+        Machine with a pressed bearing, fluid and condition.
+
+    Returns
+    -------
+    xarray.Dataset
+        Tables over ``lateral_force`` and ``lateral_moment``.
+    """
+    condition = given.condition
+    found = reduce_lateral(
+        given.description, given.fluid, condition, api.lateral_settings(given.case)
+    )
+    over = ("lateral_force", "lateral_moment")
+    columns = {
+        "torque": ("N m", "Torque of the lateral films at the shaft"),
+        "extra_torque": ("N m", "Torque beyond the closed form"),
+        "leakage_factor": ("1", "Leakage over that of the closed form"),
+        "smallest_gap": ("m", "Smallest gap"),
+        "converged": ("1", "Whether the bearing came to rest"),
+    }
+    values: dict[str, Any] = {
+        f"lateral_{name}": (over, getattr(found, name), _about(*text))
+        for name, text in columns.items()
+    }
+    for name, size in lateral_sizes(given.description).items():
+        units = "m" if name == "height" else "m2"
+        values[f"lateral_{name}"] = ((), size, _about(units, name.replace("_", " ")))
+    viscosity = float(given.fluid.dynamic_viscosity)
+    values["lateral_viscosity"] = ((), viscosity, _about("Pa s", "Viscosity"))
+    values["lateral_shaft_speed"] = ((), condition.shaft_speed, _about("rad/s", "Shaft speed"))
+    force = ("lateral_force", found.force, _about("N", "Axial force, away from the gears"))
+    moment = ("lateral_moment", found.moment, _about("N m", "Moment about x on the bearing"))
+    return xr.Dataset(values, {"lateral_force": force, "lateral_moment": moment})
+
+
+def _lateral_summary(tables: xr.Dataset) -> dict[str, Any]:
+    """Ranges of the loads, the torques and the factors."""
+    numbers: dict[str, Any] = {"lateral_points": int(tables["lateral_torque"].size)}
+    for name, unit in (
+        ("force", "N"),
+        ("moment", "N_m"),
+        ("extra_torque", "N_m"),
+        ("leakage_factor", ""),
+    ):
+        values = tables[f"lateral_{name}"].values
+        label = f"lateral_{name}_{unit}" if unit else f"lateral_{name}"
+        numbers[label] = [float(np.nanmin(values)), float(np.nanmax(values))]
+    return numbers
+
+
 @final
 @dataclass(frozen=True)
 class ReducedFilm:
@@ -233,6 +289,11 @@ REDUCED: Mapping[str, ReducedFilm] = {
         has=lambda given: bool(given.description.journals),
         reduce=reduce_journals,
         summary=_journal_summary,
+    ),
+    "lateral": ReducedFilm(
+        has=lambda given: given.description.lateral_balance is not None,
+        reduce=reduce_lateral_films,
+        summary=_lateral_summary,
     ),
 }
 """Kinds of films by name; each has its counterpart in ``films.film_tables.APPLIED``.

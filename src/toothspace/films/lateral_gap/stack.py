@@ -91,8 +91,8 @@ class Stack:
     Notes
     -----
     Coordinates, three each (lift and rotations about x and y): pressed bearing, gears, and the
-    second pressed bearing if there is one. Bearings turn about the x and y axes of the machine
-    frame, gears about their own. Then the drive gear's lift is the axial reference.
+    second pressed bearing if there is one; then the drive gear stays where it is. Bearings turn
+    about the x and y axes of the machine frame, gears about their own.
     """
 
     balance: LateralBalance
@@ -120,7 +120,9 @@ class Stack:
         """Coordinates that move."""
         axial = self.balance.motion == "axial"
         found = np.arange(0, self.size, _MOTIONS if axial else 1)
-        return found[found != _MOTIONS] if self.two_pressed else found
+        # nothing changes when all bodies move together, so the first gear is the reference
+        first = (found >= _MOTIONS) & (found < 2 * _MOTIONS)
+        return found[~first] if self.two_pressed else found
 
     @property
     def film_motions(self) -> tuple[int, ...]:

@@ -1,0 +1,112 @@
+"""March of the elastic lateral films of the fuel pump over a revolution.
+
+    python benchmarks/bench_lateral.py [--quick] [--whole]
+
+Both sides of both gears, deformation and force balance, in steps of one degree from a converged
+start, every step to a force residual below 1e-4 of the balance force and a change of the films
+below 1e-3 per iteration. By default a few steps stand for the revolution; ``--whole`` marches it.
+"""
+
+from __future__ import annotations
+
+import resource
+import sys
+import time
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from toothspace.api import RunInMachine, condition_of, lateral_settings, run_in_machine
+from toothspace.case import Case
+from toothspace.config import load_case
+from toothspace.films.lateral_gap.equilibrium import March
+from toothspace.films.lateral_gap.motion import Balance
+from toothspace.numerics import multigrid
+from toothspace.solver.lateral_gap import LateralProblem, lateral_problem
+
+CASE = Path(__file__).parents[1] / "cases" / "hysteresis_055.toml"
+GRIDS = ((280, 26), (560, 52), (812, 74))
+"""Cells round the circumference and along the radius of each gear; an interface has two gears."""
+STEPS, SAMPLED, WARM = 360, 6, 3
+TARGET = 300.0
+"""Wall time of a revolution with 2 x 120 000 cells. [s]"""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """Machine of the case with its chamber pressures, and where its bearing rests."""
+
+    case: Case
+    machine: RunInMachine
+    data: object
+    rest: Balance
+
+    def problem(self, grid: tuple[int, int], deformation: str) -> LateralProblem:
+        settings = replace(
+            lateral_settings(self.case), grid=grid, angles=1, deformation=deformation
+        )
+        return lateral_problem(self.machine.description, self.machine.fluid, self.data, settings)
+
+
+def prepare() -> Setting:
+    """Chamber pressures of a lumped run, and the equilibrium on the grid of the case."""
+    case = load_case(CASE, ["run.max_revolutions=3"])
+    machine = run_in_machine(case)
+    data = machine.solve(condition_of(case, machine.description)).data
+    problem = lateral_problem(
+        machine.description, machine.fluid, data, replace(lateral_settings(case), angles=2)
+    )
+    return Setting(case, machine, data, problem.settle(problem.started(2e-6)).balance)
+
+
+def timed(problem: LateralProblem, rest: Balance, steps: int) -> tuple[float, March]:
+    """Wall time of the steps after the warm ones, and the march."""
+    warm = problem.march(problem.continued(rest), STEPS, WARM / STEPS)
+    start = time.perf_counter()
+    march = problem.march(warm.balances[-1], STEPS, steps / STEPS)
+    return time.perf_counter() - start, march
+
+
+def row(setting: Setting, grid: tuple[int, int], deformation: str, steps: int) -> None:
+    """Print the numbers of one grid."""
+    problem = setting.problem(grid, deformation)
+    wall, march = timed(problem, setting.rest, steps)
+    cells = 4 * grid[0] * grid[1]
+    iterations = float(np.mean([b.iterations for b in march.balances]))
+    worst = max(b.residual for b in march.balances)
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
+    print(
+        f"  {deformation:8s} 2 x {cells // 2:7d} {multigrid.THREADS:7d} {wall / steps:8.3f} "
+        f"{iterations:10.1f} {cells * iterations * steps / wall / 1e6:12.2f} "
+        f"{wall / steps * STEPS:10.0f} {worst:9.1e} {march.converged!s:>5s} {peak:8.2f}"
+    )
+
+
+def report(grids: tuple[tuple[int, int], ...] = GRIDS, steps: int = SAMPLED) -> None:
+    """Print scaling with cells and with cores."""
+    print(f"Elastic lateral films, one revolution in {STEPS} steps; target {TARGET:.0f} s")
+    print(
+        "           cells      threads   s/step  iter/step  Mcell it./s  s/revol.  "
+        "residual   done  GiB peak"
+    )
+    setting = prepare()
+    for grid in grids:
+        row(setting, grid, "columns", steps)
+    row(setting, grids[-1], "bodies", steps)
+    available, multigrid.THREADS = multigrid.THREADS, 1
+    if available > 1:
+        row(setting, grids[-1], "columns", steps)
+    multigrid.THREADS = available
+
+
+def main() -> None:
+    """Print the table of few steps."""
+    report()
+
+
+if __name__ == "__main__":
+    if "--quick" in sys.argv:
+        report(GRIDS[:1])
+    else:
+        report(steps=STEPS if "--whole" in sys.argv else SAMPLED)
