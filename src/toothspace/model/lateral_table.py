@@ -34,7 +34,7 @@ class LateralTable:
     force : ndarray, shape (n,)
         Unbalanced axial force F_z, positive away from the gears, rising. [N]
     moment : ndarray, shape (m,)
-        Unbalanced moment M_x about the middle of the face, rising. [N m]
+        Unbalanced moment M_x about the middle of the face, rising; one where nothing tilts. [N m]
     extra_drag : ndarray, shape (n, m)
         Torque at the shaft beyond the closed form, per viscosity and shaft speed. [m3]
     leakage_factor : ndarray, shape (n, m)
@@ -63,6 +63,8 @@ class LateralTable:
 
 def _place(nodes: Array, value: float, name: str, unit: str) -> float:
     """Place between the nodes; little outside counts as the edge."""
+    if nodes.size == 1:
+        return 0.0
     margin = _MARGIN * (nodes[-1] - nodes[0])
     if not nodes[0] - margin <= value <= nodes[-1] + margin:
         raise CaseError(
@@ -73,10 +75,12 @@ def _place(nodes: Array, value: float, name: str, unit: str) -> float:
 
 
 def _bilinear(values: Array, row: float, column: float) -> float:
-    i, j = (min(int(x), n - 2) for x, n in zip((row, column), values.shape, strict=True))
+    last_row, last_column = (n - 1 for n in values.shape)
+    i, j = int(row), int(column)
+    k, m = min(i + 1, last_row), min(j + 1, last_column)
     s, t = row - i, column - j
-    low = (1.0 - t) * values[i, j] + t * values[i, j + 1]
-    high = (1.0 - t) * values[i + 1, j] + t * values[i + 1, j + 1]
+    low = (1.0 - t) * values[i, j] + t * values[i, m]
+    high = (1.0 - t) * values[k, j] + t * values[k, m]
     return float((1.0 - s) * low + s * high)
 
 

@@ -215,3 +215,32 @@ def _is_motor(data: xr.Dataset) -> bool:
 
 def _ratio(numerator: float, denominator: float) -> float:
     return numerator / denominator if denominator != 0.0 else float("nan")
+
+
+_LATERAL = {
+    "lateral_leakage_L_per_min": ("lateral_leakage", 6e4),
+    "lateral_torque_N_m": ("lateral_torque", 1.0),
+    "smallest_film_um": ("lateral_smallest_gap", 1e6),
+    "contact_force_N": ("lateral_contact_force", 1.0),
+    "contact_share": ("lateral_contact_share", 1.0),
+    "wear_power_W_per_mm2": ("lateral_wear_power", 1e-6),
+    "housing_friction_N": ("lateral_housing_friction", 1.0),
+    "seat_force_N": ("solid_bearing_seat_force", 1.0),
+}
+
+
+def lateral_numbers(data: xr.Dataset, statistics: Mapping[str, float]) -> dict[str, float]:
+    """Numbers of a run with solved lateral films and a pressed bearing, names with unit suffix.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Samples of the last revolution.
+    statistics : mapping of str to float
+        Numbers of the films in SI units; without them the result is empty.
+    """
+    if "lateral_leakage" not in statistics:
+        return {}
+    position = float(data["bearing_position"].mean()) * 1e6
+    numbers = {name: statistics[key] * unit for name, (key, unit) in _LATERAL.items()}
+    return {"bearing_position_um": position, **numbers}

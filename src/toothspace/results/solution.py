@@ -80,7 +80,8 @@ class Solution:
         }
 
     def _steady(self) -> dict[str, float]:
-        return performance.summary_numbers(self.data, self.ledger)
+        numbers = performance.summary_numbers(self.data, self.ledger)
+        return {**numbers, **performance.lateral_numbers(self.data, self.statistics)}
 
     def _transient(self) -> dict[str, float]:
         released = [event.time for event in self.events if event.kind == "shaft_released"]

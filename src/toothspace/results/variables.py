@@ -95,6 +95,12 @@ _ROWS: tuple[tuple[str, str, str, str], ...] = (
     ("film_pressure", "film film_row film_column", "Pa", "Absolute pressure in a film"),
     ("film_height", "film film_row film_column", "m", "Height of a film, deformation included"),
     ("film_contact_pressure", "film film_row film_column", "Pa", "Pressure carried by asperities"),
+    (
+        "film_wear_power",
+        "film film_row film_column",
+        "W/m2",
+        "Asperity pressure times sliding speed, the indicator of wear",
+    ),
     ("film_deformation", "film film_row film_column", "m", "Elastic deformation of the surfaces"),
     ("film_fraction", "film film_row film_column", "1", "Part of the gap filled with liquid"),
     ("bearing_position", "sample", "m", "Floating bearing at the drive gear, away from the gears"),

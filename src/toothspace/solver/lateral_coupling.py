@@ -223,6 +223,7 @@ def _statistics(numbers: LateralNumbers, mismatch: float) -> dict[str, float]:
     return {
         "lateral_leakage": numbers.leakage,
         "lateral_leakage_mismatch": mismatch,
+        "lateral_torque": numbers.viscous_torque + numbers.asperity_torque,
         "lateral_smallest_gap": numbers.smallest_gap,
         "lateral_contact_force": numbers.contact_force,
         "lateral_contact_share": numbers.contact_share,

@@ -360,6 +360,7 @@ def film_fields(balance: Balance) -> Mapping[str, Array]:
         "film_pressure": np.stack([f.pressure for f in films]),
         "film_height": np.stack([np.where(f.around.mask.film, f.gap, np.nan) for f in films]),
         "film_contact_pressure": np.stack([f.contact for f in films]),
+        "film_wear_power": np.stack([wear_power(f, f.around.shaft_speed) for f in films]),
         "film_deformation": np.stack(widened),
         "film_fraction": np.stack([f.plane.fields.saturation for f in films]),
     }

@@ -26,9 +26,9 @@ from toothspace.solver.lateral_gap import (
 if TYPE_CHECKING:
     import xarray as xr
 
-CLOSING = (0.16, 0.12, 0.08, 0.05, 0.03, 0.015)
+CLOSING = (0.30, 0.25, 0.20, 0.17, 0.145, 0.13)
 """Forces towards the gears over the force of the high-pressure area. [-]"""
-TILTING = (-0.02, -0.01, 0.0, 0.01, 0.02)
+TILTING = (-0.006, -0.003, 0.0, 0.003, 0.006)
 """Moments over the force of the high-pressure area times the tip radius. [-]"""
 _SAMPLES = 180
 
@@ -95,8 +95,9 @@ def reduce_lateral(
 
     Notes
     -----
-    Bearings and gears lift and tilt freely, without friction in the housing. Every column of one
-    moment begins with the largest force, each point with the positions of the one before.
+    Without friction in the housing. Bearings and gears that may not tilt (``motion = "axial"``)
+    do not feel the moment: the table has the one of the condition. Every column of one moment
+    begins with the largest force, each point with the positions of the one before.
     """
     balance = balance_of(description)
     data = _quasi_static_data(description, condition)
@@ -105,7 +106,8 @@ def reduce_lateral(
     scale = balance.floating.high_pressure.area * span
     reach = balance.interfaces[0].outer_radius
     force = -np.sort(loads[0])[::-1] * scale
-    moment = np.sort(loads[1]) * scale * reach
+    tilts = balance.motion == "full"
+    moment = np.sort(loads[1]) * scale * reach if tilts else np.array([base[1]])
     shape = (force.size, moment.size)
     table = np.full((4, *shape), np.nan)
     for j, m in enumerate(moment):
@@ -141,17 +143,19 @@ _START_GAP = 3e-6
 
 
 def _loaded(balance: LateralBalance, force: float, moment: float) -> LateralBalance:
-    """Bearing with a force away from the gears and a moment more, free to tilt, no friction."""
+    """Bearing with a force away from the gears and a moment more, without friction."""
     bearing = balance.floating
     x, y = bearing.preload_center
     preload = bearing.preload - force
     about_x = bearing.preload * y - moment - force * bearing.face.center[1]
-    center = (bearing.preload * x / preload, about_x / preload)
+    # the force stands where high pressure presses, so that it does not tilt about y
+    about_y = bearing.preload * x - force * bearing.high_pressure.center[0]
+    center = (about_y / preload, about_x / preload)
     housing = replace(bearing.housing, friction_coefficient=0.0)
     moved: FloatingBearing = replace(
         bearing, preload=preload, preload_center=center, housing=housing
     )
-    return replace(balance, floating=moved, motion="full")
+    return replace(balance, floating=moved)
 
 
 def _quasi_static_data(

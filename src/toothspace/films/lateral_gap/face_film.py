@@ -38,6 +38,9 @@ from toothspace.numerics.complementarity import face_flows, residual, solve_comp
 from toothspace.numerics.linear_system import PRESCRIBED, SATURATED
 from toothspace.numerics.structured_grid import CellBalance
 
+_SHEARED = 1e-9
+"""Smallest mean gap that liquid is sheared in, where faces were pressed into each other. [m]"""
+
 
 class FilmLaw(NamedTuple):
     """Liquid, walls and cavitation of a film."""
@@ -189,7 +192,7 @@ class FaceFilm:
         potential = np.maximum(fields.potential, 0.0)
         speed = self.grid.interface.speed_ratio * self.around.shaft_speed
         film, radius = self.around.mask.film, self.grid.radius
-        height = mean_gap(self.gap, self.law.law)
+        height = np.maximum(mean_gap(self.gap, self.law.law), _SHEARED)
         shear = np.where(film, fields.saturation / (self.plane.fluid.fluidity * height), 0.0)
         couette = float((shear * radius**2 * self.grid.area).sum()) * speed**2
         push = float((np.where(film, self.contact, 0.0) * self.grid.area * radius).sum())

@@ -330,7 +330,7 @@ def _newton_step(
     # lifts in metres and tilts in radians differ by the size of the face
     scale = np.ones(count + bars)
     scale[:count][free % 3 != 0] = 1.0 / _reach(task.stack)
-    solution = scale * np.linalg.solve(full * scale[:, None] * scale[None, :], right * scale)
+    solution = scale * _solved(full * scale[:, None] * scale[None, :], right * scale)
     step = np.zeros(task.stack.size)
     step[free] = solution[:count]
     holding = solution[count:]
@@ -339,6 +339,14 @@ def _newton_step(
         balanced += value * lever
     arms = np.where(np.arange(force.size) % 3 == 0, 1.0, 1.0 / _reach(task.stack))
     return step, holding, float(np.abs(balanced * arms)[free].max())
+
+
+def _solved(matrix: Array, right: Array) -> Array:
+    """Solution; that of least length where films are lost and nothing holds a motion."""
+    try:
+        return np.asarray(np.linalg.solve(matrix, right), dtype=np.float64)
+    except np.linalg.LinAlgError:
+        return np.asarray(np.linalg.lstsq(matrix, right, rcond=None)[0], dtype=np.float64)
 
 
 def _reach(stack: Stack) -> float:

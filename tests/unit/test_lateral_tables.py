@@ -1,0 +1,123 @@
+"""Tables of lateral films over axial loads: load, lookup, and the machine that reads them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from toothspace import api
+from toothspace.case import Case
+from toothspace.config import load_case
+from toothspace.core.errors import CaseError
+from toothspace.films.film_tables import lateral_sizes, with_film_tables
+from toothspace.model.description import MachineDescription
+from toothspace.model.films import lateral_torque_coefficient
+from toothspace.model.lateral_table import (
+    LateralTable,
+    axial_load,
+    chamber_pressures,
+    with_lateral_table,
+)
+
+CASE = Path(__file__).resolve().parents[2] / "cases" / "egm12_motor_reduced.toml"
+FORCES, MOMENTS = np.array([-8000.0, -2000.0, 1000.0]), np.array([-20.0, 0.0, 20.0])
+
+
+@pytest.fixture(scope="module")
+def motor() -> tuple[Case, MachineDescription]:
+    case = load_case(CASE)
+    return case, api.describe(case)
+
+
+def test_equal_pressure_everywhere_leaves_the_preload(
+    motor: tuple[Case, MachineDescription],
+) -> None:
+    balance = motor[1].lateral_balance
+    assert balance is not None
+    force, moment = axial_load(balance, lambda _: np.full(motor[1].chamber_count + 3, 7e5))
+    bearing = balance.floating
+    assert force == pytest.approx(-bearing.preload, abs=1e-6)
+    arm = bearing.preload_center[1] - bearing.face.center[1]
+    assert moment == pytest.approx(-bearing.preload * arm, abs=1e-6)
+
+
+def test_load_grows_with_the_pressure_difference(motor: tuple[Case, MachineDescription]) -> None:
+    case, machine = motor
+    balance = machine.lateral_balance
+    assert balance is not None
+    condition = api.condition_of(case, machine)
+    half = replace(condition, inlet_pressure=0.5 * (condition.inlet_pressure + 1e5))
+    loads = [
+        axial_load(balance, chamber_pressures(machine, c))[0] + balance.floating.preload
+        for c in (condition, half)
+    ]
+    assert loads[0] == pytest.approx(2.0 * loads[1], rel=1e-6)
+
+
+def _table(extra: float, factor: float) -> LateralTable:
+    shape = (FORCES.size, MOMENTS.size)
+    slope = 1e-3 * FORCES[:, None] * extra / 8.0 + 0.0 * MOMENTS
+    return LateralTable(FORCES, MOMENTS, -slope, np.full(shape, factor))
+
+
+def test_lookup_is_linear_between_nodes_and_refused_far_outside() -> None:
+    table = _table(2.0, 3.0)
+    assert table(-5000.0, 3.0) == pytest.approx((1.25, 3.0))
+    assert table(1500.0, 0.0)[0] == pytest.approx(-0.25)
+    with pytest.raises(CaseError, match="F_z = 9000 N"):
+        table(9000.0, 0.0)
+
+
+def test_machine_takes_drag_and_leakage(motor: tuple[Case, MachineDescription]) -> None:
+    case, machine = motor
+    condition = api.condition_of(case, machine)
+    plain = lateral_torque_coefficient(machine)
+    wide = (np.array([-1e6, 1e6]), np.array([-1e5, 1e5]))
+    table = LateralTable(*wide, np.full((2, 2), 0.5 * plain), np.full((2, 2), 8.0))
+    changed = with_lateral_table(replace(machine, lateral_table=table), condition)
+    assert lateral_torque_coefficient(changed) == pytest.approx(1.5 * plain)
+    for before, after in zip(machine.paths, changed.paths, strict=True):
+        share = 2.0 if before.category in ("lateral", "drain") else 1.0
+        assert after.geometry.values[:, 0] == pytest.approx(share * before.geometry.values[:, 0])
+    assert with_lateral_table(machine, condition) is machine
+
+
+def _file(machine: MachineDescription, path: Path, **changed: float) -> Path:
+    values = {f"lateral_{k}": v for k, v in lateral_sizes(machine).items()}
+    values |= {"lateral_viscosity": 0.03, "lateral_shaft_speed": 157.0} | changed
+    over = ("lateral_force", "lateral_moment")
+    shape = (FORCES.size, MOMENTS.size)
+    data = xr.Dataset(
+        {
+            **values,
+            "lateral_extra_torque": (over, np.full(shape, 0.2)),
+            "lateral_leakage_factor": (over, np.ones(shape)),
+            "lateral_converged": (over, np.ones(shape, dtype=bool)),
+        },
+        {"lateral_force": FORCES, "lateral_moment": MOMENTS},
+        {"film_kinds": "lateral"},
+    )
+    data.to_netcdf(path, engine="h5netcdf")
+    return path
+
+
+def test_file_is_read(motor: tuple[Case, MachineDescription], tmp_path: Path) -> None:
+    machine = with_film_tables(motor[1], _file(motor[1], tmp_path / "a.nc"))
+    assert machine.lateral_table is not None
+    assert machine.lateral_table.extra_drag == pytest.approx(0.2 / (0.03 * 157.0))
+
+
+def test_files_of_other_machines_are_refused(
+    motor: tuple[Case, MachineDescription], tmp_path: Path
+) -> None:
+    machine = motor[1]
+    other = _file(machine, tmp_path / "b.nc", lateral_height=5e-6)
+    with pytest.raises(CaseError, match="lateral films with height"):
+        with_film_tables(machine, other)
+    good = _file(machine, tmp_path / "c.nc")
+    with pytest.raises(CaseError, match="high_pressure_area"):
+        with_film_tables(replace(machine, lateral_balance=None), good)
