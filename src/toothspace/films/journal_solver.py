@@ -31,7 +31,7 @@ from toothspace.films.journal_solution import (
     JournalField,
     SurfaceSpeed,
 )
-from toothspace.films.plane_film import FLUID_PASSES, FLUID_TOLERANCE
+from toothspace.films.plane_film import FLUID_PASSES, FLUID_TOLERANCE, LEAST_PRESSURE
 from toothspace.films.reynolds import FilmGrid, GapField, film_balance
 from toothspace.films.rough_surfaces import SMOOTH, FlowLaw, contact_field, mean_gap
 from toothspace.numerics.complementarity import (
@@ -141,7 +141,8 @@ def _solved(
         found = np.maximum(fields.potential, 0.0) + lowest
         change = float(np.abs(found - pressure).max())
         pressure, start = found, fields.kind
-        settled = fluid.constant or change <= FLUID_TOLERANCE * float(pressure.max())
+        limit = FLUID_TOLERANCE * max(float(pressure.max()), LEAST_PRESSURE)
+        settled = fluid.constant or change <= limit
         if settled:
             break
     if not settled:

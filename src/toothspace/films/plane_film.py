@@ -29,8 +29,10 @@ from toothspace.numerics.structured_grid import CellBalance
 
 FLUID_PASSES = 60
 """Most iterations of viscosity and density with the pressure. [-]"""
-FLUID_TOLERANCE = 1e-12
+FLUID_TOLERANCE = 1e-10
 """Change of the pressure over its maximum at which they end. [-]"""
+LEAST_PRESSURE = 1e4
+"""Pressure below which no liquid changes. [Pa]"""
 _ROUNDING = 1e-12
 """Part of the flow that potentials drive, up to which a film counts as without flow. [-]"""
 _HIGHEST_EXPONENT = 20.0
@@ -227,7 +229,7 @@ def solve_plane(film: PlaneFilm) -> PlaneSolution:
             return solution
         change = float(np.abs(solution.pressure - pressure).max())
         pressure, kind = solution.pressure, fields.kind
-        if change <= FLUID_TOLERANCE * float(pressure.max()):
+        if change <= FLUID_TOLERANCE * max(float(pressure.max()), LEAST_PRESSURE):
             return solution
     return PlaneSolution(film, fluid, balance, fields, False)
 
