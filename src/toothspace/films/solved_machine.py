@@ -10,6 +10,7 @@ from toothspace.core.errors import CaseError
 from toothspace.core.types import Array, IntArray
 from toothspace.films.face_conductance import FaceConductance, face_conductance
 from toothspace.films.journal_map import solved_journal
+from toothspace.films.shared_machine import with_shared_films
 from toothspace.model.description import (
     FlowPath,
     JournalBearing,
@@ -51,6 +52,10 @@ def with_solved_films(description: MachineDescription) -> MachineDescription:
     Rigid parallel faces; the tilt of a face enters the mean cube of the gap as in the closed
     form. Tip and flank gaps stay closed: a parallel or curved gap is the exact solution there.
     """
+    if description.shared_faces is not None:
+        wider = with_shared_films(description)
+        return replace(wider, journals=tuple(_solved(journal) for journal in wider.journals))
+    journals = tuple(_solved(journal) for journal in description.journals)
     if any(film.face is None for film in description.laterals):
         raise CaseError("run.fidelity: found 'films', allowed 'ideal' or 'lumped' for this machine")
     laterals = tuple(_Face(description, film) for film in description.laterals)
@@ -59,18 +64,19 @@ def with_solved_films(description: MachineDescription) -> MachineDescription:
     return replace(
         description,
         paths=(*kept, *(path for face in laterals for path in face.paths())),
-        journals=tuple(_solved(journal) for journal in description.journals),
+        journals=journals,
         laterals=tuple(face.film() for face in laterals),
     )
 
 
 def _solved(journal: JournalBearing) -> JournalBearing:
-    if journal.end_condition == "no_flow":
+    if journal.solved is not None or journal.end_condition == "no_flow":
         return journal
     rough = journal.roughness > 0.0
     ratio = journal.radial_clearance / journal.roughness if rough else np.inf
     slenderness = round(journal.length / journal.diameter, 9)
-    return replace(journal, solved=solved_journal(slenderness, round(float(ratio), 3)))
+    solved = solved_journal(slenderness, round(float(ratio), 3))
+    return replace(journal, solved=solved)
 
 
 class _Face:

@@ -21,7 +21,7 @@ import numpy as np
 from toothspace.closures.journal_friction import FrictionCurve
 from toothspace.core.types import Array, IntArray
 from toothspace.model.contact_pair import CONTACT_CHANNELS, ContactPair, RigidMesh
-from toothspace.model.film_shapes import FaceOutline, SolvedJournal
+from toothspace.model.film_shapes import FaceOutline, SharedFaces, SolvedJournal
 from toothspace.model.lateral_balance import LateralBalance
 from toothspace.numerics.periodic_table import PeriodicTable
 
@@ -377,6 +377,8 @@ class MachineDescription:
         Films beside the gears and the bearing pressed against them; None without.
     lateral_table : LateralTable or None
         Drag and leakage beside the gears over the load on that bearing, for closed-form films.
+    shared_faces : SharedFaces or None
+        Films beside bodies that share their covers, for solving them on a grid.
     outlines : mapping of name to ndarray, shape (points, 2)
         Closed polygons for drawing: one per body (own frame, at shaft angle zero), plus
         ``casing``, grooves and ports in the machine frame. [m]
@@ -405,6 +407,7 @@ class MachineDescription:
     running_in: RunningIn | None = None
     lateral_balance: LateralBalance | None = None
     lateral_table: LateralTable | None = None
+    shared_faces: SharedFaces | None = None
     outlines: Mapping[str, Array] = field(default_factory=dict)
     geometry_summary: Mapping[str, object] = field(default_factory=dict)
     checks: tuple[DesignCheck, ...] = ()

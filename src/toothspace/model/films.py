@@ -18,8 +18,9 @@ from toothspace.model.description import JournalBearing, LateralFilm, MachineDes
 
 _INTERVALS = 240
 _CIRCUMFERENCE_POINTS = 720
-_LONG = 1e4
 _NO_CURVE = (0.0,) * 6
+LONG = 1e4
+"""Length over diameter that stands for walls at both ends. [-]"""
 
 
 @final
@@ -97,7 +98,7 @@ def _map_key(journal: JournalBearing) -> Any:
 def _slenderness(journal: JournalBearing) -> float:
     """Length over diameter that the film map is made for; walls at the ends make it long."""
     if journal.end_condition == "no_flow":
-        return _LONG
+        return LONG
     return round(journal.length / journal.diameter, 9)
 
 

@@ -15,6 +15,7 @@ from toothspace.machines.gerotor.bodies import (
     motions,
     outlines,
 )
+from toothspace.machines.gerotor.faces import shared_faces
 from toothspace.machines.gerotor.flow_paths import flow_paths, pocket_phases
 from toothspace.machines.gerotor.lobe_pairs import rotor_contacts
 from toothspace.machines.gerotor.parameters import GerotorParameters
@@ -80,6 +81,7 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
         paths=flow_paths(spec, pocket, timing, columns),
         journals=journal_bearings(spec),
         laterals=lateral_films(spec, pocket),
+        shared_faces=shared_faces(spec, pocket, ports),
         contacts=rotor_contacts(spec, pocket.rotors),
         seal_torque=0.0 if spec.seals is None else spec.seals.shaft_seal_torque,
         port_volumes=(spec.inlet.volume, spec.outlet.volume),

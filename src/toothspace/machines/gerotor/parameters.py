@@ -115,6 +115,12 @@ class PortContourParameters:
         high=200,
         default=10e-3,
     )
+    covers: str = choice(
+        "Covers with kidneys; in both, those opposite the ports are recesses at port pressure.",
+        "one",
+        "both",
+        default="one",
+    )
     contour: Path | None = file_path("Closed port polygons.", *CONTOUR_SUFFIXES)
 
     def __post_init__(self) -> None:
