@@ -106,7 +106,7 @@ class RunSettings:
         "Number of shaft revolutions to run.", low=1, high=100000, default=None
     )
     max_revolutions: int = integer(
-        "Most revolutions to look for the cyclic state.", low=2, high=100000, default=60
+        "Most revolutions to look for the cyclic state.", low=2, high=100000, default=120
     )
     samples_per_revolution: int = integer(
         "Samples that are kept of each revolution.", low=36, high=20000, default=720

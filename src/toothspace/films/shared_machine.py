@@ -58,6 +58,7 @@ def with_shared_films(
             without_film_force(j) if j.body == faces.rim.body else j for j in description.journals
         ),
         shared_faces=None,
+        rings_on_films=True,
     )
 
 

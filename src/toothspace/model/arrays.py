@@ -105,9 +105,10 @@ CURVATURE, LAW_LEVEL, LAW_EXPONENT, POSSIBLE, GAP_BY_MOTION = 1, 2, 3, 6, 7
     PAIR_DAMPING,
     PAIR_POWER_LAW,
     PAIR_ACCOUNT,
-) = range(19)
+    PAIR_SQUEEZE,
+) = range(20)
 CONTACT_STATE = 10
-CONTACT_COLUMNS = 19
+CONTACT_COLUMNS = 20
 
 # Columns of ``motion``; ratio and drag are those of a rotation, zero otherwise.
 (

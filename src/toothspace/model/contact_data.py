@@ -93,7 +93,7 @@ def contact_parts(
     return ContactParts(
         tables=tables,
         reading=_readings(contacts, first_table, POSSIBLE if compliant else OPEN),
-        data=np.array(rows, dtype=float).reshape(count, 9),
+        data=np.array(rows, dtype=float).reshape(count, 10),
         counts={"contacts": count, "compliant": count if compliant else 0},
     )
 
@@ -123,6 +123,7 @@ def _constants(contact: ContactPair) -> tuple[float, ...]:
         loss,
         float(contact.law in ("pereira", "linear")),
         FRICTION_MECHANISMS.index(contact.friction_account),
+        float(contact.squeeze_film),
     )
 
 

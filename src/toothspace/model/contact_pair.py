@@ -76,6 +76,8 @@ class ContactPair:
         Speed of that impact. [m/s]
     friction_account : str
         Ledger entry of the friction: ``mesh_friction`` or ``contact_friction``.
+    squeeze_film : bool
+        Whether liquid between the surfaces resists their approach.
 
     Notes
     -----
@@ -83,6 +85,8 @@ class ContactPair:
 
     .. math:: F = U'(x) \max\left(0, 1 + \tfrac34 (1 - c_r^2) \frac{\dot x}{v_0}\right),
         \qquad g = g_0(\theta) + \sum_k \frac{\partial g}{\partial q_k}(\theta) q_k .
+
+    A squeeze film adds :math:`c(g) L \max(0, \dot x)`.
     """
 
     name: str
@@ -105,6 +109,7 @@ class ContactPair:
     restitution: float = 0.8
     approach_speed: float = 0.1
     friction_account: Literal["mesh_friction", "contact_friction"] = "contact_friction"
+    squeeze_film: bool = False
 
     @property
     def count(self) -> int:

@@ -18,6 +18,7 @@ and losses then balance to round-off.
 from __future__ import annotations
 
 from toothspace.closures.contact_law import logarithmic_law, power_law, rounded_depth
+from toothspace.closures.squeeze_film import REACH, squeeze_damping
 from toothspace.closures.traction import FlankSurface, mesh_friction_slopes
 from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
@@ -49,6 +50,7 @@ from toothspace.model.arrays import (
     PAIR_ONSET,
     PAIR_POWER_LAW,
     PAIR_ROUGHNESS,
+    PAIR_SQUEEZE,
     PAIR_WIDTH,
     POSSIBLE,
     PRESSURE_FORCE,
@@ -92,7 +94,7 @@ def update_contacts(s: SystemArrays, state: Array) -> None:
         motion[k, CONTACT_LOAD] = 0.0
     for j in range(size.compliant):
         gap = contact_gap(s, state, j)
-        if gap >= contact[j, PAIR_ONSET]:
+        if gap >= reach_of(contact[j]):
             contact[j, :CONTACT_STATE] = 0.0
             continue
         by_angle = slopes[j, GAP]
@@ -105,6 +107,7 @@ def update_contacts(s: SystemArrays, state: Array) -> None:
             slip += values[j, GAP_BY_MOTION + size.motions + k] * speed
         rate += by_angle * state[1]
         press(s, j, -gap, -rate)
+        cushion(s, j, gap, -rate)
         rub(s, j, slip, values[j, ROLLING] * state[1])
         contact[j, CONTACT_TORQUE] -= contact[j, CONTACT_FORCE] * by_angle
         contact[j, CONTACT_TORQUE] -= contact[j, CONTACT_FRICTION] * values[j, SLIDING]
@@ -115,11 +118,37 @@ def update_contacts(s: SystemArrays, state: Array) -> None:
 
 
 @kernel
+def reach_of(pair: Array) -> float:
+    """Gap from which on a contact exerts no force. [m]."""
+    if pair[PAIR_SQUEEZE] > 0.0:
+        return max(REACH * pair[PAIR_ROUGHNESS], pair[PAIR_ONSET])
+    return pair[PAIR_ONSET]
+
+
+@kernel
+def cushion(s: SystemArrays, j: int, gap: float, rate: float) -> None:
+    """Add the force of the film that an approach squeezes out of one contact."""
+    contact = s.contact[j]
+    if contact[PAIR_SQUEEZE] == 0.0 or rate <= 0.0:
+        return
+    curvature, viscosity = s.contact_values[VALUE, j, CURVATURE], s.fluid.dynamic_viscosity
+    damping, by_gap = squeeze_damping(gap, contact[PAIR_ROUGHNESS], curvature, viscosity)
+    width = contact[PAIR_WIDTH]
+    contact[CONTACT_FORCE] += width * damping * rate
+    contact[CONTACT_DAMPING] += width * damping * rate * rate
+    contact[FORCE_BY_OVERLAP] -= width * by_gap * rate
+    contact[FORCE_BY_RATE] += width * damping
+
+
+@kernel
 def press(s: SystemArrays, j: int, overlap: float, rate: float) -> None:
     """Normal force of one contact, its energy, loss and derivatives."""
     contact = s.contact[j]
     values, slopes = s.contact_values[VALUE], s.contact_values[SLOPE]
     depth, slope, bend = rounded_depth(overlap, contact[PAIR_ONSET])
+    if depth == 0.0:
+        contact[:CONTACT_STATE] = 0.0
+        return
     if contact[PAIR_POWER_LAW] > 0.0:
         load, stiffness, energy, by_level, by_exponent = power_law(
             depth, values[j, LAW_LEVEL], values[j, LAW_EXPONENT]

@@ -379,6 +379,8 @@ class MachineDescription:
         Drag and leakage beside the gears over the load on that bearing, for closed-form films.
     shared_faces : SharedFaces or None
         Films beside bodies that share their covers, for solving them on a grid.
+    rings_on_films : bool
+        Whether bodies ring on the compressed liquid of films that are chambers.
     outlines : mapping of name to ndarray, shape (points, 2)
         Closed polygons for drawing: one per body (own frame, at shaft angle zero), plus
         ``casing``, grooves and ports in the machine frame. [m]
@@ -408,6 +410,7 @@ class MachineDescription:
     lateral_balance: LateralBalance | None = None
     lateral_table: LateralTable | None = None
     shared_faces: SharedFaces | None = None
+    rings_on_films: bool = False
     outlines: Mapping[str, Array] = field(default_factory=dict)
     geometry_summary: Mapping[str, object] = field(default_factory=dict)
     checks: tuple[DesignCheck, ...] = ()

@@ -18,6 +18,7 @@ from toothspace.model.system import error_weights, event_values, finish_step, ri
 from toothspace.numerics.ndf import bind
 from toothspace.numerics.ndf_types import (
     DONE,
+    MAX_ORDER,
     MAX_STEPS,
     STOP_AT_EVENT,
     TERMINAL_EVENT,
@@ -36,6 +37,8 @@ _EVENT_CAPACITY = 20_000
 _STEPS_PER_RADIAN = 40.0
 _SHORTEST_STEP = 1e-15
 _SLOWEST_SPEED = 0.1
+_DAMPED_ORDER = 2
+"""Highest order where bodies ring: beyond it, lightly damped oscillations bound the step. [-]"""
 _COUNTERS = {
     "steps": "steps",
     "rejected": "rejected",
@@ -164,7 +167,8 @@ def start_march(system: System, state: Array, max_steps: int = 50_000_000) -> Ma
         speeds = np.append(schedule[:, 1], system.condition.shaft_speed)
         speed = max(float(np.abs(speeds).max()), _SLOWEST_SPEED)
         longest, shortest = 1.0 / (_STEPS_PER_RADIAN * speed), 1e-16 / speed
-    settings = make_settings(actions, longest, shortest, max_steps)
+    highest = _DAMPED_ORDER if system.description.rings_on_films else MAX_ORDER
+    settings = make_settings(actions, longest, shortest, max_steps, (1, highest))
     memory = make_state(program, size.total, actions.size)
     _begin(system.arrays, program, settings, memory, 0.0, state)
     return March(system, program, settings, memory)

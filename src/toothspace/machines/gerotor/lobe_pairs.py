@@ -141,6 +141,7 @@ def _pair(rotors: Rotors, name: str, contact: LobeContact, mechanics: LobeMechan
         depth=half_lobe(rotors),
         restitution=settings.restitution,
         approach_speed=settings.impact_speed,
+        squeeze_film=settings.squeeze_film == "on",
     )
 
 

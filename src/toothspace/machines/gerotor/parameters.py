@@ -174,6 +174,9 @@ class ContactParameters:
     boundary_friction: float = number(
         "Friction coefficient of touching asperities.", low=0, high=1, default=0.10
     )
+    squeeze_film: str = choice(
+        "Film between lobes, which resists their approach.", "on", "off", default="on"
+    )
 
 
 @final
