@@ -55,8 +55,8 @@ class Outcome:
 class Problem:
     """The system at a point of its cyclic state, callable from Python with little overhead."""
 
-    def __init__(self) -> None:
-        case = api.load_case(CASE)
+    def __init__(self, path: Path = CASE, overrides: tuple[str, ...] = ()) -> None:
+        case = api.load_case(path, overrides)
         description, _ = api.run_in(case, api.describe(case))
         self.fluid, self.description = api.fluid_of(case), description
         self.condition = api.condition_of(case, description)

@@ -22,7 +22,7 @@ from toothspace.cli import main
 from toothspace.config.load import case_with
 from toothspace.core.errors import CaseError, ToothspaceError
 from toothspace.core.status import Status
-from toothspace.plotting.study_figures import study_figures
+from toothspace.plotting.study_figures import characteristics, study_figures
 from toothspace.report.study import study_report_html
 from toothspace.results.io import read_dataset
 from toothspace.studies import STUDY_MODULES, run_study
@@ -95,6 +95,26 @@ def test_an_efficiency_map_keeps_the_low_pressure(calls: list[Case]) -> None:
     rows = list(csv.reader(result.tables[0].to_csv().splitlines()))
     assert rows[0][0] == "speed n (rpm)"
     assert [row[:2] for row in rows[1:3]] == [["500", "50"], ["500", "100"]]
+
+
+def test_measured_points_are_laid_over_a_map(calls: list[Case], tmp_path: Path) -> None:
+    path = tmp_path / "measured.csv"
+    path.write_text(
+        "operating_point.shaft_speed [rpm],operating_point.inlet_pressure [bar],"
+        "mean_torque_N_m [N m]\n500,101,9.5\n1000,51,5.5\n"
+    )
+    result = run_study(case_with_study(MAP + f'measured = "{path}"\n'))
+    speeds = np.array([500.0, 1000.0]) * np.pi / 30.0
+    np.testing.assert_allclose(result.data["measured_shaft_speed"], speeds)
+    np.testing.assert_allclose(result.data["measured_pressure_difference"], [100e5, 50e5])
+    np.testing.assert_allclose(result.data["measured_mean_torque_N_m"], [9.5, 5.5])
+    panel = characteristics(result.data).axes[1]
+    crosses = [line for line in panel.lines if line.get_marker() == "x"]
+    shown = [(*np.asarray(line.get_xdata()), *np.asarray(line.get_ydata())) for line in crosses]
+    np.testing.assert_allclose(shown, [(100.0, 9.5), (50.0, 5.5)])
+    path.write_text("operating_point.shaft_speed [rpm],mean_torque_N_m [N m]\n500,9.5\n")
+    with pytest.raises(CaseError, match=r"measured\.csv: columns: found .*shaft_speed"):
+        run_study(case_with_study(MAP + f'measured = "{path}"\n'))
 
 
 def test_a_map_of_a_pump_raises_the_outlet_pressure(calls: list[Case]) -> None:

@@ -60,7 +60,9 @@ def test_ring_between_chambers_and_rim_leaks_and_carries_like_a_ring() -> None:
     """Q = 2 pi h^3 dp / (12 mu ln(r2/r1)); pressure falls with the logarithm of the radius."""
     _, film = rings()
     out, chambers = film.matrix[0][8:, :7], np.ones(7)
-    assert -(out @ chambers).sum() == pytest.approx(2.0 * math.pi / math.log(RIM / MIDDLE), rel=0.02)
+    assert -(out @ chambers).sum() == pytest.approx(
+        2.0 * math.pi / math.log(RIM / MIDDLE), rel=0.02
+    )
     np.testing.assert_allclose(film.matrix[0].sum(axis=1), 0.0, atol=1e-9)
     exact = math.pi * ((RIM**2 - MIDDLE**2) / (2.0 * math.log(RIM / MIDDLE)) - MIDDLE**2)
     assert film.area[0, 0, :7].sum() == pytest.approx(exact, rel=0.02)
@@ -69,7 +71,7 @@ def test_ring_between_chambers_and_rim_leaks_and_carries_like_a_ring() -> None:
 
 
 def steady_force(description: MachineDescription, sectors: int, ratio: float) -> Array:
-    """Force of the full incompressible ring film at an eccentricity along x, speed 1, viscosity 1."""
+    """Force of the full incompressible ring film, off centre along x; speed, viscosity 1."""
     faces = description.shared_faces
     assert faces is not None
     faces = replace(faces, rim=replace(faces.rim, sectors=sectors))
@@ -77,7 +79,8 @@ def steady_force(description: MachineDescription, sectors: int, ratio: float) ->
     path, *_ = rim_paths(description, faces, np.arange(count))
     x = description.motion_index("outer_rotor", "x")
     move = ratio * faces.rim.clearance
-    assert path.height_by_motion is not None and path.drag_speed is not None
+    assert path.height_by_motion is not None
+    assert path.drag_speed is not None
     gap = path.geometry(path.phases)[:, 0] + move * path.height_by_motion(path.phases)[:, x]
     width, length = path.geometry.values[0, 1:]
     conductance = gap**3 * width / (12.0 * length)
@@ -97,7 +100,9 @@ def steady_force(description: MachineDescription, sectors: int, ratio: float) ->
     return np.asarray(pressure @ family.volume_by_motion(family.phases)[:, motions])
 
 
-@pytest.mark.parametrize(("ratio", "sectors", "within"), [(0.3, 4, 0.03), (0.6, 4, 0.06), (0.6, 16, 0.005)])
+@pytest.mark.parametrize(
+    ("ratio", "sectors", "within"), [(0.3, 4, 0.03), (0.6, 4, 0.06), (0.6, 16, 0.005)]
+)
 def test_ring_of_chambers_is_the_long_full_film(ratio: float, sectors: int, within: float) -> None:
     """Sommerfeld's film: F = 12 pi mu w R^3 L e / (c^2 (2 + e^2) sqrt(1 - e^2)), across e."""
     description = machine()

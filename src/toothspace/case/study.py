@@ -58,6 +58,12 @@ class EfficiencyMapStudy:
     pressure_difference: tuple[float, ...] = declare(
         Grid(item=_PRESSURE, doc="High minus low pressure.")
     )
+    measured: Path | None = file_path(
+        "Rows of operating_point.shaft_speed, one port pressure of operating_point and "
+        "mean_torque_N_m or mean_flow_L_per_min, to lay over the results.",
+        ".csv",
+        default=None,
+    )
 
 
 @final

@@ -169,9 +169,7 @@ def _edge_numbers(faces: SharedFaces, node: IntArray) -> IntArray:
     return number
 
 
-def _solve(
-    edge: IntArray, sector: IntArray, free: BoolArray, grid: _Grid
-) -> tuple[Array, Array]:
+def _solve(edge: IntArray, sector: IntArray, free: BoolArray, grid: _Grid) -> tuple[Array, Array]:
     """Conductance matrix of the edges, and pressures of all cells for unit ones at each."""
     inside, edges = int(free.sum()), int(sector.max()) + 1
     number = inside + edge

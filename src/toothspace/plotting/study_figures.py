@@ -97,6 +97,8 @@ def _efficiency_map(data: xr.Dataset) -> list[StudyFigure]:
         )
         found.append(StudyFigure("efficiency_map", caption, efficiency_contours(data)))
     caption = "Flow and torque over the pressure difference, one line per shaft speed."
+    if "measured_shaft_speed" in data:
+        caption += " Crosses: measured."
     found.append(StudyFigure("characteristics", caption, characteristics(data)))
     return found
 
@@ -147,10 +149,25 @@ def characteristics(data: xr.Dataset) -> Figure:
         for k in _spread(data.sizes["shaft_speed"]):
             speed = float(data["shaft_speed"][k]) * _RPM
             axes.plot(pressure, data[name].values[k], "o-", ms=3, label=f"{speed:.4g} rpm")
+        _lay_over(axes, data, name)
         axes.set_xlabel("Pressure difference (bar)")
         axes.set_ylabel(_label(name))
     panels[1].legend()
     return figure
+
+
+def _lay_over(axes: Axes, data: xr.Dataset, name: str) -> None:
+    """Measured points in the colour of the nearest shaft speed that is shown."""
+    if f"measured_{name}" not in data:
+        return
+    shown = list(_spread(data.sizes["shaft_speed"]))
+    speeds = data["shaft_speed"].values[shown]
+    lines = [line.get_color() for line in axes.lines]
+    places = data["measured_pressure_difference"].values * 1e-5
+    values = data[f"measured_{name}"].values
+    for speed, x, y in zip(data["measured_shaft_speed"].values, places, values, strict=True):
+        colour = lines[int(np.argmin(np.abs(speeds - speed)))]
+        axes.plot(x, y, "x", color=colour, ms=6)
 
 
 def _sweep(data: xr.Dataset) -> list[StudyFigure]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import product
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +12,8 @@ import numpy as np
 from toothspace.case import Case
 from toothspace.case.study import EfficiencyMapStudy
 from toothspace.core.errors import CaseError
-from toothspace.core.units import from_si
+from toothspace.core.units import from_si, parse_quantity
+from toothspace.studies.measured import read_measured
 from toothspace.studies.points import (
     Point,
     evaluate_points,
@@ -27,6 +29,7 @@ from toothspace.studies.tabulate import columns, provenance, unit_of
 if TYPE_CHECKING:
     import xarray as xr
 
+_LEAST_SETTINGS = 2
 TABLE_COLUMNS = (
     ("mean_flow_L_per_min", "flow q_v (L/min)"),
     ("mean_torque_N_m", "torque T (N m)"),
@@ -55,7 +58,8 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     Returns
     -------
     StudyResult
-        Summary numbers over ``shaft_speed`` and ``pressure_difference``.
+        Summary numbers over ``shaft_speed`` and ``pressure_difference``; measured ones beside
+        them over ``measured_point``.
 
     Raises
     ------
@@ -83,7 +87,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         kind="efficiency_map",
         title=case.title,
         status=status_of(records),
-        data=_dataset(study, records),
+        data=_dataset(study, records).merge(_measured(case, study)),
         numbers=_numbers(pairs, records),
         tables=(_table(pairs, records),),
         provenance=provenance(case),
@@ -120,6 +124,50 @@ def _dataset(study: EfficiencyMapStudy, records: Sequence[Record]) -> xr.Dataset
         ),
     }  # fmt: skip
     return xr.Dataset(data, coords=axes)
+
+
+def _measured(case: Case, study: EfficiencyMapStudy) -> xr.Dataset:
+    """Measured points over speed and pressure difference; the other port as in the case."""
+    import xarray as xr
+
+    if study.measured is None:
+        return xr.Dataset()
+    found = read_measured(study.measured)
+    rows = [_measured_point(case, study.measured, row) for row in found.settings]
+    if found.times is not None or not rows:
+        allowed = "allowed rows of operating_point.shaft_speed and a port pressure"
+        raise CaseError(f"{study.measured}: columns: found signals over time, {allowed}")
+    speed, difference = np.array(rows).T
+    return xr.Dataset(
+        {
+            "measured_shaft_speed": ("measured_point", speed, {"units": "rad/s"}),
+            "measured_pressure_difference": ("measured_point", difference, {"units": "Pa"}),
+        }
+        | {
+            f"measured_{name}": ("measured_point", values, {"units": unit_of(name)})
+            for name, values in found.channels.items()
+        }
+    )
+
+
+def _measured_point(case: Case, path: Path, row: Mapping[str, Any]) -> tuple[float, float]:
+    operating = case.operating_point
+    assert operating is not None
+    known = {
+        "inlet_pressure": operating.inlet_pressure,
+        "outlet_pressure": operating.outlet_pressure,
+    }
+    speed: float | None = None
+    for key, value in row.items():
+        name = key.removeprefix("operating_point.")
+        if name == "shaft_speed":
+            speed = parse_quantity(str(value), "rpm")
+        elif name in known:
+            known[name] = parse_quantity(str(value), "bar")
+    if speed is None or len(row) < _LEAST_SETTINGS:
+        allowed = "operating_point.shaft_speed and a port pressure of operating_point"
+        raise CaseError(f"{path}: columns: found {sorted(row)}, allowed {allowed}")
+    return speed, abs(known["outlet_pressure"] - known["inlet_pressure"])
 
 
 def _numbers(pairs: Sequence[tuple[float, float]], records: Sequence[Record]) -> dict[str, Any]:
