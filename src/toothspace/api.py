@@ -114,19 +114,21 @@ def simulate(case: Case, progress: Progress | None = None) -> Solution:
         solution = _simulate_elastic(case, progress)
     else:
         solution = _simulate_lumped(
-            case, _solved_films(case, description), fluid, condition, progress
+            case, _solved_films(case, description, condition), fluid, condition, progress
         )
     wall = time.perf_counter() - started
     return replace(solution, statistics={**solution.statistics, "wall_time": wall})
 
 
-def _solved_films(case: Case, description: MachineDescription) -> MachineDescription:
+def _solved_films(
+    case: Case, description: MachineDescription, condition: OperatingCondition
+) -> MachineDescription:
     """Machine with the films that the preset asks for."""
     if PRESETS[case.run.fidelity].films != "reynolds":
         return description
     from toothspace.films.solved_machine import with_solved_films
 
-    return with_solved_films(description)
+    return with_solved_films(description, condition)
 
 
 def _with_tables(case: Case, description: MachineDescription) -> MachineDescription:

@@ -121,7 +121,7 @@ def test_paths_of_solved_films_close_with_the_conductances() -> None:
     faces = description.shared_faces
     assert faces is not None
     centers = np.array([body.center for body in description.bodies])
-    films = tuple(shared_film(faces, c, centers, 24, 32, 2) for c in faces.covers)
+    films = tuple(shared_film(faces, c, centers, None, 24, 32, 2) for c in faces.covers)
     wider = with_shared_films(description, films)
     drain = next(path for path in wider.paths if path.name == "drain")
     gap = drain.geometry(drain.phases)

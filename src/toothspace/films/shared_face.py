@@ -18,7 +18,7 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
 from toothspace.core.types import Array, BoolArray, IntArray
-from toothspace.model.film_shapes import Cover, SharedFaces
+from toothspace.model.film_shapes import Cover, SharedFaceMap, SharedFaces
 
 ROWS_PER_PITCH = 48
 LANES = 56
@@ -35,20 +35,23 @@ class SharedFilm:
     Parameters
     ----------
     matrix : ndarray, shape (angles, k, k)
-        Flow into the film per pressure, over h^3/(12 mu); edges are the chambers, the recesses,
-        the inner rim and the sectors of the outer one. Rows sum to zero. [-]
+        Flow into the film per pressure, over h^3/(12 mu) of the cover's gap; edges are the
+        chambers, the recesses, the inner rim and the sectors of the outer one. Rows sum to zero. [-]
     area : ndarray, shape (angles, bodies, k)
         Force on the face of a body per pressure at an edge. [m2]
     drag : ndarray, shape (bodies,)
         Torque on the face of a body per viscosity and speed, times the gap height. [m4]
     turn : ndarray, shape (angles,)
         Growth of the table angles since shaft angle zero. [rad]
+    gap : ndarray, shape (bodies,)
+        Height of the film of every body. [m]
     """
 
     matrix: Array
     area: Array
     drag: Array
     turn: Array
+    gap: Array
 
 
 @final
@@ -86,6 +89,7 @@ def shared_film(
     faces: SharedFaces,
     cover: Cover,
     centers: Array,
+    gap: Array | None = None,
     rows_per_pitch: int = ROWS_PER_PITCH,
     lanes: int = LANES,
     angles: int = ANGLES_PER_PITCH,
@@ -100,6 +104,8 @@ def shared_film(
         The cover.
     centers : ndarray, shape (bodies, 2)
         Axes of the bodies. [m]
+    gap : ndarray, shape (bodies,), optional
+        Height of the film of every body; that of the cover if not given. [m]
     rows_per_pitch, lanes : int
         Cells on one pitch of the chambers, and along the radius. [-]
     angles : int
@@ -121,19 +127,32 @@ def shared_film(
         rows_per_pitch * count, np.linspace(faces.inner_radius, faces.rim.radius, lanes + 1)
     )
     turn = _FULL_TURN / count * np.arange(angles) / angles
-    found = [_at_angle(faces, cover, centers, grid, t / faces.angle_ratio) for t in turn]
+    own = np.full(len(centers), cover.gap) if gap is None else gap
+    view = _View(faces, cover.face_map, centers, (own / cover.gap) ** 3)
+    found = [_at_angle(view, grid, t / faces.angle_ratio) for t in turn]
     matrix, area, drag = (np.array(parts) for parts in zip(*found, strict=True))
-    return SharedFilm(matrix, area, drag.mean(axis=0), turn)
+    return SharedFilm(matrix, area, drag.mean(axis=0), turn, own)
 
 
-def _at_angle(
-    faces: SharedFaces, cover: Cover, centers: Array, grid: _Grid, shaft_angle: float
-) -> tuple[Array, Array, Array]:
+@final
+@dataclass(frozen=True)
+class _View:
+    """One cover as its films see it: map, axes of the bodies, cubes of their gaps."""
+
+    faces: SharedFaces
+    face_map: SharedFaceMap
+    centers: Array
+    cubes: Array
+
+
+def _at_angle(view: _View, grid: _Grid, shaft_angle: float) -> tuple[Array, Array, Array]:
+    faces, centers = view.faces, view.centers
     x, y = grid.points
-    node, body = cover.face_map(shaft_angle, x, y)
+    node, body = view.face_map(shaft_angle, x, y)
     free = node < 0
     sector = sectors_at(faces, grid.angle, faces.angle_ratio * shaft_angle)
-    matrix, pressure = _solve(_edge_numbers(faces, node), sector, free, grid)
+    cube = np.where(body >= 0, view.cubes[np.maximum(body, 0)], 1.0)
+    matrix, pressure = _solve((_edge_numbers(faces, node), sector), free, grid, cube)
     weight = [np.where(body == k, grid.area, 0.0) for k in range(len(centers))]
     area = [w.ravel() @ pressure for w in weight]
     drag = [
@@ -169,12 +188,15 @@ def _edge_numbers(faces: SharedFaces, node: IntArray) -> IntArray:
     return number
 
 
-def _solve(edge: IntArray, sector: IntArray, free: BoolArray, grid: _Grid) -> tuple[Array, Array]:
+def _solve(
+    edges_at: tuple[IntArray, IntArray], free: BoolArray, grid: _Grid, cube: Array
+) -> tuple[Array, Array]:
     """Conductance matrix of the edges, and pressures of all cells for unit ones at each."""
+    edge, sector = edges_at
     inside, edges = int(free.sum()), int(sector.max()) + 1
     number = inside + edge
     number[free] = np.arange(inside)
-    a, b, g = _links(number, grid, inside, (int(sector.min()) - 1, sector))
+    a, b, g = _links(number, grid, (inside, int(sector.min()) - 1, sector), cube)
     rows, columns = np.concatenate([a, b, a, b]), np.concatenate([a, b, b, a])
     values = np.concatenate([g, g, -g, -g])
     whole = sp.csc_matrix((values, (rows, columns)), shape=(inside + edges, inside + edges))
@@ -190,10 +212,16 @@ def _solve(edge: IntArray, sector: IntArray, free: BoolArray, grid: _Grid) -> tu
     return np.asarray(0.5 * (found + found.T)), np.vstack([film, np.eye(edges)])[number.ravel()]
 
 
+def _joined(first: Array, second: Array) -> Array:
+    """Cube of the gap of two half cells one behind the other."""
+    return 2.0 * first * second / (first + second)
+
+
 def _links(
-    number: IntArray, grid: _Grid, inside: int, rims: tuple[int, IntArray]
+    number: IntArray, grid: _Grid, edges: tuple[int, int, IntArray], cube: Array
 ) -> tuple[IntArray, IntArray, Array]:
     """Pairs of cells and edges with what conducts between them; none between two edges."""
+    inside, inner_rim, outer_rim = edges
     logarithm = np.log(grid.rims)
     along = np.tile(np.diff(logarithm) / grid.step, (grid.rows, 1))
     centre = np.log(grid.radius)
@@ -203,8 +231,8 @@ def _links(
     pairs = [
         (np.roll(number, 1, axis=0), number, along, True),
         (number[:, :-1], number[:, 1:], across, True),
-        (np.full(grid.rows, inside + rims[0]), number[:, 0], inner, False),
-        (number[:, -1], inside + rims[1], outer, False),
+        (np.full(grid.rows, inside + inner_rim), number[:, 0], inner, False),
+        (number[:, -1], inside + outer_rim, outer, False),
     ]
     a = np.concatenate([p[0].ravel() for p in pairs])
     b = np.concatenate([p[1].ravel() for p in pairs])
@@ -212,5 +240,8 @@ def _links(
     halved = np.concatenate([np.full(p[0].size, p[3]) for p in pairs])
     at_edge = (np.minimum(a, b) < inside) & (np.maximum(a, b) >= inside)
     g = np.concatenate([p[2].ravel() for p in pairs]) * np.where(halved & at_edge, 2.0, 1.0)
+    joints = [(np.roll(cube, 1, axis=0), cube), (cube[:, :-1], cube[:, 1:])]
+    at_rims = [cube[:, 0], cube[:, -1]]
+    g *= np.concatenate([*(_joined(*pair).ravel() for pair in joints), *at_rims])
     kept = np.minimum(a, b) < inside
     return a[kept], b[kept], g[kept]

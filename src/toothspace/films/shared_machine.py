@@ -7,11 +7,16 @@ from dataclasses import replace
 import numpy as np
 
 from toothspace.core.types import IntArray
+from toothspace.films.axial_place import balanced_gaps
 from toothspace.films.rim_film import rim_paths, sector_family, without_film_force
 from toothspace.films.shared_face import SharedFilm, sector_phases, shared_film
 from toothspace.films.shared_paths import shared_paths
 from toothspace.model.description import FlowPath, LateralFilm, MachineDescription
 from toothspace.model.film_shapes import SharedFaces
+from toothspace.model.operating_point import OperatingCondition
+
+_PLACINGS = 2
+"""Times that places and films of floating bodies are found in turn: films hardly depend on it."""
 
 
 def with_shared_films(
@@ -62,22 +67,39 @@ def with_shared_films(
     )
 
 
-def solved_covers(description: MachineDescription) -> tuple[SharedFilm, ...]:
-    """Films before every cover of a machine with ``shared_faces``."""
+def solved_covers(
+    description: MachineDescription, condition: OperatingCondition | None = None
+) -> tuple[SharedFilm, ...]:
+    """Films before every cover of a machine with ``shared_faces``.
+
+    Parameters
+    ----------
+    description : MachineDescription
+        Machine.
+    condition : OperatingCondition, optional
+        Condition at which bodies that float between the covers find their place.
+    """
     faces = description.shared_faces
     assert faces is not None
     centers = {body.name: body.center for body in description.bodies}
     own = np.array([centers[name] for name in faces.bodies])
-    return tuple(shared_film(faces, cover, own) for cover in faces.covers)
+    films = tuple(shared_film(faces, cover, own) for cover in faces.covers)
+    if faces.floating is None or condition is None:
+        return films
+    for _ in range(_PLACINGS):
+        gaps = balanced_gaps(description, films, condition)
+        films = tuple(
+            shared_film(faces, cover, own, gap)
+            for cover, gap in zip(faces.covers, gaps, strict=True)
+        )
+    return films
 
 
 def _film(film: LateralFilm, faces: SharedFaces, films: tuple[SharedFilm, ...]) -> LateralFilm:
     if film.body not in faces.bodies:
         return film
     body = faces.bodies.index(film.body)
-    drag = [
-        solved.drag[body] / cover.gap for solved, cover in zip(films, faces.covers, strict=True)
-    ]
+    drag = [solved.drag[body] / solved.gap[body] for solved in films]
     return replace(film, drag=float(sum(drag)) / film.faces)
 
 

@@ -10,7 +10,7 @@ from toothspace.core.errors import CaseError
 from toothspace.core.types import Array, IntArray
 from toothspace.films.face_conductance import FaceConductance, face_conductance
 from toothspace.films.journal_map import solved_journal
-from toothspace.films.shared_machine import with_shared_films
+from toothspace.films.shared_machine import solved_covers, with_shared_films
 from toothspace.model.description import (
     FlowPath,
     JournalBearing,
@@ -18,6 +18,7 @@ from toothspace.model.description import (
     MachineDescription,
 )
 from toothspace.model.films import lateral_face_torque
+from toothspace.model.operating_point import OperatingCondition
 from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
 
 _FULL_TURN = 2.0 * np.pi
@@ -28,13 +29,17 @@ _LARGEST = 10.0
 """Largest shape conductance: chambers over a recess are joined by its opening anyway. [-]"""
 
 
-def with_solved_films(description: MachineDescription) -> MachineDescription:
+def with_solved_films(
+    description: MachineDescription, condition: OperatingCondition | None = None
+) -> MachineDescription:
     """Machine whose journal and lateral films follow from solved Reynolds equations.
 
     Parameters
     ----------
     description : MachineDescription
         Machine with closed-form films.
+    condition : OperatingCondition, optional
+        Condition at which bodies that float between covers find their place.
 
     Returns
     -------
@@ -53,7 +58,7 @@ def with_solved_films(description: MachineDescription) -> MachineDescription:
     form. Tip and flank gaps stay closed: a parallel or curved gap is the exact solution there.
     """
     if description.shared_faces is not None:
-        wider = with_shared_films(description)
+        wider = with_shared_films(description, solved_covers(description, condition))
         return replace(wider, journals=tuple(_solved(journal) for journal in wider.journals))
     journals = tuple(_solved(journal) for journal in description.journals)
     if any(film.face is None for film in description.laterals):

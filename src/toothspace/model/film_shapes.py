@@ -96,6 +96,29 @@ class Cover:
 
 @final
 @dataclass(frozen=True)
+class FaceRoughness:
+    """Rough faces of bodies that find their own place between two covers.
+
+    Parameters
+    ----------
+    roughness : float
+        Combined root mean square roughness of body and cover. [m]
+    correlation_length : float
+        Its half-height correlation length. [m]
+    effective_modulus : float
+        E' = 2 / [(1 - nu1^2)/E1 + (1 - nu2^2)/E2]. [Pa]
+    hardness : float
+        Hardness of the softer face. [Pa]
+    """
+
+    roughness: float
+    correlation_length: float
+    effective_modulus: float
+    hardness: float
+
+
+@final
+@dataclass(frozen=True)
 class RimFilm:
     """Film between the rim of a turning body and the bore that carries it.
 
@@ -155,6 +178,9 @@ class SharedFaces:
         Node beyond the inner rim.
     replaced : tuple of str
         Flow paths of the machine that stand for these films in closed form.
+    floating : FaceRoughness or None
+        Bodies stand where films and asperities of both sides hold their balance; None: where
+        the gaps of the covers put them.
     """
 
     covers: tuple[Cover, ...]
@@ -168,3 +194,4 @@ class SharedFaces:
     recesses: IntArray
     inner_node: int
     replaced: tuple[str, ...]
+    floating: FaceRoughness | None = None

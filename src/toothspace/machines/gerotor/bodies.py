@@ -20,7 +20,7 @@ BODIES = ("inner_rotor", "outer_rotor")
 HOUSING_MATERIAL = "cast_iron"
 """Material of the bore round the outer rotor and of the shaft's bushes."""
 
-_CORRELATION_LENGTH = 10e-6
+CORRELATION_LENGTH = 10e-6
 _BEARINGS = 2
 _CIRCLE_POINTS = 361
 
@@ -104,7 +104,7 @@ def journal_bearings(parameters: GerotorParameters) -> tuple[JournalBearing, ...
             length=rotors.face_width,
             radial_clearance=housing.radial_clearance,
             roughness=float(np.hypot(rotors.roughness, housing.roughness)),
-            correlation_length=_CORRELATION_LENGTH,
+            correlation_length=CORRELATION_LENGTH,
             effective_modulus=reduced_modulus(own, bore),
             hardness=min(own.hardness, bore.hardness),
             boundary_friction=parameters.contact.boundary_friction,
@@ -121,7 +121,7 @@ def journal_bearings(parameters: GerotorParameters) -> tuple[JournalBearing, ...
                 length=shaft.length,
                 radial_clearance=shaft.radial_clearance,
                 roughness=float(np.hypot(shaft.roughness_shaft, shaft.roughness_bush)),
-                correlation_length=_CORRELATION_LENGTH,
+                correlation_length=CORRELATION_LENGTH,
                 effective_modulus=reduced_modulus(own, bore),
                 hardness=min(own.hardness, bore.hardness),
                 boundary_friction=shaft.boundary_friction,

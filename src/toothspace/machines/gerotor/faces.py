@@ -9,7 +9,13 @@ import numpy as np
 import shapely
 
 from toothspace.core.types import Array, BoolArray, IntArray
-from toothspace.machines.gerotor.bodies import BODIES
+from toothspace.machines.gerotor.bodies import (
+    BODIES,
+    CORRELATION_LENGTH,
+    HOUSING_MATERIAL,
+    reduced_modulus,
+    solid,
+)
 from toothspace.machines.gerotor.flow_paths import (
     lobe_phases,
     pocket_phases,
@@ -18,7 +24,7 @@ from toothspace.machines.gerotor.flow_paths import (
 from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.pockets import FULL_TURN, Pockets
 from toothspace.machines.gerotor.ports import Ports, throat_place
-from toothspace.model.film_shapes import BARE, Cover, RimFilm, SharedFaces
+from toothspace.model.film_shapes import BARE, Cover, FaceRoughness, RimFilm, SharedFaces
 
 _SECTORS = 24
 """About how many parts the solved film round the outer rotor has."""
@@ -122,6 +128,18 @@ def shared_faces(parameters: GerotorParameters, pocket: Pockets, ports: Ports) -
         recesses=np.array([node for node, _ in kidneys]),
         inner_node=count + 3,
         replaced=("lateral", "drain", "rim", "film_end"),
+        floating=_roughness(parameters) if parameters.lateral.position == "free" else None,
+    )
+
+
+def _roughness(parameters: GerotorParameters) -> FaceRoughness:
+    own = solid(parameters.rotors.material, "machine.rotors.material")
+    cover = solid(HOUSING_MATERIAL, "")
+    return FaceRoughness(
+        roughness=float(np.hypot(parameters.rotors.roughness, parameters.housing.roughness)),
+        correlation_length=CORRELATION_LENGTH,
+        effective_modulus=reduced_modulus(own, cover),
+        hardness=min(own.hardness, cover.hardness),
     )
 
 

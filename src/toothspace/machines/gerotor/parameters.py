@@ -145,6 +145,12 @@ class LateralParameters:
     side_gap_b: float | None = quantity(
         "um", "Film height at the face with the higher z.", low=0.1, high=500, default=None
     )
+    position: str = choice(
+        "Rotors stand as the gaps say, or free between the covers, which 'films' solves.",
+        "given",
+        "free",
+        default="given",
+    )
 
     def __post_init__(self) -> None:
         if self.side_gap is None:
