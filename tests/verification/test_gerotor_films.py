@@ -13,6 +13,7 @@ import pytest
 from toothspace import api
 from toothspace.closures.squeeze_film import squeeze_damping
 from toothspace.core.types import Array, IntArray
+from toothspace.films.axial_place import axial_forces, balanced_gaps
 from toothspace.films.rim_film import rim_paths, sector_family
 from toothspace.films.shared_face import SharedFilm, sector_phases, shared_film
 from toothspace.films.shared_machine import with_shared_films
@@ -168,3 +169,27 @@ def test_pump_with_solved_films_reaches_its_cyclic_state(ends: str) -> None:
     assert found["energy_balance_error"] < 1e-4
     assert found["mass_balance_error"] < 1e-10
     assert 0.0 < found["overall_efficiency"] < 1.0
+
+
+def test_rotors_free_between_covers_lean_on_the_one_without_kidneys() -> None:
+    """Port pressure over kidneys pushes until asperities carry; alike on both sides, the middle."""
+    found = {}
+    for covers in ("one", "both"):
+        overrides = ("machine.lateral.position=free", f"machine.ports.covers={covers}")
+        case = api.load_case(CASE, overrides)
+        description = api.describe(case)
+        faces, condition = description.shared_faces, api.condition_of(case, description)
+        assert faces is not None
+        centers = np.array([body.center for body in description.bodies])
+        films = tuple(shared_film(faces, c, centers, None, 24, 32, 2) for c in faces.covers)
+        found[covers] = (
+            balanced_gaps(description, films, condition),
+            axial_forces(description, films, condition),
+        )
+    gaps, force = found["one"]
+    np.testing.assert_allclose(gaps.sum(axis=0), 40e-6)
+    assert np.all(force > 0.0)
+    # asperities of 0.72 um begin to carry below some four times that
+    assert np.all((gaps[1] > 0.5e-6) & (gaps[1] < 4e-6))
+    np.testing.assert_allclose(found["both"][0], 20e-6)
+    np.testing.assert_allclose(found["both"][1], 0.0, atol=1.0)

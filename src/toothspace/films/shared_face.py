@@ -36,7 +36,7 @@ class SharedFilm:
     ----------
     matrix : ndarray, shape (angles, k, k)
         Flow into the film per pressure, over h^3/(12 mu) of the cover's gap; edges are the
-        chambers, the recesses, the inner rim and the sectors of the outer one. Rows sum to zero. [-]
+        chambers, the recesses, the inner rim, the sectors of the outer rim. Rows sum to 0. [-]
     area : ndarray, shape (angles, bodies, k)
         Force on the face of a body per pressure at an edge. [m2]
     drag : ndarray, shape (bodies,)
