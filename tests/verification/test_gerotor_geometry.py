@@ -21,6 +21,7 @@ from toothspace.machines.gerotor.ports import kinematic_lands, openings, pocket_
 from toothspace.machines.gerotor.profiles import Rotors, rotors_from, trochoid_of
 from toothspace.machines.gerotor.summary import flow_ripple
 
+RIM = 26e-3
 DESIGNS = [TROCHOIDAL, CYCLOIDAL]
 NAMES = ["trochoidal", "cycloidal"]
 
@@ -153,7 +154,7 @@ def test_kinematic_lands_of_the_trochoidal_design():
 def test_kinematic_ports_never_join(design):
     """No pocket is open to both kidneys, none is sealed for more than a degree from both."""
     pocket = _pockets(replace(design, tip_clearance=0.0), 140)
-    ports = ports_of(PortContourParameters(timing="kinematic"), pocket)
+    ports = ports_of(PortContourParameters(timing="kinematic"), pocket, RIM)
     inlet, outlet = (openings(ports, pocket, name)[:, 0] for name in ("inlet", "outlet"))
     assert not np.any((inlet > 0.2e-6) & (outlet > 0.2e-6))
     closed = np.count_nonzero((inlet == 0.0) & (outlet == 0.0))
@@ -351,10 +352,10 @@ def test_explicit_lands_are_kept():
     stated = PortContourParameters(
         land_max_half_angle=np.deg2rad(35.0), land_min_half_angle=np.deg2rad(12.0)
     )
-    ports = ports_of(stated, pocket)
+    ports = ports_of(stated, pocket, RIM)
     inlet = openings(ports, pocket, "inlet")[:, 0]
     kinematic = openings(
-        ports_of(PortContourParameters(timing="kinematic"), pocket), pocket, "inlet"
+        ports_of(PortContourParameters(timing="kinematic"), pocket, RIM), pocket, "inlet"
     )
     assert ports.land_max_half_angle == pytest.approx(np.deg2rad(35.0))
     assert inlet.sum() < kinematic[:, 0].sum()

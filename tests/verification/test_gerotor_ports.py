@@ -20,6 +20,7 @@ from toothspace.machines.gerotor.profiles import rotors_from
 from toothspace.machines.gerotor.timing import timing_of
 
 CASES = Path(__file__).resolve().parents[2] / "cases"
+RIM = 26e-3
 KINEMATIC = PortContourParameters(timing="kinematic")
 
 
@@ -32,7 +33,7 @@ def _ports(maximum: float, minimum: float) -> Ports:
     stated = PortContourParameters(
         land_max_half_angle=np.deg2rad(maximum), land_min_half_angle=np.deg2rad(minimum)
     )
-    return ports_of(stated, _pocket())
+    return ports_of(stated, _pocket(), RIM)
 
 
 def test_narrow_lands_short_circuit_the_ports():
@@ -44,7 +45,7 @@ def test_narrow_lands_short_circuit_the_ports():
 def test_wide_lands_trap_volume():
     """Sealed angle: what the land is wider than the kinematic one, on the outer rotor, twice."""
     wide = timing_of(_ports(36.0, 9.7), _pocket())
-    kinematic = timing_of(ports_of(KINEMATIC, _pocket()), _pocket())
+    kinematic = timing_of(ports_of(KINEMATIC, _pocket(), RIM), _pocket())
     assert wide.trapped_area(_pocket()) > 5.0 * kinematic.trapped_area(_pocket())
     expected = 2.0 * np.deg2rad(36.0 - 30.97) / _pocket().angle_ratio
     # the throat moves a little faster than the pocket, and openings begin as thin wedges
@@ -55,14 +56,14 @@ def test_kidneys_from_a_dxf_file_are_the_same(tmp_path):
     """Kidneys written as polylines in millimetres and read back."""
     import ezdxf
 
-    drawn = ports_of(KINEMATIC, _pocket())
+    drawn = ports_of(KINEMATIC, _pocket(), RIM)
     drawing = ezdxf.new("R2010")
     drawing.header["$INSUNITS"] = 4
     for contour in drawn.contours.values():
         drawing.modelspace().add_lwpolyline([(x, y) for x, y in contour * 1e3], close=True)
     path = tmp_path / "kidneys.dxf"
     drawing.saveas(path)
-    read = ports_of(PortContourParameters(contour=path), _pocket())
+    read = ports_of(PortContourParameters(contour=path), _pocket(), RIM)
     for port in ("inlet", "outlet"):
         expected = openings(drawn, _pocket(), port)
         assert openings(read, _pocket(), port) == pytest.approx(expected, abs=1e-9)
@@ -72,14 +73,14 @@ def test_a_contour_file_needs_one_kidney_on_each_side(tmp_path):
     """One line with what was found."""
     np.savetxt(tmp_path / "one.txt", np.array([[15, 0], [20, 0], [20, 5], [15, 5], [15, 0]]))
     with pytest.raises(GeometryError, match="found 1 for the inlet, 0 for the outlet"):
-        ports_of(PortContourParameters(contour=tmp_path / "one.txt"), _pocket())
+        ports_of(PortContourParameters(contour=tmp_path / "one.txt"), _pocket(), RIM)
 
 
 def test_radii_that_enclose_nothing_are_refused():
     """Inner radius above the outer one."""
     wrong = PortContourParameters(timing="kinematic", inner_radius=22e-3, outer_radius=20e-3)
     with pytest.raises(GeometryError, match="inner_radius: found 22 mm, allowed below 20 mm"):
-        ports_of(wrong, _pocket())
+        ports_of(wrong, _pocket(), RIM)
 
 
 def test_design_rules_warn_of_joined_ports():
@@ -108,3 +109,23 @@ def test_case_with_profile_files_gives_the_displacement_of_the_design():
     volume = 2.0 * np.pi * pocket.area_per_radian * spec.rotors.face_width
     assert volume * 1e6 == pytest.approx(6.1596, rel=2e-4)
     assert pocket.path.gap == pytest.approx(30e-6, abs=1.5e-6)
+
+
+def test_radial_slots_open_to_the_windows_beside_the_kidneys() -> None:
+    """Closed on both lands, full width times length inside, half where its middle meets an end."""
+    plain = ports_of(KINEMATIC, _pocket(), RIM)
+    slotted = ports_of(
+        PortContourParameters(timing="kinematic", radial_slot_width=6e-3, radial_slot_length=8e-3),
+        _pocket(),
+        RIM,
+    )
+    place = _pocket().place
+    for port, sign in (("inlet", 1.0), ("outlet", -1.0)):
+        more = openings(slotted, _pocket(), port) - openings(plain, _pocket(), port)
+        at = np.mod(sign * place, 2.0 * np.pi)
+        assert more[np.argmin(np.abs(at - 0.5 * np.pi)), 0] == pytest.approx(6e-3 * 8e-3)
+        assert more[np.argmin(np.abs(at - np.pi)), 0] == 0.0
+        assert more[0, 0] == 0.0
+        end = np.argmin(np.abs(at - plain.land_min_half_angle))
+        assert more[end, 0] == pytest.approx(0.5 * 6e-3 * 8e-3, rel=0.15)
+    np.testing.assert_array_less(0.0, openings(slotted, _pocket(), "inlet")[1:100, 1][10:])

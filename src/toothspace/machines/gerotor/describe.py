@@ -67,7 +67,7 @@ class GerotorMachine:
 def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDescription:
     """Tables and data of a machine; see :meth:`GerotorMachine.describe`."""
     pocket = pockets(spec.rotors, rotors_from(spec.rotors), nodes)
-    ports = ports_of(spec.ports, pocket)
+    ports = ports_of(spec.ports, pocket, 0.5 * spec.housing.outer_rotor_diameter)
     timing = timing_of(ports, pocket)
     checks = design_checks(spec, pocket, timing)
     columns = motion_columns(spec)

@@ -122,8 +122,22 @@ class PortContourParameters:
         default="one",
     )
     contour: Path | None = file_path("Closed port polygons.", *CONTOUR_SUFFIXES)
+    radial_slot_width: float | None = quantity(
+        "mm",
+        "Width, round the rim, of a slot from each cavity to windows in the bore, as long as the "
+        "kidneys: radial porting.",
+        above=0,
+        high=200,
+        default=None,
+    )
+    radial_slot_length: float | None = quantity(
+        "mm", "Axial length of those slots.", above=0, high=500, default=None
+    )
 
     def __post_init__(self) -> None:
+        slot = ("radial_slot_width", "radial_slot_length")
+        if any(getattr(self, name) is not None for name in slot):
+            require(self, "with the other size of radial slots", *slot)
         names = ("land_max_half_angle", "land_min_half_angle")
         if self.timing is not None or self.contour is not None:
             forbid(self, "because timing or contour is given", *names)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -29,6 +29,8 @@ class Ports:
         Half of the lands at the largest and smallest pocket. [rad]
     inner_radius, outer_radius : float
         Radii of the kidneys. [m]
+    slot : tuple of float
+        Half angle of the radial slot of a cavity [rad], its width and length; zeros without. [m]
     contours : mapping of name to ndarray
         Closed polygons ``inlet`` and ``outlet`` in the machine frame, the inlet on the side
         where the pockets grow (positive x). [m]
@@ -39,6 +41,7 @@ class Ports:
     inner_radius: float
     outer_radius: float
     contours: dict[str, Array]
+    slot: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 def throat_place(pocket: Pockets) -> Array:
@@ -67,7 +70,7 @@ def kinematic_lands(pocket: Pockets) -> tuple[float, float]:
     return float(throat[opposite + half] - np.pi), float(throat[half])
 
 
-def ports_of(parameters: PortContourParameters, pocket: Pockets) -> Ports:
+def ports_of(parameters: PortContourParameters, pocket: Pockets, rim_radius: float) -> Ports:
     """Kidneys of a case.
 
     Parameters
@@ -77,11 +80,13 @@ def ports_of(parameters: PortContourParameters, pocket: Pockets) -> Ports:
         floor of the outer rotor's cavities.
     pocket : Pockets
         Pockets over their place.
+    rim_radius : float
+        Radius of the outer rotor. [m]
 
     Returns
     -------
     Ports
-        Both kidneys.
+        Both kidneys, and the radial slots.
 
     Raises
     ------
@@ -98,11 +103,19 @@ def ports_of(parameters: PortContourParameters, pocket: Pockets) -> Ports:
             f"machine.ports.inner_radius: found {inner * 1e3:.5g} mm, allowed below "
             f"{outer * 1e3:.5g} mm"
         )
+    slot = _slot(parameters, rim_radius)
     if parameters.contour is not None:
-        return _from_file(parameters, (*lands, inner, outer))
+        return replace(_from_file(parameters, (*lands, inner, outer)), slot=slot)
     kidney = _kidney((inner, outer), (lands[1], np.pi - lands[0]))
     mirrored = (kidney * np.array([-1.0, 1.0]))[::-1]
-    return Ports(*lands, inner, outer, {"inlet": kidney, "outlet": mirrored})
+    return Ports(*lands, inner, outer, {"inlet": kidney, "outlet": mirrored}, slot)
+
+
+def _slot(parameters: PortContourParameters, rim_radius: float) -> tuple[float, float, float]:
+    width, length = parameters.radial_slot_width, parameters.radial_slot_length
+    if width is None or length is None:
+        return 0.0, 0.0, 0.0
+    return 0.5 * width / rim_radius, width, length
 
 
 def _kidney(radii: tuple[float, float], places: tuple[float, float]) -> Array:
@@ -141,7 +154,8 @@ def openings(ports: Ports, pocket: Pockets, port: str) -> Array:
     Returns
     -------
     ndarray, shape (n, 2)
-        Area [m2] and hydraulic diameter [m] over the place of the pocket.
+        Area [m2] and hydraulic diameter [m] over the place of the pocket, of kidney and radial
+        slot together.
     """
     kidney = shapely.Polygon(ports.contours[port])
     shapely.prepare(kidney)
@@ -151,7 +165,47 @@ def openings(ports: Ports, pocket: Pockets, port: str) -> Array:
         cut = shapely.intersection(kidney, shape)
         if cut.area > _LEAST_AREA:
             table[node] = cut.area, 4.0 * cut.area / cut.length
-    return table
+    return (
+        table if ports.slot[0] == 0.0 else _with_slot(table, radial_openings(ports, pocket, port))
+    )
+
+
+def radial_openings(ports: Ports, pocket: Pockets, port: str) -> Array:
+    """Opening of a cavity's slot to the window of a port in the bore.
+
+    Parameters
+    ----------
+    ports : Ports
+        Kidneys, whose lands the windows share, and slot.
+    pocket : Pockets
+        Pockets over their place.
+    port : str
+        ``inlet`` or ``outlet``.
+
+    Returns
+    -------
+    ndarray, shape (n, 2)
+        Area [m2] and wetted length [m] over the place of the pocket; the slot stands in its
+        middle.
+    """
+    half, width, length = ports.slot
+    place = pocket.place if port == "inlet" else FULL_TURN - pocket.place
+    middle = np.mod(place, FULL_TURN)
+    ends = ports.land_min_half_angle, np.pi - ports.land_max_half_angle
+    overlap = np.minimum(middle + half, ends[1]) - np.maximum(middle - half, ends[0])
+    open_width = np.clip(overlap / (2.0 * half), 0.0, 1.0) * width
+    return np.column_stack([open_width * length, 2.0 * (open_width + length)])
+
+
+def _with_slot(table: Array, slot: Array) -> Array:
+    """Kidney and slot side by side."""
+    own_length = np.divide(
+        4.0 * table[:, 0], table[:, 1], out=np.zeros(len(table)), where=table[:, 1] > 0.0
+    )
+    area = table[:, 0] + slot[:, 0]
+    wetted = own_length + np.where(slot[:, 0] > 0.0, slot[:, 1], 0.0)
+    diameter = np.divide(4.0 * area, wetted, out=np.zeros(len(table)), where=wetted > 0.0)
+    return np.column_stack([area, diameter])
 
 
 def pocket_polygon(pocket: Pockets, node: int) -> Array:
