@@ -17,7 +17,7 @@ from toothspace.machines.gerotor.bodies import (
 )
 from toothspace.machines.gerotor.faces import shared_faces
 from toothspace.machines.gerotor.flow_paths import flow_paths, pocket_phases
-from toothspace.machines.gerotor.lobe_pairs import rotor_contacts
+from toothspace.machines.gerotor.lobe_pairs import contact_ratio, rotor_contacts
 from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.pockets import FULL_TURN, Pockets, area_by_motion, pockets
 from toothspace.machines.gerotor.ports import ports_of
@@ -71,6 +71,8 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
     timing = timing_of(ports, pocket)
     checks = design_checks(spec, pocket, timing)
     columns = motion_columns(spec)
+    contacts = rotor_contacts(spec, pocket.rotors)
+    ratio = contact_ratio(contacts, float(np.median(pocket.path.gap)))
     return MachineDescription(
         name="gerotor",
         mode="pump" if spec.mode == "pump" else "motor",
@@ -82,13 +84,14 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
         journals=journal_bearings(spec),
         laterals=lateral_films(spec, pocket),
         shared_faces=shared_faces(spec, pocket, ports),
-        contacts=rotor_contacts(spec, pocket.rotors),
+        contacts=contacts,
         seal_torque=0.0 if spec.seals is None else spec.seals.shaft_seal_torque,
         port_volumes=(spec.inlet.volume, spec.outlet.volume),
         drain=_drain(spec),
         drain_pressure=spec.drain_pressure or 1e5,
         outlines=outlines(spec, pocket, ports),
-        geometry_summary=geometry_summary(spec, pocket, timing) | {"warnings": warnings(checks)},
+        geometry_summary=geometry_summary(spec, pocket, timing)
+        | {"contact_ratio": ratio, "warnings": warnings(checks)},
         checks=checks,
     )
 

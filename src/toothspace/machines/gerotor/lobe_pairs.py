@@ -19,6 +19,7 @@ from toothspace.model.contact_pair import ContactPair
 from toothspace.model.description import Motion
 from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
 
+_ALONG = 2e-6
 LAWS: dict[str, Literal["hertz_line", "johnson", "pereira"]] = {
     "hertz": "hertz_line",
     "johnson": "johnson",
@@ -143,6 +144,25 @@ def _pair(rotors: Rotors, name: str, contact: LobeContact, mechanics: LobeMechan
         approach_speed=settings.impact_speed,
         squeeze_film=settings.squeeze_film == "on",
     )
+
+
+def contact_ratio(pairs: tuple[ContactPair, ...], clearance: float) -> float:
+    """Mean number of places where the rotors run along each other.
+
+    Parameters
+    ----------
+    pairs : tuple of ContactPair
+        Contacts of the lobes.
+    clearance : float
+        Normal gap of conjugate lobes. [m]
+
+    Returns
+    -------
+    float
+        Contacts with at most this nominal gap and 2 micrometres, over all angles. [-]
+    """
+    limit = clearance + _ALONG
+    return float(sum(pair.count * np.mean(pair.geometry.values[:, 0] <= limit) for pair in pairs))
 
 
 def half_lobe(rotors: Rotors) -> float:
