@@ -41,7 +41,7 @@ def ratio_over_plateau_speed(data: xr.Dataset) -> Figure:
         pressure.plot(speed, values, "o-", color=color, label=label)
     pressure.set_ylabel("Pressure (bar)")
     pressure.set_xlabel("Plateau speed (rpm)")
-    pressure.legend(loc="upper left", ncols=3)
+    pressure.legend(loc="upper center", ncols=3)
     return figure
 
 
