@@ -146,8 +146,11 @@ def peers(matrix: sp.csr_matrix, b: np.ndarray) -> None:
         solve = best(lambda: levels.solve(b, tol=1e-8, accel="cg"), 2)
         print(f"  PyAMG Ruge-Stueben                 {setup:8.0f} + {solve:.0f}")
     if find_spec("pypardiso"):
-        import pypardiso
-
+        try:
+            import pypardiso
+        except ImportError as error:
+            print(f"  MKL Pardiso cannot be loaded: {error}")
+            return
         upper = sp.triu(matrix, format="csr")
         solver = pypardiso.PyPardisoSolver(mtype=2)
         pardiso = best(lambda: (solver.factorize(upper), solver.solve(upper, b)), 2)
