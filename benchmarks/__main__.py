@@ -1,7 +1,8 @@
-"""Print all benchmarks: ``python -m benchmarks``."""
+"""Print benchmarks: ``python -m benchmarks`` all of them, or those that are named."""
 
 from __future__ import annotations
 
+import argparse
 import pkgutil
 import platform
 from importlib import import_module
@@ -10,15 +11,28 @@ import psutil
 
 import benchmarks
 
+_PREFIX = "bench_"
+
+
+def names() -> list[str]:
+    """Names of the modules ``bench_*`` without their prefix."""
+    modules = [module.name for module in pkgutil.iter_modules(benchmarks.__path__)]
+    return [name.removeprefix(_PREFIX) for name in modules if name.startswith(_PREFIX)]
+
 
 def main() -> None:
-    """Run the ``main`` of every module ``bench_*``, then print the memory of the process."""
+    """Run the ``main`` of the chosen modules, each followed by the memory of the process."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
+    parser.add_argument("name", nargs="*", help=f"benchmarks to run: {', '.join(names())}")
+    chosen = parser.parse_args().name or names()
+    unknown = [name for name in chosen if name not in names()]
+    if unknown:
+        parser.error(f"no benchmark {', '.join(unknown)}; there are {', '.join(names())}")
     print(f"Python {platform.python_version()}, {platform.machine()}, one thread")
-    for module in pkgutil.iter_modules(benchmarks.__path__):
-        if module.name.startswith("bench_"):
-            print()
-            import_module(f"benchmarks.{module.name}").main()
-    print(f"\nmemory of this process: {psutil.Process().memory_info().rss / 2**20:.0f} MiB")
+    for name in chosen:
+        print()
+        import_module(f"benchmarks.{_PREFIX}{name}").main()
+        print(f"memory of this process: {psutil.Process().memory_info().rss / 2**20:.0f} MiB")
 
 
 if __name__ == "__main__":

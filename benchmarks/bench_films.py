@@ -1,6 +1,6 @@
 """Times of thin-film solutions: one command prints the whole table.
 
-    python benchmarks/bench_films.py [--quick]
+    python -m benchmarks films
 
 Every time is the best of several runs after a warm-up; ``TOOTHSPACE_THREADS`` sets the threads
 of the multigrid cycle. Peers that are not installed are left out.
@@ -8,7 +8,6 @@ of the multigrid cycle. Peers that are not installed are left out.
 
 from __future__ import annotations
 
-import sys
 import time
 from collections.abc import Callable
 from importlib.util import find_spec
@@ -188,12 +187,8 @@ def bandwidth_table() -> None:
         print(f"  {24 * size / 1e6:8.1f} MB {24 * size / elapsed / 1e6:8.1f} GB/s")
 
 
-def report(sizes: tuple[tuple[int, int], ...] = SIZES) -> None:
+def main() -> None:
     """Print all tables."""
     journal_table()
-    lateral_table(sizes)
+    lateral_table(SIZES)
     bandwidth_table()
-
-
-if __name__ == "__main__":
-    report(SIZES[:2] if "--quick" in sys.argv else SIZES)

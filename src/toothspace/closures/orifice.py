@@ -65,8 +65,10 @@ def inertial_laminar_flow(
     """
     ratio = laminar_conductance / np.maximum(discharge_area, 1e-300)
     root = np.sqrt(1.0 + 2.0 * density * ratio * ratio * np.abs(pressure_drop))
-    per_conductance = 2.0 * pressure_drop / (1.0 + root)
-    return laminar_conductance * per_conductance, laminar_conductance / root, per_conductance / root
+    inverse = 1.0 / (root * (1.0 + root))  # one division serves all three results
+    per_conductance = 2.0 * pressure_drop * root * inverse
+    by_pressure = laminar_conductance * (1.0 + root) * inverse
+    return laminar_conductance * per_conductance, by_pressure, 2.0 * pressure_drop * inverse
 
 
 @inlined

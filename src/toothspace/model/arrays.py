@@ -56,8 +56,19 @@ NODE_COLUMNS = 22
     LOSS,
     SHEAR,
     DROP,
-) = range(9)
-PATH_COLUMNS = 9
+    INFLOW_DENSITY,
+    MEAN_VISCOSITY,
+    RUNNING_HEIGHT,
+    HEIGHT_FACTOR,
+    CONDUCTANCE,
+    OPENING,
+    BY_HEIGHT,
+    DRAG_BY_HEIGHT,
+) = range(17)
+PATH_COLUMNS = 17
+
+# Kinds of paths, in the order of the rows of ``path``; ``kinds`` holds the first of each.
+CURVED_GAP, PARALLEL_GAP, ORIFICE = range(3)
 
 # Columns of ``path_index`` and ``path_data``: what a path is.
 (
@@ -260,6 +271,7 @@ class SystemArrays(NamedTuple):
     paths: Members
     contacts: Members
     dynamic_index: IntArray
+    kinds: IntArray
     path_index: IntArray
     path_data: Array
     journal: Array

@@ -72,6 +72,7 @@ from toothspace.model.lateral_table import with_lateral_table
 from toothspace.model.ledger import FRICTION_MECHANISMS, GAS_MASS, LEDGER_SIZE, MASS, PORT_NODES
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.paths import (
+    by_kind,
     circuit_orifices,
     load_orifice,
     path_arrays,
@@ -135,6 +136,7 @@ def assemble(
     places = node_places(description, condition)
     if condition.circuit:
         paths = (*paths, *circuit_orifices(condition.circuit, places))
+    paths = by_kind(paths)
     families = description.families
     contacts = contact_parts(description, condition, motion_map, len(families))
     tables = [_chamber_table(description, k, motion_map) for k in range(len(families))]
@@ -145,7 +147,6 @@ def assemble(
     journals = journal_data(description, free, bush)
     sizes = _sizes(description, condition, len(free), paths)
     sizes = sizes._replace(journals=journals.rows.shape[0], **contacts.counts)
-    path_index, path_data = path_arrays(description, paths)
     drive = _drive(description, condition, free)
     elements, schedule = circuit_rows(condition.circuit, places, drive, condition.schedules)
     arrays = SystemArrays(
@@ -159,11 +160,10 @@ def assemble(
         contacts=make_members(bank, contacts.reading),
         paths=make_members(bank, path_readings(paths, len(families) + len(contacts.tables))),
         dynamic_index=_dynamic_index(description, condition),
-        path_index=path_index,
-        path_data=path_data,
+        **path_arrays(description, paths),
         journal=journals.rows,
         asperity=journals.asperity,
-        node=_nodes(description, fluid, condition, sizes),
+        node=np.asfortranarray(_nodes(description, fluid, condition, sizes)),
         motion=motion_rows(description, condition, free),
         drive=drive,
         elements=elements,
@@ -367,7 +367,7 @@ def _work(sizes: Sizes) -> dict[str, Array]:
     channels = CHANNEL_MOTION + sizes.motions
     gap_channels = GAP_BY_MOTION + 2 * sizes.motions
     return {
-        "path": np.zeros((sizes.paths, PATH_COLUMNS)),
+        "path": np.zeros((PATH_COLUMNS, sizes.paths)).T,
         "chamber_values": np.zeros((channels, sizes.chambers)).T,
         "chamber_slopes": np.zeros((channels, sizes.chambers)).T,
         "path_values": np.zeros((HEIGHT_BY_MOTION + sizes.motions, sizes.paths)).T,

@@ -16,7 +16,7 @@ from __future__ import annotations
 from toothspace.closures.aeration import gas_exchange_rate
 from toothspace.closures.density import mixture_pressure
 from toothspace.closures.enthalpy import gas_enthalpy, liquid_enthalpy
-from toothspace.core.compiled import kernel
+from toothspace.core.compiled import kernel, merged
 from toothspace.core.types import Array
 from toothspace.model.arrays import (
     CHANNEL_MOTION,
@@ -59,26 +59,38 @@ def update_volumes(s: SystemArrays, state: Array) -> None:
 
 @kernel
 def update_pressures(s: SystemArrays, state: Array) -> None:
-    """Pressure, density, gas content and their derivatives in every dynamic node."""
+    """Pressure, density, gas content and their derivatives in every dynamic node.
+
+    The chambers, first among the states, pass in a loop without branches.
+    """
     node, size, fluid, dynamic = s.node, s.size, s.fluid, s.dynamic_index
-    for i in range(size.nodes):
+    for i in range(size.chambers):
+        update_pressure(node, i, state[size.mass + i], state[size.gas + i], fluid)
+    for i in range(size.chambers, size.nodes):
         d = dynamic[i]
         if d < 0:
             continue
-        mass = state[size.mass + d]
-        gas = state[size.gas + d] / mass
+        mass, gas_mass = state[size.mass + d], state[size.gas + d]
         if node[i, REST_VOLUME] > 0.0:
-            widen(node[i], mass, gas, fluid)
-        specific_volume = node[i, VOLUME] / mass
-        p, by_volume, by_gas = mixture_pressure(specific_volume, gas, fluid)
-        softer = 1.0 / (1.0 - node[i, WALL_SLOPE] * by_volume / mass)
-        by_volume, by_gas = softer * by_volume, softer * by_gas
-        node[i, PRESSURE] = p
-        node[i, GAS] = gas
-        node[i, DENSITY] = 1.0 / specific_volume
-        node[i, PRESSURE_BY_MASS] = -(by_volume * specific_volume + by_gas * gas) / mass
-        node[i, PRESSURE_BY_GAS] = by_gas / mass
-        node[i, PRESSURE_BY_VOLUME] = by_volume / mass
+            widen(node[i], mass, gas_mass / mass, fluid)
+        update_pressure(node, i, mass, gas_mass, fluid)
+        softer = 1.0 / (1.0 - node[i, WALL_SLOPE] * node[i, PRESSURE_BY_VOLUME])
+        for column in (PRESSURE_BY_MASS, PRESSURE_BY_GAS, PRESSURE_BY_VOLUME):
+            node[i, column] *= softer
+
+
+@merged
+def update_pressure(node: Array, i: int, mass: float, gas_mass: float, fluid: FluidLaw) -> None:
+    """Pressure of one node at its volume, with derivatives."""
+    per_mass = 1.0 / mass
+    gas, specific_volume = gas_mass * per_mass, node[i, VOLUME] * per_mass
+    p, by_volume, by_gas = mixture_pressure(specific_volume, gas, fluid)
+    node[i, PRESSURE] = p
+    node[i, GAS] = gas
+    node[i, DENSITY] = 1.0 / specific_volume
+    node[i, PRESSURE_BY_MASS] = -(by_volume * specific_volume + by_gas * gas) * per_mass
+    node[i, PRESSURE_BY_GAS] = by_gas * per_mass
+    node[i, PRESSURE_BY_VOLUME] = by_volume * per_mass
 
 
 @kernel
@@ -93,16 +105,22 @@ def update_enthalpies(s: SystemArrays) -> None:
 @kernel
 def exchange_gas(s: SystemArrays, state: Array) -> None:
     """Release or dissolve gas in every dynamic node."""
-    node, size, fluid, dynamic = s.node, s.size, s.fluid, s.dynamic_index
-    for i in range(size.nodes):
-        d = dynamic[i]
-        if d < 0:
-            continue
-        rate, by_pressure, by_gas = gas_exchange_rate(node[i, PRESSURE], node[i, GAS], fluid)
-        node[i, GAS_RATE] += state[size.mass + d] * rate
-        node[i, EXCHANGE_RATE] = rate
-        node[i, EXCHANGE_BY_PRESSURE] = by_pressure
-        node[i, EXCHANGE_BY_GAS] = by_gas
+    node, size, dynamic = s.node, s.size, s.dynamic_index
+    for i in range(size.chambers):
+        exchange(node, i, state[size.mass + i], s.fluid)
+    for i in range(size.chambers, size.nodes):
+        if dynamic[i] >= 0:
+            exchange(node, i, state[size.mass + dynamic[i]], s.fluid)
+
+
+@merged
+def exchange(node: Array, i: int, mass: float, fluid: FluidLaw) -> None:
+    """Release or dissolve gas in one node."""
+    rate, by_pressure, by_gas = gas_exchange_rate(node[i, PRESSURE], node[i, GAS], fluid)
+    node[i, GAS_RATE] += mass * rate
+    node[i, EXCHANGE_RATE] = rate
+    node[i, EXCHANGE_BY_PRESSURE] = by_pressure
+    node[i, EXCHANGE_BY_GAS] = by_gas
 
 
 @kernel

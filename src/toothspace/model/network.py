@@ -29,10 +29,14 @@ from toothspace.closures.viscosity import dynamic_viscosity, throttling_viscosit
 from toothspace.core.compiled import kernel, merged
 from toothspace.core.types import Array
 from toothspace.model.arrays import (
+    BY_HEIGHT,
     CARRIED_SHARE,
     CATEGORY,
+    CONDUCTANCE,
+    CURVED_GAP,
     DENSITY,
     DRAG,
+    DRAG_BY_HEIGHT,
     DRAG_SPEED,
     DROP,
     FAMILY_COUNT,
@@ -46,18 +50,24 @@ from toothspace.model.arrays import (
     GEOMETRY,
     HEIGHT,
     HEIGHT_BY_MOTION,
-    KIND,
+    HEIGHT_FACTOR,
+    INFLOW_DENSITY,
     LIQUID_ENTHALPY,
     LOSS,
     MASS_RATE,
+    MEAN_VISCOSITY,
     MINIMUM_HEIGHT,
     MULTIPLICITY,
     NODE_A,
     NODE_B,
+    OPENING,
+    ORIFICE,
+    PARALLEL_GAP,
     PARTNER_SHIFT,
     PRESENT_B,
     PRESSURE,
     ROOT_VISCOSITY,
+    RUNNING_HEIGHT,
     SHEAR,
     SHEAR_SPEED,
     THROAT_SPEED,
@@ -67,7 +77,6 @@ from toothspace.model.arrays import (
 from toothspace.model.ledger import THROTTLING
 from toothspace.model.tables import CLOSED
 
-ORIFICE, PARALLEL_GAP, CURVED_GAP = 0, 1, 2
 SHARP_EDGE = 0.7
 SMOOTH_THROAT = 1.0
 HEIGHT_SMOOTHING = 1e-7
@@ -106,32 +115,6 @@ def running_height(nominal: float, residual: float) -> tuple[float, float]:
 
 
 @kernel
-def gap_conductance(
-    kind: int, height: float, width: float, extent: float, viscosity: float
-) -> tuple[float, float]:
-    """Laminar conductance of a gap and its derivative with respect to the height."""
-    if kind == PARALLEL_GAP:
-        conductance = parallel_gap_conductance(height, width, extent, viscosity)
-        return conductance, 3.0 * conductance / height
-    conductance = curved_gap_conductance(height, width, extent, viscosity)
-    return conductance, 2.5 * conductance / height
-
-
-@kernel
-def update_gap_heights(s: SystemArrays, state: Array) -> None:
-    """Nominal heights of all gaps with the present positions of the bodies."""
-    values, path, index, size, free = s.path_values, s.path, s.path_index, s.size, s.paths.open
-    for entry in range(free[-1]):
-        j = free[entry]
-        if index[j, KIND] == ORIFICE or values[j, 1] <= CLOSED_GAP:
-            continue
-        height = values[j, GEOMETRY]
-        for k in range(size.motions):
-            height += values[j, HEIGHT_BY_MOTION + k] * state[size.position + k]
-        path[j, HEIGHT] = height
-
-
-@kernel
 def update_viscosities(s: SystemArrays) -> None:
     """Square root of the viscosity at every node: a path sees the geometric mean of its ends."""
     node, fluid = s.node, s.fluid
@@ -140,52 +123,110 @@ def update_viscosities(s: SystemArrays) -> None:
 
 
 @kernel
-def update_flows(s: SystemArrays, speed: float) -> None:
-    """Flow of every path from the pressures at its ends and its gap, with derivatives."""
-    node, path, values, index = s.node, s.path, s.path_values, s.path_index
-    data, fluid, free = s.path_data, s.fluid, s.paths.open
+def update_ends(s: SystemArrays) -> None:
+    """Pressure drop along every open path, and density and viscosity of what flows in it."""
+    node, path, index, free = s.node, s.path, s.path_index, s.paths.open
     for entry in range(free[-1]):
         j = free[entry]
-        kind = index[j, KIND]
-        first, second, third = values[j, 0], values[j, 1], values[j, 2]
-        if (kind == ORIFICE and first <= CLOSED_ORIFICE) or (
-            kind != ORIFICE and second <= CLOSED_GAP
-        ):
-            path[j, :] = 0.0
-            continue
         a, b = index[j, NODE_A], index[j, PRESENT_B]
         drop = node[a, PRESSURE] - node[b, PRESSURE]
-        density = node[a, DENSITY] if drop >= 0.0 else node[b, DENSITY]
-        viscosity = node[a, ROOT_VISCOSITY] * node[b, ROOT_VISCOSITY]
-        if kind == CURVED_GAP:
-            upstream = max(node[a, PRESSURE], node[b, PRESSURE])
-            viscosity = throttling_viscosity(upstream, abs(drop), fluid)
-        many = data[j, MULTIPLICITY]
-        drag, by_height, drag_by_height = 0.0, 0.0, 0.0
-        if kind == ORIFICE:
-            conductance = orifice_conductance(first, second, viscosity)
-            area = first
-            discharge = SHARP_EDGE
-        else:
-            height, factor = running_height(path[j, HEIGHT], data[j, MINIMUM_HEIGHT])
-            conductance, by_height = gap_conductance(kind, height, second, third, viscosity)
-            area = second * height
-            discharge = SMOOTH_THROAT if kind == CURVED_GAP else SHARP_EDGE
-            by_height *= factor
-            carried = second * data[j, THROAT_SPEED]
-            dragged = area - second * data[j, CARRIED_SHARE] * first
-            drag = dragged * values[j, DRAG_SPEED] - carried * (path[j, HEIGHT] - first)
-            drag_by_height = (second * values[j, DRAG_SPEED] * factor - carried) * speed
-            shear = values[j, SHEAR_SPEED] ** 2 * second * third / height
-            path[j, SHEAR] = many * viscosity * speed * shear
-        flow, by_pressure, by_conductance = inertial_laminar_flow(
-            drop, conductance, discharge * area, density
-        )
-        path[j, VOLUME_FLOW] = many * (flow + drag * speed)
-        path[j, FLOW_BY_PRESSURE] = many * by_pressure
-        path[j, FLOW_BY_HEIGHT] = many * (by_conductance * by_height + drag_by_height)
-        path[j, DRAG] = many * drag
         path[j, DROP] = drop
+        path[j, INFLOW_DENSITY] = node[a, DENSITY] if drop >= 0.0 else node[b, DENSITY]
+        path[j, MEAN_VISCOSITY] = node[a, ROOT_VISCOSITY] * node[b, ROOT_VISCOSITY]
+
+
+@kernel
+def heat_throats(s: SystemArrays) -> None:
+    """Viscosity in the throats between flanks, which heat their own flow."""
+    node, path, index, free, fluid = s.node, s.path, s.path_index, s.paths.open, s.fluid
+    for entry in range(free[-1]):
+        j = free[entry]
+        if j >= s.kinds[CURVED_GAP + 1]:
+            break
+        upstream = max(node[index[j, NODE_A], PRESSURE], node[index[j, PRESENT_B], PRESSURE])
+        path[j, MEAN_VISCOSITY] = throttling_viscosity(upstream, abs(path[j, DROP]), fluid)
+
+
+@kernel
+def update_heights(s: SystemArrays, state: Array) -> None:
+    """Heights of all gaps with the present positions of the bodies, nominal and running."""
+    values, path, residual = s.path_values, s.path, s.path_data[:, MINIMUM_HEIGHT]
+    gaps = s.kinds[ORIFICE]
+    for j in range(gaps):
+        path[j, HEIGHT] = values[j, GEOMETRY]
+    for k in range(s.size.motions):
+        q = state[s.size.position + k]
+        for j in range(gaps):
+            path[j, HEIGHT] += values[j, HEIGHT_BY_MOTION + k] * q
+    for j in range(gaps):
+        height, factor = running_height(path[j, HEIGHT], residual[j])
+        path[j, RUNNING_HEIGHT], path[j, HEIGHT_FACTOR] = height, factor
+
+
+@kernel
+def update_gap_conductances(s: SystemArrays) -> None:
+    """Laminar conductance of all gaps and its derivative with respect to the height."""
+    path, values, parallel, gaps = s.path, s.path_values, s.kinds[PARALLEL_GAP], s.kinds[ORIFICE]
+    for j in range(parallel):
+        width, height = values[j, 1], path[j, RUNNING_HEIGHT]
+        radius = values[j, 2] if width > CLOSED_GAP else 1.0
+        found = curved_gap_conductance(height, width, radius, path[j, MEAN_VISCOSITY])
+        path[j, CONDUCTANCE] = found if width > CLOSED_GAP else 0.0
+        path[j, OPENING] = SMOOTH_THROAT * width * height
+        path[j, BY_HEIGHT] = 2.5 * path[j, CONDUCTANCE] / height * path[j, HEIGHT_FACTOR]
+    for j in range(parallel, gaps):
+        width, height = values[j, 1], path[j, RUNNING_HEIGHT]
+        length = values[j, 2] if width > CLOSED_GAP else 1.0
+        found = parallel_gap_conductance(height, width, length, path[j, MEAN_VISCOSITY])
+        path[j, CONDUCTANCE] = found if width > CLOSED_GAP else 0.0
+        path[j, OPENING] = SHARP_EDGE * width * height
+        path[j, BY_HEIGHT] = 3.0 * path[j, CONDUCTANCE] / height * path[j, HEIGHT_FACTOR]
+
+
+@kernel
+def update_orifice_conductances(s: SystemArrays) -> None:
+    """Laminar conductance of all orifices."""
+    path, values = s.path, s.path_values
+    for j in range(s.kinds[ORIFICE], s.size.paths):
+        area = values[j, 0]
+        found = orifice_conductance(area, values[j, 1], path[j, MEAN_VISCOSITY])
+        path[j, CONDUCTANCE] = found if area > CLOSED_ORIFICE else 0.0
+        path[j, OPENING] = SHARP_EDGE * area
+
+
+@kernel
+def drag_walls(s: SystemArrays, speed: float) -> None:
+    """Flow dragged by the walls of all gaps, and the torque of their shear."""
+    path, values, data = s.path, s.path_values, s.path_data
+    for j in range(s.kinds[ORIFICE]):
+        many, wall = data[j, MULTIPLICITY], values[j, DRAG_SPEED]
+        width = values[j, 1] if values[j, 1] > CLOSED_GAP else 0.0
+        nominal, height = values[j, 0], path[j, RUNNING_HEIGHT]
+        carried = width * data[j, THROAT_SPEED]
+        dragged = width * (height - data[j, CARRIED_SHARE] * nominal)
+        path[j, DRAG] = many * (dragged * wall - carried * (path[j, HEIGHT] - nominal))
+        path[j, DRAG_BY_HEIGHT] = (width * wall * path[j, HEIGHT_FACTOR] - carried) * speed
+        shear = values[j, SHEAR_SPEED] * values[j, SHEAR_SPEED] * width * values[j, 2] / height
+        path[j, SHEAR] = many * path[j, MEAN_VISCOSITY] * speed * shear
+
+
+@kernel
+def update_flows(s: SystemArrays, speed: float) -> None:
+    """Flow of every path from the pressures at its ends and its gap, with derivatives.
+
+    Loops run over closed paths too, through which nothing flows: that is faster than leaving
+    them out.
+    """
+    path, data = s.path, s.path_data
+    for j in range(s.size.paths):
+        many = data[j, MULTIPLICITY]
+        flow, by_pressure, by_conductance = inertial_laminar_flow(
+            path[j, DROP], path[j, CONDUCTANCE], path[j, OPENING], path[j, INFLOW_DENSITY]
+        )
+        path[j, VOLUME_FLOW] = many * flow + path[j, DRAG] * speed
+        path[j, FLOW_BY_PRESSURE] = many * by_pressure
+        by_height = by_conductance * path[j, BY_HEIGHT] + path[j, DRAG_BY_HEIGHT]
+        path[j, FLOW_BY_HEIGHT] = many * by_height
 
 
 @kernel
@@ -232,7 +273,12 @@ def shift_flows(s: SystemArrays) -> None:
 def update_network(s: SystemArrays, state: Array) -> None:
     """Flows of all paths and their sums in the nodes."""
     update_viscosities(s)
-    update_gap_heights(s, state)
+    update_ends(s)
+    heat_throats(s)
+    update_heights(s, state)
+    update_gap_conductances(s)
+    update_orifice_conductances(s)
+    drag_walls(s, state[1])
     update_flows(s, state[1])
     sum_flows(s)
 

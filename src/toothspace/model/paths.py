@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
 from toothspace.core.types import Array, IntArray
+from toothspace.model.arrays import CURVED_GAP, ORIFICE, PARALLEL_GAP
 from toothspace.model.circuit_description import Circuit
 from toothspace.model.description import FlowPath, MachineDescription
 from toothspace.model.ledger import PATH_CATEGORIES
 from toothspace.model.tables import Reading
 from toothspace.numerics.periodic_table import PeriodicTable
 
-_KINDS = {"orifice": 0, "parallel_gap": 1, "curved_gap": 2}
+_KINDS = {"curved_gap": CURVED_GAP, "parallel_gap": PARALLEL_GAP, "orifice": ORIFICE}
 
 
 def load_orifice(description: MachineDescription, area: float) -> FlowPath:
@@ -52,6 +54,11 @@ def _constant_orifice(area: float) -> PeriodicTable:
     return PeriodicTable(2.0 * np.pi, constant, np.zeros_like(constant))
 
 
+def by_kind(paths: Sequence[FlowPath]) -> tuple[FlowPath, ...]:
+    """Order paths by their kind, as compiled code runs through them."""
+    return tuple(sorted(paths, key=lambda path: _KINDS[path.kind]))
+
+
 def path_table(path: FlowPath, motion_map: Array) -> PeriodicTable:
     """Join the channels that compiled code reads: geometry (3), drag, shear, dh/dq."""
     period, shape = path.geometry.period, path.geometry.values.shape
@@ -85,10 +92,8 @@ def path_readings(paths: Sequence[FlowPath], first_table: int) -> Reading:
     )
 
 
-def path_arrays(
-    description: MachineDescription, paths: Sequence[FlowPath]
-) -> tuple[IntArray, Array]:
-    """Integer and real columns of every path, in the order of the array columns."""
+def path_arrays(description: MachineDescription, paths: Sequence[FlowPath]) -> dict[str, Any]:
+    """Integer and real columns of every path as compiled code reads them, first of each kind."""
     counts = [path.count for path in paths]
     node_a = _drain_joined(description, np.concatenate([path.nodes_a for path in paths]))
     node_b = _drain_joined(description, np.concatenate([path.nodes_b for path in paths]))
@@ -111,7 +116,12 @@ def path_arrays(
             np.repeat([float(path.drags_opening_only) for path in paths], counts),
         ]
     ).astype(float)
-    return index, data
+    starts = np.searchsorted(index[:, 0], range(len(_KINDS) + 1))
+    return {
+        "kinds": starts.astype(np.int64),
+        "path_index": np.asfortranarray(index),
+        "path_data": np.asfortranarray(data),
+    }
 
 
 def _drain_joined(description: MachineDescription, nodes: IntArray) -> IntArray:

@@ -60,6 +60,9 @@ class Members(NamedTuple):
         channels of closed members are left as they were.
     open : ndarray of int, shape (members + 1,)
         Numbers of the members that are not closed; their count stands at the end.
+    channels, row, moved : ndarrays of int, shape (members,)
+        Channels of the table of each member, place of its interval in the bank, and numbers of
+        the members that went on to another interval.
     """
 
     table: IntArray
@@ -75,6 +78,9 @@ class Members(NamedTuple):
     turns: IntArray
     closed: IntArray
     open: IntArray
+    channels: IntArray
+    row: IntArray
+    moved: IntArray
 
 
 OPEN = -1
@@ -104,6 +110,9 @@ def make_members(bank: TableBank, reading: Reading) -> Members:
         turns=np.zeros(count, dtype=np.int64),
         closed=np.full(count, UNKNOWN),
         open=np.zeros(count + 1, dtype=np.int64),
+        channels=channels,
+        row=np.zeros(count, dtype=np.int64),
+        moved=np.zeros(count, dtype=np.int64),
     )
 
 
@@ -150,40 +159,58 @@ def find_intervals(bank: TableBank, members: Members, shaft_angle: float) -> boo
     if outside == 0:
         return False
     changed = False
+    moved = 0
     for j in range(place.size):
         if not 0.0 <= place[j] < 1.0:
             position = origin[j] + growth[j] * shaft_angle
             interval[j] = np.floor(position)
             place[j] = position - interval[j]
-            if read_interval(bank, members, j):
+            if find_row(bank, members, j):
                 changed = True
+            if members.closed[j] == OPEN:
+                members.moved[moved] = j
+                moved += 1
+    read_intervals(bank, members, moved)
     if changed:
         list_open(members)
     return changed
 
 
 @kernel
-def read_interval(bank: TableBank, members: Members, j: int) -> bool:
-    """Copy the coefficients of one member's interval; True if it opened, closed or turned."""
+def find_row(bank: TableBank, members: Members, j: int) -> bool:
+    """Find one member's interval in the bank; True if the member opened, closed or turned."""
     coefficients, table, gate = bank.coefficients, members.table[j], members.gate[j]
     nodes, channels = bank.layout[table, NODES], bank.layout[table, CHANNELS]
     passed = np.floor(members.interval[j] / nodes)
     number = min(max(int(members.interval[j] - passed * nodes), 0), nodes - 1)
-    base = bank.layout[table, OFFSET] + number * 4 * channels
-    following = bank.layout[table, OFFSET] + (number + 1) % nodes * 4 * channels
+    first = bank.layout[table, OFFSET]
+    base = first + number * 4 * channels
+    following = base + 4 * channels if number + 1 < nodes else first
+    members.row[j] = base
     closed = CLOSED if gate >= channels else OPEN
     if 0 <= gate < channels and coefficients[base + gate] == 0.0 == coefficients[following + gate]:
         closed = CLOSED
     changed = closed != members.closed[j] or int(passed) != members.turns[j]
     members.closed[j], members.turns[j] = closed, int(passed)
-    if closed == OPEN:
-        for power in range(4):
-            for k in range(channels):
-                members.cubic[k, power, j] = coefficients[base + power * channels + k]
-    elif changed and gate < channels:
+    if closed == CLOSED and changed and gate < channels:
         for power in range(4):
             members.cubic[gate, power, j] = 0.0
     return changed
+
+
+@kernel
+def read_intervals(bank: TableBank, members: Members, moved: int) -> None:
+    """Copy the coefficients of the members that moved on, channel by channel."""
+    for k in range(members.last.size):
+        for entry in range(moved):
+            j = members.moved[entry]
+            channels = members.channels[j]
+            if k < channels:
+                base = members.row[j] + k
+                members.cubic[k, 0, j] = bank.coefficients[base]
+                members.cubic[k, 1, j] = bank.coefficients[base + channels]
+                members.cubic[k, 2, j] = bank.coefficients[base + 2 * channels]
+                members.cubic[k, 3, j] = bank.coefficients[base + 3 * channels]
 
 
 @kernel

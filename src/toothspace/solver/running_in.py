@@ -6,6 +6,7 @@ import numpy as np
 
 from toothspace.core.types import Array
 from toothspace.model.description import FlowPath
+from toothspace.model.paths import by_kind
 from toothspace.solver.cyclic import History
 from toothspace.solver.observe import observe
 
@@ -20,7 +21,7 @@ def running_in_depths(history: History) -> dict[str, Array]:
     angles = history.states[:, 0]
     depths = {}
     first = 0
-    for path in system.description.paths:
+    for path in by_kind(system.description.paths):
         members = slice(first, first + path.count)
         if path.wears:
             depths[path.name] = _depth(path, angles, heights[:, members])
