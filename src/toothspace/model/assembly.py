@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import final
+from typing import Any, final
 
 import numpy as np
 
@@ -362,7 +362,7 @@ def _fill_circuit_nodes(
         row[VOLUME], row[WALL_SLOPE] = wall_volume(row, place.pressure)
 
 
-def _work(sizes: Sizes) -> dict[str, Array]:
+def _work(sizes: Sizes) -> dict[str, Any]:
     """Work arrays; tables are evaluated channel by channel, so their values stand in columns."""
     channels = CHANNEL_MOTION + sizes.motions
     gap_channels = GAP_BY_MOTION + 2 * sizes.motions

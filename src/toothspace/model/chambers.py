@@ -16,6 +16,7 @@ from __future__ import annotations
 from toothspace.closures.aeration import gas_exchange_rate
 from toothspace.closures.density import mixture_pressure
 from toothspace.closures.enthalpy import gas_enthalpy, liquid_enthalpy
+from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.compiled import kernel, merged
 from toothspace.core.types import Array
 from toothspace.model.arrays import (
