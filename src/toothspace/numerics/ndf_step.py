@@ -57,14 +57,17 @@ PASSED = -2
 NEWTON_LIMIT = 7
 NEWTON_CUT = 0.15
 FIRST_TOLERANCE = 0.1
-LATER_TOLERANCE = 0.3
+LATER_TOLERANCE = 0.6
+
+# A step whose error estimate passes this within the iteration will fail its test: cut it then.
+HOPELESS_ERROR = 1.2
 
 # When factors and Jacobian are renewed: change of gamma, steps, contraction rate. A new
 # Jacobian is assumed to contract by FRESH_RATE until measured.
 REFACTOR_CHANGE = 0.2
-JACOBIAN_AGE = 30
+JACOBIAN_AGE = 20
 SLOW_RATE = 0.3
-FRESH_RATE = 0.2
+FRESH_RATE = 0.1
 RATE_MEMORY = 0.3
 
 # Choice of step and order: safety of the lower, the same and the higher order.
@@ -147,7 +150,7 @@ def use_evaluation(program: LuProgram, settings: NdfSettings, state: NdfState) -
         return _give_up_attempt(settings, state)
     verdict = _judge(control, size)
     control.iteration += 1
-    if verdict > 0:
+    if verdict > 0 or (verdict == 0 and _step_error(settings, state) > HOPELESS_ERROR):
         return _test_error(settings, state)
     if verdict < 0:
         if control.jacobian_age == 0:
@@ -172,11 +175,16 @@ def _give_up_attempt(settings: NdfSettings, state: NdfState) -> int:
 
 
 @kernel
-def _test_error(settings: NdfSettings, state: NdfState) -> int:
-    control = state.control[0]
-    error = ERROR_CONSTANT[control.order] * error_norm(
+def _step_error(settings: NdfSettings, state: NdfState) -> float:
+    return ERROR_CONSTANT[state.control[0].order] * error_norm(
         state.work[2], state.inverse_weights, settings.max_norm_share
     )
+
+
+@kernel
+def _test_error(settings: NdfSettings, state: NdfState) -> int:
+    control = state.control[0]
+    error = _step_error(settings, state)
     if error <= 1.0:
         control.error = error
         return PASSED
@@ -299,10 +307,10 @@ def _reject(settings: NdfSettings, state: NdfState, error: float) -> None:
     """Cut the step after a failed error test, to a lower order if that is better."""
     control = state.control[0]
     order = control.order
-    if control.failures > 0:
-        _cut_step(state, 0.5)
-        return
     ratio = max(0.1, error ** (-1.0 / (order + 1)) / SAFETY[1])
+    if control.failures > 0:
+        _cut_step(state, min(ratio, 0.5))
+        return
     if order > settings.lowest_order:
         lower = ERROR_CONSTANT[order - 1] * error_norm(
             state.differences[order], state.inverse_weights, settings.max_norm_share
