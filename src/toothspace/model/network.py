@@ -292,6 +292,7 @@ def book_throttling(s: SystemArrays, speed: float, ledger: Array) -> float:
         j = free[entry]
         flow = path[j, FLOW]
         if flow == 0.0:
+            path[j, LOSS] = 0.0
             continue
         a, b = index[j, NODE_A], index[j, PRESENT_B]
         gas = node[a, GAS] if flow > 0.0 else node[b, GAS]
