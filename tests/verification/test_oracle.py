@@ -19,10 +19,11 @@ from toothspace.core.types import Array
 from toothspace.geometry.involute_gear import InvoluteGear
 from toothspace.machines.external_gear import spec
 from toothspace.machines.external_gear.describe import describe
+from toothspace.model.arrays import CATEGORY
 from toothspace.model.assembly import System, assemble
 from toothspace.model.description import MachineDescription
 from toothspace.model.fluid import fluid_law
-from toothspace.model.ledger import LEDGER_NAMES
+from toothspace.model.ledger import LEDGER_NAMES, PATH_CATEGORIES
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.numerics.periodic_table import PeriodicTable
 from toothspace.solver.cyclic import History, RunPlan, march_revolutions
@@ -124,10 +125,7 @@ def package_run() -> History:
 
 
 def total_flow(system: System, seen: Observation, *categories: str) -> Array:
-    kinds = np.repeat(
-        [path.category for path in system.description.paths],
-        [path.count for path in system.description.paths],
-    )
+    kinds = np.array(PATH_CATEGORIES)[system.arrays.path_index[:, CATEGORY]]
     return np.asarray(seen.path_flow[:, np.isin(kinds, categories)].sum(axis=1))
 
 
