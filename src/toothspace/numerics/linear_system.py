@@ -46,11 +46,11 @@ class DirectSystem:
     def solve(
         self, rhs: Array, start: Array | None = None, relative_tolerance: float = TIGHT
     ) -> Array:
-        """Solution in grid order; the direct part needs neither start nor tolerance."""
+        """Solution in grid order; the direct part needs no start."""
         x = self._precondition(rhs)
         if self.exact and not self.ring:
             return x
-        limit = 0.1 * TIGHT * norm(rhs)
+        limit = 0.1 * relative_tolerance * norm(rhs)
         for _ in range(3):
             remainder = rhs - self._product(x)
             size = norm(remainder)

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 _TOUCH = 0.01
 """Asperity pressure over hardness that counts as contact. [-]"""
-_MARCHED = Accuracy(settled=1e-4, linear=1e-4)
+_MARCHED = Accuracy(settled=1e-3, linear=1e-2)
 """Accuracy of films within one step of the march, whose force balance repeats them."""
 _JACOBIAN_AGE = 60
 """Iterations of the march that one Jacobian serves. [-]"""

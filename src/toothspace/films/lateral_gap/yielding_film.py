@@ -37,6 +37,8 @@ _PATIENCE = 9
 _LONGEST = 0.5
 """Largest change of the gap in one pass over the gap. [-]"""
 _ROUNDING = 1e-10
+_DIRECT_CELLS = 20_000
+"""Cells from which multigrid beats the band of a yielding film. [-]"""
 
 
 class Accuracy(NamedTuple):
@@ -308,7 +310,7 @@ def _linearise(
     slope = balance_derivative(film.grid, field, state, balance, film.law)
     _couple(balance, slope, kind, potential, saturation, how.compliance * touch[2], stencil)
     system: LinearSystem
-    if prefers_direct(balance):
+    if prefers_direct(balance) and rows * lanes <= _DIRECT_CELLS:
         band = np.empty((kind.size, 2 * lanes + 1))
         system = direct_system(balance, stencil, kind, band)
     else:
