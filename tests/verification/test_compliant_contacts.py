@@ -79,7 +79,7 @@ def test_jacobian_is_the_derivative_of_the_rates(history: History) -> None:
     up, down = np.zeros(size.total), np.zeros(size.total)
     for k, motion in enumerate(system.free_motions):
         axis = system.description.motions[motion].axis
-        for column, step in ((size.position + k, STEPS[axis]), (size.velocity + k, 1e-6)):
+        for column, step in ((size.position + k, STEPS[axis]), (size.velocity + k, 1e-7)):
             for sign, rate in ((1.0, up), (-1.0, down)):
                 moved = state.copy()
                 moved[column] += sign * step
