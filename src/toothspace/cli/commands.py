@@ -24,6 +24,7 @@ EXPORT_FORMATS = ("dxf", "stl", "step", "txt")
 PICTURE_SUFFIXES = (".png", ".svg", ".pdf")
 _NUMERICAL_FAILURE = 3
 _START_TABLE = "machine.startup"  # acts on a free shaft only, in a circuit
+_BEARING_TABLE = "machine.floating_bearing"
 _INTERRUPTED = 130
 _EXIT_CODES = {Status.DONE: 0, Status.INTERRUPTED: _INTERRUPTED}
 
@@ -268,6 +269,8 @@ def _write_geometry(case: Case, description: Any, outputs: GeometryOutputs) -> N
 def _tell_unused(case: Case) -> None:
     for path in PRESETS[case.run.fidelity].unused_tables:
         if path == _START_TABLE and case.circuit is not None:
+            continue
+        if path == _BEARING_TABLE and case.run.film_tables is not None:
             continue
         value: Any = case
         for name in path.split("."):
