@@ -71,7 +71,7 @@ def announce_first_compilation() -> None:
     """Tell the user once that compiled code is being built and will be kept."""
     if not CACHE_FOLDER.exists():
         sys.stderr.write(
-            "First use on this machine: compiling (about half a minute, kept for later).\n"
+            "First use on this machine: compiling (a minute or two, kept for later).\n"
         )
 
 
