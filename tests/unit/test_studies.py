@@ -43,19 +43,6 @@ pressure_difference = ["50 bar", "100 bar", "150 bar"]
 """
 
 
-@pytest.fixture
-def calls(monkeypatch: pytest.MonkeyPatch) -> list[Case]:
-    """Replace the simulation; the cases that it was asked for."""
-    seen: list[Case] = []
-
-    def simulate(case: Case) -> Answer:
-        seen.append(case)
-        return Answer(answer(case))
-
-    monkeypatch.setattr(api, "simulate", simulate)
-    return seen
-
-
 def replace_simulation(monkeypatch: pytest.MonkeyPatch, simulate: Callable[..., Any]) -> None:
     monkeypatch.setattr(api, "simulate", simulate)
 

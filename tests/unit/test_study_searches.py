@@ -37,19 +37,6 @@ limits = {{volumetric_efficiency = {{low = 0.96}}}}
 """
 
 
-@pytest.fixture
-def calls(monkeypatch: pytest.MonkeyPatch) -> list[Case]:
-    """Replace the simulation; the cases that it was asked for."""
-    seen: list[Case] = []
-
-    def simulate(case: Case) -> Answer:
-        seen.append(case)
-        return Answer(answer(case))
-
-    monkeypatch.setattr(api, "simulate", simulate)
-    return seen
-
-
 def test_indices_of_the_ishigami_function() -> None:
     # T. Ishigami, T. Homma, ISUMA 1990; with a = 7, b = 0.1 the indices are known
     samples = 2.0 * np.pi * index_samples(unit_samples(6, "sobol", 4096, 1)) - np.pi

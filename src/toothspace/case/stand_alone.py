@@ -250,9 +250,25 @@ class PadPocket:
     width: float = quantity("mm", "Extent across, centred.", above=0, high=2000)
 
 
+@dataclass(frozen=True, kw_only=True)
+class PlaneFilmKeys:
+    """Keys that the films of all kinds of plane faces share."""
+
+    dynamic_viscosity: float | None = quantity(
+        "Pa s", "Viscosity; or give a fluid.", above=0, high=100, default=None
+    )
+    cavitation_pressure: float = quantity(
+        "bar", "Absolute pressure in the cavity.", low=0, high=1000, default=0.0
+    )
+    cavitation: str = choice("Cavitation model.", *_CAVITATION, default="jfo")
+    pressure_viscosity: float = quantity("1/GPa", _BARUS_DOC, low=0, high=100, default=0.0)
+    density: str = choice(_DENSITY_DOC, *_DENSITIES, default="constant")
+    surfaces: FilmSurfaces | None = table(FilmSurfaces, _SURFACES_DOC, default=None)
+
+
 @final
 @dataclass(frozen=True, kw_only=True)
-class FilmCase:
+class FilmCase(PlaneFilmKeys):
     """``[film]`` with ``kind = "pad"``: plane slider with linear height."""
 
     length: float = quantity("mm", "Extent along the motion.", above=0, high=2000)
@@ -261,9 +277,6 @@ class FilmCase:
     inlet_height: float = quantity("um", "Height where the wall enters.", above=0, high=10000)
     outlet_height: float = quantity("um", "Height where the wall leaves.", above=0, high=10000)
     pocket: PadPocket | None = table(PadPocket, "Recess.", default=None)
-    dynamic_viscosity: float | None = quantity(
-        "Pa s", "Viscosity; or give a fluid.", above=0, high=100, default=None
-    )
     ambient_pressure: float = quantity(
         "bar", "Absolute pressure at all edges.", low=0, high=1000, default=1e5
     )
@@ -276,19 +289,12 @@ class FilmCase:
     squeeze_velocity: float = quantity(
         "m/s", "Velocity of the pad away from the wall.", low=-100, high=100, default=0.0
     )
-    cavitation_pressure: float = quantity(
-        "bar", "Absolute pressure in the cavity.", low=0, high=1000, default=0.0
-    )
-    cavitation: str = choice("Cavitation model.", *_CAVITATION, default="jfo")
     grid: tuple[int, int] = declare(Row(items=(_CELLS, _CELLS), doc=_GRID_DOC), (256, 128))
-    pressure_viscosity: float = quantity("1/GPa", _BARUS_DOC, low=0, high=100, default=0.0)
-    density: str = choice(_DENSITY_DOC, *_DENSITIES, default="constant")
-    surfaces: FilmSurfaces | None = table(FilmSurfaces, _SURFACES_DOC, default=None)
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class LateralFilmCase:
+class LateralFilmCase(PlaneFilmKeys):
     """``[film]`` with ``kind = "lateral"``: film of a machine's bushing face at one angle."""
 
     side_gap: float = quantity("um", "Film height at the reference point.", above=0, high=1000)
@@ -301,22 +307,12 @@ class LateralFilmCase:
     shaft_speed: float = quantity("rpm", "Shaft speed.", low=0, high=50000)
     inlet_pressure: float = quantity("bar", "Absolute pressure.", above=0, high=1000)
     outlet_pressure: float = quantity("bar", "Absolute pressure.", above=0, high=1000)
-    dynamic_viscosity: float | None = quantity(
-        "Pa s", "Viscosity; or give a fluid.", above=0, high=100, default=None
-    )
-    cavitation_pressure: float = quantity(
-        "bar", "Absolute pressure in the cavity.", low=0, high=1000, default=0.0
-    )
-    cavitation: str = choice("Cavitation model.", *_CAVITATION, default="jfo")
     grid: tuple[int, int] = declare(Row(items=(_CELLS, _CELLS), doc=_GRID_DOC), (256, 64))
-    pressure_viscosity: float = quantity("1/GPa", _BARUS_DOC, low=0, high=100, default=0.0)
-    density: str = choice(_DENSITY_DOC, *_DENSITIES, default="constant")
-    surfaces: FilmSurfaces | None = table(FilmSurfaces, _SURFACES_DOC, default=None)
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class RingFilmCase:
+class RingFilmCase(PlaneFilmKeys):
     """``[film]`` with ``kind = "ring"``: plane ring or disc, its lower face turns."""
 
     inner_radius: float = quantity("mm", "Inner radius; zero for a disc.", low=0, high=2000)
@@ -335,17 +331,7 @@ class RingFilmCase:
     outer_pressure: float | None = quantity(
         "bar", "Absolute pressure at the outer rim; a wall without.", low=0, high=5000, default=None
     )
-    dynamic_viscosity: float | None = quantity(
-        "Pa s", "Viscosity; or give a fluid.", above=0, high=100, default=None
-    )
-    cavitation_pressure: float = quantity(
-        "bar", "Absolute pressure in the cavity.", low=0, high=1000, default=0.0
-    )
-    cavitation: str = choice("Cavitation model.", *_CAVITATION, default="jfo")
     grid: tuple[int, int] = declare(Row(items=(_CELLS, _CELLS), doc=_GRID_DOC), (256, 64))
-    pressure_viscosity: float = quantity("1/GPa", _BARUS_DOC, low=0, high=100, default=0.0)
-    density: str = choice(_DENSITY_DOC, *_DENSITIES, default="constant")
-    surfaces: FilmSurfaces | None = table(FilmSurfaces, _SURFACES_DOC, default=None)
 
     def __post_init__(self) -> None:
         if self.inner_radius >= self.outer_radius:
