@@ -265,8 +265,12 @@ def _simulate_circuit(
     condition = circuit_condition(case, description, fluid)
     worn, depths, status = _run_in(case, description)
     worn = _with_tables(case, worn)
+    run = case.run
     plan = TimePlan(
-        case.circuit.duration, cells=case.run.time_samples, max_steps=case.run.max_steps
+        case.circuit.duration,
+        cells=run.time_samples,
+        max_steps=run.max_steps,
+        channels=run.channels,
     )
     march = TransientMarch(assemble(worn, fluid, condition), plan)
     extra: dict[str, Any] = {"fluid_temperature": np.asarray(_temperature(case))}

@@ -18,6 +18,7 @@ from toothspace.core.errors import CaseError
 from toothspace.model.assembly import System, assemble
 from toothspace.model.description import MachineDescription
 from toothspace.results.solution import Solution
+from toothspace.results.variables import CHANNELS
 from toothspace.solver.transient import TimePlan, TransientMarch
 from toothspace.solver.transient_outcome import transient_solution
 
@@ -48,6 +49,22 @@ def solve(case: Case, duration: float, cells: int = 100) -> Solution:
 
 def slow_supply(speed: str, *more: str) -> Case:
     return startup_case(f'circuit.supply.speed=[["0 s", "{speed}"]]', *more)
+
+
+def wide_values(*overrides: str) -> set[str]:
+    data = api.simulate(startup_case('circuit.duration="0.05 s"', *overrides)).data
+    assert {"pressure_difference_highest", "load_torque", "inlet_flow_rate"} <= set(data.data_vars)
+    sampled = [name for name in data.data_vars if "time" in data[name].dims[:1]]
+    return {str(name) for name in sampled if data[name].ndim > 1}
+
+
+def test_a_run_keeps_the_chosen_channels_only() -> None:
+    """Values with one number in each row always stay; of the others only the chosen."""
+    ends = ("_lowest", "_highest")
+    assert {name for name in wide_values() if not name.endswith(ends)} == set(CHANNELS)
+    found = wide_values('run.channels=["contact_force"]')
+    assert found == {"contact_force", *(f"contact_force{end}" for end in ends)}
+    assert not wide_values("run.channels=[]")
 
 
 @pytest.mark.parametrize("angle", [0.0, 7.5, 15.0, 22.5])

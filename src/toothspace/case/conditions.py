@@ -8,7 +8,9 @@ from typing import final
 
 from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.core.keys import (
+    Choice,
     Integer,
+    Items,
     Quantity,
     Row,
     choice,
@@ -21,6 +23,7 @@ from toothspace.core.keys import (
     require,
     text,
 )
+from toothspace.results.variables import CHANNELS
 
 _CELLS = Integer(low=8, high=4000)
 _FORCE = Quantity(unit="N", low=-1e6, high=1e6)
@@ -116,6 +119,15 @@ class RunSettings:
         low=10,
         high=10**6,
         default=4000,
+    )
+    channels: tuple[str, ...] | None = declare(
+        Items(
+            item=Choice(options=CHANNELS),
+            doc="What a run over time keeps of the values with one column per tooth space, body, "
+            "contact, mechanism or node; all if not given.",
+            low=0,
+        ),
+        None,
     )
     relative_tolerance: float = number(
         "Local error of the time integration.", low=1e-12, high=1e-4, default=1e-6

@@ -136,6 +136,11 @@ def transient_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
     """Return the summary numbers of a run over time; means are over the whole run."""
     side = ripple.working_side(data)
     speed = np.asarray(data["shaft_speed_highest"])
+    extremes = {}
+    if "chamber_pressure" in data:
+        highest, lowest = (data[f"chamber_pressure_{end}"] for end in ("highest", "lowest"))
+        extremes["max_chamber_pressure_bar"] = float(highest.max()) / _BAR
+        extremes["min_chamber_pressure_bar"] = float(lowest.min()) / _BAR
     return {
         "displacement_cm3_per_rev": float(data["displacement"]) * _TURN * 1e6,
         "duration_s": ledger.duration,
@@ -144,8 +149,7 @@ def transient_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
         "mean_flow_L_per_min": float(data[f"{side}_flow_rate"].mean()) * _LITRE_PER_MINUTE,
         "mean_torque_N_m": float(data["shaft_torque"].mean()),
         "max_pressure_difference_bar": float(data["pressure_difference_highest"].max()) / _BAR,
-        "max_chamber_pressure_bar": float(data["chamber_pressure_highest"].max()) / _BAR,
-        "min_chamber_pressure_bar": float(data["chamber_pressure_lowest"].min()) / _BAR,
+        **extremes,
         "mass_balance_error": ledger.mass_balance_error,
         "energy_balance_error": ledger.energy_balance_error,
         "supply_energy_J": ledger.energy.get("supply", 0.0),

@@ -70,6 +70,10 @@ class Solution:
     provenance: Mapping[str, str] = field(default_factory=dict)
     events: tuple[Event, ...] = ()
 
+    def __getstate__(self) -> dict[str, object]:
+        """State for another process, which cannot read what this one keeps on disk."""
+        return {**self.__dict__, "data": self.data.compute()}
+
     def summary(self) -> dict[str, float | str]:
         """Return the summary numbers, with unit suffixes, status and wall time."""
         numbers = self._transient() if "time" in self.data.sizes else self._steady()

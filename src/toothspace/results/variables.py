@@ -157,6 +157,26 @@ def _variables() -> dict[str, Variable]:
 VARIABLES: Mapping[str, Variable] = _variables()
 """All result variables by name."""
 
+CHANNELS = (
+    "node_pressure",
+    "chamber_pressure",
+    "chamber_gas_fraction",
+    "chamber_vapour_fraction",
+    "body_position",
+    "body_velocity",
+    "body_rotation",
+    "body_force",
+    "body_moment",
+    "journal_force",
+    "journal_eccentricity_ratio",
+    "journal_film_height",
+    "contact_force",
+    "contact_gap",
+    "torque_loss",
+    "power_loss",
+)
+"""Variables with several values in each sample, of which a run over time may keep some."""
+
 LABELS: Mapping[str, tuple[str, ...]] = {
     "port": ("inlet", "outlet", "drain", "inlet_groove", "outlet_groove"),
     "axis": ("x", "y", "z"),
@@ -206,7 +226,7 @@ def variable(name: str) -> Variable:
 
 
 def dataset_from(
-    values: Mapping[str, ArrayLike],
+    values: Mapping[str, ArrayLike | xr.Variable],
     labels: Mapping[str, Sequence[str]],
     *,
     sample: SampleDimension = "shaft_angle",
@@ -216,12 +236,13 @@ def dataset_from(
 
     Parameters
     ----------
-    values : mapping of name to array
+    values : mapping of name to array or xarray.Variable
         Values in SI units, axes in the order of the table. With samples, both
-        ``shaft_angle`` and ``time`` belong to them.
+        ``shaft_angle`` and ``time`` belong to them. Variables stay where they are, on disk for
+        those of :class:`toothspace.results.stream.SampleStream`.
     labels : mapping of dimension to labels
         Labels of the dimensions ``chamber``, ``body``, ``axis``, ``contact``, ``path``,
-        ``mechanism``, ``port`` that occur.
+        ``mechanism``, ``port``.
     sample : str
         Dimension of the samples, ``shaft_angle`` or ``time``.
     attributes : mapping, optional
@@ -239,24 +260,28 @@ def dataset_from(
     _check_labels(labels)
     arrays = {name: _data_array(name, value, sample) for name, value in values.items()}
     dataset = xr.Dataset(arrays, attrs=dict(attributes or {}))
-    present = {dim: list(names) for dim, names in labels.items() if dim in dataset.sizes}
-    for dim, names in present.items():
-        dataset = dataset.assign_coords({dim: (dim, np.asarray(names, dtype=str))})
+    for dim, names in labels.items():
+        dataset = dataset.assign_coords({dim: (dim, np.asarray(list(names), dtype=str))})
         dataset[dim].attrs["long_name"] = LABEL_DIMENSIONS[dim]
     coordinates = [name for name in ("shaft_angle", "time", "casing_angle") if name in dataset]
     return dataset.set_coords(coordinates)
 
 
-def _data_array(name: str, value: ArrayLike, sample: str) -> tuple[object, ...]:
+def _data_array(name: str, value: ArrayLike | xr.Variable, sample: str) -> xr.Variable:
+    import xarray as xr
+
     entry = variable(name)
     dimensions = tuple(sample if dim == SAMPLE else dim for dim in entry.dimensions)
-    array = np.asarray(value)
-    if array.ndim != len(dimensions):
-        raise ValueError(f"{name} has {array.ndim} axes, the table says {dimensions}")
-    attributes = {"long_name": entry.long_name}
-    if entry.units:
-        attributes["units"] = entry.units
-    return dimensions, array, attributes
+    axes = np.ndim(value)
+    if axes != len(dimensions):
+        raise ValueError(f"{name} has {axes} axes, the table says {dimensions}")
+    if isinstance(value, xr.Variable):
+        array = value.copy(deep=False)
+        array.encoding = {}
+    else:
+        array = xr.Variable(dimensions, np.asarray(value))
+    array.attrs = {"long_name": entry.long_name} | ({"units": entry.units} if entry.units else {})
+    return array
 
 
 def _check_labels(labels: Mapping[str, Sequence[str]]) -> None:

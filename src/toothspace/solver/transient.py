@@ -39,12 +39,15 @@ class TimePlan:
         Samples evaluated in each cell.
     max_steps : int
         Most time steps.
+    channels : tuple of str, optional
+        Kept variables of those with several values in each sample; all if not given.
     """
 
     duration: float
     cells: int = 4000
     samples_per_cell: int = 8
     max_steps: int = 50_000_000
+    channels: tuple[str, ...] | None = None
 
 
 @final

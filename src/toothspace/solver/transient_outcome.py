@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -21,11 +21,12 @@ from toothspace.model.arrays import (
 from toothspace.model.assembly import System, node_places
 from toothspace.model.ledger import LEDGER_NAMES, PATH_CATEGORIES
 from toothspace.results.solution import Event, Solution
+from toothspace.results.stream import SampleStream
 from toothspace.results.variables import WITH_EXTREMES, dataset_from
 from toothspace.solver.cyclic import History, Progress
 from toothspace.solver.observe import Observation, observe
 from toothspace.solver.outcome import body_values, labels_of, loss_values, window_ledger
-from toothspace.solver.transient import TransientMarch
+from toothspace.solver.transient import TimePlan, TransientMarch
 
 
 def transient_solution(
@@ -35,7 +36,7 @@ def transient_solution(
     title: str,
     progress: Progress | None = None,
 ) -> Solution:
-    """March to the end and keep mean, lowest and highest value of every cell of time.
+    """March to the end and keep mean, lowest and highest value of every cell of time on disk.
 
     Parameters
     ----------
@@ -46,22 +47,21 @@ def transient_solution(
     progress : callable, optional
         Called with the finished share and a short text.
     """
-    parts: list[dict[str, Array]] = []
-    seat: Array | None = None
+    stream, seat = SampleStream(), None
     try:
         for times, states in march.chunks(progress):
             values = _values(march, times, states)
             seat = values.pop("seat_position")
-            parts.append(_cells(values, march.plan.samples_per_cell))
+            stream.append(_cells(_chosen(values, march.plan), march.plan.samples_per_cell))
     except KeyboardInterrupt:
         march.status = Status.INTERRUPTED
     if seat is None:
         raise KeyboardInterrupt
     system = march.system
-    values = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
-    constants = {**_constants(system, values), "seat_position": seat}
+    rows = stream.finish()
+    constants = {**_constants(system, rows), "seat_position": seat}
     data = dataset_from(
-        {**values, **constants, **extra},
+        {**rows, **constants, **extra},
         {**labels_of(system), "node": list(_nodes(system))},
         sample="time",
         attributes={
@@ -76,7 +76,7 @@ def transient_solution(
         ledger=window_ledger(_history(march, [0.0, march.time], [march.first, march.last])),
         statistics=march.statistics,
         provenance=provenance,
-        events=tuple(_placed(event, values) for event in march.events),
+        events=_placed(march.events, rows),
     )
 
 
@@ -187,6 +187,16 @@ def _chamber_values(system: System, seen: Observation) -> dict[str, Array]:
     }
 
 
+def _chosen(values: Mapping[str, Array], plan: TimePlan) -> dict[str, Array]:
+    """Values that are kept: all with one number in each sample, and the chosen channels."""
+    channels = plan.channels
+    return {
+        name: value
+        for name, value in values.items()
+        if channels is None or value.ndim == 1 or name in channels
+    }
+
+
 def _cells(values: Mapping[str, Array], samples: int) -> dict[str, Array]:
     """Means of cells of so many samples, and their extremes where they are kept."""
     reduced = {}
@@ -199,12 +209,12 @@ def _cells(values: Mapping[str, Array], samples: int) -> dict[str, Array]:
     return reduced
 
 
-def _constants(system: System, values: Mapping[str, Array]) -> dict[str, Array]:
+def _constants(system: System, rows: Mapping[str, Any]) -> dict[str, Array]:
     fluid = system.arrays.fluid
     feed = fluid.feed_gas_mass_fraction
     density = {
         f"{port}_density": np.asarray(
-            mixture_density(values[f"{port}_pressure"].mean(), feed, fluid)
+            mixture_density(float(rows[f"{port}_pressure"].mean()), feed, fluid)
         )
         for port in ("inlet", "outlet")
     }
@@ -222,7 +232,11 @@ def _nodes(system: System) -> dict[str, int]:
     return {node.name: places[node.name] for node in circuit.nodes} if circuit else {}
 
 
-def _placed(event: Event, values: Mapping[str, Array]) -> Event:
-    """Event with the shaft angle at its time."""
-    angle = np.interp(event.time, values["time"], values["shaft_angle"])
-    return event._replace(shaft_angle=float(angle))
+def _placed(events: Sequence[Event], rows: Mapping[str, Any]) -> tuple[Event, ...]:
+    """Events with the shaft angle at their times."""
+    times = [event.time for event in events]
+    angles = np.interp(times, np.asarray(rows["time"]), np.asarray(rows["shaft_angle"]))
+    return tuple(
+        event._replace(shaft_angle=float(angle))
+        for event, angle in zip(events, angles, strict=True)
+    )
