@@ -11,19 +11,11 @@ import numpy as np
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.films.journal_film import JournalMesh, MotionState, journal_gap, journal_load
-from toothspace.films.reynolds import (
-    FilmGrid,
-    FluidField,
-    GapField,
-    balance_derivative,
-    balance_variation,
-)
+from toothspace.films.linearised import pressure_responses
+from toothspace.films.reynolds import FilmGrid, FluidField, GapField
 from toothspace.films.rough_surfaces import FlowLaw, mean_gap
-from toothspace.numerics.complementarity import (
-    ComplementaritySolution,
-    residual,
-)
-from toothspace.numerics.linear_system import PRESCRIBED, SATURATED
+from toothspace.numerics.complementarity import ComplementaritySolution
+from toothspace.numerics.linear_system import PRESCRIBED
 from toothspace.numerics.structured_grid import CellBalance
 
 if TYPE_CHECKING:
@@ -264,12 +256,18 @@ def load_derivatives(film: JournalField, clearance: float, directions: tuple[int
     Returns an array of 4 rows (force x, y, moment x, y) and, for every direction, one column
     per position and then one per speed. [N or N m over m, rad, m/s, rad/s]
     """
-    slope = balance_derivative(film.grid, film.gap, film.fluid, film.balance, film.law)
-    columns = [
-        _load_variation(film, _unit_motion(k, speeds), slope)
+    changes = [
+        journal_gap(film.mesh, 0.0, _unit_motion(k, speeds))
         for speeds in (False, True)
         for k in directions
     ]
+    responses = pressure_responses(
+        (film.grid, film.gap, film.fluid), film.law, film.balance, film.fields, changes
+    )
+    columns = []
+    for response, change in zip(responses, changes, strict=True):
+        touch = 0.0 if film.contact is None else film.contact.slope * change.centre
+        columns.append(journal_load(film.mesh, response + touch, film.grid.area))
     return np.array(columns).T
 
 
@@ -277,17 +275,3 @@ def _unit_motion(direction: int, speeds: bool) -> MotionState:
     unit = np.zeros(4)
     unit[direction] = 1.0
     return MotionState(np.zeros(4), unit) if speeds else MotionState(unit, np.zeros(4))
-
-
-def _load_variation(film: JournalField, motion: MotionState, slope: CellBalance) -> Array:
-    """Change of force and moment per unit of one position or speed."""
-    change = journal_gap(film.mesh, 0.0, motion)
-    varied = balance_variation((film.grid, film.gap, film.fluid), change, slope, film.law)
-    fields = film.fields
-    disturbance = residual(film.balance, varied, fields.potential, fields.saturation)
-    disturbance[fields.kind == PRESCRIBED] = 0.0
-    response = fields.system.solve(-disturbance.ravel()).reshape(disturbance.shape)
-    response[(fields.kind != SATURATED) | (fields.potential <= 0.0)] = 0.0
-    if film.contact is not None:
-        response += film.contact.slope * change.centre
-    return np.asarray(journal_load(film.mesh, response, film.grid.area))

@@ -9,14 +9,8 @@ import numpy as np
 
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
-from toothspace.films.reynolds import (
-    FilmGrid,
-    FluidField,
-    GapField,
-    balance_derivative,
-    balance_variation,
-    film_balance,
-)
+from toothspace.films.linearised import pressure_responses
+from toothspace.films.reynolds import FilmGrid, FluidField, GapField, film_balance
 from toothspace.films.rough_surfaces import SMOOTH, FlowLaw
 from toothspace.numerics.complementarity import (
     ComplementaritySolution,
@@ -24,7 +18,7 @@ from toothspace.numerics.complementarity import (
     residual,
     solve_complementarity,
 )
-from toothspace.numerics.linear_system import PRESCRIBED, SATURATED
+from toothspace.numerics.linear_system import PRESCRIBED
 from toothspace.numerics.structured_grid import CellBalance
 
 FLUID_PASSES = 60
@@ -196,21 +190,12 @@ class PlaneSolution:
         [N/m, N m/rad and mixed; the same times s]
         """
         film = self.film
-        slope = balance_derivative(film.grid, film.gap, self.fluid, self.balance, film.law)
-        columns = [self._variation(k, rate, slope) for rate in (False, True) for k in range(3)]
-        table = -np.array(columns).T
+        changes = [_rigid_change(film, k, rate) for rate in (False, True) for k in range(3)]
+        responses = pressure_responses(
+            (film.grid, film.gap, self.fluid), film.law, self.balance, self.fields, changes
+        )
+        table = -np.array([self.load(response) for response in responses]).T
         return table[:, :3], table[:, 3:]
-
-    def _variation(self, motion: int, rate: bool, slope: CellBalance) -> Array:
-        film = self.film
-        change = _rigid_change(film, motion, rate)
-        varied = balance_variation((film.grid, film.gap, self.fluid), change, slope, film.law)
-        fields = self.fields
-        disturbance = residual(self.balance, varied, fields.potential, fields.saturation)
-        disturbance[fields.kind == PRESCRIBED] = 0.0
-        response = fields.system.solve(-disturbance.ravel()).reshape(disturbance.shape)
-        response[(fields.kind != SATURATED) | (fields.potential <= 0.0)] = 0.0
-        return self.load(response)
 
 
 def solve_plane(film: PlaneFilm) -> PlaneSolution:

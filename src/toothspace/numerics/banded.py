@@ -163,43 +163,54 @@ def factor_band(band: Array) -> None:
 
 
 @njit(cache=True)
-def solve_band(band: Array, rhs: Array, lanes: int, cut: int) -> Array:
-    """Solution for one right-hand side in grid order."""
+def solve_bands(band: Array, rhs: Array, lanes: int, cut: int) -> Array:
+    """Solutions for several right-hand sides in grid order, in one pass over the factors.
+
+    ``rhs`` has one row per right-hand side; a row of the band serves all while it is in cache.
+    """
     n, columns = band.shape
     width = columns // 2
     shift = cut * lanes
-    x = np.empty(n)
-    x[: n - shift] = rhs[shift:]
-    x[n - shift :] = rhs[:shift]
+    x = np.empty(rhs.shape)
+    x[:, : n - shift] = rhs[:, shift:]
+    x[:, n - shift :] = rhs[:, :shift]
     for r in range(n):
-        reach = min(width, r)
-        x[r] -= dot(band[r, width - reach : width], x[r - reach : r])
+        first = max(0, r - width)
+        row = band[r, width - r + first : width]
+        for k in range(len(rhs)):
+            x[k, r] -= dot(row, x[k, first:r])
     for r in range(n - 1, -1, -1):
-        reach = min(width, n - 1 - r)
-        total = dot(band[r, width + 1 : width + 1 + reach], x[r + 1 : r + 1 + reach])
-        x[r] = (x[r] - total) / band[r, width]
-    result = np.empty(n)
-    result[shift:] = x[: n - shift]
-    result[:shift] = x[n - shift :]
+        last = min(n, r + 1 + width)
+        row = band[r, width + 1 : width + last - r]
+        for k in range(len(rhs)):
+            x[k, r] = (x[k, r] - dot(row, x[k, r + 1 : last])) / band[r, width]
+    result = np.empty(rhs.shape)
+    result[:, shift:] = x[:, : n - shift]
+    result[:, :shift] = x[:, n - shift :]
     return result
 
 
-@njit(cache=True)
-def stencil_product(stencil: Array, x: Array, rows: int, lanes: int) -> Array:
-    """Product of a five-point matrix on a ring and a vector in grid order."""
-    n = rows * lanes
-    y = np.empty(n)
+@njit(cache=True, fastmath={"contract"})
+def stencil_products(stencil: Array, x: Array, rows: int, lanes: int) -> Array:
+    """Products of a five-point matrix on a ring and several vectors in grid order, one per row."""
+    y = np.empty(x.shape)
     for i in range(rows):
         west = (i + rows - 1) % rows
         east = (i + 1) % rows
-        for j in range(lanes):
-            r = i * lanes + j
-            total = stencil[r, 2] * x[r]
-            total += stencil[r, 0] * x[west * lanes + j]
-            total += stencil[r, 4] * x[east * lanes + j]
-            if j > 0:
-                total += stencil[r, 1] * x[r - 1]
-            if j < lanes - 1:
-                total += stencil[r, 3] * x[r + 1]
-            y[r] = total
+        for k in range(len(x)):
+            for j in range(lanes):
+                r = i * lanes + j
+                total = stencil[r, 2] * x[k, r]
+                total += stencil[r, 0] * x[k, west * lanes + j]
+                total += stencil[r, 4] * x[k, east * lanes + j]
+                if j > 0:
+                    total += stencil[r, 1] * x[k, r - 1]
+                if j < lanes - 1:
+                    total += stencil[r, 3] * x[k, r + 1]
+                y[k, r] = total
     return y
+
+
+def stencil_product(stencil: Array, x: Array, rows: int, lanes: int) -> Array:
+    """Product of a five-point matrix on a ring and one vector in grid order."""
+    return np.asarray(stencil_products(stencil, x.reshape(1, -1), rows, lanes)[0])

@@ -12,34 +12,43 @@ import numpy as np
 
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array, BoolArray
-from toothspace.numerics.multigrid import Single, cycle, finest_grid, hierarchy, neighbour_rows
+from toothspace.numerics.multigrid import (
+    Level,
+    Single,
+    cycle,
+    finest_grid,
+    for_sides,
+    hierarchy,
+    neighbour_rows,
+)
 from toothspace.numerics.structured_grid import CellBalance
 from toothspace.numerics.vectors import add_scaled, dot, norm
 
 
 @njit(cache=True, fastmath={"contract"})
 def _conduct(gx: Array, gy: Array, diagonal: Array, p: Array, q: Array, ring: bool) -> None:
-    """Product of the conductive operator of the free cells and a field."""
-    rows, lanes = p.shape
+    """Products of the conductive operator of the free cells and fields, first index the field."""
+    sides, rows, lanes = p.shape
     for i in range(rows):
         west, east = neighbour_rows(i, rows, ring)
-        centre, out, d = p[i], q[i], diagonal[i]
-        p_west, p_east, g_west, g_east = p[west], p[east], gx[i], gx[i + 1]
-        for j in range(lanes):
-            out[j] = d[j] * centre[j] - g_west[j] * p_west[j] - g_east[j] * p_east[j]
-        between = gy[i, 1:lanes]
-        upper, lower, tail = centre[1:], centre[: lanes - 1], out[1:]
-        for j in range(lanes - 1):
-            out[j] -= between[j] * upper[j]
-        for j in range(lanes - 1):
-            tail[j] -= between[j] * lower[j]
+        d, g_west, g_east, between = diagonal[i], gx[i], gx[i + 1], gy[i, 1:lanes]
+        for k in range(sides):
+            centre, out, p_west, p_east = p[k, i], q[k, i], p[k, west], p[k, east]
+            for j in range(lanes):
+                out[j] = d[j] * centre[j] - g_west[j] * p_west[j] - g_east[j] * p_east[j]
+            upper, lower, tail = centre[1:], centre[: lanes - 1], out[1:]
+            for j in range(lanes - 1):
+                out[j] -= between[j] * upper[j]
+            for j in range(lanes - 1):
+                tail[j] -= between[j] * lower[j]
 
 
 @njit(cache=True)
-def _load(target: Single, source: Array, factor: float) -> None:
-    flat = target.reshape(target.size)
-    for k in range(source.size):
-        flat[k] = source[k] * factor
+def _load(target: Single, source: Array, factors: Array) -> None:
+    for side in range(factors.size):
+        flat, given, factor = target[side].reshape(source.shape[1]), source[side], factors[side]
+        for k in range(flat.size):
+            flat[k] = given[k] * factor
 
 
 @njit(cache=True, fastmath={"contract"})
@@ -84,19 +93,22 @@ class ConductionSolver:
 
     @property
     def memory(self) -> int:
-        """Size of operator, hierarchy and work vectors. [byte]."""
+        """Size of operator, hierarchy and work vectors for one right-hand side. [byte]."""
         fields = [self._gx, self._gy, self._diagonal, self._free]
         levels = [array for level in self._levels for array in level[:6]]
         return sum(int(array.nbytes) for array in fields + levels) + 4 * self._diagonal.nbytes
 
     def precondition(self, rhs: Array) -> Array:
-        """One cycle: approximate solution, zero where not free."""
-        size = norm(rhs)
-        if size == 0.0:
-            return np.zeros_like(rhs)
-        _load(self._levels[0].b, rhs, 1.0 / size)
-        cycle(self._levels)
-        return self._levels[0].x.astype(np.float64).ravel() * (size / self._scale)
+        """One cycle: approximate solution, zero where not free; one row per right-hand side."""
+        sides = rhs.reshape(-1, self._diagonal.size)
+        sizes = np.array([norm(side) for side in sides])
+        units = 1.0 / np.where(sizes > 0.0, sizes, 1.0)
+        levels = self._levels_for(len(sides))
+        _load(levels[0].b, sides, units)
+        cycle(levels)
+        x = levels[0].x.reshape(sides.shape).astype(np.float64)
+        x *= (sizes / self._scale)[:, None]
+        return x.reshape(rhs.shape)
 
     def solve(
         self,
@@ -106,11 +118,13 @@ class ConductionSolver:
         relative_tolerance: float = 1e-10,
         max_iterations: int = 100,
     ) -> tuple[Array, int]:
-        """Potentials of the free cells for one right-hand side, and the number of iterations.
+        """Potentials of the free cells for one or several right-hand sides, and the iterations.
+
+        Several right-hand sides are iterated in step, with one pass over the operators for all.
 
         Parameters
         ----------
-        rhs : ndarray, shape (rows, lanes)
+        rhs : ndarray, shape (rows, lanes) or (sides, rows, lanes)
             Net flow into the cells; ignored where not free. [any]
         start : ndarray, optional
             Potentials to begin with, as of a former solution. [any]
@@ -118,31 +132,44 @@ class ConductionSolver:
             Residual over right-hand side at which to stop. [-]
         max_iterations : int
             Limit. [-]
+
+        Returns
+        -------
+        tuple of ndarray and int
+            Potentials in the shape of ``rhs``, and the largest number of iterations. [any, -]
         """
-        shape = rhs.shape
-        target = np.where(self._free, rhs, 0.0).ravel()
-        x = np.zeros_like(target) if start is None else np.where(self._free, start, 0.0).ravel()
+        target = np.where(self._free, rhs, 0.0).reshape(-1, self._diagonal.size)
+        x = np.zeros_like(target)
+        if start is not None:
+            x[:] = np.where(self._free, start, 0.0).reshape(target.shape)
         p, q = np.zeros_like(target), np.zeros_like(target)
         self._product(x, q)
         r = target - q
-        limit = relative_tolerance * norm(target)
-        former, unit = 1.0, 1.0 / max(norm(r), 1e-300)
+        limits = [relative_tolerance * norm(side) for side in target]
+        # one factor for all cycles, so that single precision neither overflows nor vanishes
+        units = np.array([1.0 / max(norm(side), 1e-300) for side in r])
+        levels = self._levels_for(len(target))
+        former = np.ones(len(target))
         for count in range(max_iterations):
-            if norm(r) <= limit:
-                return x.reshape(shape), count
-            # one factor for all cycles, so that single precision neither overflows nor vanishes
-            _load(self._levels[0].b, r, unit)
-            cycle(self._levels)
-            z = self._levels[0].x
-            product = _mixed_dot(r, z)
-            _turn(p, z, product / former if count else 0.0)
+            poor = [k for k, side in enumerate(r) if norm(side) > limits[k]]
+            if not poor:
+                return x.reshape(rhs.shape), count
+            _load(levels[0].b, r, units)
+            cycle(levels)
+            for k in poor:
+                product = _mixed_dot(r[k], levels[0].x[k])
+                _turn(p[k], levels[0].x[k], product / former[k] if count else 0.0)
+                former[k] = product
             self._product(p, q)
-            step = product / dot(p, q)
-            former = product
-            add_scaled(x, step, p)
-            add_scaled(r, -step, q)
-        return x.reshape(shape), max_iterations
+            for k in poor:
+                step = former[k] / dot(p[k], q[k])
+                add_scaled(x[k], step, p[k])
+                add_scaled(r[k], -step, q[k])
+        return x.reshape(rhs.shape), max_iterations
+
+    def _levels_for(self, sides: int) -> tuple[Level, ...]:
+        return self._levels if sides == 1 else for_sides(self._levels, sides)
 
     def _product(self, p: Array, q: Array) -> None:
-        shape = self._free.shape
+        shape = (-1, *self._free.shape)
         _conduct(self._gx, self._gy, self._diagonal, p.reshape(shape), q.reshape(shape), self._ring)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import final
 
 import numpy as np
 
@@ -45,50 +46,108 @@ def gmres(
     .. [1] Y. Saad, M. H. Schultz, GMRES: a generalized minimal residual algorithm for solving
        nonsymmetric linear systems, SIAM J. Sci. Stat. Comput. 7 (1986) 856-869.
     """
-    size = norm(rhs)
-    if size == 0.0:
-        return np.zeros_like(rhs), 0
-    basis = [rhs / size]
-    images: list[Array] = []
-    upper = np.zeros((max_iterations + 1, max_iterations))
-    rotations = np.zeros((max_iterations, 2))
-    g = np.zeros(max_iterations + 1)
-    g[0] = size
-    for k in range(max_iterations):
-        images.append(precondition(basis[k]))
-        w = product(images[k])
-        _orthogonalise(w, basis, upper[:, k])
-        _rotate(upper[:, k], rotations, g, k)
-        if abs(g[k + 1]) <= relative_tolerance * size:
+    x, count = gmres_several(
+        lambda v: product(v[0]).reshape(1, -1),
+        lambda v: precondition(v[0]).reshape(1, -1),
+        rhs.reshape(1, -1),
+        limits=np.array([relative_tolerance * norm(rhs)]),
+        max_iterations=max_iterations,
+    )
+    return x[0], count
+
+
+def gmres_several(
+    product: Operator,
+    precondition: Operator,
+    rhs: Array,
+    *,
+    limits: Array,
+    max_iterations: int = 60,
+) -> tuple[Array, int]:
+    """Solve a linear system for several right-hand sides in step, each with its own Krylov space.
+
+    Parameters
+    ----------
+    product : callable
+        Matrix times several vectors, one per row.
+    precondition : callable
+        Approximate inverse times several vectors, applied from the right and kept fixed.
+    rhs : ndarray, shape (sides, unknowns)
+        Right-hand sides. [any]
+    limits : ndarray, shape (sides,)
+        Residual norms at which to stop. [any]
+    max_iterations : int
+        Largest size of a Krylov space. [-]
+
+    Returns
+    -------
+    tuple of ndarray and int
+        Solutions and the largest number of iterations. [any, -]
+    """
+    spaces = [_Space(side, float(limit)) for side, limit in zip(rhs, limits, strict=True)]
+    for count in range(max_iterations + 1):
+        active = [space for space in spaces if not space.finished]
+        if not active or count == max_iterations:
             break
-    count = len(images)
-    y = np.linalg.solve(np.triu(upper[:count, :count]), g[:count])
-    x = np.zeros_like(rhs)
-    for factor, image in zip(y, images, strict=True):
-        add_scaled(x, factor, image)
-    return x, count
+        images = precondition(np.array([space.basis[-1] for space in active]))
+        products = product(images)
+        for space, image, w in zip(active, images, products, strict=True):
+            space.extend(image, w)
+    return np.array([space.solution() for space in spaces]), count
 
 
-def _orthogonalise(w: Array, basis: list[Array], column: Array) -> None:
-    """Modified Gram-Schmidt; appends the new basis vector."""
-    for m, v in enumerate(basis):
-        column[m] = dot(v, w)
-        add_scaled(w, -column[m], v)
-    size = norm(w)
-    column[len(basis)] = size
-    basis.append(w / size if size > 0.0 else w)
+@final
+class _Space:
+    """Krylov space of one right-hand side and the projected problem."""
 
+    def __init__(self, rhs: Array, limit: float) -> None:
+        size = norm(rhs)
+        self.basis = [rhs / size if size > 0.0 else rhs]
+        self._images: list[Array] = []
+        self._columns: list[Array] = []
+        self._rotations: list[tuple[float, float]] = []
+        self._g = [size]
+        self._limit = limit
+        self.finished = size == 0.0
 
-def _rotate(column: Array, rotations: Array, g: Array, k: int) -> None:
-    """Givens rotations that keep the projected matrix upper triangular."""
-    for m in range(k):
-        c, s = rotations[m]
-        column[m], column[m + 1] = (
-            c * column[m] + s * column[m + 1],
-            c * column[m + 1] - s * column[m],
-        )
-    size = float(np.hypot(column[k], column[k + 1]))
-    c, s = column[k] / size, column[k + 1] / size
-    rotations[k] = c, s
-    column[k], column[k + 1] = size, 0.0
-    g[k], g[k + 1] = c * g[k], -s * g[k]
+    def extend(self, image: Array, w: Array) -> None:
+        """Take the image of the last basis vector and its product with the matrix."""
+        self._images.append(image)
+        column = self._orthogonalise(w)
+        for m, (c, s) in enumerate(self._rotations):
+            column[m], column[m + 1] = (
+                c * column[m] + s * column[m + 1],
+                c * column[m + 1] - s * column[m],
+            )
+        size = float(np.hypot(column[-2], column[-1]))
+        c, s = column[-2] / size, column[-1] / size
+        column[-2], column[-1] = size, 0.0
+        self._columns.append(column)
+        self._rotations.append((c, s))
+        self._g[-1:] = [c * self._g[-1], -s * self._g[-1]]
+        self.finished = abs(self._g[-1]) <= self._limit
+
+    def _orthogonalise(self, w: Array) -> Array:
+        """Modified Gram-Schmidt; appends the new basis vector."""
+        column = np.empty(len(self.basis) + 1)
+        for m, v in enumerate(self.basis):
+            column[m] = dot(v, w)
+            add_scaled(w, -column[m], v)
+        size = norm(w)
+        column[-1] = size
+        self.basis.append(w / size if size > 0.0 else w)
+        return column
+
+    def solution(self) -> Array:
+        """Combination of the images that leaves the smallest residual."""
+        count = len(self._columns)
+        x = np.zeros_like(self.basis[0])
+        if count == 0:
+            return x
+        upper = np.zeros((count, count))
+        for k, column in enumerate(self._columns):
+            upper[: k + 1, k] = column[: k + 1]
+        y = np.linalg.solve(upper, np.array(self._g[:count]))
+        for factor, image in zip(y, self._images, strict=True):
+            add_scaled(x, float(factor), image)
+        return x

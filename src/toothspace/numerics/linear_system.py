@@ -9,9 +9,9 @@ import numpy as np
 
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array, IntArray
-from toothspace.numerics.banded import factor_band, fill_band, solve_band, stencil_product
+from toothspace.numerics.banded import factor_band, fill_band, solve_bands, stencil_products
 from toothspace.numerics.conduction import ConductionSolver
-from toothspace.numerics.krylov import gmres
+from toothspace.numerics.krylov import Operator, gmres_several
 from toothspace.numerics.structured_grid import CellBalance, grid_shape
 from toothspace.numerics.vectors import norm
 
@@ -25,6 +25,13 @@ TIGHT = 1e-12
 """Relative residual of a finished solution. [-]"""
 LOOSE = 1e-5
 """Relative residual that is enough to revise an active set with an iterative method. [-]"""
+LEAST_CORRECTION = 1e-13
+"""Relative residual below which one round of Krylov iterations does not try to get. [-]"""
+TOGETHER = 1_000_000
+"""Unknowns of all right-hand sides that are iterated together: each needs a Krylov space. [-]"""
+_DIRECT_ROUNDS = (3, 0.5, 60)
+_ITERATIVE_ROUNDS = (6, 0.3, 40)
+"""Rounds of Krylov iterations, the part of the goal that one aims at, its most iterations."""
 
 
 @final
@@ -46,30 +53,19 @@ class DirectSystem:
     def solve(
         self, rhs: Array, start: Array | None = None, relative_tolerance: float = TIGHT
     ) -> Array:
-        """Solution in grid order; the direct part needs no start."""
-        x = self._precondition(rhs)
-        if self.exact and not self.ring:
-            return x
-        limit = 0.1 * relative_tolerance * norm(rhs)
-        for _ in range(3):
-            remainder = rhs - self._product(x)
-            size = norm(remainder)
-            if size <= limit:
-                break
-            correction, _ = gmres(
-                self._product,
-                self._precondition,
-                remainder,
-                relative_tolerance=max(0.5 * limit / size, 1e-13),
-            )
-            x = x + correction
-        return np.asarray(x)
+        """Solution in grid order, one row per right-hand side if there are several."""
+        sides = rhs.reshape(-1, rhs.shape[-1])
+        x = self._precondition(sides)
+        if not self.exact or self.ring:
+            goals = 0.1 * relative_tolerance * _norms(sides)
+            x = _refine(self._product, self._precondition, sides, x, goals, _DIRECT_ROUNDS)
+        return x.reshape(rhs.shape)
 
     def _product(self, x: Array) -> Array:
-        return stencil_product(self.stencil, x, self.rows, self.lanes)
+        return np.asarray(stencil_products(self.stencil, x, self.rows, self.lanes))
 
     def _precondition(self, x: Array) -> Array:
-        return solve_band(self.band, x, self.lanes, self.cut)
+        return np.asarray(solve_bands(self.band, x, self.lanes, self.cut))
 
 
 @final
@@ -86,33 +82,62 @@ class IterativeSystem:
     def solve(
         self, rhs: Array, start: Array | None = None, relative_tolerance: float = TIGHT
     ) -> Array:
-        """Solution in grid order, begun from ``start``."""
-        x = np.zeros_like(rhs) if start is None else start
-        limit = relative_tolerance * norm(rhs)
-        for _ in range(6):
-            remainder = rhs - self._product(x)
-            size = norm(remainder)
-            if size <= limit:
-                break
-            correction, _ = gmres(
+        """Solution in grid order, one row per right-hand side if there are several."""
+        sides = rhs.reshape(-1, rhs.shape[-1])
+        x = np.zeros_like(sides) if start is None else start.reshape(sides.shape)
+        goals = relative_tolerance * _norms(sides)
+        together = max(1, TOGETHER // sides.shape[1])
+        parts = [
+            _refine(
                 self._product,
                 self._precondition,
-                remainder,
-                relative_tolerance=max(0.3 * limit / size, 1e-13),
-                max_iterations=40,
+                sides[k : k + together],
+                x[k : k + together],
+                goals[k : k + together],
+                _ITERATIVE_ROUNDS,
             )
-            x = x + correction
-        return x
+            for k in range(0, len(sides), together)
+        ]
+        return np.concatenate(parts).reshape(rhs.shape)
 
     def _product(self, x: Array) -> Array:
         rows, lanes = self.kind.shape
-        return stencil_product(self.stencil, x, rows, lanes)
+        return np.asarray(stencil_products(self.stencil, x, rows, lanes))
 
     def _precondition(self, rhs: Array) -> Array:
         saturated = (self.kind == SATURATED).ravel()
         x = self.conduction.precondition(np.where(saturated, rhs, 0.0))
         _sweep(self.stencil, self.kind, rhs, x, self.first, self.backward)
         return x
+
+
+def _norms(sides: Array) -> Array:
+    return np.array([norm(side) for side in sides])
+
+
+def _refine(
+    product: Operator,
+    precondition: Operator,
+    sides: Array,
+    x: Array,
+    goals: Array,
+    rounds: tuple[int, float, int],
+) -> Array:
+    """Corrections by Krylov iterations until the residual of every right-hand side is small."""
+    most, share, iterations = rounds
+    for _ in range(most):
+        remainder = sides - product(x)
+        sizes = _norms(remainder)
+        poor = np.flatnonzero(sizes > goals)
+        if poor.size == 0:
+            break
+        limits = np.maximum(share * goals[poor], LEAST_CORRECTION * sizes[poor])
+        correction, _ = gmres_several(
+            product, precondition, remainder[poor], limits=limits, max_iterations=iterations
+        )
+        x = x.copy()
+        x[poor] += correction
+    return x
 
 
 @njit(cache=True)
@@ -124,18 +149,20 @@ def _sweep(
     for step in range(rows):
         i = (first - step) % rows if backward else (first + step) % rows
         west, east = (i + rows - 1) % rows, (i + 1) % rows
-        for j in range(lanes):
-            r = i * lanes + j
-            if kind[i, j] == 0:
-                continue
-            total = rhs[r]
-            if kind[i, j] == 1:
-                total -= stencil[r, 0] * x[west * lanes + j] + stencil[r, 4] * x[east * lanes + j]
-                if j > 0:
-                    total -= stencil[r, 1] * x[r - 1]
-                if j < lanes - 1:
-                    total -= stencil[r, 3] * x[r + 1]
-            x[r] = total / stencil[r, 2]
+        for k in range(rhs.shape[0]):
+            for j in range(lanes):
+                r = i * lanes + j
+                if kind[i, j] == 0:
+                    continue
+                total = rhs[k, r]
+                if kind[i, j] == 1:
+                    total -= stencil[r, 0] * x[k, west * lanes + j]
+                    total -= stencil[r, 4] * x[k, east * lanes + j]
+                    if j > 0:
+                        total -= stencil[r, 1] * x[k, r - 1]
+                    if j < lanes - 1:
+                        total -= stencil[r, 3] * x[k, r + 1]
+                x[k, r] = total / stencil[r, 2]
 
 
 LinearSystem = DirectSystem | IterativeSystem

@@ -52,9 +52,9 @@ class Level(NamedTuple):
     gx: Single  # (rows + 1, lanes) conductances between free cells
     gy: Single  # (rows, lanes + 1)
     inverse: Single  # (rows, lanes) inverse diagonal, zero where not free
-    x: Single  # (rows, lanes)
-    b: Single  # (rows, lanes)
-    r: Single  # (rows, lanes)
+    x: Single  # (sides, rows, lanes), as many as right-hand sides are solved together
+    b: Single  # (sides, rows, lanes)
+    r: Single  # (sides, rows, lanes)
     ring: bool
     merge_x: int  # cells of this grid that one coarser cell holds along each direction
     merge_y: int
@@ -137,7 +137,7 @@ def _inverse_diagonal(c: Conductances, scale: float) -> Single:
 
 def _level(c: Conductances, scale: float, ring: bool, merges: tuple[int, int]) -> Level:
     shape = c.outer_x.shape
-    x, b, r = (np.zeros(shape, dtype=np.float32) for _ in range(3))
+    x, b, r = (np.zeros((1, *shape), dtype=np.float32) for _ in range(3))
     gx, gy = (c.gx / scale).astype(np.float32), (c.gy / scale).astype(np.float32)
     return Level(gx, gy, _inverse_diagonal(c, scale), x, b, r, ring, merges[0], merges[1])
 
@@ -183,6 +183,17 @@ def hierarchy(c: Conductances, ring: bool) -> tuple[tuple[Level, ...], float]:
         c = _merge(c, *merges)
 
 
+def for_sides(levels: tuple[Level, ...], sides: int) -> tuple[Level, ...]:
+    """Levels with the same operators and work space for a number of right-hand sides."""
+    return tuple(_with_space(level, sides) for level in levels)
+
+
+def _with_space(level: Level, sides: int) -> Level:
+    shape = (sides, *level.inverse.shape)
+    x, b, r = (np.zeros(shape, dtype=np.float32) for _ in range(3))
+    return level._replace(x=x, b=b, r=r)
+
+
 @inlined
 def neighbour_rows(i: int, rows: int, ring: bool) -> tuple[int, int]:
     """Rows west and east of a row; at a border the row itself, where no conductance leads on."""
@@ -195,11 +206,12 @@ def neighbour_rows(i: int, rows: int, ring: bool) -> tuple[int, int]:
 
 
 @inlined
-def _row_balance(level: Level, i: int, west: int, east: int, out: Single) -> None:
+def _row_balance(level: Level, side: int, i: int, west: int, east: int, out: Single) -> None:
     """Right-hand side plus what the neighbours conduct to the cells of one row."""
-    x, gy = level.x[i], level.gy[i]
-    x_west, x_east, g_west, g_east = level.x[west], level.x[east], level.gx[i], level.gx[i + 1]
-    b = level.b[i]
+    x, gy = level.x[side, i], level.gy[i]
+    x_west, x_east = level.x[side, west], level.x[side, east]
+    g_west, g_east = level.gx[i], level.gx[i + 1]
+    b = level.b[side, i]
     last = x.size - 1
     for j in range(x.size):
         out[j] = b[j] + g_west[j] * x_west[j] + g_east[j] * x_east[j]
@@ -217,31 +229,33 @@ def _row_balance(level: Level, i: int, west: int, east: int, out: Single) -> Non
 def _relax(level: Level, colour: int) -> None:
     """Gauss-Seidel on the cells of one colour of the chequerboard."""
     x, inverse = level.x, level.inverse
-    rows, lanes = x.shape
+    rows, lanes = inverse.shape
     for row in prange(rows):
         i = np.int64(row)
         west, east = neighbour_rows(i, rows, level.ring)
         total = np.empty(lanes, dtype=np.float32)
-        _row_balance(level, i, west, east, total)
-        for j in range((i + colour) % 2, lanes, 2):
-            x[i, j] = total[j] * inverse[i, j]
+        for k in range(x.shape[0]):
+            _row_balance(level, k, i, west, east, total)
+            for j in range((i + colour) % 2, lanes, 2):
+                x[k, i, j] = total[j] * inverse[i, j]
 
 
 @njit(cache=True, parallel=True, fastmath={"contract"})
 def _remainder(level: Level, colour: int) -> None:
     """Residual into ``r`` of the cells of one colour; those relaxed last have none."""
     x, inverse, r = level.x, level.inverse, level.r
-    rows, lanes = x.shape
+    rows, lanes = inverse.shape
     for row in prange(rows):
         i = np.int64(row)
         west, east = neighbour_rows(i, rows, level.ring)
         total = np.empty(lanes, dtype=np.float32)
-        _row_balance(level, i, west, east, total)
-        for j in range(lanes):
-            r[i, j] = 0.0
-        for j in range((i + colour) % 2, lanes, 2):
-            if inverse[i, j] > 0.0:
-                r[i, j] = total[j] - x[i, j] / inverse[i, j]
+        for k in range(x.shape[0]):
+            _row_balance(level, k, i, west, east, total)
+            for j in range(lanes):
+                r[k, i, j] = 0.0
+            for j in range((i + colour) % 2, lanes, 2):
+                if inverse[i, j] > 0.0:
+                    r[k, i, j] = total[j] - x[k, i, j] / inverse[i, j]
 
 
 @njit(cache=True)
@@ -302,38 +316,42 @@ def _spread_lanes(values: Single, merge: int, out: Single) -> None:
 def _restrict(fine: Level, coarse: Level) -> None:
     """Adjoint of :func:`_prolong`."""
     b, r = coarse.b, fine.r
-    count_x = b.shape[0]
+    sides, count_x, count_y = b.shape
     near = np.float32(0.75 if fine.merge_x == 2 else 1.0)
     far = np.float32(1.0) - near
     b[:] = 0.0
-    row = np.empty(b.shape[1], dtype=np.float32)
-    for i in range(r.shape[0]):
-        _gather_lanes(r[i], fine.merge_y, row)
-        home, other = b[i // fine.merge_x], b[_other(i, fine.merge_x, count_x, fine.ring)]
-        for m in range(row.size):
-            home[m] += near * row[m]
-        for m in range(row.size):
-            other[m] += far * row[m]
+    row = np.empty(count_y, dtype=np.float32)
+    for k in range(sides):
+        for i in range(r.shape[1]):
+            _gather_lanes(r[k, i], fine.merge_y, row)
+            home = b[k, i // fine.merge_x]
+            other = b[k, _other(i, fine.merge_x, count_x, fine.ring)]
+            for m in range(row.size):
+                home[m] += near * row[m]
+            for m in range(row.size):
+                other[m] += far * row[m]
 
 
 @njit(cache=True, parallel=True, fastmath={"contract"})
 def _prolong(fine: Level, coarse: Level) -> None:
     """Add the coarse correction, bilinear between the centres of coarse cells."""
     x, inverse, target = coarse.x, fine.inverse, fine.x
-    rows, lanes = target.shape
-    count_x = x.shape[0]
+    rows, lanes = inverse.shape
+    sides, count_x, count_y = x.shape
     near = np.float32(0.75 if fine.merge_x == 2 else 1.0)
     far = np.float32(1.0) - near
     for row in prange(rows):
         i = np.int64(row)
-        home, other = x[i // fine.merge_x], x[_other(i, fine.merge_x, count_x, fine.ring)]
-        mixed = np.empty(home.size, dtype=np.float32)
+        beyond = _other(i, fine.merge_x, count_x, fine.ring)
+        mixed = np.empty(count_y, dtype=np.float32)
         spread = np.empty(lanes, dtype=np.float32)
-        for m in range(home.size):
-            mixed[m] = near * home[m] + far * other[m]
-        _spread_lanes(mixed, fine.merge_y, spread)
-        for j in range(lanes):
-            target[i, j] += spread[j] if inverse[i, j] > 0.0 else np.float32(0.0)
+        for k in range(sides):
+            home, other = x[k, i // fine.merge_x], x[k, beyond]
+            for m in range(count_y):
+                mixed[m] = near * home[m] + far * other[m]
+            _spread_lanes(mixed, fine.merge_y, spread)
+            for j in range(lanes):
+                target[k, i, j] += spread[j] if inverse[i, j] > 0.0 else np.float32(0.0)
 
 
 @njit(cache=True)
@@ -366,7 +384,7 @@ def _solve_coarsest(level: Level) -> None:
 
 
 def cycle(levels: tuple[Level, ...]) -> None:
-    """One symmetric V-cycle on ``b`` of the finest level, result in ``x``."""
+    """One symmetric V-cycle on every ``b`` of the finest level, results in ``x``."""
     before = numba.get_num_threads()
     for fine, coarse in pairwise(levels):
         _use_threads(fine, before)

@@ -17,14 +17,9 @@ from toothspace.films.lateral_gap.yielding_film import (
     opened,
     solve_yielding,
 )
+from toothspace.films.linearised import pressure_responses
 from toothspace.films.plane_film import FilmFluid, PlaneFilm, PlaneSolution
-from toothspace.films.reynolds import (
-    FluidField,
-    GapField,
-    balance_derivative,
-    balance_variation,
-    film_balance,
-)
+from toothspace.films.reynolds import FluidField, GapField, film_balance
 from toothspace.films.rough_surfaces import (
     NO_CONTACT,
     SMOOTH,
@@ -34,9 +29,8 @@ from toothspace.films.rough_surfaces import (
     contact_field,
     mean_gap,
 )
-from toothspace.numerics.complementarity import face_flows, residual, solve_complementarity
-from toothspace.numerics.linear_system import PRESCRIBED, SATURATED
-from toothspace.numerics.structured_grid import CellBalance
+from toothspace.numerics.complementarity import face_flows, solve_complementarity
+from toothspace.numerics.linear_system import PRESCRIBED
 
 _SHEARED = 1e-9
 """Smallest mean gap that liquid is sheared in, where faces were pressed into each other. [m]"""
@@ -155,36 +149,42 @@ class FaceFilm:
 
         Minus the derivatives with position and velocity of the upper face.
         """
-        film = self.plane.film
-        slope = balance_derivative(
-            film.grid, film.gap, self.plane.fluid, self.plane.balance, film.law
+        levers = [_lever(self.grid, motion) for motion in motions]
+        changes = [self._change(lever, rate) for rate in (False, True) for lever in levers]
+        plane = self.plane
+        film = (plane.film.grid, plane.film.gap, plane.fluid)
+        accuracy = self.law.accuracy.linear
+        responses = pressure_responses(
+            film,
+            plane.film.law,
+            plane.balance,
+            plane.fields,
+            changes,
+            relative_tolerance=accuracy,
         )
         tables = np.zeros((2, 3, 3))
-        for motion in motions:
-            lever = _lever(self.grid, motion)
-            for k, rate in enumerate((False, True)):
-                tables[k, :, motion] = -self.grid.moments(self._response(slope, lever, rate))
+        for n, response in enumerate(responses):
+            rate, k = divmod(n, len(motions))
+            lift = np.zeros_like(response) if rate else levers[k][0]
+            total = response + self._touch(self.compliance * response + lift)
+            tables[rate, :, motions[k]] = -self.grid.moments(total)
         return tables[0], tables[1]
 
-    def _response(self, slope: CellBalance, lever: tuple[Array, Array, Array], rate: bool) -> Array:
-        """Change of the face pressure, asperities included, with one motion or its rate."""
-        found, film, fields = self.solution, self.plane.film, self.plane.fields
+    def _change(self, lever: tuple[Array, Array, Array], rate: bool) -> GapField:
+        """Change of the gap with one motion, walls yielding to asperities, or with its rate."""
         zero = np.zeros_like(lever[0])
         if rate:
             flat = (np.zeros_like(lever[1]), np.zeros_like(lever[2]))
-            change = GapField(zero, *flat, lever[0], zero)
-        else:
-            rigid = GapField(*lever, zero, zero)
-            change = opened(rigid, (found.yielding - 1.0) * lever[0], film.grid.sweep_x)
-        varied = balance_variation((film.grid, film.gap, self.plane.fluid), change, slope, film.law)
-        push = residual(self.plane.balance, varied, fields.potential, fields.saturation)
-        push[fields.kind == PRESCRIBED] = 0.0
-        response = fields.system.solve(
-            -push.ravel(), relative_tolerance=self.law.accuracy.linear
-        ).reshape(push.shape)
-        response[(fields.kind != SATURATED) | (fields.potential <= 0.0)] = 0.0
-        opening = self.compliance * response + (zero if rate else lever[0])
-        return np.asarray(response + found.contact_slope * found.yielding * opening)
+            return GapField(zero, *flat, lever[0], zero)
+        rigid = GapField(*lever, zero, zero)
+        return opened(
+            rigid, (self.solution.yielding - 1.0) * lever[0], self.plane.film.grid.sweep_x
+        )
+
+    def _touch(self, opening: Array) -> Array:
+        """Change of the asperity pressure with an opening of the unyielding gap. [Pa]."""
+        found = self.solution
+        return np.asarray(found.contact_slope * found.yielding * opening)
 
     def friction(self) -> FilmLosses:
         """Torques of shear and asperities, and flows that the boundaries lose."""
