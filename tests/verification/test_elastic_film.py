@@ -11,7 +11,8 @@ import scipy.sparse as sp
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.films.elastic_film import ElasticWalls, solve_elastic_film
-from toothspace.films.pad import FilmFluid, Pad
+from toothspace.films.film_fluid import FilmFluid
+from toothspace.films.pad import Pad
 from toothspace.films.plane_film import PlaneFilm, solve_plane
 from toothspace.films.reynolds import GapField
 

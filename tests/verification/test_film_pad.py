@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from toothspace.core.errors import CaseError
-from toothspace.films.pad import FilmFluid, Pad, Pocket
+from toothspace.films.film_fluid import FilmFluid
+from toothspace.films.pad import Pad, Pocket
 from toothspace.films.plane_film import solve_plane
 from toothspace.films.reynolds import film_balance
 from toothspace.numerics.complementarity import Constraint, solve_complementarity

@@ -21,6 +21,10 @@ class Status(Enum):
     NOT_CONVERGED = (
         "An iteration did not converge. Start from a nearby condition or refine the grid."
     )
+    RUNAWAY = (
+        "The film has no solution: its viscosity grows with the pressure so fast that no finite "
+        "pressure balances the flow. Lower pressure_viscosity, speed or load, or open the gap."
+    )
     POINTS_FAILED = (
         "Some points of the study failed; their rows say why. "
         "Correct the case, then go on with --resume."

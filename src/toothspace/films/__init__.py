@@ -34,6 +34,7 @@ from __future__ import annotations
 from toothspace.closures.journal_friction import FrictionCurve
 from toothspace.films.cases import solve_bearing, solve_film
 from toothspace.films.field_files import film_dataset, save_film, save_film_vtk
+from toothspace.films.film_fluid import FilmFluid
 from toothspace.films.journal_bearing import JournalBearing
 from toothspace.films.journal_film import Groove, Lobes
 from toothspace.films.journal_solution import JournalBearingSolution
@@ -46,7 +47,6 @@ from toothspace.films.mixed_lubrication import (
     sweep_friction,
 )
 from toothspace.films.pad import Pad, PadSolution, Pocket
-from toothspace.films.plane_film import FilmFluid
 from toothspace.films.rough_surfaces import RoughSurfaces
 from toothspace.films.shaft_motion import (
     Orbit,

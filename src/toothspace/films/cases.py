@@ -14,13 +14,13 @@ from toothspace.core.errors import CaseError
 from toothspace.core.registry import machine_type
 from toothspace.core.status import Status
 from toothspace.films.field_files import FilmSolution, save_film, save_film_vtk
+from toothspace.films.film_fluid import FilmFluid
 from toothspace.films.journal_bearing import JournalBearing
 from toothspace.films.journal_film import Groove, Lobes
 from toothspace.films.journal_solution import JournalBearingSolution
 from toothspace.films.lateral import LateralFilm
 from toothspace.films.machine_faces import FaceFilms, FaceSetting, solve_faces
 from toothspace.films.pad import Pad, Pocket
-from toothspace.films.plane_film import FilmFluid
 from toothspace.films.rough_surfaces import RoughSurfaces
 from toothspace.films.shaft_motion import OrbitSettings, shaft_orbit
 from toothspace.films.summaries import (

@@ -25,12 +25,10 @@ from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.elasticity.influence import InfluenceMatrix
 from toothspace.films.plane_film import PlaneFilm, PlaneSolution, solve_plane
-from toothspace.films.reynolds import GapField, balance_derivative, balance_variation
+from toothspace.films.reynolds import GapField
 from toothspace.films.rough_surfaces import ContactTable, contact_field
-from toothspace.numerics.complementarity import residual
 from toothspace.numerics.krylov import gmres
-from toothspace.numerics.linear_system import PRESCRIBED, SATURATED
-from toothspace.numerics.structured_grid import CellBalance
+from toothspace.numerics.linear_system import PRESCRIBED
 
 
 @final
@@ -198,18 +196,18 @@ class _Problem:
         wanted = walls.compliance @ (walls.spread.T @ state.push.ravel()) + walls.offset
         return wanted - state.deformation, state.load + self.external
 
-    def response(self, state: _State, change: GapField, slope: CellBalance) -> Array:
+    def response(self, state: _State, change: GapField) -> Array:
         """Change of the cell loads per change of the gap. [N]."""
-        plane = state.plane
-        fields = plane.fields
-        parts = (plane.film.grid, plane.film.gap, plane.fluid)
-        varied = balance_variation(parts, change, slope, plane.film.law)
-        disturbance = residual(plane.balance, varied, fields.potential, fields.saturation)
-        disturbance[fields.kind == PRESCRIBED] = 0.0
-        out = fields.system.solve(-disturbance.ravel()).reshape(disturbance.shape)
-        out[(fields.kind != SATURATED) | (fields.potential <= 0.0)] = 0.0
-        out = out + state.contact_slope * change.centre
-        return np.asarray(out * plane.film.grid.area)
+        return self.responses(state, [change])[0]
+
+    def responses(self, state: _State, changes: Sequence[GapField]) -> list[Array]:
+        """Change of the cell loads per change of the gap, for several at once. [N]."""
+        area = state.plane.film.grid.area
+        found = state.plane.responses(changes)
+        return [
+            (one + state.contact_slope * change.centre) * area
+            for one, change in zip(found, changes, strict=True)
+        ]
 
 
 def opened(gap: GapField, opening: Array, ring: bool) -> GapField:
@@ -307,19 +305,14 @@ def _newton_step(
     """Step of deformation and motions, preconditioned by the film's rigid stiffness."""
     walls, plane, shapes = problem.walls, state.plane, problem.shapes
     shape, nodes = problem.film.gap.centre.shape, len(walls.offset)
-    slope = balance_derivative(
-        plane.film.grid, plane.film.gap, plane.fluid, plane.balance, plane.film.law
-    )
     zero = GapField(*(np.zeros_like(a) for a in plane.film.gap))
-    rigid = [
-        problem.response(state, s._replace(rate=zero.rate, step=zero.step), slope) for s in shapes
-    ]
+    rigid = problem.responses(state, [s._replace(rate=zero.rate, step=zero.step) for s in shapes])
     stiffness = -np.array([problem.force(r) for r in rigid]).T.reshape(len(shapes), len(shapes))
     inverse = np.linalg.pinv(stiffness) if len(shapes) else stiffness
 
     def product(v: Array) -> Array:
         cells = (walls.spread @ v[:nodes]).reshape(shape)
-        change = problem.response(state, opened(zero, cells, plane.film.grid.ring), slope)
+        change = problem.response(state, opened(zero, cells, plane.film.grid.ring))
         for size, one in zip(v[nodes:], rigid, strict=True):
             change = change + size * one
         deformed = v[:nodes] - walls.compliance @ (walls.spread.T @ change.ravel())
@@ -395,7 +388,7 @@ def _result(
         deformation=state.deformation,
         motion=state.motion,
         load=state.load,
-        status=status if state.plane.converged else Status.NOT_CONVERGED,
+        status=status if state.plane.status.succeeded else state.plane.status,
         steps=steps,
         linear_solves=solves,
         change=change,

@@ -19,8 +19,8 @@ import shapely
 from scipy.sparse.linalg import splu
 
 from toothspace.core.types import Array, IntArray
+from toothspace.films.film_fluid import FilmFluid
 from toothspace.films.lateral import LateralFilm as RingFilm
-from toothspace.films.plane_film import FilmFluid
 from toothspace.films.reynolds import FluidField, film_balance
 from toothspace.model.description import LateralFilm
 from toothspace.model.film_shapes import FaceOutline

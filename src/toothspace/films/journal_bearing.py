@@ -11,10 +11,10 @@ from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.core.errors import CaseError
 from toothspace.films.cavitation import CAVITATION
 from toothspace.films.equilibrium import find_equilibrium
+from toothspace.films.film_fluid import FilmFluid
 from toothspace.films.journal_film import Groove, Lobes, MotionState
 from toothspace.films.journal_solution import FilmHistory, JournalBearingSolution, SurfaceSpeed
 from toothspace.films.journal_solver import solve_motion
-from toothspace.films.plane_film import FilmFluid
 from toothspace.films.rough_surfaces import RoughSurfaces
 from toothspace.films.tilted_equilibrium import find_tilted_equilibrium
 
@@ -72,8 +72,8 @@ class JournalBearing:
         p \ge p_c,\ s \le 1,\ (p - p_c)(1 - s) = 0 .
 
     Validity: laminar, no inertia, :math:`c \ll R`; the film fraction follows the motion of the
-    shaft without delay. Stiffness and damping hold viscosity and density; flows count at the
-    density of zero pressure.
+    shaft without delay. Stiffness and damping hold the density; flows count at the density of
+    zero pressure.
 
     References
     ----------

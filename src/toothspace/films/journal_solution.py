@@ -10,6 +10,7 @@ import numpy as np
 
 from toothspace.core.status import Status
 from toothspace.core.types import Array
+from toothspace.films.film_fluid import FilmFluid
 from toothspace.films.journal_film import JournalMesh, MotionState, journal_gap, journal_load
 from toothspace.films.linearised import pressure_responses
 from toothspace.films.reynolds import FilmGrid, FluidField, GapField
@@ -60,15 +61,13 @@ class JournalField:
     grid: FilmGrid
     gap: GapField
     fluid: FluidField
+    """Liquid at the pressure of the cells."""
     balance: CellBalance
     fields: ComplementaritySolution
     law: FlowLaw
     contact: JournalContact | None
-
-    @cached_property
-    def gauge(self) -> Array:
-        """Pressure above the cavitation pressure; Guembel's model clips it here. [Pa]."""
-        return np.maximum(self.fields.potential, 0.0)
+    gauge: Array
+    """Pressure above the cavitation pressure. [Pa]"""
 
 
 @final
@@ -215,7 +214,7 @@ class JournalBearingSolution:
 
     @cached_property
     def _derivatives(self) -> Array:
-        return load_derivatives(self.film, self.bearing.radial_clearance, (0, 1))
+        return load_derivatives(self.film, self.bearing.fluid, (0, 1))
 
     def history(self, time_step: float) -> FilmHistory:
         """What the film holds, as the past of a film one time step later. [s]."""
@@ -233,7 +232,7 @@ class JournalBearingSolution:
         whole = self
         if self.film.mesh.weight > 1.0:
             whole = solve_motion(self.bearing, self.motion, self.speed, half=False)
-        derivatives = load_derivatives(whole.film, self.bearing.radial_clearance, (0, 1, 2, 3))
+        derivatives = load_derivatives(whole.film, self.bearing.fluid, (0, 1, 2, 3))
         return -derivatives[:, :4], -derivatives[:, 4:]
 
     def _whole(self, values: Array) -> Array:
@@ -250,7 +249,7 @@ def _cavitated(fields: ComplementaritySolution, balance: CellBalance) -> Array:
     return (balance.mark != PRESCRIBED) & (fields.potential <= 0.0)
 
 
-def load_derivatives(film: JournalField, clearance: float, directions: tuple[int, ...]) -> Array:
+def load_derivatives(film: JournalField, fluid: FilmFluid, directions: tuple[int, ...]) -> Array:
     """Derivatives of force and moment with position and speed of the shaft, cavity boundary exact.
 
     Returns an array of 4 rows (force x, y, moment x, y) and, for every direction, one column
@@ -261,13 +260,16 @@ def load_derivatives(film: JournalField, clearance: float, directions: tuple[int
         for speeds in (False, True)
         for k in directions
     ]
+    carrier = fluid.carrier(film.fluid.density)
     responses = pressure_responses(
-        (film.grid, film.gap, film.fluid), film.law, film.balance, film.fields, changes
+        (film.grid, film.gap, carrier), film.law, film.balance, film.fields, changes
     )
+    # the reduced pressure is solved for; the pressure follows it with the viscosity ratio
+    stretch = carrier.fluidity / film.fluid.fluidity
     columns = []
     for response, change in zip(responses, changes, strict=True):
         touch = 0.0 if film.contact is None else film.contact.slope * change.centre
-        columns.append(journal_load(film.mesh, response + touch, film.grid.area))
+        columns.append(journal_load(film.mesh, stretch * response + touch, film.grid.area))
     return np.array(columns).T
 
 

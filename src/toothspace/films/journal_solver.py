@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -10,8 +9,9 @@ import numpy as np
 
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
-from toothspace.core.types import Array, IntArray
+from toothspace.core.types import Array
 from toothspace.films.cavitation import CAVITATION
+from toothspace.films.film_state import FilmProblem, FilmState, relative_error, solve_state
 from toothspace.films.journal_film import (
     EndConditions,
     Groove,
@@ -31,15 +31,11 @@ from toothspace.films.journal_solution import (
     JournalField,
     SurfaceSpeed,
 )
-from toothspace.films.plane_film import FLUID_PASSES, FLUID_TOLERANCE, LEAST_PRESSURE
-from toothspace.films.reynolds import FilmGrid, GapField, film_balance
+from toothspace.films.reynolds import FilmGrid, GapField
 from toothspace.films.rough_surfaces import SMOOTH, FlowLaw, contact_field, mean_gap
 from toothspace.numerics.complementarity import (
-    ComplementaritySolution,
-    Constraint,
     face_flows,
     residual,
-    solve_complementarity,
 )
 from toothspace.numerics.linear_system import PRESCRIBED
 from toothspace.numerics.structured_grid import CellBalance
@@ -58,21 +54,35 @@ def _metric(
     return mesh, journal_grid(mesh, 0.5 * bearing.diameter, grooves, ends)
 
 
-def _needs_supply(bearing: JournalBearing, surface_speed: float) -> bool:
+def _needs_supply(bearing: JournalBearing, motion: MotionState, surface_speed: float) -> bool:
     if bearing.supply != "auto":
         return bearing.supply == "widest_gap"
-    dry_ends = (
-        bearing.end_condition == "no_flow" or bearing.end_pressure <= bearing.cavitation_pressure
-    )
-    return dry_ends and not bearing.grooves and surface_speed != 0.0
+    if bearing.grooves:
+        return False
+    if bearing.end_condition == "no_flow":
+        return surface_speed != 0.0 or bool(np.any(motion.speed))
+    return surface_speed != 0.0 and bearing.end_pressure <= bearing.cavitation_pressure
+
+
+def _refuse_closed(bearing: JournalBearing, motion: MotionState, surface_speed: float) -> None:
+    """Refuse a film that nothing fixes the pressure or the amount of liquid of."""
+    moves = surface_speed != 0.0 or bool(np.any(motion.speed))
+    if bearing.end_condition == "no_flow" and not bearing.grooves and moves:
+        raise CaseError(
+            "bearing.supply: found 'none' between walls and without grooves, allowed is a supply "
+            "line, a groove or open ends: nothing tells how much liquid a closed film holds"
+        )
 
 
 def _supplied(
-    bearing: JournalBearing, place: Array, surface_speed: float
+    bearing: JournalBearing, motion: MotionState, surface_speed: float, *, remembered: bool
 ) -> tuple[tuple[Groove, ...], float]:
     """Grooves with the supply line, and the angle at which the grid begins."""
-    if not _needs_supply(bearing, surface_speed):
+    if not _needs_supply(bearing, motion, surface_speed):
+        if not remembered:
+            _refuse_closed(bearing, motion, surface_speed)
         return bearing.grooves, 0.0
+    place = motion.place
     widest = float(np.arctan2(-place[1], -place[0])) if np.any(place[:2]) else np.pi
     line = Groove(widest, 0.0, bearing.length, bearing.end_pressure)
     return (*bearing.grooves, line), widest
@@ -94,7 +104,7 @@ def solve_motion(
     """
     radius = 0.5 * bearing.diameter
     surface_speed = 0.5 * (speed.shaft + speed.bush) * radius
-    grooves, first_angle = _supplied(bearing, motion.place, surface_speed)
+    grooves, first_angle = _supplied(bearing, motion, surface_speed, remembered=history is not None)
     if half is None:
         tilted = np.any(motion.place[2:]) or np.any(motion.speed[2:])
         half = not tilted and all(g.position == 0.0 for g in grooves)
@@ -106,8 +116,11 @@ def solve_motion(
     law, contact = _walls(bearing, speed, gap)
     if contact is None:
         _refuse_contact(gap, motion, bearing)
-    film = _solved(bearing, JournalGap(mesh, grid, gap, law, contact), former, history)
-    return _evaluate(bearing, motion, speed, film)
+    state = _solved(bearing, JournalGap(mesh, grid, gap, law, contact), former, history)
+    film = JournalField(
+        mesh, grid, gap, state.fluid, state.balance, state.fields, law, contact, state.gauge
+    )
+    return _evaluate(bearing, motion, speed, film, state.status)
 
 
 class JournalGap(NamedTuple):
@@ -125,31 +138,24 @@ def _solved(
     film: JournalGap,
     former: JournalBearingSolution | None,
     history: FilmHistory | None,
-) -> JournalField:
-    """Pressure and film fraction; viscosity and density are iterated with the pressure."""
-    constraint, lowest = CAVITATION[bearing.cavitation], bearing.cavitation_pressure
-    fluid = bearing.fluid
-    pressure = np.full(film.gap.centre.shape, lowest)
-    start = None if former is None else former.film.fields.kind
-    for _ in range(FLUID_PASSES):
-        state = fluid.fields(pressure)
-        balance = film_balance(film.grid, film.gap, state, lowest, film.law)
-        if history is not None:
-            content = state.density * mean_gap(film.gap.centre, film.law)
-            balance = _with_history(balance, film.grid, content, history)
-        fields = _solve_fields(balance, constraint, start)
-        found = np.maximum(fields.potential, 0.0) + lowest
-        change = float(np.abs(found - pressure).max())
-        pressure, start = found, fields.kind
-        limit = FLUID_TOLERANCE * max(float(pressure.max()), LEAST_PRESSURE)
-        settled = fluid.constant or change <= limit
-        if settled:
-            break
-    if not settled:
-        fields = replace(fields, converged=False)
-    return JournalField(
-        film.mesh, film.grid, film.gap, state, balance, fields, film.law, film.contact
+) -> FilmState:
+    problem = FilmProblem(
+        film.grid,
+        film.gap,
+        bearing.fluid,
+        bearing.cavitation_pressure,
+        CAVITATION[bearing.cavitation],
+        film.law,
     )
+    start = None if former is None else former.film.fields.kind
+    if history is None:
+        return solve_state(problem, start)
+
+    def remember(balance: CellBalance, density: Array) -> CellBalance:
+        content = density * mean_gap(film.gap.centre, film.law)
+        return _with_history(balance, film.grid, content, history)
+
+    return solve_state(problem, start, remember)
 
 
 def _walls(
@@ -178,16 +184,6 @@ def _with_history(
     return balance._replace(storage=height * rate, source=history.content * rate)
 
 
-def _solve_fields(
-    balance: CellBalance, constraint: Constraint, start: IntArray | None
-) -> ComplementaritySolution:
-    if start is not None and start.shape == balance.storage.shape:
-        fields = solve_complementarity(balance, constraint, start, max_passes=15)
-        if fields.converged:
-            return fields
-    return solve_complementarity(balance, constraint)
-
-
 def _refuse_contact(gap: GapField, motion: MotionState, bearing: JournalBearing) -> None:
     lowest = min(float(gap.centre.min()), float(gap.face_x.min()), float(gap.face_y.min()))
     if lowest <= 0.0:
@@ -199,16 +195,18 @@ def _refuse_contact(gap: GapField, motion: MotionState, bearing: JournalBearing)
 
 
 def _evaluate(
-    bearing: JournalBearing, motion: MotionState, speed: SurfaceSpeed, film: JournalField
+    bearing: JournalBearing,
+    motion: MotionState,
+    speed: SurfaceSpeed,
+    film: JournalField,
+    status: Status,
 ) -> JournalBearingSolution:
-    fields = film.fields
     carried = film.gauge if film.contact is None else film.gauge + film.contact.pressure
     load = journal_load(film.mesh, carried, film.grid.area)
     shaft, bush = _friction(bearing, speed, film)
     contact_force, contact_torque = _contact_load(bearing, speed, film)
     shaft, bush = shaft - contact_torque, bush + contact_torque
     supply, ends, error = _flows(film)
-    status = Status.DONE if fields.converged else Status.NOT_CONVERGED
     return JournalBearingSolution(
         bearing=bearing,
         motion=motion,
@@ -256,7 +254,7 @@ def _friction(
 def _flows(film: JournalField) -> tuple[float, Array, float]:
     """Supply by prescribed cells, flow out of the two ends, relative error of the balance."""
     weight, b = film.mesh.weight, film.balance
-    potential, saturation = film.gauge, film.fields.saturation
+    potential, saturation = np.maximum(film.fields.potential, 0.0), film.fields.saturation
     _, flow_y = face_flows(b, b, potential, saturation)
     net = residual(b, b, potential, saturation)
     prescribed = b.mark == PRESCRIBED
@@ -267,5 +265,5 @@ def _flows(film: JournalField) -> tuple[float, Array, float]:
         abs(supply), abs(north), abs(south), float(np.abs(b.advection_x).sum(axis=1).max())
     )
     through = max(through, float(np.abs(b.storage - b.source).sum()))
-    error = weight * abs(float(net[~prescribed].sum()))
-    return supply, np.array([south, north]), error / through if through > 0.0 else 0.0
+    error = relative_error(weight * float(net[~prescribed].sum()), through, b, potential)
+    return supply, np.array([south, north]), error

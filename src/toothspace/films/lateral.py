@@ -11,9 +11,9 @@ from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.films.cavitation import CAVITATION
+from toothspace.films.film_fluid import FilmFluid
 from toothspace.films.journal_film import sliding_stress
 from toothspace.films.plane_film import (
-    FilmFluid,
     PlaneFilm,
     PlaneSolution,
     polar_points,
@@ -207,8 +207,8 @@ class LateralSolution:
 
     @property
     def status(self) -> Status:
-        """Whether cavity boundary and fluid state settled."""
-        return Status.DONE if self.plane.converged else Status.NOT_CONVERGED
+        """Whether there is a solution and cavity boundary and fluid state settled."""
+        return self.plane.status
 
     @property
     def pressure(self) -> Array:

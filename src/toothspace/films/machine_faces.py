@@ -10,9 +10,9 @@ import numpy as np
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
 from toothspace.films.face_conductance import edge_marks
+from toothspace.films.film_fluid import FilmFluid
 from toothspace.films.lateral import LateralFilm as RingFilm
 from toothspace.films.lateral import LateralSolution
-from toothspace.films.plane_film import FilmFluid
 from toothspace.films.rough_surfaces import RoughSurfaces
 from toothspace.model.description import LateralFilm, MachineDescription
 from toothspace.model.operating_point import OperatingCondition

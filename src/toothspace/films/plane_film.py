@@ -2,79 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple, final
 
 import numpy as np
 
 from toothspace.core.errors import CaseError
+from toothspace.core.status import Status
 from toothspace.core.types import Array
+from toothspace.films.film_fluid import FilmFluid
+from toothspace.films.film_state import FilmProblem, relative_error, solve_state
 from toothspace.films.linearised import pressure_responses
-from toothspace.films.reynolds import FilmGrid, FluidField, GapField, film_balance
+from toothspace.films.reynolds import FilmGrid, FluidField, GapField
 from toothspace.films.rough_surfaces import SMOOTH, FlowLaw
 from toothspace.numerics.complementarity import (
     ComplementaritySolution,
     Constraint,
     residual,
-    solve_complementarity,
 )
 from toothspace.numerics.linear_system import PRESCRIBED
 from toothspace.numerics.structured_grid import CellBalance
-
-FLUID_PASSES = 60
-"""Most iterations of viscosity and density with the pressure. [-]"""
-FLUID_TOLERANCE = 1e-10
-"""Change of the pressure over its maximum at which they end. [-]"""
-LEAST_PRESSURE = 1e4
-"""Pressure below which no liquid changes. [Pa]"""
-_ROUNDING = 1e-12
-"""Part of the flow that potentials drive, up to which a film counts as without flow. [-]"""
-_HIGHEST_EXPONENT = 20.0
-"""Logarithm of the viscosity ratio beyond which Barus' law is not followed. [-]"""
-
-
-@final
-@dataclass(frozen=True)
-class FilmFluid:
-    r"""Liquid whose viscosity and density may follow the pressure.
-
-    Parameters
-    ----------
-    dynamic_viscosity : float
-        Dynamic viscosity at zero pressure. [Pa s]
-    pressure_viscosity : float
-        Coefficient :math:`\alpha` of :math:`\mu = \mu_0 e^{\alpha p}`. [1/Pa]
-    compressible : bool
-        Whether the density follows Dowson and Higginson,
-        :math:`\rho/\rho_0 = (0.59 + 1.34 p) / (0.59 + p)` with p in GPa.
-
-    References
-    ----------
-    .. [1] C. Barus, Isothermals, isopiestics and isometrics relative to viscosity, Am. J. Sci.
-       45 (1893) 87-96.
-    .. [2] D. Dowson, G. R. Higginson, Elasto-hydrodynamic Lubrication, Pergamon, 1966.
-    """
-
-    dynamic_viscosity: float
-    pressure_viscosity: float = 0.0
-    compressible: bool = False
-
-    @property
-    def constant(self) -> bool:
-        """Whether nothing follows the pressure."""
-        return self.pressure_viscosity == 0.0 and not self.compressible
-
-    def viscosity(self, pressure: Array) -> Array:
-        """Dynamic viscosity at absolute pressures. [Pa s]."""
-        exponent = np.minimum(self.pressure_viscosity * pressure, _HIGHEST_EXPONENT)
-        return np.asarray(self.dynamic_viscosity * np.exp(exponent))
-
-    def fields(self, pressure: Array) -> FluidField:
-        """Fluid state of every cell at absolute pressures."""
-        density = np.ones_like(pressure)
-        if self.compressible:
-            density = (0.59e9 + 1.34 * pressure) / (0.59e9 + pressure)
-        return FluidField(1.0 / self.viscosity(pressure), density)
 
 
 class PlanePoints(NamedTuple):
@@ -129,14 +77,32 @@ class PlaneSolution:
 
     film: PlaneFilm
     fluid: FluidField = field(repr=False)
+    """Liquid at the pressure of the cells."""
     balance: CellBalance = field(repr=False)
     fields: ComplementaritySolution = field(repr=False)
-    converged: bool
+    status: Status
+    """Whether there is a solution and the iterations settled."""
+    gauge: Array = field(repr=False)
+    """Pressure above the cavitation pressure. [Pa]"""
 
     @property
     def pressure(self) -> Array:
         """Absolute pressure of the cells. [Pa]."""
-        return np.maximum(self.fields.potential, 0.0) + self.film.cavitation_pressure
+        return self.gauge + self.film.cavitation_pressure
+
+    def responses(self, changes: Sequence[GapField]) -> list[Array]:
+        """Change of the pressure with each change of the gap; the density is held. [Pa per unit].
+
+        As :func:`~toothspace.films.linearised.pressure_responses`.
+        """
+        film, density = self.film, self.fluid.density
+        carrier = film.fluid.carrier(density)
+        found = pressure_responses(
+            (film.grid, film.gap, carrier), film.law, self.balance, self.fields, changes
+        )
+        # the reduced pressure is solved for; the pressure follows it with the viscosity ratio
+        stretch = carrier.fluidity / self.fluid.fluidity
+        return [stretch * response for response in found]
 
     def load(self, pressure: Array) -> Array:
         """Force along z and moments about x and y of a pressure on the upper face.
@@ -160,14 +126,7 @@ class PlaneSolution:
             float(np.abs(b.advection_y).sum(axis=0).max()),
             self._edge_flow(),
         )
-        if through <= _ROUNDING * self._conducted():
-            return 0.0
-        return abs(float(net[free].sum())) / through
-
-    def _conducted(self) -> float:
-        """Flow that the potentials themselves would drive: what rounding is measured with."""
-        b, u = self.balance, np.abs(self.fields.potential)
-        return float((b.conductance_x[1:] * u).sum() + (b.conductance_y[:, 1:] * u).sum())
+        return relative_error(float(net[free].sum()), through, b, self.fields.potential)
 
     def _edge_flow(self) -> float:
         b, u = self.balance, self.fields.potential
@@ -186,14 +145,12 @@ class PlaneSolution:
     def rigid_coefficients(self) -> tuple[Array, Array]:
         """Stiffness and damping 3x3 for lift of the upper face and its rotations about x and y.
 
-        Minus the derivatives of force and moments; viscosity and density are held.
+        Minus the derivatives of force and moments; the density is held.
         [N/m, N m/rad and mixed; the same times s]
         """
         film = self.film
         changes = [_rigid_change(film, k, rate) for rate in (False, True) for k in range(3)]
-        responses = pressure_responses(
-            (film.grid, film.gap, self.fluid), film.law, self.balance, self.fields, changes
-        )
+        responses = self.responses(changes)
         table = -np.array([self.load(response) for response in responses]).T
         return table[:, :3], table[:, 3:]
 
@@ -203,20 +160,12 @@ def solve_plane(film: PlaneFilm) -> PlaneSolution:
     lowest = float(min(film.gap.centre.min(), film.gap.face_x.min(), film.gap.face_y.min()))
     if lowest <= 0.0 and film.law.roughness == 0.0:
         raise CaseError(f"film: found a smallest gap of {lowest:.3g} m, allowed are open gaps")
-    pressure = np.full(film.gap.centre.shape, film.cavitation_pressure)
-    kind = None
-    for _ in range(FLUID_PASSES):
-        fluid = film.fluid.fields(pressure)
-        balance = film_balance(film.grid, film.gap, fluid, film.cavitation_pressure, film.law)
-        fields = solve_complementarity(balance, film.constraint, kind)
-        solution = PlaneSolution(film, fluid, balance, fields, fields.converged)
-        if film.fluid.constant:
-            return solution
-        change = float(np.abs(solution.pressure - pressure).max())
-        pressure, kind = solution.pressure, fields.kind
-        if change <= FLUID_TOLERANCE * max(float(pressure.max()), LEAST_PRESSURE):
-            return solution
-    return PlaneSolution(film, fluid, balance, fields, False)
+    state = solve_state(
+        FilmProblem(
+            film.grid, film.gap, film.fluid, film.cavitation_pressure, film.constraint, film.law
+        )
+    )
+    return PlaneSolution(film, state.fluid, state.balance, state.fields, state.status, state.gauge)
 
 
 def _rigid_change(film: PlaneFilm, motion: int, rate: bool) -> GapField:

@@ -63,7 +63,7 @@ def _stepped(
 ) -> JournalBearingSolution:
     """Longest part of Newton's step that keeps the gap open and lessens the error."""
     error = _error(film, wanted)
-    slope = load_derivatives(film.film, bearing.radial_clearance, (0, 1, 2, 3))[:, :4]
+    slope = load_derivatives(film.film, bearing.fluid, (0, 1, 2, 3))[:, :4]
     step, place = np.linalg.solve(-slope, error), np.asarray(film.motion.place)
     limit = _nearest(bearing, place)
     limit += _OPEN * max(1.0 - limit, 0.0)

@@ -12,6 +12,7 @@ from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
 from toothspace.elasticity import ElasticBody
+from toothspace.films.film_fluid import FilmFluid
 from toothspace.films.lateral_gap.elastic_faces import RELAXATION, elastic_faces
 from toothspace.films.lateral_gap.equilibrium import (
     Equilibrium,
@@ -27,7 +28,6 @@ from toothspace.films.lateral_gap.friction import housing_friction, normal_force
 from toothspace.films.lateral_gap.motion import Balance, Loads, StepSettings, rest_at
 from toothspace.films.lateral_gap.stack import BackPressure, Columns, Compliance, Scene, Stack
 from toothspace.films.lateral_gap.yielding_film import Accuracy
-from toothspace.films.plane_film import FilmFluid
 from toothspace.films.rough_surfaces import RoughSurfaces
 from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_balance import FilmInterface, LateralBalance

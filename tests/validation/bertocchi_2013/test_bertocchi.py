@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from toothspace.films.pad import FilmFluid, Pad, Pocket
+from toothspace.films.film_fluid import FilmFluid
+from toothspace.films.pad import Pad, Pocket
 
 
 def _reference() -> np.ndarray:

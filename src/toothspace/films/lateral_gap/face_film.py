@@ -7,8 +7,10 @@ from typing import NamedTuple, final
 
 import numpy as np
 
+from toothspace.core.status import Status
 from toothspace.core.types import Array, BoolArray
 from toothspace.films.cavitation import CAVITATION
+from toothspace.films.film_fluid import FilmFluid
 from toothspace.films.lateral_gap.faces import FaceGrid, Mask
 from toothspace.films.lateral_gap.yielding_film import (
     Accuracy,
@@ -18,7 +20,7 @@ from toothspace.films.lateral_gap.yielding_film import (
     solve_yielding,
 )
 from toothspace.films.linearised import pressure_responses
-from toothspace.films.plane_film import FilmFluid, PlaneFilm, PlaneSolution
+from toothspace.films.plane_film import PlaneFilm, PlaneSolution
 from toothspace.films.reynolds import FluidField, GapField, film_balance
 from toothspace.films.rough_surfaces import (
     NO_CONTACT,
@@ -302,7 +304,9 @@ def _stiff(
     start = None if former is None else former.plane.fields.kind
     balance = film_balance(film.grid, film.gap, state, law.cavitation_pressure, law.law)
     fields = solve_complementarity(balance, film.constraint, start)
-    plane = PlaneSolution(film, state, balance, fields, fields.converged)
+    status = Status.DONE if fields.converged else Status.NOT_CONVERGED
+    gauge = np.maximum(fields.potential, 0.0)
+    plane = PlaneSolution(film, state, balance, fields, status, gauge)
     contact, slope = contact_field(film.gap.centre, max(law.roughness, 1e-12), law.contact)
     known = film.grid.mark == PRESCRIBED
     contact[known], slope[known] = 0.0, 0.0

@@ -200,7 +200,7 @@ class StackState:
     @property
     def converged(self) -> bool:
         """Whether all films settled."""
-        return all(film.plane.converged for film in self.films)
+        return all(film.plane.status.succeeded for film in self.films)
 
     def film_force(self) -> Array:
         """Generalised forces of films, asperities and tooth spaces on the coordinates."""

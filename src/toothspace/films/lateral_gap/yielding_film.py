@@ -8,6 +8,7 @@ from typing import NamedTuple, final
 import numpy as np
 
 from toothspace.core.compiled import kernel
+from toothspace.core.status import Status
 from toothspace.core.types import Array, IntArray
 from toothspace.films.plane_film import PlaneFilm, PlaneSolution
 from toothspace.films.reynolds import FluidField, GapField, balance_derivative, film_balance
@@ -262,7 +263,9 @@ def solve_yielding(
         film.constraint,
         law=film.law,
     )
-    plane = PlaneSolution(moved, state, now.balance, fields, settled)
+    status = Status.DONE if settled else Status.NOT_CONVERGED
+    gauge = np.maximum(fields.potential, 0.0)
+    plane = PlaneSolution(moved, state, now.balance, fields, status, gauge)
     return YieldingSolution(plane, now.touch[0].copy(), now.touch[1].copy(), now.touch[2].copy())
 
 

@@ -1,0 +1,148 @@
+"""Pressure, film fraction and liquid of a film of given gap."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import NamedTuple, final
+
+import numpy as np
+
+from toothspace.core.status import Status
+from toothspace.core.types import Array, IntArray
+from toothspace.films.film_fluid import FilmFluid
+from toothspace.films.reynolds import FilmGrid, FluidField, GapField, film_balance
+from toothspace.films.rough_surfaces import FlowLaw
+from toothspace.numerics.complementarity import (
+    ComplementaritySolution,
+    Constraint,
+    solve_complementarity,
+)
+from toothspace.numerics.structured_grid import CellBalance
+
+FLUID_PASSES = 60
+"""Most iterations of the density with the pressure. [-]"""
+FLUID_TOLERANCE = 1e-10
+"""Change of the pressure over its maximum at which they end. [-]"""
+LEAST_PRESSURE = 1e4
+"""Pressure below which no liquid changes. [Pa]"""
+ROUNDING = 1e-12
+"""Part of the flow that potentials drive, up to which a film counts as without flow. [-]"""
+RUNAWAY_PASSES = 8
+"""Passes in succession without a finite pressure after which there is none. [-]"""
+SHORTEST, LONGEST = 0.05, 1.5
+"""Part of the change of density that a pass follows, by Aitken's rule within limits. [-]"""
+
+
+class FilmProblem(NamedTuple):
+    """What is solved: grid, gap, liquid, walls and cavitation."""
+
+    grid: FilmGrid
+    gap: GapField
+    fluid: FilmFluid
+    cavitation_pressure: float  # [Pa]
+    constraint: Constraint
+    law: FlowLaw
+
+
+@final
+@dataclass(frozen=True)
+class FilmState:
+    """Solved film. The potential of ``fields`` is the reduced pressure above the cavity's."""
+
+    gauge: Array
+    """Pressure above the cavitation pressure. [Pa]"""
+    fluid: FluidField
+    """Liquid at the pressure."""
+    balance: CellBalance = field(repr=False)
+    """Balance in the reduced pressure. [Pa, m3/s]"""
+    fields: ComplementaritySolution = field(repr=False)
+    """Its solution."""
+    status: Status
+    """Whether there is a solution and the iterations settled."""
+
+
+def solve_state(
+    film: FilmProblem,
+    start: IntArray | None = None,
+    history: Callable[[CellBalance, Array], CellBalance] | None = None,
+) -> FilmState:
+    """Pressure and film fraction; the density is iterated with the pressure.
+
+    Parameters
+    ----------
+    film : FilmProblem
+        Film.
+    start : ndarray of int, optional
+        Kinds of the cells to begin with, as of a former solution.
+    history : callable, optional
+        Adds to a balance, at a density of the cells, what the film held before.
+
+    Returns
+    -------
+    FilmState
+        Fields and status: ``RUNAWAY`` if no finite pressure balances the flow.
+
+    References
+    ----------
+    .. [1] B. M. Irons, R. C. Tuck, A version of the Aitken accelerator for computer iteration,
+       Int. J. Numer. Methods Eng. 1 (1969) 275-277 (step of the density).
+    """
+    fluid, lowest = film.fluid, film.cavitation_pressure
+    grid, floor = fluid.reduced_grid(film.grid), _of_one(fluid.reduced, lowest)
+    density = fluid.density(np.full(film.gap.centre.shape, lowest))
+    gauge, missing, step, lost = np.zeros_like(density), None, 1.0, 0
+    for number in range(1, FLUID_PASSES + 1):
+        balance = film_balance(grid, film.gap, fluid.carrier(density), floor, film.law)
+        if history is not None:
+            balance = history(balance, density)
+        fields = _solve(balance, film.constraint, start)
+        reduced = np.maximum(fields.potential, 0.0) + floor
+        lost = lost + 1 if float(reduced.max()) >= fluid.highest_reduced else 0
+        found = np.maximum(fluid.pressure(reduced) - lowest, 0.0)
+        change, gauge, start = float(np.abs(found - gauge).max()), found, fields.kind
+        error = fluid.density(gauge + lowest) - density
+        settled = not fluid.compressible or change <= FLUID_TOLERANCE * max(
+            float(gauge.max()) + lowest, LEAST_PRESSURE
+        )
+        if settled or lost >= RUNAWAY_PASSES or number == FLUID_PASSES:
+            break
+        step, missing = _relaxation(step, missing, error), error
+        density = density + step * error
+    status = Status.DONE if settled and fields.converged else Status.NOT_CONVERGED
+    status = Status.RUNAWAY if lost else status
+    return FilmState(gauge, fluid.fields(gauge + lowest), balance, fields, status)
+
+
+def relative_error(error: float, through: float, balance: CellBalance, potential: Array) -> float:
+    """Flow that is missing over the through-flow; zero in a film that only rounding moves. [-]."""
+    u = np.abs(potential)
+    conducted = float(
+        (balance.conductance_x[1:] * u).sum() + (balance.conductance_y[:, 1:] * u).sum()
+    )
+    return abs(error) / through if through > ROUNDING * conducted else 0.0
+
+
+def _of_one(law: Callable[[Array], Array], value: float) -> float:
+    return float(law(np.array([value]))[0])
+
+
+def _relaxation(step: float, missing: Array | None, error: Array) -> float:
+    """Part of the error that the next pass follows."""
+    if missing is None:
+        return 1.0
+    turn = error - missing
+    size = float((turn * turn).sum())
+    if size == 0.0:
+        return 1.0
+    return float(np.clip(-step * float((missing * turn).sum()) / size, SHORTEST, LONGEST))
+
+
+def _solve(
+    balance: CellBalance, constraint: Constraint, start: IntArray | None
+) -> ComplementaritySolution:
+    if start is not None and start.shape == balance.storage.shape:
+        fields = solve_complementarity(balance, constraint, start, max_passes=15)
+        if fields.converged:
+            return fields
+    return solve_complementarity(balance, constraint)
