@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from toothspace.numerics.banded import factor_band, fill_band, solve_band, stencil_product
-from toothspace.numerics.krylov import gmres
+from toothspace.numerics.banded import factor_band, fill_band, solve_bands, stencil_product
+from toothspace.numerics.krylov import gmres, gmres_several
 
 
 @pytest.mark.parametrize("lanes", [1, 2, 3, 4, 5, 7, 12])
@@ -35,10 +35,9 @@ def test_factors_solve_the_cut_system(lanes: int, cut: int) -> None:
     band = np.empty((n, 2 * lanes + 1))
     fill_band(stencil, rows, lanes, cut, band)
     factor_band(band)
-    rhs = rng.normal(size=n)
-    assert solve_band(band, rhs, lanes, cut) == pytest.approx(
-        np.linalg.solve(dense, rhs), rel=1e-11
-    )
+    rhs = rng.normal(size=(3, n))
+    found = solve_bands(band, rhs, lanes, cut)
+    assert found == pytest.approx(np.linalg.solve(dense, rhs.T).T, rel=1e-11)
 
 
 def test_gmres_needs_as_many_iterations_as_distinct_eigenvalues() -> None:
@@ -46,6 +45,23 @@ def test_gmres_needs_as_many_iterations_as_distinct_eigenvalues() -> None:
     rhs = np.random.default_rng(0).normal(size=30)
     x, count = gmres(lambda v: values * v, lambda v: v.copy(), rhs)
     assert count == 3
+    assert x == pytest.approx(rhs / values, rel=1e-10)
+
+
+def test_right_hand_sides_in_step_need_what_each_needs_alone() -> None:
+    """Sides of one, of two and of three eigenvectors, and one of nothing."""
+    values = np.repeat([1.0, 2.0, 5.0], 10)
+    rhs = np.random.default_rng(0).normal(size=(4, 30))
+    rhs[0, 10:], rhs[1, 20:], rhs[3] = 0.0, 0.0, 0.0
+    asked: list[int] = []
+
+    def product(v: np.ndarray) -> np.ndarray:
+        asked.append(len(v))
+        return np.asarray(values * v)
+
+    limits = 1e-12 * np.linalg.norm(rhs, axis=1)
+    x, count = gmres_several(product, lambda v: v.copy(), rhs, limits=limits)
+    assert (count, asked) == (3, [3, 2, 1])
     assert x == pytest.approx(rhs / values, rel=1e-10)
 
 

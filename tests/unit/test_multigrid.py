@@ -81,6 +81,23 @@ def test_cycle_is_symmetric() -> None:
     assert forward == pytest.approx(backward, rel=1e-5)
 
 
+def test_right_hand_sides_together_are_those_one_by_one() -> None:
+    balance = _balance(96, 32, 0.8, 1e-4)
+    free = np.ones((96, 32), dtype=bool)
+    free[40:50, 4:20] = False
+    solver = ConductionSolver(balance, free)
+    rhs = np.random.default_rng(3).normal(size=(3, 96, 32))
+    rhs[1] *= 1e-9
+    together, count = solver.solve(rhs)
+    for one, side in zip(together, rhs, strict=True):
+        alone, needed = solver.solve(side)
+        assert needed <= count
+        assert one == pytest.approx(alone, abs=1e-8 * np.abs(alone).max())
+    again, none = solver.solve(rhs, together)
+    assert none <= 1
+    assert again.shape == rhs.shape
+
+
 def test_direct_system_closes_the_ring() -> None:
     rows, lanes = 40, 9
     balance = _balance(rows, lanes, 0.5, 1e-4)

@@ -189,7 +189,10 @@ def stand_alone_film(
         solve = films.solve_bearing if table == "bearing" else films.solve_film
         summary = solve(case, target)
     output.write(summary, as_json=as_json)
-    return 0 if summary["status"] == Status.DONE.name.lower() else _NUMERICAL_FAILURE
+    status = Status[summary["status"].upper()]
+    if status is not Status.DONE:
+        output.message(f"{case_file}: {status.name.lower()}: {status.value}")
+    return _EXIT_CODES.get(status, _NUMERICAL_FAILURE)
 
 
 def reduce(
