@@ -15,6 +15,7 @@ from toothspace.config import case_from_text
 from toothspace.core.errors import CaseError
 from toothspace.films import JournalBearing, RoughSurfaces, solve_bearing, solve_film
 
+CASES = Path(__file__).resolve().parents[2] / "cases"
 BEARING = """
 schema = 1
 [bearing]
@@ -158,6 +159,24 @@ def test_heat_that_the_oil_carries_away() -> None:
     assert still["power_loss_W"] == pytest.approx(cold["power_loss_W"])
     with pytest.raises(CaseError, match=r"bearing\.heat: found no fluid"):
         bearing(f"{rest}[bearing.heat]\n")
+
+
+@pytest.mark.parametrize("kind", ["pad", "ring", "lateral"])
+def test_every_film_has_a_heat_balance(kind: str) -> None:
+    oil = '[fluid]\nname = "iso_vg_46"\ntemperature = "50 degC"\n'
+    heat = "[film.heat]\n"
+    if kind == "ring":
+        text = RING.replace('dynamic_viscosity = "0.03 Pa s"\n', "")
+    else:
+        name = "slider_pad" if kind == "pad" else "egm12_lateral_film"
+        lines = (CASES / f"{name}.toml").read_text().splitlines()
+        kept = [s for s in lines if not s.startswith(("dynamic_viscosity", "grid ="))]
+        text = "\n".join(kept).replace("[film]\n", "[film]\ngrid = [64, 24]\n")
+    cold, warm = (solve_film(case_from_text(f"{text}\n{part}{oil}")) for part in ("", heat))
+    assert "mean_temperature_degC" not in cold
+    rise = warm["outlet_temperature_degC"] - 50.0
+    carried = rise * warm["outflow_L_per_min"] / 6e4
+    assert warm["dissipated_power_W"] / carried == pytest.approx(1.7e6, rel=0.1)
 
 
 @pytest.mark.parametrize("memory", ["false", "true"])

@@ -101,6 +101,7 @@ class FilmSurfaces:
 
 
 _SURFACES_DOC = "Roughness and contact; smooth walls without it."
+_HEAT_DOC = "Heat balance, from the temperature of the fluid; isothermal without."
 _BARUS_DOC = "Coefficient alpha of the viscosity mu exp(alpha p)."
 _DENSITY_DOC = "Density constant, or over the pressure after Dowson and Higginson."
 _DENSITIES = ("constant", "dowson_higginson")
@@ -137,10 +138,10 @@ class BearingLobes:
 @final
 @dataclass(frozen=True, kw_only=True)
 class FilmHeat:
-    """``heat``: viscosity at the mean temperature that friction gives the oil."""
+    """``heat``: viscosity at the mean temperature that dissipated power gives the oil."""
 
     oil_share: float = number(
-        "Part of the friction power that the oil carries away: 1 adiabatic, 0 isothermal.",
+        "Part of the dissipated power that the oil carries away: 1 adiabatic, 0 isothermal.",
         low=0,
         high=1,
         default=1.0,
@@ -224,7 +225,7 @@ class JournalBearingCase:
     )
     pressure_viscosity: float = quantity("1/GPa", _BARUS_DOC, low=0, high=100, default=0.0)
     density: str = choice(_DENSITY_DOC, *_DENSITIES, default="constant")
-    heat: FilmHeat | None = table(FilmHeat, "Heat balance; isothermal without.", default=None)
+    heat: FilmHeat | None = table(FilmHeat, _HEAT_DOC, default=None)
     orbit: ShaftOrbit | None = table(ShaftOrbit, "Motion in time; steady without.", default=None)
 
     def __post_init__(self) -> None:
@@ -264,6 +265,7 @@ class PlaneFilmKeys:
     pressure_viscosity: float = quantity("1/GPa", _BARUS_DOC, low=0, high=100, default=0.0)
     density: str = choice(_DENSITY_DOC, *_DENSITIES, default="constant")
     surfaces: FilmSurfaces | None = table(FilmSurfaces, _SURFACES_DOC, default=None)
+    heat: FilmHeat | None = table(FilmHeat, _HEAT_DOC, default=None)
 
 
 @final

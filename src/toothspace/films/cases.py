@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, final
 
@@ -31,7 +31,7 @@ from toothspace.films.summaries import (
     pad_summary,
     ring_summary,
 )
-from toothspace.films.thermal import HeatBalance, solve_heated
+from toothspace.films.thermal import Film, HeatBalance, solve_heated
 from toothspace.model.fluid import LiquidState, library_liquid, table_liquid
 from toothspace.model.operating_point import OperatingCondition
 
@@ -102,11 +102,37 @@ def _solved(solve: Callable[[], CaseFilms], fields: Path | None) -> dict[str, An
     return {**found.summary, "wall_time_s": time.perf_counter() - started}
 
 
+def _heated(
+    case: Any, keys: Any, solve: Callable[[float], Film], place: str = "film"
+) -> tuple[Film, dict[str, Any]]:
+    """Film at its viscosity, and the numbers of its heat balance if there is one."""
+    if keys.heat is None:
+        return solve(_viscosity(case, keys)), {}
+    if case.fluid is None:
+        raise CaseError(f"{place}.heat: found no fluid, allowed the viscosity of a table [fluid]")
+    liquid = _liquid(case)
+    balance = HeatBalance(
+        supply_temperature=case.fluid.temperature,
+        density=liquid.density,
+        heat_capacity=liquid.specific_heat_capacity,
+        oil_share=keys.heat.oil_share,
+    )
+    heated = solve_heated(
+        solve, lambda temperature: _liquid(case, temperature).dynamic_viscosity, balance
+    )
+    return heated.film, heat_summary(heated)
+
+
 def _solve_journal(case: Any, keys: Any) -> CaseFilms:
-    if keys.heat is not None:
-        return _solve_heated_journal(case, keys)
-    film = _journal_film(_bearing(keys, _viscosity(case, keys)), keys)
-    summary = bearing_summary(film)
+    if keys.heat is not None and keys.orbit is not None:
+        raise CaseError("bearing.heat: found an orbit, allowed a steady film")
+    film, heat = _heated(
+        case,
+        keys,
+        lambda viscosity: _journal_film(_bearing(keys, viscosity), keys),
+        "bearing",
+    )
+    summary = bearing_summary(film) | heat
     if keys.orbit is not None:
         summary |= _orbit(film, keys)
     return CaseFilms({"": film}, summary)
@@ -127,26 +153,6 @@ def _journal_film(bearing: JournalBearing, keys: Any) -> JournalBearingSolution:
         tilt=tuple(keys.tilt),
         bush_speed=keys.bush_speed,
     )
-
-
-def _solve_heated_journal(case: Any, keys: Any) -> CaseFilms:
-    """Film at the viscosity of the mean temperature that its friction gives the oil."""
-    if case.fluid is None or keys.orbit is not None:
-        found = "an orbit" if case.fluid is not None else "no fluid"
-        raise CaseError(f"bearing.heat: found {found}, allowed a steady film and a table [fluid]")
-    bearing, liquid = _bearing(keys, _viscosity(case, keys)), _liquid(case)
-    balance = HeatBalance(
-        supply_temperature=case.fluid.temperature,
-        density=liquid.density,
-        heat_capacity=liquid.specific_heat_capacity,
-        oil_share=keys.heat.oil_share,
-    )
-    heated = solve_heated(
-        lambda viscosity: _journal_film(replace(bearing, dynamic_viscosity=viscosity), keys),
-        lambda temperature: _liquid(case, temperature).dynamic_viscosity,
-        balance,
-    )
-    return CaseFilms({"": heated.film}, bearing_summary(heated.film) | heat_summary(heated))
 
 
 def _orbit(film: JournalBearingSolution, keys: Any) -> dict[str, Any]:
@@ -177,17 +183,33 @@ def _orbit(film: JournalBearingSolution, keys: Any) -> dict[str, Any]:
 
 
 def _solve_pad(case: Any, keys: Any) -> CaseFilms:
-    pad = _pad(keys, _viscosity(case, keys))
-    film = pad.solve(speed=keys.speed, squeeze_velocity=keys.squeeze_velocity)
-    return CaseFilms({"": film}, pad_summary(film))
+    film, heat = _heated(
+        case,
+        keys,
+        lambda viscosity: _pad(keys, viscosity).solve(
+            speed=keys.speed, squeeze_velocity=keys.squeeze_velocity
+        ),
+    )
+    return CaseFilms({"": film}, pad_summary(film) | heat)
 
 
 def _solve_ring(case: Any, keys: Any) -> CaseFilms:
-    ring = LateralFilm(
+    film, heat = _heated(
+        case,
+        keys,
+        lambda viscosity: _ring(keys, viscosity).solve(
+            shaft_speed=keys.shaft_speed, squeeze_velocity=keys.squeeze_velocity
+        ),
+    )
+    return CaseFilms({"": film}, ring_summary(film) | heat)
+
+
+def _ring(keys: Any, dynamic_viscosity: float) -> LateralFilm:
+    return LateralFilm(
         inner_radius=keys.inner_radius,
         outer_radius=keys.outer_radius,
         side_gap=keys.side_gap,
-        fluid=_film_fluid(keys, _viscosity(case, keys)),
+        fluid=_film_fluid(keys, dynamic_viscosity),
         tilt=tuple(keys.tilt),
         grid=tuple(keys.grid),
         inner_pressure=keys.inner_pressure,
@@ -196,13 +218,12 @@ def _solve_ring(case: Any, keys: Any) -> CaseFilms:
         cavitation=keys.cavitation,
         cavitation_pressure=keys.cavitation_pressure,
     )
-    film = ring.solve(shaft_speed=keys.shaft_speed, squeeze_velocity=keys.squeeze_velocity)
-    return CaseFilms({"": film}, ring_summary(film))
 
 
 def _solve_faces(case: Any, keys: Any) -> CaseFilms:
-    faces = _machine_faces(case, _viscosity(case, keys))
-    return CaseFilms(dict(zip(faces.bodies, faces.films, strict=True)), faces_summary(faces))
+    faces, heat = _heated(case, keys, lambda viscosity: _machine_faces(case, viscosity))
+    films = dict(zip(faces.bodies, faces.films, strict=True))
+    return CaseFilms(films, faces_summary(faces) | heat)
 
 
 _SOLVERS: Mapping[str, Callable[[Any, Any], CaseFilms]] = {

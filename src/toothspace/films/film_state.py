@@ -16,8 +16,10 @@ from toothspace.films.rough_surfaces import FlowLaw
 from toothspace.numerics.complementarity import (
     ComplementaritySolution,
     Constraint,
+    face_flows,
     solve_complementarity,
 )
+from toothspace.numerics.linear_system import PRESCRIBED
 from toothspace.numerics.structured_grid import CellBalance
 
 FLUID_PASSES = 60
@@ -112,6 +114,50 @@ def solve_state(
     status = Status.DONE if settled and fields.converged else Status.NOT_CONVERGED
     status = Status.RUNAWAY if lost else status
     return FilmState(gauge, fluid.fields(gauge + lowest), balance, fields, status)
+
+
+class Exchange(NamedTuple):
+    """What a film exchanges with its edges and cells of given pressure."""
+
+    outflow: float
+    """Flow out of the film, wherever it leaves. [m3/s]"""
+    power: float
+    """Power that the pressures of what flows in and out bring into the film. [W]"""
+
+
+def exchange(grid: FilmGrid, balance: CellBalance, fields: ComplementaritySolution) -> Exchange:
+    """Flow out of the free cells and the power of the given pressures, of the solved part.
+
+    Parameters
+    ----------
+    grid : FilmGrid
+        Grid with its given pressures. [Pa]
+    balance : CellBalance
+        Balance that was solved. [Pa, m3/s]
+    fields : ComplementaritySolution
+        Its solution.
+    """
+    flow_x, flow_y = face_flows(
+        balance, balance, np.maximum(fields.potential, 0.0), fields.saturation
+    )
+    free = np.pad(grid.mark != PRESCRIBED, 1)
+    given = np.pad(grid.prescribed, 1)
+    given[0, 1:-1], given[-1, 1:-1] = grid.west, grid.east
+    given[1:-1, 0], given[1:-1, -1] = grid.south, grid.north
+    if grid.ring:
+        free[0], given[0], flow_x = free[-2], given[-2], flow_x[:-1]
+    outflow, power = 0.0, 0.0
+    for flow, before, after, first, second in (
+        (flow_x, free[:-1, 1:-1], free[1:, 1:-1], given[:-1, 1:-1], given[1:, 1:-1]),
+        (flow_y, free[1:-1, :-1], free[1:-1, 1:], given[1:-1, :-1], given[1:-1, 1:]),
+    ):
+        rows = len(flow)
+        out = np.where(before[:rows], flow, -flow)
+        crossing = before[:rows] != after[:rows]
+        pressure = np.where(before[:rows], second[:rows], first[:rows])
+        outflow += float(np.maximum(out, 0.0)[crossing].sum())
+        power -= float((out * pressure)[crossing].sum())
+    return Exchange(outflow, power)
 
 
 def relative_error(error: float, through: float, balance: CellBalance, potential: Array) -> float:

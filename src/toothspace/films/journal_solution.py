@@ -11,6 +11,7 @@ import numpy as np
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.films.film_fluid import FilmFluid
+from toothspace.films.film_state import exchange
 from toothspace.films.journal_film import JournalMesh, MotionState, journal_gap, journal_load
 from toothspace.films.linearised import pressure_responses
 from toothspace.films.reynolds import FilmGrid, FluidField, GapField
@@ -152,6 +153,19 @@ class JournalBearingSolution:
         return (
             -self.friction_torque * self.speed.shaft - self.bush_friction_torque * self.speed.bush
         )
+
+    @property
+    def outflow(self) -> float:
+        """Flow that carries heat away: out through both ends. [m3/s]."""
+        return self.side_flow
+
+    @property
+    def dissipated_power(self) -> float:
+        """Power that becomes heat: of friction, approach, and supply pressure. [W]."""
+        film = self.film
+        given = film.mesh.weight * exchange(film.grid, film.balance, film.fields).power
+        approach = self.force @ self.motion.speed[:2] + self.moment @ self.motion.speed[2:]
+        return self.power_loss + given - float(approach)
 
     @property
     def max_pressure(self) -> float:

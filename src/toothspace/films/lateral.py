@@ -117,7 +117,7 @@ class LateralFilm:
             speed if it is fixed to the rotating face. [rad/s]
         """
         film = self.discretise(shaft_speed, squeeze_velocity, gap_speed)
-        return LateralSolution(self, shaft_speed, solve_plane(film))
+        return LateralSolution(self, shaft_speed, squeeze_velocity, solve_plane(film))
 
     def discretise(
         self, shaft_speed: float = 0.0, squeeze_velocity: float = 0.0, gap_speed: float = 0.0
@@ -202,6 +202,8 @@ class LateralSolution:
     """What was solved."""
     shaft_speed: float
     """Rotation of the lower face. [rad/s]"""
+    squeeze_velocity: float
+    """Velocity of the upper face away from the lower. [m/s]"""
     plane: PlaneSolution
     """Fields, mass balance, stiffness and damping."""
 
@@ -312,6 +314,18 @@ class LateralSolution:
         b, fields = self.plane.balance, self.plane.fields
         net = residual(b, b, np.maximum(fields.potential, 0.0), fields.saturation)
         return np.where(b.mark == PRESCRIBED, net, 0.0)
+
+    @property
+    def outflow(self) -> float:
+        """Flow out over rims and edges of given cells, where it leaves. [m3/s]."""
+        return self.plane.exchange.outflow
+
+    @property
+    def dissipated_power(self) -> float:
+        """Power that becomes heat: of rotation, approach, and pressures at the edges. [W]."""
+        free = np.where(self.plane.film.grid.mark == PRESCRIBED, 0.0, self.plane.pressure)
+        approach = float(self.plane.load(free)[0]) * self.squeeze_velocity
+        return self.plane.exchange.power - self.friction_torque * self.shaft_speed - approach
 
     @property
     def max_pressure(self) -> float:

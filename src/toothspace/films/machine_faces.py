@@ -8,6 +8,7 @@ from typing import final
 import numpy as np
 
 from toothspace.core.errors import CaseError
+from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.films.face_conductance import edge_marks
 from toothspace.films.film_fluid import FilmFluid
@@ -65,6 +66,21 @@ class FaceFilms:
     """Their axes. [m]"""
     films: tuple[LateralSolution, ...]
     """Films, each about its own axis."""
+
+    @property
+    def status(self) -> Status:
+        """Of the films; the first that is not done."""
+        return min((film.status for film in self.films), key=lambda status: status.succeeded)
+
+    @property
+    def outflow(self) -> float:
+        """Flow out of all films. [m3/s]."""
+        return sum(film.outflow for film in self.films)
+
+    @property
+    def dissipated_power(self) -> float:
+        """Power that becomes heat in all films. [W]."""
+        return sum(film.dissipated_power for film in self.films)
 
     @property
     def load(self) -> Array:

@@ -130,7 +130,7 @@ class Pad:
             Fields and everything derived from them.
         """
         film = self._film(speed, squeeze_velocity)
-        return PadSolution(self, speed, solve_plane(film))
+        return PadSolution(self, speed, squeeze_velocity, solve_plane(film))
 
     def _film(self, speed: float, squeeze_velocity: float) -> PlaneFilm:
         half = self.shape is None
@@ -217,6 +217,8 @@ class PadSolution:
     """What was solved."""
     speed: float
     """Velocity of the wall. [m/s]"""
+    squeeze_velocity: float
+    """Velocity of the pad away from the wall. [m/s]"""
     plane: PlaneSolution
     """Fields on the solved part of the pad."""
 
@@ -330,6 +332,17 @@ class PadSolution:
         b, fields = self.plane.balance, self.plane.fields
         flow_x, flow_y = face_flows(b, b, np.maximum(fields.potential, 0.0), fields.saturation)
         return flow_x, flow_y
+
+    @property
+    def outflow(self) -> float:
+        """Flow out through all edges, where it leaves. [m3/s]."""
+        return self.plane.exchange.outflow
+
+    @property
+    def dissipated_power(self) -> float:
+        """Power that becomes heat: of the sliding wall and of the approaching pad. [W]."""
+        film = self.plane.load(self.plane.pressure - self.pad.ambient_pressure)
+        return self.friction * self.speed - float(film[0]) * self.squeeze_velocity
 
     @property
     def max_pressure(self) -> float:

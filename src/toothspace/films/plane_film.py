@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import NamedTuple, final
 
 import numpy as np
@@ -12,7 +13,7 @@ from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.films.film_fluid import FilmFluid
-from toothspace.films.film_state import FilmProblem, relative_error, solve_state
+from toothspace.films.film_state import Exchange, FilmProblem, exchange, relative_error, solve_state
 from toothspace.films.linearised import pressure_responses
 from toothspace.films.reynolds import FilmGrid, FluidField, GapField
 from toothspace.films.rough_surfaces import SMOOTH, FlowLaw
@@ -113,6 +114,12 @@ class PlaneSolution:
         push = pressure * film.grid.area * film.weight
         moment_x = 0.0 if film.weight > 1.0 else float((push * film.points.y).sum())
         return np.array([float(push.sum()), moment_x, -float((push * film.points.x).sum())])
+
+    @cached_property
+    def exchange(self) -> Exchange:
+        """Flow out of the whole film, and power of the given pressures. [m3/s, W]."""
+        found = exchange(self.film.grid, self.balance, self.fields)
+        return Exchange(self.film.weight * found.outflow, self.film.weight * found.power)
 
     def mass_balance_error(self) -> float:
         """Sum of the residuals of free cells over the through-flow. [-]."""

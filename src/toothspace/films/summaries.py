@@ -65,7 +65,7 @@ def faces_summary(faces: FaceFilms) -> dict[str, Any]:
         ),
         "cavitated_fraction": max(film.cavitated_fraction for film in films),
         "mass_balance_error": worst.mass_balance_error,
-        "status": min(films, key=lambda film: film.status.succeeded).status.name.lower(),
+        "status": faces.status.name.lower(),
     }
 
 
@@ -106,12 +106,14 @@ def ring_summary(film: LateralSolution) -> dict[str, Any]:
     }
 
 
-def heat_summary(heated: HeatedFilm) -> dict[str, Any]:
-    """Temperatures of a film with unit suffixes."""
+def heat_summary(heated: HeatedFilm[Any]) -> dict[str, Any]:
+    """Heat balance of a film with unit suffixes."""
     return {
         "mean_temperature_degC": heated.mean_temperature - _ZERO_CELSIUS,
         "outlet_temperature_degC": heated.outlet_temperature - _ZERO_CELSIUS,
-        "dynamic_viscosity_Pa_s": heated.film.bearing.dynamic_viscosity,
+        "dynamic_viscosity_Pa_s": heated.dynamic_viscosity,
+        "dissipated_power_W": heated.film.dissipated_power,
+        "outflow_L_per_min": heated.film.outflow * _LITRES_PER_MINUTE,
     }
 
 

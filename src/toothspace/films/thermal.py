@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import final
+from typing import Generic, Protocol, TypeVar, final
 
 from scipy.optimize import brentq
 
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
-from toothspace.films.journal_solution import JournalBearingSolution
 
 HIGHEST_RISE = 400.0
 """Largest rise of the mean temperature that is searched. [K]"""
@@ -18,10 +17,29 @@ _FIRST_RISE = 12.5
 """Rise that is tried first, so that no temperature far beyond the answer is asked for. [K]"""
 
 
+class HeatedBody(Protocol):
+    """What a heat balance needs of a solved film: a journal, pad or ring, or faces together."""
+
+    @property
+    def dissipated_power(self) -> float:
+        """Power that becomes heat in the film. [W]."""
+
+    @property
+    def outflow(self) -> float:
+        """Flow that carries it away. [m3/s]."""
+
+    @property
+    def status(self) -> Status:
+        """Whether the film was found."""
+
+
+Film = TypeVar("Film", bound=HeatedBody)
+
+
 @final
 @dataclass(frozen=True, kw_only=True)
 class HeatBalance:
-    r"""How the friction power of a film heats the oil that flows through it.
+    r"""How the power that a film dissipates heats the oil that flows through it.
 
     Parameters
     ----------
@@ -32,14 +50,15 @@ class HeatBalance:
     heat_capacity : float
         Specific heat capacity of the oil. [J/(kg K)]
     oil_share : float
-        Part of the friction power that the oil carries away: 1 adiabatic walls, 0 isothermal
+        Part of the dissipated power that the oil carries away: 1 adiabatic walls, 0 isothermal
         film. [-]
 
     Notes
     -----
-    The side flow leaves at :math:`T_{out} = T_{in} + \lambda P / (\rho c Q)`; the viscosity is
-    that of the mean temperature :math:`(T_{in} + T_{out}) / 2`. Validity: one temperature for
-    the whole film, steady state.
+    The oil leaves at :math:`T_{out} = T_{in} + \lambda P / (\rho c Q)`; the viscosity is that of
+    the mean temperature :math:`(T_{in} + T_{out}) / 2`. P is the work of the moving walls and of
+    the pressures at the edges, so oil that is throttled warms by :math:`\Delta p / (\rho c)`.
+    Validity: one temperature for the whole film, steady state, thermal expansion without work.
 
     References
     ----------
@@ -52,26 +71,28 @@ class HeatBalance:
     heat_capacity: float
     oil_share: float = 1.0
 
-    def outlet_temperature(self, film: JournalBearingSolution) -> float:
+    def outlet_temperature(self, film: HeatedBody) -> float:
         """Temperature of the oil that leaves. [K]."""
         if self.oil_share == 0.0:
             return self.supply_temperature
-        if film.side_flow <= 0.0:
+        if film.outflow <= 0.0:
             raise CaseError(
-                f"bearing: found a side flow of {film.side_flow:.3g} m3/s, allowed for a heat "
-                "balance are bearings that oil flows through"
+                f"heat: found an outflow of {film.outflow:.3g} m3/s, allowed are films that oil "
+                "flows out of (side flow of a bearing)"
             )
-        capacity = self.density * self.heat_capacity * film.side_flow
-        return self.supply_temperature + self.oil_share * film.power_loss / capacity
+        capacity = self.density * self.heat_capacity * film.outflow
+        return self.supply_temperature + self.oil_share * film.dissipated_power / capacity
 
 
 @final
 @dataclass(frozen=True)
-class HeatedFilm:
+class HeatedFilm(Generic[Film]):
     """Film at the viscosity of its own temperature."""
 
-    film: JournalBearingSolution
+    film: Film
     """Film at the mean temperature."""
+    dynamic_viscosity: float
+    """Viscosity at the mean temperature. [Pa s]"""
     mean_temperature: float
     """Temperature that sets the viscosity. [K]"""
     outlet_temperature: float
@@ -81,11 +102,9 @@ class HeatedFilm:
 
 
 def solve_heated(
-    solve: Callable[[float], JournalBearingSolution],
-    viscosity: Callable[[float], float],
-    balance: HeatBalance,
-) -> HeatedFilm:
-    """Find the mean temperature at which friction power and heat flow of the oil agree.
+    solve: Callable[[float], Film], viscosity: Callable[[float], float], balance: HeatBalance
+) -> HeatedFilm[Film]:
+    """Find the mean temperature at which dissipated power and heat flow of the oil agree.
 
     Parameters
     ----------
@@ -132,4 +151,5 @@ def solve_heated(
             rise *= 2.0
         mean = float(brentq(mismatch, first, first + rise, xtol=1e-6, rtol=1e-12))
     film = solve(viscosity(mean))
-    return HeatedFilm(film, mean, balance.outlet_temperature(film), film.status)
+    outlet = balance.outlet_temperature(film)
+    return HeatedFilm(film, viscosity(mean), mean, outlet, film.status)
