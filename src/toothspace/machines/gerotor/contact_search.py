@@ -13,7 +13,8 @@ from typing import final
 import numpy as np
 
 from toothspace.core.types import Array, BoolArray, IntArray
-from toothspace.machines.gerotor.contour import Contour
+from toothspace.machines.gerotor.contour import Contour, contour
+from toothspace.machines.gerotor.profiles import Rotors
 
 _OUTER_SAMPLES = 260
 _BISECTIONS = 26
@@ -102,6 +103,16 @@ class Branch:
     closed: bool
 
 
+def placed_rotors(rotors: Rotors) -> PlacedRotors:
+    """Rotors of a case for the search."""
+    return PlacedRotors(
+        contour(rotors.inner),
+        contour(rotors.outer),
+        rotors.eccentricity,
+        rotors.inner_tooth_count,
+    )
+
+
 def turned(points: Array, angle: Array) -> Array:
     """Points turned by angles, broadcast. [m]."""
     c, s = np.cos(angle), np.sin(angle)
@@ -154,13 +165,28 @@ def closest_places(rotors: PlacedRotors, nodes: int, reach: float) -> Closest:
     _, gap[near] = distance_to_inner(rotors, grid_angle[near], place[near])
     least = (gap <= np.roll(gap, 1, axis=1)) & (gap < np.roll(gap, -1, axis=1)) & (gap < reach)
     node, column = np.nonzero(least)
-    outer = _refined(rotors, angle[node], np.asarray(column * step), step)
+    outer = nearest_place(rotors, angle[node], np.asarray(column * step), step)
     inner, gap = distance_to_inner(rotors, angle[node], outer)
     return Closest(node.astype(np.int64), outer, inner, gap)
 
 
-def _refined(rotors: PlacedRotors, angle: Array, place: Array, step: float) -> Array:
-    """Least distance within one step on either side, by halving on the slope's sign."""
+def nearest_place(rotors: PlacedRotors, angle: Array, place: Array, step: float) -> Array:
+    """Place on the outer outline where the distance is least.
+
+    Parameters
+    ----------
+    rotors : PlacedRotors
+        Rotors.
+    angle, place : ndarray
+        Angles of the outer rotor [rad] and arc lengths on its outline to begin with. [m]
+    step : float
+        The least distance is looked for within one step on either side. [m]
+
+    Returns
+    -------
+    ndarray
+        Arc lengths on the outer outline, found by halving on the sign of the slope. [m]
+    """
     low, high = place - step, place + step
     for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)

@@ -10,9 +10,8 @@ from scipy.ndimage import minimum_filter1d
 
 from toothspace.core.types import Array
 from toothspace.machines.gerotor.bodies import BODIES, motions, reduced_modulus, solid
-from toothspace.machines.gerotor.contact_search import PlacedRotors
+from toothspace.machines.gerotor.contact_search import placed_rotors
 from toothspace.machines.gerotor.contact_table import APART, LobeContact, fading, lobe_contacts
-from toothspace.machines.gerotor.contour import contour
 from toothspace.machines.gerotor.parameters import ContactParameters, GerotorParameters
 from toothspace.machines.gerotor.profiles import Rotors
 from toothspace.model.contact_pair import ContactPair
@@ -58,16 +57,6 @@ class LobeMechanics:
     roughness: float
     settings: ContactParameters
     driving: float = 1.0
-
-
-def placed_rotors(rotors: Rotors) -> PlacedRotors:
-    """Rotors of a case for the search of contacts."""
-    return PlacedRotors(
-        contour(rotors.inner),
-        contour(rotors.outer),
-        rotors.eccentricity,
-        rotors.inner_tooth_count,
-    )
 
 
 def rotor_contacts(parameters: GerotorParameters, rotors: Rotors) -> tuple[ContactPair, ...]:

@@ -13,11 +13,12 @@ from typing import final
 
 import numpy as np
 import shapely
+from scipy.interpolate import CubicSpline
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
 from toothspace.geometry.cad_import import load_closed_curves
-from toothspace.geometry.curve import counter_clockwise, without_repeats
+from toothspace.geometry.curve import arc_lengths, counter_clockwise, without_repeats
 from toothspace.machines.gerotor.cycloid import cycloid
 from toothspace.machines.gerotor.parameters import RotorParameters
 from toothspace.machines.gerotor.trochoid import Trochoid, inner_outline, outer_outline
@@ -26,6 +27,7 @@ POINTS_PER_TOOTH = 480
 
 _FILE_UNITS = {"mm": 1e-3, "m": 1.0, "um": 1e-6, "in": 25.4e-3}
 _LEAST_EDGE = 1e-9
+_POINTS_FOR_PHASE = 2000
 
 
 @final
@@ -190,6 +192,15 @@ def _center(curve: Array) -> Array:
     return np.array([center.x, center.y])
 
 
+def _even_points(curve: Array, count: int) -> Array:
+    """Points at equal steps of a smooth curve, so that those of a file need not be even."""
+    distinct = without_repeats(curve, _LEAST_EDGE)
+    closed = np.vstack([distinct, distinct[:1]])
+    along = arc_lengths(closed)
+    spline = CubicSpline(along, closed, bc_type="periodic")
+    return np.asarray(spline(along[-1] * np.arange(count) / count), dtype=float)
+
+
 def turned_to_axis(curve: Array, tooth_count: int, name: str) -> Array:
     """Move a rotor outline to its centre and turn its farthest points to the negative y axis.
 
@@ -212,12 +223,13 @@ def turned_to_axis(curve: Array, tooth_count: int, name: str) -> Array:
     GeometryError
         If the outline has another number of teeth.
     """
-    points = curve - _center(curve)
-    radius, angle = np.hypot(*points.T), np.arctan2(points[:, 1], points[:, 0])
-    weight = np.hypot(*(np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)).T)
-    weight = weight * (radius - np.average(radius, weights=weight))
+    even = _even_points(curve, _POINTS_FOR_PHASE * tooth_count)
+    center = _center(even)
+    points, even = curve - center, even - center
+    radius, angle = np.hypot(*even.T), np.arctan2(even[:, 1], even[:, 0])
     orders = np.arange(2, 2 * tooth_count + 2)
-    waves = np.array([np.sum(weight * np.exp(-1j * k * angle)) for k in orders])
+    height = radius - float(np.mean(radius))
+    waves = np.array([np.sum(height * np.exp(-1j * k * angle)) for k in orders])
     found = int(orders[np.argmax(np.abs(waves))])
     if found != tooth_count:
         raise GeometryError(f"{name}: found {found} teeth, allowed {tooth_count}")
