@@ -185,6 +185,8 @@ MUTATIONS = [
     Bad("operating_point.outlet_pressure", "5e-3 bar", allowed="vapour pressure"),
     Bad("operating_point.outlet_pressure", "300 bar", key="operating_point.inlet_pressure",
         allowed="at least the outlet pressure of the motor"),
+    Bad("operating_point.outlet_load", "orifice", key="operating_point.outlet_pressure",
+        allowed="at least 1.05 bar with outlet_load 'orifice'"),
     Bad("machine.casing.wear_in.temperature", "200 degC", allowed="-40 to 120 degC"),
     # geometry
     Bad(f"{G}.profile_shift", -0.9, key=f"{G}.tip_diameter", allowed="pointed"),

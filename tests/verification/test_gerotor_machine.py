@@ -12,6 +12,7 @@ import pytest
 import toothspace as ts
 from tests.gerotor_designs import CYCLOIDAL, TROCHOIDAL, machine
 from toothspace.core.registry import machine_type, machine_type_names
+from toothspace.core.status import Status
 from toothspace.machines.gerotor.describe import describe
 from toothspace.machines.gerotor.parameters import ShaftBearingParameters
 from toothspace.model.description import MachineDescription
@@ -141,3 +142,13 @@ def test_balances_close(name):
     assert solution.status in (ts.Status.DONE, ts.Status.NOT_CYCLIC)
     assert solution.ledger.mass_balance_error < 1e-7
     assert solution.ledger.energy_balance_error < 2e-5
+
+
+def test_a_run_that_fails_before_its_second_sample_keeps_the_first():
+    """A hundred steps do not last for a thirty-sixth of a revolution."""
+    limits = ("run.max_steps=100", "run.samples_per_revolution=36")
+    solution = _solved("gerotor_cycloidal", *limits)
+    assert solution.status is Status.MAX_STEPS
+    assert solution.data.sizes["shaft_angle"] == 1
+    assert np.isnan(solution.data["outlet_flow_rate"]).all()
+    assert solution.summary()["status"] == "max_steps"

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
-from toothspace.case import Case
+from toothspace.case import Case, OperatingPoint
 from toothspace.case.stand_alone import LateralFilmCase
 from toothspace.config.reader import Reader, pressure_text
 from toothspace.core.errors import CaseError
+from toothspace.model.operating_point import OperatingCondition
+
+LEAST_LOAD = 5e3
+"""Smallest mean pressure drop that a load orifice can be sized for. [Pa]."""
 
 CONDITIONS = ("operating_point", "circuit", "bearing", "film")
 
@@ -28,6 +32,7 @@ def check_together(case: Case, reader: Reader) -> None:
         _check_fluid(case, reader)
     if case.operating_point is not None:
         _check_pressure_order(case, reader)
+        _check_load(case.operating_point, reader)
 
 
 def _check_condition(case: Case, reader: Reader) -> None:
@@ -112,3 +117,12 @@ def _check_pressure_order(case: Case, reader: Reader) -> None:
     if mode == "motor" and inlet < outlet:
         allowed = f"at least the outlet pressure of the motor, {pressure_text(outlet)}"
         reader.fail("operating_point.inlet_pressure", pressure_text(inlet), allowed)
+
+
+def _check_load(point: OperatingPoint, reader: Reader) -> None:
+    least = OperatingCondition.load_pressure + LEAST_LOAD
+    if point.outlet_load == "orifice" and point.outlet_pressure < least:
+        allowed = f"at least {pressure_text(least)} with outlet_load 'orifice', behind which is air"
+        reader.fail(
+            "operating_point.outlet_pressure", pressure_text(point.outlet_pressure), allowed
+        )

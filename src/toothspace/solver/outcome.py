@@ -231,8 +231,11 @@ def _port_values(history: History, seen: Observation) -> dict[str, Array]:
 def _rate(mass: Array, history: History) -> Array:
     """Mean flow about each sample, from the integrated mass.
 
-    Wide ports turn pressure errors within tolerance into noise of the momentary flow.
+    Wide ports turn pressure errors within tolerance into noise of the momentary flow. A run that
+    failed in its first interval has none.
     """
+    if history.times.size < 2:
+        return np.full(mass.shape, np.nan)
     return np.gradient(mass, history.times)
 
 
