@@ -89,7 +89,7 @@ def _rate(i):
 
 
 @njit(_nrt=True)  # allocates, which callbacks otherwise must not
-def jacobian(t, y, params, jac):
+def jacobian(t, y, params, jac, basis):
     """Differences of the right-hand side by central steps, exact for quadratics."""
     n_total, n_core = jac.shape
     trial, low, high = y.copy(), np.zeros(n_total), np.zeros(n_total)

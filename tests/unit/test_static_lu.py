@@ -11,6 +11,7 @@ from toothspace.numerics.static_lu import (
     factorise,
     ledger_product,
     solve,
+    states_of,
 )
 
 
@@ -27,7 +28,7 @@ def _solution(pattern, jacobian, gamma, right):
     program = analyse(pattern)
     n = pattern.shape[1]
     values, pivots = np.zeros(n * n), np.zeros(n, dtype=np.int64)
-    kind = factorise(program, jacobian, gamma, values, pivots)
+    kind = factorise(program, jacobian, np.eye(n), gamma, values, pivots)
     x = right.copy()
     if kind != SINGULAR:
         solve(program, values, pivots, kind, x, np.zeros(n))
@@ -107,3 +108,32 @@ def test_ledger_rows_are_multiplied_by_their_pattern():
 def test_pattern_with_too_few_rows_is_refused():
     with pytest.raises(ValueError, match="3 rows and 4 columns"):
         analyse(np.ones((3, 4), dtype=bool))
+
+
+def test_unknowns_in_another_basis_are_solved_as_numpy_does():
+    rng = np.random.default_rng(3)
+    n = 14
+    pattern = np.eye(n, k=1, dtype=bool) | np.eye(n, k=-2, dtype=bool)
+    off = np.triu(rng.random((n, n)) < 0.1, 1)
+    jacobian = np.where(pattern, rng.normal(size=(n, n)), 0.0)
+    basis = np.eye(n) + np.where(off, rng.normal(size=(n, n)), 0.0)
+    program = analyse(pattern, off)
+    values, pivots, x = np.zeros(n * n), np.zeros(n, dtype=np.int64), rng.normal(size=n)
+    right, states = x.copy(), np.zeros(n)
+    kind = factorise(program, jacobian, basis, 0.1, values, pivots)
+    assert kind == SPARSE_FACTORS
+    solve(program, values, pivots, kind, x, np.zeros(n))
+    expected = np.linalg.solve(basis - 0.1 * jacobian, right)
+    np.testing.assert_allclose(x, expected, rtol=1e-11, atol=1e-13)
+    states_of(program, basis, x, states)
+    np.testing.assert_allclose(states, basis @ expected, rtol=1e-11, atol=1e-13)
+
+
+def test_rows_and_columns_of_different_patterns_fill_only_what_they_touch():
+    # An arrow whose point is eliminated first would fill all; one-sided it fills nothing.
+    n = 20
+    pattern = np.eye(n, dtype=bool)
+    pattern[:, 0] = True
+    program = analyse(pattern)
+    assert program.packed_size[0] == 2 * n - 1
+    assert program.run_length.sum() == 0

@@ -102,7 +102,9 @@ class System:
     arrays : SystemArrays
         What compiled code reads and writes.
     pattern : ndarray of bool, shape (total, core)
-        Where the Jacobian may be nonzero.
+        Where the derivatives by the unknowns of the iteration may be nonzero.
+    basis : ndarray of bool, shape (core, core)
+        Where the core states may depend on the unknowns.
     free_motions : tuple of int
         Positions of the free micro-motions in ``description.motions``.
     motion_map : ndarray, shape (motions, free)
@@ -113,6 +115,7 @@ class System:
     condition: OperatingCondition
     arrays: SystemArrays
     pattern: BoolArray
+    basis: BoolArray
     free_motions: tuple[int, ...]
     motion_map: Array
 
@@ -171,9 +174,9 @@ def assemble(
         **_work(sizes),
     )
     arrays.contact[:, CONTACT_STATE:] = contacts.data
-    pattern = _pattern(arrays)
+    pattern, basis = _pattern(arrays), _basis(arrays)
     _join_circuit(arrays, pattern)
-    return System(description, condition, arrays, pattern, tuple(free), motion_map)
+    return System(description, condition, arrays, pattern, basis, tuple(free), motion_map)
 
 
 def _free_motions(description: MachineDescription, condition: OperatingCondition) -> list[int]:
@@ -381,24 +384,49 @@ def _work(sizes: Sizes) -> dict[str, Any]:
 
 
 def _pattern(arrays: SystemArrays) -> BoolArray:
-    """Where the Jacobian may fill: each path joins its nodes, motions join all."""
+    """Where derivatives by the unknowns may be: each path joins its nodes, a gap the motions."""
     size = arrays.size
     pattern = np.zeros((size.total, size.core), dtype=bool)
     np.fill_diagonal(pattern, True)
     pattern[0, 1] = True
     columns = [_columns(arrays, node) for node in range(size.nodes)]
     rows = [_rows(arrays, node) for node in range(size.nodes)]
-    motions = list(range(size.position, size.column))
-    for index in arrays.path_index:
+    for j, index in enumerate(arrays.path_index):
         a = int(index[NODE_A])
+        moved = _moved(arrays, int(arrays.paths.table[j]), HEIGHT_BY_MOTION)
         for b in _partners(index):
-            joined_columns = [*columns[a], *columns[b], *motions[: size.motions]]
-            pattern[np.ix_([*rows[a], *rows[b]], joined_columns)] = True
-    chamber_columns = [c for node in range(size.chambers) for c in columns[node]]
+            pattern[np.ix_([*rows[a], *rows[b]], [*columns[a], *columns[b], *moved])] = True
+    for d in range(size.dynamic):
+        pattern[size.gas + d, size.mass + d] = True
     for k in range(size.motions):
         pattern[size.position + k, size.velocity + k] = True
-        pattern[size.velocity + k, [*chamber_columns, *motions]] = True
+        pattern[size.velocity + k, size.position : size.column] = True
+    for i in range(size.chambers):
+        moved = _moved(arrays, int(arrays.chambers.table[i]), CHANNEL_MOTION)
+        velocities = [column + size.velocity - size.position for column in moved]
+        pattern[np.ix_(velocities, columns[i])] = True
     return pattern
+
+
+def _basis(arrays: SystemArrays) -> BoolArray:
+    """Where states depend on the unknowns: masses on gas and on motions that change a volume."""
+    size = arrays.size
+    basis = np.eye(size.core, dtype=bool)
+    for d in range(size.dynamic):
+        basis[size.mass + d, size.gas + d] = True
+    for i in range(size.chambers):
+        moved = _moved(arrays, int(arrays.chambers.table[i]), CHANNEL_MOTION)
+        basis[size.mass + arrays.dynamic_index[i], moved] = True
+    return basis
+
+
+def _moved(arrays: SystemArrays, table: int, first: int) -> list[int]:
+    """Positions that a table's channels from the first one on depend on."""
+    offset, nodes, channels = arrays.bank.layout[table]
+    block = arrays.bank.coefficients[offset : offset + 4 * nodes * channels]
+    used = np.any(block.reshape(-1, channels) != 0.0, axis=0)
+    motions = range(min(arrays.size.motions, channels - first))
+    return [arrays.size.position + k for k in motions if used[first + k]]
 
 
 def _join_circuit(arrays: SystemArrays, pattern: BoolArray) -> None:
@@ -419,7 +447,7 @@ def _join_circuit(arrays: SystemArrays, pattern: BoolArray) -> None:
 
 def _columns(arrays: SystemArrays, node: int) -> list[int]:
     d = int(arrays.dynamic_index[node])
-    return [arrays.size.mass + d, arrays.size.gas + d] if d >= 0 else []
+    return [arrays.size.mass + d] if d >= 0 else []
 
 
 def _rows(arrays: SystemArrays, node: int) -> list[int]:

@@ -31,7 +31,6 @@ from toothspace.model.arrays import (
     PARAMETER_3,
     PARAMETER_4,
     PRESSURE,
-    PRESSURE_BY_GAS,
     PRESSURE_BY_MASS,
     SystemArrays,
 )
@@ -134,7 +133,6 @@ def add_column(s: SystemArrays, state: Array, j: int, matrix: Array) -> None:
         d = s.dynamic_index[i]
         if d >= 0:
             matrix[place, size.mass + d] += sign * s.node[i, PRESSURE_BY_MASS] / inertance
-            matrix[place, size.gas + d] += sign * s.node[i, PRESSURE_BY_GAS] / inertance
     add_carried(s, j, place, matrix)
 
 

@@ -1,4 +1,17 @@
-"""Jacobian of the right-hand side, assembled from the derivatives of each element."""
+r"""Jacobian of the right-hand side, assembled from the derivatives of each element.
+
+Flows and forces depend on the mass in a node only through its pressure. The unknowns z of the
+iteration are therefore each node's change of pressure, times the slope of mass over pressure, its
+gas mass, and the motions; masses follow from them,
+
+.. math::
+
+    \delta m = z + \left.\frac{\partial m}{\partial m_g}\right|_p \delta m_g
+               + \sum_k \left.\frac{\partial m}{\partial q_k}\right|_p \delta q_k .
+
+Derivatives by z are those by the mass; those by gas and motions hold at constant pressure and are
+mostly zero, so that few entries are filled and factorised.
+"""
 
 from __future__ import annotations
 
@@ -46,31 +59,93 @@ from toothspace.model.system import evaluate
 
 @kernel
 def jacobian(t: float, state: Array, s: SystemArrays, matrix: Array) -> None:
-    """Derivatives of all rates with respect to the core states, see :func:`fill_jacobian`."""
+    """Derivatives of all rates with respect to the core states; energy rows are left out."""
     evaluate(s, state)
-    fill_jacobian(t, state, s, matrix)
+    fill_rates(t, state, s, matrix)
+    add_pressure_changes(s, matrix)
+    add_composition(s, state, matrix)
 
 
 @kernel
-def fill_jacobian(t: float, state: Array, s: SystemArrays, matrix: Array) -> None:
-    """Derivatives of all rates at the state last evaluated; energy rows are left out.
+def fill_jacobian(t: float, state: Array, s: SystemArrays, matrix: Array, basis: Array) -> None:
+    """Derivatives of all rates by the unknowns at the state last evaluated, and their basis.
 
-    The rows of port masses and port gas stand in full, so that mass balances close to round-off.
-    Angle and speed of a free shaft are left to the iteration: its inertia makes their feedback
-    within a step weak.
+    Left out are energy rows and :func:`add_composition`, which is slow against a step. The rows of
+    port masses and port gas stand, so that mass balances close to round-off. Angle and speed of
+    a free shaft are left to the iteration: its inertia makes their feedback within a step weak.
     """
+    fill_basis(s, basis)
+    fill_rates(t, state, s, matrix)
+
+
+@kernel
+def fill_rates(t: float, state: Array, s: SystemArrays, matrix: Array) -> None:
+    """Derivatives of all rates by the unknowns."""
     matrix[:, :] = 0.0
     matrix[0, 1] = 1.0
     for entry in range(s.paths.open[-1]):
         j = s.paths.open[entry]
         if s.path[j, FLOW] != 0.0:
-            add_path(s, state, j, matrix)
+            add_path(s, j, matrix)
     add_gas_exchange(s, state, matrix)
     add_pressure_forces(s, matrix)
     add_films(s, matrix)
     add_contacts(s, state, matrix)
     add_elements(s, state, t, matrix)
     add_coupling(s, state, matrix)
+
+
+@kernel
+def fill_basis(s: SystemArrays, basis: Array) -> None:
+    """Change of mass at constant pressure with the gas mass of a node and with the motions."""
+    node, values, size = s.node, s.chamber_values, s.size
+    for i in range(size.nodes):
+        d = s.dynamic_index[i]
+        if d < 0:
+            continue
+        stiffness = -1.0 / node[i, PRESSURE_BY_MASS]
+        basis[size.mass + d, size.gas + d] = node[i, PRESSURE_BY_GAS] * stiffness
+        if i < size.chambers:
+            by_volume = node[i, PRESSURE_BY_VOLUME] * stiffness
+            for k in range(size.motions):
+                basis[size.mass + d, size.position + k] = by_volume * values[i, CHANNEL_MOTION + k]
+
+
+@kernel
+def add_pressure_changes(s: SystemArrays, matrix: Array) -> None:
+    """Turn derivatives at constant pressure into those at constant mass."""
+    node, values, size = s.node, s.chamber_values, s.size
+    for row in range(matrix.shape[0]):
+        for i in range(size.nodes):
+            d = s.dynamic_index[i]
+            if d < 0 or matrix[row, size.mass + d] == 0.0:
+                continue
+            by_pressure = matrix[row, size.mass + d] / node[i, PRESSURE_BY_MASS]
+            matrix[row, size.gas + d] += by_pressure * node[i, PRESSURE_BY_GAS]
+            if i < size.chambers:
+                by_volume = by_pressure * node[i, PRESSURE_BY_VOLUME]
+                for k in range(size.motions):
+                    matrix[row, size.position + k] += by_volume * values[i, CHANNEL_MOTION + k]
+
+
+@kernel
+def add_composition(s: SystemArrays, state: Array, matrix: Array) -> None:
+    """Derivatives through density and gas content at constant pressure, by mass and gas mass."""
+    size = s.size
+    for entry in range(s.paths.open[-1]):
+        j = s.paths.open[entry]
+        flow = s.path[j, FLOW]
+        source = s.path_index[j, NODE_A] if flow > 0.0 else s.path_index[j, PRESENT_B]
+        d = s.dynamic_index[source]
+        if d >= 0 and flow != 0.0:
+            carried = flow / state[size.mass + d]
+            add_flow_change(s, j, size.mass + d, carried, 0.0, matrix)
+            add_flow_change(s, j, size.gas + d, 0.0, carried, matrix)
+    for i in range(size.nodes):
+        d = s.dynamic_index[i]
+        if d >= 0:
+            by_mass = s.node[i, EXCHANGE_RATE] - s.node[i, EXCHANGE_BY_GAS] * s.node[i, GAS]
+            matrix[size.gas + d, size.mass + d] += by_mass
 
 
 @kernel
@@ -100,8 +175,8 @@ def add_flow_change(
 
 
 @kernel
-def add_path(s: SystemArrays, state: Array, j: int, matrix: Array) -> None:
-    """Derivatives of one path's flow through pressures, upstream state and gap height."""
+def add_path(s: SystemArrays, j: int, matrix: Array) -> None:
+    """Derivatives of one path's flow through pressures and gap height."""
     node, size = s.node, s.size
     a, b = s.path_index[j, NODE_A], s.path_index[j, PRESENT_B]
     flow = s.path[j, FLOW]
@@ -114,53 +189,35 @@ def add_path(s: SystemArrays, state: Array, j: int, matrix: Array) -> None:
             continue
         change = sign * slope * node[i, PRESSURE_BY_MASS]
         add_flow_change(s, j, size.mass + d, change, gas * change, matrix)
-        change = sign * slope * node[i, PRESSURE_BY_GAS]
-        add_flow_change(s, j, size.gas + d, change, gas * change, matrix)
-    d = s.dynamic_index[source]
-    if d >= 0:
-        carried = flow / state[size.mass + d]
-        add_flow_change(s, j, size.mass + d, carried, 0.0, matrix)
-        add_flow_change(s, j, size.gas + d, 0.0, carried, matrix)
-    add_path_motions(s, j, gas, slope, matrix)
+    add_path_motions(s, j, gas, matrix)
 
 
 @kernel
-def add_path_motions(s: SystemArrays, j: int, gas: float, slope: float, matrix: Array) -> None:
-    """Derivatives of one path's flow with respect to the micro-motions."""
-    node, values, size = s.node, s.chamber_values, s.size
+def add_path_motions(s: SystemArrays, j: int, gas: float, matrix: Array) -> None:
+    """Derivatives of one path's flow with respect to the micro-motions at constant pressures."""
+    by_height = s.path[j, FLOW_BY_HEIGHT]
+    if by_height == 0.0:
+        return
     a, b = s.path_index[j, NODE_A], s.path_index[j, PRESENT_B]
-    source = a if s.path[j, FLOW] > 0.0 else b
-    by_height = node[source, DENSITY] * s.path[j, FLOW_BY_HEIGHT]
-    for k in range(size.motions):
-        change = 0.0
-        if by_height != 0.0:
-            change += by_height * s.path_values[j, HEIGHT_BY_MOTION + k]
-        if a < size.chambers:
-            change += slope * node[a, PRESSURE_BY_VOLUME] * values[a, CHANNEL_MOTION + k]
-        if b < size.chambers:
-            change -= slope * node[b, PRESSURE_BY_VOLUME] * values[b, CHANNEL_MOTION + k]
+    by_height *= s.node[a if s.path[j, FLOW] > 0.0 else b, DENSITY]
+    for k in range(s.size.motions):
+        change = by_height * s.path_values[j, HEIGHT_BY_MOTION + k]
         if change != 0.0:
-            add_flow_change(s, j, size.position + k, change, gas * change, matrix)
+            add_flow_change(s, j, s.size.position + k, change, gas * change, matrix)
 
 
 @kernel
 def add_gas_exchange(s: SystemArrays, state: Array, matrix: Array) -> None:
     """Derivatives of gas release and absorption in all dynamic nodes."""
-    node, values, size = s.node, s.chamber_values, s.size
+    node, size = s.node, s.size
     for i in range(size.nodes):
         d = s.dynamic_index[i]
         if d < 0:
             continue
-        row, mass = size.gas + d, state[size.mass + d]
-        by_pressure = mass * node[i, EXCHANGE_BY_PRESSURE]
-        by_gas = node[i, EXCHANGE_BY_GAS]
-        matrix[row, size.mass + d] += node[i, EXCHANGE_RATE] - by_gas * node[i, GAS]
+        row = size.gas + d
+        by_pressure = state[size.mass + d] * node[i, EXCHANGE_BY_PRESSURE]
         matrix[row, size.mass + d] += by_pressure * node[i, PRESSURE_BY_MASS]
-        matrix[row, size.gas + d] += by_gas + by_pressure * node[i, PRESSURE_BY_GAS]
-        if i < size.chambers:
-            by_volume = by_pressure * node[i, PRESSURE_BY_VOLUME]
-            for k in range(size.motions):
-                matrix[row, size.position + k] += by_volume * values[i, CHANNEL_MOTION + k]
+        matrix[row, size.gas + d] += node[i, EXCHANGE_BY_GAS]
 
 
 @kernel
@@ -170,13 +227,8 @@ def add_pressure_forces(s: SystemArrays, matrix: Array) -> None:
     for i in range(size.chambers):
         d = s.dynamic_index[i]
         for k in range(size.motions):
-            row = size.velocity + k
             area = values[i, CHANNEL_MOTION + k] / s.motion[k, MOTION_MASS]
-            matrix[row, size.mass + d] += area * node[i, PRESSURE_BY_MASS]
-            matrix[row, size.gas + d] += area * node[i, PRESSURE_BY_GAS]
-            for m in range(size.motions):
-                by_motion = node[i, PRESSURE_BY_VOLUME] * values[i, CHANNEL_MOTION + m]
-                matrix[row, size.position + m] += area * by_motion
+            matrix[size.velocity + k, size.mass + d] += area * node[i, PRESSURE_BY_MASS]
 
 
 @kernel
@@ -231,12 +283,8 @@ def add_elements(s: SystemArrays, state: Array, t: float, matrix: Array) -> None
             d = s.dynamic_index[i]
             if d < 0:
                 continue
-            for column, by_state in (
-                (size.mass + d, node[i, PRESSURE_BY_MASS]),
-                (size.gas + d, node[i, PRESSURE_BY_GAS]),
-            ):
-                change = slope * by_state
-                matrix[mass_row(s, a), column] -= change
-                matrix[mass_row(s, b), column] += change
-                matrix[gas_row(s, a), column] -= gas * change
-                matrix[gas_row(s, b), column] += gas * change
+            change = slope * node[i, PRESSURE_BY_MASS]
+            matrix[mass_row(s, a), size.mass + d] -= change
+            matrix[mass_row(s, b), size.mass + d] += change
+            matrix[gas_row(s, a), size.mass + d] -= gas * change
+            matrix[gas_row(s, b), size.mass + d] += gas * change

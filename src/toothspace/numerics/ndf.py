@@ -18,7 +18,7 @@ How to use it::
     @njit
     def finish(t, y, params, dydt, w, g): ...       # once a step: ledger, weights, events
     @njit
-    def jacobian(t, y, params, jac): ...            # zeroes, fills (n_total, n_core)
+    def jacobian(t, y, params, jac, basis): ...     # zeroes, fills (n_total, n_core)
     @njit
     def weights(t, y, params, w): ...               # absolute error allowed, w[:n_core]
     @njit
@@ -80,7 +80,7 @@ from toothspace.numerics.ndf_types import (
     NdfState,
     kernel,
 )
-from toothspace.numerics.static_lu import LuProgram
+from toothspace.numerics.static_lu import LuProgram, factorise, solve
 
 _NOTHING = 0
 _EVENT_BITS = 60
@@ -128,7 +128,21 @@ def _reset(state: NdfState, t0: float, y0: Array) -> None:
 
 
 @kernel
-def _first_step(settings: NdfSettings, state: NdfState, part: int) -> None:
+def _turn(program: LuProgram, state: NdfState) -> None:
+    """Second derivative of the core states by the present derivative, J f."""
+    slope, unknown, scratch, turned = state.work[4], state.work[2], state.work[5], state.delta
+    n = turned.size
+    copy(slope, unknown)
+    kind = factorise(program, state.jacobian, state.basis, 0.0, state.factors, state.pivots)
+    solve(program, state.factors, state.pivots, kind, unknown[:n], scratch)
+    for i in range(n):
+        turned[i] = 0.0
+        for j in range(n):
+            turned[i] += state.jacobian[i, j] * unknown[j]
+
+
+@kernel
+def _first_step(program: LuProgram, settings: NdfSettings, state: NdfState, part: int) -> None:
     """Choose a step whose first-order error h^2 |y''| / 2 is half of the tolerance.
 
     Part 0 takes y'' = J f from the derivative at the start, part 1 adds the derivative
@@ -139,11 +153,9 @@ def _first_step(settings: NdfSettings, state: NdfState, part: int) -> None:
     inverse = state.differences[2, : second.size]
     if part == 0:
         copy(slope, first)
+        _turn(program, state)
         for i in range(second.size):
             inverse[i] = 1.0 / state.weights[i]
-            second[i] = 0.0
-            for j in range(second.size):
-                second[i] += state.jacobian[i, j] * slope[j]
         bend = error_norm(second, inverse, settings.max_norm_share)
         speed = error_norm(slope[: second.size], inverse, settings.max_norm_share)
         scale = max(np.sqrt(bend), 1e-3 * speed)
@@ -227,7 +239,7 @@ def _bind_initial_state(begin: Compiled) -> Compiled:
         control = state.control[0]
         control.steps = control.rejected = control.rhs_calls = control.jacobian_calls = 0
         control.factorisations = control.newton_failures = 0
-        begin(params, settings, state, t0, y0)
+        begin(params, program, settings, state, t0, y0)
 
     return initial_state
 
@@ -257,12 +269,12 @@ def _bind_advance(callbacks: NdfCallbacks, begin: Compiled) -> Compiled:
             if code != GO_ON:
                 return code
             if control.pending == RESTART_AT_EVENT:
-                begin(params, settings, state, control.valid_until, state.y)
+                begin(params, program, settings, state, control.valid_until, state.y)
             code = start_step(settings, state)
             while code == GO_ON:
                 rhs(control.new_time, trial, params, slope)
                 if control.jacobian_wanted == 1:
-                    jacobian(control.new_time, trial, params, state.jacobian)
+                    jacobian(control.new_time, trial, params, state.jacobian, state.basis)
                     note_jacobian(state)
                 code = use_evaluation(program, settings, state)
             if code != PASSED:
@@ -283,6 +295,7 @@ def _bind_begin(callbacks: NdfCallbacks) -> Compiled:
     @kernel
     def begin(
         params: Any,
+        program: LuProgram,
         settings: NdfSettings,
         state: NdfState,
         t0: float,
@@ -293,11 +306,11 @@ def _bind_begin(callbacks: NdfCallbacks) -> Compiled:
         start, slope = state.differences[0], state.work[4]
         weights(t0, start, params, state.weights)
         rhs(t0, start, params, slope)
-        jacobian(t0, start, params, state.jacobian)
+        jacobian(t0, start, params, state.jacobian, state.basis)
         note_jacobian(state)
-        _first_step(settings, state, 0)
+        _first_step(program, settings, state, 0)
         rhs(t0 + control.step, start, params, slope)
-        _first_step(settings, state, 1)
+        _first_step(program, settings, state, 1)
         control.rhs_calls += 2
         if settings.event_actions.size > 0:
             event_values(t0, start, params, state.events[0])

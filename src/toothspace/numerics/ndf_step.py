@@ -29,7 +29,15 @@ from toothspace.numerics.ndf_types import (
     NdfState,
     kernel,
 )
-from toothspace.numerics.static_lu import SINGULAR, LuProgram, factorise, ledger_product, solve
+from toothspace.numerics.static_lu import (
+    SINGULAR,
+    LuProgram,
+    factorise,
+    ledger_product,
+    solve,
+    states_of,
+    summing_kernel,
+)
 
 HARMONIC = (0.0, 1.0, 3.0 / 2.0, 11.0 / 6.0, 25.0 / 12.0, 137.0 / 60.0)
 """Sums of 1/m up to the order: gamma_k of [1]_."""
@@ -77,17 +85,21 @@ LEAST_CUT = 0.9
 MOST_GROWTH = 8.0
 
 
-@kernel
+@summing_kernel
 def error_norm(vector: Array, inverse_weights: Array, max_share: float) -> float:
     """Return the blend of root mean square and maximum of vector over weights, [-]."""
     squares = 0.0
-    largest = 0.0
     n = inverse_weights.size
     for i in range(n):
         value = vector[i] * inverse_weights[i]
         squares += value * value
-        largest = max(largest, abs(value))
-    return (1.0 - max_share) * np.sqrt(squares / n) + max_share * largest
+    typical = np.sqrt(squares / n)
+    if max_share == 0.0:
+        return typical
+    largest = 0.0
+    for i in range(n):
+        largest = max(largest, abs(vector[i] * inverse_weights[i]))
+    return (1.0 - max_share) * typical + max_share * largest
 
 
 @kernel
@@ -241,7 +253,7 @@ def _prepare_matrix(program: LuProgram, state: NdfState, gamma: float) -> bool:
         control.factorisations += 1
         control.gamma_factored = gamma
         control.dense_factors = factorise(
-            program, state.jacobian, gamma, state.factors, state.pivots
+            program, state.jacobian, state.basis, gamma, state.factors, state.pivots
         )
     return control.dense_factors != SINGULAR
 
@@ -268,15 +280,16 @@ def _correct(program: LuProgram, state: NdfState, gamma: float) -> None:
     for i in range(n):
         delta[i] = gamma * slope[i] - constant[i] - correction[i]
     solve(program, state.factors, state.pivots, control.dense_factors, delta, scratch)
-    for i in range(n):
-        delta[i] *= damping
-        correction[i] += delta[i]
-        trial[i] = predicted[i] + correction[i]
     product = scratch[n:]
     ledger_product(program, state.jacobian, delta, product)
+    states_of(program, state.basis, delta, scratch)
+    for i in range(n):
+        delta[i] = damping * scratch[i]
+        correction[i] += delta[i]
+        trial[i] = predicted[i] + correction[i]
     for i in range(n, trial.size):
         residual = gamma * slope[i] - constant[i] - correction[i]
-        correction[i] += damping * residual + control.gamma_factored * product[i - n]
+        correction[i] += damping * (residual + control.gamma_factored * product[i - n])
 
 
 @kernel

@@ -83,9 +83,11 @@ class NdfCallbacks(NamedTuple):
         ledger states without Jacobian rows (plain integrals), and what ``weights`` and
         ``event_values`` give.
     jacobian : callable
-        ``jacobian(t, y, params, jac)`` zeroes and fills the derivatives of ``dydt`` with
-        respect to the core states, shape (n_total, n_core); called after ``rhs`` at the
-        same time and state, whose work it may use.
+        ``jacobian(t, y, params, jac, basis)`` zeroes and fills the derivatives of ``dydt``
+        with respect to unknowns that determine the core states, shape (n_total, n_core), and
+        the derivatives of the core states with respect to them off the diagonal, where they
+        stand as ones. A basis left as it is makes the states the unknowns. Called after
+        ``rhs`` at the same time and state, whose work it may use.
     weights : callable
         ``weights(t, y, params, w)`` fills the absolute error allowed in each core state.
     event_values : callable
@@ -176,13 +178,14 @@ class NdfState(NamedTuple):
 
     ``y`` is the state where the last call stopped, shape (n_total,); ``control`` the record
     :data:`CONTROL`; ``differences`` the backward differences at ``control.time``; the other
-    arrays are the saved Jacobian, its factors and work space.
+    arrays are the saved Jacobian, the basis of its unknowns, its factors and work space.
     """
 
     control: NDArray[Any]
     y: Array
     differences: Array
     jacobian: Array
+    basis: Array
     factors: Array
     pivots: IntArray
     work: Array
@@ -235,6 +238,7 @@ def make_state(program: LuProgram, n_total: int, n_events: int) -> NdfState:
         y=np.zeros(n_total),
         differences=np.zeros((MAX_ORDER + 3, n_total)),
         jacobian=np.zeros((n_total, n_core)),
+        basis=np.eye(n_core),
         factors=np.zeros(max(program.packed_size[0], n_core * n_core)),
         pivots=np.zeros(n_core, dtype=np.int64),
         work=np.zeros((6, n_total)),

@@ -1,7 +1,9 @@
-r"""LU factors of small sparse matrices :math:`I - \gamma J` whose pattern never changes.
+r"""LU factors of small sparse matrices :math:`B - \gamma J` whose patterns never change.
 
-The pattern is analysed once (minimum degree order, fill-in); the factorisation is then a
-fixed list of row updates on packed values, cut into runs that the compiler vectorises.
+J is the Jacobian with respect to unknowns z that determine the states, :math:`y = B z`; they
+are the states themselves where B is the identity. The patterns are analysed once (order of
+fewest updates, fill-in); the factorisation is then a fixed list of row updates on packed values,
+cut into runs that the compiler vectorises.
 Rows are not exchanged: if a pivot is small, the matrix is factorised again as a dense
 one with partial pivoting. Patterns that fill up are dense from the start.
 
@@ -33,14 +35,14 @@ Index = NDArray[np.uint32]
 
 _kernel = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False)
 
-_summing_kernel = njit(
+summing_kernel = njit(
     error_model="numpy",
     no_cpython_wrapper=True,
     no_cfunc_wrapper=True,
     _nrt=False,
     fastmath={"reassoc", "contract"},
 )
-"""For inner products, whose terms may then be added in any order."""
+"""For sums, whose terms may then be added in any order."""
 
 
 class LuProgram(NamedTuple):
@@ -64,6 +66,8 @@ class LuProgram(NamedTuple):
         Contiguous pieces of a row update.
     ledger_start, ledger_columns : ndarrays of int
         Nonzero columns of the rows below the core (compressed rows).
+    basis_rows, basis_columns : ndarrays of int
+        Places of the basis off its diagonal that may be nonzero.
     """
 
     order: Index
@@ -82,21 +86,26 @@ class LuProgram(NamedTuple):
     run_length: Index
     ledger_start: Index
     ledger_columns: Index
+    basis_rows: Index
+    basis_columns: Index
 
 
-def analyse(pattern: BoolArray) -> LuProgram:
-    """Analyse the pattern of a Jacobian.
+def analyse(pattern: BoolArray, basis: BoolArray | None = None) -> LuProgram:
+    """Analyse the patterns of a Jacobian and of the basis of its unknowns.
 
     Parameters
     ----------
     pattern : ndarray of bool, shape (n_total, n_core), n_total >= n_core
         True where the Jacobian may be nonzero. The first n_core rows are factorised; the
         others (ledger) are only multiplied with vectors.
+    basis : ndarray of bool, shape (n_core, n_core), optional
+        True where the basis may differ from the identity.
 
     Returns
     -------
     LuProgram
-        Input of :func:`factorise`, :func:`solve` and :func:`ledger_product`.
+        Input of :func:`factorise`, :func:`solve`, :func:`ledger_product` and
+        :func:`states_of`.
 
     Raises
     ------
@@ -106,15 +115,18 @@ def analyse(pattern: BoolArray) -> LuProgram:
     n_total, n = pattern.shape
     if n_total < n:
         raise ValueError(f"pattern has {n_total} rows and {n} columns; rows >= columns are needed")
-    core = pattern[:n] | pattern[:n].T | np.eye(n, dtype=bool)
-    order = _minimum_degree(core)
+    own = np.eye(n, dtype=bool)
+    basis = own if basis is None else basis | own
+    core = pattern[:n] | basis
+    order = _fewest_updates(core)
     filled = _fill_in(core[np.ix_(order, order)])
     packed = np.full((n, n), -1, dtype=np.int64)
     packed[filled] = np.arange(int(filled.sum()))
     pairs = _row_updates(filled, packed)
-    rows, columns = np.nonzero(pattern[:n] | np.eye(n, dtype=bool))
+    rows, columns = np.nonzero(core)
     rank = np.argsort(order)
     ledger_rows, ledger_columns = np.nonzero(pattern[n:])
+    basis_rows, basis_columns = np.nonzero(basis & ~own)
     return LuProgram(
         order=_index(order),
         dense=np.array([int(filled.mean() > _DENSE_SHARE)]),
@@ -127,6 +139,8 @@ def analyse(pattern: BoolArray) -> LuProgram:
         **pairs,
         ledger_start=_index(_starts(np.bincount(ledger_rows, minlength=n_total - n))),
         ledger_columns=_index(ledger_columns),
+        basis_rows=_index(basis_rows),
+        basis_columns=_index(basis_columns),
     )
 
 
@@ -138,18 +152,18 @@ def _starts(counts: IntArray) -> IntArray:
     return np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
 
 
-def _minimum_degree(core: BoolArray) -> IntArray:
-    """Eliminate the node with the fewest neighbours first; ties go to the lower number."""
+def _fewest_updates(core: BoolArray) -> IntArray:
+    """Eliminate the state whose row and column change the fewest others first (Markowitz)."""
     graph = core.copy()
     np.fill_diagonal(graph, False)
-    left = np.ones(core.shape[0], dtype=bool)
-    order = np.zeros(core.shape[0], dtype=np.int64)
-    for stage in range(order.size):
-        degree = np.where(left, graph.sum(axis=1), core.shape[0] + 1)
-        node = int(np.argmin(degree))
+    n = core.shape[0]
+    left = np.ones(n, dtype=bool)
+    order = np.zeros(n, dtype=np.int64)
+    for stage in range(n):
+        updates = np.where(left, graph.sum(axis=0) * graph.sum(axis=1), n * n)
+        node = int(np.argmin(updates))
         order[stage] = node
-        neighbours = graph[node].copy()
-        graph[np.ix_(neighbours, neighbours)] = True
+        graph[np.ix_(graph[:, node], graph[node])] = True
         graph[node, :] = graph[:, node] = False
         np.fill_diagonal(graph, False)
         left[node] = False
@@ -160,7 +174,8 @@ def _fill_in(permuted: BoolArray) -> BoolArray:
     filled = permuted.copy()
     for k in range(filled.shape[0]):
         below = k + 1 + np.nonzero(filled[k + 1 :, k])[0]
-        filled[np.ix_(below, below)] = True
+        right = k + 1 + np.nonzero(filled[k, k + 1 :])[0]
+        filled[np.ix_(below, right)] = True
     return filled
 
 
@@ -170,7 +185,7 @@ def _row_updates(filled: BoolArray, packed: IntArray) -> dict[str, Index]:
     runs: list[tuple[int, int, int]] = []
     for k in range(filled.shape[0]):
         right = k + 1 + np.nonzero(filled[k, k + 1 :])[0]
-        for i in right:
+        for i in k + 1 + np.nonzero(filled[k + 1 :, k])[0]:
             pair_lower.append(int(packed[i, k]))
             runs += _runs(packed[k, right], packed[i, right])
             run_start.append(len(runs))
@@ -187,6 +202,8 @@ def _row_updates(filled: BoolArray, packed: IntArray) -> dict[str, Index]:
 
 
 def _runs(upper: IntArray, target: IntArray) -> list[tuple[int, int, int]]:
+    if target.size == 0:
+        return []
     breaks = np.nonzero(np.diff(target) != 1)[0] + 1
     pieces = np.split(np.arange(target.size), breaks)
     return [(int(upper[p[0]]), int(target[p[0]]), int(p.size)) for p in pieces]
@@ -194,16 +211,18 @@ def _runs(upper: IntArray, target: IntArray) -> list[tuple[int, int, int]]:
 
 @njit(error_model="numpy", _nrt=False)
 def factorise(
-    program: LuProgram, jacobian: Array, gamma: float, values: Array, pivots: IntArray
+    program: LuProgram, jacobian: Array, basis: Array, gamma: float, values: Array, pivots: IntArray
 ) -> int:
-    r"""Factorise :math:`I - \gamma J`.
+    r"""Factorise :math:`B - \gamma J`.
 
     Parameters
     ----------
     program : LuProgram
         Analysed pattern.
     jacobian : ndarray, shape (n_total, n)
-        Jacobian; rows from n on are not read.
+        Jacobian with respect to the unknowns; rows from n on are not read.
+    basis : ndarray, shape (n, n)
+        States from unknowns, with ones on its diagonal.
     gamma : float
         Factor of the Jacobian. [s]
     values : ndarray, shape (max(packed size, n * n),)
@@ -217,21 +236,21 @@ def factorise(
         SPARSE_FACTORS, DENSE_FACTORS or SINGULAR (also if an entry is not finite).
     """
     if program.dense[0] == 0:
-        _assemble(program, jacobian, gamma, values)
+        _assemble(program, jacobian, basis, gamma, values)
         if _eliminate(program, values):
             return SPARSE_FACTORS
-    return _factorise_dense(jacobian, gamma, values, pivots)
+    return _factorise_dense(jacobian, basis, gamma, values, pivots)
 
 
 @_kernel
-def _assemble(program: LuProgram, jacobian: Array, gamma: float, values: Array) -> None:
-    flat = jacobian.reshape(-1)
+def _assemble(
+    program: LuProgram, jacobian: Array, basis: Array, gamma: float, values: Array
+) -> None:
+    flat, own = jacobian.reshape(-1), basis.reshape(-1)
     values[: program.packed_size[0]] = 0.0
     source, place = program.source, program.source_place
     for entry in range(source.size):
-        values[place[entry]] = -gamma * flat[source[entry]]
-    for k in range(program.diagonal.size):
-        values[program.diagonal[k]] += 1.0
+        values[place[entry]] = own[source[entry]] - gamma * flat[source[entry]]
 
 
 @_kernel
@@ -258,13 +277,14 @@ def _eliminate(program: LuProgram, values: Array) -> bool:
 
 
 @_kernel
-def _factorise_dense(jacobian: Array, gamma: float, values: Array, pivots: IntArray) -> int:
+def _factorise_dense(
+    jacobian: Array, basis: Array, gamma: float, values: Array, pivots: IntArray
+) -> int:
     n = pivots.size
     a = values[: n * n].reshape((n, n))
     for i in range(n):
         for j in range(n):
-            a[i, j] = -gamma * jacobian[i, j]
-        a[i, i] += 1.0
+            a[i, j] = basis[i, j] - gamma * jacobian[i, j]
     for k in range(n):
         best = k
         for i in range(k + 1, n):
@@ -318,7 +338,7 @@ def solve(
         _solve_dense(values, pivots, right)
 
 
-@_summing_kernel
+@summing_kernel
 def _solve_sparse(program: LuProgram, values: Array, right: Array, x: Array) -> None:
     order, diagonal, columns = program.order, program.diagonal, program.columns
     row_start = program.row_start
@@ -337,7 +357,7 @@ def _solve_sparse(program: LuProgram, values: Array, right: Array, x: Array) -> 
         right[order[i]] = x[i]
 
 
-@_summing_kernel
+@summing_kernel
 def _solve_dense(values: Array, pivots: IntArray, right: Array) -> None:
     n = pivots.size
     a = values[: n * n].reshape((n, n))
@@ -375,3 +395,25 @@ def ledger_product(program: LuProgram, jacobian: Array, vector: Array, product: 
             column = columns[entry]
             total += jacobian[n + row, column] * vector[column]
         product[row] = total
+
+
+@njit(error_model="numpy", _nrt=False)
+def states_of(program: LuProgram, basis: Array, unknowns: Array, states: Array) -> None:
+    """Compute states from unknowns.
+
+    Parameters
+    ----------
+    program : LuProgram
+        Analysed patterns.
+    basis : ndarray, shape (n, n)
+        States from unknowns, with ones on its diagonal.
+    unknowns : ndarray, shape (n,)
+        Unknowns.
+    states : ndarray, shape (>= n,)
+        Receives the states.
+    """
+    for i in range(unknowns.size):
+        states[i] = unknowns[i]
+    rows, columns = program.basis_rows, program.basis_columns
+    for entry in range(rows.size):
+        states[rows[entry]] += basis[rows[entry], columns[entry]] * unknowns[columns[entry]]

@@ -157,7 +157,7 @@ def start_march(system: System, state: Array, max_steps: int = 50_000_000) -> Ma
     size = system.arrays.size
     events = size.chambers + size.journals
     events += size.compliant if size.compliant else min(size.contacts, 1)
-    program = analyse(system.pattern)
+    program = analyse(system.pattern, system.basis)
     actions = np.zeros(events, dtype=np.int64)
     longest, shortest = np.inf, _SHORTEST_STEP
     if system.condition.free_shaft:

@@ -1,0 +1,21 @@
+"""Check of the matrices that the iteration of the integrator is given."""
+
+import numpy as np
+
+from toothspace.core.types import Array
+from toothspace.model.assembly import System
+from toothspace.model.jacobian import add_composition, fill_jacobian, jacobian
+
+
+def assert_iteration_agrees(system: System, state: Array) -> None:
+    """Derivatives by the unknowns and their basis make up the Jacobian, within their patterns."""
+    size = system.arrays.size
+    matrix, full = np.zeros((size.total, size.core)), np.zeros((size.total, size.core))
+    basis = np.eye(size.core)
+    jacobian(0.0, state, system.arrays, full)
+    fill_jacobian(0.0, state, system.arrays, matrix, basis)
+    assert not np.any(matrix[~system.pattern])
+    assert not np.any(basis[~system.basis])
+    expected = matrix @ np.linalg.inv(basis)
+    add_composition(system.arrays, state, expected)
+    np.testing.assert_allclose(expected, full, rtol=1e-9, atol=1e-12 * np.abs(full).max())
