@@ -120,9 +120,7 @@ def _check_pressure_order(case: Case, reader: Reader) -> None:
 
 
 def _check_load(point: OperatingPoint, reader: Reader) -> None:
-    least = OperatingCondition.load_pressure + LEAST_LOAD
-    if point.outlet_load == "orifice" and point.outlet_pressure < least:
+    found, least = point.outlet_pressure, OperatingCondition.load_pressure + LEAST_LOAD
+    if point.outlet_load == "orifice" and found < least:
         allowed = f"at least {pressure_text(least)} with outlet_load 'orifice', behind which is air"
-        reader.fail(
-            "operating_point.outlet_pressure", pressure_text(point.outlet_pressure), allowed
-        )
+        reader.fail("operating_point.outlet_pressure", pressure_text(found), allowed)
