@@ -11,15 +11,24 @@ from toothspace.closures.journal_friction import PUBLISHED_CURVE
 from toothspace.films import JournalBearing, RoughSurfaces, save_friction_table, sweep_friction
 
 
-@pytest.mark.parametrize(("shaft", "bush"), [(0.15e-6, 0.3e-6), (0.1e-6, 0.2e-6)])
-def test_boundary_level_minimum_and_slope(shaft: float, bush: float, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("shaft", "bush", "cavitation"),
+    [
+        (0.15e-6, 0.3e-6, "jfo"),  # roughness of the reference design
+        (0.15e-6, 0.3e-6, "reynolds"),
+        (0.1e-6, 0.2e-6, "reynolds"),
+    ],
+)
+def test_boundary_level_minimum_and_slope(
+    shaft: float, bush: float, cavitation: str, tmp_path: Path
+) -> None:
     bearing = JournalBearing(
         diameter=18e-3,
         length=19e-3,
         radial_clearance=8.6e-4 * 9e-3,
         dynamic_viscosity=0.026,
         grid=(144, 15),
-        cavitation="reynolds",
+        cavitation=cavitation,
         surfaces=RoughSurfaces(
             moving_roughness=shaft,
             resting_roughness=bush,
