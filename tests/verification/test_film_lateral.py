@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from toothspace.core.errors import CaseError
-from toothspace.films import FilmFluid, LateralFilm, RoughSurfaces
+from toothspace.films import FilmFluid, LateralFilm, LateralSolution, RoughSurfaces
 
 VISCOSITY = 0.02
 RING = LateralFilm(
@@ -168,3 +168,39 @@ def test_tangent_of_a_rough_film_holds_contact() -> None:
         expected = -(loads[0] - loads[1]) / (2.0 * step)
         size = np.abs(stiffness[:, k]).max()
         np.testing.assert_allclose(stiffness[:, k], expected, atol=1e-4 * size)
+
+
+def _twin(moving: float, resting: float, **more: float) -> LateralSolution:
+    """Parallel ring of one rough and one smooth face, at a gap of three times the roughness."""
+    ring = LateralFilm(
+        inner_radius=0.01,
+        outer_radius=0.03,
+        side_gap=3e-6,
+        fluid=FilmFluid(VISCOSITY),
+        grid=(16, 32),
+        inner_pressure=1e5,
+        outer_pressure=1e5,
+        surfaces=RoughSurfaces(moving_roughness=moving, resting_roughness=resting, **more),  # type: ignore[arg-type]
+    )
+    return ring.solve(shaft_speed=100.0)
+
+
+def test_drag_belongs_to_the_rough_face() -> None:
+    """The rough face is dragged alike, whether it turns or rests (Patir and Cheng 1979)."""
+    turning, resting = _twin(1e-6, 0.0), _twin(0.0, 1e-6)
+    assert turning.friction_torque == pytest.approx(-resting.resting_friction_torque, rel=1e-12)
+    assert turning.resting_friction_torque == pytest.approx(-resting.friction_torque, rel=1e-12)
+    assert abs(turning.friction_torque + turning.resting_friction_torque) > 0.01 * abs(
+        turning.friction_torque
+    )
+
+
+def test_contact_brakes_one_face_and_drags_the_other() -> None:
+    dry, rubbing = _twin(7e-7, 7e-7, boundary_friction=0.0), _twin(7e-7, 7e-7)
+    brake = dry.friction_torque - rubbing.friction_torque
+    drag = rubbing.resting_friction_torque - dry.resting_friction_torque
+    assert rubbing.contact_torque > 0.0
+    assert brake == pytest.approx(rubbing.contact_torque, rel=1e-9)
+    assert drag == pytest.approx(rubbing.contact_torque, rel=1e-9)
+    assert dry.friction_torque == pytest.approx(-dry.resting_friction_torque, rel=1e-12)
+    assert rubbing.power_loss == pytest.approx(-100.0 * rubbing.friction_torque)

@@ -231,3 +231,16 @@ def test_impossible_input_is_refused() -> None:
         replace(ENDLESS, cavitation_pressure=2e5)
     with pytest.raises(CaseError, match="smallest gap"):
         replace(ENDLESS, outlet_height=-1e-6).solve(speed=SPEED)
+
+
+def test_forces_on_pad_and_wall_balance() -> None:
+    """Both drags differ by the pressure on the inclined face, W (h1 - h0) / L."""
+    film = replace(ENDLESS, inlet_height=2.0 * HEIGHT, grid=(256, 4)).solve(speed=SPEED)
+    pad = film.pad
+    lean = (pad.inlet_height - pad.outlet_height) / pad.length
+    assert film.friction - film.resting_friction == pytest.approx(film.load * lean, rel=1e-3)
+    assert film.power_loss == pytest.approx(film.friction * SPEED)
+    ratio = pad.inlet_height / pad.outlet_height
+    scale = VISCOSITY * SPEED * pad.length * pad.width / pad.outlet_height
+    exact = 4.0 * np.log(ratio) / (ratio - 1.0) - 6.0 / (ratio + 1.0)
+    assert film.friction == pytest.approx(scale * exact, rel=1e-4)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import final
 
 from toothspace.core.keys import (
@@ -97,7 +98,17 @@ class FilmSurfaces:
         if self.moving_roughness + self.resting_roughness <= 0.0:
             raise KeyRuleError("moving_roughness", "two smooth walls", "one rough wall or more")
         if self.contact_law == "table":
-            require(self, "because the contact law is a table", "contact_points")
+            self._check_points()
+
+    def _check_points(self) -> None:
+        ratios = [point[0] for point in self.contact_points]
+        pressures = [point[1] for point in self.contact_points]
+        growing = all(b > a for a, b in pairwise(ratios))
+        falling = all(b <= a for a, b in pairwise(pressures))
+        if len(ratios) < 2 or not growing or not falling:
+            found = f"{len(ratios)} points" if len(ratios) < 2 else "gaps or pressures out of order"
+            allowed = "two points or more with a growing gap and a falling pressure"
+            raise KeyRuleError("contact_points", found, allowed)
 
 
 _SURFACES_DOC = "Roughness and contact; smooth walls without it."
@@ -164,6 +175,9 @@ class ShaftOrbit:
     )
 
     def __post_init__(self) -> None:
+        if self.time_step > self.duration:
+            found = f"{self.time_step:g} s"
+            raise KeyRuleError("time_step", found, f"at most the duration, {self.duration:g} s")
         if self.duration > _MOST_STEPS * self.time_step:
             found = f"{self.duration / self.time_step:.0f} steps"
             raise KeyRuleError("time_step", found, f"at most {_MOST_STEPS} steps")

@@ -164,5 +164,32 @@ class FrictionCurve:
         return float(S[k]), float(mu[k])
 
 
+@final
+@dataclass(frozen=True)
+class FrictionCurves:
+    """Friction curves of one bearing over its load.
+
+    Asperities get flatter under load, so a mixed film follows the load beside the Sommerfeld
+    number. Between two loads the friction coefficient is linear in the logarithm of the load,
+    beyond the outermost it is that of the outermost.
+    """
+
+    loads: tuple[float, ...]
+    """Rising loads on one bearing. [N]"""
+    curves: tuple[FrictionCurve, ...]
+    """Friction coefficient at each."""
+
+    @property
+    def rows(self) -> Array:
+        """One row per load: its logarithm and the terms of its curve. [ln N, -]."""
+        terms = [curve.terms for curve in self.curves]
+        return np.column_stack([np.log(self.loads), np.array(terms)])
+
+    def __call__(self, sommerfeld_number: float, load: float) -> float:
+        """Friction coefficient of a load on one bearing [N] and a Sommerfeld number. [-]."""
+        values = [float(curve(sommerfeld_number)) for curve in self.curves]
+        return float(np.interp(np.log(load), np.log(self.loads), values))
+
+
 PUBLISHED_CURVE = FrictionCurve(0.04486, 0.002681, 0.01897, 1.085, 0.0006507, 0.01748)
 """Fit of the motor study for S from 0.001 to 0.2; its line is Petroff's with c/R = 8.9e-4."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from toothspace.closures.journal_friction import FrictionCurve
+from toothspace.closures.journal_friction import FrictionCurve, FrictionCurves
 from toothspace.core.errors import CaseError
 from toothspace.model.description import JournalBearing, MachineDescription
 from toothspace.model.lateral_table import LateralTable
@@ -82,8 +82,16 @@ def _with_curve(journal: JournalBearing, tables: xr.Dataset, known: list[str]) -
                 f"run.film_tables: found a bearing with {name} {found:.6g} m, "
                 f"allowed that of the case, {size:.6g} m"
             )
+    return replace(journal, friction=friction_curves(row))
+
+
+def friction_curves(row: xr.Dataset) -> FrictionCurves:
+    """Friction curves of one bearing of a table over its load."""
     terms = row["journal_friction_terms"].values
-    return replace(journal, friction=FrictionCurve(*(float(term) for term in terms)))
+    return FrictionCurves(
+        tuple(float(load) for load in row["journal_load"].values),
+        tuple(FrictionCurve(*(float(term) for term in one)) for one in terms),
+    )
 
 
 def with_lateral_loads(description: MachineDescription, tables: xr.Dataset) -> MachineDescription:

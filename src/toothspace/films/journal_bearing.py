@@ -15,7 +15,7 @@ from toothspace.films.film_fluid import FilmFluid
 from toothspace.films.journal_film import Groove, Lobes, MotionState
 from toothspace.films.journal_solution import FilmHistory, JournalBearingSolution, SurfaceSpeed
 from toothspace.films.journal_solver import solve_motion
-from toothspace.films.rough_surfaces import RoughSurfaces
+from toothspace.films.rough_surfaces import RoughSurfaces, refuse_deep_contact
 from toothspace.films.tilted_equilibrium import find_tilted_equilibrium
 
 Pair = tuple[float, float]
@@ -115,6 +115,12 @@ class JournalBearing:
             value = getattr(self, key)
             if value not in allowed:
                 raise CaseError(f"bearing.{key}: found {value!r}, allowed are {sorted(allowed)}")
+        for groove in self.grooves:
+            if abs(groove.position) >= 0.5 * (self.length + groove.length):
+                raise CaseError(
+                    f"bearing.grooves.position: found {1e3 * groove.position:g} mm, allowed are "
+                    f"grooves on the bearing of {1e3 * self.length:g} mm"
+                )
         if min(self.grid) < 4:
             raise CaseError(f"bearing.grid: found {self.grid!r}, allowed are 4 cells or more")
         object.__setattr__(self, "grooves", tuple(self.grooves))
@@ -168,7 +174,9 @@ class JournalBearing:
         place = np.array([*(self.radial_clearance * np.asarray(eccentricity, float)), *tilt])
         motion = MotionState(place, np.array([*velocity, *tilt_rate], dtype=float))
         speed = SurfaceSpeed(shaft_speed, bush_speed)
-        return solve_motion(self, motion, speed, history=history)
+        film = solve_motion(self, motion, speed, history=history)
+        refuse_deep_contact(film.film.gap.centre, self.surfaces, "bearing.eccentricity")
+        return film
 
     def equilibrium(
         self,

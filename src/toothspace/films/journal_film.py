@@ -297,13 +297,19 @@ def _pressure_stress(gap: float, law: FlowLaw) -> float:
 
 
 @njit(cache=True)
-def sliding_stress(gap: Array, law: FlowLaw) -> Array:
-    """Mean sliding stress of both walls over viscosity and speed, of every cell. [1/m]."""
-    out = np.empty_like(gap)
+def wall_stress(gap: Array, law: FlowLaw) -> tuple[Array, Array, Array]:
+    """Parts of the shear stress on both walls of every cell: sliding, pattern, pressure.
+
+    The moving wall is braked by viscosity times speed times the first less the second [1/m] plus
+    the third times the pressure gradient along the motion [m]; the resting one is dragged along by
+    the sum of the first two less the third.
+    """
+    mean, difference, half = np.empty_like(gap), np.empty_like(gap), np.empty_like(gap)
     for i in range(gap.shape[0]):
         for j in range(gap.shape[1]):
-            out[i, j] = _stress_factors(gap[i, j], law)[0]
-    return out
+            mean[i, j], difference[i, j] = _stress_factors(gap[i, j], law)
+            half[i, j] = _pressure_stress(gap[i, j], law)
+    return mean, difference, half
 
 
 @njit(cache=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import final
 
 import numpy as np
@@ -12,7 +13,7 @@ from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.films.cavitation import CAVITATION
 from toothspace.films.film_fluid import FilmFluid
-from toothspace.films.journal_film import sliding_stress
+from toothspace.films.journal_film import wall_stress
 from toothspace.films.plane_film import (
     PlaneFilm,
     PlaneSolution,
@@ -20,7 +21,12 @@ from toothspace.films.plane_film import (
     solve_plane,
 )
 from toothspace.films.reynolds import FilmGrid, GapField
-from toothspace.films.rough_surfaces import SMOOTH, RoughSurfaces, contact_field
+from toothspace.films.rough_surfaces import (
+    SMOOTH,
+    RoughSurfaces,
+    contact_field,
+    refuse_deep_contact,
+)
 from toothspace.numerics.complementarity import face_flows, residual
 from toothspace.numerics.linear_system import PRESCRIBED
 
@@ -117,6 +123,7 @@ class LateralFilm:
             speed if it is fixed to the rotating face. [rad/s]
         """
         film = self.discretise(shaft_speed, squeeze_velocity, gap_speed)
+        refuse_deep_contact(film.gap.centre, self.surfaces, "film.side_gap")
         return LateralSolution(self, shaft_speed, squeeze_velocity, solve_plane(film))
 
     def discretise(
@@ -273,25 +280,51 @@ class LateralSolution:
 
         Shear in a cavity counts with the film fraction; given cells carry none.
         """
-        film, gap = self.plane.film, self.plane.film.gap
-        radius = self.lateral.radius
-        free = film.grid.mark != PRESCRIBED
-        height = gap.centre + gap.step
-        shear = self.shaft_speed * radius * self.plane.fields.saturation
-        shear = shear / self.plane.fluid.fluidity * sliding_stress(height, film.law)
-        p = self.plane.pressure
-        step = 2.0 * np.pi / self.lateral.grid[0]
-        rise = (np.roll(p, -1, axis=0) - np.roll(p, 1, axis=0)) / (2.0 * step * radius)
-        stress = np.where(free, shear + 0.5 * height * rise, 0.0)
-        viscous = float((stress * radius * film.grid.area).sum())
-        return -viscous - self._contact_torque()
+        sliding, pattern, pressure = self._drag
+        return pattern - sliding - pressure - self.contact_torque
 
-    def _contact_torque(self) -> float:
+    @property
+    def resting_friction_torque(self) -> float:
+        """Torque of film and asperities on the resting face, positive along z. [N m]."""
+        sliding, pattern, pressure = self._drag
+        return sliding + pattern - pressure + self.contact_torque
+
+    @property
+    def contact_torque(self) -> float:
+        """Torque by which touching asperities drag the resting face along. [N m]."""
         surfaces = self.lateral.surfaces
         if surfaces is None:
             return 0.0
         push = self.contact_pressure * self.plane.film.grid.area * self.lateral.radius
         return float(np.sign(self.shaft_speed) * surfaces.boundary_friction * push.sum())
+
+    @property
+    def contact_load(self) -> float:
+        """Part of the force along z that touching asperities carry. [N]."""
+        return float((self.contact_pressure * self.plane.film.grid.area).sum())
+
+    @property
+    def power_loss(self) -> float:
+        """Power that friction takes from the rotating face. [W]."""
+        return -self.friction_torque * self.shaft_speed
+
+    @cached_property
+    def _drag(self) -> tuple[float, float, float]:
+        """Torque by sliding, its difference by the patterns, and by pressure gradients. [N m]."""
+        film, gap = self.plane.film, self.plane.film.gap
+        radius = self.lateral.radius
+        arm = np.where(film.grid.mark != PRESCRIBED, radius * film.grid.area, 0.0)
+        mean, difference, half = wall_stress(gap.centre + gap.step, film.law)
+        viscous = self.shaft_speed * radius * self.plane.fields.saturation
+        viscous = viscous / self.plane.fluid.fluidity * arm
+        p = self.plane.pressure
+        step = 2.0 * np.pi / self.lateral.grid[0]
+        rise = (np.roll(p, -1, axis=0) - np.roll(p, 1, axis=0)) / (2.0 * step * radius)
+        return (
+            float((viscous * mean).sum()),
+            float((viscous * difference).sum()),
+            float((half * rise * arm).sum()),
+        )
 
     @property
     def outer_flow(self) -> float:

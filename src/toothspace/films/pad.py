@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import final
 
 import numpy as np
@@ -14,7 +15,7 @@ from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.films.cavitation import CAVITATION
 from toothspace.films.film_fluid import FilmFluid
-from toothspace.films.journal_film import sliding_stress
+from toothspace.films.journal_film import wall_stress
 from toothspace.films.plane_film import (
     PlaneFilm,
     PlaneSolution,
@@ -31,7 +32,7 @@ GapFunction = Callable[[Array, Array], Array]
 @final
 @dataclass(frozen=True)
 class Pocket:
-    """Rectangular recess of a pad, centred across the motion.
+    """Rectangular recess of a pad, centred across the motion; edges of the pad cut it off.
 
     Parameters
     ----------
@@ -107,6 +108,11 @@ class Pad:
         if self.cavitation not in CAVITATION:
             raise CaseError(
                 f"film.cavitation: found {self.cavitation!r}, allowed are {sorted(CAVITATION)}"
+            )
+        if self.pocket is not None and self.pocket.start >= self.length:
+            raise CaseError(
+                f"film.pocket.x: found {1e3 * self.pocket.start:g} mm, allowed are pockets that "
+                f"begin on the pad, below {1e3 * self.length:g} mm"
             )
         if self.ambient_pressure < self.cavitation_pressure:
             raise CaseError(
@@ -286,24 +292,50 @@ class PadSolution:
 
         Shear in a cavity counts with the film fraction.
         """
-        film, gap = self.plane.film, self.plane.film.gap
-        viscous = self.plane.fields.saturation * self.speed / self.plane.fluid.fluidity
-        stress = viscous * sliding_stress(gap.centre + gap.step, film.law)
-        couette = float((stress * film.grid.area).sum())
-        if self.pad.surfaces is not None:
-            rubbing = float((self._contact() * film.grid.area).sum())
-            couette += np.sign(self.speed) * self.pad.surfaces.boundary_friction * rubbing
-        return film.weight * (couette + 0.5 * self._pressure_drag())
+        sliding, pattern, pressure = self._drag
+        return sliding - pattern + pressure + self.contact_friction
 
-    def _pressure_drag(self) -> float:
-        """Integral of h dp/dx over the film, in halves of the cells. [N]."""
-        gap = self.plane.film.gap
-        p, height = self.plane.pressure, gap.centre + gap.step
+    @property
+    def resting_friction(self) -> float:
+        """Drag on the pad along the motion, positive at positive speed. [N]."""
+        sliding, pattern, pressure = self._drag
+        return sliding + pattern - pressure + self.contact_friction
+
+    @property
+    def contact_load(self) -> float:
+        """Part of the load that touching asperities carry. [N]."""
+        film = self.plane.film
+        return film.weight * float((self._contact() * film.grid.area).sum())
+
+    @property
+    def contact_friction(self) -> float:
+        """Part of both drags that touching asperities cause. [N]."""
+        if self.pad.surfaces is None:
+            return 0.0
+        return float(np.sign(self.speed)) * self.pad.surfaces.boundary_friction * self.contact_load
+
+    @property
+    def power_loss(self) -> float:
+        """Power that friction takes from the sliding wall. [W]."""
+        return self.friction * self.speed
+
+    @cached_property
+    def _drag(self) -> tuple[float, float, float]:
+        """Drag by sliding, its difference by the patterns, and by the pressure gradient. [N]."""
+        film, gap = self.plane.film, self.plane.film.gap
+        mean, difference, half = wall_stress(gap.centre + gap.step, film.law)
+        viscous = self.plane.fields.saturation * self.speed / self.plane.fluid.fluidity
+        area = film.weight * film.grid.area
+        sliding, pattern = (float((viscous * part * area).sum()) for part in (mean, difference))
+        return sliding, pattern, film.weight * self._pressure_drag(half)
+
+    def _pressure_drag(self, half: Array) -> float:
+        """Integral of the pressure part of the stress, in halves of the cells. [N]."""
+        p = self.plane.pressure
         ambient = np.full((1, p.shape[1]), self.pad.ambient_pressure)
-        bordered = np.concatenate([ambient, p, ambient])
-        rise = np.diff(bordered, axis=0)
-        heights = np.concatenate([height[:1], height, height[-1:]])
-        mean = 0.5 * (heights[1:] + heights[:-1])
+        rise = np.diff(np.concatenate([ambient, p, ambient]), axis=0)
+        bordered = np.concatenate([half[:1], half, half[-1:]])
+        mean = 0.5 * (bordered[1:] + bordered[:-1])
         return float((mean * rise).sum(axis=0) @ np.diff(self._lane_faces()))
 
     def _lane_faces(self) -> Array:

@@ -63,6 +63,8 @@ class ContactTable(NamedTuple):
 _PLAIN = pattern_columns(1.0)
 _NO_TABLE = FlowTable(SMALLEST_FLOW_GAP, 0.02, *(np.zeros((0, 2)) for _ in range(3)))
 _TABLE_NODES = 500
+DEEPEST = 3.0
+"""Overlap of the mean planes over the roughness beyond which no law of contact holds. [-]"""
 SMOOTH = FlowLaw(0.0, _PLAIN, _PLAIN, _PLAIN, _PLAIN, 0.5, 0.0, _NO_TABLE)
 """Smooth walls."""
 NO_CONTACT = ContactTable(0.0, 1.0, np.zeros(0), np.zeros(0))
@@ -250,6 +252,18 @@ def _check_table(points: tuple[tuple[float, float], ...]) -> None:
         raise CaseError(
             f"contact_points: found {len(points)} points, allowed are two or more with a growing "
             "gap ratio and a positive, falling pressure"
+        )
+
+
+def refuse_deep_contact(gap: Array, surfaces: RoughSurfaces | None, place: str) -> None:
+    """Refuse walls that a given position presses into each other beyond any law of contact."""
+    if surfaces is None:
+        return
+    lowest, allowed = float(gap.min()), -DEEPEST * surfaces.roughness
+    if lowest < allowed:
+        raise CaseError(
+            f"{place}: found a smallest gap of {1e6 * lowest:.3g} um, allowed between these rough "
+            f"walls are gaps from {1e6 * allowed:.3g} um"
         )
 
 

@@ -150,14 +150,21 @@ MOTION_COLUMNS = 8
     FILM_MAP,
     FILM_X,
     FILM_Y,
+    CURVES,  # loads with a friction curve, zero without
+) = range(15)
+JOURNAL_COLUMNS = 15
+
+# Columns of ``friction_curves``, one row per bearing and load
+(
+    CURVE_LOAD,  # logarithm of the load on one bearing
     CURVE_BOUNDARY,
     CURVE_DECAY,
     CURVE_RISE,
     CURVE_TRANSITION,
     CURVE_OFFSET,
     CURVE_LINE,
-) = range(20)
-JOURNAL_COLUMNS = 20
+) = range(7)
+CURVE_COLUMNS = 7
 
 
 # Columns of ``drive``: what turns the shaft. Direction is the sense in which friction lets it
@@ -276,6 +283,7 @@ class SystemArrays(NamedTuple):
     path_data: Array
     journal: Array
     asperity: Array
+    friction_curves: Array
     node: Array
     path: Array
     chamber_values: Array

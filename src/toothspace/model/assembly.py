@@ -166,6 +166,7 @@ def assemble(
         **path_arrays(description, paths),
         journal=journals.rows,
         asperity=journals.asperity,
+        friction_curves=journals.curves,
         node=np.asfortranarray(_nodes(description, fluid, condition, sizes)),
         motion=motion_rows(description, condition, free),
         drive=drive,

@@ -28,9 +28,11 @@ from toothspace.model.arrays import (
     CURVE_BOUNDARY,
     CURVE_DECAY,
     CURVE_LINE,
+    CURVE_LOAD,
     CURVE_OFFSET,
     CURVE_RISE,
     CURVE_TRANSITION,
+    CURVES,
     DIRECTION,
     DRIVEN_FRICTION,
     FADE,
@@ -170,7 +172,7 @@ def hold_back(
     viscous, asperity = journal_torques(s, state, j)
     turning = np.sign(journal[j, SPEED_RATIO]) * s.drive[DIRECTION]
     s.motion[k, FILM_FORCE] -= turning * (viscous + asperity)
-    if journal[j, CURVE_LINE] > 0.0:
+    if journal[j, CURVES] > 0:
         add_curve_slopes(s, state, j, turning)
         return
     c, radius = journal[j, JOURNAL_CLEARANCE], journal[j, RADIUS]
@@ -205,7 +207,7 @@ def journal_torques(s: SystemArrays, state: Array, j: int) -> tuple[float, float
     with a friction curve has :func:`curve_torques` instead.
     """
     journal, size = s.journal, s.size
-    if journal[j, CURVE_LINE] > 0.0:
+    if journal[j, CURVES] > 0:
         force = math.sqrt(journal[j, FILM_X] ** 2 + journal[j, FILM_Y] ** 2)
         return curve_torques(s, state, j, force)
     kx, ky = int(journal[j, MOTION_X]), int(journal[j, MOTION_Y])
@@ -234,19 +236,47 @@ def curve_torques(s: SystemArrays, state: Array, j: int, force: float) -> tuple[
     .. math:: T = \mu(S)\, F R, \qquad S = \frac{\mu_0 N}{P} \frac{R^2}{c^2}, \qquad
         P = \frac{F}{2 n R L}
 
-    with the force of film and asperities on the journals. The term that fades with S counts as
-    friction of asperities.
+    with the force of film and asperities on the journals; the coefficient is linear in the
+    logarithm of the load between two curves. The term that fades with S counts as friction of
+    asperities.
     """
     row = s.journal[j]
     radius = row[RADIUS]
     speed = abs(row[SPEED_RATIO] * state[1])
     number = row[BEARINGS] * radius * row[LENGTH] * (radius / row[JOURNAL_CLEARANCE]) ** 2
     number *= s.fluid.dynamic_viscosity * speed / (math.pi * max(force, LEAST_FORCE))
-    film = film_friction_term(
-        number, row[CURVE_RISE], row[CURVE_TRANSITION], row[CURVE_OFFSET], row[CURVE_LINE]
-    )
-    boundary = boundary_friction_term(number, row[CURVE_BOUNDARY], row[CURVE_DECAY])
+    lower, share = _curve_place(s, j, max(force, LEAST_FORCE) / row[BEARINGS])
+    film, boundary = 0.0, 0.0
+    for k, part in ((lower, 1.0 - share), (lower + 1, share)):
+        if part > 0.0:
+            curve = s.friction_curves[j, k]
+            film += part * film_friction_term(
+                number,
+                curve[CURVE_RISE],
+                curve[CURVE_TRANSITION],
+                curve[CURVE_OFFSET],
+                curve[CURVE_LINE],
+            )
+            boundary += part * boundary_friction_term(
+                number, curve[CURVE_BOUNDARY], curve[CURVE_DECAY]
+            )
     return film * max(force, LEAST_FORCE) * radius, boundary * force * radius
+
+
+@kernel
+def _curve_place(s: SystemArrays, j: int, load: float) -> tuple[int, float]:
+    """Friction curve below a load on one bearing [N], and the share of the next one. [-]."""
+    curves, last = s.friction_curves, int(s.journal[j, CURVES]) - 1
+    wanted = math.log(load)
+    if last == 0 or wanted <= curves[j, 0, CURVE_LOAD]:
+        return 0, 0.0
+    if wanted >= curves[j, last, CURVE_LOAD]:
+        return last, 0.0
+    k = 0
+    while wanted > curves[j, k + 1, CURVE_LOAD]:
+        k += 1
+    low, high = curves[j, k, CURVE_LOAD], curves[j, k + 1, CURVE_LOAD]
+    return k, (wanted - low) / (high - low)
 
 
 @kernel

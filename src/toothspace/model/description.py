@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Literal, final
 
 import numpy as np
 
-from toothspace.closures.journal_friction import FrictionCurve
+from toothspace.closures.journal_friction import FrictionCurves
 from toothspace.core.types import Array, IntArray
 from toothspace.model.contact_pair import CONTACT_CHANNELS, ContactPair, RigidMesh
 from toothspace.model.film_shapes import FaceOutline, SharedFaces, SolvedJournal
@@ -237,8 +237,8 @@ class JournalBearing:
         walls: pressure is uniform along the axis, the limit of a long bearing).
     solved : SolvedJournal or None
         Solved film in place of the closed form.
-    friction : FrictionCurve or None
-        Friction coefficient over the Sommerfeld number, in place of the closed form.
+    friction : FrictionCurves or None
+        Friction coefficient over load and Sommerfeld number, in place of the closed form.
     """
 
     body: str
@@ -254,7 +254,7 @@ class JournalBearing:
     seat_clearance: float = 0.0
     end_condition: Literal["pressure", "no_flow"] = "pressure"
     solved: SolvedJournal | None = None
-    friction: FrictionCurve | None = None
+    friction: FrictionCurves | None = None
 
 
 @final

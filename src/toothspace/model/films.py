@@ -13,12 +13,11 @@ from toothspace.closures.contact_rough import asperity_pressure
 from toothspace.closures.friction import lateral_film_torque
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array
-from toothspace.model.arrays import JOURNAL_COLUMNS
+from toothspace.model.arrays import CURVE_COLUMNS, JOURNAL_COLUMNS
 from toothspace.model.description import JournalBearing, LateralFilm, MachineDescription
 
 _INTERVALS = 240
 _CIRCUMFERENCE_POINTS = 720
-_NO_CURVE = (0.0,) * 6
 LONG = 1e4
 """Length over diameter that stands for walls at both ends. [-]"""
 
@@ -32,6 +31,7 @@ class JournalData:
     asperity: Array
     asperity_range: float
     film: JournalMap
+    curves: Array
 
 
 def journal_data(
@@ -59,7 +59,7 @@ def journal_data(
             place,
             0.0,
             0.0,
-            *(_NO_CURVE if j.friction is None else j.friction.terms),
+            0 if j.friction is None else len(j.friction.loads),
         )
         for j, place in zip(journals, places, strict=True)
     ]
@@ -70,7 +70,20 @@ def journal_data(
         ),
         asperity_range=span,
         film=_stacked(maps),
+        curves=_friction_curves(journals),
     )
+
+
+def _friction_curves(journals: list[JournalBearing]) -> Array:
+    """Friction curves over the load, one block per bearing, unused rows empty."""
+    rows = [
+        np.empty((0, CURVE_COLUMNS)) if j.friction is None else j.friction.rows for j in journals
+    ]
+    longest = max((len(one) for one in rows), default=0)
+    curves = np.zeros((len(journals), max(longest, 1), CURVE_COLUMNS))
+    for block, one in zip(curves, rows, strict=True):
+        block[: len(one)] = one
+    return curves
 
 
 def _film_maps(journals: list[JournalBearing]) -> tuple[list[JournalMap], list[int]]:

@@ -28,6 +28,8 @@ from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.quasi_static import mean_force
 from toothspace.solver.lateral_reduction import reduce_lateral
 
+LOAD_LEVELS = (1.0 / 30.0, 0.1, 1.0 / 3.0, 1.0, 3.0)
+"""Loads of the sweeps over the mean load of the condition. [-]"""
 SOMMERFELD_NUMBERS = (*np.geomspace(0.001, 0.2, 16), 2.0)
 """Points of the sweep; the last gives the line of the full film. [-]"""
 
@@ -126,12 +128,12 @@ def _check(given: ReduceInput, wanted: Sequence[str]) -> None:
 
 
 def reduce_journals(given: ReduceInput) -> xr.Dataset:
-    """Friction of every journal bearing at its mean load over the Sommerfeld number.
+    """Friction of every journal bearing over load and Sommerfeld number.
 
     Parameters
     ----------
     given : ReduceInput
-        Machine, fluid and condition; the mean pressure load of the condition is the load.
+        Machine, fluid and condition; the loads are shares of its mean pressure load.
 
     Returns
     -------
@@ -147,13 +149,17 @@ def reduce_journals(given: ReduceInput) -> xr.Dataset:
     description = given.description
     force = mean_force(description, given.condition)
     viscosity = float(given.fluid.dynamic_viscosity)
-    sweeps: dict[str, FrictionSweep] = {}
-    loads: dict[str, float] = {}
+    sweeps: list[list[FrictionSweep]] = []
+    loads: list[list[float]] = []
     for journal in description.journals:
-        loads[journal.body] = _load_of(description, journal, force)
+        mean = _load_of(description, journal, force)
         bearing = machine_bearing(journal, viscosity)
-        sweeps[journal.body] = sweep_friction(
-            bearing, load=loads[journal.body], sommerfeld_numbers=SOMMERFELD_NUMBERS
+        loads.append([part * mean for part in LOAD_LEVELS])
+        sweeps.append(
+            [
+                sweep_friction(bearing, load=load, sommerfeld_numbers=SOMMERFELD_NUMBERS)
+                for load in loads[-1]
+            ]
         )
     return _journal_tables(description, sweeps, loads)
 
@@ -169,11 +175,9 @@ def _load_of(description: MachineDescription, journal: JournalBearing, force: Ar
 
 
 def _journal_tables(
-    description: MachineDescription, sweeps: dict[str, FrictionSweep], loads: dict[str, float]
+    description: MachineDescription, sweeps: list[list[FrictionSweep]], loads: list[list[float]]
 ) -> xr.Dataset:
-    over = ("journal", "journal_point")
-    found = list(sweeps.values())
-    curves = [fit_friction_curve(s.sommerfeld_number, s.friction_coefficient) for s in found]
+    over = ("journal", "journal_load_level", "journal_point")
     columns = {
         "sommerfeld_number": "Load parameter (eta N / P) (R / c)^2",
         "friction_coefficient": "Friction torque over load and radius",
@@ -181,22 +185,36 @@ def _journal_tables(
         "eccentricity_ratio": "Eccentricity over clearance",
     }
     values: dict[str, Any] = {
-        f"journal_{name}": (over, [getattr(s, name) for s in found], _about("1", text))
+        f"journal_{name}": (over, _of_sweeps(sweeps, name), _about("1", text))
         for name, text in columns.items()
     }
-    converged = [s.converged for s in found]
-    values["journal_converged"] = ("journal", converged, _about("1", "All equilibria found"))
-    values["journal_load"] = ("journal", list(loads.values()), _about("N", "Load on one bearing"))
+    values["journal_converged"] = (
+        over[:2],
+        _of_sweeps(sweeps, "converged"),
+        _about("1", "All equilibria found"),
+    )
+    values["journal_load"] = (over[:2], loads, _about("N", "Load on one bearing"))
     values["journal_friction_terms"] = (
-        ("journal", "friction_term"),
-        [curve.terms for curve in curves],
+        (*over[:2], "friction_term"),
+        [
+            [fit_friction_curve(s.sommerfeld_number, s.friction_coefficient).terms for s in row]
+            for row in sweeps
+        ],
         _about("1", "boundary exp(-S/decay) + rise tanh(S/transition) + offset; line S beyond"),
     )
     for name in JOURNAL_SIZES:
         sizes = [getattr(journal, name) for journal in description.journals]
         values[f"journal_{name}"] = ("journal", sizes, _about("m", name.replace("_", " ")))
     names = [f.name for f in fields(FrictionCurve)]
-    return xr.Dataset(values, {"journal": list(sweeps), "friction_term": names})
+    bodies = [journal.body for journal in description.journals]
+    levels = ("journal_load_level", list(LOAD_LEVELS), _about("1", "Load over that of the case"))
+    return xr.Dataset(
+        values, {"journal": bodies, "journal_load_level": levels, "friction_term": names}
+    )
+
+
+def _of_sweeps(sweeps: list[list[FrictionSweep]], name: str) -> Array:
+    return np.array([[getattr(sweep, name) for sweep in row] for row in sweeps])
 
 
 def _about(units: str, meaning: str) -> dict[str, str]:
@@ -204,13 +222,15 @@ def _about(units: str, meaning: str) -> dict[str, str]:
 
 
 def _journal_summary(tables: xr.Dataset) -> dict[str, Any]:
-    """Curve of each body: terms, level at rest, minimum and slope of the full film."""
+    """Curve of each body at the load of the case: terms, level at rest, minimum and slope."""
     numbers: dict[str, Any] = {}
     for body in tables["journal"].values:
-        row = tables.sel(journal=body)
+        loads = tables["journal_load"].sel(journal=body).values
+        row = tables.sel(journal=body).sel(journal_load_level=1.0, method="nearest")
         curve = FrictionCurve(*(float(term) for term in row["journal_friction_terms"].values))
         number, friction = curve.minimum()
         numbers[f"{body}_load_N"] = float(row["journal_load"])
+        numbers[f"{body}_loads_N"] = [float(load) for load in loads]
         numbers[f"{body}_friction_terms"] = list(curve.terms)
         numbers[f"{body}_boundary_friction"] = curve.boundary_level
         numbers[f"{body}_lowest_friction"] = friction
