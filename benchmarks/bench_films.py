@@ -3,7 +3,7 @@
     python -m benchmarks films
 
 Every time is the best of several runs after a warm-up; ``TOOTHSPACE_THREADS`` sets the threads
-of the multigrid cycle. Peers that are not installed are left out.
+of the multigrid cycle. Peers that are not installed are named as missing.
 """
 
 from __future__ import annotations
@@ -80,6 +80,29 @@ def journal_table() -> None:
         print(f"  {rows:4d} x {lanes:3d} equilibrium, 8 coeff. {elapsed:8.1f}      100   180-280")
 
 
+def several_table() -> None:
+    print("Several right-hand sides, best of 3    ms one by one   together   ratio")
+    for rows, lanes in ((100, 27), (200, 53), (400, 103)):
+        film = bearing(rows, lanes).solve(
+            eccentricity=(0.5, 0.0), tilt=(1e-4, 5e-5), shaft_speed=314.16
+        )
+        system = film.film.fields.system
+        sides = np.random.default_rng(0).normal(size=(8, film.film.fields.potential.size))
+        alone = best(lambda s=system, b=sides: [s.solve(side) for side in b], 3)
+        together = best(lambda s=system, b=sides: s.solve(b), 3)
+        name = f"{rows} x {lanes} tilted journal, 8 columns"
+        print(f"  {name:38s} {alone:11.1f} {together:10.1f} {alone / together:7.2f}")
+    balance, free = toothed_film(960, 128)
+    _, rhs = right_side(balance, free)
+    solver = ConductionSolver(balance, free)
+    wave = np.cos(np.arange(rhs.size).reshape(rhs.shape) / 5000.0)
+    sides = np.array([rhs * wave**k for k in range(6)])
+    alone = best(lambda: [solver.solve(side, relative_tolerance=1e-8) for side in sides], 3)
+    together = best(lambda: solver.solve(sides, relative_tolerance=1e-8), 3)
+    name = "122880 lateral cells, 6 (multigrid)"
+    print(f"  {name:38s} {alone:11.1f} {together:10.1f} {alone / together:7.2f}")
+
+
 def toothed_film(rows: int, lanes: int) -> tuple[CellBalance, np.ndarray]:
     """Tilted lateral film of a gear of 12 teeth; tooth spaces stand at given pressures."""
     angle = (np.arange(rows) + 0.5) * 2.0 * np.pi / rows
@@ -130,20 +153,25 @@ def multigrid_time(balance: CellBalance, free: np.ndarray, rhs: np.ndarray) -> t
     return setup, solve, warm, float(count), solver.memory / free.size
 
 
-def peers(matrix: sp.csr_matrix, b: np.ndarray) -> None:
+def peers(matrix: sp.csr_matrix, b: np.ndarray, own: float) -> None:
+    print(f"  own multigrid, setup and solution  {own:8.0f}    times own")
     columns = matrix.tocsc()
     options = {"SymmetricMode": True}
     superlu = best(
         lambda: spl.splu(columns, permc_spec="MMD_AT_PLUS_A", options=options).solve(b), 1
     )
-    print(f"  SciPy SuperLU (symmetric ordering) {superlu:8.0f}")
+    print(f"  SciPy SuperLU (symmetric ordering) {superlu:8.0f} {superlu / own:8.1f}")
+    for name in ("pyamg", "pypardiso"):
+        if not find_spec(name):
+            print(f"  {name} is not installed: no comparison")
     if find_spec("pyamg"):
         import pyamg
 
         levels = pyamg.ruge_stuben_solver(matrix)
         setup = best(lambda: pyamg.ruge_stuben_solver(matrix), 2)
         solve = best(lambda: levels.solve(b, tol=1e-8, accel="cg"), 2)
-        print(f"  PyAMG Ruge-Stueben                 {setup:8.0f} + {solve:.0f}")
+        whole = setup + solve
+        print(f"  PyAMG Ruge-Stueben, setup {setup:.0f}     {whole:8.0f} {whole / own:8.1f}")
     if find_spec("pypardiso"):
         try:
             import pypardiso
@@ -153,24 +181,27 @@ def peers(matrix: sp.csr_matrix, b: np.ndarray) -> None:
         upper = sp.triu(matrix, format="csr")
         solver = pypardiso.PyPardisoSolver(mtype=2)
         pardiso = best(lambda: (solver.factorize(upper), solver.solve(upper, b)), 2)
-        print(f"  MKL Pardiso                        {pardiso:8.0f}")
+        print(f"  MKL Pardiso                        {pardiso:8.0f} {pardiso / own:8.1f}")
 
 
 def lateral_table(sizes: tuple[tuple[int, int], ...]) -> None:
-    print(f"Masked lateral film, residual 1e-8, {THREADS} thread(s)")
-    print("      cells   setup   solve    warm  iterations  byte/cell  Mcell/s per iteration  GB/s")
+    print(f"Masked lateral film, residual 1e-8, {THREADS} thread(s); a triad of the same size, one")
+    print(
+        "      cells   setup   solve    warm  iterations  byte/cell  us/cell  GB/s  triad  fraction"
+    )
     for rows, lanes in sizes:
         balance, free = toothed_film(rows, lanes)
         stencil, rhs = right_side(balance, free)
         setup, solve, warm, count, memory = multigrid_time(balance, free, rhs)
-        rate = free.size * count / solve / 1e3
-        traffic = rate * BYTES_PER_CELL_AND_ITERATION / 1e3
+        traffic = free.size * count * BYTES_PER_CELL_AND_ITERATION / solve / 1e6
+        triad = bandwidth(int(memory * free.size / 24.0))
         print(
             f"  {free.size:9d} {setup:7.1f} {solve:7.1f} {warm:7.1f} {count:11.0f} {memory:10.0f} "
-            f"{rate:22.0f} {traffic:5.1f}"
+            f"{1e3 * (setup + solve) / free.size:8.2f} {traffic:5.1f} {triad:6.1f} "
+            f"{traffic / triad:9.2f}"
         )
         if free.size == 122880:
-            peers(sparse_matrix(stencil, free), rhs[free])
+            peers(sparse_matrix(stencil, free), rhs[free], setup + solve)
 
 
 @njit(cache=True)
@@ -179,16 +210,21 @@ def _triad(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> None:
         a[k] = b[k] + 3.0 * c[k]
 
 
+def bandwidth(size: int) -> float:
+    """What a triad moves, with a working set as large as that of a solution. [GB/s]."""
+    a, b, c = np.zeros(size), np.ones(size), np.ones(size)
+    return 24e-6 * size / best(lambda: _triad(a, b, c), 5)
+
+
 def bandwidth_table() -> None:
     print("Memory bandwidth of a triad, one thread")
     for size in (200_000, 20_000_000):
-        a, b, c = np.zeros(size), np.ones(size), np.ones(size)
-        elapsed = best(lambda a=a, b=b, c=c: _triad(a, b, c), 5)
-        print(f"  {24 * size / 1e6:8.1f} MB {24 * size / elapsed / 1e6:8.1f} GB/s")
+        print(f"  {24 * size / 1e6:8.1f} MB {bandwidth(size):8.1f} GB/s")
 
 
 def main() -> None:
     """Print all tables."""
     journal_table()
+    several_table()
     lateral_table(SIZES)
     bandwidth_table()

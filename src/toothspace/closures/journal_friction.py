@@ -181,12 +181,31 @@ class FrictionCurves:
 
     @property
     def rows(self) -> Array:
-        """One row per load: its logarithm and the terms of its curve. [ln N, -]."""
+        """One row per load.
+
+        Returns
+        -------
+        ndarray
+            Logarithm of the load in N and the terms of its curve. [-]
+        """
         terms = [curve.terms for curve in self.curves]
         return np.column_stack([np.log(self.loads), np.array(terms)])
 
     def __call__(self, sommerfeld_number: float, load: float) -> float:
-        """Friction coefficient of a load on one bearing [N] and a Sommerfeld number. [-]."""
+        """Friction coefficient.
+
+        Parameters
+        ----------
+        sommerfeld_number : float
+            Load parameter S = (eta N / P) (R / c)^2. [-]
+        load : float
+            Load on one bearing. [N]
+
+        Returns
+        -------
+        float
+            Friction torque over load and radius. [-]
+        """
         values = [float(curve(sommerfeld_number)) for curve in self.curves]
         return float(np.interp(np.log(load), np.log(self.loads), values))
 

@@ -49,6 +49,8 @@ class FilmFluid:
 
     def viscosity(self, pressure: Array) -> Array:
         """Dynamic viscosity at absolute pressures. [Pa s]."""
+        if self.pressure_viscosity == 0.0:
+            return np.full_like(pressure, self.dynamic_viscosity)
         exponent = np.minimum(self.pressure_viscosity * pressure, HIGHEST_EXPONENT)
         return np.asarray(self.dynamic_viscosity * np.exp(exponent))
 

@@ -163,27 +163,51 @@ def factor_band(band: Array) -> None:
 
 
 @njit(cache=True)
-def solve_bands(band: Array, rhs: Array, lanes: int, cut: int) -> Array:
-    """Solutions for several right-hand sides in grid order, in one pass over the factors.
-
-    ``rhs`` has one row per right-hand side; a row of the band serves all while it is in cache.
-    """
+def _substitute(band: Array, x: Array) -> None:
+    """Forward and backward substitution for one right-hand side, in place."""
     n, columns = band.shape
     width = columns // 2
-    shift = cut * lanes
-    x = np.empty(rhs.shape)
-    x[:, : n - shift] = rhs[:, shift:]
-    x[:, n - shift :] = rhs[:, :shift]
+    for r in range(n):
+        reach = min(width, r)
+        x[r] -= dot(band[r, width - reach : width], x[r - reach : r])
+    for r in range(n - 1, -1, -1):
+        reach = min(width, n - 1 - r)
+        total = dot(band[r, width + 1 : width + 1 + reach], x[r + 1 : r + 1 + reach])
+        x[r] = (x[r] - total) / band[r, width]
+
+
+@njit(cache=True)
+def _substitute_together(band: Array, x: Array) -> None:
+    """The same for several right-hand sides: a row of the band serves all while in cache."""
+    n, columns = band.shape
+    width = columns // 2
     for r in range(n):
         first = max(0, r - width)
         row = band[r, width - r + first : width]
-        for k in range(len(rhs)):
+        for k in range(len(x)):
             x[k, r] -= dot(row, x[k, first:r])
     for r in range(n - 1, -1, -1):
         last = min(n, r + 1 + width)
         row = band[r, width + 1 : width + last - r]
-        for k in range(len(rhs)):
+        for k in range(len(x)):
             x[k, r] = (x[k, r] - dot(row, x[k, r + 1 : last])) / band[r, width]
+
+
+@njit(cache=True)
+def solve_bands(band: Array, rhs: Array, lanes: int, cut: int) -> Array:
+    """Solutions for several right-hand sides in grid order, in one pass over the factors.
+
+    ``rhs`` has one row per right-hand side.
+    """
+    n = rhs.shape[1]
+    shift = cut * lanes
+    x = np.empty(rhs.shape)
+    x[:, : n - shift] = rhs[:, shift:]
+    x[:, n - shift :] = rhs[:, :shift]
+    if len(rhs) == 1:
+        _substitute(band, x[0])
+    else:
+        _substitute_together(band, x)
     result = np.empty(rhs.shape)
     result[:, shift:] = x[:, : n - shift]
     result[:, :shift] = x[:, n - shift :]
