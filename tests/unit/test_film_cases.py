@@ -13,7 +13,13 @@ import xarray as xr
 from toothspace.cli import main
 from toothspace.config import case_from_text
 from toothspace.core.errors import CaseError
-from toothspace.films import JournalBearing, RoughSurfaces, solve_bearing, solve_film
+from toothspace.films import (
+    JournalBearing,
+    RoughSurfaces,
+    critical_mass,
+    solve_bearing,
+    solve_film,
+)
 
 CASES = Path(__file__).resolve().parents[2] / "cases"
 BEARING = """
@@ -52,6 +58,21 @@ def test_journal_is_a_kind_of_film() -> None:
     film = solve_film(case_from_text(text.replace("[bearing]", '[film]\nkind = "journal"')))
     same = bearing("eccentricity = [0.4, 0.1]")
     assert film["force_x_N"] == same["force_x_N"]
+
+
+def test_numbers_of_a_tilted_bearing() -> None:
+    """Coefficients with the tilts contain those without; the stable mass follows from them."""
+    level = bearing("eccentricity = [0.4, 0.1]")
+    film = bearing('eccentricity = [0.4, 0.1]\ntilt = ["0.0001 rad", "0 rad"]')
+    assert "stiffness_4x4" not in level
+    stiffness, damping = np.array(film["stiffness_4x4"]), np.array(film["damping_4x4"])
+    assert stiffness.shape == damping.shape == (4, 4)
+    assert stiffness[:2, :2] == pytest.approx(np.array(film["stiffness_N_per_m"]), rel=1e-9)
+    assert damping[:2, :2] == pytest.approx(np.array(film["damping_N_s_per_m"]), rel=1e-9)
+    mass, whirl = critical_mass(stiffness[:2, :2], damping[:2, :2])
+    assert film["critical_mass_kg"] == pytest.approx(mass, rel=1e-9)
+    assert film["whirl_frequency_ratio"] == pytest.approx(whirl / (100.0 * np.pi), rel=1e-9)
+    assert sum(film["end_flow_L_per_min"]) == pytest.approx(film["side_flow_L_per_min"])
 
 
 def test_walls_that_turn_against_each_other_carry_nothing() -> None:

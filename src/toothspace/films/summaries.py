@@ -10,7 +10,7 @@ from toothspace.films.journal_solution import JournalBearingSolution
 from toothspace.films.lateral import LateralSolution
 from toothspace.films.machine_faces import FaceFilms
 from toothspace.films.pad import PadSolution
-from toothspace.films.shaft_motion import Orbit
+from toothspace.films.shaft_motion import Orbit, critical_mass
 from toothspace.films.thermal import HeatedFilm
 
 _LITRES_PER_MINUTE = 6e4
@@ -45,7 +45,30 @@ def bearing_summary(film: JournalBearingSolution) -> dict[str, Any]:
         "mass_balance_error": film.mass_balance_error,
         "stiffness_N_per_m": film.stiffness.tolist(),
         "damping_N_s_per_m": film.damping.tolist(),
+        **_tilt_coefficients(film),
+        **_stability(film),
         "status": film.status.name.lower(),
+    }
+
+
+def _tilt_coefficients(film: JournalBearingSolution) -> dict[str, Any]:
+    """Coefficients 4x4 of a film that is not mirrored: tilted, or fed from one side. [N, N m]."""
+    if film.film.mesh.weight > 1.0:
+        return {}
+    stiffness, damping = film.coefficients()
+    return {"stiffness_4x4": stiffness.tolist(), "damping_4x4": damping.tolist()}
+
+
+def _stability(film: JournalBearingSolution) -> dict[str, Any]:
+    """Largest stable mass per bearing and the whirl there, none if every mass is stable."""
+    mass, whirl = float("inf"), 0.0
+    if np.trace(film.damping) > 0.0 and np.linalg.det(film.damping) > 0.0:
+        mass, whirl = critical_mass(film.stiffness, film.damping)
+    speed = abs(film.speed.shaft)
+    found = np.isfinite(mass) and speed > 0.0
+    return {
+        "critical_mass_kg": _finite(mass),
+        "whirl_frequency_ratio": whirl / speed if found else None,
     }
 
 
