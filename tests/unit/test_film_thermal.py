@@ -107,6 +107,19 @@ def test_incline_finds_its_own_viscosity() -> None:
     )
 
 
+def test_film_hotter_than_the_fluid_is_known() -> None:
+    """Found if the viscosity is known a little beyond the answer, refused if it is not."""
+    mean = solve_heated(_pad, _thinning, OIL).mean_temperature
+
+    def known(limit: float) -> HeatBalance:
+        return replace(OIL, highest_temperature=limit)
+
+    found = solve_heated(_pad, _thinning, known(mean + 0.1))
+    assert found.mean_temperature == pytest.approx(mean, abs=1e-5)
+    with pytest.raises(CaseError, match="heat: found a mean temperature beyond"):
+        solve_heated(_pad, _thinning, known(mean - 0.1))
+
+
 def _ring(viscosity: float, **motion: float) -> LateralSolution:
     ring = LateralFilm(
         inner_radius=0.01,

@@ -31,7 +31,7 @@ from toothspace.films.summaries import (
     pad_summary,
     ring_summary,
 )
-from toothspace.films.thermal import Film, HeatBalance, solve_heated
+from toothspace.films.thermal import HIGHEST_RISE, Film, HeatBalance, solve_heated
 from toothspace.model.fluid import LiquidState, library_liquid, table_liquid
 from toothspace.model.operating_point import OperatingCondition
 
@@ -40,6 +40,8 @@ FILE_SUFFIXES: Mapping[str, Callable[[FilmSolution, Path], None]] = {
     ".vts": save_film_vtk,
 }
 """How the fields of a film are written, by the ending of the file."""
+_FIFTIETH = 0.02
+"""Accuracy of the highest temperature that a liquid is known at. [K]"""
 
 
 @final
@@ -116,11 +118,31 @@ def _heated(
         density=liquid.density,
         heat_capacity=liquid.specific_heat_capacity,
         oil_share=keys.heat.oil_share,
+        highest_temperature=_hottest(case),
     )
-    heated = solve_heated(
-        solve, lambda temperature: _liquid(case, temperature).dynamic_viscosity, balance
-    )
+    try:
+        heated = solve_heated(
+            solve, lambda temperature: _liquid(case, temperature).dynamic_viscosity, balance
+        )
+    except CaseError as error:
+        if str(error).startswith("heat:"):
+            raise CaseError(f"{place}.{error}") from error
+        raise
     return heated.film, heat_summary(heated)
+
+
+def _hottest(case: Any) -> float:
+    """Highest temperature that the liquid of a case is known at, within a fiftieth of a kelvin."""
+    known, beyond = case.fluid.temperature, case.fluid.temperature + HIGHEST_RISE
+    while beyond - known > _FIFTIETH:
+        middle = 0.5 * (known + beyond)
+        try:
+            _liquid(case, middle)
+        except CaseError:
+            beyond = middle
+        else:
+            known = middle
+    return float(known)
 
 
 def _solve_journal(case: Any, keys: Any) -> CaseFilms:

@@ -8,6 +8,7 @@ from typing import Generic, Protocol, TypeVar, final
 
 from scipy.optimize import brentq
 
+from toothspace.core.constants import ZERO_CELSIUS
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 
@@ -52,6 +53,8 @@ class HeatBalance:
     oil_share : float
         Part of the dissipated power that the oil carries away: 1 adiabatic walls, 0 isothermal
         film. [-]
+    highest_temperature : float
+        Temperature up to which the viscosity is known. [K]
 
     Notes
     -----
@@ -70,6 +73,7 @@ class HeatBalance:
     density: float
     heat_capacity: float
     oil_share: float = 1.0
+    highest_temperature: float = float("inf")
 
     def outlet_temperature(self, film: HeatedBody) -> float:
         """Temperature of the oil that leaves. [K]."""
@@ -146,10 +150,23 @@ def solve_heated(
     if mismatch(first) <= 0.0:
         mean = first
     else:
-        rise = _FIRST_RISE
-        while mismatch(first + rise) > 0.0 and rise < HIGHEST_RISE:
-            rise *= 2.0
+        rise = _rise_beyond(mismatch, first, balance.highest_temperature)
         mean = float(brentq(mismatch, first, first + rise, xtol=1e-6, rtol=1e-12))
     film = solve(viscosity(mean))
     outlet = balance.outlet_temperature(film)
     return HeatedFilm(film, viscosity(mean), mean, outlet, film.status)
+
+
+def _rise_beyond(mismatch: Callable[[float], float], first: float, highest: float) -> float:
+    """Rise of the mean temperature that is more than the film asks for. [K]."""
+    most = min(HIGHEST_RISE, highest - first)
+    rise = min(_FIRST_RISE, most)
+    while mismatch(first + rise) > 0.0:
+        if rise >= most:
+            raise CaseError(
+                f"heat: found a mean temperature beyond {first + most - ZERO_CELSIUS:.0f} degC, "
+                "allowed are films within the range of the fluid: take more flow, less speed or a "
+                "smaller oil_share"
+            )
+        rise = min(2.0 * rise, most)
+    return rise
