@@ -214,6 +214,15 @@ def test_orbit_comes_to_rest(memory: str) -> None:
     assert film["orbit_max_eccentricity_ratio"] > film["eccentricity_ratio"]
 
 
+def test_heavy_unbalance_in_an_elliptical_bore() -> None:
+    """The bore is narrow in one direction: steps stay within it, not within the round one."""
+    rest = 'load = ["1000 N", "0 N"]\nlobes = {count = 2, preload = 0.5}\n[bearing.orbit]\n'
+    rest += 'mass = "5 kg"\nduration = "0.02 s"\ntime_step = "0.0005 s"\nunbalance = "0.03 kg m"'
+    film = bearing(rest)
+    assert film["status"] == "done"
+    assert 0.5 < film["orbit_max_eccentricity_ratio"] < 1.0
+
+
 def test_ring_has_the_closed_form() -> None:
     film = solve_film(case_from_text(RING))
     flow = math.pi * 10e-6**3 * 50e5 / (6.0 * 0.03 * math.log(3.0))

@@ -11,6 +11,7 @@ from scipy.optimize import brentq
 
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
+from toothspace.films.equilibrium import closeness
 from toothspace.films.journal_film import MotionState
 from toothspace.films.journal_solution import JournalBearingSolution, SurfaceSpeed
 from toothspace.films.journal_solver import solve_motion
@@ -287,11 +288,11 @@ class _OrbitStep:
 
     def _inside(self, position: Array, before: Array) -> Array:
         """Shorten a step that would close the gap."""
-        c = self.bearing.radial_clearance
-        limit = 1.0 - 0.3 * max(1.0 - float(np.hypot(*before)) / c, 1e-3)
+        c, bearing = self.bearing.radial_clearance, self.bearing
+        limit = 1.0 - 0.3 * max(1.0 - closeness(before / c, bearing), 1e-3)
         change = position - before
         for _ in range(60):
-            if np.hypot(*(before + change)) <= limit * c:
+            if closeness((before + change) / c, bearing) <= limit:
                 break
             change = 0.8 * change
         return np.asarray(before + change)
