@@ -15,6 +15,7 @@ from toothspace.case.case import Case
 from toothspace.case.plumbing import plumb
 from toothspace.config import case_from_text
 from toothspace.core.errors import CaseError
+from toothspace.core.status import Status
 from toothspace.model.assembly import System, assemble
 from toothspace.model.description import MachineDescription
 from toothspace.results.solution import Solution
@@ -49,6 +50,15 @@ def solve(case: Case, duration: float, cells: int = 100) -> Solution:
 
 def slow_supply(speed: str, *more: str) -> Case:
     return startup_case(f'circuit.supply.speed=[["0 s", "{speed}"]]', *more)
+
+
+def test_a_run_that_fails_within_its_first_row_keeps_the_start() -> None:
+    limits = ("run.max_steps=100", "run.time_samples=10", 'circuit.duration="50 s"')
+    solution = api.simulate(startup_case(*limits))
+    assert solution.status is Status.MAX_STEPS
+    assert solution.data["time"].values == pytest.approx([0.0], abs=1e-9)
+    assert solution.data["chamber_pressure"].values == pytest.approx(1e5, rel=1e-3)
+    assert solution.summary()["status"] == "max_steps"
 
 
 def wide_values(*overrides: str) -> set[str]:

@@ -28,6 +28,8 @@ from toothspace.solver.observe import Observation, observe
 from toothspace.solver.outcome import body_values, labels_of, loss_values, window_ledger
 from toothspace.solver.transient import TimePlan, TransientMarch
 
+_AT_ONCE = 1e-12
+
 
 def transient_solution(
     march: TransientMarch,
@@ -47,16 +49,8 @@ def transient_solution(
     progress : callable, optional
         Called with the finished share and a short text.
     """
-    stream, seat = SampleStream(), None
-    try:
-        for times, states in march.chunks(progress):
-            values = _values(march, times, states)
-            seat = values.pop("seat_position")
-            stream.append(_cells(_chosen(values, march.plan), march.plan.samples_per_cell))
-    except KeyboardInterrupt:
-        march.status = Status.INTERRUPTED
-    if seat is None:
-        raise KeyboardInterrupt
+    stream = SampleStream()
+    seat = _streamed(march, stream, progress)
     system = march.system
     rows = stream.finish()
     constants = {**_constants(system, rows), "seat_position": seat}
@@ -78,6 +72,31 @@ def transient_solution(
         provenance=provenance,
         events=_placed(march.events, rows),
     )
+
+
+def _streamed(march: TransientMarch, stream: SampleStream, progress: Progress | None) -> Array:
+    """Append all cells to the stream; return the position of the bearing seats.
+
+    A run that fails within its first cell keeps the state at its start.
+    """
+    try:
+        for times, states in march.chunks(progress):
+            seat = _append(march, stream, times, states)
+    except KeyboardInterrupt:
+        march.status = Status.INTERRUPTED
+    if stream.rows == 0:
+        if march.status is Status.INTERRUPTED:
+            raise KeyboardInterrupt
+        at_start: Array = _AT_ONCE * np.arange(float(march.plan.samples_per_cell))
+        seat = _append(march, stream, at_start, np.tile(march.first, (at_start.size, 1)))
+    return seat
+
+
+def _append(march: TransientMarch, stream: SampleStream, times: Array, states: Array) -> Array:
+    values = _values(march, times, states)
+    seat = values.pop("seat_position")
+    stream.append(_cells(_chosen(values, march.plan), march.plan.samples_per_cell))
+    return seat
 
 
 def _history(march: TransientMarch, times: Any, states: Any) -> History:
