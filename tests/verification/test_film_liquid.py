@@ -100,6 +100,15 @@ def test_coefficients_follow_the_viscosity() -> None:
         assert film.stiffness[:, k] == pytest.approx(-slope, rel=1e-5)
 
 
+def test_equilibrium_says_that_the_liquid_runs_away() -> None:
+    """The load at the runaway is finite; a constant viscosity carries the same."""
+    load, found = (1e5, 0.0), []
+    for alpha in (0.0, ALPHA):
+        bearing = replace(BEARING, pressure_viscosity=alpha)
+        found.append(bearing.equilibrium(load=load, shaft_speed=300.0).status)
+    assert found == [Status.DONE, Status.RUNAWAY]
+
+
 def test_runaway_is_told_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     case = tmp_path / "pad.toml"
     case.write_text(

@@ -29,6 +29,8 @@ _QUICKER = 0.8
 """Growth of the pace of a sinking shaft from step to step, beside that of the error. [-]"""
 _OVERSHOT = 2.0
 """Growth of the force out of balance with which a step counts as too long. [-]"""
+_NEAR_RUNAWAY = 0.3
+"""Part of the smallest gap within which a search that a runaway stopped has come to it. [-]"""
 _TOLERANCE = 1e-9
 """Force out of balance over the load. [-]"""
 
@@ -57,7 +59,22 @@ def find_equilibrium(
     film = _newton(bearing, load, speed, place, _TOLERANCE)
     if film.status.succeeded:
         return film
-    return _sunk(bearing, load, _solve_at(bearing, _inner(film.eccentricity, bearing), speed))
+    film = _sunk(bearing, load, _solve_at(bearing, _inner(film.eccentricity, bearing), speed))
+    return film if film.status.succeeded else _told_apart(bearing, load, film)
+
+
+def _told_apart(
+    bearing: JournalBearing, load: Array, film: JournalBearingSolution
+) -> JournalBearingSolution:
+    """Say so where the load is more than the liquid carries before its pressure runs away."""
+    missing = film.force + load
+    room = 1.0 - closeness(film.eccentricity, bearing)
+    if bearing.pressure_viscosity == 0.0 or room <= 0.0:
+        return film
+    beyond = film.eccentricity + _NEAR_RUNAWAY * room * missing / np.hypot(*missing)
+    near = (_solve_at(bearing, place, film.speed) for place in (film.eccentricity, beyond))
+    runs_away = any(one.status is Status.RUNAWAY for one in near)
+    return replace(film, status=Status.RUNAWAY) if runs_away else film
 
 
 def _inner(place: Array, bearing: JournalBearing) -> Array:
