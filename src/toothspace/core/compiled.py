@@ -57,7 +57,7 @@ numba.config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"]
 
 njit = numba.njit
 prange = numba.prange
-kernel = numba.njit(cache=True, error_model="numpy", _nrt=False)
+kernel = numba.njit(cache=True, error_model="numpy", _nrt=False, nogil=True)
 """Compiles a function that allocates nothing: arrays pass without reference counting."""
 
 merged = numba.njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)

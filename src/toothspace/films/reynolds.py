@@ -209,7 +209,8 @@ def _fill_cells(
             b.storage[i, j] = fluid.density[i, j] * rate * grid.area[i, j]
 
 
-def _gauge(pressure: Array, cavitation_pressure: float) -> Array:
+def gauge_pressure(pressure: Array, cavitation_pressure: float) -> Array:
+    """Pressure above that of cavitation, not below zero. [Pa]."""
     return np.maximum(pressure - cavitation_pressure, 0.0)
 
 
@@ -233,11 +234,13 @@ def film_balance(
         np.empty_like(gap.centre),
         np.zeros_like(gap.centre),
         grid.mark,
-        np.where(grid.mark == PRESCRIBED, _gauge(grid.prescribed, cavitation_pressure), 0.0),
-        _gauge(grid.west, cavitation_pressure),
-        _gauge(grid.east, cavitation_pressure),
-        _gauge(grid.south, cavitation_pressure),
-        _gauge(grid.north, cavitation_pressure),
+        np.where(
+            grid.mark == PRESCRIBED, gauge_pressure(grid.prescribed, cavitation_pressure), 0.0
+        ),
+        gauge_pressure(grid.west, cavitation_pressure),
+        gauge_pressure(grid.east, cavitation_pressure),
+        gauge_pressure(grid.south, cavitation_pressure),
+        gauge_pressure(grid.north, cavitation_pressure),
         grid.ring,
     )
     _fill_x(grid, gap, fluid, law, b, False)

@@ -214,7 +214,7 @@ def solve_bands(band: Array, rhs: Array, lanes: int, cut: int) -> Array:
     return result
 
 
-@njit(cache=True, fastmath={"contract"})
+@njit(cache=True, nogil=True, fastmath={"contract"})
 def stencil_products(stencil: Array, x: Array, rows: int, lanes: int) -> Array:
     """Products of a five-point matrix on a ring and several vectors in grid order, one per row."""
     y = np.empty(x.shape)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import final
+from typing import Protocol, final
 
 import numpy as np
 
@@ -165,7 +165,14 @@ def _sweep(
                 x[k, r] = total / stencil[r, 2]
 
 
-LinearSystem = DirectSystem | IterativeSystem
+class LinearSystem(Protocol):
+    """Linear system of one pass."""
+
+    def solve(
+        self, rhs: Array, start: Array | None = None, relative_tolerance: float = TIGHT
+    ) -> Array:
+        """Solution in grid order, residual over right-hand side as asked."""
+        ...  # pragma: no cover
 
 
 def prefers_direct(balance: CellBalance) -> bool:

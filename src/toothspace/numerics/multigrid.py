@@ -9,6 +9,7 @@ Krylov iteration around it works in double precision. The fine level holds 32 by
 from __future__ import annotations
 
 import os
+import threading
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -42,6 +43,8 @@ THREADS = int(os.environ.get("TOOTHSPACE_THREADS", min(2, os.cpu_count() or 1)))
 """Threads of one cycle. [-]"""
 # waiting threads must sleep: on a busy machine spinning ones take the time of those that work
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+_ONE_AT_A_TIME = threading.Lock()
+"""Numba's simplest threading layer ends the program if two threads start parallel loops."""
 COARSEST_SWEEPS = 24
 """Pairs of sweeps on the coarsest grid. [-]"""
 
@@ -385,6 +388,11 @@ def _solve_coarsest(level: Level) -> None:
 
 def cycle(levels: tuple[Level, ...]) -> None:
     """One symmetric V-cycle on every ``b`` of the finest level, results in ``x``."""
+    with _ONE_AT_A_TIME:
+        _cycle(levels)
+
+
+def _cycle(levels: tuple[Level, ...]) -> None:
     before = numba.get_num_threads()
     for fine, coarse in pairwise(levels):
         _use_threads(fine, before)

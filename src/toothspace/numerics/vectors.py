@@ -6,7 +6,7 @@ from toothspace.core.compiled import njit
 from toothspace.core.types import Array
 
 
-@njit(cache=True, fastmath={"contract", "reassoc"})
+@njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
 def dot(a: Array, b: Array) -> float:
     """Inner product of two vectors."""
     total = 0.0
@@ -15,13 +15,13 @@ def dot(a: Array, b: Array) -> float:
     return total
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def norm(a: Array) -> float:
     """Euclidean length of a vector."""
     return float(dot(a, a) ** 0.5)
 
 
-@njit(cache=True, fastmath={"contract"})
+@njit(cache=True, nogil=True, fastmath={"contract"})
 def add_scaled(a: Array, factor: float, b: Array) -> None:
     """Add a multiple of the second vector to the first, in place."""
     for k in range(a.size):

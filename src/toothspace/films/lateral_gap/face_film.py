@@ -310,7 +310,7 @@ def _stiff(
     contact, slope = contact_field(film.gap.centre, max(law.roughness, 1e-12), law.contact)
     known = film.grid.mark == PRESCRIBED
     contact[known], slope[known] = 0.0, 0.0
-    return YieldingSolution(plane, contact, slope, np.ones_like(contact))
+    return YieldingSolution(plane, contact, slope, np.ones_like(contact), fields.kind)
 
 
 def _lever(grid: FaceGrid, motion: int) -> tuple[Array, Array, Array]:

@@ -11,6 +11,7 @@ import numpy as np
 from toothspace.core.types import Array
 from toothspace.films.lateral_gap.friction import HousingFriction
 from toothspace.films.lateral_gap.stack import BackPressure, Scene, Stack, StackState
+from toothspace.films.lateral_gap.yielding_film import Accuracy
 
 _STOP_STIFFNESS = 1e9
 """Stiffness of the cover that limits the travel. [N/m]"""
@@ -25,6 +26,8 @@ _PATIENCE = 8
 """Iterations of one step after which an older Jacobian is made afresh. [-]"""
 _HEAD = 0.3
 """Part of the former velocity with which a step begins its search. [-]"""
+_STEADY = 0.02
+"""Change of gaps in one pass up to which forces tell how they vary with the positions. [-]"""
 _MOST_FAILURES = 3
 """Films that may fail one after another before a step is given up."""
 
@@ -45,7 +48,9 @@ class StepSettings:
     relaxation : float
         Part of a change of the deformation that is taken over. [-]
     jacobian_age : int
-        Iterations and steps that one Jacobian serves.
+        Iterations and steps that one Jacobian serves; corrected by what it foretold if several.
+    passes : int
+        Passes of the films in one iteration; with few, films and forces settle together.
     """
 
     force_tolerance: float = 1e-6
@@ -53,6 +58,7 @@ class StepSettings:
     max_iterations: int = 40
     relaxation: float = 1.0
     jacobian_age: int = 1
+    passes: int = Accuracy().passes
 
 
 class Loads(NamedTuple):
@@ -197,36 +203,45 @@ def _solve(task: _Task, former: Balance, slides: tuple[int, ...] | None) -> Bala
         former.age,
     )
     best, failures, holding = np.inf, 0, np.zeros(len(held))
+    quick = stack.with_passes(settings.passes)
+    foretold: tuple[Array, Array] | None = None
     for number in range(1, settings.max_iterations + 1):
         v = (q - task.start) / task.duration
         starts = _matched(former, task) if number == 1 else states
+        films = quick if number % _PATIENCE else stack
         states = tuple(
-            stack.solve(scene, q, v, old, given)
+            films.solve(scene, q, v, old, given)
             for scene, old, given in zip(task.scenes, starts, deformed, strict=True)
         )
-        failures = 0 if all(s.converged for s in states) else failures + 1
+        settled = all(s.converged for s in states)
+        failures = 0 if settled or films is not stack else failures + 1
         if failures > _MOST_FAILURES:
             break
         deformed, change = _deform(task, states, deformed)
         force, drag = _forces(task, states, v, slides)
+        steady = max(s.change for s in states) <= _STEADY
+        if foretold is not None and jacobian is not None and settings.jacobian_age > 1:
+            jacobian = _corrected(jacobian, foretold, force) if steady else jacobian
         if jacobian is None or age >= settings.jacobian_age or number % _PATIENCE == 0:
             jacobian, age = _mean_coefficients(states), 0
         age += 1
         step, holding, error = _newton_step(task, jacobian, force, drag, held, v)
         scale = _scale(task)
         best = error / scale
-        if best <= settings.force_tolerance and change <= settings.film_tolerance:
+        if best <= settings.force_tolerance and change <= settings.film_tolerance and settled:
             return Balance(
                 states,
                 _friction(task, v, slides, holding),
                 slides or (0,) * len(levers),
                 best,
                 number,
-                all(s.converged for s in states),
+                True,
                 jacobian,
                 age,
             )
-        q = q + _limited(states, step)
+        step = _limited(states, step)
+        foretold = (step, force - _matrix(task, jacobian, drag) @ step) if steady else None
+        q = q + step
     return Balance(
         states,
         _friction(task, v, slides, holding),
@@ -307,6 +322,23 @@ def _mean_coefficients(states: tuple[StackState, ...]) -> tuple[Array, Array]:
     return np.mean([k for k, _ in pairs], axis=0), np.mean([d for _, d in pairs], axis=0)
 
 
+def _matrix(task: _Task, jacobian: tuple[Array, Array], drag: Array) -> Array:
+    """Minus the derivative of the forces with the coordinates at the end of the step."""
+    stiffness, damping = jacobian
+    return np.asarray(stiffness + (damping + drag) / task.duration)
+
+
+def _corrected(
+    jacobian: tuple[Array, Array], foretold: tuple[Array, Array], force: Array
+) -> tuple[Array, Array]:
+    """Stiffness that would have foretold the force found after a step (Broyden 1965)."""
+    step, expected = foretold
+    size = float(step @ step)
+    if size == 0.0:
+        return jacobian
+    return jacobian[0] + np.outer(expected - force, step) / size, jacobian[1]
+
+
 def _newton_step(
     task: _Task,
     jacobian: tuple[Array, Array],
@@ -317,8 +349,7 @@ def _newton_step(
 ) -> tuple[Array, Array, float]:
     """Step of the coordinates, forces that hold bearings at rest, and the largest residual."""
     free = task.stack.free
-    stiffness, damping = jacobian
-    matrix = (stiffness + (damping + drag) / task.duration)[np.ix_(free, free)]
+    matrix = _matrix(task, jacobian, drag)[np.ix_(free, free)]
     count, bars = free.size, len(held)
     full = np.zeros((count + bars, count + bars))
     full[:count, :count] = matrix

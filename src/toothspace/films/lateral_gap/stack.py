@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import NamedTuple, Protocol, final
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple, Protocol, TypeVar, final
 
 import numpy as np
 
@@ -19,8 +20,12 @@ from toothspace.films.lateral_gap.face_film import (
 )
 from toothspace.films.lateral_gap.faces import FaceGrid, Mask
 from toothspace.model.lateral_balance import FilmInterface, LateralBalance, Patch
+from toothspace.numerics import multigrid
 
+T = TypeVar("T")
 _MOTIONS = 3
+_THREADED_CELLS = 10_000
+"""Cells of a film from which a thread of its own pays. [-]"""
 
 
 class Compliance(Protocol):
@@ -161,14 +166,30 @@ class Stack:
     ) -> StackState:
         """All films at positions and velocities, with given widening by distant pressures."""
         low = float(scene.node_pressure[self.balance.low_node])
-        films = []
-        for k, grid in enumerate(self.grids):
+
+        def one(k: int) -> FaceFilm:
             around = Surroundings(scene.masks[k], scene.node_pressure, self.shaft_speed, low)
             start = former.films[k] if former is not None else None
-            place = self.film_place(k, q, v)
             approach = Approach(self.compliance.local[k], distant[k])
-            films.append(solve_face(grid, self.laws[k], around, place, approach, start))
-        return StackState(self, scene, q, v, tuple(films), tuple(distant))
+            place = self.film_place(k, q, v)
+            return solve_face(self.grids[k], self.laws[k], around, place, approach, start)
+
+        return StackState(self, scene, q, v, self.side_by_side(one), tuple(distant))
+
+    def with_passes(self, passes: int) -> Stack:
+        """Same stack whose films make at most so many passes at a time."""
+        if passes == self.laws[0].accuracy.passes:
+            return self
+        laws = (law._replace(accuracy=law.accuracy._replace(passes=passes)) for law in self.laws)
+        return replace(self, laws=tuple(laws))
+
+    def side_by_side(self, one: Callable[[int], T]) -> tuple[T, ...]:
+        """Outcome of a function for every film; large films are worked on at the same time."""
+        films = range(len(self.grids))
+        if multigrid.THREADS < 2 or self.grids[0].area.size < _THREADED_CELLS:
+            return tuple(map(one, films))
+        with ThreadPoolExecutor(multigrid.THREADS) as pool:
+            return tuple(pool.map(one, films))
 
     def _lift_maps(self, interface: FilmInterface) -> tuple[Array, Array]:
         """Upper face of a film from the coordinates: part of the bearing, part of the body."""
@@ -201,6 +222,11 @@ class StackState:
     def converged(self) -> bool:
         """Whether all films settled."""
         return all(film.plane.status.succeeded for film in self.films)
+
+    @property
+    def change(self) -> float:
+        """Largest change of a gap by the last pass of its film over the gap. [-]."""
+        return max(film.solution.change for film in self.films)
 
     def film_force(self) -> Array:
         """Generalised forces of films, asperities and tooth spaces on the coordinates."""

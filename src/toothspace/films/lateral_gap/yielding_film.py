@@ -10,10 +10,12 @@ import numpy as np
 from toothspace.core.compiled import kernel
 from toothspace.core.status import Status
 from toothspace.core.types import Array, IntArray
+from toothspace.films.live_balance import linearised_balance
 from toothspace.films.plane_film import PlaneFilm, PlaneSolution
-from toothspace.films.reynolds import FluidField, GapField, balance_derivative, film_balance
+from toothspace.films.reynolds import FluidField, GapField
 from toothspace.films.rough_surfaces import ContactTable, contact_pressure
 from toothspace.numerics.banded import stencil_product
+from toothspace.numerics.block_elimination import block_system
 from toothspace.numerics.complementarity import (
     ComplementaritySolution,
     assemble,
@@ -26,9 +28,7 @@ from toothspace.numerics.linear_system import (
     TIGHT,
     UNSATURATED,
     LinearSystem,
-    direct_system,
     iterative_system,
-    prefers_direct,
 )
 from toothspace.numerics.structured_grid import CellBalance, grid_shape
 
@@ -38,8 +38,8 @@ _PATIENCE = 9
 _LONGEST = 0.5
 """Largest change of the gap in one pass over the gap. [-]"""
 _ROUNDING = 1e-10
-_DIRECT_CELLS = 20_000
-"""Cells from which multigrid beats the band of a yielding film. [-]"""
+_BLOCK_LANES = 200
+"""Cells along the radius up to which elimination beats multigrid of a yielding film. [-]"""
 
 
 class Accuracy(NamedTuple):
@@ -47,6 +47,7 @@ class Accuracy(NamedTuple):
 
     settled: float = 1e-7  # change of the gap by one pass over the gap [-]
     linear: float = TIGHT  # residual of one linear solution over its right-hand side [-]
+    passes: int = _MOST_PASSES  # most passes; few where the force balance repeats them [-]
 
 
 class Yielding(NamedTuple):
@@ -72,12 +73,18 @@ class YieldingSolution:
         Asperity pressure and its derivative with the gap. [Pa, Pa/m]
     yielding : ndarray
         Change of the gap over a change of its undeformed height. [-]
+    kind : ndarray of int
+        Kinds of the cells for a next pass; those of the fields if the film settled.
+    change : float
+        Largest change of the gap by the last pass over the gap. [-]
     """
 
     plane: PlaneSolution
     contact: Array
     contact_slope: Array
     yielding: Array
+    kind: IntArray
+    change: float = 0.0
 
 
 @kernel
@@ -231,17 +238,19 @@ def solve_yielding(
     potential, saturation, kind = _begin(film, former)
     unknown = np.where(kind == UNSATURATED, saturation, potential).ravel()
     gap = film.gap.centre.copy() if former is None else former.plane.film.gap.centre.copy()
-    settled = False
-    for number in range(1, _MOST_PASSES + 1):
+    settled, system = False, None if former is None else former.plane.fields.system
+    for number in range(1, how.accuracy.passes + 1):
         potential = np.where(kind == UNSATURATED, 0.0, unknown.reshape(kind.shape))
         saturation = np.where(kind == UNSATURATED, unknown.reshape(kind.shape), 1.0)
-        now = _linearise(film, state, how, (potential, saturation, kind), gap)
-        gap = now.gap
+        now = _linearise(film, state, how, (potential, saturation, kind), gap, system)
+        gap, system = now.gap, now.system
         step = now.system.solve(-now.right, relative_tolerance=how.accuracy.linear)
-        change = how.compliance * np.abs(step).reshape(kind.shape) * now.touch[2]
+        change = how.compliance * step.reshape(kind.shape) * now.touch[2]
         change = np.where(inside & (kind == SATURATED), change, 0.0)
-        largest = float((change / np.maximum(gap, 0.1 * how.roughness + 1e-9)).max())
-        unknown = unknown + min(1.0, _LONGEST / max(largest, 1e-300)) * step
+        floor = np.maximum(gap, 0.1 * how.roughness + 1e-9)
+        largest = float((np.abs(change) / floor).max())
+        part = np.minimum(1.0, _LONGEST * floor / np.maximum(np.abs(change), 1e-300))
+        unknown = unknown + part.ravel() * step
         used = kind.copy()
         changed = _revise(kind, unknown, potential_scale(now.balance))
         settled = changed == 0 and largest <= how.accuracy.settled
@@ -250,9 +259,9 @@ def solve_yielding(
         if number % _PATIENCE == 0:
             unknown, kind = _with_gap_held(film, now, unknown, used)
     final = np.where(
-        used == UNSATURATED, 0.0, np.where(inside, unknown.reshape(kind.shape), potential)
+        kind == UNSATURATED, 0.0, np.where(inside, unknown.reshape(kind.shape), potential)
     )
-    filled = np.where(used == UNSATURATED, unknown.reshape(kind.shape), 1.0)
+    filled = np.where(kind == UNSATURATED, unknown.reshape(kind.shape), 1.0)
     fields = ComplementaritySolution(final, filled, used, now.system, number, settled)
     moved = PlaneFilm(
         film.grid,
@@ -266,7 +275,9 @@ def solve_yielding(
     status = Status.DONE if settled else Status.NOT_CONVERGED
     gauge = np.maximum(fields.potential, 0.0)
     plane = PlaneSolution(moved, state, now.balance, fields, status, gauge)
-    return YieldingSolution(plane, now.touch[0].copy(), now.touch[1].copy(), now.touch[2].copy())
+    contact = np.maximum(now.touch[0] + part * now.touch[1] * change, 0.0)
+    touch = (now.touch[1].copy(), now.touch[2].copy())
+    return YieldingSolution(plane, contact, *touch, kind, largest)
 
 
 def _with_gap_held(
@@ -287,7 +298,7 @@ def _begin(film: PlaneFilm, former: YieldingSolution | None) -> tuple[Array, Arr
         kind = np.where(known, PRESCRIBED, SATURATED)
         return np.where(known, given, 0.0), np.ones(kind.shape), kind
     fields = former.plane.fields
-    kind = np.where(fields.kind == PRESCRIBED, SATURATED, fields.kind)
+    kind = np.where(former.kind == PRESCRIBED, SATURATED, former.kind)
     kind = np.where(known, PRESCRIBED, kind)
     return np.where(known, given, fields.potential), fields.saturation.copy(), kind
 
@@ -298,6 +309,7 @@ def _linearise(
     how: Yielding,
     fields: tuple[Array, Array, IntArray],
     gap: Array,
+    former: LinearSystem | None,
 ) -> _Pass:
     potential, saturation, kind = fields
     touch = np.empty((3, *gap.shape))
@@ -305,17 +317,15 @@ def _linearise(
     inside = film.grid.mark != PRESCRIBED
     _settle_gap(film.gap.centre, potential, inside, how, height, touch)
     field = opened(film.gap, height - film.gap.centre, film.grid.sweep_x)
-    balance = film_balance(film.grid, field, state, film.cavitation_pressure, film.law)
+    balance, slope = linearised_balance(film.grid, field, state, film.cavitation_pressure, film.law)
     stencil, rhs = assemble(balance, kind)
     rows, lanes = grid_shape(balance)
     unknown = np.where(kind == UNSATURATED, saturation, potential).ravel()
     right = stencil_product(stencil, unknown, rows, lanes) - rhs
-    slope = balance_derivative(film.grid, field, state, balance, film.law)
     _couple(balance, slope, kind, potential, saturation, how.compliance * touch[2], stencil)
     system: LinearSystem
-    if prefers_direct(balance) and rows * lanes <= _DIRECT_CELLS:
-        band = np.empty((kind.size, 2 * lanes + 1))
-        system = direct_system(balance, stencil, kind, band)
+    if lanes <= _BLOCK_LANES:
+        system = block_system(stencil, kind, former)
     else:
         system = iterative_system(balance, stencil, kind)
     return _Pass(height, touch, balance, system, right)
