@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import final
 
 import numpy as np
@@ -19,6 +19,9 @@ _PROBE = 1e6
 
 _LOCAL_MARGIN = 1.5
 """Local part over the mean of the probe: rims give way more, and the rest must not exceed it."""
+
+_KEPT = 4
+"""Shaft angles whose interpolation is kept. [-]"""
 
 RELAXATION = 0.5
 """Part of a change of the rest that one iteration may take over. [-]"""
@@ -52,6 +55,9 @@ class ElasticFaces:
     bodies: Mapping[str, InfluenceMatrix]
     back_loads: Mapping[str, float]
     local: tuple[float, ...]
+    _spreads: dict[tuple[int, float], tuple[sp.csr_matrix, sp.csr_matrix]] = field(
+        init=False, repr=False, default_factory=dict
+    )
 
     def distant(self, pressures: Sequence[Array], scene: Scene) -> list[Array]:
         """Rest of the widening of every gap [m] under pressures above the low one. [Pa]."""
@@ -63,7 +69,7 @@ class ElasticFaces:
 
     def widening(self, pressures: Sequence[Array], scene: Scene) -> list[Array]:
         """Widening of every gap by all bodies. [m]."""
-        spread = [self._spread(grid, scene.shaft_angle) for grid in self.grids]
+        spread = [self._kept_spread(k, scene.shaft_angle) for k in range(len(self.grids))]
         loads = {name: np.zeros(len(body.nodes)) for name, body in self.bodies.items()}
         for grid, p, mask, maps in zip(self.grids, pressures, scene.masks, spread, strict=True):
             side, body = grid.interface.side, grid.interface.body
@@ -88,6 +94,15 @@ class ElasticFaces:
         push = pressure * grid.area
         on_bearing = np.where(mask.cells.owned, push, 0.0)
         return on_bearing.ravel(), np.where(mask.cells.covered, push, 0.0).ravel()
+
+    def _kept_spread(self, index: int, shaft_angle: float) -> tuple[sp.csr_matrix, sp.csr_matrix]:
+        """Spread at an angle, kept for the next iterations at the angles used last."""
+        key = index, shaft_angle
+        if key not in self._spreads:
+            if len(self._spreads) >= _KEPT * len(self.grids):
+                self._spreads.clear()
+            self._spreads[key] = self._spread(self.grids[index], shaft_angle)
+        return self._spreads[key]
 
     def _spread(self, grid: FaceGrid, shaft_angle: float) -> tuple[sp.csr_matrix, sp.csr_matrix]:
         """From the nodes of bearing and turning body to the cells."""
