@@ -197,11 +197,8 @@ def _solve(task: _Task, former: Balance, slides: tuple[int, ...] | None) -> Bala
     held = [lever for k, lever in enumerate(levers) if slides is not None and slides[k] == 0]
     states: tuple[StackState, ...] = former.states
     deformed = [list(s.distant) for s in _matched(former, task)]
-    q, jacobian, age = (
-        task.start + _HEAD * task.duration * task.velocity,
-        former.jacobian,
-        former.age,
-    )
+    q = task.start + _HEAD * task.duration * task.velocity
+    jacobian, age = former.jacobian, former.age
     best, failures, holding = np.inf, 0, np.zeros(len(held))
     quick = stack.with_passes(settings.passes)
     foretold: tuple[Array, Array] | None = None
@@ -226,8 +223,7 @@ def _solve(task: _Task, former: Balance, slides: tuple[int, ...] | None) -> Bala
             jacobian, age = _mean_coefficients(states), 0
         age += 1
         step, holding, error = _newton_step(task, jacobian, force, drag, held, v)
-        scale = _scale(task)
-        best = error / scale
+        best = error / _scale(task)
         if best <= settings.force_tolerance and change <= settings.film_tolerance and settled:
             return Balance(
                 states,
