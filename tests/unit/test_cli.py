@@ -317,3 +317,10 @@ def test_help_answers_at_once() -> None:
     assert "geometry" in done.stdout
     # 0.3 s are promised; processor time does not depend on what else the machine does
     assert min(times) < 0.3
+
+
+def test_long_lists_are_shown_by_their_range(capsys: pytest.CaptureFixture[str]) -> None:
+    output.write({"short": [1.0, 2.0], "long": [float(k) for k in range(50)]}, as_json=False)
+    assert capsys.readouterr().out.split("\n")[:2] == ["short  1, 2", "long   50 values, 0 to 49"]
+    output.write({"long": list(range(50))}, as_json=True)
+    assert json.loads(capsys.readouterr().out)["long"] == list(range(50))

@@ -14,6 +14,9 @@ if TYPE_CHECKING:
 
 Progress = Callable[[float, str], None]
 
+_LONGEST_LIST = 20
+"""Longer lists of numbers are shown by their range; JSON and the result hold all."""
+
 
 def line(text: str) -> None:
     """Write one text to standard output."""
@@ -52,11 +55,17 @@ def write(summary: Mapping[str, Any], *, as_json: bool) -> None:
 def _shown(value: Any) -> str:
     if isinstance(value, float):
         return f"{value:.6g}"
+    if isinstance(value, list) and len(value) > _LONGEST_LIST and _are_numbers(value):
+        return f"{len(value)} values, {_shown(min(value))} to {_shown(max(value))}"
     if isinstance(value, list):
         return ", ".join(_shown(item) for item in value) or "none"
     if isinstance(value, dict):
         return ", ".join(f"{name} {_shown(item)}" for name, item in value.items()) or "none"
     return "-" if value is None else str(value)
+
+
+def _are_numbers(values: list[Any]) -> bool:
+    return all(isinstance(value, (int, float)) for value in values)
 
 
 def write_checks(checks: Sequence[DesignCheck]) -> None:
