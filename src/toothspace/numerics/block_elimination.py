@@ -32,7 +32,7 @@ _KRYLOV = 40
 Single = NDArray[np.float32]
 
 
-@njit(cache=True, nogil=True, fastmath=True)
+@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
 def _invert(block: Single, size: int) -> None:
     """Inverse in place by Gauss and Jordan, two columns at a time, without exchange of rows."""
     width = block.shape[1]
@@ -85,7 +85,7 @@ def _spans(kind: IntArray) -> IntArray:
     return out
 
 
-@njit(cache=True, nogil=True, fastmath=True)
+@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
 def _eliminate(coupling: Single, span: IntArray, cut: int, store: Single) -> None:
     """Inverses of the blocks of all rows, each less what the rows before it took over."""
     rows = coupling.shape[1]
@@ -115,7 +115,7 @@ def _eliminate(coupling: Single, span: IntArray, cut: int, store: Single) -> Non
         _invert(block, size)
 
 
-@njit(cache=True, nogil=True, fastmath=True)
+@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
 def _apply(block: Single, x: Single, out: Single) -> None:
     for i in range(block.shape[0]):
         row = block[i]
@@ -125,7 +125,7 @@ def _apply(block: Single, x: Single, out: Single) -> None:
         out[i] = total
 
 
-@njit(cache=True, nogil=True, fastmath=True)
+@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
 def _substitute(coupling: Single, span: IntArray, cut: int, store: Single, rhs: Array) -> Array:
     """Approximate solution for rows over their centre: forward through the ring and back."""
     _, rows, lanes = coupling.shape
@@ -261,8 +261,12 @@ class BlockSystem:
         return stencil_product(self._stencil, x, rows, lanes)
 
 
-def block_system(stencil: Array, kind: IntArray, former: LinearSystem | None = None) -> BlockSystem:
+def block_system(
+    stencil: Array, kind: IntArray, former: LinearSystem | None = None
+) -> BlockSystem | None:
     """Eliminate the rows of a ring, cut where it couples least, or use those of a former matrix.
+
+    None if a pivot vanishes, as in a film that is lost.
 
     Parameters
     ----------
@@ -283,4 +287,6 @@ def block_system(stencil: Array, kind: IntArray, former: LinearSystem | None = N
     scaled = stencil[:, [0, 1, 3, 4]] * inverse[:, None]
     coupling = np.ascontiguousarray(scaled.T.reshape(4, *kind.shape), dtype=np.float32)
     _eliminate(coupling, span, cut, store)
+    if not np.isfinite(store).all():
+        return None
     return BlockSystem(stencil, Blocks(coupling, inverse, known, span, store, cut))

@@ -323,10 +323,10 @@ def _linearise(
     unknown = np.where(kind == UNSATURATED, saturation, potential).ravel()
     right = stencil_product(stencil, unknown, rows, lanes) - rhs
     _couple(balance, slope, kind, potential, saturation, how.compliance * touch[2], stencil)
-    system: LinearSystem
+    system: LinearSystem | None = None
     if lanes <= _BLOCK_LANES:
         system = block_system(stencil, kind, former)
-    else:
+    if system is None:
         system = iterative_system(balance, stencil, kind)
     return _Pass(height, touch, balance, system, right)
 
