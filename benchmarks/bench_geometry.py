@@ -16,7 +16,7 @@ def main(repeats: int = 3) -> None:
     """Print the time of the first and of the best warm call; each has gears of its own."""
     seconds = []
     for k in range(repeats + 1):
-        case = api.load_case(CASE, [f'machine.gears.face_width="{7.5 + 0.001 * k} mm"'])
+        case = api.load_case(CASE, [f'machine.gears.face_width="{7.5 + 0.001 * (k + 1)} mm"'])
         began = time.perf_counter()
         api.describe(case)
         seconds.append(time.perf_counter() - began)
