@@ -112,7 +112,9 @@ class LateralProblem:
     def march(self, start: Balance, steps: int, revolutions: float = 1.0) -> March:
         """March over the shaft angle with transient squeeze."""
         angles = np.arange(1, round(steps * revolutions) + 1) * 2.0 * np.pi / steps
-        step = replace(self._step(5e-5), jacobian_age=_JACOBIAN_AGE, passes=1)
+        step = replace(self._step(1e-5), jacobian_age=_JACOBIAN_AGE)
+        if step.relaxation == 1.0:  # what gives way far from its load is found film by film
+            step = replace(step, force_tolerance=5e-5, passes=1)
         laws = tuple(law._replace(accuracy=_MARCHED) for law in self.stack.laws)
         stack = replace(self.stack, laws=laws)
         return march_angles(stack, self.node_pressure, self.loads, start, angles, step)
