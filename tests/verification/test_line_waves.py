@@ -74,7 +74,7 @@ def solved_admittance(system: System, cells: int, frequencies: npt.ArrayLike) ->
     jacobian(0.0, state, arrays, matrix)
     places = node_places(system.description, system.condition)
     dynamic = {name: int(arrays.dynamic_index[k]) for name, k in places.items()}
-    inner = [dynamic[f"line_{k}"] for k in range(1, cells)]
+    inner = [dynamic[f"line:{k}"] for k in range(1, cells)]
     rows = [*(size.mass + d for d in inner), *range(size.column, size.load)]
     near, far = places["inlet"], places["far"]
     end = size.mass + dynamic["inlet"]
@@ -250,3 +250,46 @@ def test_quadratic_fan_is_the_other_reading_of_the_paper() -> None:
     speed = data["shaft_speed"].values[at]
     expected = fan.linear * speed + fan.quadratic * speed**2
     assert data["load_torque"].values[at] == pytest.approx(expected, rel=0.02)
+
+
+SHARED_NAMES = """
+[circuit]
+duration = "1 s"
+connections = [["suction", "machine.inlet"], ["machine.outlet", "line"], ["line", "first"],
+    ["first", "drain"], ["drain", "second"], ["second", "suction"]]
+[circuit.line]
+kind = "hose"
+model = "transmission_line"
+length = "1 m"
+bore = "8 mm"
+effective_bulk_modulus = "0.6 GPa"
+cells = 4
+[circuit.first]
+kind = "orifice"
+area = "1 mm^2"
+[circuit.drain]
+kind = "volume"
+volume = "20 cm^3"
+[circuit.second]
+kind = "orifice"
+area = "1 mm^2"
+[circuit.suction]
+kind = "tank"
+pressure = "1 bar"
+[circuit.spin]
+kind = "speed_source"
+speed = [["0 s", "60 rpm"]]
+"""
+
+
+def test_every_node_has_a_name_of_its_own() -> None:
+    """The far end of a line is none of its cells, a part called drain not the machine's drain."""
+    case = case_from_text(MOTOR.split("[circuit]")[0] + SHARED_NAMES)
+    assert case.circuit is not None
+    description, fluid = api.describe(case), api.fluid_of(case)
+    names = [node.name for node in plumb(case.circuit, description, fluid).nodes]
+    assert len(set(names)) == len(names)
+    assert "drain" not in names
+    system = assemble(description, fluid, api.circuit_condition(case, description, fluid))
+    dynamic = system.arrays.dynamic_index
+    assert sorted(dynamic[dynamic >= 0]) == list(range(system.arrays.size.dynamic))

@@ -81,7 +81,7 @@ def line_parts(
     """
     half = end_cell(hose, fluid)
     inner = tuple(
-        CircuitNode(f"{name}_{k}", pressure, 2.0 * half.volume, 2.0 * half.wall_compliance)
+        CircuitNode(f"{name}:{k}", pressure, 2.0 * half.volume, 2.0 * half.wall_compliance)
         for k in range(1, hose.cells)
     )
     names = [ends[0], *(node.name for node in inner), ends[1]]

@@ -26,6 +26,7 @@ from toothspace.model.circuit_description import (
     FreeShaft,
 )
 from toothspace.model.description import MachineDescription
+from toothspace.model.ledger import PORT_NODES
 
 _ONE_PORT = (keys.Hose, keys.Volume, keys.Accumulator, keys.Tank)
 _TWO_PORT = (
@@ -139,7 +140,10 @@ def _check_ends(circuit: keys.Circuit, seen: Mapping[str, int]) -> None:
 
 
 def _node_name(circuit: keys.Circuit, joined: set[Place]) -> str:
-    """Name of a machine port, else of a part that holds fluid, else of an end."""
+    """Name of a machine port, else of a part that holds fluid, else of an end.
+
+    A part that is called like a node of the machine must not become that node.
+    """
     ports = sorted(name for name, _ in joined if name.startswith("machine."))
     if len(ports) > 1:
         raise CaseError(f"circuit.connections: found {ports} joined, allowed one port per node")
@@ -147,7 +151,8 @@ def _node_name(circuit: keys.Circuit, joined: set[Place]) -> str:
         return ports[0].removeprefix("machine.")
     parts = {name: circuit.elements.get(name) for name, _ in joined}
     holding = [n for n, e in parts.items() if isinstance(e, _ONE_PORT) and not _has_two_ends(e)]
-    return min(holding, default=min(f"{name}_{end}" for name, end in joined))
+    name = min(holding, default=min(f"{name}_{end}" for name, end in joined))
+    return f"{name}:part" if name in PORT_NODES else name
 
 
 def _node(
