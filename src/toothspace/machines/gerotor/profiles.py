@@ -13,12 +13,12 @@ from typing import final
 
 import numpy as np
 import shapely
-from scipy.interpolate import CubicSpline
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
 from toothspace.geometry.cad_import import load_closed_curves
-from toothspace.geometry.curve import arc_lengths, counter_clockwise, without_repeats
+from toothspace.geometry.curve import counter_clockwise, without_repeats
+from toothspace.machines.gerotor.contour import contour
 from toothspace.machines.gerotor.cycloid import cycloid
 from toothspace.machines.gerotor.parameters import RotorParameters
 from toothspace.machines.gerotor.trochoid import Trochoid, inner_outline, outer_outline
@@ -192,15 +192,6 @@ def _center(curve: Array) -> Array:
     return np.array([center.x, center.y])
 
 
-def _even_points(curve: Array, count: int) -> Array:
-    """Points at equal steps of a smooth curve, so that those of a file need not be even."""
-    distinct = without_repeats(curve, _LEAST_EDGE)
-    closed = np.vstack([distinct, distinct[:1]])
-    along = arc_lengths(closed)
-    spline = CubicSpline(along, closed, bc_type="periodic")
-    return np.asarray(spline(along[-1] * np.arange(count) / count), dtype=float)
-
-
 def turned_to_axis(curve: Array, tooth_count: int, name: str) -> Array:
     """Move a rotor outline to its centre and turn its farthest points to the negative y axis.
 
@@ -223,7 +214,8 @@ def turned_to_axis(curve: Array, tooth_count: int, name: str) -> Array:
     GeometryError
         If the outline has another number of teeth.
     """
-    even = _even_points(curve, _POINTS_FOR_PHASE * tooth_count)
+    outline, count = contour(curve), _POINTS_FOR_PHASE * tooth_count
+    even = outline.point(outline.length * np.arange(count) / count)
     center = _center(even)
     points, even = curve - center, even - center
     radius, angle = np.hypot(*even.T), np.arctan2(even[:, 1], even[:, 0])
