@@ -246,8 +246,10 @@ def test_an_interrupt_does_not_wait_for_what_is_computed() -> None:
     for _ in workers.each(time.sleep, [0.0, 60.0, 60.0, 60.0]):
         break
     workers.stop()
+    # the pool's own thread may have seen a process end and not have told so yet
+    while multiprocessing.active_children() and time.perf_counter() - started < 30.0:
+        time.sleep(0.05)
     assert time.perf_counter() - started < 30.0
-    assert not multiprocessing.active_children()
 
 
 def test_a_scheduler_needs_its_package(monkeypatch: pytest.MonkeyPatch) -> None:
