@@ -9,12 +9,13 @@ from scipy.integrate import quad
 from toothspace.closures.aeration import gas_exchange_rate
 from toothspace.closures.bulk_modulus import effective_bulk_modulus
 from toothspace.closures.density import (
+    free_gas_fraction,
     mixture_density,
     mixture_pressure,
     mixture_specific_volume,
     unlimited_pressure,
 )
-from toothspace.closures.enthalpy import gas_enthalpy, liquid_enthalpy
+from toothspace.closures.enthalpy import gas_enthalpy, liquid_enthalpy, partial_enthalpies
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.model.fluid import fluid_law
 
@@ -43,16 +44,37 @@ def test_enthalpies_are_the_integral_of_the_volume(law: FluidLaw, factor: float)
 
 
 @pytest.mark.parametrize("law", LAWS, ids=["oil", "fuel"])
-def test_enthalpy_of_the_mixture_grows_with_its_volume(law: FluidLaw) -> None:
-    """dh/dp = v at frozen composition: what closes the energy ledger."""
-    fraction = 2e-5
+@pytest.mark.parametrize("fraction", [0.0, 1e-9, 2e-5])
+def test_enthalpy_of_the_mixture_grows_with_its_volume(law: FluidLaw, fraction: float) -> None:
+    """dh/dp = v at frozen composition, nuclei included: what closes the energy ledger."""
     for pressure in law.vapour_pressure * np.array([1.08, 1.3, 2.0, 20.0, 2e3]):
         step = 1e-5 * pressure
-        ends = pressure + step * np.array([-1.0, 1.0])
-        h = (1.0 - fraction) * liquid_enthalpy(ends, law) + fraction * gas_enthalpy(ends, law)
+        liquid, gas = partial_enthalpies(pressure + step * np.array([-1.0, 1.0]), fraction, law)
+        h = (1.0 - fraction) * liquid + fraction * gas
         volume = mixture_specific_volume(pressure, fraction, law)
-        # The nuclei add less than 1e-4 of the gas.
-        assert (h[1] - h[0]) / (2.0 * step) == pytest.approx(float(volume), rel=1e-5)
+        assert (h[1] - h[0]) / (2.0 * step) == pytest.approx(float(volume), rel=1e-7)
+
+
+@pytest.mark.parametrize("law", LAWS, ids=["oil", "fuel"])
+@pytest.mark.parametrize("fraction", [0.0, 1e-9, 2e-5])
+def test_partial_enthalpies_are_derivatives_by_mass(law: FluidLaw, fraction: float) -> None:
+    """Gas that joins a mixture adds the partial enthalpy of the gas; so does liquid."""
+    pressure = 40.0 * law.vapour_pressure
+
+    def enthalpy(liquid_mass: float, gas_mass: float) -> float:
+        whole = liquid_mass + gas_mass
+        f = free_gas_fraction(gas_mass / whole, law)
+        of_liquid, of_gas = liquid_enthalpy(pressure, law), gas_enthalpy(pressure, law)
+        return float(whole * ((1.0 - f) * of_liquid + f * of_gas))
+
+    first, second = partial_enthalpies(pressure, fraction, law)
+    step = 1e-3 * law.nuclei_mass_fraction
+    for change, expected in (((1e-4, 0.0), first), ((0.0, step), second)):
+        ends = [
+            enthalpy(1.0 - fraction + sign * change[0], fraction + sign * change[1])
+            for sign in (-1.0, 1.0)
+        ]
+        assert (ends[1] - ends[0]) / (2.0 * sum(change)) == pytest.approx(float(expected), rel=1e-3)
 
 
 @pytest.mark.parametrize("law", LAWS, ids=["oil", "fuel"])

@@ -6,7 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from toothspace.closures.density import free_gas_fraction
 from toothspace.closures.fluid_law import FluidLaw
+from toothspace.closures.smooth import positive_part_slope
 from toothspace.core.compiled import inlined
 
 
@@ -83,3 +85,37 @@ def gas_enthalpy(pressure: Any, law: FluidLaw) -> Any:
     reference = law.saturation_pressure - law.vapour_pressure
     integral = _reciprocal_integral(excess, reference, law.vapour_pressure, law.vapour_smoothing)
     return law.gas_specific_energy * integral
+
+
+@inlined
+def partial_enthalpies(pressure: Any, gas_fraction: Any, law: FluidLaw) -> tuple[Any, Any]:
+    r"""Enthalpy that a mixture gains for each mass of liquid, and of free gas, that joins it.
+
+    Parameters
+    ----------
+    pressure : float or ndarray
+        Absolute pressure, above the vapour pressure. [Pa]
+    gas_fraction : float or ndarray
+        Mass of free gas per mass of mixture. [-]
+    law : FluidLaw
+        Constants of the fluid. [SI]
+
+    Returns
+    -------
+    liquid, gas : float or ndarray
+        Partial specific enthalpies of the ledger. [J/kg]
+
+    Notes
+    -----
+    With the fraction :math:`\phi(f)` of gas and nuclei of the density law
+
+    .. math:: h_1 = h_l + (\phi - f \phi') (h_g - h_l), \qquad h_2 = h_1 + \phi' (h_g - h_l)
+
+    so that :math:`(1-f) h_1 + f h_2 = (1-\phi) h_l + \phi h_g`: the ledger closes with the
+    volume of the nuclei too, which counts where little energy flows at low pressure.
+    """
+    liquid, gas = liquid_enthalpy(pressure, law), gas_enthalpy(pressure, law)
+    slope = positive_part_slope(gas_fraction, law.nuclei_mass_fraction)
+    nuclei = free_gas_fraction(gas_fraction, law) - gas_fraction * slope
+    first = liquid + nuclei * (gas - liquid)
+    return first, first + slope * (gas - liquid)

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from toothspace.closures.aeration import gas_exchange_rate
 from toothspace.closures.density import mixture_pressure
-from toothspace.closures.enthalpy import gas_enthalpy, liquid_enthalpy
+from toothspace.closures.enthalpy import partial_enthalpies
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.compiled import kernel, merged
 from toothspace.core.types import Array
@@ -96,11 +96,12 @@ def update_pressure(node: Array, i: int, mass: float, gas_mass: float, fluid: Fl
 
 @kernel
 def update_enthalpies(s: SystemArrays) -> None:
-    """Enthalpies of liquid and gas at the pressure of every node, for the energy ledger."""
+    """Partial enthalpies of liquid and gas in every node, for the energy ledger."""
     node, fluid = s.node, s.fluid
     for i in range(s.size.nodes):
-        node[i, LIQUID_ENTHALPY] = liquid_enthalpy(node[i, PRESSURE], fluid)
-        node[i, GAS_ENTHALPY] = gas_enthalpy(node[i, PRESSURE], fluid)
+        liquid, gas = partial_enthalpies(node[i, PRESSURE], node[i, GAS], fluid)
+        node[i, LIQUID_ENTHALPY] = liquid
+        node[i, GAS_ENTHALPY] = gas
 
 
 @kernel

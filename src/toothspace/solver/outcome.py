@@ -12,7 +12,7 @@ from toothspace.closures.density import (
     mixture_density,
     mixture_pressure,
 )
-from toothspace.closures.enthalpy import gas_enthalpy, liquid_enthalpy
+from toothspace.closures.enthalpy import partial_enthalpies
 from toothspace.core.types import Array
 from toothspace.model.arrays import (
     BUSH_X,
@@ -20,6 +20,7 @@ from toothspace.model.arrays import (
     CATEGORY,
     CONTACT_ENERGY,
     FREE,
+    GAS,
     INERTIA,
     JOURNAL_CLEARANCE,
     MOTION_MASS,
@@ -160,9 +161,8 @@ def _port_energy(system: System, port: str, change: Mapping[str, float]) -> floa
     gas = change[f"gas_{port}"]
     liquid = change[f"mass_{port}"] - gas
     fluid = system.arrays.fluid
-    return float(
-        liquid * liquid_enthalpy(node[PRESSURE], fluid) + gas * gas_enthalpy(node[PRESSURE], fluid)
-    )
+    of_liquid, of_gas = partial_enthalpies(node[PRESSURE], node[GAS], fluid)
+    return float(liquid * of_liquid + gas * of_gas)
 
 
 def stored_mass(system: System, state: Array) -> float:
@@ -180,10 +180,9 @@ def stored_energy(system: System, state: Array) -> float:
     gas = state[size.gas : size.position]
     volume = seen.volume[0, dynamic]
     pressure, _, _ = mixture_pressure(volume / mass, gas / mass, arrays.fluid)
-    liquid = (mass - gas) * liquid_enthalpy(pressure, arrays.fluid)
-    bubbles = gas * gas_enthalpy(pressure, arrays.fluid)
+    of_liquid, of_gas = partial_enthalpies(pressure, gas / mass, arrays.fluid)
     wall = sum(wall_energy(n, p) for n, p in zip(arrays.node[dynamic], pressure, strict=True))
-    return float(np.sum(liquid + bubbles - pressure * volume) + wall)
+    return float(np.sum((mass - gas) * of_liquid + gas * of_gas - pressure * volume) + wall)
 
 
 def kinetic_energy(system: System, state: Array) -> float:
