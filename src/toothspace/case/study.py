@@ -78,6 +78,59 @@ class HysteresisStudy:
     friction_coefficient: float = number("Friction in the housing.", low=0, high=1)
     breakaway_speed: float = quantity("mm/s", "Speed of the friction peak.", above=0, high=1e4)
     friction_law: str = choice("Set-valued, or smooth.", "stick", "stribeck", default="stick")
+    measured: Path | None = file_path(
+        "Rows of operating_point.outlet_pressure and relative_position_um in the order of the "
+        "measurement, to lay over the loop.",
+        ".csv",
+        default=None,
+    )
+    sensor_deflection: float = quantity(
+        "um/bar",
+        "Travel of the sensor away from the gears over the outlet pressure, added to measured "
+        "positions.",
+        low=-10,
+        high=10,
+        default=0.0,
+    )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class BearingMapStudy:
+    """``kind = "bearing_map"``: films of a pressed bearing at rest over speed and pressure."""
+
+    shaft_speed: tuple[float, ...] = declare(Grid(item=_SPEED, doc="Shaft speeds."))
+    outlet_pressure: tuple[float, ...] = declare(
+        Grid(item=_PRESSURE, doc="Absolute outlet pressures.")
+    )
+    start_gap: float = quantity(
+        "um", "Gap that every point starts from.", above=0, high=100, default=2e-6
+    )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class BalanceSweepStudy:
+    """``kind = "balance_sweep"``: loops of pressure over balanced area and housing friction."""
+
+    balance_ratio: tuple[float, ...] = declare(
+        Grid(
+            item=Number(above=0, high=2),
+            doc="Balanced area over the area that plane rigid films carry.",
+        )
+    )
+    friction_coefficient: tuple[float, ...] = declare(
+        Items(item=Number(low=0, high=1), doc="Friction in the housing.")
+    )
+    outlet_pressures: tuple[float, ...] = declare(
+        Items(item=_PRESSURE, doc="Outlet pressures in their order, up and down.")
+    )
+    start_gap: float = quantity(
+        "um", "Gap that the first point starts from.", above=0, high=10, default=1e-6
+    )
+    lifted_gap: float = quantity(
+        "um", "Gap from which the bearing counts as lifted off.", above=1, high=20, default=10e-6
+    )
 
 
 @final
@@ -334,6 +387,8 @@ STUDIES: Mapping[str, type] = {
     "efficiency_map": EfficiencyMapStudy,
     "hysteresis": HysteresisStudy,
     "nose_pressure": NosePressureStudy,
+    "bearing_map": BearingMapStudy,
+    "balance_sweep": BalanceSweepStudy,
     "contact_span": ContactSpanStudy,
     "calibrate": CalibrateStudy,
     "tolerance": ToleranceStudy,

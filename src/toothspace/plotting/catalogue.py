@@ -9,7 +9,16 @@ from typing import TYPE_CHECKING, final
 import numpy as np
 
 from toothspace.model.description import MachineDescription
-from toothspace.plotting import bodies, geometry, losses, rotors, section, startup, waveforms
+from toothspace.plotting import (
+    bodies,
+    film_maps,
+    geometry,
+    losses,
+    rotors,
+    section,
+    startup,
+    waveforms,
+)
 from toothspace.results.solution import Solution
 from toothspace.results.tooth_contacts import has_tooth_contacts
 
@@ -230,6 +239,15 @@ FIGURES: tuple[FigureEntry, ...] = (
         needs_machine=True,
         sampled="turn",
         rotors=True,
+    ),
+    FigureEntry(
+        "lateral_films",
+        "Films beside the gears, seen from the floating side: height, pressure and asperity "
+        "pressure at the last shaft angle, and the wear indicator (asperity pressure times "
+        "sliding speed) as a mean over the revolution. White: tooth spaces, or no contact.",
+        "bodies",
+        film_maps.lateral_films,
+        ("film_wear_power", "film_radius"),
     ),
     FigureEntry(
         "casing_wear",

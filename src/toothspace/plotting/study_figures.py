@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from toothspace.core.types import Array
+from toothspace.plotting.bearing_figures import balance_figures, map_figures
 from toothspace.plotting.contact_figures import contact_span_figures
 from toothspace.plotting.lateral_figures import StudyFigure, hysteresis_figures, nose_figures
 from toothspace.plotting.style import (
@@ -380,6 +381,8 @@ def _short(path: str) -> str:
 
 
 _FIGURES: Mapping[str, Callable[..., list[StudyFigure]]] = {
+    "balance_sweep": balance_figures,
+    "bearing_map": map_figures,
     "calibrate": _calibrate,
     "contact_span": contact_span_figures,
     "efficiency_map": _efficiency_map,

@@ -21,8 +21,10 @@ from toothspace.solver.lateral_gap import (
     LateralProblem,
     LateralSettings,
     film_fields,
+    film_places,
     lateral_problem,
     numbers_of,
+    wear_map,
     with_lateral_torque,
 )
 
@@ -198,12 +200,15 @@ def elastic_solution(point: CoupledPoint, steps: int) -> Solution:
     angle = np.mod(data["shaft_angle"].values, 2.0 * np.pi)
     position = np.interp(angle, march.shaft_angle, track, period=2.0 * np.pi)
     values: dict[str, tuple[tuple[str, ...], object, dict[str, str]]] = {}
-    for name, field in film_fields(march.balances[-1]).items():
+    fields = {**film_fields(march.balances[-1]), **film_places(stack)}
+    fields["film_wear_power"] = wear_map(march.balances)
+    for name, field in fields.items():
         values[name] = _entry(name, field)
     values["bearing_position"] = (("shaft_angle",), position, _entry("bearing_position", 0)[2])
     data = data.assign(values).assign_coords(
         film=("film", [grid.interface.name for grid in stack.grids])
     )
+    data = data.set_coords(list(film_places(stack)))
     status = point.status if march.converged else Status.NOT_CONVERGED
     statistics = {
         **point.solution.statistics,

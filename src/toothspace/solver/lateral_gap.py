@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, final
 
@@ -350,8 +350,39 @@ def with_lateral_torque(description: MachineDescription, factor: float) -> Machi
     return replace(description, laterals=laterals)
 
 
+def wear_map(balances: Sequence[Balance]) -> Array:
+    """Wear indicator at the places of the bearings, mean over all shaft angles. [W/m2].
+
+    Parameters
+    ----------
+    balances : sequence of Balance
+        States, with one or several shaft angles each.
+
+    Returns
+    -------
+    ndarray, shape (films, rows, columns)
+        Asperity pressure times sliding speed; zero where no asperity ever touches.
+    """
+    states = [state for balance in balances for state in balance.states]
+    total = np.zeros((len(states[0].films), *states[0].films[0].grid.area.shape))
+    for state in states:
+        for k, film in enumerate(state.films):
+            total[k] += wear_power(film, film.around.shaft_speed)
+    return total / len(states)
+
+
+def film_places(stack: Stack) -> Mapping[str, Array]:
+    """Places of the cells of all films, by the names of results."""
+    return {
+        "film_angle": stack.grids[0].angle,
+        "film_radius": np.array([grid.radius for grid in stack.grids]),
+        "film_center_x": np.array([grid.interface.center[0] for grid in stack.grids]),
+        "film_center_y": np.array([grid.interface.center[1] for grid in stack.grids]),
+    }
+
+
 def film_fields(balance: Balance) -> Mapping[str, Array]:
-    """Fields of all films at the last shaft angle, by the names of results."""
+    """Fields of all films by the names of results: at the last shaft angle, wear over all."""
     films = balance.states[-1].films
     low = films[0].around.low_pressure
     widened = [
@@ -362,7 +393,7 @@ def film_fields(balance: Balance) -> Mapping[str, Array]:
         "film_pressure": np.stack([f.pressure for f in films]),
         "film_height": np.stack([np.where(f.around.mask.film, f.gap, np.nan) for f in films]),
         "film_contact_pressure": np.stack([f.contact for f in films]),
-        "film_wear_power": np.stack([wear_power(f, f.around.shaft_speed) for f in films]),
+        "film_wear_power": wear_map([balance]),
         "film_deformation": np.stack(widened),
         "film_fraction": np.stack([f.plane.fields.saturation for f in films]),
     }

@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
 from toothspace.case import Case
 from toothspace.case.study import HysteresisStudy
 from toothspace.core.errors import CaseError
+from toothspace.core.types import Array
+from toothspace.core.units import parse_quantity
 from toothspace.model.lateral_balance import HousingContact
 from toothspace.studies.lateral_points import (
     LateralStudy,
@@ -12,7 +19,15 @@ from toothspace.studies.lateral_points import (
     follow,
     prepare,
 )
+from toothspace.studies.measured import read_measured
 from toothspace.studies.study import Progress, StudyContext, StudyResult
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_PRESSURE, _POSITION = "operating_point.outlet_pressure", "relative_position_um"
+_SAME = 0.02
+"""Difference of pressures that count as the same step. [-]"""
 
 
 def run(case: Case, context: StudyContext) -> StudyResult:
@@ -35,8 +50,16 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     CaseError
         If the case has no operating point or no pressed bearing.
     """
+    spec = case.study
+    assert isinstance(spec, HysteresisStudy)
+    # a file that cannot be read should not cost the hours before it is needed
+    measured = None if spec.measured is None else read_positions(spec.measured)
     study = follow_pressures(case, context.progress)
-    return study.result(case, {"loop_area_um_bar": loop_area(study) * 1e6 * 1e-5})
+    numbers = {"loop_area_um_bar": loop_area(study) * 1e6 * 1e-5}
+    if measured is None:
+        return study.result(case, numbers)
+    beside = lay_over(measured, spec.sensor_deflection)
+    return study.result(case, {**numbers, **_deviations(study, beside)}, beside)
 
 
 def follow_pressures(case: Case, progress: Progress | None = None) -> LateralStudy:
@@ -93,6 +116,71 @@ def follow_pressures(case: Case, progress: Progress | None = None) -> LateralStu
         study.outlet_pressures,
         tuple(p.problem.loads.back.nose for p in found),
     )
+
+
+def read_positions(path: Path) -> tuple[Array, Array]:
+    """Measured outlet pressures [Pa] and relative positions [m] in the order of their rows.
+
+    Parameters
+    ----------
+    path : Path
+        CSV file with the columns ``operating_point.outlet_pressure`` and
+        ``relative_position_um``.
+
+    Raises
+    ------
+    CaseError
+        If the file has other columns.
+    """
+    found = read_measured(path)
+    if found.times is not None or set(found.channels) != {_POSITION}:
+        allowed = f"{_PRESSURE} and {_POSITION}"
+        raise CaseError(f"{path}: columns: found {sorted(found.channels)}, allowed {allowed}")
+    if any(set(row) != {_PRESSURE} for row in found.settings):
+        keys = sorted(found.settings[0])
+        raise CaseError(f"{path}: columns: found {keys}, allowed {_PRESSURE} and {_POSITION}")
+    pressure = [parse_quantity(str(row[_PRESSURE]), "bar") for row in found.settings]
+    return np.array(pressure), found.channels[_POSITION] * 1e-6
+
+
+def lay_over(measured: tuple[Array, Array], sensor_deflection: float) -> xr.Dataset:
+    """Measured positions over ``measured_point``, corrected for a sensor that moves.
+
+    Parameters
+    ----------
+    measured : tuple of ndarray
+        Outlet pressures [Pa] and positions [m] in their order.
+    sensor_deflection : float
+        Travel of the sensor away from the gears over the outlet pressure. [m/Pa]
+
+    Notes
+    -----
+    Positions are relative to that of the first row, as those of the study are to its first point.
+    """
+    import xarray as xr
+
+    pressure, position = measured
+    moved = position - position[0] + sensor_deflection * (pressure - pressure[0])
+    return xr.Dataset(
+        {
+            "measured_outlet_pressure_bar": ("measured_point", pressure * 1e-5, {"units": "bar"}),
+            "measured_relative_position_um": ("measured_point", moved * 1e6, {"units": "um"}),
+        }
+    )
+
+
+def _deviations(study: LateralStudy, beside: xr.Dataset) -> dict[str, Any]:
+    """Computed less measured positions, where the measurement has the same steps."""
+    pressure = np.asarray(study.outlet_pressures) * 1e-5
+    measured = beside["measured_outlet_pressure_bar"].values
+    if measured.shape != pressure.shape or np.any(np.abs(measured - pressure) > _SAME * pressure):
+        return {}
+    position = np.asarray(study.summary()["relative_position_um"])
+    deviation = position - beside["measured_relative_position_um"].values
+    return {
+        "deviation_um": deviation.tolist(),
+        "rms_deviation_um": float(np.sqrt(np.mean(deviation**2))),
+    }
 
 
 def loop_area(study: LateralStudy) -> float:

@@ -16,14 +16,21 @@ from toothspace.films.lateral_gap.motion import Balance
 from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_balance import HousingContact, LateralBalance
 from toothspace.results.solution import Solution
+from toothspace.results.variables import variable
 from toothspace.solver.lateral_coupling import CoupledPoint, PointRequest, couple_point
-from toothspace.solver.lateral_gap import LateralSettings, balance_of, film_fields
+from toothspace.solver.lateral_gap import (
+    LateralSettings,
+    balance_of,
+    film_fields,
+    film_places,
+)
 from toothspace.studies.study import Progress, StudyResult, StudyTable
 from toothspace.studies.tabulate import provenance, unit_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
+_FIELDS = ("film_height", "film_pressure", "film_contact_pressure", "film_wear_power")
 _CREEP_TIME = 0.02
 """Time at each point under the smooth friction law, which holds nothing. [s]"""
 _LUMPED_TOLERANCE = 1e-5
@@ -74,6 +81,8 @@ class LateralStudy:
             "leakage_L_per_min": [n.leakage * 6e4 for n in numbers],
             "torque_loss_N_m": [n.viscous_torque + n.asperity_torque for n in numbers],
             "contact_force_N": [n.contact_force for n in numbers],
+            "contact_share": [n.contact_share for n in numbers],
+            "wear_power_W_per_mm2": [n.wear_power * 1e-6 for n in numbers],
             "friction_force_N": [n.friction_force for n in numbers],
             "breakaway_force_N": [p.problem.loads.friction.breakaway_force for p in self.points],
             "seat_force_N": [n.seat_force for n in numbers],
@@ -81,7 +90,7 @@ class LateralStudy:
         }
 
     def dataset(self) -> xr.Dataset:
-        """Numbers over ``point`` and the fields of all films at the last angle of each point."""
+        """Numbers over ``point`` and the fields of all films: at the last angle, wear over all."""
         import xarray as xr
 
         data: dict[str, Any] = {
@@ -92,28 +101,29 @@ class LateralStudy:
         data["point_label"] = ("point", np.asarray(self.labels, dtype=str))
         data["point_status"] = ("point", np.asarray(self.summary()["point_status"], dtype=str))
         fields = [film_fields(p.equilibrium.balance) for p in self.points]
-        for name, units in (("film_height", "m"), ("film_pressure", "Pa")):
-            stacked = np.stack([field[name] for field in fields])
-            dimensions = ("point", "film", "film_row", "film_column")
-            data[name] = (dimensions, stacked.astype(np.float32), {"units": units})
-        grids = self.points[0].problem.stack.grids
-        coords = {
-            "film": [grid.interface.name for grid in grids],
-            "film_angle": ("film_row", grids[0].angle, {"units": "rad"}),
-            "film_radius": ("film_column", grids[0].radius, {"units": "m"}),
-            "film_center": (("film", "axis"), np.array([g.interface.center for g in grids])),
-        }
+        for name in _FIELDS:
+            stacked = np.stack([field[name] for field in fields]).astype(np.float32)
+            entry = variable(name)
+            data[name] = (("point", *entry.dimensions), stacked, {"units": entry.units})
+        stack = self.points[0].problem.stack
+        coords: dict[str, Any] = {"film": [grid.interface.name for grid in stack.grids]}
+        for name, place in film_places(stack).items():
+            entry = variable(name)
+            coords[name] = (entry.dimensions, place, {"units": entry.units})
         return xr.Dataset(data, coords=coords)
 
-    def result(self, case: Case, numbers: Mapping[str, float]) -> StudyResult:
-        """Return the study for files and reports, with numbers of its own."""
+    def result(
+        self, case: Case, numbers: Mapping[str, Any], beside: xr.Dataset | None = None
+    ) -> StudyResult:
+        """Return the study for files and reports, with numbers and data of its own."""
         lists = self.summary()
         rows = tuple(zip(*lists.values(), strict=True))
+        data = self.dataset()
         return StudyResult(
             kind=self.kind,
             title=case.title,
             status=self.status,
-            data=self.dataset(),
+            data=data if beside is None else data.merge(beside),
             numbers={**numbers, **lists},
             tables=(StudyTable("points", tuple(lists), rows),),
             provenance=provenance(case),
@@ -179,7 +189,7 @@ class LateralPoints:
         return couple_point(
             self.machine.description if isinstance(start, float) else start.description,
             self.machine.fluid,
-            lambda changed: self._lumped(point, changed, progress),
+            lambda changed: self.lumped(point, changed, progress),
             self._request(point, begun),
         )
 
@@ -190,7 +200,7 @@ class LateralPoints:
 
         They share the chamber pressures of the first.
         """
-        solution = self._lumped(conditions[0], self.machine.description, None)
+        solution = self.lumped(conditions[0])
         return [
             couple_point(
                 self.machine.description,
@@ -201,9 +211,13 @@ class LateralPoints:
             for point in conditions
         ]
 
-    def _lumped(
-        self, point: PointCondition, description: MachineDescription, progress: Progress | None
+    def lumped(
+        self,
+        point: PointCondition,
+        description: MachineDescription | None = None,
+        progress: Progress | None = None,
     ) -> Solution:
+        """Chamber pressures of one point, of the machine or of a changed one."""
         base = condition_of(self.case, self.machine.description)
         condition = replace(
             base,
@@ -223,8 +237,8 @@ class LateralPoints:
         )
 
 
-def prepare(case: Case, friction: HousingContact, kind: str) -> LateralPoints:
-    """Run the machine of a study in and give its bearing the friction of the study.
+def prepare(case: Case, friction: HousingContact | None, kind: str) -> LateralPoints:
+    """Run the machine of a study in and give its bearing the friction of the study, if any.
 
     Raises
     ------
@@ -239,8 +253,9 @@ def prepare(case: Case, friction: HousingContact, kind: str) -> LateralPoints:
     run = replace(case.run, max_revolutions=min(case.run.max_revolutions, _LUMPED_REVOLUTIONS))
     machine = run_in_machine(replace(case, run=run))
     balance = balance_of(machine.description)
-    area = balance.floating.housing.area
-    floating = replace(balance.floating, housing=replace(friction, area=area))
+    own = balance.floating.housing
+    friction = own if friction is None else replace(friction, area=own.area)
+    floating = replace(balance.floating, housing=friction)
     description = replace(machine.description, lateral_balance=replace(balance, floating=floating))
     settings = lateral_settings(case)
     if friction.law == "stribeck":

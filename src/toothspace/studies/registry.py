@@ -19,6 +19,8 @@ from toothspace.studies.study import Progress, StudyContext, StudyResult
 from toothspace.studies.workers import Workers
 
 STUDY_MODULES: Mapping[str, str] = {
+    "balance_sweep": "toothspace.studies.balance_sweep",
+    "bearing_map": "toothspace.studies.bearing_map",
     "calibrate": "toothspace.studies.calibrate",
     "contact_span": "toothspace.studies.contact_span",
     "efficiency_map": "toothspace.studies.efficiency_map",

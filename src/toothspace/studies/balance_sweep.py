@@ -1,0 +1,332 @@
+"""Loops of pressure over the balanced area of a pressed bearing and its housing friction.
+
+Forces and losses of the films are tabulated over the gap for every outlet pressure; bearing and
+gears stay parallel with one gap on both sides. Any balanced area and any friction then follow
+from the tables alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import TYPE_CHECKING, Any, final
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+
+from toothspace.case import Case
+from toothspace.case.study import BalanceSweepStudy
+from toothspace.core.errors import CaseError
+from toothspace.core.status import Status
+from toothspace.core.types import Array
+from toothspace.films.lateral_gap.friction import BREAKAWAY_RATIO
+from toothspace.model.lateral_balance import HousingContact
+from toothspace.solver.lateral_gap import LateralProblem, lateral_problem, numbers_of
+from toothspace.studies.lateral_points import LateralPoints, PointCondition, prepare
+from toothspace.studies.study import Progress, Row, StudyContext, StudyResult, StudyTable
+from toothspace.studies.tabulate import provenance, unit_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+GAPS = (
+    np.array([0.4, 0.6, 0.8, 1, 1.2, 1.4, 1.6, 1.8, 2, 2.3, 2.7, 3.2, 4, 5, 7, 10, 14, 20]) * 1e-6
+)
+"""Gaps at which forces and losses are tabulated. [m]"""
+CLAIMS = ("rises_on_the_way_up", "higher_on_the_way_down", "stays_on_its_film")
+"""What the measurements of the source show, see ``claims``."""
+
+_FINE = np.geomspace(GAPS[0], GAPS[-1], 6000)
+_PLANE_GAP = 5e-6
+_PLANE_ANGLES = 16
+_TELL = 1e-9
+"""Difference of gaps that counts as a difference. [m]"""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class FilmTable:
+    """Films at one outlet pressure over a gap that is the same everywhere.
+
+    Parameters
+    ----------
+    outlet_pressure, difference : float
+        Outlet pressure, and outlet less low pressure. [Pa]
+    opening : ndarray
+        Force of films and low pressure away from the gears less the springs, without the
+        balanced area, on a fine grid of gaps. [N]
+    normal : float
+        Force that presses the bearing against its housing. [N]
+    numbers : mapping of str to ndarray
+        Numbers of the films over ``GAPS``, names with unit suffix.
+    plane_area : float
+        Area that plane rigid faces would carry. [m2]
+    """
+
+    outlet_pressure: float
+    difference: float
+    opening: Array
+    normal: float
+    numbers: Mapping[str, Array]
+    plane_area: float
+
+    def at(self, name: str, gaps: Array) -> Array:
+        """Number of the films at gaps. [m to unit of the name]."""
+        return np.interp(np.log(gaps), np.log(GAPS), self.numbers[name])
+
+
+def run(case: Case, context: StudyContext) -> StudyResult:
+    """Follow the outlet pressures for every balanced area and every friction coefficient.
+
+    Parameters
+    ----------
+    case : Case
+        Case with ``kind = "balance_sweep"``, an operating point and a pressed bearing.
+    context : StudyContext
+        Progress.
+
+    Returns
+    -------
+    StudyResult
+        Gaps, films and claims over ``friction_coefficient``, ``balance_ratio`` and ``point``.
+
+    Raises
+    ------
+    CaseError
+        If the case has no operating point or no pressed bearing.
+    """
+    study = case.study
+    if not isinstance(study, BalanceSweepStudy):
+        raise CaseError('study.kind: found another study, allowed "balance_sweep"')
+    tables = film_tables(case, study, context.progress)
+    loops = follow_all(tables, study)
+    return StudyResult(
+        kind="balance_sweep",
+        title=case.title,
+        status=Status.DONE,
+        data=_dataset(study, tables, loops),
+        numbers=_numbers(study, tables, loops),
+        tables=(_table(study, tables, loops),),
+        provenance=provenance(case),
+    )
+
+
+def film_tables(
+    case: Case, study: BalanceSweepStudy, progress: Progress | None = None
+) -> tuple[FilmTable, ...]:
+    """Films of every outlet pressure of the study over the gap, rising pressures.
+
+    Raises
+    ------
+    CaseError
+        If the case has no operating point or no pressed bearing.
+    """
+    # a coefficient of one leaves the force that presses the bearing against the wall
+    points = prepare(case, HousingContact(friction_coefficient=1.0), "balance_sweep")
+    levels = sorted(set(study.outlet_pressures))
+    found = []
+    for k, pressure in enumerate(levels):
+        if progress:
+            progress(k / len(levels), f"films at {pressure * 1e-5:.4g} bar")
+        found.append(_film_table(points, pressure))
+    return tuple(found)
+
+
+def _film_table(points: LateralPoints, pressure: float) -> FilmTable:
+    base = points.case.operating_point
+    assert base is not None
+    condition = PointCondition(
+        label="",
+        outlet_pressure=pressure,
+        inlet_pressure=base.inlet_pressure,
+        shaft_speed=base.shaft_speed,
+    )
+    data, machine = points.lumped(condition).data, points.machine
+    problem = lateral_problem(machine.description, machine.fluid, data, points.settings)
+    rigid = replace(points.settings, angles=_PLANE_ANGLES, deformation="none")
+    plane = lateral_problem(machine.description, machine.fluid, data, rigid)
+    back, bearing = problem.loads.back, problem.stack.balance.floating
+    difference = back.high - back.low
+    rows = [_row(problem, gap) for gap in GAPS]
+    net = np.array([row.pop("opening_N") for row in rows])
+    carried = _row(plane, _PLANE_GAP)["opening_N"] + bearing.preload
+    return FilmTable(
+        pressure,
+        difference,
+        np.asarray(PchipInterpolator(GAPS, net)(_FINE)),
+        problem.loads.friction.coulomb_force,
+        {name: np.array([row[name] for row in rows]) for name in rows[0]},
+        carried / difference,
+    )
+
+
+def _row(problem: LateralProblem, gap: float) -> dict[str, float]:
+    """Opening force without the balanced area, and numbers of the films at one gap."""
+    balance, back = problem.started(gap), problem.loads.back
+    force = [float((s.film_force() + s.back_force(back))[0]) for s in balance.states]
+    closing = problem.stack.balance.floating.high_pressure.area * (back.high - back.low)
+    own = numbers_of(problem, balance)
+    return {
+        "opening_N": float(np.mean(force)) + closing,
+        "film_height_um": float(own.gaps.mean()) * 1e6,
+        "smallest_film_um": own.smallest_gap * 1e6,
+        "contact_force_N": own.contact_force,
+        "wear_power_W_per_mm2": own.wear_power * 1e-6,
+        "leakage_L_per_min": own.leakage * 6e4,
+        "torque_loss_N_m": own.viscous_torque + own.asperity_torque,
+    }
+
+
+def follow(
+    tables: Sequence[FilmTable], order: Sequence[int], load: tuple[float, float], start: float
+) -> Array:
+    """Gaps of the points in their order, with the set-valued friction law.
+
+    Parameters
+    ----------
+    tables : sequence of FilmTable
+        Films by rising pressure.
+    order : sequence of int
+        Table of every point.
+    load : tuple of float
+        Balanced area [m2] and friction coefficient [-].
+    start : float
+        Gap before the first point. [m]
+
+    Returns
+    -------
+    ndarray
+        Gaps; the largest tabulated one stands for a bearing that lifted off. [m]
+
+    Notes
+    -----
+    The bearing rests while the load is below the breakaway force; otherwise it slides until the
+    load has fallen to the Coulomb force.
+    """
+    area, coefficient = load
+    gap, gaps = start, []
+    for k in order:
+        one = tables[k]
+        values, coulomb = one.opening - area * one.difference, coefficient * one.normal
+        net = float(np.interp(gap, _FINE, values))
+        if net > BREAKAWAY_RATIO * coulomb:
+            hit = np.flatnonzero((gap <= _FINE) & (values <= coulomb))
+            gap = _crossing(values, int(hit[0]), coulomb) if hit.size else float(_FINE[-1])
+        elif net < -BREAKAWAY_RATIO * coulomb:
+            hit = np.flatnonzero((gap >= _FINE) & (values >= -coulomb))
+            gap = _crossing(values, int(hit[-1]) + 1, -coulomb) if hit.size else float(_FINE[0])
+        gaps.append(gap)
+    return np.array(gaps)
+
+
+def _crossing(values: Array, after: int, level: float) -> float:
+    """Gap at which a falling load passes a level, between two places of the fine grid. [m]."""
+    first = after - 1
+    drop = values[first] - values[after]
+    share = (values[first] - level) / drop if drop != 0.0 else 0.0
+    share = float(np.clip(share, 0.0, 1.0))
+    return float(_FINE[first] + share * (_FINE[after] - _FINE[first]))
+
+
+def follow_all(tables: Sequence[FilmTable], study: BalanceSweepStudy) -> Array:
+    """Gaps over friction coefficients, balance ratios and points. [m]."""
+    order = _order(tables, study)
+    plane = tables[-1].plane_area
+    pairs = product(study.friction_coefficient, study.balance_ratio)
+    loops = [follow(tables, order, (ratio * plane, mu), study.start_gap) for mu, ratio in pairs]
+    shape = (len(study.friction_coefficient), len(study.balance_ratio), len(order))
+    return np.array(loops).reshape(shape)
+
+
+def claims(gaps: Array, lifted: float) -> tuple[bool, bool, bool]:
+    """Tell whether a loop does what the measurements show.
+
+    Parameters
+    ----------
+    gaps : ndarray
+        Gaps of one loop, the highest pressure in its middle. [m]
+    lifted : float
+        Gap from which the bearing counts as lifted off. [m]
+
+    Returns
+    -------
+    tuple of bool
+        The position rises on the way up; it is nowhere lower and somewhere higher on the way
+        down; the bearing stays on its film.
+    """
+    top = len(gaps) // 2
+    up, down = gaps[: top + 1], gaps[top:][::-1]
+    rises = bool(np.all(np.diff(up) >= -_TELL) and up[-1] > up[0] + _TELL)
+    both = min(len(up), len(down))
+    up, down = up[-both:], down[-both:]
+    higher = bool(np.all(down >= up - _TELL) and np.any(down > up + _TELL))
+    return rises, higher, bool(gaps.max() < lifted)
+
+
+def _order(tables: Sequence[FilmTable], study: BalanceSweepStudy) -> list[int]:
+    levels = [table.outlet_pressure for table in tables]
+    return [levels.index(pressure) for pressure in study.outlet_pressures]
+
+
+def _claimed(study: BalanceSweepStudy, loops: Array) -> Array:
+    """Claims over their names, friction coefficients and balance ratios."""
+    held = [[claims(loop, study.lifted_gap) for loop in row] for row in loops]
+    return np.moveaxis(np.array(held, dtype=bool), -1, 0)
+
+
+def _loop_areas(study: BalanceSweepStudy, loops: Array) -> Array:
+    """Area between the ways down and up of the position, that is of two gaps. [um bar]."""
+    pressure = np.asarray(study.outlet_pressures)
+    return np.asarray(-np.trapezoid(2.0 * loops, pressure, axis=-1) * 1e6 * 1e-5)
+
+
+def _dataset(study: BalanceSweepStudy, tables: Sequence[FilmTable], loops: Array) -> xr.Dataset:
+    import xarray as xr
+
+    order = _order(tables, study)
+    dims = ("friction_coefficient", "balance_ratio", "point")
+    data: dict[str, Any] = {"gap_um": (dims, loops * 1e6, {"units": "um"})}
+    for name in tables[0].numbers:
+        values = [tables[k].at(name, loops[..., j]) for j, k in enumerate(order)]
+        data[name] = (dims, np.stack(values, axis=-1), {"units": unit_of(name)})
+    data["loop_area_um_bar"] = (dims[:2], _loop_areas(study, loops), {"units": "um bar"})
+    data["claim_holds"] = (("claim", *dims[:2]), _claimed(study, loops).astype(np.int8))
+    plane = tables[-1].plane_area * 1e6
+    ratio = np.asarray(study.balance_ratio)
+    data["balanced_area_mm2"] = ("balance_ratio", ratio * plane, {"units": "mm2"})
+    coords = {
+        "friction_coefficient": np.asarray(study.friction_coefficient),
+        "balance_ratio": ratio,
+        "outlet_pressure_bar": ("point", np.asarray(study.outlet_pressures) * 1e-5),
+        "claim": list(CLAIMS),
+    }
+    return xr.Dataset(data, coords=coords, attrs={"lifted_gap_um": study.lifted_gap * 1e6})
+
+
+def _numbers(study: BalanceSweepStudy, tables: Sequence[FilmTable], loops: Array) -> dict[str, Any]:
+    every = _claimed(study, loops).all(axis=0)
+    ratio = np.asarray(study.balance_ratio)
+    windows = [ratio[held].tolist() for held in np.atleast_2d(every)]
+    return {
+        "plane_area_mm2": tables[-1].plane_area * 1e6,
+        "friction_coefficient": list(study.friction_coefficient),
+        "lowest_ratio_all_claims": [min(w) if w else None for w in windows],
+        "highest_ratio_all_claims": [max(w) if w else None for w in windows],
+        "ratios_with_all_claims": windows,
+    }
+
+
+def _table(study: BalanceSweepStudy, tables: Sequence[FilmTable], loops: Array) -> StudyTable:
+    held, areas = _claimed(study, loops), _loop_areas(study, loops)
+    plane = tables[-1].plane_area * 1e6
+    rows: list[Row] = []
+    for (i, mu), (j, ratio) in product(
+        enumerate(study.friction_coefficient), enumerate(study.balance_ratio)
+    ):
+        gaps = loops[i, j] * 1e6
+        kept = ["yes" if claim else "no" for claim in held[:, i, j]]
+        rows.append((mu, ratio, ratio * plane, float(areas[i, j]), *kept, *map(float, gaps)))
+    points = [f"gap_{k + 1}_um" for k in range(loops.shape[-1])]
+    head = ("friction_coefficient", "balance_ratio", "balanced_area_mm2", "loop_area_um_bar")
+    return StudyTable("ratios", (*head, *CLAIMS, *points), tuple(rows))

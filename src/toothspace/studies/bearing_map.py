@@ -1,0 +1,164 @@
+"""Films of a pressed bearing at rest over shaft speed and outlet pressure."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from toothspace.case import Case
+from toothspace.case.study import BearingMapStudy
+from toothspace.core.errors import CaseError
+from toothspace.core.units import from_si
+from toothspace.solver.lateral_coupling import CoupledPoint
+from toothspace.studies.lateral_points import PointCondition, prepare
+from toothspace.studies.points import (
+    Point,
+    evaluate_points,
+    point,
+    recorded,
+    require_some,
+    status_of,
+)
+from toothspace.studies.records import Record, failed_count
+from toothspace.studies.study import Row, StudyContext, StudyResult, StudyTable
+from toothspace.studies.tabulate import columns, provenance, unit_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def run(case: Case, context: StudyContext) -> StudyResult:
+    """Let the bearing rest at every shaft speed and outlet pressure, each from the start gap.
+
+    Parameters
+    ----------
+    case : Case
+        Case with ``kind = "bearing_map"``, an operating point and a pressed bearing.
+    context : StudyContext
+        Progress, workers and records.
+
+    Returns
+    -------
+    StudyResult
+        Numbers of the films over ``shaft_speed`` and ``outlet_pressure``.
+
+    Raises
+    ------
+    CaseError
+        If the case has no operating point or no pressed bearing.
+    """
+    study = case.study
+    assert isinstance(study, BearingMapStudy)
+    if case.operating_point is None:
+        found = "no [operating_point]"
+        raise CaseError(f"{case.source}: study.kind: found {found}, allowed a steady case")
+    pairs = list(product(study.shaft_speed, study.outlet_pressure))
+    points = [_point(case, *pair) for pair in pairs]
+    try:
+        records = evaluate_points(points, context, bearing_numbers)
+    except KeyboardInterrupt:
+        records = recorded(points, context, bearing_numbers)
+    require_some(records)
+    return StudyResult(
+        kind="bearing_map",
+        title=case.title,
+        status=status_of(records),
+        data=_dataset(study, records),
+        numbers=_numbers(pairs, records),
+        tables=(_table(pairs, records),),
+        provenance=provenance(case),
+    )
+
+
+def _point(case: Case, speed: float, pressure: float) -> Point:
+    values = {
+        "operating_point.shaft_speed": f"{from_si(speed, 'rpm'):.12g} rpm",
+        "operating_point.outlet_pressure": f"{pressure * 1e-5:.12g} bar",
+    }
+    return point(case, values)
+
+
+def bearing_numbers(case: Case) -> Mapping[str, Any]:
+    """Numbers of the films of a pressed bearing that came to rest, names with unit suffix.
+
+    Parameters
+    ----------
+    case : Case
+        Case of one point, with a ``[study]`` that names the gap to start from.
+
+    Raises
+    ------
+    CaseError
+        If the machine has no pressed bearing.
+    """
+    study, base = case.study, case.operating_point
+    assert isinstance(study, BearingMapStudy)
+    assert base is not None
+    points = prepare(case, None, "bearing_map")
+    condition = PointCondition(
+        label=case.title,
+        outlet_pressure=base.outlet_pressure,
+        inlet_pressure=base.inlet_pressure,
+        shaft_speed=base.shaft_speed,
+    )
+    return film_numbers(points.solve(condition, study.start_gap))
+
+
+def film_numbers(found: CoupledPoint) -> dict[str, Any]:
+    """Numbers of one point with its status."""
+    own = found.numbers
+    return {
+        "bearing_position_um": own.position * 1e6,
+        "film_height_um": float(own.gaps.mean()) * 1e6,
+        "smallest_film_um": own.smallest_gap * 1e6,
+        "contact_force_N": own.contact_force,
+        "contact_share": own.contact_share,
+        "wear_power_W_per_mm2": own.wear_power * 1e-6,
+        "leakage_L_per_min": own.leakage * 6e4,
+        "torque_loss_N_m": own.viscous_torque + own.asperity_torque,
+        "friction_force_N": own.friction_force,
+        "seat_force_N": own.seat_force,
+        "status": found.status.name.lower(),
+    }
+
+
+def _dataset(study: BearingMapStudy, records: Sequence[Record]) -> xr.Dataset:
+    import xarray as xr
+
+    shape = (len(study.shaft_speed), len(study.outlet_pressure))
+    dims = ("shaft_speed", "outlet_pressure")
+    data: dict[str, Any] = {
+        name: (dims, np.asarray(values).reshape(shape), {"units": unit_of(name)})
+        for name, values in columns(records).items()
+    }
+    data["point_status"] = (dims, np.asarray([r.status for r in records]).reshape(shape))
+    axes = {
+        "shaft_speed": ("shaft_speed", np.asarray(study.shaft_speed), {"units": "rad/s"}),
+        "outlet_pressure": ("outlet_pressure", np.asarray(study.outlet_pressure), {"units": "Pa"}),
+    }
+    return xr.Dataset(data, coords=axes)
+
+
+def _numbers(pairs: Sequence[tuple[float, float]], records: Sequence[Record]) -> dict[str, Any]:
+    return {
+        "points": len(records),
+        "points_failed": failed_count(records),
+        "shaft_speed_rpm": [from_si(speed, "rpm") for speed, _ in pairs],
+        "outlet_pressure_bar": [pressure * 1e-5 for _, pressure in pairs],
+        **columns(records),
+        "point_status": [r.status for r in records],
+    }
+
+
+def _table(pairs: Sequence[tuple[float, float]], records: Sequence[Record]) -> StudyTable:
+    found = columns(records)
+    rows: list[Row] = [
+        (from_si(speed, "rpm"), p * 1e-5, *(found[name][k] for name in found), records[k].status)
+        for k, (speed, p) in enumerate(pairs)
+    ]
+    return StudyTable(
+        "points", ("shaft_speed_rpm", "outlet_pressure_bar", *found, "status"), tuple(rows)
+    )

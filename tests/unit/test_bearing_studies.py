@@ -1,0 +1,182 @@
+"""Studies of a pressed bearing over balanced area, speed and pressure, and measured positions."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from tests.lateral_stack import loads, pressures, ring_stack
+from toothspace.case.study import BalanceSweepStudy, BearingMapStudy, HysteresisStudy
+from toothspace.config import load_case
+from toothspace.core.errors import CaseError
+from toothspace.core.status import Status
+from toothspace.films.lateral_gap.friction import BREAKAWAY_RATIO
+from toothspace.plotting.study_figures import study_figures
+from toothspace.report.study import study_report_html
+from toothspace.solver.lateral_coupling import CoupledPoint
+from toothspace.solver.lateral_gap import LateralProblem, LateralSettings, numbers_of, wear_map
+from toothspace.studies import balance_sweep, bearing_map, hysteresis
+from toothspace.studies.balance_sweep import GAPS, FilmTable, claims, follow
+from toothspace.studies.study import StudyContext
+
+CASES = Path(__file__).parents[2] / "cases"
+STIFF = 2e-3
+"""Opening force times gap of the made-up film. [N m]"""
+NORMAL = 1000.0
+
+
+def _table(pressure: float) -> FilmTable:
+    """Film whose force is STIFF / gap plus 1 mm2 times the pressure."""
+    fine = np.geomspace(GAPS[0], GAPS[-1], 6000)
+    numbers = {
+        name: 1e6 * GAPS
+        for name in (
+            "film_height_um", "smallest_film_um", "contact_force_N", "wear_power_W_per_mm2",
+            "leakage_L_per_min", "torque_loss_N_m",
+        )
+    }  # fmt: skip
+    return FilmTable(pressure, pressure, STIFF / fine + 1e-6 * pressure, NORMAL, numbers, 1e-3)
+
+
+def test_bearing_without_friction_stands_where_forces_balance() -> None:
+    """STIFF / gap = (area - 1 mm2) p, solved by hand."""
+    table, area, pressure = _table(1e6), 1.5e-3, 1e6
+    gap = follow([table], [0], (area, 0.0), 5e-6)[0]
+    assert gap == pytest.approx(STIFF / ((area - 1e-6) * pressure), rel=2e-3)
+
+
+def test_friction_holds_below_breakaway_and_slides_to_its_coulomb_force() -> None:
+    table, pressure, mu = _table(1e6), 1e6, 0.1
+    coulomb = mu * NORMAL
+    held = STIFF / 4e-6 + 1.0 + 0.9 * BREAKAWAY_RATIO * coulomb
+    assert follow([table], [0], (held / pressure, mu), 4e-6)[0] == 4e-6
+    pushed = STIFF / 4e-6 + 1.0 + 1.1 * BREAKAWAY_RATIO * coulomb
+    gap = follow([table], [0], (pushed / pressure, mu), 4e-6)[0]
+    assert STIFF / gap + 1.0 == pytest.approx(pushed - coulomb, rel=2e-3)
+
+
+def test_claims_tell_loops_apart() -> None:
+    um = 1e-6
+    assert claims(np.array([1, 2, 3, 2.5, 1.5]) * um, 10 * um) == (True, True, True)
+    assert claims(np.array([1, 2, 3, 2, 1]) * um, 10 * um) == (True, False, True)
+    assert claims(np.array([3, 2, 12, 2.5, 3.5]) * um, 10 * um) == (False, True, False)
+
+
+def _sweep(monkeypatch: pytest.MonkeyPatch) -> Any:
+    case = load_case(CASES / "balance_sweep.toml")
+    assert isinstance(case.study, BalanceSweepStudy)
+    study = replace(case.study, balance_ratio=(1.2, 1.5, 2.0), friction_coefficient=(0.05, 0.0))
+    levels = sorted(set(study.outlet_pressures))
+    tables = tuple(_table(level) for level in levels)
+    monkeypatch.setattr(balance_sweep, "film_tables", lambda *_: tables)
+    return balance_sweep.run(replace(case, study=study), StudyContext())
+
+
+def test_balance_sweep_gives_gaps_claims_and_figures(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    result = _sweep(monkeypatch)
+    assert result.data["gap_um"].dims == ("friction_coefficient", "balance_ratio", "point")
+    assert result.numbers["plane_area_mm2"] == pytest.approx(1000.0)
+    free = result.data["gap_um"].values[1]
+    assert free[:, :3] == pytest.approx(free[:, -1:-4:-1], rel=1e-9)  # no friction, no memory
+    # this film closes under pressure, so friction keeps it closer on the way down
+    areas = result.data["loop_area_um_bar"].values
+    assert areas[0].max() < 0.0
+    assert areas[1] == pytest.approx(0.0, abs=1e-9)
+    assert np.all(np.diff(free, axis=0) <= 0.0)  # more area, smaller gap
+    assert len(result.tables[0].rows) == 6
+    assert len(study_figures("balance_sweep", result.data)) == 4
+    assert study_report_html(result).count("<svg") >= 4
+    result.save(tmp_path)
+
+
+def test_bearing_map_numbers_and_figure(monkeypatch: pytest.MonkeyPatch) -> None:
+    case = load_case(CASES / "bearing_map.toml")
+    assert isinstance(case.study, BearingMapStudy)
+
+    def numbers(one: Any) -> dict[str, Any]:
+        point = one.operating_point
+        film = point.shaft_speed / (1.0 + 1e-5 * point.outlet_pressure)
+        names = [
+            name for name in bearing_map.film_numbers(cast(Any, _coupled())) if name != "status"
+        ]
+        return {**dict.fromkeys(names, film), "status": "done"}
+
+    numbers.label = "made up"  # type: ignore[attr-defined]
+    monkeypatch.setattr(bearing_map, "bearing_numbers", numbers)
+    result = bearing_map.run(case, StudyContext())
+    assert result.status is Status.DONE
+    assert result.data["smallest_film_um"].shape == (5, 6)
+    speed, pressure = result.data["shaft_speed"].values[2], result.data["outlet_pressure"].values[3]
+    expected = speed / (1.0 + 1e-5 * pressure)
+    assert float(result.data["contact_force_N"][2, 3]) == pytest.approx(expected, rel=1e-6)
+    assert len(result.tables[0].rows) == 30
+    assert [f.name for f in study_figures("bearing_map", result.data)] == ["bearing_map"]
+
+
+def _coupled() -> CoupledPoint:
+    stack = ring_stack(approach=3e-13, high_share=0.68, preload=400.0, cells=(12, 8))
+    scenes = tuple(stack.scene(angle, pressures(20e5)) for angle in (0.0, 0.3))
+    problem = LateralProblem(
+        stack, scenes, loads(20e5), lambda _: pressures(20e5), LateralSettings()
+    )
+    settled = problem.settle(problem.started(0.8e-6))
+    solution = cast(Any, SimpleNamespace(status=Status.DONE))
+    numbers = numbers_of(problem, settled.balance)
+    return CoupledPoint(solution, cast(Any, None), problem, settled, numbers, 0.0)
+
+
+def test_wear_map_is_the_mean_of_asperity_pressure_times_speed() -> None:
+    balance = _coupled().equilibrium.balance
+    found = wear_map([balance, balance])
+    films = [state.films[0] for state in balance.states]
+    grid = films[0].grid
+    speed = balance.states[0].stack.shaft_speed * grid.radius
+    assert found[0] == pytest.approx(np.mean([f.contact for f in films], axis=0) * speed)
+    assert found.max() > 0.0
+
+
+def test_measured_positions_are_corrected_for_the_sensor(tmp_path: Path) -> None:
+    path = tmp_path / "bench.csv"
+    path.write_text(
+        "operating_point.outlet_pressure [bar], relative_position_um [um]\n20, 5\n40, 5.5\n20, 5.2",
+        encoding="utf-8",
+    )
+    beside = hysteresis.lay_over(hysteresis.read_positions(path), 0.01e-6 / 1e5)
+    assert beside["measured_outlet_pressure_bar"].values == pytest.approx([20, 40, 20])
+    # relative to the first row, and the sensor moved away by 0.01 um/bar
+    assert beside["measured_relative_position_um"].values == pytest.approx([0.0, 0.7, 0.2])
+
+
+def test_measured_positions_of_other_columns_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "bench.csv"
+    path.write_text("operating_point.outlet_pressure [bar], mean_torque_N_m [N m]\n20, 5\n")
+    with pytest.raises(CaseError, match="allowed operating_point"):
+        hysteresis.read_positions(path)
+
+
+def test_loop_shows_measured_positions(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    case = load_case(CASES / "hysteresis_055.toml")
+    assert isinstance(case.study, HysteresisStudy)
+    path = tmp_path / "bench.csv"
+    rows = "\n".join(f"{p}, {x}" for p, x in zip((20, 40, 20), (0, 1, 0.5), strict=True))
+    path.write_text(f"operating_point.outlet_pressure [bar], relative_position_um [um]\n{rows}\n")
+    point = _coupled()
+    study = hysteresis.LateralStudy(
+        "hysteresis", ("a", "b", "c"), (point,) * 3, (20e5, 40e5, 20e5), (5e5,) * 3
+    )
+    monkeypatch.setattr(hysteresis, "follow_pressures", lambda *_: study)
+    case = replace(case, study=replace(case.study, measured=path))
+    result = hysteresis.run(case, StudyContext())
+    assert result.numbers["deviation_um"] == pytest.approx([0.0, -1.0, -0.5])
+    assert result.numbers["rms_deviation_um"] == pytest.approx(np.sqrt(1.25 / 3.0))
+    assert isinstance(result.data, xr.Dataset)
+    names = [figure.name for figure in study_figures("hysteresis", result.data)]
+    assert names == ["positions", "contact", "film_height", "wear"]
