@@ -101,12 +101,11 @@ def test_bearing_map_numbers_and_figure(monkeypatch: pytest.MonkeyPatch) -> None
     case = load_case(CASES / "bearing_map.toml")
     assert isinstance(case.study, BearingMapStudy)
 
+    names = [name for name in bearing_map.film_numbers(_coupled()) if name != "status"]
+
     def numbers(one: Any) -> dict[str, Any]:
         point = one.operating_point
         film = point.shaft_speed / (1.0 + 1e-5 * point.outlet_pressure)
-        names = [
-            name for name in bearing_map.film_numbers(cast(Any, _coupled())) if name != "status"
-        ]
         return {**dict.fromkeys(names, film), "status": "done"}
 
     numbers.label = "made up"  # type: ignore[attr-defined]
