@@ -212,6 +212,9 @@ class LateralBalance:
         Masses of the turning bodies. [kg]
     elastic_bodies : callable or None
         Elastic bodies of the machine, where bearings and turning bodies can deform.
+    halves : tuple of FloatingBearing
+        Parts of the pressed bearing, one beside every turning body, where it is split; they move
+        and tilt on their own. Empty: one piece.
     """
 
     arrangement: Literal["symmetric", "asymmetric", "plates"]
@@ -223,6 +226,7 @@ class LateralBalance:
     body_forces: tuple[float, ...]
     body_masses: tuple[float, ...]
     elastic_bodies: ElasticBodies | None = None
+    halves: tuple[FloatingBearing, ...] = ()
 
     @property
     def bodies(self) -> tuple[str, ...]:

@@ -122,19 +122,25 @@ def window_on(axes: Axes, data: xr.Dataset) -> None:
         axes.plot(ratio, gaps[:, k], color=color, label=label)
         axes.plot(ratio, gaps[:, back], "--", color=color)
     axes.axhline(lifted, color=GREY, lw=0.8, ls=":")
-    low = 0.9 * float(gaps.min())
+    low = 0.9 * float(np.nanmin(gaps))
     for row, (held, text) in enumerate(zip(data["claim_holds"].values, _CLAIM_TEXT, strict=True)):
         height = low * 0.86 ** (row + 1)
         axes.plot(ratio, np.where(held, height, np.nan), lw=3, color=GREEN, solid_capstyle="butt")
         axes.text(ratio[0], height, f"{text} ", fontsize=6, ha="right", va="center")
-    axes.set_yscale("log")
     axes.set_ylim(low * 0.6, None)
-    ticks = [t for t in (0.5, 1, 2, 5, 10, 20) if t >= low * 0.6]
-    axes.set_yticks(ticks, labels=[f"{t:g}" for t in ticks])
-    axes.minorticks_off()
+    _decades(axes)
     axes.set_xlabel("Balanced area over the area that plane films carry")
     axes.set_ylabel("Gap of rigid faces (µm)")
     axes.legend(fontsize=7)
+
+
+def _decades(axes: Axes) -> None:
+    """Logarithmic heights with a few plain numbers beside them."""
+    axes.set_yscale("log")
+    low, high = axes.get_ylim()
+    ticks = [t for t in (0.2, 0.5, 1, 2, 3, 5, 10, 20, 50) if low <= t <= high]
+    axes.set_yticks(ticks, labels=[f"{t:g}" for t in ticks])
+    axes.minorticks_off()
 
 
 def _cycle(count: int) -> Sequence[str]:
@@ -154,6 +160,7 @@ def area_sensitivity(data: xr.Dataset) -> Figure:
             values = one[name].values[:, k]
             axes.plot(one["balance_ratio"], values, color=color, label=f"{pressure[k]:.4g} bar")
         axes.set_ylabel(label)
+    _decades(figure.axes[0])
     figure.axes[0].legend(fontsize=7)
     for axes in figure.axes[2:]:
         axes.set_xlabel("Balance ratio")
@@ -173,7 +180,7 @@ def friction_sensitivity(data: xr.Dataset) -> Figure:
         right.plot(one["balance_ratio"], one["gap_um"][:, top], color=color, label=f"{mu:g}")
     left.set_ylabel("Loop area (µm bar)")
     right.set_ylabel("Gap at the highest pressure (µm)")
-    right.set_yscale("log")
+    _decades(right)
     for axes in (left, right):
         axes.set_xlabel("Balance ratio")
     left.legend(title="Housing friction", fontsize=7)

@@ -24,7 +24,11 @@ from toothspace.films.lateral_gap.equilibrium import (
 )
 from toothspace.films.lateral_gap.face_film import FaceFilm, FilmLaw, film_law
 from toothspace.films.lateral_gap.faces import FaceGrid
-from toothspace.films.lateral_gap.friction import housing_friction, normal_force
+from toothspace.films.lateral_gap.friction import (
+    HousingFriction,
+    housing_friction,
+    normal_force,
+)
 from toothspace.films.lateral_gap.motion import Balance, Loads, StepSettings, rest_at
 from toothspace.films.lateral_gap.stack import BackPressure, Columns, Compliance, Scene, Stack
 from toothspace.films.lateral_gap.yielding_film import Accuracy
@@ -158,6 +162,10 @@ class LateralNumbers:
     seat_force : float
         Force that holds the solid bearing on its cover, negative if it lifts off; with two
         pressed bearings not a number. [N]
+    positions : ndarray
+        Positions of all pressed bearings or their parts, along z. [m]
+    tilt : float
+        Largest tilt of a pressed bearing or part. [rad]
     """
 
     position: float
@@ -172,6 +180,8 @@ class LateralNumbers:
     wear_power: float
     friction_force: float
     seat_force: float
+    positions: Array
+    tilt: float
 
 
 def lateral_problem(
@@ -207,10 +217,6 @@ def lateral_problem(
     mean = pressures(0.0)
     high, low = float(mean[balance.high_node]), float(mean[balance.low_node])
     back = BackPressure(high, low, low if nose_pressure is None else nose_pressure)
-    # two blocks share the force of every shaft
-    journals = -0.5 * data["journal_force"].values.mean(axis=0).sum(axis=0)[:2]
-    toward_low = np.array([1.0 if description.mode == "pump" else -1.0, 1.0])
-    normal = normal_force(balance.floating.housing, high - low, journals * toward_low)
     film_fluid = FilmFluid(fluid.dynamic_viscosity * np.exp(fluid.pressure_viscosity * 0.5 * high))
     grids = tuple(FaceGrid(i, *settings.grid) for i in balance.interfaces)
     stack = Stack(
@@ -221,8 +227,30 @@ def lateral_problem(
         shaft_speed,
     )
     scenes = scenes_over_pitch(stack, pressures, settings.angles)
-    friction = housing_friction(balance.floating.housing, normal)
-    return LateralProblem(stack, scenes, Loads(back, friction), pressures, settings)
+    loads = Loads(back, *_frictions(description, balance, data, high - low))
+    return LateralProblem(stack, scenes, loads, pressures, settings)
+
+
+def _frictions(
+    description: MachineDescription, balance: LateralBalance, data: xr.Dataset, difference: float
+) -> tuple[HousingFriction, tuple[HousingFriction, ...]]:
+    """Housing friction of the pressed bearing, and of its parts beside every body."""
+    # two blocks share the force of every shaft
+    shafts = -0.5 * data["journal_force"].values.mean(axis=0)[:, :2]
+    toward_low = np.array([1.0 if description.mode == "pump" else -1.0, 1.0])
+    whole = balance.floating.housing
+    if not balance.halves:
+        normal = normal_force(whole, difference, shafts.sum(axis=0) * toward_low)
+        return housing_friction(whole, normal), ()
+    normals = [
+        normal_force(half.housing, difference, shaft * toward_low)
+        for half, shaft in zip(balance.halves, shafts, strict=True)
+    ]
+    parts = tuple(
+        housing_friction(half.housing, normal)
+        for half, normal in zip(balance.halves, normals, strict=True)
+    )
+    return housing_friction(whole, sum(normals)), parts
 
 
 def balance_of(description: MachineDescription) -> LateralBalance:
@@ -275,6 +303,11 @@ def _elastic_bodies(
 ) -> Compliance:
     if balance.elastic_bodies is None:
         raise CaseError("run.deformation: found 'bodies', allowed 'columns' or 'none' here")
+    if balance.halves:
+        raise CaseError(
+            "run.deformation: found 'bodies' with machine.floating_bearing.split, allowed "
+            "'columns' or 'none' here"
+        )
     made = balance.elastic_bodies()
     bodies = {name: body for name, body in made.items() if isinstance(body, ElasticBody)}
     names = [load.name for load in bodies["floating"].loads]
@@ -327,8 +360,10 @@ def numbers_of(problem: LateralProblem, balance: Balance) -> LateralNumbers:
         contact_force=sum(float((f.contact * f.grid.area).sum()) for f in films) / count,
         contact_share=float(np.mean([_contact_share(f) for f in films])),
         wear_power=max(float(wear_power(f, speed).max()) for f in films),
-        friction_force=float(balance.friction[0]),
+        friction_force=float(balance.friction[: max(len(stack.balance.halves), 1)].sum()),
         seat_force=float("nan") if stack.two_pressed else min(seats),
+        positions=stack.positions(balance.position),
+        tilt=max(stack.tilts(balance.position)),
     )
 
 

@@ -95,9 +95,10 @@ def reduce_lateral(
 
     Notes
     -----
-    Without friction in the housing. Bearings and gears that may not tilt (``motion = "axial"``)
-    do not feel the moment: the table has the one of the condition. Every column of one moment
-    begins with the largest force, each point with the positions of the one before.
+    Without friction in the housing, and with a split bearing in one piece. Bearings and gears that
+    may not tilt (``motion = "axial"``) do not feel the moment: the table has the one of the
+    condition. Every column of one moment begins with the largest force, each point with the
+    positions of the one before.
     """
     balance = balance_of(description)
     data = _quasi_static_data(description, condition)
@@ -155,7 +156,7 @@ def _loaded(balance: LateralBalance, force: float, moment: float) -> LateralBala
     moved: FloatingBearing = replace(
         bearing, preload=preload, preload_center=center, housing=housing
     )
-    return replace(balance, floating=moved)
+    return replace(balance, floating=moved, halves=())
 
 
 def _quasi_static_data(

@@ -289,7 +289,9 @@ def _dataset(study: BalanceSweepStudy, tables: Sequence[FilmTable], loops: Array
     data: dict[str, Any] = {"gap_um": (dims, loops * 1e6, {"units": "um"})}
     for name in tables[0].numbers:
         values = [tables[k].at(name, loops[..., j]) for j, k in enumerate(order)]
-        data[name] = (dims, np.stack(values, axis=-1), {"units": unit_of(name)})
+        # beyond the table the bearing lifted off, and its films say nothing
+        shown = np.where(loops < GAPS[-1], np.stack(values, axis=-1), np.nan)
+        data[name] = (dims, shown, {"units": unit_of(name)})
     data["loop_area_um_bar"] = (dims[:2], _loop_areas(study, loops), {"units": "um bar"})
     data["claim_holds"] = (("claim", *dims[:2]), _claimed(study, loops).astype(np.int8))
     plane = tables[-1].plane_area * 1e6

@@ -19,6 +19,7 @@ from toothspace.results.solution import Solution
 from toothspace.results.variables import variable
 from toothspace.solver.lateral_coupling import CoupledPoint, PointRequest, couple_point
 from toothspace.solver.lateral_gap import (
+    LateralNumbers,
     LateralSettings,
     balance_of,
     film_fields,
@@ -80,6 +81,7 @@ class LateralStudy:
             "smallest_film_um": [n.smallest_gap * 1e6 for n in numbers],
             "leakage_L_per_min": [n.leakage * 6e4 for n in numbers],
             "torque_loss_N_m": [n.viscous_torque + n.asperity_torque for n in numbers],
+            **_parts(numbers),
             "contact_force_N": [n.contact_force for n in numbers],
             "contact_share": [n.contact_share for n in numbers],
             "wear_power_W_per_mm2": [n.wear_power * 1e-6 for n in numbers],
@@ -128,6 +130,14 @@ class LateralStudy:
             tables=(StudyTable("points", tuple(lists), rows),),
             provenance=provenance(case),
         )
+
+
+def _parts(numbers: Sequence[LateralNumbers]) -> dict[str, list[float]]:
+    """Position of the second bearing or half, if there is one, and the largest tilt."""
+    found = {"bearing_tilt_mrad": [n.tilt * 1e3 for n in numbers]}
+    if numbers[0].positions.size > 1:
+        found["second_position_um"] = [float(n.positions[1]) * 1e6 for n in numbers]
+    return found
 
 
 @final

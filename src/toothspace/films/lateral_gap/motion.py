@@ -65,7 +65,12 @@ class Loads(NamedTuple):
     """What acts on the bearings besides the films."""
 
     back: BackPressure
-    friction: HousingFriction
+    friction: HousingFriction  # of every pressed bearing
+    parts: tuple[HousingFriction, ...] = ()  # of its parts, if it is split
+
+    def law(self, piece: int) -> HousingFriction:
+        """Friction of one pressed bearing or part."""
+        return self.parts[piece % len(self.parts)] if self.parts else self.friction
 
 
 @final
@@ -171,7 +176,7 @@ def _revised(task: _Task, found: Balance, tried: tuple[int, ...]) -> tuple[int, 
     revised = []
     for k, lever in enumerate(_levers(task.stack)):
         speed = float(lever @ found.velocity)
-        limit = task.loads.friction.breakaway_force
+        limit = task.loads.law(k).breakaway_force
         if tried[k] == 0 and abs(found.friction[k]) > limit * (1.0 + 1e-9):
             revised.append(-int(np.sign(found.friction[k])))
         elif tried[k] != 0 and tried[k] * speed <= 0.0:
@@ -183,11 +188,14 @@ def _revised(task: _Task, found: Balance, tried: tuple[int, ...]) -> tuple[int, 
 
 def _levers(stack: Stack) -> list[Array]:
     """Velocity of the middle of every pressed bearing from the coordinates' rates."""
-    x, y = stack.balance.floating.face.center
-    lever = np.zeros(stack.size)
     tilts = stack.balance.motion == "full"
-    lever[:3] = 1.0, y * tilts, -x * tilts
-    return [lever, np.roll(lever, -3)] if stack.two_pressed else [lever]
+    found = []
+    for piece in stack.pieces:
+        x, y = piece.bearing.face.center
+        lever = np.zeros(stack.size)
+        lever[piece.first : piece.first + 3] = 1.0, y * tilts, -x * tilts
+        found.append(lever)
+    return found
 
 
 def _solve(task: _Task, former: Balance, slides: tuple[int, ...] | None) -> Balance:
@@ -284,32 +292,31 @@ def _forces(
         force += (state.film_force() + state.back_force(task.loads.back)) / len(states)
     q = task.start + v * task.duration
     drag = np.zeros((stack.size, stack.size))
-    for place, sign in ((0, 1.0), (stack.size - 3, -1.0))[: 1 + stack.two_pressed]:
-        over = sign * float(q[place]) - stack.balance.floating.axial_play
+    for place, _, push, bearing, _ in stack.pieces:
+        over = -push * float(q[place]) - bearing.axial_play
         if over > 0.0:
-            force[place] -= sign * _STOP_STIFFNESS * over
+            force[place] += push * _STOP_STIFFNESS * over
             drag[place, place] += _STOP_STIFFNESS * task.duration
     mass = _masses(stack)
     force -= mass * (v - task.velocity) / task.duration
     drag += np.diag(mass) / task.duration
     for k, lever in enumerate(_levers(stack)):
         if slides is None:
-            value, slope = task.loads.friction.force(float(lever @ v))
+            value, slope = task.loads.law(k).force(float(lever @ v))
             force -= value * lever
             drag += slope * np.outer(lever, lever)
         else:
-            force -= slides[k] * task.loads.friction.coulomb_force * lever
+            force -= slides[k] * task.loads.law(k).coulomb_force * lever
     return force, drag
 
 
 def _masses(stack: Stack) -> Array:
     """Masses of the lifts; rotary inertia is negligible beside the films' damping."""
     masses = np.zeros(stack.size)
-    masses[0] = stack.balance.floating.mass
+    for piece in stack.pieces:
+        masses[piece.first] = piece.bearing.mass
     for k, mass in enumerate(stack.balance.body_masses):
-        masses[3 * (1 + k)] = mass
-    if stack.two_pressed:
-        masses[-3] = stack.balance.floating.mass
+        masses[stack.first_body + 3 * k] = mass
     return masses
 
 
@@ -384,10 +391,11 @@ def _friction(task: _Task, v: Array, slides: tuple[int, ...] | None, holding: Ar
     """Friction force on every pressed bearing. [N]."""
     levers = _levers(task.stack)
     if slides is None:
-        return np.array([-task.loads.friction.force(float(w @ v))[0] for w in levers])
+        laws = [task.loads.law(k) for k in range(len(levers))]
+        return np.array([-f.force(float(w @ v))[0] for w, f in zip(levers, laws, strict=True)])
     found, rest = np.zeros(len(levers)), iter(holding)
     for k, sense in enumerate(slides):
-        found[k] = next(rest) if sense == 0 else -sense * task.loads.friction.coulomb_force
+        found[k] = next(rest) if sense == 0 else -sense * task.loads.law(k).coulomb_force
     return found
 
 
@@ -426,7 +434,7 @@ def rest_at(stack: Stack, scenes: Sequence[Scene], position: Array) -> Balance:
     still = np.zeros(stack.size)
     flat = [np.zeros((g.rows, g.lanes)) for g in stack.grids]
     states = tuple(stack.solve(scene, position, still, None, flat) for scene in scenes)
-    bearings = 2 if stack.two_pressed else 1
+    bearings = len(stack.pieces)
     return Balance(states, np.zeros(bearings), (0,) * bearings, np.inf, 1, False)
 
 

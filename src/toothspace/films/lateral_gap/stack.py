@@ -19,7 +19,13 @@ from toothspace.films.lateral_gap.face_film import (
     solve_face,
 )
 from toothspace.films.lateral_gap.faces import FaceGrid, Mask
-from toothspace.model.lateral_balance import FilmInterface, LateralBalance, Patch
+from toothspace.model.lateral_balance import (
+    FilmInterface,
+    FloatingBearing,
+    LateralBalance,
+    Patch,
+    Side,
+)
 from toothspace.numerics import multigrid
 
 T = TypeVar("T")
@@ -75,6 +81,16 @@ class Scene(NamedTuple):
     node_pressure: Array  # [Pa]
 
 
+class Piece(NamedTuple):
+    """One pressed bearing, or one of its parts that move on their own."""
+
+    first: int  # first of its three coordinates
+    side: Side
+    sign: float  # sense in which its back is pushed, along z
+    bearing: FloatingBearing
+    bodies: tuple[str, ...]  # that it runs against
+
+
 @final
 @dataclass(frozen=True, eq=False)
 class Stack:
@@ -96,8 +112,9 @@ class Stack:
     Notes
     -----
     Coordinates, three each (lift and rotations about x and y): pressed bearing, gears, and the
-    second pressed bearing if there is one; then the drive gear stays where it is. Bearings turn
-    about the x and y axes of the machine frame, gears about their own.
+    second pressed bearing if there is one; then the drive gear stays where it is. A bearing that
+    is split has three for every part; between two split ones all gears stay where they are.
+    Bearings turn about the x and y axes of the machine frame, gears about their own.
     """
 
     balance: LateralBalance
@@ -105,15 +122,22 @@ class Stack:
     laws: tuple[FilmLaw, ...]
     compliance: Compliance
     shaft_speed: float
+    pieces: tuple[Piece, ...] = field(init=False, repr=False)
     _maps: tuple[tuple[Array, Array], ...] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "pieces", _pieces(self.balance))
         object.__setattr__(self, "_maps", tuple(map(self._lift_maps, self.balance.interfaces)))
 
     @property
     def size(self) -> int:
         """Number of coordinates."""
-        return _MOTIONS * (1 + len(self.balance.bodies) + int(self.two_pressed))
+        return _MOTIONS * (len(self.pieces) + len(self.balance.bodies))
+
+    @property
+    def first_body(self) -> int:
+        """First coordinate of the first turning body."""
+        return _MOTIONS * max(len(self.balance.halves), 1)
 
     @property
     def two_pressed(self) -> bool:
@@ -126,7 +150,8 @@ class Stack:
         axial = self.balance.motion == "axial"
         found = np.arange(0, self.size, _MOTIONS if axial else 1)
         # nothing changes when all bodies move together, so the first gear is the reference
-        first = (found >= _MOTIONS) & (found < 2 * _MOTIONS)
+        still = len(self.balance.halves) or 1
+        first = (found >= self.first_body) & (found < self.first_body + _MOTIONS * still)
         return found[~first] if self.two_pressed else found
 
     @property
@@ -145,15 +170,26 @@ class Stack:
     def start(self, gap: float) -> Array:
         """Coordinates with one gap everywhere. [m]."""
         q = np.zeros(self.size)
-        q[0] = 2.0 * gap
-        bodies = len(self.balance.bodies)
-        q[_MOTIONS : _MOTIONS * (1 + bodies) : _MOTIONS] = gap
+        first = self.first_body
+        q[:first:_MOTIONS] = 2.0 * gap
+        q[first : first + _MOTIONS * len(self.balance.bodies) : _MOTIONS] = gap
         return q
 
     def gauge(self, q: Array) -> float:
         """Position of the pressed bearing at its gauge point, away from the gears. [m]."""
-        x, y = self.balance.floating.gauge_point
-        return float(q[0] + q[1] * y - q[2] * x)
+        return float(self.positions(q)[0])
+
+    def positions(self, q: Array) -> Array:
+        """Positions of all pressed bearings or parts at their gauge points, along z. [m]."""
+        found = []
+        for piece in self.pieces:
+            (x, y), k = piece.bearing.gauge_point, piece.first
+            found.append(float(q[k] + q[k + 1] * y - q[k + 2] * x))
+        return np.array(found)
+
+    def tilts(self, q: Array) -> list[float]:
+        """Tilt of every pressed bearing or part. [rad]."""
+        return [float(np.hypot(q[piece.first + 1], q[piece.first + 2])) for piece in self.pieces]
 
     def film_place(self, index: int, q: Array, v: Array) -> Place:
         """Position and velocity of a film's upper face about the axis of its body."""
@@ -196,14 +232,28 @@ class Stack:
         x, y = interface.center
         about = np.array([[1.0, y, -x], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
         bearing, body = np.zeros((_MOTIONS, self.size)), np.zeros((_MOTIONS, self.size))
-        first = _MOTIONS * (1 + self.balance.bodies.index(interface.body))
+        first = self.first_body + _MOTIONS * self.balance.bodies.index(interface.body)
         sign = 1.0 if interface.side == "floating" else -1.0
         body[:, first : first + _MOTIONS] = -sign * np.eye(_MOTIONS)
-        if interface.side == "floating":
-            bearing[:, :_MOTIONS] = about
-        elif self.two_pressed:
-            bearing[:, -_MOTIONS:] = -about
+        for piece in self.pieces:
+            if piece.side == interface.side and interface.body in piece.bodies:
+                bearing[:, piece.first : piece.first + _MOTIONS] = sign * about
         return bearing, body
+
+
+def _pieces(balance: LateralBalance) -> tuple[Piece, ...]:
+    """Pressed bearings or their parts: before the bodies those of the floating side."""
+    bodies = balance.bodies
+    parts = balance.halves or (balance.floating,)
+    beside = tuple((b,) for b in bodies) if balance.halves else (bodies,)
+    sides: tuple[tuple[Side, float, int], ...] = (("floating", -1.0, 0),)
+    if balance.arrangement != "asymmetric":
+        sides += (("solid", 1.0, len(parts) + len(bodies)),)
+    return tuple(
+        Piece(_MOTIONS * (start + k), side, sign, part, beside[k])
+        for side, sign, start in sides
+        for k, part in enumerate(parts)
+    )
 
 
 @final
@@ -237,19 +287,17 @@ class StackState:
 
     def back_force(self, back: BackPressure) -> Array:
         """Generalised forces behind the pressed bearings, springs and tooth forces."""
-        stack, bearing = self.stack, self.stack.balance.floating
+        stack = self.stack
         force = np.zeros(stack.size)
         # the face as the films see it, so that equal pressure everywhere balances exactly
-        for side, first, sign in (("floating", 0, -1.0), ("solid", stack.size - _MOTIONS, 1.0)):
-            if side == "solid" and not stack.two_pressed:
-                continue
+        for first, side, sign, bearing, bodies in stack.pieces:
             high, nose = (np.array(p.moments) for p in (bearing.high_pressure, bearing.nose))
-            rest = self._face(side) - high - nose
+            rest = self._face(side, bodies) - high - nose
             push = back.high * high + back.nose * nose + back.low * rest
             push += np.array(Patch(bearing.preload, bearing.preload_center).moments)
             force[first : first + _MOTIONS] += sign * push
         for k, load in enumerate(stack.balance.body_forces):
-            force[_MOTIONS * (1 + k)] += load
+            force[stack.first_body + _MOTIONS * k] += load
         return force
 
     def coefficients(self) -> tuple[Array, Array]:
@@ -285,11 +333,11 @@ class StackState:
         for film in self.films:
             if film.grid.interface.side == "solid":
                 load += float(film.covered_load()[0] + film.open_load()[0])
-        return load - low * float(self._face("solid")[0])
+        return load - low * float(self._face("solid", self.stack.balance.bodies)[0])
 
-    def _face(self, side: str) -> Array:
+    def _face(self, side: str, bodies: tuple[str, ...]) -> Array:
         found = np.zeros(_MOTIONS)
         for film in self.films:
-            if film.grid.interface.side == side:
+            if film.grid.interface.side == side and film.grid.interface.body in bodies:
                 found += film.grid.face_moments(film.around.mask.cells.owned)
         return found

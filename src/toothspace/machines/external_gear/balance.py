@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -23,6 +25,8 @@ from toothspace.model.lateral_balance import (
     Side,
 )
 
+_ON_THE_CUT = 1e-6
+"""Distance up to which a spring stands on the cut of a split bearing. [m]"""
 _SIDES: tuple[Side, ...] = ("floating", "solid")
 
 
@@ -52,6 +56,7 @@ def lateral_balance(assembly: Assembly, numbering: Numbering) -> LateralBalance 
         body_forces=pressed.gear_forces,
         body_masses=tuple(body.mass for body in bodies(assembly)),
         elastic_bodies=PressedBodies(assembly),
+        halves=_halves(assembly, pressed) if pressed.split else (),
     )
 
 
@@ -101,7 +106,9 @@ def _patch(shape: Any) -> Patch:
 
 def _floating(assembly: Assembly, pressed: PressedBearing) -> FloatingBearing:
     face = bearing_face(assembly)
-    high = _high_pressure(assembly, pressed, face)
+    shape = _high_pressure(assembly, pressed, face)
+    given = Patch(pressed.high_pressure_area, pressed.high_pressure_center)
+    high = given if shape is None else _patch(shape)
     nose = Patch(pressed.nose_area, pressed.nose_center)
     if high.area + nose.area > face.area:
         raise GeometryError(
@@ -111,35 +118,99 @@ def _floating(assembly: Assembly, pressed: PressedBearing) -> FloatingBearing:
     middle = (float(face.centroid.x), float(face.centroid.y))
     loads = [(s.force, s.x, s.y) for s in pressed.springs]
     loads += [(pressed.seal_preload, *middle)] if pressed.seal_preload > 0.0 else []
-    total = sum(load[0] for load in loads)
-    share = 1.0 / total if total > 0.0 else 0.0
+    total, center = _resultant(loads)
     mass = pressed.mass or face.area * pressed.length * pressed.material.density
     return FloatingBearing(
         mass=float(mass),
         face=_patch(face),
         high_pressure=high,
         nose=nose,
-        preload=float(total),
-        preload_center=(
-            share * sum(f * x for f, x, _ in loads),
-            share * sum(f * y for f, _, y in loads),
-        ),
-        housing=HousingContact(
-            pressed.contact_area,
-            pressed.friction_coefficient,
-            pressed.breakaway_speed,
-            pressed.friction_law,
-        ),
+        preload=total,
+        preload_center=center,
+        housing=_housing(pressed, 1.0),
         gauge_point=(0.0, -assembly.profiles[0].tip_radius),
         axial_play=pressed.axial_play,
     )
 
 
-def _high_pressure(assembly: Assembly, pressed: PressedBearing, face: Any) -> Patch:
+def _housing(pressed: PressedBearing, share: float) -> HousingContact:
+    return HousingContact(
+        share * pressed.contact_area,
+        pressed.friction_coefficient,
+        pressed.breakaway_speed,
+        pressed.friction_law,
+    )
+
+
+def _resultant(loads: Sequence[tuple[float, float, float]]) -> tuple[float, tuple[float, float]]:
+    """Sum of forces at places, and its point of action. [N, m]."""
+    total = sum(load[0] for load in loads)
+    share = 1.0 / total if total > 0.0 else 0.0
+    x, y = (share * sum(load[0] * load[k] for load in loads) for k in (1, 2))
+    return float(total), (float(x), float(y))
+
+
+def _halves(assembly: Assembly, pressed: PressedBearing) -> tuple[FloatingBearing, FloatingBearing]:
+    """Bearing cut along the line through both intersections of the tip circles."""
+    whole, face = _floating(assembly, pressed), bearing_face(assembly)
+    high = _high_pressure(assembly, pressed, face)
+    if high is None:
+        raise GeometryError(
+            "floating_bearing.split: found a high_pressure_area without outline, allowed with "
+            "seal_line_x or contour"
+        )
+    a = assembly.mesh.center_distance
+    tips = [profile.tip_radius for profile in assembly.profiles]
+    cut = float((a**2 + tips[0] ** 2 - tips[1] ** 2) / (2.0 * a))
+    x0, y0, x1, y1 = face.bounds
+    parts = (shapely.box(x0, y0, x1, cut), shapely.box(x0, cut, x1, y1))
+    gauges = ((0.0, -tips[0]), (0.0, a + tips[1]))
+    made = []
+    for k, (part, gauge) in enumerate(zip(parts, gauges, strict=True)):
+        own = shapely.intersection(face, part)
+        share = float(own.area / face.area)
+        loads = [(s.force * _part_of(s.y, cut, k), s.x, s.y) for s in pressed.springs]
+        loads.append((share * pressed.seal_preload, own.centroid.x, own.centroid.y))
+        total, center = _resultant(loads)
+        half = replace(
+            whole,
+            mass=share * whole.mass,
+            face=_patch(own),
+            high_pressure=_patch(shapely.intersection(high, part)),
+            nose=_nose(pressed, part),
+            preload=total,
+            preload_center=center,
+            housing=_housing(pressed, share),
+            gauge_point=gauge,
+        )
+        made.append(half)
+    return made[0], made[1]
+
+
+def _part_of(y: float, cut: float, half: int) -> float:
+    """Part of a spring that a half carries: both share one that stands on the cut."""
+    if abs(y - cut) < _ON_THE_CUT:
+        return 0.5
+    return float((y < cut) == (half == 0))
+
+
+def _nose(pressed: PressedBearing, part: Any) -> Patch:
+    """Part of the nose, taken as a square, that is on a half."""
+    reach = 0.5 * float(np.sqrt(pressed.nose_area))
+    x, y = pressed.nose_center
+    square = shapely.box(x - reach, y - reach, x + reach, y + reach)
+    below, above = part.bounds[1], part.bounds[3]
+    wide = shapely.box(x - reach, below, x + reach, above)
+    own = shapely.intersection(square, wide)
+    return _patch(own) if own.area > 0.0 else Patch(0.0, (0.0, 0.0))
+
+
+def _high_pressure(assembly: Assembly, pressed: PressedBearing, face: Any) -> Any | None:
+    """Outline of the back face at high pressure, None if only its area is known."""
     if pressed.high_pressure_contour is not None:
-        return _patch(shapely.intersection(shapely.Polygon(pressed.high_pressure_contour), face))
+        return shapely.intersection(shapely.Polygon(pressed.high_pressure_contour), face)
     if pressed.seal_line is None:
-        return Patch(pressed.high_pressure_area, pressed.high_pressure_center)
+        return None
     low_x, low_y, high_x, high_y = face.bounds
     near = pressed.seal_line
     if assembly.spec.mode == "pump":
@@ -153,4 +224,4 @@ def _high_pressure(assembly: Assembly, pressed: PressedBearing, face: Any) -> Pa
             f"floating_bearing.high_pressure_area.seal_line_x: found {near * 1e3:.5g} mm, allowed "
             f"below {limit} mm"
         )
-    return _patch(part)
+    return part

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, final
 
 from toothspace.core.keys import (
+    Flag,
     Items,
     Quantity,
     Row,
@@ -351,6 +352,9 @@ class FloatingBearingParameters:
         HousingContactParameters, "Friction in the housing.", default=None
     )
     motion: str = choice("Free motions of bearing and gears.", "full", "axial", default="full")
+    split: bool = declare(
+        Flag(doc="Whether it is cut between the gears into halves that move on their own."), False
+    )
     axial_play: float = quantity(
         "um", "Travel away from the gears up to the cover.", above=0, high=5000, default=100e-6
     )

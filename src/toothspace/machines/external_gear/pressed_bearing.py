@@ -41,6 +41,7 @@ def pressed_bearing(machine: keys.ExternalGearParameters) -> spec.PressedBearing
         mass=given.mass,
         arrangement=cast(Any, machine.lateral.arrangement),
         motion=cast(Any, given.motion),
+        split=given.split,
         springs=tuple(spec.Spring(force=s.force, x=s.x, y=s.y) for s in given.springs),
         seal_preload=given.seal_preload,
         nose_area=given.nose.area if given.nose else 0.0,

@@ -230,6 +230,8 @@ class PressedBearing:
         ``symmetric``, ``asymmetric`` or ``plates``.
     motion : str
         ``full`` or ``axial``.
+    split : bool
+        Whether it is cut between the gears into halves that move on their own.
     seal_line : float or None
         Distance of the chord that divides the back face from the centre line, towards the
         high-pressure side. [m]
@@ -267,6 +269,7 @@ class PressedBearing:
     mass: float | None = None
     arrangement: Literal["symmetric", "asymmetric", "plates"] = "asymmetric"
     motion: Literal["full", "axial"] = "full"
+    split: bool = False
     seal_line: float | None = None
     high_pressure_contour: Array | None = None
     high_pressure_area: float = 0.0

@@ -1,0 +1,174 @@
+"""A pressed bearing that is split: its halves move as bearings of their own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+from tests.external_gear_designs import fuel14
+from tests.lateral_stack import AREA, HIGH, LOW, OUTER, RingFace, loads, pressures, ring_stack
+from toothspace.core.errors import GeometryError
+from toothspace.films.lateral_gap.equilibrium import Equilibrium, SearchSettings, find_equilibrium
+from toothspace.films.lateral_gap.faces import FaceGrid
+from toothspace.films.lateral_gap.friction import HousingFriction
+from toothspace.films.lateral_gap.motion import Loads, StepSettings, rest_at
+from toothspace.films.lateral_gap.stack import Columns, Stack
+from toothspace.machines.external_gear.describe import describe
+from toothspace.machines.external_gear.spec import Material, PressedBearing, Spring
+from toothspace.model.lateral_balance import FaceCells, FloatingBearing, Patch
+
+APPROACH = 3e-13
+PLACES = ((0.0, 0.0), (5e-3, 0.1))
+
+
+@dataclass(frozen=True)
+class _Moved:
+    """Ring about another centre."""
+
+    face: RingFace
+    center: tuple[float, float]
+
+    def __call__(self, shaft_angle: float, x: np.ndarray, y: np.ndarray) -> FaceCells:
+        return self.face(shaft_angle, x - self.center[0], y - self.center[1])
+
+
+def _half(own: FloatingBearing, place: tuple[float, float], share: float) -> FloatingBearing:
+    x, y = place
+    high = Patch(share * AREA, (x + own.high_pressure.center[0], y))
+    springs = (x + own.preload_center[0], y + own.preload_center[1])
+    gauge = (x, y - OUTER)
+    return replace(
+        own, face=Patch(AREA, place), high_pressure=high, preload_center=springs, gauge_point=gauge
+    )
+
+
+def _pair(shares: tuple[float, float], **changes: object) -> Stack:
+    """Two rings side by side, each with its own half of the bearing."""
+    one = ring_stack(approach=APPROACH, high_share=shares[0], **changes)  # type: ignore[arg-type]
+    balance = one.balance
+    interfaces = tuple(
+        replace(
+            i,
+            name=f"{i.side}_{k}",
+            body=f"ring_{k}",
+            center=place,
+            face_map=_Moved(i.face_map, place),  # type: ignore[arg-type]
+        )
+        for i in balance.interfaces
+        for k, place in enumerate(PLACES)
+    )
+    halves = tuple(_half(balance.floating, p, s) for p, s in zip(PLACES, shares, strict=True))
+    split = replace(
+        balance,
+        interfaces=interfaces,
+        halves=halves,
+        body_forces=(0.0, 0.0),
+        body_masses=(0.5, 0.5),
+    )
+    cells = one.grids[0]
+    grids = tuple(FaceGrid(i, cells.rows, cells.lanes) for i in interfaces)
+    return Stack(split, grids, one.laws[:1] * 4, Columns((APPROACH,) * 4), one.shaft_speed)
+
+
+def _settled(stack: Stack, acting: Loads) -> Equilibrium:
+    scenes = (stack.scene(0.0, pressures(HIGH)),)
+    start = rest_at(stack, scenes, stack.start(2e-6))
+    step = StepSettings(force_tolerance=1e-9)
+    return find_equilibrium(stack, scenes, acting, start, SearchSettings(), step)
+
+
+@pytest.mark.parametrize("motion", ["axial", "full"])
+def test_halves_rest_where_two_bearings_would(motion: str) -> None:
+    """Every half against the same half computed alone."""
+    shares = (0.70, 0.74)
+    pair = _settled(_pair(shares, motion=motion, preload_x=1e-3), loads(HIGH))
+    assert pair.rests
+    found = pair.balance.states[0].stack.positions(pair.balance.position)
+    for k, share in enumerate(shares):
+        alone = ring_stack(approach=APPROACH, high_share=share, motion=motion, preload_x=1e-3)
+        single = _settled(alone, loads(HIGH))
+        assert single.rests
+        assert found[k] == pytest.approx(alone.gauge(single.balance.position), rel=1e-4)
+    assert found[0] > found[1] * 1.01
+
+
+def test_friction_holds_one_half_and_lets_the_other_slide() -> None:
+    free = HousingFriction(coulomb_force=1.0, breakaway_speed=6e-3, holds=True)
+    stuck = HousingFriction(coulomb_force=1e4, breakaway_speed=6e-3, holds=True)
+    acting = loads(HIGH)._replace(friction=stuck, parts=(free, stuck))
+    stack = _pair((0.70, 0.70))
+    found = _settled(stack, acting)
+    start, end = stack.positions(stack.start(2e-6)), stack.positions(found.balance.position)
+    assert end[1] == pytest.approx(start[1], abs=1e-12)
+    assert abs(end[0] - start[0]) > 1e-8
+    assert abs(found.balance.friction[0]) <= free.breakaway_force
+    assert found.balance.friction.shape == (2,)
+
+
+def test_gears_stay_between_two_split_bearings() -> None:
+    stack = _pair((0.70, 0.74), arrangement="symmetric")
+    assert stack.size == 18
+    assert list(stack.free) == [0, 3, 12, 15]
+    found = _settled(stack, loads(HIGH))
+    assert found.rests
+    q = found.balance.position
+    assert q[0] - q[6] == pytest.approx(q[6] - q[12], rel=1e-4)
+
+
+def _machine(**changes: object) -> PressedBearing:
+    metal = Material(elastic_modulus=1e11, poisson_ratio=0.3, hardness=1e9, density=8800.0)
+    springs = tuple(Spring(force=70.0, x=x, y=y) for x in (-12e-3, 9e-3) for y in (0.0, 31.53e-3))
+    bearing = PressedBearing(
+        material=metal,
+        length=38e-3,
+        roughness=0.4e-6,
+        seal_line=8e-3,
+        nose_area=400e-6,
+        nose_center=(-20e-3, 28e-3),
+        springs=springs,
+        seal_preload=35.0,
+        contact_area=900e-6,
+        split=True,
+    )
+    return replace(bearing, **changes)  # type: ignore[arg-type]
+
+
+def test_halves_of_a_machine_add_up_to_the_whole() -> None:
+    balance = describe(fuel14(pressed=_machine())).lateral_balance
+    assert balance is not None
+    whole, halves = balance.floating, balance.halves
+    assert [half.gauge_point[1] for half in halves] == pytest.approx(
+        [-36.06e-3, 99.12e-3], abs=2e-5
+    )
+    for name in ("face", "high_pressure", "nose"):
+        parts = np.sum([getattr(half, name).moments for half in halves], axis=0)
+        assert parts == pytest.approx(getattr(whole, name).moments, rel=1e-9, abs=1e-15)
+    springs = np.sum([Patch(h.preload, h.preload_center).moments for h in halves], axis=0)
+    assert springs == pytest.approx(Patch(whole.preload, whole.preload_center).moments, rel=1e-9)
+    assert sum(half.mass for half in halves) == pytest.approx(whole.mass)
+    assert sum(half.housing.area for half in halves) == pytest.approx(whole.housing.area)
+    # equal gears: the cut is half way, and the nose is below it but for its upper edge
+    assert halves[0].face.area == pytest.approx(halves[1].face.area, rel=1e-9)
+    assert halves[0].nose.area == pytest.approx(20e-3 * (31.53e-3 - 18e-3), rel=1e-9)
+
+
+def test_split_needs_an_outline_of_the_balanced_area() -> None:
+    bearing = _machine(seal_line=None, high_pressure_area=2000e-6)
+    with pytest.raises(GeometryError, match=r"floating_bearing\.split: found"):
+        describe(fuel14(pressed=bearing))
+
+
+def test_low_pressure_everywhere_leaves_the_springs() -> None:
+    stack = _pair((0.5, 0.6))
+    low = pressures(LOW)
+    state = stack.solve(
+        stack.scene(0.0, low),
+        stack.start(4e-6),
+        np.zeros(stack.size),
+        None,
+        [np.zeros_like(grid.area) for grid in stack.grids],
+    )
+    force = state.film_force() + state.back_force(loads(LOW).back)
+    assert force[[0, 3]] == pytest.approx([-100.0, -100.0], rel=1e-6)
