@@ -381,10 +381,11 @@ def _simulate_elastic(case: Case, progress: Progress | None) -> Solution:
 
 def lateral_settings(case: Case) -> LateralSettings:
     """Grids and laws of the lateral films of a case."""
-    run = case.run
-    return LateralSettings(
-        grid=run.film_grid, angles=run.film_angles_per_pitch, deformation=run.deformation
-    )
+    from toothspace.films.cases import lateral_heating
+
+    run, warm = case.run, lateral_heating(case)
+    grid, angles, law = run.film_grid, run.film_angles_per_pitch, run.deformation
+    return LateralSettings(grid=grid, angles=angles, deformation=law, heating=warm)
 
 
 def _march(

@@ -103,13 +103,13 @@ def test_bearing_map_numbers_and_figure(monkeypatch: pytest.MonkeyPatch) -> None
 
     names = [name for name in bearing_map.film_numbers(_coupled()) if name != "status"]
 
-    def numbers(one: Any) -> dict[str, Any]:
+    def numbers(own: bearing_map.BearingNumbers, one: Any) -> dict[str, Any]:
+        assert own.start_gap == pytest.approx(2e-6)
         point = one.operating_point
         film = point.shaft_speed / (1.0 + 1e-5 * point.outlet_pressure)
         return {**dict.fromkeys(names, film), "status": "done"}
 
-    numbers.label = "made up"  # type: ignore[attr-defined]
-    monkeypatch.setattr(bearing_map, "bearing_numbers", numbers)
+    monkeypatch.setattr(bearing_map.BearingNumbers, "__call__", numbers)
     result = bearing_map.run(case, StudyContext())
     assert result.status is Status.DONE
     assert result.data["smallest_film_um"].shape == (5, 6)

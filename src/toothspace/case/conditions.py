@@ -154,6 +154,13 @@ class RunSettings:
         Row(items=(_CELLS, _CELLS), doc="Cells of each lateral film, round and along the radius."),
         (126, 18),
     )
+    film_oil_share: float = number(
+        "Part of the power that a lateral film dissipates which its oil carries away and becomes "
+        "thinner by: 1 adiabatic, 0 isothermal (elastic preset).",
+        low=0,
+        high=1,
+        default=0.0,
+    )
     film_angles_per_pitch: int = integer(
         "Shaft angles of a tooth pitch over which axial forces are averaged.",
         low=1,

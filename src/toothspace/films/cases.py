@@ -31,7 +31,13 @@ from toothspace.films.summaries import (
     pad_summary,
     ring_summary,
 )
-from toothspace.films.thermal import HIGHEST_RISE, Film, HeatBalance, solve_heated
+from toothspace.films.thermal import (
+    HIGHEST_RISE,
+    Film,
+    FilmHeating,
+    HeatBalance,
+    solve_heated,
+)
 from toothspace.model.fluid import LiquidState, library_liquid, table_liquid
 from toothspace.model.operating_point import OperatingCondition
 
@@ -104,6 +110,30 @@ def _solved(solve: Callable[[], CaseFilms], fields: Path | None) -> dict[str, An
     return {**found.summary, "wall_time_s": time.perf_counter() - started}
 
 
+def lateral_heating(case: Any) -> FilmHeating | None:
+    """How lateral films of a machine warm up, None where they keep the temperature of the fluid.
+
+    Parameters
+    ----------
+    case : Case
+        Case with a fluid and ``run.film_oil_share``.
+    """
+    share = case.run.film_oil_share
+    return _heating(case, share) if share > 0.0 else None
+
+
+def _heating(case: Any, oil_share: float) -> FilmHeating:
+    liquid = _liquid(case)
+    balance = HeatBalance(
+        supply_temperature=case.fluid.temperature,
+        density=liquid.density,
+        heat_capacity=liquid.specific_heat_capacity,
+        oil_share=oil_share,
+        highest_temperature=_hottest(case),
+    )
+    return FilmHeating(balance, lambda temperature: _liquid(case, temperature).dynamic_viscosity)
+
+
 def _heated(
     case: Any, keys: Any, solve: Callable[[float], Film], place: str = "film"
 ) -> tuple[Film, dict[str, Any]]:
@@ -112,18 +142,9 @@ def _heated(
         return solve(_viscosity(case, keys)), {}
     if case.fluid is None:
         raise CaseError(f"{place}.heat: found no fluid, allowed the viscosity of a table [fluid]")
-    liquid = _liquid(case)
-    balance = HeatBalance(
-        supply_temperature=case.fluid.temperature,
-        density=liquid.density,
-        heat_capacity=liquid.specific_heat_capacity,
-        oil_share=keys.heat.oil_share,
-        highest_temperature=_hottest(case),
-    )
+    heating = _heating(case, keys.heat.oil_share)
     try:
-        heated = solve_heated(
-            solve, lambda temperature: _liquid(case, temperature).dynamic_viscosity, balance
-        )
+        heated = solve_heated(solve, heating.viscosity, heating.balance)
     except CaseError as error:
         if str(error).startswith("heat:"):
             raise CaseError(f"{place}.{error}") from error

@@ -89,6 +89,23 @@ class HeatBalance:
 
 
 @final
+@dataclass(frozen=True, eq=False)
+class FilmHeating:
+    """Oil of films that are heated by what they dissipate.
+
+    Parameters
+    ----------
+    balance : HeatBalance
+        Properties of the oil and share of the heat.
+    viscosity : callable
+        Dynamic viscosity at an absolute temperature, falling with it. [K to Pa s]
+    """
+
+    balance: HeatBalance
+    viscosity: Callable[[float], float]
+
+
+@final
 @dataclass(frozen=True)
 class HeatedFilm(Generic[Film]):
     """Film at the viscosity of its own temperature."""

@@ -37,7 +37,8 @@ _CLAIM_TEXT = ("rises", "stays higher", "on its film")
 
 def map_figures(data: xr.Dataset) -> list[StudyFigure]:
     """Return maps of the films over shaft speed and outlet pressure."""
-    if min(data.sizes["shaft_speed"], data.sizes["outlet_pressure"]) < 2:
+    found = all(name in data for name, _, _ in _MAPS)
+    if not found or min(data.sizes["shaft_speed"], data.sizes["outlet_pressure"]) < 2:
         return []
     caption = (
         "Films of the bearing at rest over shaft speed and outlet pressure; dots are the computed "

@@ -230,6 +230,7 @@ _LATERAL = {
     "wear_power_W_per_mm2": ("lateral_wear_power", 1e-6),
     "housing_friction_N": ("lateral_housing_friction", 1.0),
     "seat_force_N": ("solid_bearing_seat_force", 1.0),
+    "film_temperature_rise_K": ("lateral_temperature_rise", 1.0),
 }
 
 
@@ -246,5 +247,7 @@ def lateral_numbers(data: xr.Dataset, statistics: Mapping[str, float]) -> dict[s
     if "lateral_leakage" not in statistics:
         return {}
     position = float(data["bearing_position"].mean()) * 1e6
-    numbers = {name: statistics[key] * unit for name, (key, unit) in _LATERAL.items()}
+    numbers = {
+        name: statistics[key] * unit for name, (key, unit) in _LATERAL.items() if key in statistics
+    }
     return {"bearing_position_um": position, **numbers}

@@ -10,6 +10,7 @@ import numpy as np
 
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.status import Status
+from toothspace.core.types import Array
 from toothspace.films.lateral_gap.equilibrium import Equilibrium
 from toothspace.films.lateral_gap.motion import Balance
 from toothspace.model.description import MachineDescription
@@ -27,6 +28,7 @@ from toothspace.solver.lateral_gap import (
     wear_map,
     with_lateral_torque,
 )
+from toothspace.solver.lateral_heat import HeatedEquilibrium, settle_heated
 
 LumpedRun = Callable[[MachineDescription], Solution]
 """Lumped solution of a machine at the operating point."""
@@ -84,7 +86,10 @@ class CoupledPoint:
     leakage_mismatch : float
         Leakage of films less that of the lumped paths, over the displaced flow. [-]
     agreed : bool
-        Whether films and paths were brought to agree, or were not meant to be.
+        Whether films and paths were brought to agree, or were not meant to be, and temperatures
+        with the power dissipated.
+    temperatures : ndarray or None
+        Mean temperature of every film; None at the temperature of the fluid. [K]
     """
 
     solution: Solution
@@ -94,6 +99,7 @@ class CoupledPoint:
     numbers: LateralNumbers
     leakage_mismatch: float
     agreed: bool = True
+    temperatures: Array | None = None
 
     @property
     def status(self) -> Status:
@@ -132,7 +138,7 @@ def couple_point(
         )
         start = request.start
         begun = problem.started(start) if isinstance(start, float) else problem.continued(start)
-        found = problem.settle(begun)
+        problem, found, warm = _settled(problem, begun)
         numbers = numbers_of(problem, found.balance)
         paths = solution.data["leakage"].sel(path=list(LATERAL_PATHS))
         lumped = float(paths.sum("path").mean())
@@ -142,8 +148,10 @@ def couple_point(
         agreed = request.rounds == 1 or abs(mismatch) <= max(
             _AGREEMENT * abs(numbers.leakage), _TOLERATED * flow
         )
+        own = None if warm is None else warm.temperatures
+        agreed = agreed and (warm is None or warm.agreed)
         point = CoupledPoint(
-            solution, description, problem, found, numbers, mismatch / flow, agreed
+            solution, description, problem, found, numbers, mismatch / flow, agreed, own
         )
         if close or number == request.rounds:
             return point
@@ -154,6 +162,16 @@ def couple_point(
             description = with_lateral_leakage(description, float(np.exp(change)))
         description = _with_drag(description, solution, numbers)
     return point
+
+
+def _settled(
+    problem: LateralProblem, begun: Balance
+) -> tuple[LateralProblem, Equilibrium, HeatedEquilibrium | None]:
+    """Bearing at rest, with films that warm up where they are meant to."""
+    if problem.settings.heating is None:
+        return problem, problem.settle(begun), None
+    found = settle_heated(problem, begun, problem.settings.heating)
+    return found.problem, found.equilibrium, found
 
 
 def _next_change(known: list[tuple[float, float]]) -> float:
@@ -202,6 +220,8 @@ def elastic_solution(point: CoupledPoint, steps: int) -> Solution:
     values: dict[str, tuple[tuple[str, ...], object, dict[str, str]]] = {}
     fields = {**film_fields(march.balances[-1]), **film_places(stack)}
     fields["film_wear_power"] = wear_map(march.balances)
+    if point.temperatures is not None:
+        fields["film_temperature"] = point.temperatures
     for name, field in fields.items():
         values[name] = _entry(name, field)
     values["bearing_position"] = (("shaft_angle",), position, _entry("bearing_position", 0)[2])
@@ -213,6 +233,7 @@ def elastic_solution(point: CoupledPoint, steps: int) -> Solution:
     statistics = {
         **point.solution.statistics,
         **_statistics(point.numbers, point.leakage_mismatch),
+        **_warmth(point),
         "lateral_iterations": float(sum(b.iterations for b in march.balances)),
         "lateral_residual": float(max(b.residual for b in march.balances)),
     }
@@ -222,6 +243,14 @@ def elastic_solution(point: CoupledPoint, steps: int) -> Solution:
 def _entry(name: str, value: object) -> tuple[tuple[str, ...], object, dict[str, str]]:
     entry = VARIABLES[name]
     return entry.dimensions, value, {"long_name": entry.long_name, "units": entry.units}
+
+
+def _warmth(point: CoupledPoint) -> dict[str, float]:
+    heating = point.problem.settings.heating
+    if point.temperatures is None or heating is None:
+        return {}
+    rise = float(point.temperatures.max()) - heating.balance.supply_temperature
+    return {"lateral_temperature_rise": rise}
 
 
 def _statistics(numbers: LateralNumbers, mismatch: float) -> dict[str, float]:

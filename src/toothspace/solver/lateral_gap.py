@@ -33,6 +33,7 @@ from toothspace.films.lateral_gap.motion import Balance, Loads, StepSettings, re
 from toothspace.films.lateral_gap.stack import BackPressure, Columns, Compliance, Scene, Stack
 from toothspace.films.lateral_gap.yielding_film import Accuracy
 from toothspace.films.rough_surfaces import RoughSurfaces
+from toothspace.films.thermal import FilmHeating
 from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_balance import FilmInterface, LateralBalance
 
@@ -62,6 +63,8 @@ class LateralSettings:
         How faces give way.
     cavitation : str
         Cavitation model of the films.
+    heating : FilmHeating or None
+        How the films warm up; None: at the temperature of the fluid.
     dwell : float
         Longest time at one operating point; the smooth friction law creeps that long. [s]
     """
@@ -70,6 +73,7 @@ class LateralSettings:
     angles: int = 2
     deformation: str = "columns"
     cavitation: str = "jfo"
+    heating: FilmHeating | None = None
     dwell: float = 1e3
 
 

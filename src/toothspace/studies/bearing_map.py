@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
@@ -57,10 +58,11 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         raise CaseError(f"{case.source}: study.kind: found {found}, allowed a steady case")
     pairs = list(product(study.shaft_speed, study.outlet_pressure))
     points = [_point(case, *pair) for pair in pairs]
+    evaluate = BearingNumbers(study.start_gap)
     try:
-        records = evaluate_points(points, context, bearing_numbers)
+        records = evaluate_points(points, context, evaluate)
     except KeyboardInterrupt:
-        records = recorded(points, context, bearing_numbers)
+        records = recorded(points, context, evaluate)
     require_some(records)
     return StudyResult(
         kind="bearing_map",
@@ -81,36 +83,47 @@ def _point(case: Case, speed: float, pressure: float) -> Point:
     return point(case, values)
 
 
-def bearing_numbers(case: Case) -> Mapping[str, Any]:
-    """Numbers of the films of a pressed bearing that came to rest, names with unit suffix.
+@final
+@dataclass(frozen=True)
+class BearingNumbers:
+    """Evaluates a case to numbers of its bearing at rest: a function for points of a study.
 
     Parameters
     ----------
-    case : Case
-        Case of one point, with a ``[study]`` that names the gap to start from.
-
-    Raises
-    ------
-    CaseError
-        If the machine has no pressed bearing.
+    start_gap : float
+        Gap that the bearing starts from. [m]
     """
-    study, base = case.study, case.operating_point
-    assert isinstance(study, BearingMapStudy)
-    assert base is not None
-    points = prepare(case, None, "bearing_map")
-    condition = PointCondition(
-        label=case.title,
-        outlet_pressure=base.outlet_pressure,
-        inlet_pressure=base.inlet_pressure,
-        shaft_speed=base.shaft_speed,
-    )
-    return film_numbers(points.solve(condition, study.start_gap))
+
+    start_gap: float
+
+    @property
+    def label(self) -> str:
+        """Says what is evaluated, for the records of points."""
+        return f"bearing at rest from {self.start_gap:.12g} m"
+
+    def __call__(self, case: Case) -> Mapping[str, Any]:
+        """Return numbers of the films with the status, names with unit suffix."""
+        base = case.operating_point
+        assert base is not None
+        condition = PointCondition(
+            label=case.title,
+            outlet_pressure=base.outlet_pressure,
+            inlet_pressure=base.inlet_pressure,
+            shaft_speed=base.shaft_speed,
+        )
+        points = prepare(case, None, "bearing_map")
+        return film_numbers(points.solve(condition, self.start_gap))
 
 
 def film_numbers(found: CoupledPoint) -> dict[str, Any]:
     """Numbers of one point with its status."""
-    own = found.numbers
+    own, warm = found.numbers, found.temperatures
+    heating = found.problem.settings.heating
+    rise = {}
+    if warm is not None and heating is not None:
+        rise["film_temperature_rise_K"] = float(warm.max()) - heating.balance.supply_temperature
     return {
+        **rise,
         "bearing_position_um": own.position * 1e6,
         "film_height_um": float(own.gaps.mean()) * 1e6,
         "smallest_film_um": own.smallest_gap * 1e6,

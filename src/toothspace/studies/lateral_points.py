@@ -82,6 +82,7 @@ class LateralStudy:
             "leakage_L_per_min": [n.leakage * 6e4 for n in numbers],
             "torque_loss_N_m": [n.viscous_torque + n.asperity_torque for n in numbers],
             **_parts(numbers),
+            **self._warmth(),
             "contact_force_N": [n.contact_force for n in numbers],
             "contact_share": [n.contact_share for n in numbers],
             "wear_power_W_per_mm2": [n.wear_power * 1e-6 for n in numbers],
@@ -90,6 +91,15 @@ class LateralStudy:
             "seat_force_N": [n.seat_force for n in numbers],
             "point_status": [p.status.name.lower() for p in self.points],
         }
+
+    def _warmth(self) -> dict[str, list[float]]:
+        """Rise of the hottest film above the fluid, where films warm up."""
+        heating = self.points[0].problem.settings.heating
+        found = [p.temperatures for p in self.points if p.temperatures is not None]
+        if heating is None or len(found) < len(self.points):
+            return {}
+        supply = heating.balance.supply_temperature
+        return {"film_temperature_rise_K": [float(t.max()) - supply for t in found]}
 
     def dataset(self) -> xr.Dataset:
         """Numbers over ``point`` and the fields of all films: at the last angle, wear over all."""
