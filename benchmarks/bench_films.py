@@ -21,7 +21,7 @@ from toothspace.films import FilmFluid, Groove, JournalBearing, LateralFilm
 from toothspace.films.reynolds import film_balance
 from toothspace.numerics.complementarity import assemble
 from toothspace.numerics.conduction import ConductionSolver
-from toothspace.numerics.multigrid import THREADS
+from toothspace.numerics.multigrid_cycle import THREADS
 from toothspace.numerics.structured_grid import CellBalance
 
 SIZES = ((480, 64), (960, 128), (1600, 192), (2000, 500))

@@ -24,7 +24,7 @@ from toothspace.case import Case
 from toothspace.config import load_case
 from toothspace.films.lateral_gap.equilibrium import March
 from toothspace.films.lateral_gap.motion import Balance
-from toothspace.numerics import multigrid
+from toothspace.numerics import multigrid_cycle
 from toothspace.solver.lateral_gap import LateralProblem, lateral_problem
 
 CASE = Path(__file__).parents[1] / "cases" / "hysteresis_055.toml"
@@ -79,7 +79,7 @@ def row(setting: Setting, grid: tuple[int, int], deformation: str, steps: int) -
     worst = max(b.residual for b in march.balances)
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
     print(
-        f"  {deformation:8s} 2 x {cells // 2:7d} {multigrid.THREADS:7d} {wall / steps:8.3f} "
+        f"  {deformation:8s} 2 x {cells // 2:7d} {multigrid_cycle.THREADS:7d} {wall / steps:8.3f} "
         f"{used / steps:10.3f} "
         f"{iterations:10.1f} {cells * iterations * steps / wall / 1e6:12.2f} "
         f"{wall / steps * STEPS:10.0f} {worst:9.1e} {march.converged!s:>5s} {peak:8.2f}"
@@ -99,10 +99,10 @@ def report(grids: tuple[tuple[int, int], ...] = GRIDS, steps: int = SAMPLED) -> 
     for grid in grids:
         row(setting, grid, "columns", steps)
     row(setting, grids[-1], "bodies", steps)
-    available, multigrid.THREADS = multigrid.THREADS, 1
+    available, multigrid_cycle.THREADS = multigrid_cycle.THREADS, 1
     if available > 1:
         row(setting, grids[-1], "columns", steps)
-    multigrid.THREADS = available
+    multigrid_cycle.THREADS = available
 
 
 def main() -> None:

@@ -26,7 +26,7 @@ from toothspace.model.lateral_balance import (
     Patch,
     Side,
 )
-from toothspace.numerics import multigrid
+from toothspace.numerics import multigrid_cycle
 
 T = TypeVar("T")
 _MOTIONS = 3
@@ -222,9 +222,9 @@ class Stack:
     def side_by_side(self, one: Callable[[int], T]) -> tuple[T, ...]:
         """Outcome of a function for every film; large films are worked on at the same time."""
         films = range(len(self.grids))
-        if multigrid.THREADS < 2 or self.grids[0].area.size < _THREADED_CELLS:
+        if multigrid_cycle.THREADS < 2 or self.grids[0].area.size < _THREADED_CELLS:
             return tuple(map(one, films))
-        with ThreadPoolExecutor(multigrid.THREADS) as pool:
+        with ThreadPoolExecutor(multigrid_cycle.THREADS) as pool:
             return tuple(pool.map(one, films))
 
     def _lift_maps(self, interface: FilmInterface) -> tuple[Array, Array]:

@@ -1,0 +1,106 @@
+"""Storage of the cells of a structured grid by the colours of a chequerboard.
+
+All four neighbours of a cell have the other colour. With rows of an odd length ``stride`` the
+colour of a cell is the parity of its place in the flat grid, and its neighbours are found at the
+same distances from its own place whatever the cell. So the relaxation of one colour, or a product
+with the operator, is one loop over contiguous memory on grids of any shape.
+
+A field holds ``[colour, place]`` with ``(row + 1) stride + lane = 2 place + colour``. One row
+before the first and one behind the last repeat the other end of a ring; every row ends with at
+least one stored place that is no cell and holds zero.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from toothspace.core.compiled import inlined, kernel
+
+Field = NDArray[Any]
+
+
+class Board(NamedTuple):
+    """Shape of a grid and of its storage."""
+
+    rows: int
+    lanes: int
+    stride: int
+    ring: bool
+
+
+def board_of(rows: int, lanes: int, *, ring: bool) -> Board:
+    """Storage of a grid of ``rows x lanes`` cells."""
+    return Board(rows, lanes, lanes + 1 + lanes % 2, ring)
+
+
+def stored(board: Board) -> tuple[int, int]:
+    """Shape of a stored field: colours and places. [-]."""
+    return 2, ((board.rows + 2) * board.stride + 1) // 2
+
+
+@inlined
+def span(board: Board, first: int, last: int, colour: int) -> tuple[int, int]:
+    """Places of the cells of one colour in the rows from ``first`` to before ``last``."""
+    low, high = (first + 1) * board.stride, (last + 1) * board.stride
+    return (low - colour + 1) // 2, (high - colour + 1) // 2
+
+
+@inlined
+def neighbours(board: Board, colour: int, low: int) -> tuple[int, int, int]:
+    """Places west, south and east of a place, among the other colour; north follows south."""
+    half = (board.stride - 1) // 2
+    return low - half - 1 + colour, low - 1 + colour, low + half + colour
+
+
+@inlined
+def row_start(board: Board, row: int, colour: int) -> tuple[int, int, int]:
+    """First lane of a colour in a row, its place, and the number of cells of that colour."""
+    flat = (row + 1) * board.stride
+    lane = (flat + colour) % 2
+    return lane, (flat + lane) // 2, (board.lanes - lane + 1) // 2
+
+
+@kernel
+def close_ring(board: Board, values: Field) -> None:
+    """Repeat the last row of a ring before the first and the first behind the last."""
+    if not board.ring:
+        return
+    last, first = board.rows * board.stride, board.stride
+    behind = last + board.stride
+    for j in range(board.lanes):
+        values[j % 2, j // 2] = values[(last + j) % 2, (last + j) // 2]
+        values[(behind + j) % 2, (behind + j) // 2] = values[(first + j) % 2, (first + j) // 2]
+
+
+@kernel
+def store(board: Board, rows: Field, values: Field) -> None:
+    """Store a field that is given as rows of lanes; rows may hold more lanes than the grid."""
+    for i in range(rows.shape[0]):
+        row = rows[i]
+        for colour in range(2):
+            lane, place, count = row_start(board, i, colour)
+            target, source = values[colour, place : place + count], row[lane:]
+            for n in range(count):
+                target[n] = source[2 * n]
+
+
+@kernel
+def fetch(board: Board, values: Field, rows: Field) -> None:
+    """Write a stored field into rows of lanes."""
+    for i in range(board.rows):
+        row = rows[i]
+        for colour in range(2):
+            lane, place, count = row_start(board, i, colour)
+            source, target = values[colour, place : place + count], row[lane:]
+            for n in range(count):
+                target[2 * n] = source[n]
+
+
+def stored_field(board: Board, rows: Field, kind: type = np.float64) -> Field:
+    """Return a new stored field of values given as rows of lanes."""
+    values = np.zeros(stored(board), dtype=kind)
+    store(board, rows, values)
+    return values
