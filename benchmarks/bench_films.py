@@ -26,8 +26,8 @@ from toothspace.numerics.structured_grid import CellBalance
 
 SIZES = ((480, 64), (960, 128), (1600, 192), (2000, 500))
 """Grids of the masked lateral film."""
-BYTES_PER_CELL_AND_ITERATION = 470.0
-"""Counted traffic: nine fine sweeps of 24 bytes with 1.37 for the coarser grids, 150 for CG."""
+BYTES_PER_CELL_AND_ITERATION = 200.0
+"""Counted traffic: 24 down and 24 up the fine level with 1.4 for the coarser ones, 132 for CG."""
 
 
 def best(run: Callable[[], object], repeats: int = 7) -> float:
@@ -214,7 +214,7 @@ def _triad(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> None:
 
 
 def bandwidth(size: int) -> float:
-    """What a triad moves, with a working set as large as that of a solution. [GB/s]."""
+    """What a triad moves on one thread, with a working set as large as a solution's. [GB/s]."""
     a, b, c = np.zeros(size), np.ones(size), np.ones(size)
     return 24e-6 * size / best(lambda: _triad(a, b, c), 5)
 

@@ -14,7 +14,7 @@ from toothspace.films.journal_film import (
     journal_mesh,
 )
 from toothspace.films.reynolds import FluidField, film_balance
-from toothspace.numerics import linear_system, multigrid, multigrid_cycle
+from toothspace.numerics import conjugate, linear_system, multigrid, multigrid_cycle
 from toothspace.numerics.banded import stencil_product
 from toothspace.numerics.complementarity import Constraint, assemble, solve_complementarity
 from toothspace.numerics.conduction import ConductionSolver
@@ -106,9 +106,21 @@ def test_blocks_and_tiles_do_the_same_as_passes_over_the_whole_level(
     for threads, resident in ((1, 10**9), (1, 0), (2, 0)):
         monkeypatch.setattr(multigrid, "THREADS", threads)
         monkeypatch.setattr(multigrid_cycle, "RESIDENT", resident)
+        monkeypatch.setattr(multigrid_cycle, "TILE", 1)
         cycles.append(ConductionSolver(balance, free).precondition(rhs))
     assert np.array_equal(cycles[0], cycles[1])
     assert np.array_equal(cycles[0], cycles[2])
+
+
+def test_long_vectors_in_parts_give_the_same_potential(monkeypatch: pytest.MonkeyPatch) -> None:
+    balance = _balance(1500, 30, 0.6, 1e-4)
+    solver = ConductionSolver(balance, np.ones((1500, 30), dtype=bool))
+    rhs = np.random.default_rng(2).normal(size=(2, 1500, 30))
+    whole, count = solver.solve(rhs)
+    monkeypatch.setattr(conjugate, "LONG", 1)
+    parts, needed = solver.solve(rhs)
+    assert needed == count
+    assert parts == pytest.approx(whole, rel=1e-10, abs=1e-12 * np.abs(whole).max())
 
 
 def test_potential_of_a_grid_as_small_as_the_coarsest() -> None:

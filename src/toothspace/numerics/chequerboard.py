@@ -101,6 +101,6 @@ def fetch(board: Board, values: Field, rows: Field) -> None:
 
 def stored_field(board: Board, rows: Field, kind: type = np.float64) -> Field:
     """Return a new stored field of values given as rows of lanes."""
-    values = np.zeros(stored(board), dtype=kind)
+    values: Field = np.zeros(stored(board), dtype=kind)
     store(board, rows, values)
     return values

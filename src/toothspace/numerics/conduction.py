@@ -10,91 +10,13 @@ from typing import final
 
 import numpy as np
 
-from toothspace.core.compiled import inlined, njit
 from toothspace.core.types import Array, BoolArray
-from toothspace.numerics.chequerboard import (
-    Board,
-    close_ring,
-    fetch,
-    neighbours,
-    span,
-    store,
-    stored,
-    stored_field,
-)
-from toothspace.numerics.multigrid import diagonal_of, finest_grid, for_sides, hierarchy, scaled
-from toothspace.numerics.multigrid_cycle import Level, Single, board_in, cycle
+from toothspace.numerics.chequerboard import fetch, store, stored, stored_field
+from toothspace.numerics.conjugate import advance, conduct, load, mixed_dot, turn
+from toothspace.numerics.multigrid import diagonal_of, finest_grid, for_sides, hierarchy, power_near
+from toothspace.numerics.multigrid_cycle import Level, board_in, cycle
 from toothspace.numerics.structured_grid import CellBalance
-from toothspace.numerics.vectors import add_scaled, norm
-
-_ROWS = 2048
-"""Cells of a block of rows that the product works on, one colour after the other. [-]"""
-
-
-@inlined
-def _conduct_colour(
-    board: Board, operator: tuple[Array, Array, Array], p: Array, q: Array, colour: int, row: int
-) -> None:
-    """Product on the cells of one colour in a block of rows."""
-    gx, gy, diagonal = operator
-    last = min(row + max(1, _ROWS // board.stride), board.rows)
-    low, high = span(board, row, last, colour)
-    west, south, east = neighbours(board, colour, low)
-    count, other = high - low, 1 - colour
-    g_west, g_east = gx[colour, low:high], gx[other, east : east + count]
-    p_west, p_east = p[other, west : west + count], p[other, east : east + count]
-    out, d, centre = q[colour, low:high], diagonal[colour, low:high], p[colour, low:high]
-    for n in range(count):
-        out[n] = d[n] * centre[n] - g_west[n] * p_west[n] - g_east[n] * p_east[n]
-    g_south, g_north = gy[colour, low:high], gy[other, south + 1 : south + 1 + count]
-    beside = p[other, south : south + count + 1]
-    for n in range(count):
-        out[n] -= g_south[n] * beside[n] + g_north[n] * beside[n + 1]
-
-
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
-def _conduct(board: Board, operator: tuple[Array, Array, Array], p: Array, q: Array) -> None:
-    """Products of the conductive operator of the free cells and fields, first index the field."""
-    for side in range(p.shape[0]):
-        close_ring(board, p[side])
-    for row in range(0, board.rows, max(1, _ROWS // board.stride)):
-        for side in range(p.shape[0]):
-            for colour in range(2):
-                _conduct_colour(board, operator, p[side], q[side], colour, row)
-
-
-@njit(cache=True, nogil=True)
-def _load(target: Single, source: Array, factors: Array) -> None:
-    for side in range(factors.size):
-        flat, given, factor = target[side].ravel(), source[side].ravel(), factors[side]
-        for k in range(flat.size):
-            flat[k] = given[k] * factor
-
-
-@njit(cache=True, nogil=True, fastmath={"contract"})
-def _turn(p: Array, z: Single, beta: float) -> None:
-    """New search direction: preconditioned residual plus a part of the last direction."""
-    for k in range(p.size):
-        p[k] = z[k] + beta * p[k]
-
-
-@njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
-def _dot(a: Array, b: Array) -> float:
-    """Inner product; either vector may be in single precision."""
-    total = 0.0
-    for k in range(a.size):
-        total += a[k] * b[k]
-    return total
-
-
-@njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
-def _reduce(r: Array, step: float, q: Array) -> float:
-    """Subtract what a step takes from a residual and return the norm of what remains."""
-    total = 0.0
-    for k in range(r.size):
-        r[k] -= step * q[k]
-        total += r[k] * r[k]
-    return float(total**0.5)
+from toothspace.numerics.vectors import norm
 
 
 @final
@@ -112,17 +34,20 @@ class ConductionSolver:
     """
 
     def __init__(self, balance: CellBalance, free: BoolArray) -> None:
-        c, self._scale = scaled(finest_grid(balance, free))
+        largest = max(balance.conductance_x.max(), balance.conductance_y.max())
+        self._scale = power_near(float(largest))
+        c = finest_grid(balance, free, self._scale)
         self._free = free
         self._levels, self._coarsest = hierarchy(c, bool(balance.ring))
         self._board = board_in(self._levels[0])
-        self._operator = tuple(stored_field(self._board, f) for f in (c.gx, c.gy, diagonal_of(c)))
+        gx, gy, diagonal = (stored_field(self._board, f) for f in (c.gx, c.gy, diagonal_of(c)))
+        self._operator = gx, gy, diagonal
 
     @property
     def memory(self) -> int:
         """Size of operator, hierarchy and work vectors for one right-hand side. [byte]."""
         fields = [*self._operator, self._free]
-        levels = [field for level in self._levels for field in level[4:11]]
+        levels = [field for level in self._levels for field in level[4:12]]
         vectors = 4 * self._operator[0].nbytes
         return sum(int(field.nbytes) for field in fields + levels) + vectors
 
@@ -191,7 +116,7 @@ class ConductionSolver:
         limits = [tolerance * norm(side.ravel()) for side in r]
         p, q = np.zeros_like(r), np.zeros_like(r)
         if x.any():
-            _conduct(self._board, self._operator, x, q)
+            conduct(self._board, self._operator, x, q)
             r -= q
         sizes = [norm(side.ravel()) for side in r]
         # one factor for all cycles, so that single precision neither overflows nor vanishes
@@ -202,18 +127,17 @@ class ConductionSolver:
             poor = [k for k, size in enumerate(sizes) if size > limits[k]]
             if not poor:
                 return count
-            _load(levels[0].b, r, units)
+            load(levels[0].b, r, units)
             cycle(levels, self._coarsest)
             for k in poor:
                 z = levels[0].x[k].ravel()
-                product = _dot(r[k].ravel(), z)
-                _turn(p[k].ravel(), z, product / former[k] if count else 0.0)
+                product = mixed_dot(r[k].ravel(), z)
+                turn(p[k].ravel(), z, product / former[k] if count else 0.0)
                 former[k] = product
-            _conduct(self._board, self._operator, p, q)
+            curvature = conduct(self._board, self._operator, p, q)
             for k in poor:
-                step = former[k] / _dot(p[k].ravel(), q[k].ravel())
-                add_scaled(x[k].ravel(), step, p[k].ravel())
-                sizes[k] = _reduce(r[k].ravel(), step, q[k].ravel())
+                step = former[k] / curvature[k]
+                sizes[k] = advance(x[k].ravel(), r[k].ravel(), p[k].ravel(), q[k].ravel(), step)
         return max_iterations
 
     def _levels_for(self, sides: int) -> tuple[Level, ...]:

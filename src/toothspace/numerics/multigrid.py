@@ -46,47 +46,61 @@ FLOATING = 1e-5
 """Share of the diagonal that holds a coarsest grid without given potentials. [-]"""
 
 
-@inlined
-def _share(
-    conductance: float, first: bool, second: bool, outer_first: float, outer_second: float
-) -> tuple[float, float, float]:
-    """Conductance between two free cells, or what each free one has towards the outside."""
-    if first and second:
-        return conductance, outer_first, outer_second
-    if first:
-        return 0.0, outer_first + conductance, outer_second
-    if second:
-        return 0.0, outer_first, outer_second + conductance
-    return 0.0, outer_first, outer_second
-
-
-@njit(cache=True)
-def finest_grid(b: CellBalance, free: BoolArray) -> Conductances:
-    """Conductances of the finest grid; its arrays of the outside have a border of one cell."""
+@njit(cache=True, nogil=True)
+def _known(free: BoolArray, ring: bool) -> Array:
+    """One where free, zero elsewhere, with a border of one cell."""
     rows, lanes = free.shape
-    gx = np.zeros((rows + 1, lanes))
-    gy = np.zeros((rows, lanes + 1))
-    known = np.zeros((rows + 2, lanes + 2), dtype=np.bool_)
+    known = np.zeros((rows + 2, lanes + 2))
     known[1:-1, 1:-1] = free
-    if b.ring:
+    if ring:
         known[0], known[-1] = known[-2], known[1]
-    ox, oy = np.zeros((rows + 2, lanes + 2)), np.zeros((rows + 2, lanes + 2))
+    return known
+
+
+@njit(cache=True, nogil=True)
+def finest_grid(b: CellBalance, free: BoolArray, scale: float) -> Conductances:
+    """Conductances of the finest grid over a scale."""
+    rows, lanes = free.shape
+    unit, known = 1.0 / scale, _known(free, b.ring)
+    gx, gy = np.zeros((rows + 1, lanes)), np.zeros((rows, lanes + 1))
+    outer_x, outer_y = np.zeros((rows, lanes)), np.zeros((rows, lanes))
     for i in range(rows + 1):
+        west, east = known[i, 1:], known[i + 1, 1:]
+        given, out = b.conductance_x[i], gx[i]
         for j in range(lanes):
-            k = j + 1
-            gx[i, j], ox[i, k], ox[i + 1, k] = _share(
-                b.conductance_x[i, j], known[i, k], known[i + 1, k], ox[i, k], ox[i + 1, k]
-            )
+            out[j] = unit * given[j] * (west[j] * east[j])
     for i in range(rows):
+        own, west, east = known[i + 1, 1:], known[i, 1:], known[i + 2, 1:]
+        g_west, g_east, out = b.conductance_x[i], b.conductance_x[i + 1], outer_x[i]
+        for j in range(lanes):
+            out[j] = g_west[j] * (own[j] - own[j] * west[j])
+        for j in range(lanes):
+            out[j] = unit * (out[j] + g_east[j] * (own[j] - own[j] * east[j]))
+    for i in range(rows):
+        row, given, between, out = known[i + 1], b.conductance_y[i], gy[i], outer_y[i]
         for j in range(lanes + 1):
-            k = i + 1
-            gy[i, j], oy[k, j], oy[k, j + 1] = _share(
-                b.conductance_y[i, j], known[k, j], known[k, j + 1], oy[k, j], oy[k, j + 1]
-            )
-    return Conductances(gx, gy, ox[1:-1, 1:-1].copy(), oy[1:-1, 1:-1].copy())
+            between[j] = unit * given[j] * (row[j] * row[j + 1])
+        for j in range(lanes):
+            lost = given[j] * (1.0 - row[j]) + given[j + 1] * (1.0 - row[j + 2])
+            out[j] = unit * lost * row[j + 1]
+    return Conductances(gx, gy, outer_x, outer_y)
 
 
-@njit(cache=True)
+@inlined
+def _add_merged(given: Array, factor: float, merge: int, out: Array) -> None:
+    """Add the sums over merged lanes of one row."""
+    if merge == 1:
+        for j in range(given.size):
+            out[j] += factor * given[j]
+        return
+    behind = given[1:]
+    for j in range(given.size // 2):
+        out[j] += factor * (given[2 * j] + behind[2 * j])
+    if given.size % 2 == 1:
+        out[out.size - 1] += factor * given[given.size - 1]
+
+
+@njit(cache=True, nogil=True)
 def _merge(fine: Conductances, merge_x: int, merge_y: int) -> Conductances:
     """Conductances of merged cells: longer paths in series, faces side by side in parallel."""
     rows, lanes = fine.outer_x.shape
@@ -94,37 +108,36 @@ def _merge(fine: Conductances, merge_x: int, merge_y: int) -> Conductances:
     gx = np.zeros((coarse_rows + 1, coarse_lanes))
     gy = np.zeros((coarse_rows, coarse_lanes + 1))
     outer_x, outer_y = np.zeros((coarse_rows, coarse_lanes)), np.zeros((coarse_rows, coarse_lanes))
+    along, across = 1.0 / merge_x, 1.0 / merge_y
     for i in range(coarse_rows + 1):
-        k = min(merge_x * i, rows)
-        for j in range(lanes):
-            gx[i, j // merge_y] += fine.gx[k, j] / merge_x
+        _add_merged(fine.gx[min(merge_x * i, rows)], along, merge_y, gx[i])
     for i in range(rows):
-        for j in range(coarse_lanes + 1):
-            gy[i // merge_x, j] += fine.gy[i, min(merge_y * j, lanes)] / merge_y
-    for i in range(rows):
-        for j in range(lanes):
-            outer_x[i // merge_x, j // merge_y] += fine.outer_x[i, j] / merge_x
-            outer_y[i // merge_x, j // merge_y] += fine.outer_y[i, j] / merge_y
+        k = i // merge_x
+        out, given = gy[k], fine.gy[i]
+        for j in range(coarse_lanes):
+            out[j] += across * given[merge_y * j]
+        out[coarse_lanes] += across * given[lanes]
+        _add_merged(fine.outer_x[i], along, merge_y, outer_x[k])
+        _add_merged(fine.outer_y[i], across, merge_y, outer_y[k])
     return Conductances(gx, gy, outer_x, outer_y)
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def diagonal_of(c: Conductances) -> Array:
     """Sum of the conductances of every free cell, zero where not free."""
     rows, lanes = c.outer_x.shape
     out = np.empty((rows, lanes))
     for i in range(rows):
+        total, west, east, between = out[i], c.gx[i], c.gx[i + 1], c.gy[i]
+        outer_x, outer_y = c.outer_x[i], c.outer_y[i]
         for j in range(lanes):
-            out[i, j] = c.gx[i, j] + c.gx[i + 1, j] + c.gy[i, j] + c.gy[i, j + 1]
-            out[i, j] += c.outer_x[i, j] + c.outer_y[i, j]
+            total[j] = west[j] + east[j] + between[j] + between[j + 1] + outer_x[j] + outer_y[j]
     return out
 
 
-def scaled(c: Conductances) -> tuple[Conductances, float]:
-    """Conductances over a power of two near the largest, and that power."""
-    largest = max(float(values.max()) for values in c)
-    scale = 2.0 ** np.round(np.log2(largest)) if largest > 0.0 else 1.0
-    return Conductances(*(values / scale for values in c)), float(scale)
+def power_near(largest: float) -> float:
+    """Power of two near a value, unity for zero; to divide by it rounds nothing."""
+    return float(2.0 ** np.round(np.log2(largest))) if largest > 0.0 else 1.0
 
 
 def _merges(c: Conductances) -> tuple[int, int]:
@@ -155,11 +168,12 @@ def hierarchy(c: Conductances, ring: bool) -> Hierarchy:
     Hierarchy
         Levels from fine to coarse, and the inverse of the coarsest operator.
     """
-    levels = []
+    levels: list[Level] = []
     while True:
         merges = _merges(c)
         rows, lanes = c.outer_x.shape
-        levels.append(_level(c, board_of(rows, lanes, ring=ring), merges))
+        finest = not levels and merges != (1, 1)
+        levels.append(_level(c, board_of(rows, lanes, ring=ring), merges, plain=not finest))
         if merges == (1, 1):
             inverse = np.linalg.inv(_matrix(c, ring))
             inverse *= diagonal_of(c).ravel()[:, None] > 0.0
@@ -167,25 +181,25 @@ def hierarchy(c: Conductances, ring: bool) -> Hierarchy:
         c = _merge(c, *merges)
 
 
-def _level(c: Conductances, board: Board, merges: tuple[int, int]) -> Level:
+def _level(c: Conductances, board: Board, merges: tuple[int, int], *, plain: bool) -> Level:
     gx, gy, inverse = (np.zeros(stored(board), dtype=np.float32) for _ in range(3))
     store(board, c.gx, gx)
     store(board, c.gy, gy)
     diagonal = diagonal_of(c)
     np.divide(1.0, diagonal, out=diagonal, where=diagonal > 0.0)
     store(board, diagonal, inverse)
-    x, b, r, plain = _space(board, 1)
+    x, b, r = _space(board, 1)
+    rows = np.zeros((1, board.rows, board.lanes + 2 if plain else 0), dtype=np.float32)
     work = np.zeros((max(1, THREADS), max(CHUNK, board.lanes + 2)), dtype=np.float32)
-    return Level(*board, gx, gy, inverse, x, b, r, plain, work, *merges)
+    return Level(*board, gx, gy, inverse, x, b, r, rows, work, *merges)
 
 
-def _space(board: Board, sides: int) -> tuple[Single, Single, Single, Single]:
-    """Work space of a level: solution, right-hand side, residual, values in rows."""
+def _space(board: Board, sides: int) -> tuple[Single, Single, Single]:
+    """Work space of a level: solution, right-hand side, residual."""
     colours, places = stored(board)
     shape = (sides, colours, places)
     x, b = np.zeros(shape, dtype=np.float32), np.zeros(shape, dtype=np.float32)
-    r = np.zeros((sides, places), dtype=np.float32)
-    return x, b, r, np.zeros((sides, board.rows, board.lanes + 2), dtype=np.float32)
+    return x, b, np.zeros((sides, places), dtype=np.float32)
 
 
 @njit(cache=True)
@@ -214,5 +228,6 @@ def for_sides(levels: tuple[Level, ...], sides: int) -> tuple[Level, ...]:
 
 
 def _with_space(level: Level, sides: int) -> Level:
-    x, b, r, plain = _space(board_in(level), sides)
+    x, b, r = _space(board_in(level), sides)
+    plain = np.zeros((sides, *level.plain.shape[1:]), dtype=np.float32)
     return level._replace(x=x, b=b, r=r, plain=plain)

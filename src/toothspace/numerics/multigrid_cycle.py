@@ -11,6 +11,8 @@ from __future__ import annotations
 
 import os
 import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -45,9 +47,21 @@ BLOCK = 2048
 """Cells of a block of rows. [-]"""
 RESIDENT = 40000
 """Cells up to which a level stays in cache, so that its passes need no blocks. [-]"""
+TILE = 100000
+"""Cells from which another thread pays; to wake one takes as long as ten thousand cells. [-]"""
 NEAR, FAR = np.float32(0.75), np.float32(0.25)
 """Weights of the bilinear transfer along one direction."""
 NONE, ONE = np.float32(0.0), np.float32(1.0)
+
+
+@contextmanager
+def parallel_loops() -> Iterator[None]:
+    """Let loops run on the threads of a cycle, those of one Python thread at a time."""
+    with _ONE_AT_A_TIME:
+        before = numba.get_num_threads()
+        numba.set_num_threads(min(max(1, THREADS), before))
+        yield
+        numba.set_num_threads(before)
 
 
 class Level(NamedTuple):
@@ -63,7 +77,7 @@ class Level(NamedTuple):
     x: Single  # (sides, 2, places), as many as right-hand sides are solved together
     b: Single  # (sides, 2, places)
     r: Single  # (sides, places), residual of the first colour; the other has none
-    plain: Single  # (sides, rows, lanes + 2), x or b in rows with a border of equal values
+    plain: Single  # (sides, rows, lanes + 2), x or b in rows with a border; no lanes on the finest
     work: Single  # (threads, chunk)
     merge_x: int  # cells of this grid that one coarser cell holds along each direction
     merge_y: int
@@ -349,21 +363,19 @@ def _solve_coarsest(level: Level, inverse: Single) -> None:
 
 def _leg(fine: Level, coarse: Level, down: bool) -> None:
     """All passes of a level on the way down or up."""
-    board, tiles = board_in(fine), fine.work.shape[0]
-    blocks = -(-board.rows // max(1, BLOCK // board.stride))
-    tiles = min(tiles, blocks // (2 * PASSES))
-    if board.rows * board.stride < RESIDENT or tiles == 0:
+    cells, tiles = fine.rows * fine.stride, fine.work.shape[0]
+    blocks = -(-fine.rows // max(1, BLOCK // fine.stride)) // (2 * PASSES)
+    if cells < RESIDENT or blocks == 0:
         _one_after_another(fine, coarse, down)
-    elif tiles == 1:
+        return
+    tiles = min(tiles, blocks, max(1, cells // TILE))
+    if tiles == 1:
         _tile(fine, coarse, down, 0, 1)
         _seam(fine, coarse, down, 0, 1)
-    else:
-        with _ONE_AT_A_TIME:
-            before = numba.get_num_threads()
-            numba.set_num_threads(min(tiles, before))
-            _tiles(fine, coarse, down, tiles)
-            _seams(fine, coarse, down, tiles)
-            numba.set_num_threads(before)
+        return
+    with parallel_loops():
+        _tiles(fine, coarse, down, tiles)
+        _seams(fine, coarse, down, tiles)
 
 
 def cycle(levels: tuple[Level, ...], coarsest: Single) -> None:
