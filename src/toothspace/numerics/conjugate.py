@@ -150,25 +150,25 @@ def mixed_dot(r: Array, z: Single) -> float:
 
 
 @njit(cache=True, nogil=True, fastmath={"contract"})
-def _turn(p: Array, z: Single, beta: float) -> None:
+def _turn(p: Array, z: Single, factor: float) -> None:
     for k in range(p.size):
-        p[k] = z[k] + beta * p[k]
+        p[k] = z[k] + factor * p[k]
 
 
 @njit(cache=True, parallel=True)
-def _turn_parts(p: Array, z: Single, beta: float, parts: int) -> None:
+def _turn_parts(p: Array, z: Single, factor: float, parts: int) -> None:
     for part in prange(parts):
         low = part * PART
-        _turn(p[low : low + PART], z[low : low + PART], beta)
+        _turn(p[low : low + PART], z[low : low + PART], factor)
 
 
-def turn(p: Array, z: Single, beta: float) -> None:
+def turn(p: Array, z: Single, factor: float) -> None:
     """New search direction: preconditioned residual plus a part of the last direction."""
     if p.size < LONG:
-        _turn(p, z, beta)
+        _turn(p, z, factor)
         return
     with parallel_loops():
-        _turn_parts(p, z, beta, _parts(p.size))
+        _turn_parts(p, z, factor, _parts(p.size))
 
 
 @njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
