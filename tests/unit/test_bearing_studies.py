@@ -112,11 +112,11 @@ def test_bearing_map_numbers_and_figure(monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setattr(bearing_map.BearingNumbers, "__call__", numbers)
     result = bearing_map.run(case, StudyContext())
     assert result.status is Status.DONE
-    assert result.data["smallest_film_um"].shape == (5, 6)
+    assert result.data["smallest_film_um"].shape == (4, 5)
     speed, pressure = result.data["shaft_speed"].values[2], result.data["outlet_pressure"].values[3]
     expected = speed / (1.0 + 1e-5 * pressure)
     assert float(result.data["contact_force_N"][2, 3]) == pytest.approx(expected, rel=1e-6)
-    assert len(result.tables[0].rows) == 30
+    assert len(result.tables[0].rows) == 20
     assert [f.name for f in study_figures("bearing_map", result.data)] == ["bearing_map"]
 
 
@@ -140,6 +140,12 @@ def test_wear_map_is_the_mean_of_asperity_pressure_times_speed() -> None:
     speed = balance.states[0].stack.shaft_speed * grid.radius
     assert found[0] == pytest.approx(np.mean([f.contact for f in films], axis=0) * speed)
     assert found.max() > 0.0
+
+
+def test_real_contact_area_is_the_asperity_load_over_the_hardness() -> None:
+    numbers = _coupled().numbers
+    assert numbers.contact_force > 0.0
+    assert numbers.real_contact_area == pytest.approx(numbers.contact_force / 1e9, rel=1e-12)
 
 
 def test_measured_positions_are_corrected_for_the_sensor(tmp_path: Path) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -27,6 +29,8 @@ from toothspace.films.lateral_gap.friction import HousingFriction, normal_force
 from toothspace.films.lateral_gap.motion import StepSettings, balance_force, rest_at
 from toothspace.films.lateral_gap.stack import BackPressure, Stack, StackState
 from toothspace.model.lateral_balance import HousingContact
+from toothspace.solver.lateral_coupling import seat_warning
+from toothspace.solver.lateral_gap import LateralProblem, LateralSettings, numbers_of
 
 APPROACH = 3e-13
 SHARE = 0.72
@@ -260,3 +264,32 @@ def test_powers_of_a_film_balance() -> None:
     lost = _solved(stack, q, v=v).films[0].friction()
     assert lost.dissipation == pytest.approx(lost.shear + lost.pressure - lost.squeeze, rel=1e-9)
     assert lost.squeeze < 0.0
+
+
+def test_seat_of_the_solid_bearing_is_where_the_film_presses() -> None:
+    """High pressure on the +x side presses beside the middle."""
+    stack = ring_stack(limit=0.0, rough=False)
+    state = _solved(stack, stack.start(4e-6))
+    force, about_x, about_y = state.solid_seat(LOW)
+    film = state.films[1]
+    push = float(((film.pressure - LOW) * film.grid.area).sum())
+    place = float(((film.pressure - LOW) * film.grid.area * film.grid.points.x).sum()) / push
+    assert force == pytest.approx(push, rel=1e-9)
+    assert -about_y / force == pytest.approx(place, rel=1e-9)
+    assert state.seat_margin(LOW) == pytest.approx(OUTER - np.hypot(place, about_x / force))
+    assert place > 1e-3
+
+
+def test_solid_bearing_that_lifts_off_or_tips_is_told() -> None:
+    stack = ring_stack(limit=0.0, rough=False)
+    problem = LateralProblem(
+        stack,
+        (stack.scene(0.0, pressures(HIGH)),),
+        loads(HIGH),
+        lambda _: pressures(HIGH),
+        LateralSettings(),
+    )
+    numbers = numbers_of(problem, problem.started(4e-6))
+    assert seat_warning(numbers) == ""
+    assert "tips on its cover" in seat_warning(replace(numbers, seat_margin=-1e-3))
+    assert "lifts off its cover: 12 N" in seat_warning(replace(numbers, seat_force=-12.0))

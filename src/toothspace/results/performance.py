@@ -226,10 +226,13 @@ _LATERAL = {
     "lateral_torque_N_m": ("lateral_torque", 1.0),
     "smallest_film_um": ("lateral_smallest_gap", 1e6),
     "contact_force_N": ("lateral_contact_force", 1.0),
+    "real_contact_area_mm2": ("lateral_real_contact_area", 1e6),
     "contact_share": ("lateral_contact_share", 1.0),
     "wear_power_W_per_mm2": ("lateral_wear_power", 1e-6),
     "housing_friction_N": ("lateral_housing_friction", 1.0),
     "seat_force_N": ("solid_bearing_seat_force", 1.0),
+    "seat_margin_mm": ("solid_bearing_seat_margin", 1e3),
+    "preload_N": ("pressed_bearing_preload", 1.0),
     "film_temperature_rise_K": ("lateral_temperature_rise", 1.0),
 }
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -234,10 +234,36 @@ def elastic_solution(point: CoupledPoint, steps: int) -> Solution:
         **point.solution.statistics,
         **_statistics(point.numbers, point.leakage_mismatch),
         **_warmth(point),
+        "pressed_bearing_preload": stack.balance.floating.preload,
         "lateral_iterations": float(sum(b.iterations for b in march.balances)),
         "lateral_residual": float(max(b.residual for b in march.balances)),
     }
-    return replace(point.solution, status=status, data=data, statistics=statistics)
+    provenance = _with_warning(point.solution.provenance, seat_warning(point.numbers))
+    return replace(
+        point.solution, status=status, data=data, statistics=statistics, provenance=provenance
+    )
+
+
+def seat_warning(numbers: LateralNumbers) -> str:
+    """Tell what is wrong with the seat of the solid bearing, nothing if it sits on its cover."""
+    if numbers.seat_force <= 0.0:
+        return (
+            f"The solid bearing lifts off its cover: {-numbers.seat_force:.4g} N are missing "
+            "at one shaft angle at least."
+        )
+    if numbers.seat_margin < 0.0:
+        return (
+            "The solid bearing tips on its cover: it is pressed "
+            f"{-numbers.seat_margin * 1e3:.3g} mm beyond its rim at one shaft angle at least."
+        )
+    return ""
+
+
+def _with_warning(provenance: Mapping[str, str], warning: str) -> dict[str, str]:
+    if not warning:
+        return dict(provenance)
+    text = "\n".join(filter(None, [provenance.get("warnings", ""), warning]))
+    return {**provenance, "warnings": text}
 
 
 def _entry(name: str, value: object) -> tuple[tuple[str, ...], object, dict[str, str]]:
@@ -260,8 +286,10 @@ def _statistics(numbers: LateralNumbers, mismatch: float) -> dict[str, float]:
         "lateral_torque": numbers.viscous_torque + numbers.asperity_torque,
         "lateral_smallest_gap": numbers.smallest_gap,
         "lateral_contact_force": numbers.contact_force,
+        "lateral_real_contact_area": numbers.real_contact_area,
         "lateral_contact_share": numbers.contact_share,
         "lateral_wear_power": numbers.wear_power,
         "lateral_housing_friction": numbers.friction_force,
         "solid_bearing_seat_force": numbers.seat_force,
+        "solid_bearing_seat_margin": numbers.seat_margin,
     }

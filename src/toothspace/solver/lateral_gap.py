@@ -157,6 +157,9 @@ class LateralNumbers:
         Friction at the shaft. [N m]
     contact_force : float
         Load that asperities carry. [N]
+    real_contact_area : float
+        Asperity load over the hardness of the softer face: the real area of contact if every spot
+        yields, the smallest that it can be. [m2]
     contact_share : float
         Part of the film area with asperity contact above 1 % of the hardness. [-]
     wear_power : float
@@ -166,6 +169,9 @@ class LateralNumbers:
     seat_force : float
         Force that holds the solid bearing on its cover, negative if it lifts off; with two
         pressed bearings not a number. [N]
+    seat_margin : float
+        How far inside its rim the solid bearing is pressed on its cover, negative if it tips;
+        with two pressed bearings not a number. [m]
     positions : ndarray
         Positions of all pressed bearings or their parts, along z. [m]
     tilt : float
@@ -180,10 +186,12 @@ class LateralNumbers:
     viscous_torque: float
     asperity_torque: float
     contact_force: float
+    real_contact_area: float
     contact_share: float
     wear_power: float
     friction_force: float
     seat_force: float
+    seat_margin: float
     positions: Array
     tilt: float
 
@@ -351,7 +359,8 @@ def numbers_of(problem: LateralProblem, balance: Balance) -> LateralNumbers:
     speed, count = stack.shaft_speed, len(balance.states)
     films = [film for state in balance.states for film in state.films]
     lost = [film.friction() for film in films]
-    seats = [s.solid_seat_force(back.low) for s in balance.states]
+    seats = [float(s.solid_seat(back.low)[0]) for s in balance.states]
+    margins = [s.seat_margin(back.low) for s in balance.states]
     span = max(back.high - back.low, 1.0)
     return LateralNumbers(
         position=stack.gauge(balance.position),
@@ -362,10 +371,12 @@ def numbers_of(problem: LateralProblem, balance: Balance) -> LateralNumbers:
         viscous_torque=sum(x.shear for x in lost) / count / speed,
         asperity_torque=sum(x.asperity for x in lost) / count / speed,
         contact_force=sum(float((f.contact * f.grid.area).sum()) for f in films) / count,
+        real_contact_area=sum(_real_area(f) for f in films) / count,
         contact_share=float(np.mean([_contact_share(f) for f in films])),
         wear_power=max(float(wear_power(f, speed).max()) for f in films),
         friction_force=float(balance.friction[: max(len(stack.balance.halves), 1)].sum()),
         seat_force=float("nan") if stack.two_pressed else min(seats),
+        seat_margin=float("nan") if stack.two_pressed else min(margins),
         positions=stack.positions(balance.position),
         tilt=max(stack.tilts(balance.position)),
     )
@@ -375,6 +386,10 @@ def wear_power(film: FaceFilm, shaft_speed: float) -> Array:
     """Asperity pressure times sliding speed, the indicator of wear. [W/m2]."""
     speed = abs(film.grid.interface.speed_ratio) * shaft_speed * film.grid.radius
     return film.contact * speed
+
+
+def _real_area(film: FaceFilm) -> float:
+    return float((film.contact * film.grid.area).sum()) / film.grid.interface.hardness
 
 
 def _contact_share(film: FaceFilm) -> float:

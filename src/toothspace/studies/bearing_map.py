@@ -128,12 +128,14 @@ def film_numbers(found: CoupledPoint) -> dict[str, Any]:
         "film_height_um": float(own.gaps.mean()) * 1e6,
         "smallest_film_um": own.smallest_gap * 1e6,
         "contact_force_N": own.contact_force,
+        "real_contact_area_mm2": own.real_contact_area * 1e6,
         "contact_share": own.contact_share,
         "wear_power_W_per_mm2": own.wear_power * 1e-6,
         "leakage_L_per_min": own.leakage * 6e4,
         "torque_loss_N_m": own.viscous_torque + own.asperity_torque,
         "friction_force_N": own.friction_force,
         "seat_force_N": own.seat_force,
+        "seat_margin_mm": own.seat_margin * 1e3,
         "status": found.status.name.lower(),
     }
 

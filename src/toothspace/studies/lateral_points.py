@@ -84,11 +84,14 @@ class LateralStudy:
             **_parts(numbers),
             **self._warmth(),
             "contact_force_N": [n.contact_force for n in numbers],
+            "real_contact_area_mm2": [n.real_contact_area * 1e6 for n in numbers],
             "contact_share": [n.contact_share for n in numbers],
             "wear_power_W_per_mm2": [n.wear_power * 1e-6 for n in numbers],
             "friction_force_N": [n.friction_force for n in numbers],
             "breakaway_force_N": [p.problem.loads.friction.breakaway_force for p in self.points],
             "seat_force_N": [n.seat_force for n in numbers],
+            "seat_margin_mm": [n.seat_margin * 1e3 for n in numbers],
+            "preload_N": [p.problem.stack.balance.floating.preload for p in self.points],
             "point_status": [p.status.name.lower() for p in self.points],
         }
 

@@ -241,6 +241,17 @@ class Stack:
         return bearing, body
 
 
+def _inside_rim(balance: LateralBalance, place: Array) -> float:
+    """Distance of a place from the edge of the belt round the bodies, positive inside. [m]."""
+    first, last = balance.interfaces[0], balance.interfaces[len(balance.bodies) - 1]
+    start, end = np.array(first.center), np.array(last.center)
+    along = end - start
+    length = float(along @ along)
+    share = float(np.clip((place - start) @ along / length, 0.0, 1.0)) if length > 0.0 else 0.0
+    radius = min(first.outer_radius, last.outer_radius)
+    return radius - float(np.linalg.norm(place - start - share * along))
+
+
 def _pieces(balance: LateralBalance) -> tuple[Piece, ...]:
     """Pressed bearings or their parts: before the bodies those of the floating side."""
     bodies = balance.bodies
@@ -327,13 +338,26 @@ class StackState:
             found.append(float((f.gap * area).sum() / area.sum()))
         return np.array(found)
 
-    def solid_seat_force(self, low: float) -> float:
-        """Force that holds the solid bearing on its cover, negative if it lifts off. [N]."""
-        load = 0.0
+    def solid_seat(self, low: float) -> Array:
+        """Force [N] and moments [N m] that press the solid bearing on its cover.
+
+        The force is negative if the bearing lifts off; moments are about the x and y axes of the
+        machine.
+        """
+        load = -low * self._face("solid", self.stack.balance.bodies)
         for film in self.films:
             if film.grid.interface.side == "solid":
-                load += float(film.covered_load()[0] + film.open_load()[0])
-        return load - low * float(self._face("solid", self.stack.balance.bodies)[0])
+                x, y = film.grid.interface.center
+                force, about_x, about_y = film.covered_load() + film.open_load()
+                load += np.array([force, about_x + y * force, about_y - x * force])
+        return load
+
+    def seat_margin(self, low: float) -> float:
+        """How far inside its rim the solid bearing is pressed, negative if it tips. [m]."""
+        force, about_x, about_y = self.solid_seat(low)
+        if force <= 0.0:
+            return -np.inf
+        return _inside_rim(self.stack.balance, np.array([-about_y, about_x]) / force)
 
     def _face(self, side: str, bodies: tuple[str, ...]) -> Array:
         found = np.zeros(_MOTIONS)
