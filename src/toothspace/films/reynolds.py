@@ -250,9 +250,10 @@ def film_balance(
 
 
 @njit(cache=True)
-def _vary_storage(
+def vary_storage(
     grid: FilmGrid, gap: GapField, fluid: FluidField, law: FlowLaw, change: GapField
 ) -> Array:
+    """Change of the storage of every cell with one motion. [m3/s per unit]."""
     rows, lanes = gap.centre.shape
     out = np.empty((rows, lanes))
     for i in range(rows):
@@ -294,5 +295,5 @@ def balance_variation(
         conductance_y=slope.conductance_y * change.face_y,
         advection_x=slope.advection_x * change.face_x,
         advection_y=slope.advection_y * change.face_y,
-        storage=_vary_storage(*film[:3], law, change),
+        storage=vary_storage(*film[:3], law, change),
     )

@@ -18,6 +18,7 @@ from toothspace.films.lateral_gap.yielding_film import (
     YieldingSolution,
     opened,
     solve_yielding,
+    yielding_responses,
 )
 from toothspace.films.linearised import pressure_responses
 from toothspace.films.plane_film import PlaneFilm, PlaneSolution
@@ -152,18 +153,20 @@ class FaceFilm:
         Minus the derivatives with position and velocity of the upper face.
         """
         levers = [_lever(self.grid, motion) for motion in motions]
-        changes = [self._change(lever, rate) for rate in (False, True) for lever in levers]
-        plane = self.plane
-        film = (plane.film.grid, plane.film.gap, plane.fluid)
-        accuracy = self.law.accuracy.linear
-        responses = pressure_responses(
-            film,
-            plane.film.law,
-            plane.balance,
-            plane.fields,
-            changes,
-            relative_tolerance=accuracy,
-        )
+        changes = [_change(lever, rate) for rate in (False, True) for lever in levers]
+        plane, accuracy = self.plane, self.law.accuracy.linear
+        if self.solution.found is not None:
+            responses = yielding_responses(self.solution, changes, accuracy)
+        else:
+            film = (plane.film.grid, plane.film.gap, plane.fluid)
+            responses = pressure_responses(
+                film,
+                plane.film.law,
+                plane.balance,
+                plane.fields,
+                changes,
+                relative_tolerance=accuracy,
+            )
         tables = np.zeros((2, 3, 3))
         for n, response in enumerate(responses):
             rate, k = divmod(n, len(motions))
@@ -171,17 +174,6 @@ class FaceFilm:
             total = response + self._touch(self.compliance * response + lift)
             tables[rate, :, motions[k]] = -self.grid.moments(total)
         return tables[0], tables[1]
-
-    def _change(self, lever: tuple[Array, Array, Array], rate: bool) -> GapField:
-        """Change of the gap with one motion, walls yielding to asperities, or with its rate."""
-        zero = np.zeros_like(lever[0])
-        if rate:
-            flat = (np.zeros_like(lever[1]), np.zeros_like(lever[2]))
-            return GapField(zero, *flat, lever[0], zero)
-        rigid = GapField(*lever, zero, zero)
-        return opened(
-            rigid, (self.solution.yielding - 1.0) * lever[0], self.plane.film.grid.sweep_x
-        )
 
     def _touch(self, opening: Array) -> Array:
         """Change of the asperity pressure with an opening of the unyielding gap. [Pa]."""
@@ -321,6 +313,14 @@ def _lever(grid: FaceGrid, motion: int) -> tuple[Array, Array, Array]:
         return np.ascontiguousarray((np.ones_like(x), y, -x)[motion])
 
     return shape(p.x, p.y), shape(*p.face_x), shape(*p.face_y)
+
+
+def _change(lever: tuple[Array, Array, Array], rate: bool) -> GapField:
+    """Change of the undeformed gap with one motion, or with its rate."""
+    zero = np.zeros_like(lever[0])
+    if rate:
+        return GapField(zero, np.zeros_like(lever[1]), np.zeros_like(lever[2]), lever[0], zero)
+    return GapField(*lever, zero, zero)
 
 
 def _gap_field(grid: FaceGrid, place: Place, distant: Array) -> GapField:

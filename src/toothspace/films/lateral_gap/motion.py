@@ -160,15 +160,18 @@ def advance(
     """
     task = _Task(stack, tuple(scenes), loads, settings, former.position, former.velocity, duration)
     if not loads.friction.holds or loads.friction.coulomb_force == 0.0:
-        return _solve(task, former, None)
-    slides = former.slides
+        ahead = former.position + _HEAD * duration * former.velocity
+        return _solve(task, former, None, ahead)
+    slides, spent = former.slides, 0
+    found, ahead = former, task.start + _HEAD * duration * former.velocity
     for _ in range(_STATUS_ROUNDS):
-        found = _solve(task, former, slides)
+        found = _solve(task, found, slides, ahead)
+        spent += found.iterations
         revised = _revised(task, found, slides)
         if revised == slides or not found.converged:
-            return found
-        slides = revised
-    return found
+            break
+        slides, ahead = revised, found.position
+    return replace(found, iterations=spent)
 
 
 def _revised(task: _Task, found: Balance, tried: tuple[int, ...]) -> tuple[int, ...]:
@@ -198,14 +201,17 @@ def _levers(stack: Stack) -> list[Array]:
     return found
 
 
-def _solve(task: _Task, former: Balance, slides: tuple[int, ...] | None) -> Balance:
-    """Newton's method for positions, with given friction or a smooth law for None."""
+def _solve(task: _Task, former: Balance, slides: tuple[int, ...] | None, ahead: Array) -> Balance:
+    """Newton's method for positions, with given friction or a smooth law for None.
+
+    It begins with the films of ``former`` and the positions ``ahead``.
+    """
     settings, stack = task.settings, task.stack
     levers = _levers(stack)
     held = [lever for k, lever in enumerate(levers) if slides is not None and slides[k] == 0]
     states: tuple[StackState, ...] = former.states
     deformed = [list(s.distant) for s in _matched(former, task)]
-    q = task.start + _HEAD * task.duration * task.velocity
+    q = ahead
     jacobian, age = former.jacobian, former.age
     best, failures, holding = np.inf, 0, np.zeros(len(held))
     quick = stack.with_passes(settings.passes)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, final
 
@@ -10,7 +11,13 @@ import numpy as np
 from toothspace.core.compiled import kernel
 from toothspace.core.status import Status
 from toothspace.core.types import Array, IntArray
-from toothspace.films.live_balance import linearised_balance
+from toothspace.films.live_balance import (
+    Linearised,
+    Motion,
+    YieldingGap,
+    linearised_balance,
+    varied_balance,
+)
 from toothspace.films.plane_film import PlaneFilm, PlaneSolution
 from toothspace.films.reynolds import FluidField, GapField
 from toothspace.films.rough_surfaces import ContactTable, contact_pressure
@@ -20,6 +27,7 @@ from toothspace.numerics.complementarity import (
     ComplementaritySolution,
     assemble,
     potential_scale,
+    residual,
     solve_complementarity,
 )
 from toothspace.numerics.linear_system import (
@@ -30,7 +38,7 @@ from toothspace.numerics.linear_system import (
     LinearSystem,
     iterative_system,
 )
-from toothspace.numerics.structured_grid import CellBalance, grid_shape
+from toothspace.numerics.structured_grid import grid_shape
 
 _MOST_PASSES = 40
 _PATIENCE = 9
@@ -77,6 +85,8 @@ class YieldingSolution:
         Kinds of the cells for a next pass; those of the fields if the film settled.
     change : float
         Largest change of the gap by the last pass over the gap. [-]
+    found : Linearised, optional
+        Balance and its slopes; none between faces that do not yield.
     """
 
     plane: PlaneSolution
@@ -85,6 +95,7 @@ class YieldingSolution:
     yielding: Array
     kind: IntArray
     change: float = 0.0
+    found: Linearised | None = None
 
 
 @kernel
@@ -114,8 +125,7 @@ def _settle_gap(
 
 @kernel
 def _couple(
-    b: CellBalance,
-    slope: CellBalance,
+    film: Linearised,
     kind: IntArray,
     potential: Array,
     saturation: Array,
@@ -124,17 +134,15 @@ def _couple(
 ) -> None:
     """Add to a matrix what the flows change with the gaps that pressures open.
 
-    ``give`` is the change of the gap with the pressure of its cell. Gaps of faces of the first
-    index follow the cell upstream, those of the second index the mean of both cells.
+    ``give`` is the change of the gap with the pressure of its cell.
     """
-    _couple_along(b, slope, kind, potential, saturation, give, stencil)
-    _couple_across(b, slope, kind, potential, give, stencil)
+    _couple_along(film, kind, potential, saturation, give, stencil)
+    _couple_across(film, kind, potential, give, stencil)
 
 
 @kernel
 def _couple_along(
-    b: CellBalance,
-    slope: CellBalance,
+    film: Linearised,
     kind: IntArray,
     potential: Array,
     saturation: Array,
@@ -142,54 +150,54 @@ def _couple_along(
     stencil: Array,
 ) -> None:
     """Faces of the first index, as :func:`_couple`."""
+    b, slope = film
     rows, lanes = kind.shape
     for i in range(rows):
         w = (i + rows - 1) % rows
         for j in range(lanes):
-            forward = b.advection_x[i, j] >= 0.0
-            up = w if forward else i
-            if kind[up, j] != 0:
-                continue
-            change = slope.conductance_x[i, j] * (potential[w, j] - potential[i, j])
-            change += slope.advection_x[i, j] * saturation[up, j]
-            change *= give[up, j]
             own, other = i * lanes + j, w * lanes + j
-            if kind[i, j] != 2:
-                stencil[own, 0 if forward else 2] -= change
-            if kind[w, j] != 2:
-                stencil[other, 2 if forward else 4] += change
+            drop = potential[w, j] - potential[i, j]
+            forward = b.advection_x[i, j] >= 0.0
+            if kind[w, j] == 0:
+                change = slope.west[i, j] * drop
+                if forward:
+                    change += slope.carried[i, j] * saturation[w, j]
+                change *= give[w, j]
+                stencil[other, 2] += change
+                if kind[i, j] != 2:
+                    stencil[own, 0] -= change
+            if kind[i, j] == 0:
+                change = slope.east[i, j] * drop
+                if not forward:
+                    change += slope.carried[i, j] * saturation[i, j]
+                change *= give[i, j]
+                stencil[own, 2] -= change
+                if kind[w, j] != 2:
+                    stencil[other, 4] += change
 
 
 @kernel
 def _couple_across(
-    b: CellBalance,
-    slope: CellBalance,
-    kind: IntArray,
-    potential: Array,
-    give: Array,
-    stencil: Array,
+    film: Linearised, kind: IntArray, potential: Array, give: Array, stencil: Array
 ) -> None:
     """Faces of the second index, as :func:`_couple`."""
+    b, slope = film
     rows, lanes = kind.shape
     for i in range(rows):
-        for j in range(1, lanes):
-            drop = slope.conductance_y[i, j] * (potential[i, j - 1] - potential[i, j])
+        for j in range(lanes + 1):
             own, other = i * lanes + j, i * lanes + j - 1
-            for side in range(2):
-                k = j - 1 + side
-                if kind[i, k] != 0:
-                    continue
-                change = 0.5 * drop * give[i, k]
-                if kind[i, j] != 2:
-                    stencil[own, 1 + side] -= change
-                if kind[i, j - 1] != 2:
-                    stencil[other, 2 + side] += change
-        if kind[i, 0] == 0:
-            drop = slope.conductance_y[i, 0] * (b.south[i] - potential[i, 0])
-            stencil[i * lanes, 2] -= drop * give[i, 0]
-        if kind[i, lanes - 1] == 0:
-            drop = slope.conductance_y[i, lanes] * (potential[i, lanes - 1] - b.north[i])
-            stencil[i * lanes + lanes - 1, 2] += drop * give[i, lanes - 1]
+            below = potential[i, j - 1] if j > 0 else b.south[i]
+            above = potential[i, j] if j < lanes else b.north[i]
+            if j > 0 and kind[i, j - 1] == 0:
+                change = slope.south[i, j] * (below - above) * give[i, j - 1]
+                stencil[other, 2] += change
+                if j < lanes and kind[i, j] != 2:
+                    stencil[own, 1] -= change
+            if j < lanes and kind[i, j] == 0:
+                change = slope.north[i, j] * (below - above) * give[i, j]
+                stencil[own, 2] -= change
+                if j > 0 and kind[i, j - 1] != 2:
+                    stencil[other, 3] += change
 
 
 @kernel
@@ -212,7 +220,7 @@ def _revise(kind: IntArray, unknown: Array, scale: float) -> int:
 class _Pass(NamedTuple):
     gap: Array
     touch: Array  # contact, slope, share
-    balance: CellBalance
+    found: Linearised
     system: LinearSystem
     right: Array
 
@@ -252,7 +260,7 @@ def solve_yielding(
         part = np.minimum(1.0, _LONGEST * floor / np.maximum(np.abs(change), 1e-300))
         unknown = unknown + part.ravel() * step
         used = kind.copy()
-        changed = _revise(kind, unknown, potential_scale(now.balance))
+        changed = _revise(kind, unknown, potential_scale(now.found.balance))
         settled = changed == 0 and largest <= how.accuracy.settled
         if settled:
             break
@@ -274,17 +282,45 @@ def solve_yielding(
     )
     status = Status.DONE if settled else Status.NOT_CONVERGED
     gauge = np.maximum(fields.potential, 0.0)
-    plane = PlaneSolution(moved, state, now.balance, fields, status, gauge)
+    plane = PlaneSolution(moved, state, now.found.balance, fields, status, gauge)
     contact = np.maximum(now.touch[0] + part * now.touch[1] * change, 0.0)
     touch = (now.touch[1].copy(), now.touch[2].copy())
-    return YieldingSolution(plane, contact, *touch, kind, largest)
+    return YieldingSolution(plane, contact, *touch, kind, largest, now.found)
+
+
+def yielding_responses(
+    solution: YieldingSolution, lifts: Sequence[GapField], linear: float
+) -> list[Array]:
+    """Change of the pressure with motions of the undeformed gap, walls yielding. [Pa per unit].
+
+    Parameters
+    ----------
+    solution : YieldingSolution
+        Settled film.
+    lifts : sequence of GapField
+        Changes of gap and rate per unit of a motion, ``step`` unused. [m and m/s per unit]
+    linear : float
+        Residual of the linear solution over its right-hand side. [-]
+    """
+    plane, found = solution.plane, solution.found
+    assert found is not None
+    film, fields = (plane.film.grid, plane.film.gap, plane.fluid), plane.fields
+    sides = np.empty((len(lifts), fields.potential.size))
+    for side, lift in zip(sides, lifts, strict=True):
+        varied = varied_balance(found, film, plane.film.law, Motion(lift, solution.yielding))
+        disturbance = residual(found.balance, varied, fields.potential, fields.saturation)
+        disturbance[fields.kind == PRESCRIBED] = 0.0
+        side[:] = -disturbance.ravel()
+    responses = fields.system.solve(sides, relative_tolerance=linear)
+    held = (fields.kind != SATURATED) | (fields.potential <= 0.0)
+    return [np.where(held, 0.0, response.reshape(held.shape)) for response in responses]
 
 
 def _with_gap_held(
     film: PlaneFilm, now: _Pass, unknown: Array, kind: IntArray
 ) -> tuple[Array, IntArray]:
     """Fields between pressures found so far and those of the cavity that settles at this gap."""
-    fields = solve_complementarity(now.balance, film.constraint, kind)
+    fields = solve_complementarity(now.found.balance, film.constraint, kind)
     before = np.where(kind == UNSATURATED, 0.0, np.maximum(unknown.reshape(kind.shape), 0.0))
     potential = 0.5 * (before + fields.potential)
     settled = np.where(fields.kind == UNSATURATED, fields.saturation, potential)
@@ -316,19 +352,22 @@ def _linearise(
     height = gap.copy()
     inside = film.grid.mark != PRESCRIBED
     _settle_gap(film.gap.centre, potential, inside, how, height, touch)
-    field = opened(film.gap, height - film.gap.centre, film.grid.sweep_x)
-    balance, slope = linearised_balance(film.grid, field, state, film.cavitation_pressure, film.law)
+    b = film.grid
+    rims = np.vstack([b.south, b.north]) - film.cavitation_pressure - how.reference
+    widened = YieldingGap(film.gap, height - film.gap.centre, how.compliance * rims)
+    found = linearised_balance(b, widened, state, film.cavitation_pressure, film.law)
+    balance = found.balance
     stencil, rhs = assemble(balance, kind)
     rows, lanes = grid_shape(balance)
     unknown = np.where(kind == UNSATURATED, saturation, potential).ravel()
     right = stencil_product(stencil, unknown, rows, lanes) - rhs
-    _couple(balance, slope, kind, potential, saturation, how.compliance * touch[2], stencil)
+    _couple(found, kind, potential, saturation, how.compliance * touch[2], stencil)
     system: LinearSystem | None = None
     if lanes <= _BLOCK_LANES:
         system = block_system(stencil, kind, former)
     if system is None:
         system = iterative_system(balance, stencil, kind)
-    return _Pass(height, touch, balance, system, right)
+    return _Pass(height, touch, found, system, right)
 
 
 def opened(gap: GapField, deformation: Array, sweep: Array) -> GapField:
