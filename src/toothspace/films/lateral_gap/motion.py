@@ -28,6 +28,12 @@ _HEAD = 0.3
 """Part of the former velocity with which a step begins its search. [-]"""
 _STEADY = 0.02
 """Change of gaps in one pass up to which forces tell how they vary with the positions. [-]"""
+_NEAR = 1e-3
+"""Residual force over the balance force up to which rest or slide is revised. [-]"""
+_HELPED = 0.5
+"""Part of the residual above which a step left too much and asks for a fresh Jacobian. [-]"""
+_NOISE = 5.0
+"""Residual over the goal from which its change tells how forces vary. [-]"""
 _MOST_FAILURES = 3
 """Films that may fail one after another before a step is given up."""
 
@@ -128,6 +134,14 @@ class _Task(NamedTuple):
     duration: float  # [s]
 
 
+class _Step(NamedTuple):
+    step: Array
+    holding: Array  # forces that hold bearings at rest [N]
+    error: float  # largest force out of balance [N]
+    force: Array
+    drag: Array
+
+
 def advance(
     stack: Stack,
     scenes: Sequence[Scene],
@@ -160,28 +174,19 @@ def advance(
     """
     task = _Task(stack, tuple(scenes), loads, settings, former.position, former.velocity, duration)
     if not loads.friction.holds or loads.friction.coulomb_force == 0.0:
-        ahead = former.position + _HEAD * duration * former.velocity
-        return _solve(task, former, None, ahead)
-    slides, spent = former.slides, 0
-    found, ahead = former, task.start + _HEAD * duration * former.velocity
-    for _ in range(_STATUS_ROUNDS):
-        found = _solve(task, found, slides, ahead)
-        spent += found.iterations
-        revised = _revised(task, found, slides)
-        if revised == slides or not found.converged:
-            break
-        slides, ahead = revised, found.position
-    return replace(found, iterations=spent)
+        return _solve(task, former, None)
+    return _solve(task, former, former.slides)
 
 
-def _revised(task: _Task, found: Balance, tried: tuple[int, ...]) -> tuple[int, ...]:
-    """Rest or slide of every pressed bearing, revised by the forces or the motion found."""
+def _revised(task: _Task, found: _Step, v: Array, tried: tuple[int, ...]) -> tuple[int, ...]:
+    """Rest or slide of every pressed bearing, revised by the forces or the motion foreseen."""
     revised = []
+    velocity, friction = v + found.step / task.duration, _friction(task, v, tried, found.holding)
     for k, lever in enumerate(_levers(task.stack)):
-        speed = float(lever @ found.velocity)
+        speed = float(lever @ velocity)
         limit = task.loads.law(k).breakaway_force
-        if tried[k] == 0 and abs(found.friction[k]) > limit * (1.0 + 1e-9):
-            revised.append(-int(np.sign(found.friction[k])))
+        if tried[k] == 0 and abs(friction[k]) > limit * (1.0 + 1e-9):
+            revised.append(-int(np.sign(friction[k])))
         elif tried[k] != 0 and tried[k] * speed <= 0.0:
             revised.append(0)
         else:
@@ -201,66 +206,100 @@ def _levers(stack: Stack) -> list[Array]:
     return found
 
 
-def _solve(task: _Task, former: Balance, slides: tuple[int, ...] | None, ahead: Array) -> Balance:
-    """Newton's method for positions, with given friction or a smooth law for None.
-
-    It begins with the films of ``former`` and the positions ``ahead``.
-    """
+def _solve(task: _Task, former: Balance, slides: tuple[int, ...] | None) -> Balance:
+    """Newton's method for positions, with friction of given sense or a smooth law for None."""
     settings, stack = task.settings, task.stack
-    levers = _levers(stack)
-    held = [lever for k, lever in enumerate(levers) if slides is not None and slides[k] == 0]
-    states: tuple[StackState, ...] = former.states
-    deformed = [list(s.distant) for s in _matched(former, task)]
-    q = ahead
+    states: tuple[StackState, ...] = _matched(former, task)
+    deformed = [list(s.distant) for s in states]
+    q = task.start + _HEAD * task.duration * task.velocity
     jacobian, age = former.jacobian, former.age
-    best, failures, holding = np.inf, 0, np.zeros(len(held))
+    best, error, failures, number = np.inf, np.inf, 0, 0
     quick = stack.with_passes(settings.passes)
     foretold: tuple[Array, Array] | None = None
     for number in range(1, settings.max_iterations + 1):
         v = (q - task.start) / task.duration
-        starts = _matched(former, task) if number == 1 else states
         films = quick if number % _PATIENCE else stack
         states = tuple(
             films.solve(scene, q, v, old, given)
-            for scene, old, given in zip(task.scenes, starts, deformed, strict=True)
+            for scene, old, given in zip(task.scenes, states, deformed, strict=True)
         )
         settled = all(s.converged for s in states)
         failures = 0 if settled or films is not stack else failures + 1
         if failures > _MOST_FAILURES:
             break
         deformed, change = _deform(task, states, deformed)
-        force, drag = _forces(task, states, v, slides)
         steady = max(s.change for s in states) <= _STEADY
-        if foretold is not None and jacobian is not None and settings.jacobian_age > 1:
-            jacobian = _corrected(jacobian, foretold, force) if steady else jacobian
+        if steady and foretold is not None and jacobian is not None:
+            jacobian = _corrected(jacobian, foretold, _forces(task, states, v, slides)[0])
         if jacobian is None or age >= settings.jacobian_age or number % _PATIENCE == 0:
             jacobian, age = _mean_coefficients(states), 0
         age += 1
-        step, holding, error = _newton_step(task, jacobian, force, drag, held, v)
+        found, revised, firm = _decided(task, (states, jacobian), v, slides, steady)
+        if foretold is not None and age > 1 and found.error > _HELPED * error:
+            jacobian, age = _mean_coefficients(states), 1
+            found, revised, firm = _decided(task, (states, jacobian), v, slides, steady)
+        slides, error = revised, found.error
         best = error / _scale(task)
-        if best <= settings.force_tolerance and change <= settings.film_tolerance and settled:
-            return Balance(
-                states,
-                _friction(task, v, slides, holding),
-                slides or (0,) * len(levers),
-                best,
-                number,
-                True,
-                jacobian,
-                age,
-            )
-        step = _limited(states, step)
-        foretold = (step, force - _matrix(task, jacobian, drag) @ step) if steady else None
+        balanced = best <= settings.force_tolerance and change <= settings.film_tolerance
+        if balanced and settled and firm:
+            return _outcome(task, states, (found, v, slides), (best, number), (jacobian, age))
+        step = _limited(states, found.step)
+        ahead = found.force - _matrix(task, jacobian, found.drag) @ step
+        # what is left near the goal is the noise of films that are solved no closer
+        known = settings.jacobian_age > 1 and steady and best > _NOISE * settings.force_tolerance
+        foretold = (step, ahead) if known else None
         q = q + step
+    return _outcome(task, states, (found, v, slides), (best, number), None)
+
+
+def _decided(
+    task: _Task,
+    known: tuple[tuple[StackState, ...], tuple[Array, Array]],
+    v: Array,
+    slides: tuple[int, ...] | None,
+    steady: bool,
+) -> tuple[_Step, tuple[int, ...] | None, bool]:
+    """Newton step with the rest or slide that it leads to, and whether that is settled.
+
+    Rest or slide is revised near the balance only, as what once rests needs more to break away.
+    """
+    states, jacobian = known
+    near = False
+    for _ in range(_STATUS_ROUNDS):
+        force, drag = _forces(task, states, v, slides)
+        found = _newton_step(task, jacobian, force, drag, _held(task, slides), v)
+        revised = slides if slides is None else _revised(task, found, v, slides)
+        near = near or (steady and found.error <= _NEAR * _scale(task))
+        if revised == slides or not near:
+            return found, slides, revised == slides
+        slides = revised
+    return found, slides, False
+
+
+def _held(task: _Task, slides: tuple[int, ...] | None) -> list[Array]:
+    """Motions of the bearings that rest."""
+    levers = _levers(task.stack)
+    return [lever for k, lever in enumerate(levers) if slides is not None and slides[k] == 0]
+
+
+def _outcome(
+    task: _Task,
+    states: tuple[StackState, ...],
+    last: tuple[_Step, Array, tuple[int, ...] | None],
+    reached: tuple[float, int],
+    jacobian: tuple[tuple[Array, Array], int] | None,
+) -> Balance:
+    """State after a step; without a Jacobian it is not in balance."""
+    found, v, slides = last
+    coefficients, age = (None, 0) if jacobian is None else jacobian
     return Balance(
         states,
-        _friction(task, v, slides, holding),
-        slides or (0,) * len(levers),
-        best,
-        settings.max_iterations,
-        False,
-        None,
-        0,
+        _friction(task, v, slides, found.holding),
+        slides or (0,) * len(_levers(task.stack)),
+        *reached,
+        jacobian is not None,
+        coefficients,
+        age,
     )
 
 
@@ -355,8 +394,8 @@ def _newton_step(
     drag: Array,
     held: list[Array],
     v: Array,
-) -> tuple[Array, Array, float]:
-    """Step of the coordinates, forces that hold bearings at rest, and the largest residual."""
+) -> _Step:
+    """Step of the coordinates that balances the forces."""
     free = task.stack.free
     matrix = _matrix(task, jacobian, drag)[np.ix_(free, free)]
     count, bars = free.size, len(held)
@@ -378,7 +417,7 @@ def _newton_step(
     for lever, value in zip(held, holding, strict=True):
         balanced += value * lever
     arms = np.where(np.arange(force.size) % 3 == 0, 1.0, 1.0 / _reach(task.stack))
-    return step, holding, float(np.abs(balanced * arms)[free].max())
+    return _Step(step, holding, float(np.abs(balanced * arms)[free].max()), force, drag)
 
 
 def _solved(matrix: Array, right: Array) -> Array:
