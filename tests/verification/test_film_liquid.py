@@ -121,3 +121,16 @@ def test_runaway_is_told_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert '"status": "runaway"' in said.out
     assert said.err.count("\n") == 1
     assert "no finite pressure" in said.err
+
+
+def test_reduced_pressure_belongs_to_the_limited_viscosity() -> None:
+    """It is the integral of mu0 / mu, also beyond the limit, and has an inverse everywhere."""
+    fluid = FilmFluid(0.01, pressure_viscosity=2e-8, limit_pressure=1e8)
+    pressure = np.linspace(0.0, 3e8, 30001)
+    ratio = fluid.dynamic_viscosity / fluid.viscosity(pressure)
+    steps = 0.5 * (ratio[1:] + ratio[:-1]) * np.diff(pressure)
+    integral = np.concatenate([[0.0], np.cumsum(steps)])
+    assert fluid.reduced(pressure) == pytest.approx(integral, rel=1e-6)
+    assert fluid.pressure(fluid.reduced(pressure)) == pytest.approx(pressure, rel=1e-12)
+    assert fluid.highest_reduced == np.inf
+    assert fluid.stretch(pressure) == pytest.approx(1.0 / ratio)

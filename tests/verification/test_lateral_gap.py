@@ -55,11 +55,21 @@ def _settled(
     return find_equilibrium(stack, scenes, loads(high, coulomb, law), first, search, StepSettings())
 
 
+def _of(stack: Stack, fluid: FilmFluid) -> Stack:
+    """Stack with another liquid."""
+    return replace(stack, laws=tuple(law._replace(fluid=fluid) for law in stack.laws))
+
+
+THICKENING = FilmFluid(VISCOSITY, pressure_viscosity=1.7e-7, limit_pressure=0.7 * HIGH)
+"""Twice as viscous where the pressure is highest; grows no further there."""
+
+
+@pytest.mark.parametrize("fluid", [FilmFluid(VISCOSITY), THICKENING])
 @pytest.mark.parametrize("tilt", [(0.0, 0.0), (1.2e-4, -0.8e-4)])
-def test_rigid_faces_give_the_lateral_film(tilt: tuple[float, float]) -> None:
+def test_rigid_faces_give_the_lateral_film(tilt: tuple[float, float], fluid: FilmFluid) -> None:
     """The same load, moments, shear torque and bore flow as the stand-alone ring."""
     gap, speed = 6e-6, 300.0
-    stack = ring_stack(rough=False, motion="full", speed=speed)
+    stack = _of(ring_stack(rough=False, motion="full", speed=speed), fluid)
     q = stack.start(gap)
     q[1:3] = tilt
     found = _solved(stack, q).films[0]
@@ -68,7 +78,7 @@ def test_rigid_faces_give_the_lateral_film(tilt: tuple[float, float]) -> None:
         inner_radius=INNER,
         outer_radius=OUTER,
         side_gap=gap,
-        fluid=FilmFluid(VISCOSITY),
+        fluid=fluid,
         tilt=tilt,
         grid=(36, 10),
         inner_pressure=LOW,
@@ -88,11 +98,31 @@ def test_equal_pressure_everywhere_leaves_the_preload(approach: float) -> None:
     assert net == pytest.approx(np.array([-250.0, 0, 0, 0, 0, 0]), abs=1e-6)
 
 
-@pytest.mark.parametrize("approach", [0.0, APPROACH])
-@pytest.mark.parametrize("gap", [1.2e-6, 4e-6])
-def test_stiffness_and_damping_are_derivatives(approach: float, gap: float) -> None:
+def test_flow_through_a_ring_follows_the_viscosity_at_the_pressure() -> None:
+    r"""Level faces: :math:`Q = \pi h^3 (q_2 - q_1) / (6 \mu_0 \ln(r_2/r_1))` with reduced q."""
+    gap, alpha, limit = 6e-6, THICKENING.pressure_viscosity, THICKENING.limit_pressure
+    stack = _of(ring_stack(rough=False, speed=0.0), THICKENING)
+    flow = _solved(stack, stack.start(gap)).films[0].friction().bore_flow
+    below = (np.exp(-alpha * LOW) - np.exp(-alpha * limit)) / alpha
+    reduced = below + (HIGH - limit) * np.exp(-alpha * limit)
+    exact = np.pi * gap**3 * reduced / (6.0 * VISCOSITY * np.log(OUTER / INNER))
+    assert flow == pytest.approx(exact, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("approach", "gap", "fluid"),
+    [
+        (0.0, 1.2e-6, FilmFluid(VISCOSITY)),
+        (0.0, 4e-6, THICKENING),
+        (APPROACH, 1.2e-6, THICKENING),
+        (APPROACH, 4e-6, FilmFluid(VISCOSITY)),
+    ],
+)
+def test_stiffness_and_damping_are_derivatives(
+    approach: float, gap: float, fluid: FilmFluid
+) -> None:
     """Central differences of the film force, tilts included, rough walls in contact at 1.2 um."""
-    stack = ring_stack(approach=approach, motion="full", limit=0.0)
+    stack = _of(ring_stack(approach=approach, motion="full", limit=0.0), fluid)
     q = stack.start(gap)
     q[1:3] = 1e-5, -0.5e-5
     stiffness, damping = _solved(stack, q).coefficients()
@@ -255,9 +285,10 @@ def test_squeeze_slows_the_closing_bearing() -> None:
     assert abs(path[1] - path[0]) > 2.0 * abs(path[-1] - path[-2])
 
 
-def test_powers_of_a_film_balance() -> None:
+@pytest.mark.parametrize("fluid", [FilmFluid(VISCOSITY), THICKENING])
+def test_powers_of_a_film_balance(fluid: FilmFluid) -> None:
     """Shear and pressure drive what flow dissipates; approaching faces add their work."""
-    stack = ring_stack(approach=APPROACH, rough=False, limit=0.0)
+    stack = _of(ring_stack(approach=APPROACH, rough=False, limit=0.0), fluid)
     v = np.zeros(stack.size)
     v[0] = -1e-4
     q = stack.start(4e-6)

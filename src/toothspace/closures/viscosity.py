@@ -9,7 +9,7 @@ import numpy as np
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.compiled import inlined
 
-_HIGHEST_PRESSURE = 1e8
+HIGHEST_PRESSURE = 1e8
 """Pressure beyond which viscosity data end. [Pa]"""
 
 
@@ -43,7 +43,7 @@ def dynamic_viscosity(pressure: Any, law: FluidLaw) -> Any:
     .. [1] C. Barus, "Isothermals, isopiestics and isometrics relative to viscosity",
        Am. J. Sci. 45, 1893.
     """
-    share = pressure / _HIGHEST_PRESSURE
+    share = pressure / HIGHEST_PRESSURE
     fourth = share * share * share * share
     limited = pressure / np.sqrt(np.sqrt(np.sqrt(1.0 + fourth * fourth)))
     return law.dynamic_viscosity * np.exp(law.pressure_viscosity * limited)

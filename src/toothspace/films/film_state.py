@@ -91,7 +91,7 @@ def solve_state(
        Int. J. Numer. Methods Eng. 1 (1969) 275-277 (step of the density).
     """
     fluid, lowest = film.fluid, film.cavitation_pressure
-    grid, floor = fluid.reduced_grid(film.grid), _of_one(fluid.reduced, lowest)
+    grid, floor = fluid.reduced_grid(film.grid), fluid.reduced_of(lowest)
     density = fluid.density(np.full(film.gap.centre.shape, lowest))
     gauge, missing, step, lost = np.zeros_like(density), None, 1.0, 0
     for number in range(1, FLUID_PASSES + 1):
@@ -167,10 +167,6 @@ def relative_error(error: float, through: float, balance: CellBalance, potential
         (balance.conductance_x[1:] * u).sum() + (balance.conductance_y[:, 1:] * u).sum()
     )
     return abs(error) / through if through > ROUNDING * conducted else 0.0
-
-
-def _of_one(law: Callable[[Array], Array], value: float) -> float:
-    return float(law(np.array([value]))[0])
 
 
 def _relaxation(step: float, missing: Array | None, error: Array) -> float:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, final
 import numpy as np
 
 from toothspace.closures.fluid_law import FluidLaw
+from toothspace.closures.viscosity import HIGHEST_PRESSURE
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
 from toothspace.elasticity import ElasticBody
@@ -229,7 +230,9 @@ def lateral_problem(
     mean = pressures(0.0)
     high, low = float(mean[balance.high_node]), float(mean[balance.low_node])
     back = BackPressure(high, low, low if nose_pressure is None else nose_pressure)
-    film_fluid = FilmFluid(fluid.dynamic_viscosity * np.exp(fluid.pressure_viscosity * 0.5 * high))
+    film_fluid = FilmFluid(
+        fluid.dynamic_viscosity, fluid.pressure_viscosity, limit_pressure=HIGHEST_PRESSURE
+    )
     grids = tuple(FaceGrid(i, *settings.grid) for i in balance.interfaces)
     stack = Stack(
         balance,

@@ -154,11 +154,11 @@ class FaceFilm:
         """
         levers = [_lever(self.grid, motion) for motion in motions]
         changes = [_change(lever, rate) for rate in (False, True) for lever in levers]
-        plane, accuracy = self.plane, self.law.accuracy.linear
+        plane, accuracy, fluid = self.plane, self.law.accuracy.linear, self.law.fluid
         if self.solution.found is not None:
             responses = yielding_responses(self.solution, changes, accuracy)
         else:
-            film = (plane.film.grid, plane.film.gap, plane.fluid)
+            film = (plane.film.grid, plane.film.gap, fluid.carrier(plane.fluid.density))
             responses = pressure_responses(
                 film,
                 plane.film.law,
@@ -167,8 +167,9 @@ class FaceFilm:
                 changes,
                 relative_tolerance=accuracy,
             )
-        tables = np.zeros((2, 3, 3))
-        for n, response in enumerate(responses):
+        tables, stretch = np.zeros((2, 3, 3)), fluid.stretch(plane.pressure)
+        for n, reduced in enumerate(responses):
+            response = stretch * reduced
             rate, k = divmod(n, len(motions))
             lift = np.zeros_like(response) if rate else levers[k][0]
             total = response + self._touch(self.compliance * response + lift)
@@ -211,17 +212,17 @@ def _losses(
 ) -> FilmLosses:
     flow_x, flow_y = flows
     b, fields = film.plane.balance, film.plane.fields
-    u = np.maximum(fields.potential, 0.0)
-    before = np.vstack([u[-1:], u])
-    drop_x = before - np.vstack([u, u[:1]])
-    drop_y = np.hstack([b.south[:, None], u]) - np.hstack([u, b.north[:, None]])
+    grid, lowest = film.plane.film.grid, film.plane.film.cavitation_pressure
+    drop_x, drop_y = _drops(film.plane.gauge, grid.south - lowest, grid.north - lowest)
+    # what drives the flow is the reduced pressure, what it costs is the pressure
+    push_x, push_y = _drops(np.maximum(fields.potential, 0.0), b.south, b.north)
     free = b.mark != PRESCRIBED
     live_x, live_y = _live_faces(free)
     flow_x, flow_y = np.where(live_x, flow_x, 0.0), np.where(live_y, flow_y, 0.0)
     total = float((flow_x * drop_x).sum() + (flow_y * drop_y).sum())
-    conducted = float((np.where(live_x, b.conductance_x, 0.0) * drop_x**2).sum())
-    conducted += float((np.where(live_y, b.conductance_y, 0.0) * drop_y**2).sum())
-    squeeze = float((np.where(free, b.storage * fields.saturation, 0.0) * u).sum())
+    conducted = float((np.where(live_x, b.conductance_x, 0.0) * push_x * drop_x).sum())
+    conducted += float((np.where(live_y, b.conductance_y, 0.0) * push_y * drop_y).sum())
+    squeeze = float((np.where(free, b.storage * fields.saturation, 0.0) * film.plane.gauge).sum())
     drag = conducted - total
     return FilmLosses(
         shear=couette + drag,
@@ -231,6 +232,13 @@ def _losses(
         dissipation=couette + conducted,
         bore_flow=-float(flow_y[:, 0].sum()),
     )
+
+
+def _drops(u: Array, south: Array, north: Array) -> tuple[Array, Array]:
+    """Drops of a field of a ring over all faces, given what is beyond the second index."""
+    drop_x = np.vstack([u[-1:], u]) - np.vstack([u, u[:1]])
+    drop_y = np.hstack([south[:, None], u]) - np.hstack([u, north[:, None]])
+    return drop_x, drop_y
 
 
 def _live_faces(free: BoolArray) -> tuple[BoolArray, BoolArray]:
@@ -273,14 +281,15 @@ def solve_face(
         CAVITATION[law.cavitation],
         law=law.law,
     )
-    state = law.fluid.fields(np.full(approach.distant.shape, law.cavitation_pressure))
+    density = law.fluid.density(np.full(approach.distant.shape, law.cavitation_pressure))
+    carrier = law.fluid.carrier(density)
     start = former.solution if former is not None else None
     if approach.local > 0.0:
         reference = around.low_pressure - law.cavitation_pressure
         how = Yielding(approach.local, reference, law.contact, law.roughness, law.accuracy)
-        start = _stiff(film, state, law, None) if start is None else start
-        return FaceFilm(grid, law, around, solve_yielding(film, state, how, start), approach.local)
-    return FaceFilm(grid, law, around, _stiff(film, state, law, start), 0.0)
+        start = _stiff(film, carrier, law, None) if start is None else start
+        return FaceFilm(grid, law, around, solve_yielding(film, carrier, how, start), approach.local)
+    return FaceFilm(grid, law, around, _stiff(film, carrier, law, start), 0.0)
 
 
 class Approach(NamedTuple):
@@ -291,14 +300,16 @@ class Approach(NamedTuple):
 
 
 def _stiff(
-    film: PlaneFilm, state: FluidField, law: FilmLaw, former: YieldingSolution | None
+    film: PlaneFilm, carrier: FluidField, law: FilmLaw, former: YieldingSolution | None
 ) -> YieldingSolution:
     start = None if former is None else former.plane.fields.kind
-    balance = film_balance(film.grid, film.gap, state, law.cavitation_pressure, law.law)
+    fluid, lowest = law.fluid, law.cavitation_pressure
+    grid = fluid.reduced_grid(film.grid)
+    balance = film_balance(grid, film.gap, carrier, fluid.reduced_of(lowest), law.law)
     fields = solve_complementarity(balance, film.constraint, start)
     status = Status.DONE if fields.converged else Status.NOT_CONVERGED
-    gauge = np.maximum(fields.potential, 0.0)
-    plane = PlaneSolution(film, state, balance, fields, status, gauge)
+    gauge = fluid.gauge(np.maximum(fields.potential, 0.0), lowest)
+    plane = PlaneSolution(film, fluid.fields(gauge + lowest), balance, fields, status, gauge)
     contact, slope = contact_field(film.gap.centre, max(law.roughness, 1e-12), law.contact)
     known = film.grid.mark == PRESCRIBED
     contact[known], slope[known] = 0.0, 0.0

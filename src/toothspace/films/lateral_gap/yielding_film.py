@@ -19,7 +19,7 @@ from toothspace.films.live_balance import (
     varied_balance,
 )
 from toothspace.films.plane_film import PlaneFilm, PlaneSolution
-from toothspace.films.reynolds import FluidField, GapField
+from toothspace.films.reynolds import FilmGrid, FluidField, GapField
 from toothspace.films.rough_surfaces import ContactTable, contact_pressure
 from toothspace.numerics.banded import stencil_product
 from toothspace.numerics.block_elimination import block_system
@@ -100,13 +100,13 @@ class YieldingSolution:
 
 @kernel
 def _settle_gap(
-    rigid: Array, potential: Array, film: Array, how: Yielding, gap: Array, out: Array
+    rigid: Array, pressure: Array, film: Array, how: Yielding, gap: Array, out: Array
 ) -> None:
     """Gap of every cell under film and asperity pressure; ``out`` holds contact, slope, share."""
     rows, lanes = rigid.shape
     for i in range(rows):
         for j in range(lanes):
-            base = rigid[i, j] + how.compliance * (potential[i, j] - how.reference)
+            base = rigid[i, j] + how.compliance * (pressure[i, j] - how.reference)
             gap[i, j] = base
             out[0, i, j], out[1, i, j], out[2, i, j] = 0.0, 0.0, 1.0
             if not film[i, j] or how.contact.value.size == 0:
@@ -134,7 +134,7 @@ def _couple(
 ) -> None:
     """Add to a matrix what the flows change with the gaps that pressures open.
 
-    ``give`` is the change of the gap with the pressure of its cell.
+    ``give`` is the change of the gap with the reduced pressure of its cell.
     """
     _couple_along(film, kind, potential, saturation, give, stencil)
     _couple_across(film, kind, potential, give, stencil)
@@ -217,16 +217,25 @@ def _revise(kind: IntArray, unknown: Array, scale: float) -> int:
     return changed
 
 
+class _Reduced(NamedTuple):
+    """Boundaries and liquid of a film that is solved for the reduced pressure."""
+
+    grid: FilmGrid
+    floor: float  # reduced cavitation pressure [Pa]
+    carrier: FluidField
+
+
 class _Pass(NamedTuple):
     gap: Array
     touch: Array  # contact, slope, share
+    give: Array  # change of the gap over that of the reduced pressure [m/Pa]
     found: Linearised
     system: LinearSystem
     right: Array
 
 
 def solve_yielding(
-    film: PlaneFilm, state: FluidField, how: Yielding, former: YieldingSolution | None
+    film: PlaneFilm, carrier: FluidField, how: Yielding, former: YieldingSolution | None
 ) -> YieldingSolution:
     """Film whose gap follows its own pressure.
 
@@ -234,8 +243,8 @@ def solve_yielding(
     ----------
     film : PlaneFilm
         Film with the undeformed gap.
-    state : FluidField
-        Fluid.
+    carrier : FluidField
+        Liquid for the reduced pressure.
     how : Yielding
         Local compliance and contact.
     former : YieldingSolution, optional
@@ -243,17 +252,19 @@ def solve_yielding(
     """
     mark = film.grid.mark
     inside = mark != PRESCRIBED
-    potential, saturation, kind = _begin(film, former)
+    fluid, lowest = film.fluid, film.cavitation_pressure
+    reduced = _Reduced(fluid.reduced_grid(film.grid), fluid.reduced_of(lowest), carrier)
+    potential, saturation, kind = _begin(reduced, former)
     unknown = np.where(kind == UNSATURATED, saturation, potential).ravel()
     gap = film.gap.centre.copy() if former is None else former.plane.film.gap.centre.copy()
     settled, system = False, None if former is None else former.plane.fields.system
     for number in range(1, how.accuracy.passes + 1):
         potential = np.where(kind == UNSATURATED, 0.0, unknown.reshape(kind.shape))
         saturation = np.where(kind == UNSATURATED, unknown.reshape(kind.shape), 1.0)
-        now = _linearise(film, state, how, (potential, saturation, kind), gap, system)
+        now = _linearise(film, reduced, how, (potential, saturation, kind), gap, system)
         gap, system = now.gap, now.system
         step = now.system.solve(-now.right, relative_tolerance=how.accuracy.linear)
-        change = how.compliance * step.reshape(kind.shape) * now.touch[2]
+        change = now.give * step.reshape(kind.shape)
         change = np.where(inside & (kind == SATURATED), change, 0.0)
         floor = np.maximum(gap, 0.1 * how.roughness + 1e-9)
         largest = float((np.abs(change) / floor).max())
@@ -281,8 +292,9 @@ def solve_yielding(
         law=film.law,
     )
     status = Status.DONE if settled else Status.NOT_CONVERGED
-    gauge = np.maximum(fields.potential, 0.0)
-    plane = PlaneSolution(moved, state, now.found.balance, fields, status, gauge)
+    gauge = fluid.gauge(np.maximum(fields.potential, 0.0), lowest)
+    liquid = fluid.fields(gauge + lowest)
+    plane = PlaneSolution(moved, liquid, now.found.balance, fields, status, gauge)
     contact = np.maximum(now.touch[0] + part * now.touch[1] * change, 0.0)
     touch = (now.touch[1].copy(), now.touch[2].copy())
     return YieldingSolution(plane, contact, *touch, kind, largest, now.found)
@@ -291,7 +303,9 @@ def solve_yielding(
 def yielding_responses(
     solution: YieldingSolution, lifts: Sequence[GapField], linear: float
 ) -> list[Array]:
-    """Change of the pressure with motions of the undeformed gap, walls yielding. [Pa per unit].
+    """Change of the reduced pressure with motions of the undeformed gap, walls yielding.
+
+    [Pa per unit]
 
     Parameters
     ----------
@@ -327,9 +341,9 @@ def _with_gap_held(
     return settled.ravel(), fields.kind.copy()
 
 
-def _begin(film: PlaneFilm, former: YieldingSolution | None) -> tuple[Array, Array, IntArray]:
+def _begin(film: _Reduced, former: YieldingSolution | None) -> tuple[Array, Array, IntArray]:
     known = film.grid.mark == PRESCRIBED
-    given = film.grid.prescribed - film.cavitation_pressure
+    given = film.grid.prescribed - film.floor
     if former is None:
         kind = np.where(known, PRESCRIBED, SATURATED)
         return np.where(known, given, 0.0), np.ones(kind.shape), kind
@@ -341,7 +355,7 @@ def _begin(film: PlaneFilm, former: YieldingSolution | None) -> tuple[Array, Arr
 
 def _linearise(
     film: PlaneFilm,
-    state: FluidField,
+    reduced: _Reduced,
     how: Yielding,
     fields: tuple[Array, Array, IntArray],
     gap: Array,
@@ -351,23 +365,26 @@ def _linearise(
     touch = np.empty((3, *gap.shape))
     height = gap.copy()
     inside = film.grid.mark != PRESCRIBED
-    _settle_gap(film.gap.centre, potential, inside, how, height, touch)
+    pressure = film.fluid.gauge(potential, film.cavitation_pressure)
+    _settle_gap(film.gap.centre, pressure, inside, how, height, touch)
+    give = how.compliance * touch[2] * film.fluid.stretch(pressure + film.cavitation_pressure)
     b = film.grid
     rims = np.vstack([b.south, b.north]) - film.cavitation_pressure - how.reference
     widened = YieldingGap(film.gap, height - film.gap.centre, how.compliance * rims)
-    found = linearised_balance(b, widened, state, film.cavitation_pressure, film.law)
+    grid, floor, carrier = reduced
+    found = linearised_balance(grid, widened, carrier, floor, film.law)
     balance = found.balance
     stencil, rhs = assemble(balance, kind)
     rows, lanes = grid_shape(balance)
     unknown = np.where(kind == UNSATURATED, saturation, potential).ravel()
     right = stencil_product(stencil, unknown, rows, lanes) - rhs
-    _couple(found, kind, potential, saturation, how.compliance * touch[2], stencil)
+    _couple(found, kind, potential, saturation, give, stencil)
     system: LinearSystem | None = None
     if lanes <= _BLOCK_LANES:
         system = block_system(stencil, kind, former)
     if system is None:
         system = iterative_system(balance, stencil, kind)
-    return _Pass(height, touch, found, system, right)
+    return _Pass(height, touch, give, found, system, right)
 
 
 def opened(gap: GapField, deformation: Array, sweep: Array) -> GapField:
