@@ -288,7 +288,9 @@ def solve_face(
         reference = around.low_pressure - law.cavitation_pressure
         how = Yielding(approach.local, reference, law.contact, law.roughness, law.accuracy)
         start = _stiff(film, carrier, law, None) if start is None else start
-        return FaceFilm(grid, law, around, solve_yielding(film, carrier, how, start), approach.local)
+        return FaceFilm(
+            grid, law, around, solve_yielding(film, carrier, how, start), approach.local
+        )
     return FaceFilm(grid, law, around, _stiff(film, carrier, law, start), 0.0)
 
 
