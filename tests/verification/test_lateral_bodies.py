@@ -18,7 +18,7 @@ from toothspace.elasticity import (
     storage,
 )
 from toothspace.films.lateral_gap.elastic_faces import (
-    RELAXATION,
+    MEMORY,
     ElasticFaces,
     elastic_faces,
 )
@@ -111,7 +111,7 @@ def test_bearing_rests_between_elastic_bodies(faces: ElasticFaces) -> None:
         loads(HIGH),
         first,
         SearchSettings(first_step=10.0),
-        StepSettings(film_tolerance=1e-4, relaxation=RELAXATION),
+        StepSettings(film_tolerance=1e-4, memory=MEMORY),
     )
     assert found.rests
     assert found.balance.residual < 1e-6

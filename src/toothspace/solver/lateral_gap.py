@@ -14,7 +14,7 @@ from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
 from toothspace.elasticity import ElasticBody
 from toothspace.films.film_fluid import FilmFluid
-from toothspace.films.lateral_gap.elastic_faces import RELAXATION, elastic_faces
+from toothspace.films.lateral_gap.elastic_faces import MEMORY, elastic_faces
 from toothspace.films.lateral_gap.equilibrium import (
     Equilibrium,
     March,
@@ -121,9 +121,8 @@ class LateralProblem:
     def march(self, start: Balance, steps: int, revolutions: float = 1.0) -> March:
         """March over the shaft angle with transient squeeze."""
         angles = np.arange(1, round(steps * revolutions) + 1) * 2.0 * np.pi / steps
-        step = replace(self._step(1e-5), jacobian_age=_JACOBIAN_AGE)
-        if step.relaxation == 1.0:  # what gives way far from its load is found film by film
-            step = replace(step, force_tolerance=5e-5, passes=1)
+        step = replace(self._step(5e-5), jacobian_age=_JACOBIAN_AGE)
+        step = replace(step, passes=2 if step.memory > 0 else 1)
         laws = tuple(law._replace(accuracy=_MARCHED) for law in self.stack.laws)
         stack = replace(self.stack, laws=laws)
         return march_angles(stack, self.node_pressure, self.loads, start, angles, step)
@@ -133,7 +132,7 @@ class LateralProblem:
         return StepSettings(
             force_tolerance=tolerance,
             max_iterations=40 if bends else 25,
-            relaxation=RELAXATION if bends else 1.0,
+            memory=MEMORY if bends else 0,
         )
 
 

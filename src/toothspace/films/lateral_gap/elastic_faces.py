@@ -23,8 +23,8 @@ _LOCAL_MARGIN = 1.5
 _KEPT = 4
 """Shaft angles whose interpolation is kept. [-]"""
 
-RELAXATION = 0.5
-"""Part of a change of the rest that one iteration may take over. [-]"""
+MEMORY = 8
+"""Iterations from which the rest and the positions are foreseen. [-]"""
 
 
 @final
@@ -63,8 +63,8 @@ class ElasticFaces:
         """Rest of the widening of every gap [m] under pressures above the low one. [Pa]."""
         whole = self.widening(pressures, scene)
         found = []
-        for own, p, share, mask in zip(whole, pressures, self.local, scene.masks, strict=True):
-            found.append(np.where(mask.film, own - share * p, 0.0))
+        for own, p, share in zip(whole, pressures, self.local, strict=True):
+            found.append(own - share * p)
         return found
 
     def widening(self, pressures: Sequence[Array], scene: Scene) -> list[Array]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from toothspace.core.types import Array
 from toothspace.films.lateral_gap.friction import HousingFriction
+from toothspace.films.lateral_gap.mixing import Mixing, mixed
 from toothspace.films.lateral_gap.stack import BackPressure, Scene, Stack, StackState
 from toothspace.films.lateral_gap.yielding_film import Accuracy
 
@@ -51,8 +52,8 @@ class StepSettings:
         Change of deformation over the gap in one iteration. [-]
     max_iterations : int
         Newton iterations of one step.
-    relaxation : float
-        Part of a change of the deformation that is taken over. [-]
+    memory : int
+        Former iterations from which the next deformation and position are foreseen, 0 for none.
     jacobian_age : int
         Iterations and steps that one Jacobian serves; corrected by what it foretold if several.
     passes : int
@@ -62,7 +63,7 @@ class StepSettings:
     force_tolerance: float = 1e-6
     film_tolerance: float = 1e-3
     max_iterations: int = 40
-    relaxation: float = 1.0
+    memory: int = 0
     jacobian_age: int = 1
     passes: int = Accuracy().passes
 
@@ -216,6 +217,7 @@ def _solve(task: _Task, former: Balance, slides: tuple[int, ...] | None) -> Bala
     best, error, failures, number = np.inf, np.inf, 0, 0
     quick = stack.with_passes(settings.passes)
     foretold: tuple[Array, Array] | None = None
+    mixing = Mixing(settings.memory)
     for number in range(1, settings.max_iterations + 1):
         v = (q - task.start) / task.duration
         films = quick if number % _PATIENCE else stack
@@ -227,7 +229,7 @@ def _solve(task: _Task, former: Balance, slides: tuple[int, ...] | None) -> Bala
         failures = 0 if settled or films is not stack else failures + 1
         if failures > _MOST_FAILURES:
             break
-        deformed, change = _deform(task, states, deformed)
+        wanted, change = _deform(task, states, deformed)
         steady = max(s.change for s in states) <= _STEADY
         if steady and foretold is not None and jacobian is not None:
             jacobian = _corrected(jacobian, foretold, _forces(task, states, v, slides)[0])
@@ -243,13 +245,23 @@ def _solve(task: _Task, former: Balance, slides: tuple[int, ...] | None) -> Bala
         balanced = best <= settings.force_tolerance and change <= settings.film_tolerance
         if balanced and settled and firm:
             return _outcome(task, states, (found, v, slides), (best, number), (jacobian, age))
-        step = _limited(states, found.step)
+        step = found.step
+        if settings.memory > 0:
+            deformed, step = mixed(mixing, (deformed, wanted), (q, step), _reach(stack))
+        step = _limited(states, step)
         ahead = found.force - _matrix(task, jacobian, found.drag) @ step
-        # what is left near the goal is the noise of films that are solved no closer
-        known = settings.jacobian_age > 1 and steady and best > _NOISE * settings.force_tolerance
-        foretold = (step, ahead) if known else None
+        foretold = (step, ahead) if _tells(settings, steady, best) else None
         q = q + step
     return _outcome(task, states, (found, v, slides), (best, number), None)
+
+
+def _tells(settings: StepSettings, steady: bool, residual: float) -> bool:
+    """Whether forces of the next pass tell how they vary with the positions.
+
+    What is left near the goal is the noise of films that are solved no closer.
+    """
+    repeated = settings.jacobian_age > 1 and settings.memory == 0
+    return repeated and steady and residual > _NOISE * settings.force_tolerance
 
 
 def _decided(
@@ -313,9 +325,8 @@ def _matched(former: Balance, task: _Task) -> tuple[StackState, ...]:
 def _deform(
     task: _Task, states: tuple[StackState, ...], used: list[list[Array]]
 ) -> tuple[list[list[Array]], float]:
-    """Distant widening for the next iteration, and its largest change over the gap."""
+    """Distant widening under the pressures found, and its largest change over the gap."""
     change, found = 0.0, []
-    part = task.settings.relaxation
     for state, old in zip(states, used, strict=True):
         low = task.loads.back.low
         new = task.stack.compliance.distant(state.face_pressures(low), state.scene)
@@ -323,7 +334,7 @@ def _deform(
             inside = film.around.mask.film
             floor = np.maximum(film.gap, max(film.law.roughness, 1e-8))
             change = max(change, float((np.abs(a - b) / floor)[inside].max()))
-        found.append([(1.0 - part) * b + part * a for a, b in zip(new, old, strict=True)])
+        found.append(new)
     return found, change
 
 

@@ -1,0 +1,91 @@
+"""Acceleration of an iteration whose next value follows from its former ones."""
+
+from __future__ import annotations
+
+from typing import final
+
+import numpy as np
+
+from toothspace.core.types import Array
+
+_ROUNDING = 1e-12
+"""Part of the largest square below which former changes count as dependent. [-]"""
+
+
+@final
+class Mixing:
+    """Anderson's acceleration of a fixed-point iteration.
+
+    Parameters
+    ----------
+    depth : int
+        Number of former changes that are remembered. [-]
+    part : float
+        Part of the residual that is taken over. [-]
+
+    References
+    ----------
+    .. [1] D. G. Anderson, Iterative procedures for nonlinear integral equations, J. ACM 12 (1965)
+       547-560.
+    .. [2] H. F. Walker, P. Ni, Anderson acceleration for fixed-point iterations, SIAM J. Numer.
+       Anal. 49 (2011) 1715-1735.
+    """
+
+    def __init__(self, depth: int, part: float = 1.0) -> None:
+        self._depth, self._part = depth, part
+        self._last: tuple[Array, Array] | None = None
+        self._changes: list[tuple[Array, Array]] = []
+
+    def following(self, value: Array, residual: Array) -> Array:
+        """Value to try next: that whose residual the former ones foretell as least.
+
+        Parameters
+        ----------
+        value : ndarray
+            Value that was tried. [any]
+        residual : ndarray
+            What the iteration adds to it. [as the value]
+        """
+        if self._last is not None:
+            self._changes.append((value - self._last[0], residual - self._last[1]))
+            self._changes = self._changes[-self._depth :]
+        self._last = value.copy(), residual.copy()
+        found = value + self._part * residual
+        if not self._changes:
+            return found
+        steps = np.array([a for a, _ in self._changes])
+        bends = np.array([b for _, b in self._changes])
+        square = bends @ bends.T
+        shares = np.linalg.lstsq(square, bends @ residual, rcond=_ROUNDING)[0]
+        return np.asarray(found - shares @ (steps + self._part * bends))
+
+
+def mixed(
+    mixing: Mixing,
+    widened: tuple[list[list[Array]], list[list[Array]]],
+    places: tuple[Array, Array],
+    reach: float,
+) -> tuple[list[list[Array]], Array]:
+    """Widening of gaps and step of the coordinates to try next.
+
+    Parameters
+    ----------
+    mixing : Mixing
+        Memory of former iterations.
+    widened : tuple of list
+        Widening of every scene and film that was used, and that found with it. [m]
+    places : tuple of ndarray
+        Coordinates, lifts and rotations in turn, and the step that balances forces. [m, rad]
+    reach : float
+        Distance at which a rotation counts as a lift. [m]
+    """
+    used, new = (np.concatenate([a.ravel() for s in w for a in s]) for w in widened)
+    q, step = places
+    # the coordinates count as much as the widening of all cells
+    arms = np.where(np.arange(q.size) % 3 == 0, 1.0, reach) * np.sqrt(used.size)
+    residual = np.concatenate([new - used, arms * step])
+    found = mixing.following(np.concatenate([used, arms * q]), residual)
+    ends = np.cumsum([a.size for s in widened[0] for a in s])
+    parts = iter(np.split(found, ends))
+    fields = [[next(parts).reshape(a.shape) for a in s] for s in widened[0]]
+    return fields, next(parts) / arms - q
