@@ -138,6 +138,7 @@ def note_jacobian(state: NdfState) -> None:
     control.jacobian_wanted = 0
     control.gamma_factored = 0.0
     control.rate = FRESH_RATE
+    control.rate_size = 1.0
 
 
 @kernel
@@ -301,12 +302,15 @@ def _judge(control: Any, size: float) -> int:
         if control.rate_known == 0:
             control.rate = 0.0
             return 0
-        left = size * control.rate / (1.0 - control.rate)
-        return 1 if left <= FIRST_TOLERANCE else 0
+        # what is not linear contracts worse from farther away
+        rate = control.rate * max(1.0, size / control.rate_size)
+        return 1 if size * rate <= FIRST_TOLERANCE * (1.0 - rate) else 0
     if size > 0.9 * control.old_size:
         return -1
     control.rate = max(RATE_MEMORY * control.rate, size / control.old_size)
     control.rate_known = 1
+    if control.iteration == 1:
+        control.rate_size = control.old_size
     left = size * control.rate / (1.0 - control.rate)
     if left <= LATER_TOLERANCE:
         return 1

@@ -39,6 +39,7 @@ CONTROL = np.dtype(
         ("valid_until", "f8"),
         ("next_step", "f8"),
         ("rate", "f8"),
+        ("rate_size", "f8"),
         ("error", "f8"),
         ("old_size", "f8"),
         ("gamma_factored", "f8"),
