@@ -17,6 +17,8 @@ from toothspace.config import load_case
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.films.lateral_gap.friction import BREAKAWAY_RATIO
+from toothspace.plotting.catalogue import FIGURES
+from toothspace.plotting.film_maps import lateral_films
 from toothspace.plotting.study_figures import study_figures
 from toothspace.report.study import study_report_html
 from toothspace.solver.lateral_coupling import CoupledPoint
@@ -140,6 +142,17 @@ def test_wear_map_is_the_mean_of_asperity_pressure_times_speed() -> None:
     speed = balance.states[0].stack.shaft_speed * grid.radius
     assert found[0] == pytest.approx(np.mean([f.contact for f in films], axis=0) * speed)
     assert found.max() > 0.0
+
+
+def test_films_of_a_run_are_drawn_on_both_sides() -> None:
+    study = hysteresis.LateralStudy("hysteresis", ("a",), (_coupled(),), (20e5,), (5e5,))
+    one = study.dataset().isel(point=0)
+    figure = lateral_films(cast(Any, SimpleNamespace(data=one)))
+    maps = [axes for axes in figure.axes if axes.collections and axes.get_xlabel() == ""]
+    assert len(maps) >= 8
+    assert {axes.get_ylabel() for axes in figure.axes} >= {"Floating side", "Solid side"}
+    entry = next(entry for entry in FIGURES if entry.name == "lateral_films")
+    assert all(name in one or name in one.coords for name in entry.needs)
 
 
 def test_real_contact_area_is_the_asperity_load_over_the_hardness() -> None:

@@ -98,7 +98,10 @@ def balance_figures(data: xr.Dataset) -> list[StudyFigure]:
     )
     found.append(StudyFigure("area_sensitivity", caption, area_sensitivity(data)))
     if data.sizes["friction_coefficient"] > 1:
-        caption = "Loop area and gap at the highest pressure over the ratio, by housing friction."
+        caption = (
+            "Loop area and gap at the highest pressure over the ratio, by housing friction, as far "
+            "as the bearing does not lift off."
+        )
         found.append(StudyFigure("friction_sensitivity", caption, friction_sensitivity(data)))
     return found
 
@@ -178,7 +181,9 @@ def friction_sensitivity(data: xr.Dataset) -> Figure:
         color = CYCLE[k % len(CYCLE)]
         one = data.isel(friction_coefficient=k)
         left.plot(one["balance_ratio"], one["loop_area_um_bar"], color=color, label=f"{mu:g}")
-        right.plot(one["balance_ratio"], one["gap_um"][:, top], color=color, label=f"{mu:g}")
+        on_film = np.isfinite(one["film_height_um"].values[:, top])
+        gap = np.where(on_film, one["gap_um"].values[:, top], np.nan)
+        right.plot(one["balance_ratio"], gap, color=color, label=f"{mu:g}")
     left.set_ylabel("Loop area (µm bar)")
     right.set_ylabel("Gap at the highest pressure (µm)")
     _decades(right)

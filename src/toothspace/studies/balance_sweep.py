@@ -276,9 +276,13 @@ def _claimed(study: BalanceSweepStudy, loops: Array) -> Array:
 
 
 def _loop_areas(study: BalanceSweepStudy, loops: Array) -> Array:
-    """Area between the ways down and up of the position, that is of two gaps. [um bar]."""
+    """Area between the ways down and up of the position, that is of two gaps. [um bar].
+
+    Not a number where the bearing leaves the tabulated gaps.
+    """
     pressure = np.asarray(study.outlet_pressures)
-    return np.asarray(-np.trapezoid(2.0 * loops, pressure, axis=-1) * 1e6 * 1e-5)
+    areas = -np.trapezoid(2.0 * loops, pressure, axis=-1) * 1e6 * 1e-5
+    return np.where(loops.max(axis=-1) < GAPS[-1], areas, np.nan)
 
 
 def _dataset(study: BalanceSweepStudy, tables: Sequence[FilmTable], loops: Array) -> xr.Dataset:
