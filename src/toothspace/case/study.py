@@ -106,6 +106,12 @@ class BearingMapStudy:
     start_gap: float = quantity(
         "um", "Gap that every point starts from.", above=0, high=100, default=2e-6
     )
+    coupling_rounds: int = integer(
+        "Most runs of the chambers per point until they leak like the films; 1: as described.",
+        low=1,
+        high=20,
+        default=6,
+    )
 
 
 @final

@@ -32,6 +32,10 @@ _EFFECTS = (
     ("torque_loss_N_m", "Lateral torque loss (N m)"),
 )
 _LEVELS = 9
+_WIDE = 10.0
+"""Largest over smallest value from which levels are logarithmic. [-]"""
+_NEXT = 2.5
+"""Largest ratio of neighbouring logarithmic levels. [-]"""
 _CLAIM_TEXT = ("rises", "stays higher", "on its film")
 
 
@@ -70,16 +74,29 @@ def film_contours(data: xr.Dataset) -> Figure:
 
 
 def _filled(axes: Axes, grid: tuple[Array, Array, Any], colours: str) -> None:
+    from matplotlib.colors import LogNorm, Normalize
     from matplotlib.patheffects import withStroke
     from matplotlib.ticker import MaxNLocator
 
     values = grid[2]
     low, high = float(values.min()), float(values.max())
-    levels = MaxNLocator(_LEVELS, min_n_ticks=4).tick_values(low, high)
-    axes.contourf(*grid, levels=levels, cmap=colours, extend="both")
+    scale: Normalize
+    if low > 0.0 and high > _WIDE * low:
+        levels, scale = _one_two_five(low, high), LogNorm(low, high)
+    else:
+        levels = np.asarray(MaxNLocator(_LEVELS, min_n_ticks=4).tick_values(low, high))
+        scale = Normalize(levels[0], levels[-1])
+    axes.contourf(*grid, levels=levels, cmap=colours, norm=scale, extend="both")
     lines = axes.contour(*grid, levels=levels, colors=INK, linewidths=0.6)
     for text in axes.clabel(lines, fmt="%g", fontsize=7):
         text.set_path_effects([withStroke(linewidth=2.0, foreground="white")])
+
+
+def _one_two_five(low: float, high: float) -> Array:
+    """Levels 1, 2 and 5 times powers of ten round a range."""
+    decades = 10.0 ** np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1.0)
+    every = np.outer(decades, (1.0, 2.0, 5.0)).ravel()
+    return every[(every >= low / _NEXT) & (every <= high * _NEXT)]
 
 
 def balance_figures(data: xr.Dataset) -> list[StudyFigure]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import TYPE_CHECKING, Any, final
 
@@ -58,7 +58,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         raise CaseError(f"{case.source}: study.kind: found {found}, allowed a steady case")
     pairs = list(product(study.shaft_speed, study.outlet_pressure))
     points = [_point(case, *pair) for pair in pairs]
-    evaluate = BearingNumbers(study.start_gap)
+    evaluate = BearingNumbers(study.start_gap, study.coupling_rounds)
     try:
         records = evaluate_points(points, context, evaluate)
     except KeyboardInterrupt:
@@ -92,14 +92,17 @@ class BearingNumbers:
     ----------
     start_gap : float
         Gap that the bearing starts from. [m]
+    rounds : int
+        Most runs of the chambers. [-]
     """
 
     start_gap: float
+    rounds: int = 1
 
     @property
     def label(self) -> str:
         """Says what is evaluated, for the records of points."""
-        return f"bearing at rest from {self.start_gap:.12g} m"
+        return f"bearing at rest from {self.start_gap:.12g} m, {self.rounds} rounds"
 
     def __call__(self, case: Case) -> Mapping[str, Any]:
         """Return numbers of the films with the status, names with unit suffix."""
@@ -111,7 +114,7 @@ class BearingNumbers:
             inlet_pressure=base.inlet_pressure,
             shaft_speed=base.shaft_speed,
         )
-        points = prepare(case, None, "bearing_map")
+        points = replace(prepare(case, None, "bearing_map"), rounds=self.rounds)
         return film_numbers(points.solve(condition, self.start_gap))
 
 
