@@ -21,6 +21,7 @@ from toothspace.plotting.catalogue import FIGURES
 from toothspace.plotting.film_maps import lateral_films
 from toothspace.plotting.study_figures import study_figures
 from toothspace.report.study import study_report_html
+from toothspace.report.wording import quantity
 from toothspace.solver.lateral_coupling import CoupledPoint
 from toothspace.solver.lateral_gap import LateralProblem, LateralSettings, numbers_of, wear_map
 from toothspace.studies import balance_sweep, bearing_map, hysteresis
@@ -198,3 +199,20 @@ def test_loop_shows_measured_positions(monkeypatch: pytest.MonkeyPatch, tmp_path
     assert isinstance(result.data, xr.Dataset)
     names = [figure.name for figure in study_figures("hysteresis", result.data)]
     assert names == ["positions", "contact", "film_height", "wear"]
+
+
+@pytest.mark.parametrize(
+    ("name", "label", "unit"),
+    [
+        ("wear_power_W_per_mm2", "Wear power", "W/mm²"),
+        ("loop_area_um_bar", "Loop area", "µm bar"),
+        ("film_temperature_rise_K", "Film temperature rise", "K"),
+        ("bearing_tilt_mrad", "Bearing tilt", "mrad"),
+        ("real_contact_area_mm2", "Real contact area", "mm²"),
+    ],
+)
+def test_numbers_of_the_bearing_are_shown_with_their_units(
+    name: str, label: str, unit: str
+) -> None:
+    found = quantity(name, 1.5)
+    assert (found.label, found.unit) == (label, unit)

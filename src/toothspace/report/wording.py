@@ -9,6 +9,8 @@ from typing import NamedTuple
 _SUFFIXES: Mapping[str, str] = {
     "_cm3_per_rev": "cm³/rev",
     "_L_per_min": "L/min",
+    "_W_per_mm2": "W/mm²",
+    "_um_bar": "µm bar",
     "_N_m": "N m",
     "_percent": "%",
     "_bar": "bar",
@@ -16,6 +18,7 @@ _SUFFIXES: Mapping[str, str] = {
     "_rpm": "rpm",
     "_mm3": "mm³",
     "_mm2": "mm²",
+    "_mrad": "mrad",
     "_deg": "°",
     "_mm": "mm",
     "_um": "µm",
@@ -24,6 +27,7 @@ _SUFFIXES: Mapping[str, str] = {
     "_MPa": "MPa",
     "_N": "N",
     "_J": "J",
+    "_K": "K",
     "_s": "s",
 }
 """Unit suffixes of summary numbers, longest first where one ends another."""
