@@ -71,10 +71,11 @@ def test_claims_tell_loops_apart() -> None:
     assert claims(np.array([3, 2, 12, 2.5, 3.5]) * um, 10 * um) == (False, True, False)
 
 
-def _sweep(monkeypatch: pytest.MonkeyPatch) -> Any:
+def _sweep(monkeypatch: pytest.MonkeyPatch, **changes: Any) -> Any:
     case = load_case(CASES / "balance_sweep.toml")
     assert isinstance(case.study, BalanceSweepStudy)
     study = replace(case.study, balance_ratio=(1.2, 1.5, 2.0), friction_coefficient=(0.05, 0.0))
+    study = replace(study, **changes)
     levels = sorted(set(study.outlet_pressures))
     tables = tuple(_table(level) for level in levels)
     monkeypatch.setattr(balance_sweep, "film_tables", lambda *_: tables)
@@ -95,6 +96,8 @@ def test_balance_sweep_gives_gaps_claims_and_figures(
     assert areas[1] == pytest.approx(0.0, abs=1e-9)
     assert np.all(np.diff(free, axis=0) <= 0.0)  # more area, smaller gap
     assert len(result.tables[0].rows) == 6
+    other = _sweep(monkeypatch, reference_area=1.2e-3)
+    assert other.data["balanced_area_mm2"].values == pytest.approx([1440.0, 1800.0, 2400.0])
     assert len(study_figures("balance_sweep", result.data)) == 4
     assert study_report_html(result).count("<svg") >= 4
     result.save(tmp_path)

@@ -122,7 +122,7 @@ class BalanceSweepStudy:
     balance_ratio: tuple[float, ...] = declare(
         Grid(
             item=Number(above=0, high=2),
-            doc="Balanced area over the area that plane rigid films carry.",
+            doc="Balanced area over the reference area.",
         )
     )
     friction_coefficient: tuple[float, ...] = declare(
@@ -130,6 +130,13 @@ class BalanceSweepStudy:
     )
     outlet_pressures: tuple[float, ...] = declare(
         Items(item=_PRESSURE, doc="Outlet pressures in their order, up and down.")
+    )
+    reference_area: float | None = quantity(
+        "mm^2",
+        "Area of the ratio one; default what plane rigid films carry at the highest pressure.",
+        above=0,
+        high=1e6,
+        default=None,
     )
     start_gap: float = quantity(
         "um", "Gap that the first point starts from.", above=0, high=10, default=1e-6

@@ -232,7 +232,7 @@ def _crossing(values: Array, after: int, level: float) -> float:
 def follow_all(tables: Sequence[FilmTable], study: BalanceSweepStudy) -> Array:
     """Gaps over friction coefficients, balance ratios and points. [m]."""
     order = _order(tables, study)
-    plane = tables[-1].plane_area
+    plane = _reference(tables, study)
     pairs = product(study.friction_coefficient, study.balance_ratio)
     loops = [follow(tables, order, (ratio * plane, mu), study.start_gap) for mu, ratio in pairs]
     shape = (len(study.friction_coefficient), len(study.balance_ratio), len(order))
@@ -269,6 +269,11 @@ def _order(tables: Sequence[FilmTable], study: BalanceSweepStudy) -> list[int]:
     return [levels.index(pressure) for pressure in study.outlet_pressures]
 
 
+def _reference(tables: Sequence[FilmTable], study: BalanceSweepStudy) -> float:
+    """Balanced area of the ratio one. [m2]."""
+    return study.reference_area or tables[-1].plane_area
+
+
 def _claimed(study: BalanceSweepStudy, loops: Array) -> Array:
     """Claims over their names, friction coefficients and balance ratios."""
     held = [[claims(loop, study.lifted_gap) for loop in row] for row in loops]
@@ -298,7 +303,7 @@ def _dataset(study: BalanceSweepStudy, tables: Sequence[FilmTable], loops: Array
         data[name] = (dims, shown, {"units": unit_of(name)})
     data["loop_area_um_bar"] = (dims[:2], _loop_areas(study, loops), {"units": "um bar"})
     data["claim_holds"] = (("claim", *dims[:2]), _claimed(study, loops).astype(np.int8))
-    plane = tables[-1].plane_area * 1e6
+    plane = _reference(tables, study) * 1e6
     ratio = np.asarray(study.balance_ratio)
     data["balanced_area_mm2"] = ("balance_ratio", ratio * plane, {"units": "mm2"})
     coords = {
@@ -316,6 +321,7 @@ def _numbers(study: BalanceSweepStudy, tables: Sequence[FilmTable], loops: Array
     windows = [ratio[held].tolist() for held in np.atleast_2d(every)]
     return {
         "plane_area_mm2": tables[-1].plane_area * 1e6,
+        "reference_area_mm2": _reference(tables, study) * 1e6,
         "friction_coefficient": list(study.friction_coefficient),
         "lowest_ratio_all_claims": [min(w) if w else None for w in windows],
         "highest_ratio_all_claims": [max(w) if w else None for w in windows],
@@ -325,7 +331,7 @@ def _numbers(study: BalanceSweepStudy, tables: Sequence[FilmTable], loops: Array
 
 def _table(study: BalanceSweepStudy, tables: Sequence[FilmTable], loops: Array) -> StudyTable:
     held, areas = _claimed(study, loops), _loop_areas(study, loops)
-    plane = tables[-1].plane_area * 1e6
+    plane = _reference(tables, study) * 1e6
     rows: list[Row] = []
     for (i, mu), (j, ratio) in product(
         enumerate(study.friction_coefficient), enumerate(study.balance_ratio)
