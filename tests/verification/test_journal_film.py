@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from toothspace.core.errors import CaseError
+from toothspace.core.status import Status
 from toothspace.films import Groove, JournalBearing
 from toothspace.films.journal_film import MotionState
 from toothspace.films.journal_solution import SurfaceSpeed
@@ -246,3 +247,45 @@ def test_shaft_free_to_tilt_carries_a_moment(moment: tuple[float, float]) -> Non
         np.testing.assert_allclose(film.eccentricity, parallel.eccentricity, atol=1e-6)
     else:
         assert np.hypot(*film.motion.place[2:]) > 1e-5
+
+
+@pytest.mark.parametrize(
+    ("length", "grid", "grooves", "end_pressure", "eccentricity", "velocity"),
+    [
+        (0.04, (45, 13), (), 0.0, (-0.066, -0.518), (9.76e-4, 3.02e-4)),
+        (
+            0.01,
+            (49, 14),
+            (Groove(2.795, 0.0785, 0.004, 1e5),),
+            8e5,
+            (0.06, -0.733),
+            (-1.367e-3, 1.105e-3),
+        ),
+    ],
+)
+def test_film_squeezed_faster_than_it_flows_settles(
+    length: float,
+    grid: tuple[int, int],
+    grooves: tuple[Groove, ...],
+    end_pressure: float,
+    eccentricity: tuple[float, float],
+    velocity: tuple[float, float],
+) -> None:
+    """Two of twenty thousand random films on which the active set alone goes in circles."""
+    film = JournalBearing(
+        diameter=0.05,
+        length=length,
+        radial_clearance=40e-6,
+        dynamic_viscosity=0.02,
+        grid=grid,
+        grooves=grooves,
+        end_pressure=end_pressure,
+        cavitation_pressure=0.0,
+        end_condition="no_flow",
+    ).solve(eccentricity=eccentricity, shaft_speed=30.0, velocity=velocity)
+    fields = film.film.fields
+    assert film.status is Status.DONE
+    assert film.mass_balance_error < 1e-12
+    assert fields.saturation.max() <= 1.0 + 1e-9
+    assert fields.saturation.min() >= 0.0
+    assert np.all((fields.potential == 0.0) | (fields.saturation == 1.0))

@@ -312,6 +312,36 @@ def solve_complementarity(
     .. [1] M. Hintermueller, K. Ito, K. Kunisch, The primal-dual active set strategy as a
        semismooth Newton method, SIAM J. Optim. 13 (2002) 865-888.
     """
+    found = _active_set(balance, constraint, start, max_passes)
+    if found.converged or constraint is not Constraint.CONSERVING or balance.storage.min() >= 0.0:
+        return found
+    return _with_delay(balance, max_passes) or found
+
+
+def _with_delay(balance: CellBalance, max_passes: int) -> ComplementaritySolution | None:
+    """Settle the cells of a film that is squeezed faster than the flow carries liquid away.
+
+    Negative storage makes the passes go in circles. Held at the saturation of the round before,
+    it leaves a matrix with which they settle, and from a full film the saturations can then only
+    fall from round to round, towards those of the balance itself.
+    """
+    held, kind = np.maximum(-balance.storage, 0.0), None
+    saturation = np.ones(held.shape)
+    for _ in range(_ROUNDS):
+        delayed = balance._replace(
+            storage=balance.storage + held, source=balance.source + held * saturation
+        )
+        former = _active_set(delayed, Constraint.CONSERVING, kind, max_passes)
+        saturation, kind = former.saturation, former.kind
+        found = _active_set(balance, Constraint.CONSERVING, kind, _TRIAL_PASSES)
+        if found.converged:
+            return found
+    return None
+
+
+def _active_set(
+    balance: CellBalance, constraint: Constraint, start: IntArray | None, max_passes: int
+) -> ComplementaritySolution:
     kind = _initial_kind(balance, constraint, start)
     scale = potential_scale(balance)
     sense = -1 if balance.advection_x.sum() < 0.0 else 1
@@ -364,6 +394,9 @@ _SETTLING_PASSES = 6
 
 _RESCUES = {8: 50, 16: 200, 32: 800}
 """Passes after which the cavity is found afresh by many sweeps, and how many."""
+
+_ROUNDS, _TRIAL_PASSES = 60, 4
+"""Rounds with delayed storage, and passes that the balance itself gets after each. [-]"""
 
 _ACCEPTED = 1e-8
 """Relative residual above which a solution counts as not converged. [-]"""
@@ -418,7 +451,7 @@ def _initial_kind(balance: CellBalance, constraint: Constraint, start: IntArray 
 
 def _from_coarse(balance: CellBalance, constraint: Constraint) -> IntArray:
     """Kinds found on a grid of half as many cells, settled on this one."""
-    coarse = solve_complementarity(coarsened(balance), constraint, max_passes=30)
+    coarse = _active_set(coarsened(balance), constraint, None, 30)
     rows, lanes = grid_shape(balance)
     kind = np.repeat(np.repeat(coarse.kind, 2, axis=0), 2, axis=1)[:rows, :lanes].copy()
     if constraint is Constraint.OBSTACLE:
