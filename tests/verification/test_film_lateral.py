@@ -20,6 +20,7 @@ RING = LateralFilm(
     inner_pressure=1e5,
     outer_pressure=50e5,
 )
+DISC = replace(RING, inner_radius=0.0, inner_pressure=None, outer_pressure=1e5, grid=(8, 24))
 
 
 def test_squeezed_disc_converges_with_second_order() -> None:
@@ -204,3 +205,35 @@ def test_contact_brakes_one_face_and_drags_the_other() -> None:
     assert drag == pytest.approx(rubbing.contact_torque, rel=1e-9)
     assert dry.friction_torque == pytest.approx(-dry.resting_friction_torque, rel=1e-12)
     assert rubbing.power_loss == pytest.approx(-100.0 * rubbing.friction_torque)
+
+
+def test_memory_of_a_full_film_is_its_squeeze() -> None:
+    """One time step between two gaps equals the film squeezed at the mean velocity."""
+    step, velocity = 1e-4, -2e-3
+    before = DISC.solve()
+    after = replace(DISC, side_gap=DISC.side_gap + velocity * step)
+    remembered = after.solve(history=before.history(step))
+    squeezed = after.solve(squeeze_velocity=velocity)
+    assert remembered.plane.pressure == pytest.approx(squeezed.plane.pressure, rel=1e-9)
+
+
+def test_disc_pulled_off_refills_without_loss_of_liquid() -> None:
+    """It tears, draws liquid in from the rim in every step, and is full again at rest."""
+    step, film = 2e-4, DISC
+    found = film.solve()
+    torn = 0.0
+    for number in range(12):
+        before = found.history(step)
+        film = replace(film, side_gap=film.side_gap + (5e-6 if number < 3 else 0.0))
+        found = film.solve(history=before)
+        assert found.status.succeeded
+        area = found.plane.film.grid.area
+        gained = float(((found.history(step).content - before.content) * area).sum())
+        assert gained == pytest.approx(-found.outer_flow * step, rel=1e-9, abs=1e-18)
+        torn = max(torn, found.cavitated_fraction)
+    assert torn > 0.2
+    found = film.solve(history=found.history(10.0))
+    assert found.cavitated_fraction == 0.0
+    assert found.history(step).content == pytest.approx(film.side_gap, rel=1e-9)
+    with pytest.raises(CaseError, match="keep the grid"):
+        replace(film, grid=(8, 8)).solve(history=found.history(step))

@@ -8,11 +8,12 @@ from typing import NamedTuple, final
 
 import numpy as np
 
+from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.core.types import Array, IntArray
 from toothspace.films.film_fluid import FilmFluid
 from toothspace.films.reynolds import FilmGrid, FluidField, GapField, film_balance
-from toothspace.films.rough_surfaces import FlowLaw
+from toothspace.films.rough_surfaces import FlowLaw, mean_gap
 from toothspace.numerics.complementarity import (
     ComplementaritySolution,
     Constraint,
@@ -34,6 +35,17 @@ RUNAWAY_PASSES = 8
 """Passes in succession without a finite pressure after which there is none. [-]"""
 SHORTEST, LONGEST = 0.05, 1.5
 """Part of the change of density that a pass follows, by Aitken's rule within limits. [-]"""
+
+
+@final
+@dataclass(frozen=True)
+class FilmHistory:
+    """Liquid that the film held one time step ago."""
+
+    content: Array
+    """Film fraction times gap height times relative density, on the solved cells. [m]"""
+    time_step: float
+    """Time that has passed since. [s]"""
 
 
 class FilmProblem(NamedTuple):
@@ -114,6 +126,40 @@ def solve_state(
     status = Status.DONE if settled and fields.converged else Status.NOT_CONVERGED
     status = Status.RUNAWAY if lost else status
     return FilmState(gauge, fluid.fields(gauge + lowest), balance, fields, status)
+
+
+def memory(
+    film: FilmProblem, history: FilmHistory | None
+) -> Callable[[CellBalance, Array], CellBalance] | None:
+    """Implicit Euler step of the content of the cells in place of the squeeze velocity.
+
+    Parameters
+    ----------
+    film : FilmProblem
+        Film at the end of the time step.
+    history : FilmHistory, optional
+        What it held at the beginning; the result is None without.
+
+    Raises
+    ------
+    CaseError
+        If the film had other cells.
+    """
+    if history is None:
+        return None
+    height = mean_gap(film.gap.centre, film.law) + film.gap.step
+    if history.content.shape != height.shape:
+        raise CaseError(
+            f"history: found {history.content.shape} cells, allowed are {height.shape}: keep the "
+            "grid, and the tilt zero or not zero"
+        )
+    rate = film.grid.area / history.time_step
+    gained = history.content * rate
+
+    def remember(balance: CellBalance, density: Array) -> CellBalance:
+        return balance._replace(storage=density * height * rate, source=gained)
+
+    return remember
 
 
 class Exchange(NamedTuple):

@@ -12,8 +12,9 @@ from toothspace.core.errors import CaseError
 from toothspace.films.cavitation import CAVITATION
 from toothspace.films.equilibrium import find_equilibrium
 from toothspace.films.film_fluid import FilmFluid
+from toothspace.films.film_state import FilmHistory
 from toothspace.films.journal_film import Groove, Lobes, MotionState
-from toothspace.films.journal_solution import FilmHistory, JournalBearingSolution, SurfaceSpeed
+from toothspace.films.journal_solution import JournalBearingSolution, SurfaceSpeed
 from toothspace.films.journal_solver import solve_motion
 from toothspace.films.rough_surfaces import RoughSurfaces, refuse_deep_contact
 from toothspace.films.tilted_equilibrium import find_tilted_equilibrium

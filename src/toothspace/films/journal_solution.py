@@ -11,7 +11,7 @@ import numpy as np
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.films.film_fluid import FilmFluid
-from toothspace.films.film_state import exchange
+from toothspace.films.film_state import FilmHistory, exchange
 from toothspace.films.journal_film import JournalMesh, MotionState, journal_gap, journal_load
 from toothspace.films.linearised import pressure_responses
 from toothspace.films.reynolds import FilmGrid, FluidField, GapField
@@ -31,17 +31,6 @@ class SurfaceSpeed:
 
     shaft: float
     bush: float = 0.0
-
-
-@final
-@dataclass(frozen=True)
-class FilmHistory:
-    """Liquid that the film held one time step ago."""
-
-    content: Array
-    """Film fraction times gap height times relative density, on the solved cells. [m]"""
-    time_step: float
-    """Time that has passed since. [s]"""
 
 
 @final

@@ -11,7 +11,14 @@ from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.films.cavitation import CAVITATION
-from toothspace.films.film_state import FilmProblem, FilmState, relative_error, solve_state
+from toothspace.films.film_state import (
+    FilmHistory,
+    FilmProblem,
+    FilmState,
+    memory,
+    relative_error,
+    solve_state,
+)
 from toothspace.films.journal_film import (
     EndConditions,
     Groove,
@@ -25,20 +32,18 @@ from toothspace.films.journal_film import (
     lobed,
 )
 from toothspace.films.journal_solution import (
-    FilmHistory,
     JournalBearingSolution,
     JournalContact,
     JournalField,
     SurfaceSpeed,
 )
 from toothspace.films.reynolds import FilmGrid, GapField
-from toothspace.films.rough_surfaces import SMOOTH, FlowLaw, contact_field, mean_gap
+from toothspace.films.rough_surfaces import SMOOTH, FlowLaw, contact_field
 from toothspace.numerics.complementarity import (
     face_flows,
     residual,
 )
 from toothspace.numerics.linear_system import PRESCRIBED
-from toothspace.numerics.structured_grid import CellBalance
 
 if TYPE_CHECKING:
     from toothspace.films.journal_bearing import JournalBearing
@@ -148,14 +153,7 @@ def _solved(
         film.law,
     )
     start = None if former is None else former.film.fields.kind
-    if history is None:
-        return solve_state(problem, start)
-
-    def remember(balance: CellBalance, density: Array) -> CellBalance:
-        content = density * mean_gap(film.gap.centre, film.law)
-        return _with_history(balance, film.grid, content, history)
-
-    return solve_state(problem, start, remember)
+    return solve_state(problem, start, memory(problem, history))
 
 
 def _walls(
@@ -169,19 +167,6 @@ def _walls(
     law = surfaces.flow_law((speed.shaft - speed.bush) / total if total != 0.0 else 0.0)
     pressure, slope = contact_field(gap.centre, surfaces.roughness, surfaces.contact_table())
     return law, JournalContact(pressure, slope)
-
-
-def _with_history(
-    balance: CellBalance, grid: FilmGrid, height: Array, history: FilmHistory
-) -> CellBalance:
-    """Implicit Euler step of the content of the cells in place of the squeeze velocity."""
-    if history.content.shape != height.shape:
-        raise CaseError(
-            f"history: found {history.content.shape} cells, allowed are {height.shape}: keep the "
-            "grid, and the tilt zero or not zero"
-        )
-    rate = grid.area / history.time_step
-    return balance._replace(storage=height * rate, source=history.content * rate)
 
 
 def _refuse_contact(gap: GapField, motion: MotionState, bearing: JournalBearing) -> None:

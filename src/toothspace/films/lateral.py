@@ -13,6 +13,7 @@ from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.films.cavitation import CAVITATION
 from toothspace.films.film_fluid import FilmFluid
+from toothspace.films.film_state import FilmHistory
 from toothspace.films.journal_film import wall_stress
 from toothspace.films.plane_film import (
     PlaneFilm,
@@ -108,7 +109,12 @@ class LateralFilm:
         return 0.5 * (rim[1:] + rim[:-1])
 
     def solve(
-        self, *, shaft_speed: float = 0.0, squeeze_velocity: float = 0.0, gap_speed: float = 0.0
+        self,
+        *,
+        shaft_speed: float = 0.0,
+        squeeze_velocity: float = 0.0,
+        gap_speed: float = 0.0,
+        history: FilmHistory | None = None,
     ) -> LateralSolution:
         """Film at a speed of the rotating face.
 
@@ -121,10 +127,13 @@ class LateralFilm:
         gap_speed : float
             Rotation of the gap pattern: zero if it rests with the upper face, the shaft
             speed if it is fixed to the rotating face. [rad/s]
+        history : FilmHistory, optional
+            ``solution.history(time_step)`` of the film one time step ago: the liquid is then
+            transported in time; the change of the gaps counts instead of their velocities.
         """
         film = self.discretise(shaft_speed, squeeze_velocity, gap_speed)
         refuse_deep_contact(film.gap.centre, self.surfaces, "film.side_gap")
-        return LateralSolution(self, shaft_speed, squeeze_velocity, solve_plane(film))
+        return LateralSolution(self, shaft_speed, squeeze_velocity, solve_plane(film, history))
 
     def discretise(
         self, shaft_speed: float = 0.0, squeeze_velocity: float = 0.0, gap_speed: float = 0.0
@@ -213,6 +222,10 @@ class LateralSolution:
     """Velocity of the upper face away from the lower. [m/s]"""
     plane: PlaneSolution
     """Fields, mass balance, stiffness and damping."""
+
+    def history(self, time_step: float) -> FilmHistory:
+        """What the film holds, as the past of a film one time step later. [s]."""
+        return self.plane.history(time_step)
 
     @property
     def status(self) -> Status:

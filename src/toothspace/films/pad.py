@@ -15,6 +15,7 @@ from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.films.cavitation import CAVITATION
 from toothspace.films.film_fluid import FilmFluid
+from toothspace.films.film_state import FilmHistory
 from toothspace.films.journal_film import wall_stress
 from toothspace.films.plane_film import (
     PlaneFilm,
@@ -120,7 +121,9 @@ class Pad:
                 f"from the cavitation pressure {self.cavitation_pressure!r} Pa"
             )
 
-    def solve(self, *, speed: float, squeeze_velocity: float = 0.0) -> PadSolution:
+    def solve(
+        self, *, speed: float, squeeze_velocity: float = 0.0, history: FilmHistory | None = None
+    ) -> PadSolution:
         """Film at a speed of the wall.
 
         Parameters
@@ -129,6 +132,9 @@ class Pad:
             Velocity of the wall along x. [m/s]
         squeeze_velocity : float
             Velocity of the pad away from the wall. [m/s]
+        history : FilmHistory, optional
+            ``solution.history(time_step)`` of the film one time step ago: the liquid is then
+            transported in time; the change of the gaps counts instead of their velocities.
 
         Returns
         -------
@@ -136,7 +142,7 @@ class Pad:
             Fields and everything derived from them.
         """
         film = self._film(speed, squeeze_velocity)
-        return PadSolution(self, speed, squeeze_velocity, solve_plane(film))
+        return PadSolution(self, speed, squeeze_velocity, solve_plane(film, history))
 
     def _film(self, speed: float, squeeze_velocity: float) -> PlaneFilm:
         half = self.shape is None
@@ -227,6 +233,10 @@ class PadSolution:
     """Velocity of the pad away from the wall. [m/s]"""
     plane: PlaneSolution
     """Fields on the solved part of the pad."""
+
+    def history(self, time_step: float) -> FilmHistory:
+        """What the film holds, as the past of a film one time step later. [s]."""
+        return self.plane.history(time_step)
 
     @property
     def status(self) -> Status:

@@ -13,10 +13,18 @@ from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.films.film_fluid import FilmFluid
-from toothspace.films.film_state import Exchange, FilmProblem, exchange, relative_error, solve_state
+from toothspace.films.film_state import (
+    Exchange,
+    FilmHistory,
+    FilmProblem,
+    exchange,
+    memory,
+    relative_error,
+    solve_state,
+)
 from toothspace.films.linearised import pressure_responses
 from toothspace.films.reynolds import FilmGrid, FluidField, GapField
-from toothspace.films.rough_surfaces import SMOOTH, FlowLaw
+from toothspace.films.rough_surfaces import SMOOTH, FlowLaw, mean_gap
 from toothspace.numerics.complementarity import (
     ComplementaritySolution,
     Constraint,
@@ -121,6 +129,12 @@ class PlaneSolution:
         found = exchange(self.film.grid, self.balance, self.fields)
         return Exchange(self.film.weight * found.outflow, self.film.weight * found.power)
 
+    def history(self, time_step: float) -> FilmHistory:
+        """What the film holds, as the past of a film one time step later. [s]."""
+        film = self.film
+        height = mean_gap(film.gap.centre, film.law) + film.gap.step
+        return FilmHistory(self.fields.saturation * self.fluid.density * height, time_step)
+
     def mass_balance_error(self) -> float:
         """Sum of the residuals of free cells over the through-flow. [-]."""
         b = self.balance
@@ -162,16 +176,18 @@ class PlaneSolution:
         return table[:, :3], table[:, 3:]
 
 
-def solve_plane(film: PlaneFilm) -> PlaneSolution:
-    """Pressure and film fraction; viscosity and density are iterated with the pressure."""
+def solve_plane(film: PlaneFilm, history: FilmHistory | None = None) -> PlaneSolution:
+    """Pressure and film fraction; viscosity and density are iterated with the pressure.
+
+    With a history the liquid is transported in time, else it follows the motion without delay.
+    """
     lowest = float(min(film.gap.centre.min(), film.gap.face_x.min(), film.gap.face_y.min()))
     if lowest <= 0.0 and film.law.roughness == 0.0:
         raise CaseError(f"film: found a smallest gap of {lowest:.3g} m, allowed are open gaps")
-    state = solve_state(
-        FilmProblem(
-            film.grid, film.gap, film.fluid, film.cavitation_pressure, film.constraint, film.law
-        )
+    problem = FilmProblem(
+        film.grid, film.gap, film.fluid, film.cavitation_pressure, film.constraint, film.law
     )
+    state = solve_state(problem, history=memory(problem, history))
     return PlaneSolution(film, state.fluid, state.balance, state.fields, state.status, state.gauge)
 
 
