@@ -25,6 +25,10 @@ Fields = Annotated[
     Path | None,
     typer.Option("-o", "--output", metavar="FIELDS", help="Fields of the film, .nc or .vts."),
 ]
+Grids = Annotated[
+    bool,
+    typer.Option("--grids", help="Also on half and twice the cells: how far the grid matters."),
+]
 Overrides = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="Override a key of the case, repeatable."),
@@ -131,18 +135,30 @@ def study(
 
 @application.command()
 def bearing(
-    case: CaseFile, fields: Fields = None, as_json: Json = False, overrides: Overrides = None
+    case: CaseFile,
+    fields: Fields = None,
+    as_json: Json = False,
+    grids: Grids = False,
+    overrides: Overrides = None,
 ) -> int:
     """Solve a stand-alone journal bearing."""
-    return commands.stand_alone_film(case, "bearing", fields, overrides or [], as_json=as_json)
+    return commands.stand_alone_film(
+        case, "bearing", fields, overrides or [], grids=grids, as_json=as_json
+    )
 
 
 @application.command()
 def film(
-    case: CaseFile, fields: Fields = None, as_json: Json = False, overrides: Overrides = None
+    case: CaseFile,
+    fields: Fields = None,
+    as_json: Json = False,
+    grids: Grids = False,
+    overrides: Overrides = None,
 ) -> int:
     """Solve a stand-alone film, as a pad, a ring or the face of a machine's bearing."""
-    return commands.stand_alone_film(case, "film", fields, overrides or [], as_json=as_json)
+    return commands.stand_alone_film(
+        case, "film", fields, overrides or [], grids=grids, as_json=as_json
+    )
 
 
 @application.command()

@@ -176,7 +176,13 @@ def study(
 
 
 def stand_alone_film(
-    case_file: Path, table: str, fields: Path | None, overrides: Sequence[str], *, as_json: bool
+    case_file: Path,
+    table: str,
+    fields: Path | None,
+    overrides: Sequence[str],
+    *,
+    grids: bool,
+    as_json: bool,
 ) -> int:
     """Solve the table ``bearing`` or ``film`` of a case; returns the exit code."""
     target = None if fields is None else _writable(fields, "-o")
@@ -188,7 +194,17 @@ def stand_alone_film(
     with _file_named(case_file):
         solve = films.solve_bearing if table == "bearing" else films.solve_film
         summary = solve(case, target)
-    output.write(summary, as_json=as_json)
+
+        def on_grid(cells: tuple[int, int]) -> dict[str, Any]:
+            return solve(_load(case_file, [*overrides, f"{table}.grid={list(cells)}"]))
+
+        own = tuple(getattr(case, table).grid)
+        report = films.grid_report(on_grid, own, summary) if grids else {}
+    if as_json and grids:
+        output.write({**summary, "grid_report": report}, as_json=True)
+    else:
+        output.write(summary, as_json=as_json)
+        output.write(report, as_json=False)
     status = Status[summary["status"].upper()]
     if status is not Status.DONE:
         output.message(f"{case_file}: {status.name.lower()}: {status.value}")

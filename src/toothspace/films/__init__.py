@@ -26,6 +26,7 @@ thermal             bulk heat balance of a film
 field_files         NetCDF and VTK files of the fields
 cases               ``[bearing]`` and ``[film]`` tables to solved films
 summaries           solved films to named numbers
+grid_report         how far these numbers depend on the grid
 ==================  ==========================================================
 """
 
@@ -35,6 +36,7 @@ from toothspace.closures.journal_friction import FrictionCurve
 from toothspace.films.cases import solve_bearing, solve_film
 from toothspace.films.field_files import film_dataset, save_film, save_film_vtk
 from toothspace.films.film_fluid import FilmFluid
+from toothspace.films.grid_report import grid_report
 from toothspace.films.journal_bearing import JournalBearing
 from toothspace.films.journal_film import Groove, Lobes
 from toothspace.films.journal_solution import JournalBearingSolution
@@ -80,6 +82,7 @@ __all__ = [
     "critical_mass",
     "film_dataset",
     "fit_friction_curve",
+    "grid_report",
     "machine_bearing",
     "pad_summary",
     "save_film",
