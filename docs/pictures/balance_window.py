@@ -22,27 +22,23 @@ HERE = Path(__file__).resolve().parent
 CASES = HERE.parents[1] / "cases"
 
 
-def swept(name: str, reference_area: float | None = None):
-    """Sweep of the balanced area [m2] over the loop of a hysteresis case."""
+def swept(name: str):
+    """Sweep of the balanced area over the loop of a hysteresis case."""
     loop, sweep = load_case(CASES / f"{name}.toml"), load_case(CASES / "balance_sweep.toml")
-    asked = replace(
-        sweep.study,
-        outlet_pressures=loop.study.outlet_pressures,
-        reference_area=reference_area,
-    )
+    asked = replace(sweep.study, outlet_pressures=loop.study.outlet_pressures)
     result = balance_sweep.run(replace(loop, study=asked), StudyContext())
     print(name, {k: v for k, v in result.numbers.items() if "window" not in k})
     for k, claim in enumerate(balance_sweep.CLAIMS):
         held = result.data["claim_holds"].values[k, 0].astype(bool)
         print(name, claim, result.data["balance_ratio"].values[held].round(4))
-    return loop.title, result.data, result.numbers["plane_area_mm2"] * 1e-6
+    return loop.title, result.data
 
 
 @styled
 def windows(found):
     """Gaps over the balance ratio with the claims that hold, one panel per case."""
     figure = new_figure(7.2, 3.2 * len(found))
-    for axes, (title, data, _) in zip(np.ravel(figure.subplots(len(found), 1)), found, strict=True):
+    for axes, (title, data) in zip(np.ravel(figure.subplots(len(found), 1)), found, strict=True):
         window_on(axes, data.isel(friction_coefficient=0))
         axes.set_title(title)
     return figure
@@ -70,8 +66,7 @@ def friction_laws():
 if __name__ == "__main__":
     mpl.use("Agg")
     save_figure(friction_laws(), HERE / "housing_friction.png")
-    first = swept("hysteresis_055")
-    second = swept("hysteresis_078", first[2])
+    first, second = swept("hysteresis_055"), swept("hysteresis_078")
     save_figure(windows((first, second)), HERE / "balance_window.png")
     save_figure(area_sensitivity(first[1]), HERE / "area_sensitivity.png")
     save_figure(friction_sensitivity(first[1]), HERE / "friction_sensitivity.png")

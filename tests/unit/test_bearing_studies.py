@@ -118,11 +118,11 @@ def test_bearing_map_numbers_and_figure(monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setattr(bearing_map.BearingNumbers, "__call__", numbers)
     result = bearing_map.run(case, StudyContext())
     assert result.status is Status.DONE
-    assert result.data["smallest_film_um"].shape == (4, 5)
+    assert result.data["smallest_film_um"].shape == (4, 4)
     speed, pressure = result.data["shaft_speed"].values[2], result.data["outlet_pressure"].values[3]
     expected = speed / (1.0 + 1e-5 * pressure)
     assert float(result.data["contact_force_N"][2, 3]) == pytest.approx(expected, rel=1e-6)
-    assert len(result.tables[0].rows) == 20
+    assert len(result.tables[0].rows) == 16
     assert [f.name for f in study_figures("bearing_map", result.data)] == ["bearing_map"]
 
 

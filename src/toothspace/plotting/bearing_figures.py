@@ -36,6 +36,8 @@ _WIDE = 10.0
 """Largest over smallest value from which levels are logarithmic. [-]"""
 _NEXT = 2.5
 """Largest ratio of neighbouring logarithmic levels. [-]"""
+_NAMES_WIDTH = 0.1
+"""Room for the names of claims beside the lines, over the range of ratios. [-]"""
 _CLAIM_TEXT = ("rises", "stays higher", "on its film")
 
 
@@ -148,6 +150,7 @@ def window_on(axes: Axes, data: xr.Dataset) -> None:
         height = low * 0.86 ** (row + 1)
         axes.plot(ratio, np.where(held, height, np.nan), lw=3, color=GREEN, solid_capstyle="butt")
         axes.text(ratio[0], height, f"{text} ", fontsize=6, ha="right", va="center")
+    axes.set_xlim(ratio[0] - _NAMES_WIDTH * (ratio[-1] - ratio[0]), ratio[-1])
     axes.set_ylim(low * 0.6, None)
     _decades(axes)
     axes.set_xlabel("Balanced area over the area that plane films carry")
