@@ -101,12 +101,33 @@ def test_shaft_below_breakaway_does_not_move_at_all() -> None:
     assert np.isnan(solution.summary()["startup_pressure_bar"])
 
 
+def short_cycle(tolerance: str) -> Solution:
+    """Start, run and stop within 3 s."""
+    speeds = '[["0 s", "0 rpm"], ["0.5 s", "200 rpm"], ["1 s", "200 rpm"], ["1.5 s", "0 rpm"]]'
+    case = startup_case(f"circuit.supply.speed={speeds}", f"run.relative_tolerance={tolerance}")
+    return solve(case, 3.0, 600)
+
+
 @pytest.fixture(scope="module")
 def cycle() -> Solution:
-    """A short cycle: start, run and stop within 3 s."""
-    speeds = '[["0 s", "0 rpm"], ["0.5 s", "200 rpm"], ["1 s", "200 rpm"], ["1.5 s", "0 rpm"]]'
-    case = startup_case(f"circuit.supply.speed={speeds}", "run.relative_tolerance=1e-7")
-    return solve(case, 3.0, 600)
+    """The short cycle at a fine tolerance."""
+    return short_cycle("1e-7")
+
+
+def test_coarse_and_fine_tolerances_agree(cycle: Solution) -> None:
+    """Ten times the tolerance changes no number by 0.1 %."""
+    coarse, fine = short_cycle("1e-6").summary(), cycle.summary()
+    for name in (
+        "startup_pressure_bar",
+        "breakaway_pressure_bar",
+        "breakaway_time_s",
+        "max_shaft_speed_rpm",
+        "revolutions",
+        "supply_energy_J",
+        "shaft_energy_J",
+        "loss_energy_J",
+    ):
+        assert coarse[name] == pytest.approx(fine[name], rel=1e-3), name
 
 
 def test_ledgers_close_over_a_whole_cycle(cycle: Solution) -> None:
