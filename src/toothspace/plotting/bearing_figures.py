@@ -32,8 +32,8 @@ _EFFECTS = (
     ("torque_loss_N_m", "Lateral torque loss (N m)"),
 )
 _LEVELS = 9
-_WIDE = 10.0
-"""Largest over smallest value from which levels are logarithmic. [-]"""
+_WIDE, _VERY_WIDE = 3.0, 30.0
+"""Largest over smallest value from which levels are logarithmic, and wider apart. [-]"""
 _NEXT = 2.5
 """Largest ratio of neighbouring logarithmic levels. [-]"""
 _NAMES_WIDTH = 0.1
@@ -95,9 +95,10 @@ def _filled(axes: Axes, grid: tuple[Array, Array, Any], colours: str) -> None:
 
 
 def _one_two_five(low: float, high: float) -> Array:
-    """Levels 1, 2 and 5 times powers of ten round a range."""
+    """Levels 1, 2 and 5 times powers of ten round a range, closer ones in a narrow range."""
+    steps = (1.0, 2.0, 5.0) if high > _VERY_WIDE * low else (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
     decades = 10.0 ** np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1.0)
-    every = np.outer(decades, (1.0, 2.0, 5.0)).ravel()
+    every = np.outer(decades, steps).ravel()
     return every[(every >= low / _NEXT) & (every <= high * _NEXT)]
 
 
