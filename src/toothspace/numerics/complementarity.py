@@ -352,9 +352,10 @@ def _active_set(
         stencil, rhs = assemble(balance, kind)
         system = systems.system(stencil, kind)
         used = kind.copy()
-        unknown = system.solve(rhs, unknown, TIGHT if systems.direct else LOOSE)
+        exact = systems.direct or number > _LOOSE_PASSES
+        unknown = system.solve(rhs, unknown, TIGHT if exact else LOOSE)
         changed = _revise(balance, constraint, kind, unknown, scale)
-        if changed == 0 and not systems.direct:
+        if changed == 0 and not exact:
             unknown = system.solve(rhs, unknown, TIGHT)
             changed = _revise(balance, constraint, kind, unknown, scale)
         if changed == 0:
@@ -394,6 +395,9 @@ _SETTLING_PASSES = 6
 
 _RESCUES = {8: 50, 16: 200, 32: 800}
 """Passes after which the cavity is found afresh by many sweeps, and how many."""
+
+_LOOSE_PASSES = 3
+"""Passes with a rough linear solution; for ever, it would move cells that are all but full."""
 
 _ROUNDS, _TRIAL_PASSES = 60, 4
 """Rounds with delayed storage, and passes that the balance itself gets after each. [-]"""
