@@ -188,6 +188,18 @@ def test_springs_beside_the_middle_tilt_the_bearing_until_moments_balance() -> N
     assert moment == pytest.approx(-100.0 * 4e-3, rel=1e-3)
 
 
+def test_wall_carries_the_moment_that_the_film_does_not() -> None:
+    """Moment of films and back over the tilt is the stiffness given, and tilts less."""
+    free = ring_stack(approach=APPROACH, high_share=SHARE, motion="full", preload_x=4e-3)
+    leaning = replace(free.balance.floating, wall_stiffness=1e6)
+    held = replace(free, balance=replace(free.balance, floating=leaning))
+    found, loose = (_settled(s, HIGH, 2e-6).balance for s in (held, free))
+    state, tilt = found.states[0], found.position[2]
+    moment = (state.film_force() + state.back_force(loads(HIGH).back))[2]
+    assert moment == pytest.approx(1e6 * tilt, rel=1e-3)
+    assert 0.0 < abs(tilt) < 0.5 * abs(loose.position[2])
+
+
 def test_smooth_friction_peaks_at_the_breakaway_speed() -> None:
     """Eq. 15 of Thiagarajan et al.: odd, F_brk at v_brk, F_c far above."""
     law = HousingFriction(coulomb_force=40.0, breakaway_speed=6.45e-3, holds=False)

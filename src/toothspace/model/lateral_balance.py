@@ -176,6 +176,8 @@ class FloatingBearing:
         Where the position is told. [m]
     axial_play : float
         Travel away from the gears until the bearing meets its cover. [m]
+    wall_stiffness : float
+        Moment about y over the tilt about it, by the wall that the bearing leans on. [N m/rad]
     """
 
     mass: float
@@ -187,6 +189,7 @@ class FloatingBearing:
     housing: HousingContact
     gauge_point: tuple[float, float]
     axial_play: float
+    wall_stiffness: float = 0.0
 
 
 @final

@@ -275,8 +275,7 @@ def _decided(
 
     Rest or slide is revised near the balance only, as what once rests needs more to break away.
     """
-    states, jacobian = known
-    near = False
+    (states, jacobian), near = known, False
     for _ in range(_STATUS_ROUNDS):
         force, drag = _forces(task, states, v, slides)
         found = _newton_step(task, jacobian, force, drag, _held(task, slides), v)
@@ -303,15 +302,13 @@ def _outcome(
 ) -> Balance:
     """State after a step; without a Jacobian it is not in balance."""
     found, v, slides = last
-    coefficients, age = (None, 0) if jacobian is None else jacobian
     return Balance(
         states,
         _friction(task, v, slides, found.holding),
         slides or (0,) * len(_levers(task.stack)),
         *reached,
         jacobian is not None,
-        coefficients,
-        age,
+        *((None, 0) if jacobian is None else jacobian),
     )
 
 
@@ -353,6 +350,8 @@ def _forces(
         if over > 0.0:
             force[place] += push * _STOP_STIFFNESS * over
             drag[place, place] += _STOP_STIFFNESS * task.duration
+        force[place + 2] -= bearing.wall_stiffness * q[place + 2]
+        drag[place + 2, place + 2] += bearing.wall_stiffness * task.duration
     mass = _masses(stack)
     force -= mass * (v - task.velocity) / task.duration
     drag += np.diag(mass) / task.duration

@@ -28,7 +28,6 @@ from toothspace.numerics.complementarity import (
     assemble,
     potential_scale,
     residual,
-    solve_complementarity,
 )
 from toothspace.numerics.linear_system import (
     PRESCRIBED,
@@ -41,8 +40,12 @@ from toothspace.numerics.linear_system import (
 from toothspace.numerics.structured_grid import grid_shape
 
 _MOST_PASSES = 40
-_PATIENCE = 9
-"""Passes after which the cavity is found afresh with the gap held."""
+_PATIENCE = 8
+"""Passes after which steps that still change the gap much are taken in part."""
+_CAREFUL = 0.5
+"""That part, as whole steps may go back and forth where faces touch. [-]"""
+_MUCH = 0.01
+"""Change of the gap that counts as much. [-]"""
 _LONGEST = 0.5
 """Largest change of the gap in one pass over the gap. [-]"""
 _ROUNDING = 1e-10
@@ -269,14 +272,14 @@ def solve_yielding(
         floor = np.maximum(gap, 0.1 * how.roughness + 1e-9)
         largest = float((np.abs(change) / floor).max())
         part = np.minimum(1.0, _LONGEST * floor / np.maximum(np.abs(change), 1e-300))
+        if number > _PATIENCE and largest > _MUCH:
+            part = np.minimum(part, _CAREFUL)
         unknown = unknown + part.ravel() * step
         used = kind.copy()
         changed = _revise(kind, unknown, potential_scale(now.found.balance))
         settled = changed == 0 and largest <= how.accuracy.settled
         if settled:
             break
-        if number % _PATIENCE == 0:
-            unknown, kind = _with_gap_held(film, now, unknown, used)
     final = np.where(
         kind == UNSATURATED, 0.0, np.where(inside, unknown.reshape(kind.shape), potential)
     )
@@ -328,17 +331,6 @@ def yielding_responses(
     responses = fields.system.solve(sides, relative_tolerance=linear)
     held = (fields.kind != SATURATED) | (fields.potential <= 0.0)
     return [np.where(held, 0.0, response.reshape(held.shape)) for response in responses]
-
-
-def _with_gap_held(
-    film: PlaneFilm, now: _Pass, unknown: Array, kind: IntArray
-) -> tuple[Array, IntArray]:
-    """Fields between pressures found so far and those of the cavity that settles at this gap."""
-    fields = solve_complementarity(now.found.balance, film.constraint, kind)
-    before = np.where(kind == UNSATURATED, 0.0, np.maximum(unknown.reshape(kind.shape), 0.0))
-    potential = 0.5 * (before + fields.potential)
-    settled = np.where(fields.kind == UNSATURATED, fields.saturation, potential)
-    return settled.ravel(), fields.kind.copy()
 
 
 def _begin(film: _Reduced, former: YieldingSolution | None) -> tuple[Array, Array, IntArray]:

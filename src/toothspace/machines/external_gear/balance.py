@@ -130,6 +130,7 @@ def _floating(assembly: Assembly, pressed: PressedBearing) -> FloatingBearing:
         housing=_housing(pressed, 1.0),
         gauge_point=(0.0, -assembly.profiles[0].tip_radius),
         axial_play=pressed.axial_play,
+        wall_stiffness=pressed.wall_stiffness,
     )
 
 
@@ -182,6 +183,7 @@ def _halves(assembly: Assembly, pressed: PressedBearing) -> tuple[FloatingBearin
             preload_center=center,
             housing=_housing(pressed, share),
             gauge_point=gauge,
+            wall_stiffness=share * whole.wall_stiffness,
         )
         made.append(half)
     return made[0], made[1]

@@ -358,6 +358,13 @@ class FloatingBearingParameters:
     axial_play: float = quantity(
         "um", "Travel away from the gears up to the cover.", above=0, high=5000, default=100e-6
     )
+    wall_stiffness: float = quantity(
+        "N m/rad",
+        "Moment about y over the tilt about it, by the wall that the bearing leans on.",
+        low=0,
+        high=1e9,
+        default=0.0,
+    )
     gear_axial_force: tuple[float, float] = declare(
         Row(items=(_FORCE, _FORCE), doc="Axial force of helical teeth on both gears, along z."),
         (0.0, 0.0),

@@ -51,6 +51,7 @@ def pressed_bearing(machine: keys.ExternalGearParameters) -> spec.PressedBearing
         breakaway_speed=housing.breakaway_speed,
         friction_law=housing.law,
         axial_play=given.axial_play,
+        wall_stiffness=given.wall_stiffness,
         gear_forces=given.gear_axial_force,
         **_high_pressure(given.high_pressure_area),
     )

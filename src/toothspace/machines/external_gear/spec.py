@@ -259,6 +259,8 @@ class PressedBearing:
         ``stick`` or ``stribeck``.
     axial_play : float
         Travel away from the gears until the bearing meets its cover. [m]
+    wall_stiffness : float
+        Moment about y over the tilt about it, by the wall that the bearing leans on. [N m/rad]
     gear_forces : tuple of float
         Axial force of the teeth on drive and driven gear. [N]
     """
@@ -283,6 +285,7 @@ class PressedBearing:
     breakaway_speed: float = 6.45e-3
     friction_law: str = "stick"
     axial_play: float = 100e-6
+    wall_stiffness: float = 0.0
     gear_forces: tuple[float, float] = (0.0, 0.0)
 
 
