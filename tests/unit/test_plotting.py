@@ -14,8 +14,8 @@ from toothspace.plotting.windows import opening_area, opening_windows
 from toothspace.results.solution import Event, Solution
 
 OVER_TIME = ("transient", "start")
-OF_GEARS = [entry for entry in FIGURES if not entry.rotors]
-"""Figures of gear pumps; those of rotors are drawn where a gerotor is solved."""
+OF_GEARS = [e for e in FIGURES if not e.rotors and "film_radius" not in e.needs]
+"""Figures of gear pumps; rotors and lateral films are drawn where they are solved."""
 
 
 @pytest.fixture(scope="module")
