@@ -173,6 +173,7 @@ QUICK = (
 )
 
 
+@pytest.mark.slow
 def test_line_with_waves_starts_the_motor_as_a_lumped_one_does() -> None:
     """Breakaway is slow against the waves, so both lines give its pressure; ledgers close."""
     runs = [
@@ -193,6 +194,7 @@ damping = "{damping} N m s/rad"
 """
 
 
+@pytest.mark.slow
 def test_stiff_coupling_is_a_rigid_shaft() -> None:
     """Stiff and damped: friction that falls with speed would else make the light motor jerk."""
     rigid = run(MOTOR, *QUICK).summary()
