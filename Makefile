@@ -7,7 +7,7 @@ WORKERS ?= 2
 DEMO := demo_report
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test validate bench docs lint format clean
+.PHONY: help setup demo kernels test validate bench docs lint format clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
@@ -31,7 +31,13 @@ demo: $(READY)  ## simulate the 12-tooth motor from parameters and from a CAD pr
 	@printf '%s\n' "" "Open in a browser:" "  $(CURDIR)/$(DEMO)/egm12_motor.html" \
 		"  $(CURDIR)/$(DEMO)/egm12_motor_profile.html"
 
-test: $(READY)  ## run the test suite (without the slow validation runs)
+kernels: $(READY)  ## compile each kernel once: machines and films side by side
+	mkdir -p build
+	( $(BIN)/toothspace bearing cases/journal_bearing.toml -o build/kernels_bearing.nc && \
+	$(BIN)/toothspace film cases/egm12_lateral_film.toml -o build/kernels_film.nc ) >/dev/null & \
+	$(BIN)/toothspace run cases/egm12_motor.toml -o build/kernels_machine.nc >/dev/null && wait $$!
+
+test: kernels  ## run the test suite (without the slow validation runs)
 	$(BIN)/python -m pytest -q -n $(WORKERS) --dist worksteal
 
 validate: $(READY)  ## run slow tests and validation against published numbers
@@ -54,4 +60,4 @@ format: $(READY)  ## apply the style
 	$(BIN)/ruff format .
 
 clean:  ## remove what can be rebuilt
-	rm -rf $(DEMO) docs/_build .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
+	rm -rf $(DEMO) build docs/_build .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
