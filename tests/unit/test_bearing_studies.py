@@ -107,7 +107,7 @@ def test_bearing_map_numbers_and_figure(monkeypatch: pytest.MonkeyPatch) -> None
     case = load_case(CASES / "bearing_map.toml")
     assert isinstance(case.study, BearingMapStudy)
 
-    names = [name for name in bearing_map.film_numbers(_coupled()) if name != "status"]
+    names = [name for name in bearing_map.point_numbers(_coupled()) if name != "status"]
 
     def numbers(own: bearing_map.BearingNumbers, one: Any) -> dict[str, Any]:
         assert own.start_gap == pytest.approx(2e-6)

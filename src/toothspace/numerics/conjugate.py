@@ -12,7 +12,7 @@ from toothspace.core.compiled import inlined, njit, prange
 from toothspace.core.types import Array
 from toothspace.numerics.chequerboard import Board, close_ring, neighbours, span
 from toothspace.numerics.multigrid_cycle import Single, parallel_loops
-from toothspace.numerics.vectors import add_scaled
+from toothspace.numerics.vectors import add_scaled, dot
 
 Operator = tuple[Array, Array, Array]
 """Conductances to the western and southern neighbours, and their sums; stored fields."""
@@ -124,25 +124,17 @@ def load(target: Single, source: Array, factors: Array) -> None:
             flat[k] = given[k] * factor
 
 
-@njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
-def _dot(r: Array, z: Single) -> float:
-    total = 0.0
-    for k in range(r.size):
-        total += r[k] * z[k]
-    return total
-
-
 @njit(cache=True, parallel=True)
 def _dot_parts(r: Array, z: Single, sums: Array) -> None:
     for part in prange(sums.size):
         low = part * PART
-        sums[part] = _dot(r[low : low + PART], z[low : low + PART])
+        sums[part] = dot(r[low : low + PART], z[low : low + PART])
 
 
 def mixed_dot(r: Array, z: Single) -> float:
     """Inner product of a vector with one in single precision."""
     if r.size < LONG:
-        return float(_dot(r, z))
+        return float(dot(r, z))
     sums = np.empty(_parts(r.size))
     with parallel_loops():
         _dot_parts(r, z, sums)

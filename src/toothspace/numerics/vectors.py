@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+from numpy.typing import NDArray
+
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array
 
 
 @njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
-def dot(a: Array, b: Array) -> float:
-    """Inner product of two vectors."""
+def dot(a: Array, b: NDArray[Any]) -> float:
+    """Inner product of two vectors; the second may be in single precision."""
     total = 0.0
     for k in range(a.size):
         total += a[k] * b[k]

@@ -102,6 +102,14 @@ class CoupledPoint:
     temperatures: Array | None = None
 
     @property
+    def temperature_rise(self) -> float | None:
+        """Temperature of the hottest film above the fluid; None where none warms up. [K]."""
+        heating = self.problem.settings.heating
+        if self.temperatures is None or heating is None:
+            return None
+        return float(self.temperatures.max()) - heating.balance.supply_temperature
+
+    @property
     def status(self) -> Status:
         """Outcome of the lumped run, or failure of the force balance or of the agreement."""
         settled = self.equilibrium.rests and self.agreed
@@ -272,11 +280,8 @@ def _entry(name: str, value: object) -> tuple[tuple[str, ...], object, dict[str,
 
 
 def _warmth(point: CoupledPoint) -> dict[str, float]:
-    heating = point.problem.settings.heating
-    if point.temperatures is None or heating is None:
-        return {}
-    rise = float(point.temperatures.max()) - heating.balance.supply_temperature
-    return {"lateral_temperature_rise": rise}
+    rise = point.temperature_rise
+    return {} if rise is None else {"lateral_temperature_rise": rise}
 
 
 def _statistics(numbers: LateralNumbers, mismatch: float) -> dict[str, float]:

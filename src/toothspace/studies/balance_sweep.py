@@ -23,7 +23,7 @@ from toothspace.core.types import Array
 from toothspace.films.lateral_gap.friction import BREAKAWAY_RATIO
 from toothspace.model.lateral_balance import HousingContact
 from toothspace.solver.lateral_gap import LateralProblem, lateral_problem, numbers_of
-from toothspace.studies.lateral_points import LateralPoints, PointCondition, prepare
+from toothspace.studies.lateral_points import LateralPoints, PointCondition, film_numbers, prepare
 from toothspace.studies.study import Progress, Row, StudyContext, StudyResult, StudyTable
 from toothspace.studies.tabulate import provenance, unit_of
 
@@ -37,6 +37,14 @@ GAPS = (
 CLAIMS = ("rises_on_the_way_up", "higher_on_the_way_down", "stays_on_its_film")
 """What the measurements of the source show, see ``claims``."""
 
+_TABULATED = (
+    "film_height_um",
+    "smallest_film_um",
+    "contact_force_N",
+    "wear_power_W_per_mm2",
+    "leakage_L_per_min",
+    "torque_loss_N_m",
+)
 _FINE = np.geomspace(GAPS[0], GAPS[-1], 6000)
 _PLANE_GAP = 5e-6
 _PLANE_ANGLES = 16
@@ -166,16 +174,9 @@ def _row(problem: LateralProblem, gap: float) -> dict[str, float]:
     balance, back = problem.started(gap), problem.loads.back
     force = [float((s.film_force() + s.back_force(back))[0]) for s in balance.states]
     closing = problem.stack.balance.floating.high_pressure.area * (back.high - back.low)
-    own = numbers_of(problem, balance)
-    return {
-        "opening_N": float(np.mean(force)) + closing,
-        "film_height_um": float(own.gaps.mean()) * 1e6,
-        "smallest_film_um": own.smallest_gap * 1e6,
-        "contact_force_N": own.contact_force,
-        "wear_power_W_per_mm2": own.wear_power * 1e-6,
-        "leakage_L_per_min": own.leakage * 6e4,
-        "torque_loss_N_m": own.viscous_torque + own.asperity_torque,
-    }
+    own = film_numbers(numbers_of(problem, balance))
+    opening = float(np.mean(force)) + closing
+    return {"opening_N": opening, **{name: own[name] for name in _TABULATED}}
 
 
 def follow(

@@ -7,25 +7,16 @@ from dataclasses import dataclass, replace
 from itertools import product
 from typing import TYPE_CHECKING, Any, final
 
-import numpy as np
-
 from toothspace.case import Case
 from toothspace.case.study import BearingMapStudy
 from toothspace.core.errors import CaseError
 from toothspace.core.units import from_si
 from toothspace.solver.lateral_coupling import CoupledPoint
-from toothspace.studies.lateral_points import PointCondition, prepare
-from toothspace.studies.points import (
-    Point,
-    evaluate_points,
-    point,
-    recorded,
-    require_some,
-    status_of,
-)
+from toothspace.studies.lateral_points import PointCondition, film_numbers, prepare
+from toothspace.studies.points import Point, collected, point, status_of
 from toothspace.studies.records import Record, failed_count
 from toothspace.studies.study import Row, StudyContext, StudyResult, StudyTable
-from toothspace.studies.tabulate import columns, provenance, unit_of
+from toothspace.studies.tabulate import columns, map_dataset, provenance
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -59,11 +50,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     pairs = list(product(study.shaft_speed, study.outlet_pressure))
     points = [_point(case, *pair) for pair in pairs]
     evaluate = BearingNumbers(study.start_gap, study.coupling_rounds)
-    try:
-        records = evaluate_points(points, context, evaluate)
-    except KeyboardInterrupt:
-        records = recorded(points, context, evaluate)
-    require_some(records)
+    records = collected(points, context, evaluate)
     return StudyResult(
         kind="bearing_map",
         title=case.title,
@@ -115,49 +102,25 @@ class BearingNumbers:
             shaft_speed=base.shaft_speed,
         )
         points = replace(prepare(case, None, "bearing_map"), rounds=self.rounds)
-        return film_numbers(points.solve(condition, self.start_gap))
+        return point_numbers(points.solve(condition, self.start_gap))
 
 
-def film_numbers(found: CoupledPoint) -> dict[str, Any]:
+def point_numbers(found: CoupledPoint) -> dict[str, Any]:
     """Numbers of one point with its status."""
-    own, warm = found.numbers, found.temperatures
-    heating = found.problem.settings.heating
-    rise = {}
-    if warm is not None and heating is not None:
-        rise["film_temperature_rise_K"] = float(warm.max()) - heating.balance.supply_temperature
+    rise = found.temperature_rise
     return {
-        **rise,
-        "bearing_position_um": own.position * 1e6,
-        "film_height_um": float(own.gaps.mean()) * 1e6,
-        "smallest_film_um": own.smallest_gap * 1e6,
-        "contact_force_N": own.contact_force,
-        "real_contact_area_mm2": own.real_contact_area * 1e6,
-        "contact_share": own.contact_share,
-        "wear_power_W_per_mm2": own.wear_power * 1e-6,
-        "leakage_L_per_min": own.leakage * 6e4,
-        "torque_loss_N_m": own.viscous_torque + own.asperity_torque,
-        "friction_force_N": own.friction_force,
-        "seat_force_N": own.seat_force,
-        "seat_margin_mm": own.seat_margin * 1e3,
+        **({} if rise is None else {"film_temperature_rise_K": rise}),
+        **film_numbers(found.numbers),
         "status": found.status.name.lower(),
     }
 
 
 def _dataset(study: BearingMapStudy, records: Sequence[Record]) -> xr.Dataset:
-    import xarray as xr
-
-    shape = (len(study.shaft_speed), len(study.outlet_pressure))
-    dims = ("shaft_speed", "outlet_pressure")
-    data: dict[str, Any] = {
-        name: (dims, np.asarray(values).reshape(shape), {"units": unit_of(name)})
-        for name, values in columns(records).items()
-    }
-    data["point_status"] = (dims, np.asarray([r.status for r in records]).reshape(shape))
     axes = {
-        "shaft_speed": ("shaft_speed", np.asarray(study.shaft_speed), {"units": "rad/s"}),
-        "outlet_pressure": ("outlet_pressure", np.asarray(study.outlet_pressure), {"units": "Pa"}),
+        "shaft_speed": (study.shaft_speed, "rad/s"),
+        "outlet_pressure": (study.outlet_pressure, "Pa"),
     }
-    return xr.Dataset(data, coords=axes)
+    return map_dataset(axes, records)
 
 
 def _numbers(pairs: Sequence[tuple[float, float]], records: Sequence[Record]) -> dict[str, Any]:

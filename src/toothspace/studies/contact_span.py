@@ -16,14 +16,7 @@ from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
 from toothspace.results.solution import Solution
 from toothspace.studies.measured import read_measured
-from toothspace.studies.points import (
-    Point,
-    evaluate_points,
-    point,
-    recorded,
-    require_some,
-    status_of,
-)
+from toothspace.studies.points import Point, collected, point, status_of
 from toothspace.studies.records import Record, failed_count
 from toothspace.studies.study import Row, StudyContext, StudyResult, StudyTable
 from toothspace.studies.tabulate import columns, provenance, unit_of
@@ -79,11 +72,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         waveforms = waveforms.merge(_measured(study.measured, case.operating_point.shaft_speed))
     pairs = list(product(_clearances(case, study), _differences(case, study)))
     points = [_point(case, *pair) for pair in pairs]
-    try:
-        records = evaluate_points(points, context, contact_numbers)
-    except KeyboardInterrupt:
-        records = recorded(points, context, contact_numbers)
-    require_some(records)
+    records = collected(points, context, contact_numbers)
     return StudyResult(
         kind="contact_span",
         title=case.title,

@@ -14,17 +14,10 @@ from toothspace.case.study import EfficiencyMapStudy
 from toothspace.core.errors import CaseError
 from toothspace.core.units import from_si, parse_quantity
 from toothspace.studies.measured import read_measured
-from toothspace.studies.points import (
-    Point,
-    evaluate_points,
-    point,
-    recorded,
-    require_some,
-    status_of,
-)
+from toothspace.studies.points import Point, collected, point, status_of
 from toothspace.studies.records import Record, failed_count
 from toothspace.studies.study import Row, StudyContext, StudyResult, StudyTable
-from toothspace.studies.tabulate import columns, provenance, unit_of
+from toothspace.studies.tabulate import columns, map_dataset, provenance, unit_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -78,11 +71,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         raise CaseError(f"{case.source}: study.kind: found {found}, allowed a steady case")
     pairs = list(product(study.shaft_speed, study.pressure_difference))
     points = [_point(case, speed, difference) for speed, difference in pairs]
-    try:
-        records = evaluate_points(points, context)
-    except KeyboardInterrupt:
-        records = recorded(points, context)
-    require_some(records)
+    records = collected(points, context)
     return StudyResult(
         kind="efficiency_map",
         title=case.title,
@@ -108,22 +97,11 @@ def _point(case: Case, speed: float, difference: float) -> Point:
 
 
 def _dataset(study: EfficiencyMapStudy, records: Sequence[Record]) -> xr.Dataset:
-    import xarray as xr
-
-    shape = (len(study.shaft_speed), len(study.pressure_difference))
-    dims = ("shaft_speed", "pressure_difference")
-    data: dict[str, Any] = {
-        name: (dims, np.asarray(values).reshape(shape), {"units": unit_of(name)})
-        for name, values in columns(records).items()
-    }
-    data["point_status"] = (dims, np.asarray([r.status for r in records]).reshape(shape))
     axes = {
-        "shaft_speed": ("shaft_speed", np.asarray(study.shaft_speed), {"units": "rad/s"}),
-        "pressure_difference": (
-            "pressure_difference", np.asarray(study.pressure_difference), {"units": "Pa"},
-        ),
-    }  # fmt: skip
-    return xr.Dataset(data, coords=axes)
+        "shaft_speed": (study.shaft_speed, "rad/s"),
+        "pressure_difference": (study.pressure_difference, "Pa"),
+    }
+    return map_dataset(axes, records)
 
 
 def _measured(case: Case, study: EfficiencyMapStudy) -> xr.Dataset:

@@ -70,39 +70,33 @@ class LateralStudy:
     def summary(self) -> dict[str, Any]:
         """Numbers of all points as lists, with unit suffixes."""
         numbers = [p.numbers for p in self.points]
-        first = numbers[0].position
+        first, shown = numbers[0].position, [film_numbers(n) for n in numbers]
+
+        def column(*names: str) -> dict[str, list[float]]:
+            return {name: [one[name] for one in shown] for name in names}
+
         return {
             "point": list(self.labels),
             "outlet_pressure_bar": [p * 1e-5 for p in self.outlet_pressures],
             "nose_pressure_bar": [p * 1e-5 for p in self.nose_pressures],
-            "bearing_position_um": [n.position * 1e6 for n in numbers],
+            **column("bearing_position_um"),
             "relative_position_um": [(n.position - first) * 1e6 for n in numbers],
-            "film_height_um": [float(n.gaps.mean()) * 1e6 for n in numbers],
-            "smallest_film_um": [n.smallest_gap * 1e6 for n in numbers],
-            "leakage_L_per_min": [n.leakage * 6e4 for n in numbers],
-            "torque_loss_N_m": [n.viscous_torque + n.asperity_torque for n in numbers],
+            **column("film_height_um", "smallest_film_um", "leakage_L_per_min", "torque_loss_N_m"),
             **_parts(numbers),
             **self._warmth(),
-            "contact_force_N": [n.contact_force for n in numbers],
-            "real_contact_area_mm2": [n.real_contact_area * 1e6 for n in numbers],
-            "contact_share": [n.contact_share for n in numbers],
-            "wear_power_W_per_mm2": [n.wear_power * 1e-6 for n in numbers],
-            "friction_force_N": [n.friction_force for n in numbers],
+            **column("contact_force_N", "real_contact_area_mm2", "contact_share"),
+            **column("wear_power_W_per_mm2", "friction_force_N"),
             "breakaway_force_N": [p.problem.loads.friction.breakaway_force for p in self.points],
-            "seat_force_N": [n.seat_force for n in numbers],
-            "seat_margin_mm": [n.seat_margin * 1e3 for n in numbers],
+            **column("seat_force_N", "seat_margin_mm"),
             "preload_N": [p.problem.stack.balance.floating.preload for p in self.points],
             "point_status": [p.status.name.lower() for p in self.points],
         }
 
     def _warmth(self) -> dict[str, list[float]]:
         """Rise of the hottest film above the fluid, where films warm up."""
-        heating = self.points[0].problem.settings.heating
-        found = [p.temperatures for p in self.points if p.temperatures is not None]
-        if heating is None or len(found) < len(self.points):
-            return {}
-        supply = heating.balance.supply_temperature
-        return {"film_temperature_rise_K": [float(t.max()) - supply for t in found]}
+        found = [p.temperature_rise for p in self.points]
+        rises = [rise for rise in found if rise is not None]
+        return {"film_temperature_rise_K": rises} if len(rises) == len(found) else {}
 
     def dataset(self) -> xr.Dataset:
         """Numbers over ``point`` and the fields of all films: at the last angle, wear over all."""
@@ -143,6 +137,24 @@ class LateralStudy:
             tables=(StudyTable("points", tuple(lists), rows),),
             provenance=provenance(case),
         )
+
+
+def film_numbers(numbers: LateralNumbers) -> dict[str, float]:
+    """Numbers of the films at one point, names with unit suffix."""
+    return {
+        "bearing_position_um": numbers.position * 1e6,
+        "film_height_um": float(numbers.gaps.mean()) * 1e6,
+        "smallest_film_um": numbers.smallest_gap * 1e6,
+        "contact_force_N": numbers.contact_force,
+        "real_contact_area_mm2": numbers.real_contact_area * 1e6,
+        "contact_share": numbers.contact_share,
+        "wear_power_W_per_mm2": numbers.wear_power * 1e-6,
+        "leakage_L_per_min": numbers.leakage * 6e4,
+        "torque_loss_N_m": numbers.viscous_torque + numbers.asperity_torque,
+        "friction_force_N": numbers.friction_force,
+        "seat_force_N": numbers.seat_force,
+        "seat_margin_mm": numbers.seat_margin * 1e3,
+    }
 
 
 def _parts(numbers: Sequence[LateralNumbers]) -> dict[str, list[float]]:

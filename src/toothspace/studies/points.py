@@ -121,6 +121,24 @@ def recorded(
     return [context.records.get(key) or Record(key, INTERRUPTED) for key in keys]
 
 
+def collected(
+    points: Sequence[Point], context: StudyContext, evaluate: Evaluate = summary_numbers
+) -> list[Record]:
+    """Return the records of evaluated points; after an interrupt, of those that are finished.
+
+    Raises
+    ------
+    CaseError
+        If every point is refused.
+    """
+    try:
+        records = evaluate_points(points, context, evaluate)
+    except KeyboardInterrupt:
+        records = recorded(points, context, evaluate)
+    require_some(records)
+    return records
+
+
 def status_of(records: Sequence[Record]) -> Status:
     """Return the status of a study from those of its points."""
     if any(record.status == INTERRUPTED for record in records):

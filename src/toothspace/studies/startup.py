@@ -16,14 +16,7 @@ from toothspace.case.study import StartupStudy
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
 from toothspace.core.units import from_si
-from toothspace.studies.points import (
-    Point,
-    evaluate_points,
-    point,
-    recorded,
-    require_some,
-    status_of,
-)
+from toothspace.studies.points import Point, collected, point, status_of
 from toothspace.studies.records import Record, failed_count
 from toothspace.studies.study import Row, StudyContext, StudyResult, StudyTable
 from toothspace.studies.tabulate import columns, provenance, unit_of
@@ -79,11 +72,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     angles = _start_angles(case, study.start_angle_count)
     pairs = list(product(speeds, angles))
     points = [_point(case, name, supply, speed, angle) for speed, angle in pairs]
-    try:
-        records = evaluate_points(points, context)
-    except KeyboardInterrupt:
-        records = recorded(points, context)
-    require_some(records)
+    records = collected(points, context)
     return StudyResult(
         kind="startup",
         title=case.title,

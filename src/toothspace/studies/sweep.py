@@ -4,13 +4,7 @@ from __future__ import annotations
 
 from toothspace.case import Case
 from toothspace.case.study import SweepStudy
-from toothspace.studies.points import (
-    evaluate_points,
-    point,
-    recorded,
-    require_some,
-    status_of,
-)
+from toothspace.studies.points import collected, point, status_of
 from toothspace.studies.study import StudyContext, StudyResult
 from toothspace.studies.tabulate import point_lists, points_dataset, points_table, provenance
 from toothspace.studies.variation import axes_of, grid, samples, written_values
@@ -46,11 +40,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         assert study.sample_count is not None
         rows = samples(axes, study.method, study.sample_count, study.seed)
     points = [point(case, written_values(axes, row)) for row in rows]
-    try:
-        records = evaluate_points(points, context)
-    except KeyboardInterrupt:
-        records = recorded(points, context)
-    require_some(records)
+    records = collected(points, context)
     data = points_dataset(axes, rows, records)
     shape = [len(axis.values) for axis in axes] if study.method == "grid" else [len(rows)]
     data.attrs["varied"] = " ".join(axis.path for axis in axes)

@@ -74,6 +74,32 @@ def points_dataset(
     return xr.Dataset(data, coords={"point": np.arange(len(records))})
 
 
+def map_dataset(
+    axes: Mapping[str, tuple[Sequence[float], str]], records: Sequence[Record]
+) -> xr.Dataset:
+    """Build the dataset over the axes of a map: numbers and statuses.
+
+    Parameters
+    ----------
+    axes : mapping
+        Values and unit of every axis, the last one running fastest.
+    records : sequence of Record
+        Points of the map in that order.
+    """
+    import xarray as xr
+
+    dims, shape = tuple(axes), tuple(len(values) for values, _ in axes.values())
+    data: dict[str, Any] = {
+        name: (dims, np.asarray(values).reshape(shape), {"units": unit_of(name)})
+        for name, values in columns(records).items()
+    }
+    data["point_status"] = (dims, np.asarray([r.status for r in records]).reshape(shape))
+    coords = {
+        name: (name, np.asarray(values), {"units": unit}) for name, (values, unit) in axes.items()
+    }
+    return xr.Dataset(data, coords=coords)
+
+
 def points_table(
     axes: Sequence[Axis], rows: Sequence[Sequence[Any]], records: Sequence[Record]
 ) -> StudyTable:

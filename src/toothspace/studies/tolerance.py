@@ -10,13 +10,7 @@ import numpy as np
 from toothspace.case import Case
 from toothspace.case.study import Limit, ToleranceStudy
 from toothspace.core.types import Array
-from toothspace.studies.points import (
-    evaluate_points,
-    point,
-    recorded,
-    require_some,
-    status_of,
-)
+from toothspace.studies.points import collected, point, status_of
 from toothspace.studies.records import Record, failed_count
 from toothspace.studies.sensitivity import (
     index_samples,
@@ -55,11 +49,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     shares = _shares(study, len(axes))
     rows = [tuple(a.quantile(s) for a, s in zip(axes, row, strict=True)) for row in shares.tolist()]
     points = [point(case, written_values(axes, row)) for row in rows]
-    try:
-        records = evaluate_points(points, context)
-    except KeyboardInterrupt:
-        records = recorded(points, context)
-    require_some(records)
+    records = collected(points, context)
     # with indices, the first two blocks are the plain sample; the rest repeats its values
     plain = records[: 2 * study.sample_count] if _wants_indices(study) else records
     scatter = {name: statistics(values) for name, values in columns(plain).items()}
