@@ -69,7 +69,7 @@ def prepare() -> Setting:
 
 def timed(problem: LateralProblem, rest: Balance, steps: int) -> tuple[float, float, March]:
     """Wall and processor time of the steps after the warm ones, and the march."""
-    warm = problem.march(problem.continued(rest), STEPS, WARM / STEPS)
+    warm = problem.march(problem.continued(rest.position), STEPS, WARM / STEPS)
     start, used = time.perf_counter(), time.process_time()
     march = problem.march(warm.balances[-1], STEPS, steps / STEPS)
     return time.perf_counter() - start, time.process_time() - used, march

@@ -18,8 +18,11 @@ from toothspace.config.document import document_text
 REPOSITORY = Path(__file__).resolve().parents[2]
 GEAR_CASE = REPOSITORY / "cases" / "egm12_motor.toml"
 GEROTOR_CASE = REPOSITORY / "cases" / "gerotor_trochoidal.toml"
+PRESSED_CASE = REPOSITORY / "cases" / "hysteresis_055.toml"
+NOSE_CASE = REPOSITORY / "cases" / "nose_pressure.toml"
 
 DELETE = object()
+CONDITION = {"name": "A", "outlet_pressure": "20 bar", "shaft_speed": "3000 rpm"}
 CIRCUIT = {
     "duration": "1 s",
     "connections": [["supply", "machine.inlet"], ["machine.outlet", "return"]],
@@ -82,6 +85,7 @@ def complaint(capsys: pytest.CaptureFixture[str], file: Path, output: Path, *opt
 
 
 G = "machine.gears"
+B = "machine.floating_bearing"
 MUTATIONS = [
     # units
     Bad(f"{G}.module", 2.75, allowed="from 0.1 mm to 50 mm"),
@@ -201,6 +205,23 @@ MUTATIONS = [
     Bad("machine.rotors.inner_tooth_count", 2, allowed="from 3", case=GEROTOR_CASE),
     Bad("machine.ports.land_max_half_angle", "31 deg", allowed="leave this key", case=GEROTOR_CASE),
     Bad("machine.gearbox", {}, allowed="rotors", case=GEROTOR_CASE),
+    # pressed bearing
+    Bad(f"{B}.high_pressure_area.area", "9 mm^2", allowed="seal_line_x", case=PRESSED_CASE),
+    Bad(f"{B}.high_pressure_area.seal_line_x", "90 mm", allowed="below 36", case=PRESSED_CASE),
+    Bad(f"{B}.nose.center", ["-90 mm", "31 mm"], allowed="within the bearing", case=PRESSED_CASE),
+    Bad(f"{B}.nose.center", ["12 mm", "31 mm"], allowed="beside it", case=PRESSED_CASE),
+    Bad(f"{B}.nose.area", "4000 mm^2", key=f"{B}.high_pressure_area", allowed="5442.7",
+        case=PRESSED_CASE),
+    Bad(f"{B}.springs", [{"force": "70 N", "x": "90 mm", "y": "0 mm"}], key=f"{B}.springs[0]",
+        allowed="within the bearing", case=PRESSED_CASE),
+    Bad(f"{B}.high_pressure_area", {"area": "9 mm^2", "center": ["90 mm", "0 mm"]},
+        key=f"{B}.high_pressure_area.center", allowed="within the bearing", case=PRESSED_CASE),
+    Bad("study.sensor_deflection", "1 um/bar", allowed="measured positions", case=PRESSED_CASE),
+    Bad("study.outlet_pressures", ["20 bar", "2 bar"], key="study.outlet_pressures[1]",
+        allowed="7.2 bar", case=PRESSED_CASE),
+    Bad("study.conditions", [CONDITION, CONDITION], allowed="name of its own", case=NOSE_CASE),
+    Bad("study.conditions", [CONDITION | {"inlet_pressure": "30 bar"}],
+        key="study.conditions[0].outlet_pressure", allowed="30 bar", case=NOSE_CASE),
 ]  # fmt: skip
 
 
@@ -411,3 +432,31 @@ def test_interfering_teeth_are_refused(tmp_path: Path, capsys: pytest.CaptureFix
         line = complaint(capsys, file, tmp_path / "out.nc")
         assert "machine.gears.center_distance: found" in line
         assert "no backlash" in line
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "found"),
+    [
+        ("nose_pressure", {f"{B}.nose": DELETE}, f"{B}.nose: found nothing"),
+        ("hysteresis_055", {B: {}}, f"{B}: found no high_pressure_area"),
+        ("bearing_map", {B: {}}, f"{B}: found no high_pressure_area"),
+        ("bearing_map", {"study.outlet_pressure": ["3 bar"]}, "operating_point.outlet_pressure"),
+    ],
+)
+def test_refused_study_leaves_no_folder(
+    name: str,
+    changes: dict[str, Any],
+    found: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    tables = tomllib.loads((REPOSITORY / "cases" / f"{name}.toml").read_text(encoding="utf-8"))
+    tables["machine"]["casing"].pop("wear_in")
+    for path, value in changes.items():
+        tables = changed(tables, path, value)
+    file = tmp_path / "bad.toml"
+    file.write_text(document_text(tables), encoding="utf-8")
+    assert main(["study", str(file), "-o", str(tmp_path / "out")]) == 2
+    lines = capsys.readouterr().err.strip().splitlines()
+    assert found in lines[-1]
+    assert not (tmp_path / "out").exists()

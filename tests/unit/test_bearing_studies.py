@@ -26,6 +26,7 @@ from toothspace.solver.lateral_coupling import CoupledPoint
 from toothspace.solver.lateral_gap import LateralProblem, LateralSettings, numbers_of, wear_map
 from toothspace.studies import balance_sweep, bearing_map, hysteresis
 from toothspace.studies.balance_sweep import GAPS, FilmTable, claims, follow
+from toothspace.studies.found_point import found_point
 from toothspace.studies.study import StudyContext
 
 CASES = Path(__file__).parents[2] / "cases"
@@ -149,7 +150,7 @@ def test_wear_map_is_the_mean_of_asperity_pressure_times_speed() -> None:
 
 
 def test_films_of_a_run_are_drawn_on_both_sides() -> None:
-    study = hysteresis.LateralStudy("hysteresis", ("a",), (_coupled(),), (20e5,), (5e5,))
+    study = hysteresis.LateralStudy("hysteresis", ("a",), (found_point(_coupled()),), (20e5,))
     one = study.dataset().isel(point=0)
     figure = lateral_films(cast(Any, SimpleNamespace(data=one)))
     maps = [axes for axes in figure.axes if axes.collections and axes.get_xlabel() == ""]
@@ -190,10 +191,8 @@ def test_loop_shows_measured_positions(monkeypatch: pytest.MonkeyPatch, tmp_path
     path = tmp_path / "bench.csv"
     rows = "\n".join(f"{p}, {x}" for p, x in zip((20, 40, 20), (0, 1, 0.5), strict=True))
     path.write_text(f"operating_point.outlet_pressure [bar], relative_position_um [um]\n{rows}\n")
-    point = _coupled()
-    study = hysteresis.LateralStudy(
-        "hysteresis", ("a", "b", "c"), (point,) * 3, (20e5, 40e5, 20e5), (5e5,) * 3
-    )
+    point = found_point(_coupled())
+    study = hysteresis.LateralStudy("hysteresis", ("a", "b", "c"), (point,) * 3, (20e5, 40e5, 20e5))
     monkeypatch.setattr(hysteresis, "follow_pressures", lambda *_: study)
     case = replace(case, study=replace(case.study, measured=path))
     result = hysteresis.run(case, StudyContext())

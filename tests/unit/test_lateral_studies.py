@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Callable
+from dataclasses import asdict, replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
 import pytest
+import xarray as xr
 
-from tests.lateral_stack import LOW, loads, pressures, ring_stack
+from tests.lateral_stack import loads, pressures, ring_stack
 from toothspace.case import Case
 from toothspace.config import load_case
 from toothspace.core.errors import CaseError
@@ -18,14 +22,17 @@ from toothspace.plotting.study_figures import study_figures
 from toothspace.report.study import study_report_html
 from toothspace.solver.lateral_coupling import CoupledPoint
 from toothspace.solver.lateral_gap import LateralProblem, LateralSettings, numbers_of
-from toothspace.studies import STUDY_MODULES, hysteresis, run_study
-from toothspace.studies.lateral_points import LateralStudy
+from toothspace.studies import STUDY_MODULES, hysteresis, lateral_points, run_study
+from toothspace.studies.found_point import FoundPoint, found_point, record_of, recorded_point
+from toothspace.studies.lateral_points import LateralStudy, PointCondition
+from toothspace.studies.records import Record, Records
+from toothspace.studies.study import StudyContext
 
 CASES = Path(__file__).parents[2] / "cases"
 UP_AND_DOWN = (20e5, 40e5, 60e5, 40e5, 20e5)
 
 
-def _points(pressure: tuple[float, ...], coulomb: float) -> tuple[CoupledPoint, ...]:
+def _points(pressure: tuple[float, ...], coulomb: float) -> tuple[FoundPoint, ...]:
     stack = ring_stack(approach=3e-13, high_share=0.68, preload=400.0, cells=(12, 8))
     now, found = None, []
     for high in pressure:
@@ -36,18 +43,19 @@ def _points(pressure: tuple[float, ...], coulomb: float) -> tuple[CoupledPoint, 
             lambda _, high=high: pressures(high),
             LateralSettings(),
         )
-        start = problem.started(0.8e-6) if now is None else problem.continued(now)
+        start = problem.started(0.8e-6) if now is None else problem.continued(now.position)
         settled = problem.settle(start)
         now = settled.balance
         numbers = numbers_of(problem, now)
         solution = cast(Any, SimpleNamespace(status=Status.DONE))
-        found.append(CoupledPoint(solution, cast(Any, None), problem, settled, numbers, 0.0))
+        one = CoupledPoint(solution, cast(Any, None), problem, settled, numbers, 0.0)
+        found.append(found_point(one))
     return tuple(found)
 
 
 def _study(kind: str, pressure: tuple[float, ...], coulomb: float = 60.0) -> LateralStudy:
     labels = tuple(f"A, {k}" for k in range(len(pressure)))
-    return LateralStudy(kind, labels, _points(pressure, coulomb), pressure, (LOW,) * len(pressure))
+    return LateralStudy(kind, labels, _points(pressure, coulomb), pressure)
 
 
 @pytest.fixture(scope="module")
@@ -83,9 +91,7 @@ def test_result_lists_every_point_with_units(study: LateralStudy, case: Case) ->
 
 @pytest.mark.parametrize("kind", ["hysteresis", "nose_pressure"])
 def test_figures_and_page(kind: str, study: LateralStudy, case: Case, tmp_path: Path) -> None:
-    renamed = LateralStudy(
-        kind, study.labels, study.points, study.outlet_pressures, study.nose_pressures
-    )
+    renamed = replace(study, kind=kind)
     result = renamed.result(case, {})
     figures = study_figures(kind, result.data)
     assert figures
@@ -102,7 +108,66 @@ def test_shipped_cases_ask_for_these_studies() -> None:
 
 
 def test_study_needs_an_operating_point(case: Case) -> None:
-    from dataclasses import replace
-
     with pytest.raises(CaseError, match="operating_point: found none"):
         run_study(replace(case, operating_point=None))
+
+
+def test_record_of_a_point_gives_the_same_point(study: LateralStudy) -> None:
+    """Through the text of the record, as a study that goes on reads it."""
+    kept = json.loads(json.dumps(asdict(record_of("key", study.points[2]))))
+    back = recorded_point(Record(**kept))
+    again = replace(study, points=(*study.points[:2], back, *study.points[3:]))
+    xr.testing.assert_identical(again.dataset(), study.dataset())
+    np.testing.assert_array_equal(back.coordinates, study.points[2].coordinates)
+
+
+class _Chain:
+    """Points whose gap grows by one micrometre each, interrupted before one of them."""
+
+    def __init__(self, points: tuple[FoundPoint, ...], last: int) -> None:
+        self.points, self.last, self.asked = points, last, []
+
+    def solve(self, condition: PointCondition, start: Any) -> FoundPoint:
+        if len(self.asked) == self.last:
+            raise KeyboardInterrupt
+        self.asked.append((condition.label, start))
+        return self.points[int(condition.label)]
+
+
+@pytest.fixture
+def loop(study: LateralStudy, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Any]:
+    def run(records: Records, last: int = 99) -> tuple[_Chain, tuple[FoundPoint, ...]]:
+        chain = _Chain(study.points, last)
+        monkeypatch.setattr(lateral_points, "found_point", lambda point: point)
+        conditions = [
+            PointCondition(label=str(k), outlet_pressure=p, inlet_pressure=1e5, shaft_speed=1.0)
+            for k, p in enumerate(UP_AND_DOWN)
+        ]
+        keys = [f"key {k}" for k in range(len(conditions))]
+        context = StudyContext(records=records)
+        return chain, lateral_points.follow(cast(Any, chain), conditions, 1e-6, context, keys)
+
+    return run
+
+
+def test_interrupted_loop_goes_on_from_its_last_point(
+    loop: Callable[..., Any], study: LateralStudy, tmp_path: Path
+) -> None:
+    path = tmp_path / "out" / "points.jsonl"
+    _, found = loop(Records(path), last=2)
+    assert len(found) == 2
+    part = replace(study, points=found, labels=study.labels[:2], interrupted=True)
+    assert part.status is Status.INTERRUPTED
+    chain, found = loop(Records(path, resume=True))
+    assert [label for label, _ in chain.asked] == ["2", "3", "4"]
+    np.testing.assert_array_equal(chain.asked[0][1], study.points[1].coordinates)
+    whole = replace(study, points=found)
+    xr.testing.assert_identical(whole.dataset(), study.dataset())
+
+
+def test_interrupt_before_the_first_point_keeps_nothing(
+    loop: Callable[..., Any], tmp_path: Path
+) -> None:
+    with pytest.raises(KeyboardInterrupt):
+        loop(Records(tmp_path / "points.jsonl"), last=0)
+    assert not list(tmp_path.iterdir())

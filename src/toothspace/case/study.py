@@ -84,14 +84,18 @@ class HysteresisStudy:
         ".csv",
         default=None,
     )
-    sensor_deflection: float = quantity(
+    sensor_deflection: float | None = quantity(
         "um/bar",
         "Travel of the sensor away from the gears over the outlet pressure, added to measured "
         "positions.",
         low=-10,
         high=10,
-        default=0.0,
+        default=None,
     )
+
+    def __post_init__(self) -> None:
+        if self.measured is None:
+            forbid(self, "or give measured positions", "sensor_deflection")
 
 
 @final
@@ -181,6 +185,12 @@ class NosePressureStudy:
     start_gap: float = quantity(
         "um", "Gap that every point starts from.", above=0, high=100, default=2e-6
     )
+
+    def __post_init__(self) -> None:
+        names = [one.name for one in self.conditions]
+        twice = next((name for k, name in enumerate(names) if name in names[:k]), None)
+        if twice is not None:
+            raise KeyRuleError("conditions", f"{twice!r} twice", "a name of its own for each")
 
 
 @final

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 from toothspace.case import Case, OperatingPoint
 from toothspace.case.stand_alone import LateralFilmCase
+from toothspace.case.study import BalanceSweepStudy, HysteresisStudy, NosePressureStudy
 from toothspace.config.reader import Reader, pressure_text
 from toothspace.core.errors import CaseError
 from toothspace.model.operating_point import OperatingCondition
@@ -32,6 +34,7 @@ def check_together(case: Case, reader: Reader) -> None:
         _check_fluid(case, reader)
     if case.operating_point is not None:
         _check_pressure_order(case, reader)
+        _check_study_pressures(case, reader)
         _check_load(case.operating_point, reader)
 
 
@@ -117,6 +120,31 @@ def _check_pressure_order(case: Case, reader: Reader) -> None:
     if mode == "motor" and inlet < outlet:
         allowed = f"at least the outlet pressure of the motor, {pressure_text(outlet)}"
         reader.fail("operating_point.inlet_pressure", pressure_text(inlet), allowed)
+
+
+def _check_study_pressures(case: Case, reader: Reader) -> None:
+    """Refuse at once what a study of a pressed bearing would meet after hours."""
+    mode = getattr(case.machine, "mode", "")
+    for path, inlet, outlet in _study_pressures(case):
+        if mode == "pump" and outlet < inlet:
+            allowed = f"at least the inlet pressure of the pump, {pressure_text(inlet)}"
+            reader.fail(path, pressure_text(outlet), allowed)
+        if mode == "motor" and inlet < outlet:
+            allowed = f"at most the inlet pressure of the motor, {pressure_text(inlet)}"
+            reader.fail(path, pressure_text(outlet), allowed)
+
+
+def _study_pressures(case: Case) -> Iterator[tuple[str, float, float]]:
+    """Key path, inlet and outlet pressure of the points of a pressed bearing. [Pa]."""
+    study, base = case.study, case.operating_point
+    assert base is not None
+    if isinstance(study, HysteresisStudy | BalanceSweepStudy):
+        for k, outlet in enumerate(study.outlet_pressures):
+            yield f"study.outlet_pressures[{k}]", base.inlet_pressure, outlet
+    if isinstance(study, NosePressureStudy):
+        for k, one in enumerate(study.conditions):
+            inlet = one.inlet_pressure or base.inlet_pressure
+            yield f"study.conditions[{k}].outlet_pressure", inlet, one.outlet_pressure
 
 
 def _check_load(point: OperatingPoint, reader: Reader) -> None:

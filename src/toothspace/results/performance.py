@@ -232,6 +232,7 @@ _LATERAL = {
     "housing_friction_N": ("lateral_housing_friction", 1.0),
     "seat_force_N": ("solid_bearing_seat_force", 1.0),
     "seat_margin_mm": ("solid_bearing_seat_margin", 1e3),
+    "force_balance_error": ("lateral_rest_residual", 1.0),
     "preload_N": ("pressed_bearing_preload", 1.0),
     "film_temperature_rise_K": ("lateral_temperature_rise", 1.0),
 }

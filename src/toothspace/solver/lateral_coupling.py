@@ -52,8 +52,8 @@ class PointRequest:
     ----------
     settings : LateralSettings
         Grids and laws of the films.
-    start : Balance or float
-        State of the point before, or a gap everywhere to begin with. [m]
+    start : ndarray or float
+        Positions and rotations of all bodies, or a gap everywhere, to begin with. [m, rad]
     nose_pressure : float or None
         Absolute pressure on the nose; None: the low pressure. [Pa]
     rounds : int
@@ -61,7 +61,7 @@ class PointRequest:
     """
 
     settings: LateralSettings
-    start: Balance | float
+    start: Array | float
     nose_pressure: float | None = None
     rounds: int = 6
 
@@ -244,6 +244,7 @@ def elastic_solution(point: CoupledPoint, steps: int) -> Solution:
         **_warmth(point),
         "pressed_bearing_preload": stack.balance.floating.preload,
         "lateral_iterations": float(sum(b.iterations for b in march.balances)),
+        "lateral_rest_residual": point.equilibrium.balance.residual,
         "lateral_residual": float(max(b.residual for b in march.balances)),
     }
     provenance = _with_warning(point.solution.provenance, seat_warning(point.numbers))

@@ -41,7 +41,12 @@ from toothspace.model.lateral_balance import FilmInterface, LateralBalance
 if TYPE_CHECKING:
     import xarray as xr
 
-_TOUCH = 0.01
+NO_BEARING = (
+    "machine.floating_bearing: found no high_pressure_area, allowed a pressed bearing "
+    "with the area that balances it"
+)
+"""Message about a machine whose lateral gaps are not those of a pressed bearing."""
+_TOUCH = 1e-4
 """Asperity pressure over hardness that counts as contact. [-]"""
 _MARCHED = Accuracy(settled=1e-3, linear=1e-2)
 """Accuracy of films within one step of the march, whose force balance repeats them."""
@@ -107,9 +112,9 @@ class LateralProblem:
         """State at rest with one gap everywhere. [m]."""
         return rest_at(self.stack, self.scenes, self.stack.start(gap))
 
-    def continued(self, former: Balance) -> Balance:
-        """State at rest at the positions of another operating point."""
-        return rest_at(self.stack, self.scenes, former.position)
+    def continued(self, position: Array) -> Balance:
+        """State at rest at the positions of another operating point. [m, rad]."""
+        return rest_at(self.stack, self.scenes, position)
 
     def settle(self, start: Balance) -> Equilibrium:
         """Let bearings and gears move until they rest, forces averaged over a pitch."""
@@ -161,7 +166,7 @@ class LateralNumbers:
         Asperity load over the hardness of the softer face: the real area of contact if every spot
         yields, the smallest that it can be. [m2]
     contact_share : float
-        Part of the film area with asperity contact above 1 % of the hardness. [-]
+        Part of the film area with asperity pressure above 1e-4 of the hardness. [-]
     wear_power : float
         Largest asperity pressure times sliding speed. [W/m2]
     friction_force : float
@@ -276,10 +281,7 @@ def balance_of(description: MachineDescription) -> LateralBalance:
         If it has none.
     """
     if description.lateral_balance is None:
-        raise CaseError(
-            "machine.floating_bearing: found no high_pressure_area, allowed a pressed bearing "
-            "with the area that balances it"
-        )
+        raise CaseError(NO_BEARING)
     return description.lateral_balance
 
 

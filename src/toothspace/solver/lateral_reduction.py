@@ -117,7 +117,7 @@ def reduce_lateral(
             moved = _loaded(balance, float(f) - base[0], float(m) - base[1])
             machine = replace(description, lateral_balance=moved)
             problem = lateral_problem(machine, fluid, data, settings)
-            start = problem.started(_START_GAP) if now is None else problem.continued(now)
+            start = problem.started(_START_GAP) if now is None else problem.continued(now.position)
             found = problem.settle(start)
             numbers = numbers_of(problem, found.balance)
             now = found.balance if found.rests else None

@@ -8,7 +8,7 @@ from the tables alone.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from itertools import product
 from typing import TYPE_CHECKING, Any, final
 
@@ -23,8 +23,10 @@ from toothspace.core.types import Array
 from toothspace.films.lateral_gap.friction import BREAKAWAY_RATIO
 from toothspace.model.lateral_balance import HousingContact
 from toothspace.solver.lateral_gap import LateralProblem, lateral_problem, numbers_of
+from toothspace.studies.found_point import point_key
 from toothspace.studies.lateral_points import LateralPoints, PointCondition, film_numbers, prepare
-from toothspace.studies.study import Progress, Row, StudyContext, StudyResult, StudyTable
+from toothspace.studies.records import DONE, Record
+from toothspace.studies.study import Row, StudyContext, StudyResult, StudyTable, plain
 from toothspace.studies.tabulate import provenance, unit_of
 
 if TYPE_CHECKING:
@@ -92,7 +94,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     case : Case
         Case with ``kind = "balance_sweep"``, an operating point and a pressed bearing.
     context : StudyContext
-        Progress.
+        Progress, and records of tables that are finished.
 
     Returns
     -------
@@ -107,7 +109,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     study = case.study
     if not isinstance(study, BalanceSweepStudy):
         raise CaseError('study.kind: found another study, allowed "balance_sweep"')
-    tables = film_tables(case, study, context.progress)
+    tables = film_tables(case, study, context)
     loops = follow_all(tables, study)
     return StudyResult(
         kind="balance_sweep",
@@ -121,7 +123,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
 
 
 def film_tables(
-    case: Case, study: BalanceSweepStudy, progress: Progress | None = None
+    case: Case, study: BalanceSweepStudy, context: StudyContext
 ) -> tuple[FilmTable, ...]:
     """Films of every outlet pressure of the study over the gap, rising pressures.
 
@@ -135,10 +137,22 @@ def film_tables(
     levels = sorted(set(study.outlet_pressures))
     found = []
     for k, pressure in enumerate(levels):
-        if progress:
-            progress(k / len(levels), f"films at {pressure * 1e-5:.4g} bar")
-        found.append(_film_table(points, pressure))
+        if context.progress:
+            context.progress(k / len(levels), f"films at {pressure * 1e-5:.4g} bar")
+        key = point_key(case, "balance_sweep", pressure)
+        kept = context.records.get(key)
+        table = _film_table(points, pressure) if kept is None else _recorded(kept)
+        if kept is None:
+            context.records.add(Record(key, DONE, plain(asdict(table))))
+        found.append(table)
     return tuple(found)
+
+
+def _recorded(kept: Record) -> FilmTable:
+    numbers: dict[str, Any] = {**kept.numbers}
+    numbers["opening"] = np.array(numbers["opening"])
+    numbers["numbers"] = {name: np.array(v) for name, v in numbers["numbers"].items()}
+    return FilmTable(**numbers)
 
 
 def _film_table(points: LateralPoints, pressure: float) -> FilmTable:

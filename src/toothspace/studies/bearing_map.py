@@ -12,7 +12,7 @@ from toothspace.case.study import BearingMapStudy
 from toothspace.core.errors import CaseError
 from toothspace.core.units import from_si
 from toothspace.solver.lateral_coupling import CoupledPoint
-from toothspace.studies.lateral_points import PointCondition, film_numbers, prepare
+from toothspace.studies.lateral_points import PointCondition, film_numbers, prepare, require_bearing
 from toothspace.studies.points import Point, collected, point, status_of
 from toothspace.studies.records import Record, failed_count
 from toothspace.studies.study import Row, StudyContext, StudyResult, StudyTable
@@ -47,6 +47,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     if case.operating_point is None:
         found = "no [operating_point]"
         raise CaseError(f"{case.source}: study.kind: found {found}, allowed a steady case")
+    require_bearing(case)
     pairs = list(product(study.shaft_speed, study.outlet_pressure))
     points = [_point(case, *pair) for pair in pairs]
     evaluate = BearingNumbers(study.start_gap, study.coupling_rounds)
@@ -111,6 +112,7 @@ def point_numbers(found: CoupledPoint) -> dict[str, Any]:
     return {
         **({} if rise is None else {"film_temperature_rise_K": rise}),
         **film_numbers(found.numbers),
+        "force_balance_error": found.equilibrium.balance.residual,
         "status": found.status.name.lower(),
     }
 

@@ -13,6 +13,7 @@ from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
 from toothspace.core.units import parse_quantity
 from toothspace.model.lateral_balance import HousingContact
+from toothspace.studies.found_point import point_key
 from toothspace.studies.lateral_points import (
     LateralStudy,
     PointCondition,
@@ -20,7 +21,7 @@ from toothspace.studies.lateral_points import (
     prepare,
 )
 from toothspace.studies.measured import read_measured
-from toothspace.studies.study import Progress, StudyContext, StudyResult
+from toothspace.studies.study import StudyContext, StudyResult
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -38,7 +39,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     case : Case
         Case with ``kind = "hysteresis"``, an operating point and a pressed bearing.
     context : StudyContext
-        Progress; points follow from one another, so one process computes them.
+        Progress and records; points follow from one another, so one process computes them.
 
     Returns
     -------
@@ -54,23 +55,23 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     assert isinstance(spec, HysteresisStudy)
     # a file that cannot be read should not cost the hours before it is needed
     measured = None if spec.measured is None else read_positions(spec.measured)
-    study = follow_pressures(case, context.progress)
+    study = follow_pressures(case, context)
     numbers = {"loop_area_um_bar": loop_area(study) * 1e6 * 1e-5}
     if measured is None:
         return study.result(case, numbers)
-    beside = lay_over(measured, spec.sensor_deflection)
+    beside = lay_over(measured, spec.sensor_deflection or 0.0)
     return study.result(case, {**numbers, **_deviations(study, beside)}, beside)
 
 
-def follow_pressures(case: Case, progress: Progress | None = None) -> LateralStudy:
+def follow_pressures(case: Case, context: StudyContext | None = None) -> LateralStudy:
     """Follow the bearing through the outlet pressures of ``[study]``.
 
     Parameters
     ----------
     case : Case
         Case with ``kind = "hysteresis"`` and an operating point.
-    progress : callable, optional
-        Called with the finished share and a short text.
+    context : StudyContext, optional
+        Progress, and records of points that are finished.
 
     Returns
     -------
@@ -108,13 +109,18 @@ def follow_pressures(case: Case, progress: Progress | None = None) -> LateralStu
         )
         for k, pressure in enumerate(study.outlet_pressures)
     ]
-    found = follow(points, conditions, study.start_gap, progress)
+    asked = (study.start_gap, friction)
+    keys = [
+        point_key(case, "hysteresis", *asked, study.outlet_pressures[: k + 1])
+        for k in range(len(conditions))
+    ]
+    found = follow(points, conditions, study.start_gap, context or StudyContext(), keys)
     return LateralStudy(
         "hysteresis",
-        tuple(c.label for c in conditions),
+        tuple(c.label for c in conditions[: len(found)]),
         found,
-        study.outlet_pressures,
-        tuple(p.problem.loads.back.nose for p in found),
+        study.outlet_pressures[: len(found)],
+        interrupted=len(found) < len(conditions),
     )
 
 

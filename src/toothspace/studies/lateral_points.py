@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
@@ -12,30 +13,35 @@ from toothspace.api import RunInMachine, condition_of, lateral_settings, run_in_
 from toothspace.case import Case
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
-from toothspace.films.lateral_gap.motion import Balance
+from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_balance import HousingContact, LateralBalance
 from toothspace.results.solution import Solution
 from toothspace.results.variables import variable
 from toothspace.solver.lateral_coupling import CoupledPoint, PointRequest, couple_point
 from toothspace.solver.lateral_gap import (
+    NO_BEARING,
     LateralNumbers,
     LateralSettings,
     balance_of,
-    film_fields,
-    film_places,
 )
-from toothspace.studies.study import Progress, StudyResult, StudyTable
+from toothspace.studies.found_point import (
+    FIELDS,
+    FoundPoint,
+    found_point,
+    record_of,
+    recorded_point,
+)
+from toothspace.studies.study import Progress, StudyContext, StudyResult, StudyTable
 from toothspace.studies.tabulate import provenance, unit_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
-_FIELDS = ("film_height", "film_pressure", "film_contact_pressure", "film_wear_power")
 _CREEP_TIME = 0.02
 """Time at each point under the smooth friction law, which holds nothing. [s]"""
 _LUMPED_TOLERANCE = 1e-5
-_LUMPED_REVOLUTIONS = 12
+_LUMPED_REVOLUTIONS = 24
 
 
 @final
@@ -49,22 +55,26 @@ class LateralStudy:
         ``hysteresis`` or ``nose_pressure``.
     labels : tuple of str
         Names of the points.
-    points : tuple of CoupledPoint
+    points : tuple of FoundPoint
         What was found.
-    outlet_pressures, nose_pressures : tuple of float
-        Conditions of the points. [Pa]
+    outlet_pressures : tuple of float
+        Outlet pressures of the points. [Pa]
+    interrupted : bool
+        Whether points are missing at the end.
     """
 
     kind: str
     labels: tuple[str, ...]
-    points: tuple[CoupledPoint, ...]
+    points: tuple[FoundPoint, ...]
     outlet_pressures: tuple[float, ...]
-    nose_pressures: tuple[float, ...]
+    interrupted: bool = False
 
     @property
     def status(self) -> Status:
-        """Failure of the first point that failed, else done."""
-        failed = [p.status for p in self.points if p.status is Status.NOT_CONVERGED]
+        """Interrupted, else failure of the first point that failed, else done."""
+        failed = [p.status for p in self.points if p.status is not Status.DONE]
+        if self.interrupted:
+            return Status.INTERRUPTED
         return failed[0] if failed else Status.DONE
 
     def summary(self) -> dict[str, Any]:
@@ -78,7 +88,7 @@ class LateralStudy:
         return {
             "point": list(self.labels),
             "outlet_pressure_bar": [p * 1e-5 for p in self.outlet_pressures],
-            "nose_pressure_bar": [p * 1e-5 for p in self.nose_pressures],
+            "nose_pressure_bar": [p.nose_pressure * 1e-5 for p in self.points],
             **column("bearing_position_um"),
             "relative_position_um": [(n.position - first) * 1e6 for n in numbers],
             **column("film_height_um", "smallest_film_um", "leakage_L_per_min", "torque_loss_N_m"),
@@ -86,9 +96,10 @@ class LateralStudy:
             **self._warmth(),
             **column("contact_force_N", "real_contact_area_mm2", "contact_share"),
             **column("wear_power_W_per_mm2", "friction_force_N"),
-            "breakaway_force_N": [p.problem.loads.friction.breakaway_force for p in self.points],
+            "breakaway_force_N": [p.breakaway_force for p in self.points],
             **column("seat_force_N", "seat_margin_mm"),
-            "preload_N": [p.problem.stack.balance.floating.preload for p in self.points],
+            "preload_N": [p.preload for p in self.points],
+            "force_balance_error": [p.residual for p in self.points],
             "point_status": [p.status.name.lower() for p in self.points],
         }
 
@@ -109,16 +120,15 @@ class LateralStudy:
         }
         data["point_label"] = ("point", np.asarray(self.labels, dtype=str))
         data["point_status"] = ("point", np.asarray(self.summary()["point_status"], dtype=str))
-        fields = [film_fields(p.equilibrium.balance) for p in self.points]
-        for name in _FIELDS:
-            stacked = np.stack([field[name] for field in fields]).astype(np.float32)
+        maps = [p.maps for p in self.points]
+        for name in FIELDS:
             entry = variable(name)
+            stacked = np.stack([own[name] for own in maps])
             data[name] = (("point", *entry.dimensions), stacked, {"units": entry.units})
-        stack = self.points[0].problem.stack
-        coords: dict[str, Any] = {"film": [grid.interface.name for grid in stack.grids]}
-        for name, place in film_places(stack).items():
+        coords: dict[str, Any] = {"film": list(self.points[0].films)}
+        for name in maps[0].keys() - set(FIELDS):
             entry = variable(name)
-            coords[name] = (entry.dimensions, place, {"units": entry.units})
+            coords[name] = (entry.dimensions, maps[0][name], {"units": entry.units})
         return xr.Dataset(data, coords=coords)
 
     def result(
@@ -217,34 +227,47 @@ class LateralPoints:
         return balance_of(self.machine.description)
 
     def solve(
-        self, point: PointCondition, start: CoupledPoint | float, progress: Progress | None = None
+        self, point: PointCondition, start: Array | float, progress: Progress | None = None
     ) -> CoupledPoint:
-        """Coupled solution of one point, begun from another or from a gap. [m]."""
-        begun = start if isinstance(start, float) else start.equilibrium.balance
+        """Coupled solution of one point, begun from positions or from a gap. [m, rad]."""
         return couple_point(
-            self.machine.description if isinstance(start, float) else start.description,
+            self.machine.description,
             self.machine.fluid,
             lambda changed: self.lumped(point, changed, progress),
-            self._request(point, begun),
+            self._request(point, start),
         )
 
     def solve_alike(
-        self, conditions: Sequence[PointCondition], start_gap: float
-    ) -> list[CoupledPoint]:
+        self,
+        conditions: Sequence[PointCondition],
+        start_gap: float,
+        context: StudyContext,
+        keys: Sequence[str],
+    ) -> tuple[FoundPoint, ...]:
         """Points that differ in the nose pressure alone, each from one gap. [m].
 
-        They share the chamber pressures of the first.
+        They share the chamber pressures of the first. After an interrupt by the user those that
+        are finished; records are kept as by :func:`follow`.
         """
-        solution = self.lumped(conditions[0])
-        return [
-            couple_point(
+        shared: list[Solution] = []
+
+        def solved(condition: PointCondition, start: Array | float) -> CoupledPoint:
+            if not shared:
+                shared.append(self.lumped(conditions[0]))
+            return couple_point(
                 self.machine.description,
                 self.machine.fluid,
-                lambda _: solution,
-                replace(self._request(point, start_gap), rounds=1),
+                lambda _: shared[0],
+                replace(self._request(condition, start), rounds=1),
             )
-            for point in conditions
-        ]
+
+        found = []
+        for condition, key in zip(conditions, keys, strict=True):
+            point = _kept_or_solved(context, key, partial(solved, condition, start_gap))
+            if point is None:
+                break
+            found.append(point)
+        return tuple(found)
 
     def lumped(
         self,
@@ -252,7 +275,13 @@ class LateralPoints:
         description: MachineDescription | None = None,
         progress: Progress | None = None,
     ) -> Solution:
-        """Chamber pressures of one point, of the machine or of a changed one."""
+        """Chamber pressures of one point, of the machine or of a changed one.
+
+        Raises
+        ------
+        KeyboardInterrupt
+            If the user interrupts: films of pressures cut short are no point.
+        """
         base = condition_of(self.case, self.machine.description)
         condition = replace(
             base,
@@ -261,15 +290,31 @@ class LateralPoints:
             outlet_pressure=point.outlet_pressure,
             relative_tolerance=max(base.relative_tolerance, _LUMPED_TOLERANCE),
         )
-        return self.machine.solve(condition, description, progress)
+        solution = self.machine.solve(condition, description, progress)
+        if solution.status is Status.INTERRUPTED:
+            raise KeyboardInterrupt
+        return solution
 
-    def _request(self, point: PointCondition, start: Balance | float) -> PointRequest:
+    def _request(self, point: PointCondition, start: Array | float) -> PointRequest:
         return PointRequest(
             settings=self.settings,
             start=start,
             nose_pressure=point.nose_pressure,
             rounds=self.rounds,
         )
+
+
+def require_bearing(case: Case) -> None:
+    """Refuse a machine without pressed bearing before anything is computed.
+
+    Raises
+    ------
+    CaseError
+        If it has none, or none with a balanced area.
+    """
+    bearing = getattr(case.machine, "floating_bearing", None)
+    if getattr(bearing, "high_pressure_area", None) is None:
+        raise CaseError(NO_BEARING)
 
 
 def prepare(case: Case, friction: HousingContact | None, kind: str) -> LateralPoints:
@@ -285,6 +330,7 @@ def prepare(case: Case, friction: HousingContact | None, kind: str) -> LateralPo
         raise CaseError(
             f"operating_point: found none with study.kind = {kind!r}, allowed {allowed}"
         )
+    require_bearing(case)
     run = replace(case.run, max_revolutions=min(case.run.max_revolutions, _LUMPED_REVOLUTIONS))
     machine = run_in_machine(replace(case, run=run))
     balance = balance_of(machine.description)
@@ -301,15 +347,55 @@ def prepare(case: Case, friction: HousingContact | None, kind: str) -> LateralPo
 def follow(
     points: LateralPoints,
     conditions: Sequence[PointCondition],
-    start: CoupledPoint | float,
-    progress: Progress | None = None,
-) -> tuple[CoupledPoint, ...]:
-    """Solve points one after another, each from the state that the one before left."""
-    found: list[CoupledPoint] = []
-    now: CoupledPoint | float = start
-    for k, condition in enumerate(conditions):
-        if progress:
-            progress(k / len(conditions), condition.label)
-        now = points.solve(condition, now)
-        found.append(now)
+    start_gap: float,
+    context: StudyContext,
+    keys: Sequence[str],
+) -> tuple[FoundPoint, ...]:
+    """Solve points one after another, each from where the one before came to rest.
+
+    Parameters
+    ----------
+    points : LateralPoints
+        The machine.
+    conditions : sequence of PointCondition
+        Points in their order.
+    start_gap : float
+        Gap that the first one starts from. [m]
+    context : StudyContext
+        Progress, and records of points that are finished.
+    keys : sequence of str
+        Keys of the records.
+
+    Returns
+    -------
+    tuple of FoundPoint
+        After an interrupt by the user those that are finished.
+    """
+    found: list[FoundPoint] = []
+    now: Array | float = start_gap
+    for k, (condition, key) in enumerate(zip(conditions, keys, strict=True)):
+        if context.progress:
+            context.progress(k / len(conditions), condition.label)
+        point = _kept_or_solved(context, key, partial(points.solve, condition, now))
+        if point is None:
+            break
+        found.append(point)
+        now = point.coordinates
+    if not found:
+        raise KeyboardInterrupt
     return tuple(found)
+
+
+def _kept_or_solved(
+    context: StudyContext, key: str, solve: Callable[[], CoupledPoint]
+) -> FoundPoint | None:
+    """Point of a record, or a new one with its record; None after an interrupt by the user."""
+    kept = context.records.get(key)
+    if kept is not None:
+        return recorded_point(kept)
+    try:
+        point = found_point(solve())
+    except KeyboardInterrupt:
+        return None
+    context.records.add(record_of(key, point))
+    return point

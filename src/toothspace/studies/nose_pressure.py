@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from toothspace.case import Case
 from toothspace.case.study import NoseCondition, NosePressureStudy
 from toothspace.core.errors import CaseError
 from toothspace.model.lateral_balance import HousingContact
-from toothspace.solver.lateral_coupling import CoupledPoint
+from toothspace.studies.found_point import FoundPoint, point_key
 from toothspace.studies.lateral_points import (
     LateralStudy,
     PointCondition,
     prepare,
 )
-from toothspace.studies.study import Progress, StudyContext, StudyResult
+from toothspace.studies.study import StudyContext, StudyResult
 
 
 def run(case: Case, context: StudyContext) -> StudyResult:
@@ -23,7 +25,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     case : Case
         Case with ``kind = "nose_pressure"``, an operating point and a pressed bearing.
     context : StudyContext
-        Progress.
+        Progress, and records of points that are finished.
 
     Returns
     -------
@@ -33,20 +35,20 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     Raises
     ------
     CaseError
-        If the case has no operating point or no pressed bearing.
+        If the case has no operating point, no pressed bearing or one without a nose.
     """
-    return solve_conditions(case, context.progress).result(case, {})
+    return solve_conditions(case, context).result(case, {})
 
 
-def solve_conditions(case: Case, progress: Progress | None = None) -> LateralStudy:
+def solve_conditions(case: Case, context: StudyContext | None = None) -> LateralStudy:
     """Solve every condition of ``[study]`` at every nose pressure, each from the start gap.
 
     Parameters
     ----------
     case : Case
         Case with ``kind = "nose_pressure"`` and an operating point.
-    progress : callable, optional
-        Called with the finished share and a short text.
+    context : StudyContext, optional
+        Progress, and records of points that are finished.
 
     Returns
     -------
@@ -56,7 +58,7 @@ def solve_conditions(case: Case, progress: Progress | None = None) -> LateralStu
     Raises
     ------
     CaseError
-        If the case has another study, no operating point or no pressed bearing.
+        If the case has another study, no operating point, no pressed bearing or no nose.
 
     References
     ----------
@@ -73,20 +75,32 @@ def solve_conditions(case: Case, progress: Progress | None = None) -> LateralStu
         law="stick",
     )
     points = prepare(case, friction, "nose_pressure")
+    if points.balance.floating.nose.area <= 0.0:
+        raise CaseError(
+            "machine.floating_bearing.nose: found nothing with study.kind = 'nose_pressure', "
+            "allowed a patch with area and center"
+        )
+    context, shared = context or StudyContext(), (study.start_gap, friction)
     conditions: list[PointCondition] = []
-    found: list[CoupledPoint] = []
+    found: list[FoundPoint] = []
     for k, condition in enumerate(study.conditions):
-        if progress:
-            progress(k / len(study.conditions), condition.name)
+        if context.progress:
+            context.progress(k / len(study.conditions), condition.name)
         asked = _conditions(case, condition, study.nose_pressure_fractions)
         conditions += asked
-        found += points.solve_alike(asked, study.start_gap)
+        keys = [point_key(case, "nose_pressure", *shared, replace(c, label="")) for c in asked]
+        new = points.solve_alike(asked, study.start_gap, context, keys)
+        found += new
+        if len(new) < len(asked):
+            break
+    if not found:
+        raise KeyboardInterrupt
     return LateralStudy(
         "nose_pressure",
-        tuple(c.label for c in conditions),
+        tuple(c.label for c in conditions[: len(found)]),
         tuple(found),
-        tuple(c.outlet_pressure for c in conditions),
-        tuple(p.problem.loads.back.nose for p in found),
+        tuple(c.outlet_pressure for c in conditions[: len(found)]),
+        interrupted=len(found) < len(study.conditions) * len(study.nose_pressure_fractions),
     )
 
 

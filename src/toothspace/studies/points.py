@@ -131,6 +131,8 @@ def collected(
     CaseError
         If every point is refused.
     """
+    if points and all(item.case is None for item in points):
+        raise CaseError(points[0].message)
     try:
         records = evaluate_points(points, context, evaluate)
     except KeyboardInterrupt:

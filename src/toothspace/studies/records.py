@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import math
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -59,7 +61,7 @@ class Record:
 
 @final
 class Records:
-    """Records by key, in memory and, with a file, on disk.
+    """Records by key, in memory and, with a file, on disk from the first one that is added.
 
     Parameters
     ----------
@@ -71,15 +73,29 @@ class Records:
 
     def __init__(self, path: Path | None = None, *, resume: bool = False) -> None:
         self.path = path
+        self._resume = resume
+        self._begun = path is None
+        self._own_folder = path is not None and not path.parent.exists()
         self._found: dict[str, Record] = {}
-        if path is not None and resume and path.is_file():
+        if path is None:
+            return
+        if resume and path.is_file():
             self._found = _read(path)
-        if path is not None:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            if path.is_file() and path.stat().st_size and not resume:
-                # a forgotten --resume must not cost hours of computing
-                path.replace(path.with_name(PREVIOUS_FILE_NAME))
-            _write(path, self._found.values())
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if not os.access(path.parent, os.W_OK):
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path.parent))
+
+    def withdraw(self) -> None:
+        """Remove the folder again if it was made for these records and nothing is in it."""
+        if self.path is not None and self._own_folder and not any(self.path.parent.iterdir()):
+            self.path.parent.rmdir()
+
+    def _begin(self, path: Path) -> None:
+        if path.is_file() and path.stat().st_size and not self._resume:
+            # a forgotten --resume must not cost hours of computing
+            path.replace(path.with_name(PREVIOUS_FILE_NAME))
+        _write(path, self._found.values())
+        self._begun = True
 
     def get(self, key: str) -> Record | None:
         """Return the record of a key, or None."""
@@ -87,6 +103,8 @@ class Records:
 
     def add(self, record: Record) -> None:
         """Keep a record; a reader never sees half of it as a whole line."""
+        if not self._begun and self.path is not None:
+            self._begin(self.path)
         self._found[record.key] = record
         if self.path is not None:
             with self.path.open("a", encoding="utf-8") as file:

@@ -91,8 +91,12 @@ def run_study(
     module = import_module(STUDY_MODULES[kind_of(case)])
     started = time.perf_counter()
     records = Records(None if folder is None else Path(folder) / FILE_NAME, resume=resume)
-    with Workers(workers, scheduler) as pool:
-        result: StudyResult = module.run(case, StudyContext(progress, pool, records))
+    try:
+        with Workers(workers, scheduler) as pool:
+            result: StudyResult = module.run(case, StudyContext(progress, pool, records))
+    except (CaseError, KeyboardInterrupt):
+        records.withdraw()
+        raise
     result = replace(result, wall_time=time.perf_counter() - started)
     if folder is not None:
         result.save(folder)

@@ -112,9 +112,11 @@ def _floating(assembly: Assembly, pressed: PressedBearing) -> FloatingBearing:
     nose = Patch(pressed.nose_area, pressed.nose_center)
     if high.area + nose.area > face.area:
         raise GeometryError(
-            f"floating_bearing.high_pressure_area: found {high.area * 1e6:.5g} mm^2 with a nose of "
-            f"{nose.area * 1e6:.5g} mm^2, allowed together the back face {face.area * 1e6:.5g} mm^2"
+            f"machine.floating_bearing.high_pressure_area: found {high.area * 1e6:.5g} mm^2 with "
+            f"a nose of {nose.area * 1e6:.5g} mm^2, allowed together the back face "
+            f"{face.area * 1e6:.5g} mm^2"
         )
+    _check_places(pressed, face, shape)
     middle = (float(face.centroid.x), float(face.centroid.y))
     loads = [(s.force, s.x, s.y) for s in pressed.springs]
     loads += [(pressed.seal_preload, *middle)] if pressed.seal_preload > 0.0 else []
@@ -132,6 +134,30 @@ def _floating(assembly: Assembly, pressed: PressedBearing) -> FloatingBearing:
         axial_play=pressed.axial_play,
         wall_stiffness=pressed.wall_stiffness,
     )
+
+
+def _check_places(pressed: PressedBearing, face: Any, high: Any | None) -> None:
+    """Refuse loads beside the bearing, and a nose in the high-pressure area."""
+    outline = shapely.convex_hull(face)
+    low_x, low_y, high_x, high_y = (1e3 * float(bound) for bound in face.bounds)
+    inside = f"within the bearing, x {low_x:.4g} to {high_x:.4g} mm, y {low_y:.4g} to {high_y:.4g}"
+    places = [(f"springs[{k}]", (s.x, s.y)) for k, s in enumerate(pressed.springs)]
+    if pressed.nose_area > 0.0:
+        places.append(("nose.center", pressed.nose_center))
+    if high is None:
+        places.append(("high_pressure_area.center", pressed.high_pressure_center))
+    for key, (x, y) in places:
+        if not shapely.covers(outline, shapely.Point(x, y)):
+            raise GeometryError(
+                f"machine.floating_bearing.{key}: found x {x * 1e3:.5g} mm, y {y * 1e3:.5g} mm, "
+                f"allowed {inside} mm"
+            )
+    nose = shapely.Point(*pressed.nose_center)
+    if pressed.nose_area > 0.0 and high is not None and shapely.covers(high, nose):
+        raise GeometryError(
+            f"machine.floating_bearing.nose.center: found x {nose.x * 1e3:.5g} mm, y "
+            f"{nose.y * 1e3:.5g} mm in the high-pressure area, allowed beside it"
+        )
 
 
 def _housing(pressed: PressedBearing, share: float) -> HousingContact:
@@ -157,8 +183,8 @@ def _halves(assembly: Assembly, pressed: PressedBearing) -> tuple[FloatingBearin
     high = _high_pressure(assembly, pressed, face)
     if high is None:
         raise GeometryError(
-            "floating_bearing.split: found a high_pressure_area without outline, allowed with "
-            "seal_line_x or contour"
+            "machine.floating_bearing.split: found a high_pressure_area without outline, allowed "
+            "with seal_line_x or contour"
         )
     a = assembly.mesh.center_distance
     tips = [profile.tip_radius for profile in assembly.profiles]
@@ -223,7 +249,7 @@ def _high_pressure(assembly: Assembly, pressed: PressedBearing, face: Any) -> An
     if part.area <= 0.0:
         limit = float(np.round(high_x * 1e3, 3))
         raise GeometryError(
-            f"floating_bearing.high_pressure_area.seal_line_x: found {near * 1e3:.5g} mm, allowed "
-            f"below {limit} mm"
+            "machine.floating_bearing.high_pressure_area.seal_line_x: found "
+            f"{near * 1e3:.5g} mm, allowed below {limit} mm"
         )
     return part

@@ -292,6 +292,10 @@ class PressureAreaParameters:
     def __post_init__(self) -> None:
         if self.seal_line_x is None and self.contour is None:
             require(self, "unless seal_line_x or contour is given", "area", "center")
+        elif self.seal_line_x is not None:
+            forbid(self, "because seal_line_x is given", "contour", "area", "center")
+        else:
+            forbid(self, "because contour is given", "area", "center")
 
 
 @final

@@ -1,0 +1,157 @@
+"""One point of a pressed bearing as a study keeps it, in memory and on disk."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import zlib
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
+from typing import Any, final
+
+import numpy as np
+
+import toothspace
+from toothspace.case import Case
+from toothspace.config.load import case_with
+from toothspace.core.status import Status
+from toothspace.core.types import Array
+from toothspace.solver.lateral_coupling import CoupledPoint
+from toothspace.solver.lateral_gap import LateralNumbers, film_fields, film_places
+from toothspace.studies.records import Record
+from toothspace.studies.study import plain
+
+FIELDS = ("film_height", "film_pressure", "film_contact_pressure", "film_wear_power")
+"""Fields of every film that a study keeps."""
+_SCALARS = (
+    "residual",
+    "nose_pressure",
+    "breakaway_force",
+    "preload",
+    "temperature_rise",
+)
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FoundPoint:
+    """What a study keeps of one point.
+
+    Parameters
+    ----------
+    status : Status
+        Outcome.
+    numbers : LateralNumbers
+        Mean numbers of the films.
+    residual : float
+        Largest force out of balance over the force behind the bearing. [-]
+    nose_pressure : float
+        Absolute pressure on the nose. [Pa]
+    breakaway_force : float
+        Friction of the housing at which the bearing breaks away. [N]
+    preload : float
+        Force of springs and seal. [N]
+    temperature_rise : float or None
+        Hottest film above the fluid; None where none warms up. [K]
+    coordinates : ndarray
+        Positions and rotations of all bodies. [m, rad]
+    films : tuple of str
+        Names of the films.
+    maps : mapping of str to ndarray
+        Fields of the films and the places of their cells, by the names of results.
+    """
+
+    status: Status
+    numbers: LateralNumbers
+    residual: float
+    nose_pressure: float
+    breakaway_force: float
+    preload: float
+    temperature_rise: float | None
+    coordinates: Array
+    films: tuple[str, ...]
+    maps: Mapping[str, Array]
+
+
+def found_point(point: CoupledPoint) -> FoundPoint:
+    """Take from a coupled solution what a study keeps."""
+    stack, balance = point.problem.stack, point.equilibrium.balance
+    drawn = film_fields(balance)
+    return FoundPoint(
+        status=point.status,
+        numbers=point.numbers,
+        residual=balance.residual,
+        nose_pressure=point.problem.loads.back.nose,
+        breakaway_force=point.problem.loads.friction.breakaway_force,
+        preload=stack.balance.floating.preload,
+        temperature_rise=point.temperature_rise,
+        coordinates=balance.position,
+        films=tuple(grid.interface.name for grid in stack.grids),
+        maps={**{name: drawn[name].astype(np.float32) for name in FIELDS}, **film_places(stack)},
+    )
+
+
+def record_of(key: str, point: FoundPoint) -> Record:
+    """Return the record from which :func:`recorded_point` makes the same point again."""
+    numbers = {
+        **{name: getattr(point, name) for name in _SCALARS},
+        "films": point.films,
+        "coordinates": point.coordinates,
+        "lateral_numbers": asdict(point.numbers),
+        "maps": {name: _packed(values) for name, values in point.maps.items()},
+    }
+    return Record(key, point.status.name.lower(), plain(numbers), _message(point.status))
+
+
+def recorded_point(record: Record) -> FoundPoint:
+    """Return the point of a record."""
+    kept: Mapping[str, Any] = record.numbers
+    return FoundPoint(
+        status=Status[record.status.upper()],
+        numbers=_numbers(kept["lateral_numbers"]),
+        **{name: kept[name] for name in _SCALARS},
+        films=tuple(kept["films"]),
+        coordinates=np.array(kept["coordinates"]),
+        maps={name: _unpacked(values) for name, values in kept["maps"].items()},
+    )
+
+
+def point_key(case: Case, *what: object) -> str:
+    """Key of the record of a point: the case without its study, and what else decides.
+
+    Parameters
+    ----------
+    case : Case
+        Case of the study.
+    *what : object
+        Numbers and texts that the point depends on besides the case.
+    """
+    text = "\n".join((case_with(case, {}).hash, repr(what), toothspace.__version__))
+    return hashlib.sha256(text.encode()).hexdigest()[:32]
+
+
+def _message(status: Status) -> str:
+    return "" if status is Status.DONE else status.value
+
+
+def _numbers(kept: Mapping[str, Any]) -> LateralNumbers:
+    values: dict[str, Any] = {f.name: kept[f.name] for f in fields(LateralNumbers)}
+    # JSON knows neither arrays nor numbers that are not
+    for name, value in values.items():
+        if value is None or isinstance(value, list):
+            values[name] = float("nan") if value is None else np.array(value)
+    return LateralNumbers(**values)
+
+
+def _packed(values: Array) -> dict[str, Any]:
+    content = zlib.compress(np.ascontiguousarray(values).tobytes())
+    return {
+        "type": values.dtype.str,
+        "shape": values.shape,
+        "content": base64.b64encode(content).decode("ascii"),
+    }
+
+
+def _unpacked(kept: Mapping[str, Any]) -> Array:
+    content = zlib.decompress(base64.b64decode(kept["content"]))
+    return np.frombuffer(content, dtype=kept["type"]).reshape(kept["shape"])
