@@ -56,7 +56,8 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     # a file that cannot be read should not cost the hours before it is needed
     measured = None if spec.measured is None else read_positions(spec.measured)
     study = follow_pressures(case, context)
-    numbers = {"loop_area_um_bar": loop_area(study) * 1e6 * 1e-5}
+    whole = not study.interrupted
+    numbers = {"loop_area_um_bar": loop_area(study) * 1e6 * 1e-5} if whole else {}
     if measured is None:
         return study.result(case, numbers)
     beside = lay_over(measured, spec.sensor_deflection or 0.0)
