@@ -19,7 +19,7 @@ import numpy as np
 
 from toothspace.closures.flow_factors import PatternColumns
 from toothspace.core.compiled import inlined, kernel
-from toothspace.core.types import Array
+from toothspace.core.types import Array, IntArray
 from toothspace.films.reynolds import (
     FilmGrid,
     FluidField,
@@ -104,14 +104,20 @@ def _carried(gap: float, law: FlowLaw) -> tuple[float, float]:
 
 
 @kernel
-def _fill_cells(gap: YieldingGap, law: FlowLaw, cells: _Cells) -> None:
+def _fill_cells(mark: IntArray, gap: YieldingGap, law: FlowLaw, alike: bool, cells: _Cells) -> None:
+    """Conductances of the film and of the cells beside it; ``alike``: both ways the same."""
     rows, lanes = gap.opening.shape
     for i in range(rows):
         for j in range(lanes):
+            bare = mark[i, j] == 2 and mark[(i + 1) % rows, j] == 2 and mark[i - 1, j] == 2
+            bare = bare and mark[i, max(j - 1, 0)] == 2 and mark[i, min(j + 1, lanes - 1)] == 2
+            if bare:
+                continue
             h = gap.rigid.centre[i, j] + gap.opening[i, j]
             cube, slope = _conductance(h, law, law.along, law.table.along)
             cells.along[i, j], cells.along_slope[i, j] = cube, slope
-            cube, slope = _conductance(h, law, law.across, law.table.across)
+            if not alike:
+                cube, slope = _conductance(h, law, law.across, law.table.across)
             cells.across[i, j], cells.across_slope[i, j] = cube, slope
 
 
@@ -236,7 +242,7 @@ def linearised_balance(
     )
     out = Linearised(balance, GapSlopes(*map(np.empty, (x, x, x, y, y))))
     cells = _Cells(*(np.empty(gap.opening.shape) for _ in range(4)))
-    _fill_cells(gap, law, cells)
+    _fill_cells(grid.mark, gap, law, np.array_equal(law.table.along, law.table.across), cells)
     _fill_along(grid, gap, fluid, law, cells, out)
     _fill_across(grid, gap, fluid, law, cells, out)
     _fill_squeeze(grid, gap, fluid, law, balance.storage)

@@ -77,37 +77,16 @@ def _bordered_kind(kind: IntArray, ring: bool) -> IntArray:
 
 
 @inlined
-def _one_face(
-    row: Array, place: int, conductance: float, outflow: float, kind: int, known: float
-) -> None:
-    """Add one face to a row.
-
-    Places 0, 1, 3, 4 are the neighbours, 2 gathers what leaves the cell when saturated,
-    5 the right-hand side, 6 the conductances.
-    """
-    row[2] += max(outflow, 0.0)
-    row[6] += conductance
+def _face_terms(
+    conductance: float, outflow: float, kind: int, known: float
+) -> tuple[float, float, float]:
+    """Coefficient of a neighbour, what leaves the saturated cell, and the right-hand side."""
     entering = max(-outflow, 0.0)
     if kind == 0:
-        row[place] = -conductance
-        row[5] += entering
-    elif kind == 1:
-        row[place] = -entering
-    else:
-        row[place] = 0.0
-        row[5] += conductance * known + entering
-
-
-@inlined
-def _close_row(row: Array, kind: int) -> None:
-    """Turn the gathered faces into matrix row and right-hand side."""
-    if kind == 0:
-        row[5] -= row[2]
-        row[2] = row[6]
-    elif row[2] <= 0.0:
-        # nothing leaves the cell, so it fills up: the next pass takes it as saturated
-        row[:5] = 0.0
-        row[2], row[5] = 1.0, 2.0
+        return -conductance, max(outflow, 0.0), entering
+    if kind == 1:
+        return -entering, max(outflow, 0.0), 0.0
+    return 0.0, max(outflow, 0.0), conductance * known + entering
 
 
 @njit(cache=True, nogil=True)
@@ -119,26 +98,35 @@ def assemble(b: CellBalance, kind: IntArray) -> tuple[Array, Array]:
     known, _ = bordered(b, b.prescribed, b.prescribed)
     kinds = _bordered_kind(kind, b.ring)
     gx, gy, cx, cy = b.conductance_x, b.conductance_y, b.advection_x, b.advection_y
-    storage, source = b.storage, b.source
-    row = np.empty(7)
     for i in range(rows):
         for j in range(lanes):
             r, p, q = i * lanes + j, i + 1, j + 1
+            size = gx[i, j] + gx[i + 1, j] + gy[i, j] + gy[i, j + 1]
             if kind[i, j] == 2:
                 # scaled as a balance, so that residual norms compare flows with flows
-                size = gx[i, j] + gx[i + 1, j] + gy[i, j] + gy[i, j + 1]
                 stencil[r, 2] = size if size > 0.0 else 1.0
                 rhs[r] = stencil[r, 2] * known[p, q]
                 continue
-            row[2], row[5], row[6] = storage[i, j], source[i, j], 0.0
-            _one_face(row, 0, gx[i, j], -cx[i, j], kinds[p - 1, q], known[p - 1, q])
-            _one_face(row, 1, gy[i, j], -cy[i, j], kinds[p, q - 1], known[p, q - 1])
-            _one_face(row, 3, gy[i, j + 1], cy[i, j + 1], kinds[p, q + 1], known[p, q + 1])
-            _one_face(row, 4, gx[i + 1, j], cx[i + 1, j], kinds[p + 1, q], known[p + 1, q])
-            _close_row(row, kind[i, j])
-            for place in range(5):
-                stencil[r, place] = row[place]
-            rhs[r] = row[5]
+            west, out, gain = _face_terms(gx[i, j], -cx[i, j], kinds[p - 1, q], known[p - 1, q])
+            leaving, supply = b.storage[i, j] + out, b.source[i, j] + gain
+            south, out, gain = _face_terms(gy[i, j], -cy[i, j], kinds[p, q - 1], known[p, q - 1])
+            leaving, supply = leaving + out, supply + gain
+            north, out, gain = _face_terms(
+                gy[i, j + 1], cy[i, j + 1], kinds[p, q + 1], known[p, q + 1]
+            )
+            leaving, supply = leaving + out, supply + gain
+            east, out, gain = _face_terms(
+                gx[i + 1, j], cx[i + 1, j], kinds[p + 1, q], known[p + 1, q]
+            )
+            leaving, supply = leaving + out, supply + gain
+            if kind[i, j] == 0:
+                leaving, supply = size, supply - leaving
+            elif leaving <= 0.0:
+                # nothing leaves the cell, so it fills up: the next pass takes it as saturated
+                stencil[r, 2], rhs[r] = 1.0, 2.0
+                continue
+            stencil[r, 0], stencil[r, 1], stencil[r, 2] = west, south, leaving
+            stencil[r, 3], stencil[r, 4], rhs[r] = north, east, supply
     return stencil, rhs
 
 

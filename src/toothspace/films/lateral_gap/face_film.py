@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple, final
 
 import numpy as np
 
+from toothspace.core.compiled import njit
 from toothspace.core.status import Status
 from toothspace.core.types import Array, BoolArray
 from toothspace.films.cavitation import CAVITATION
@@ -37,6 +39,14 @@ from toothspace.numerics.linear_system import PRESCRIBED
 
 _SHEARED = 1e-9
 """Smallest mean gap that liquid is sheared in, where faces were pressed into each other. [m]"""
+
+
+_SHRINK = 0.3
+"""Part to which a step of the faces may shrink a gap. [-]"""
+_GROWTH = 3.0
+"""Factor by which a step of the faces may widen a gap. [-]"""
+_OVERLAP = 0.5
+"""Overlap of rough walls that a step of the faces may add, over the roughness. [-]"""
 
 
 class FilmLaw(NamedTuple):
@@ -140,12 +150,24 @@ class FaceFilm:
 
     def covered_load(self) -> Array:
         """Load between body and bearing: lift [N] and rotations [N m] about the own axis."""
-        covered = self.around.mask.cells.covered
-        return self.grid.moments(np.where(covered, self.total, 0.0))
+        return self._loads[0]
 
     def open_load(self) -> Array:
         """Load of the chambers on the bearing alone: lift [N] and rotations [N m]."""
-        return self.grid.moments(np.where(self.around.mask.open_face, self.pressure, 0.0))
+        return self._loads[1]
+
+    @cached_property
+    def _loads(self) -> tuple[Array, Array]:
+        """Loads on covered and on open cells."""
+        grid, cells = self.grid, self.around.mask.cells
+        place = grid.points.x, grid.points.y, grid.area
+        carried = _moments(self.total, cells.covered, *place)
+        return carried, _moments(self.pressure, self.around.mask.open_face, *place)
+
+    def overstep(self, motion: Array) -> float:
+        """Motion of the upper face [m, rad] over the longest that its gap allows in one step."""
+        p = self.grid.points
+        return _overstep(motion, p.x, p.y, self.around.mask.film, self.gap, self.law.roughness)
 
     def coefficients(self, motions: tuple[int, ...]) -> tuple[Array, Array]:
         """Stiffness and damping 3x3 of the covered load; unasked motions have zero columns.
@@ -318,6 +340,37 @@ def _stiff(
     return YieldingSolution(plane, contact, slope, np.ones_like(contact), fields.kind)
 
 
+@njit(cache=True, nogil=True)
+def _moments(pressure: Array, where: BoolArray, x: Array, y: Array, area: Array) -> Array:
+    """Force and moments of a pressure on chosen cells, as :meth:`FaceGrid.moments`."""
+    out = np.zeros(3)
+    for i in range(pressure.shape[0]):
+        for j in range(pressure.shape[1]):
+            if where[i, j]:
+                push = pressure[i, j] * area[i, j]
+                out[0] += push
+                out[1] += push * y[i, j]
+                out[2] -= push * x[i, j]
+    return out
+
+
+@njit(cache=True, nogil=True)
+def _overstep(
+    motion: Array, x: Array, y: Array, film: BoolArray, gap: Array, roughness: float
+) -> float:
+    most = 0.0
+    for i in range(gap.shape[0]):
+        for j in range(gap.shape[1]):
+            if film[i, j]:
+                change = motion[0] + motion[1] * y[i, j] - motion[2] * x[i, j]
+                h = max(gap[i, j], 0.0)
+                room = (1.0 - _SHRINK) * h + _OVERLAP * roughness
+                if change > 0.0:
+                    room = (_GROWTH - 1.0) * h + max(roughness, 1e-7)
+                most = max(most, abs(change) / max(room, 1e-300))
+    return most
+
+
 def _lever(grid: FaceGrid, motion: int) -> tuple[Array, Array, Array]:
     """Change of the gap at centres and faces by a unit motion of the upper face."""
     p = grid.points
@@ -337,14 +390,22 @@ def _change(lever: tuple[Array, Array, Array], rate: bool) -> GapField:
 
 
 def _gap_field(grid: FaceGrid, place: Place, distant: Array) -> GapField:
-    centre, along, across, rate = (
-        np.zeros_like(x) for x in (distant, grid.points.face_x[0], grid.points.face_y[0], distant)
-    )
-    for motion in range(3):
-        lever = _lever(grid, motion)
-        centre += place.position[motion] * lever[0]
-        along += place.position[motion] * lever[1]
-        across += place.position[motion] * lever[2]
-        rate += place.velocity[motion] * lever[0]
+    """Gap that the position leaves, with its widening by distant pressures."""
+    p = grid.points
+    centre = _plane(p.x, p.y, place.position)
+    along, across = _plane(*p.face_x, place.position), _plane(*p.face_y, place.position)
+    rate = _plane(p.x, p.y, place.velocity)
     rigid = GapField(centre, along, across, rate, np.zeros_like(distant))
+    if not distant.any():
+        return rigid
     return opened(rigid, distant, np.full_like(along, grid.interface.speed_ratio))
+
+
+@njit(cache=True, nogil=True)
+def _plane(x: Array, y: Array, motion: Array) -> Array:
+    """Height of a plane with a lift and rotations about x and y. [m]."""
+    out = np.empty(x.shape)
+    for i in range(x.shape[0]):
+        for j in range(x.shape[1]):
+            out[i, j] = motion[0] + motion[1] * y[i, j] - motion[2] * x[i, j]
+    return out

@@ -16,12 +16,6 @@ from toothspace.films.lateral_gap.yielding_film import Accuracy
 
 _STOP_STIFFNESS = 1e9
 """Stiffness of the cover that limits the travel. [N/m]"""
-_SHRINK = 0.3
-"""A Newton step may shrink a gap to this part."""
-_GROWTH = 3.0
-"""A Newton step may widen a gap by this factor. [-]"""
-_OVERLAP = 0.5
-"""Overlap of rough walls that a Newton step may add, over the roughness. [-]"""
 _STATUS_ROUNDS = 4
 _PATIENCE = 8
 """Iterations of one step after which an older Jacobian is made afresh. [-]"""
@@ -328,6 +322,8 @@ def _deform(
         low = task.loads.back.low
         new = task.stack.compliance.distant(state.face_pressures(low), state.scene)
         for film, a, b in zip(state.films, new, old, strict=True):
+            if not (a.any() or b.any()):
+                continue
             inside = film.around.mask.film
             floor = np.maximum(film.gap, max(film.law.roughness, 1e-8))
             change = max(change, float((np.abs(a - b) / floor)[inside].max()))
@@ -468,20 +464,11 @@ def _scale(task: _Task) -> float:
 
 def _limited(states: tuple[StackState, ...], step: Array) -> Array:
     """Longest part of a step that neither closes nor opens a gap by too much."""
-    part = 1.0
-    still = np.zeros_like(step)
+    still, most = np.zeros_like(step), 1.0
     for state in states:
         for k, film in enumerate(state.films):
-            lift = state.stack.film_place(k, step, still).position
-            p = film.grid.points
-            inside = film.around.mask.film
-            change = (lift[0] + lift[1] * p.y - lift[2] * p.x)[inside]
-            gap, rough = film.gap[inside], film.law.roughness
-            room = np.where(gap > 0.0, (1.0 - _SHRINK) * gap, 0.0) + _OVERLAP * rough
-            growth = (_GROWTH - 1.0) * np.maximum(gap, 0.0) + max(rough, 1e-7)
-            need = np.maximum(-change / room, change / growth)
-            part = min(part, 1.0 / max(float(need.max()), 1e-300))
-    return part * step
+            most = max(most, film.overstep(state.stack.film_place(k, step, still).position))
+    return np.asarray(step / most)
 
 
 def rest_at(stack: Stack, scenes: Sequence[Scene], position: Array) -> Balance:

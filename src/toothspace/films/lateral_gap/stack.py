@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple, Protocol, TypeVar, final
@@ -28,6 +28,7 @@ from toothspace.model.lateral_balance import (
 )
 from toothspace.numerics import multigrid_cycle
 
+S = TypeVar("S")
 T = TypeVar("T")
 _MOTIONS = 3
 _THREADED_CELLS = 10_000
@@ -161,10 +162,9 @@ class Stack:
 
     def scene(self, shaft_angle: float, node_pressure: Array) -> Scene:
         """Masks at a shaft angle [rad] with the pressures of all nodes there. [Pa]."""
-        masks: dict[str, Mask] = {}
-        for grid in self.grids:
-            if grid.interface.body not in masks:
-                masks[grid.interface.body] = grid.mask(shaft_angle)
+        first = {grid.interface.body: grid for grid in reversed(self.grids)}
+        found = self.side_by_side(lambda body: first[body].mask(shaft_angle), tuple(first))
+        masks = dict(zip(first, found, strict=True))
         return Scene(shaft_angle, tuple(masks[g.interface.body] for g in self.grids), node_pressure)
 
     def start(self, gap: float) -> Array:
@@ -208,9 +208,12 @@ class Stack:
             start = former.films[k] if former is not None else None
             approach = Approach(self.compliance.local[k], distant[k])
             place = self.film_place(k, q, v)
-            return solve_face(self.grids[k], self.laws[k], around, place, approach, start)
+            film = solve_face(self.grids[k], self.laws[k], around, place, approach, start)
+            film.covered_load()  # kept, and found here beside the other films
+            return film
 
-        return StackState(self, scene, q, v, self.side_by_side(one), tuple(distant))
+        films = self.side_by_side(one, range(len(self.grids)))
+        return StackState(self, scene, q, v, films, tuple(distant))
 
     def with_passes(self, passes: int) -> Stack:
         """Same stack whose films make at most so many passes at a time."""
@@ -219,13 +222,12 @@ class Stack:
         laws = (law._replace(accuracy=law.accuracy._replace(passes=passes)) for law in self.laws)
         return replace(self, laws=tuple(laws))
 
-    def side_by_side(self, one: Callable[[int], T]) -> tuple[T, ...]:
-        """Outcome of a function for every film; large films are worked on at the same time."""
-        films = range(len(self.grids))
+    def side_by_side(self, one: Callable[[S], T], cases: Iterable[S]) -> tuple[T, ...]:
+        """Outcome of a function for every case; large films are worked on at the same time."""
         if multigrid_cycle.THREADS < 2 or self.grids[0].area.size < _THREADED_CELLS:
-            return tuple(map(one, films))
+            return tuple(map(one, cases))
         with ThreadPoolExecutor(multigrid_cycle.THREADS) as pool:
-            return tuple(pool.map(one, films))
+            return tuple(pool.map(one, cases))
 
     def _lift_maps(self, interface: FilmInterface) -> tuple[Array, Array]:
         """Upper face of a film from the coordinates: part of the bearing, part of the body."""

@@ -8,9 +8,9 @@ from typing import NamedTuple, final
 
 import numpy as np
 
-from toothspace.core.compiled import kernel
+from toothspace.core.compiled import kernel, njit
 from toothspace.core.status import Status
-from toothspace.core.types import Array, IntArray
+from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.films.live_balance import (
     Linearised,
     Motion,
@@ -26,7 +26,6 @@ from toothspace.numerics.block_elimination import block_system
 from toothspace.numerics.complementarity import (
     ComplementaritySolution,
     assemble,
-    potential_scale,
     residual,
 )
 from toothspace.numerics.linear_system import (
@@ -48,6 +47,8 @@ _MUCH = 0.01
 """Change of the gap that counts as much. [-]"""
 _LONGEST = 0.5
 """Largest change of the gap in one pass over the gap. [-]"""
+_CARRIED = 16
+"""Rows from which a newly covered cell takes the film that it begins with. [-]"""
 _ROUNDING = 1e-10
 _BLOCK_LANES = 200
 """Cells along the radius up to which elimination beats multigrid of a yielding film. [-]"""
@@ -203,11 +204,68 @@ def _couple_across(
                     stencil[other, 3] += change
 
 
+@njit(cache=True, nogil=True)
+def _parted(kind: IntArray, unknown: Array) -> tuple[Array, Array]:
+    """Potential and saturation of every cell."""
+    potential, saturation = np.zeros(kind.shape), np.ones(kind.shape)
+    rows, lanes = kind.shape
+    for i in range(rows):
+        for j in range(lanes):
+            if kind[i, j] == 1:
+                saturation[i, j] = unknown[i * lanes + j]
+            else:
+                potential[i, j] = unknown[i * lanes + j]
+    return potential, saturation
+
+
 @kernel
-def _revise(kind: IntArray, unknown: Array, scale: float) -> int:
+def _take(
+    kind: IntArray,
+    walls: tuple[Array, Array, Array],
+    roughness: float,
+    careful: float,
+    step: Array,
+    unknown: Array,
+    contact: Array,
+) -> float:
+    """Add a step to the unknowns, in part where it changes the gap much.
+
+    Returns the largest change of a gap over the gap that the whole step asks for. Steps that ask
+    for much are taken to the part ``careful`` at most.
+    """
+    gap, give, touch = walls
+    rows, lanes = kind.shape
+    largest = 0.0
+    for i in range(rows):
+        for j in range(lanes):
+            if kind[i, j] == 0:
+                change = abs(give[i, j] * step[i * lanes + j])
+                largest = max(largest, change / max(gap[i, j], 0.1 * roughness + 1e-9))
+    most = careful if largest > _MUCH else 1.0
+    for i in range(rows):
+        for j in range(lanes):
+            r, part, change = i * lanes + j, most, 0.0
+            contact[i, j] = 0.0
+            if kind[i, j] == 2:
+                continue
+            if kind[i, j] == 0:
+                change = give[i, j] * step[r]
+                room = _LONGEST * max(gap[i, j], 0.1 * roughness + 1e-9)
+                part = min(part, room / max(abs(change), 1e-300))
+            unknown[r] += part * step[r]
+            contact[i, j] = max(touch[0, i, j] + part * touch[1, i, j] * change, 0.0)
+    return largest
+
+
+@kernel
+def _revise(kind: IntArray, unknown: Array) -> int:
     """Exchange the kinds of cells that break a bound and put them on it."""
     rows, lanes = kind.shape
-    changed = 0
+    changed, scale = 0, 0.0
+    for i in range(rows):
+        for j in range(lanes):
+            if kind[i, j] == 0:
+                scale = max(scale, abs(unknown[i * lanes + j]))
     for i in range(rows):
         for j in range(lanes):
             r = i * lanes + j
@@ -253,8 +311,6 @@ def solve_yielding(
     former : YieldingSolution, optional
         Similar film to begin with.
     """
-    mark = film.grid.mark
-    inside = mark != PRESCRIBED
     fluid, lowest = film.fluid, film.cavitation_pressure
     reduced = _Reduced(fluid.reduced_grid(film.grid), fluid.reduced_of(lowest), carrier)
     potential, saturation, kind = _begin(reduced, former)
@@ -262,28 +318,20 @@ def solve_yielding(
     gap = film.gap.centre.copy() if former is None else former.plane.film.gap.centre.copy()
     settled, system = False, None if former is None else former.plane.fields.system
     for number in range(1, how.accuracy.passes + 1):
-        potential = np.where(kind == UNSATURATED, 0.0, unknown.reshape(kind.shape))
-        saturation = np.where(kind == UNSATURATED, unknown.reshape(kind.shape), 1.0)
-        now = _linearise(film, reduced, how, (potential, saturation, kind), gap, system)
+        found = (unknown, *_parted(kind, unknown), kind)
+        now = _linearise(film, reduced, how, found, gap, system)
         gap, system = now.gap, now.system
         step = now.system.solve(-now.right, relative_tolerance=how.accuracy.linear)
-        change = now.give * step.reshape(kind.shape)
-        change = np.where(inside & (kind == SATURATED), change, 0.0)
-        floor = np.maximum(gap, 0.1 * how.roughness + 1e-9)
-        largest = float((np.abs(change) / floor).max())
-        part = np.minimum(1.0, _LONGEST * floor / np.maximum(np.abs(change), 1e-300))
-        if number > _PATIENCE and largest > _MUCH:
-            part = np.minimum(part, _CAREFUL)
-        unknown = unknown + part.ravel() * step
+        contact = np.empty_like(gap)
+        careful = _CAREFUL if number > _PATIENCE else 1.0
+        walls = gap, now.give, now.touch
+        largest = _take(kind, walls, how.roughness, careful, step, unknown, contact)
         used = kind.copy()
-        changed = _revise(kind, unknown, potential_scale(now.found.balance))
+        changed = _revise(kind, unknown)
         settled = changed == 0 and largest <= how.accuracy.settled
         if settled:
             break
-    final = np.where(
-        kind == UNSATURATED, 0.0, np.where(inside, unknown.reshape(kind.shape), potential)
-    )
-    filled = np.where(kind == UNSATURATED, unknown.reshape(kind.shape), 1.0)
+    final, filled = _parted(kind, unknown)
     fields = ComplementaritySolution(final, filled, used, now.system, number, settled)
     moved = PlaneFilm(
         film.grid,
@@ -298,7 +346,6 @@ def solve_yielding(
     gauge = fluid.gauge(np.maximum(fields.potential, 0.0), lowest)
     liquid = fluid.fields(gauge + lowest)
     plane = PlaneSolution(moved, liquid, now.found.balance, fields, status, gauge)
-    contact = np.maximum(now.touch[0] + part * now.touch[1] * change, 0.0)
     touch = (now.touch[1].copy(), now.touch[2].copy())
     return YieldingSolution(plane, contact, *touch, kind, largest, now.found)
 
@@ -339,21 +386,39 @@ def _begin(film: _Reduced, former: YieldingSolution | None) -> tuple[Array, Arra
     if former is None:
         kind = np.where(known, PRESCRIBED, SATURATED)
         return np.where(known, given, 0.0), np.ones(kind.shape), kind
-    fields = former.plane.fields
-    kind = np.where(former.kind == PRESCRIBED, SATURATED, former.kind)
+    fields, before = former.plane.fields, former.kind
+    kind = np.where(before == PRESCRIBED, SATURATED, before)
     kind = np.where(known, PRESCRIBED, kind)
-    return np.where(known, given, fields.potential), fields.saturation.copy(), kind
+    potential = np.where(known, given, fields.potential)
+    _carry(before == PRESCRIBED, kind, film.grid.sweep_x, fields.potential, potential)
+    return potential, fields.saturation.copy(), kind
+
+
+@kernel
+def _carry(bare: BoolArray, kind: IntArray, sweep: Array, former: Array, potential: Array) -> None:
+    """Begin newly covered cells with the film that the face has carried there."""
+    rows, lanes = kind.shape
+    for i in range(rows):
+        for j in range(lanes):
+            if kind[i, j] == 2 or not bare[i, j]:
+                continue
+            back = -1 if sweep[i, j] >= 0.0 else 1
+            for far in range(1, _CARRIED + 1):
+                up = (i + far * back) % rows
+                if not bare[up, j]:
+                    potential[i, j] = former[up, j]
+                    break
 
 
 def _linearise(
     film: PlaneFilm,
     reduced: _Reduced,
     how: Yielding,
-    fields: tuple[Array, Array, IntArray],
+    fields: tuple[Array, Array, Array, IntArray],
     gap: Array,
     former: LinearSystem | None,
 ) -> _Pass:
-    potential, saturation, kind = fields
+    unknown, potential, saturation, kind = fields
     touch = np.empty((3, *gap.shape))
     height = gap.copy()
     inside = film.grid.mark != PRESCRIBED
@@ -368,7 +433,6 @@ def _linearise(
     balance = found.balance
     stencil, rhs = assemble(balance, kind)
     rows, lanes = grid_shape(balance)
-    unknown = np.where(kind == UNSATURATED, saturation, potential).ravel()
     right = stencil_product(stencil, unknown, rows, lanes) - rhs
     _couple(found, kind, potential, saturation, give, stencil)
     system: LinearSystem | None = None
@@ -379,10 +443,23 @@ def _linearise(
     return _Pass(height, touch, give, found, system, right)
 
 
+@njit(cache=True, nogil=True)
+def _widen(gap: GapField, deformation: Array, sweep: Array) -> tuple[Array, Array, Array]:
+    rows, lanes = deformation.shape
+    centre = gap.centre + deformation
+    along, across = np.empty(gap.face_x.shape), np.empty(gap.face_y.shape)
+    for i in range(rows + 1):
+        for j in range(lanes):
+            up = i - 1 if sweep[i, j] >= 0.0 else i
+            along[i, j] = gap.face_x[i, j] + deformation[up % rows, j]
+    for i in range(rows):
+        for j in range(lanes + 1):
+            south, north = deformation[i, max(j - 1, 0)], deformation[i, min(j, lanes - 1)]
+            across[i, j] = gap.face_y[i, j] + 0.5 * (south + north)
+    return centre, along, across
+
+
 def opened(gap: GapField, deformation: Array, sweep: Array) -> GapField:
     """Gap with a deformation: along the motion that of the cell upstream."""
-    d = deformation
-    before, after = np.vstack([d[-1:], d]), np.vstack([d, d[:1]])
-    along = np.where(sweep >= 0.0, before, after)
-    across = np.hstack([d[:, :1], 0.5 * (d[:, 1:] + d[:, :-1]), d[:, -1:]])
-    return GapField(gap.centre + d, gap.face_x + along, gap.face_y + across, gap.rate, gap.step)
+    centre, along, across = _widen(gap, deformation, sweep)
+    return GapField(centre, along, across, gap.rate, gap.step)
