@@ -265,8 +265,7 @@ def _substitute(blocks: Blocks, unit: Array, rhs: Array) -> Array:
     for n in range(rows):
         i = (blocks.cut + n) % rows
         low, count = span[i, 0], span[i, 1]
-        for j in range(low, low + count):
-            x[i * lanes + j] = z[n + _OVERLAP, j] * size
+        x[i * lanes + low : i * lanes + low + count] = z[n + _OVERLAP, low : low + count] * size
     if unit.size > 0:
         x *= unit
     return x
