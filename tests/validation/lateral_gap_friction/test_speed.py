@@ -1,0 +1,98 @@
+"""What shaft speed changes under the bearing of the fuel pump: chambers first, films second."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from toothspace.case import Case
+from toothspace.case.study import BalanceSweepStudy, NosePressureStudy
+from toothspace.config import load_case
+from toothspace.model.lateral_balance import HousingContact
+from toothspace.solver.lateral_gap import lateral_problem
+from toothspace.studies.balance_sweep import FilmTable, film_tables, follow
+from toothspace.studies.lateral_points import LateralPoints, PointCondition, prepare
+
+CASES = Path(__file__).parents[3] / "cases"
+FAST, SLOW = 4675.0, 2550.0
+TELL = 0.05e-6
+
+
+def _nose_case() -> Case:
+    case = load_case(CASES / "nose_pressure.toml")
+    return replace(case, run=replace(case.run, film_grid=(84, 10), film_angles_per_pitch=4))
+
+
+def _filled(points: LateralPoints, case: Case, speed: float) -> xr.Dataset:
+    """Chambers at OC1 or OC2."""
+    assert case.operating_point is not None
+    condition = PointCondition(
+        label="",
+        outlet_pressure=29.1e5,
+        inlet_pressure=case.operating_point.inlet_pressure,
+        shaft_speed=speed * np.pi / 30.0,
+    )
+    return points.lumped(condition).data
+
+
+def _opening(points: LateralPoints, chambers: xr.Dataset, film: float) -> float:
+    """Force of the films on the bearing at 2 um, whatever speed filled the chambers. [N]."""
+    speed = chambers["shaft_speed"] * 0.0 + film * np.pi / 30.0
+    data, machine = chambers.assign(shaft_speed=speed), points.machine
+    problem = lateral_problem(machine.description, machine.fluid, data, points.settings)
+    return float(np.mean([s.film_force()[0] for s in problem.started(2e-6).states]))
+
+
+@pytest.mark.validation
+@pytest.mark.slow
+def test_chambers_and_not_films_make_the_bearing_depend_on_speed() -> None:
+    case = _nose_case()
+    points = prepare(case, HousingContact(friction_coefficient=1.0), "speed")
+    slowly, quickly = _filled(points, case, SLOW), _filled(points, case, FAST)
+    slow, fast = _opening(points, slowly, SLOW), _opening(points, quickly, FAST)
+    assert fast < slow - 300.0
+    assert abs(_opening(points, slowly, FAST) - slow) < 0.15 * abs(fast - slow)
+    assert abs(_opening(points, quickly, SLOW) - fast) < 0.15 * abs(fast - slow)
+
+
+@pytest.fixture(scope="module")
+def tables() -> dict[str, FilmTable]:
+    case = _nose_case()
+    sweep = load_case(CASES / "balance_sweep.toml").study
+    assert isinstance(case.study, NosePressureStudy)
+    assert isinstance(sweep, BalanceSweepStudy)
+    assert case.operating_point is not None
+    found = {}
+    for one in case.study.conditions:
+        point = replace(case.operating_point, shaft_speed=one.shaft_speed)
+        asked = replace(sweep, outlet_pressures=(one.outlet_pressure,))
+        found[one.name] = film_tables(replace(case, operating_point=point), asked)[0]
+    return found
+
+
+def _gaps(tables: dict[str, FilmTable], name: str, area: float) -> np.ndarray:
+    """Gaps over the nose pressures of the study, from 2 um. [m]."""
+    table, found = tables[name], []
+    for share in (0.0, 0.0625, 0.125, 0.1875, 0.25):
+        low = table.outlet_pressure - table.difference
+        push = 400e-6 * max(share * table.outlet_pressure - low, 0.0)
+        pressed = replace(table, opening=table.opening - push)
+        found.append(float(follow([pressed], [0], (area, 0.02), 2e-6)[0]))
+    return np.array(found)
+
+
+@pytest.mark.validation
+@pytest.mark.slow
+@pytest.mark.parametrize(("area", "secondary"), [(2200e-6, True), (2267e-6, False)])
+def test_nose_matters_at_low_pressure_alone_and_speed_less_in_a_window(
+    tables: dict[str, FilmTable], area: float, secondary: bool
+) -> None:
+    fast, slow, high = (_gaps(tables, name, area) for name in ("OC1", "OC2", "OC3"))
+    assert np.ptp(fast) > TELL
+    assert np.ptp(high) < TELL
+    speed = abs(fast[0] - slow[0])
+    assert bool(speed < max(np.ptp(fast), np.ptp(slow))) == secondary
