@@ -6,6 +6,7 @@ module          responsibility
 triangulation   plane regions to triangles
 mesh            bodies swept along z, and their outer faces
 elements        stiffness and mass of solid elements
+dissection      order of elimination
 condensation    large stiffness to flexibility of chosen loads
 surfaces        film surfaces: coarse nodes and interpolation to cells
 loads           named loads and their nodal forces

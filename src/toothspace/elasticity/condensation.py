@@ -6,102 +6,17 @@ with them, so that loads, not factors, are what is kept: memory is that of the o
 
 from __future__ import annotations
 
-from typing import NamedTuple, final
+from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.linalg.blas import dsyrk, dtrsm
+from scipy.linalg.blas import dgemm, dsyrk, dtrsm
 from scipy.linalg.lapack import dpotrf
 
 from toothspace.core.compiled import njit
 from toothspace.core.errors import GeometryError
-from toothspace.core.types import Array, BoolArray, IntArray
-
-_LEAF = 96
-"""Nodes below which a part is not divided."""
-
-
-@final
-class Separator(NamedTuple):
-    """Part of the nodes that is eliminated at once."""
-
-    nodes: IntArray
-    children: tuple[int, ...]
-
-
-def dissect(nodes: Array, graph: sp.csr_matrix) -> list[Separator]:
-    """Parts of a nested dissection in the order of elimination.
-
-    Parameters
-    ----------
-    nodes : ndarray, shape (n, 3)
-        Places; parts are cut across their longest extent. [m]
-    graph : csr_matrix
-        Pattern of the node couplings. [-]
-
-    Returns
-    -------
-    list of Separator
-        Children before parents; the last is the root.
-    """
-    tree: list[Separator] = []
-    side = np.zeros(len(nodes), dtype=np.int8)
-
-    def divide(part: IntArray) -> int:
-        if part.size <= _LEAF:
-            tree.append(Separator(part, ()))
-            return len(tree) - 1
-        low, high, cut = _halves(part, nodes, graph, side)
-        children = tuple(divide(half) for half in (low, high) if half.size)
-        tree.append(Separator(cut, children))
-        return len(tree) - 1
-
-    divide(np.arange(len(nodes), dtype=np.int64))
-    return tree
-
-
-def _halves(
-    part: IntArray, nodes: Array, graph: sp.csr_matrix, side: np.ndarray
-) -> tuple[IntArray, IntArray, IntArray]:
-    """Two halves and the nodes of the one that touch the other."""
-    place = nodes[part]
-    axis = int(np.argmax(np.ptp(place, axis=0)))
-    middle = float(np.median(place[:, axis]))
-    below = place[:, axis] < middle
-    if not below.any():
-        below = place[:, axis] <= middle
-    low, high = part[below], part[~below]
-    side[low], side[high] = 1, 2
-    touching_high = _touching(low, graph, side, 2)
-    touching_low = _touching(high, graph, side, 1)
-    side[part] = 0
-    if touching_high.sum() <= touching_low.sum():
-        return low[~touching_high], high, low[touching_high]
-    return low, high[~touching_low], high[touching_low]
-
-
-@njit(cache=True)
-def _find_touching(
-    part: IntArray, start: Array, column: Array, side: Array, other: int
-) -> BoolArray:
-    out = np.zeros(part.size, dtype=np.bool_)
-    for k in range(part.size):
-        for j in range(start[part[k]], start[part[k] + 1]):
-            if side[column[j]] == other:
-                out[k] = True
-                break
-    return out
-
-
-def _touching(part: IntArray, graph: sp.csr_matrix, side: np.ndarray, other: int) -> BoolArray:
-    return np.asarray(_find_touching(part, graph.indptr, graph.indices, side, other))
-
-
-class _Front(NamedTuple):
-    # what a part leaves to its parent: nodes, load columns, their matrix
-    nodes: IntArray
-    columns: IntArray
-    matrix: Array  # (3 nodes, 3 nodes + columns), lower part of the square
+from toothspace.core.types import Array, IntArray
+from toothspace.elasticity.dissection import Separator, dissect
 
 
 def flexibility(
@@ -132,22 +47,22 @@ def flexibility(
 
     References
     ----------
-    .. [1] A. George, Nested dissection of a regular finite element mesh, SIAM J. Numer. Anal.
-       10 (1973) 345-363.
-    .. [2] I. S. Duff, J. K. Reid, The multifrontal solution of indefinite sparse symmetric
+    .. [1] I. S. Duff, J. K. Reid, The multifrontal solution of indefinite sparse symmetric
        linear equations, ACM Trans. Math. Softw. 9 (1983) 302-325.
     """
     stiffness, rows = _held(stiffness, loads.tocsr(), fixed)
     graph = _node_graph(stiffness)
-    tree = dissect(nodes, graph)
+    parts = _planned(dissect(nodes, graph), graph, rows)
+    work = _Workspace.sized(parts)
     total = np.zeros((loads.shape[1], loads.shape[1]))
-    done = np.zeros(len(nodes), dtype=bool)
-    place = np.empty(len(nodes), dtype=np.int64)
-    open_fronts: dict[int, _Front] = {}
-    for index, part in enumerate(tree):
-        children = [open_fronts.pop(child) for child in part.children]
-        front = _eliminated(part.nodes, children, (stiffness, graph, rows), (done, place), total)
-        open_fronts[index] = front
+    place = np.full(len(nodes), -1, dtype=np.int64)
+    for part in parts:
+        front = work.front(part)
+        _assemble(part, (stiffness, rows), place, front)
+        for child in reversed(part.children):
+            _extend_by(parts[child], part, work.pop(parts[child]), place, front)
+        place[part.own], place[part.outer] = -1, -1
+        work.push(part, _eliminated(part, front, total))
     return np.asarray(np.tril(total) + np.tril(total, -1).T)
 
 
@@ -176,100 +91,204 @@ def _node_graph(stiffness: sp.csr_matrix) -> sp.csr_matrix:
     )
 
 
+class _Part(NamedTuple):
+    # nodes that are eliminated, nodes left to the parent, load columns met so far
+    own: IntArray
+    outer: IntArray
+    columns: IntArray
+    children: tuple[int, ...]
+
+    @property
+    def sizes(self) -> tuple[int, int, int]:
+        """Unknowns eliminated and left, and load columns. [-]."""
+        return 3 * self.own.size, 3 * self.outer.size, self.columns.size
+
+
+def _planned(tree: list[Separator], graph: sp.csr_matrix, loads: sp.csr_matrix) -> list[_Part]:
+    """What every front holds."""
+    parts: list[_Part] = []
+    done = np.zeros(graph.shape[0], dtype=np.bool_)
+    for own, children in tree:
+        below = [parts[child] for child in children]
+        near = [graph.indices[graph.indptr[k] : graph.indptr[k + 1]] for k in own]
+        done[own] = True
+        found = _union([*near, *(part.outer for part in below)])
+        columns = _union([loads[_unknowns(own)].indices, *(part.columns for part in below)])
+        parts.append(_Part(own, found[~done[found]], columns, children))
+    return parts
+
+
 def _unknowns(nodes: IntArray) -> IntArray:
     return (3 * nodes[:, None] + np.arange(3)).ravel()
-
-
-@njit(cache=True)
-def _gather(
-    own: IntArray, start: Array, column: Array, value: Array, place: IntArray, out: Array
-) -> None:
-    """Entries of the rows of a part at their places in its front; lower part."""
-    for k in range(own.size):
-        for a in range(3):
-            row = 3 * own[k] + a
-            for j in range(start[row], start[row + 1]):
-                node = column[j] // 3
-                target = place[node]
-                if target < 0:
-                    continue
-                i = 3 * target + column[j] - 3 * node
-                if i >= 3 * k + a:
-                    out[i, 3 * k + a] += value[j]
-
-
-@njit(cache=True)
-def _extend(child: Array, rows: IntArray, columns: IntArray, out: Array) -> None:
-    """Add the lower part of a child's matrix, node rows and load columns."""
-    size = rows.size
-    for j in range(size):
-        for i in range(j, size):
-            r, c = rows[i], rows[j]
-            if r < c:
-                r, c = c, r
-            out[r, c] += child[i, j]
-        for i in range(columns.size):
-            out[columns[i], rows[j]] += child[size + i, j]
-
-
-def _eliminated(
-    own: IntArray,
-    children: list[_Front],
-    system: tuple[sp.csr_matrix, sp.csr_matrix, sp.csr_matrix],
-    marks: tuple[np.ndarray, IntArray],
-    total: Array,
-) -> _Front:
-    stiffness, graph, loads = system
-    done, place = marks
-    outer = _outer_nodes(own, children, graph, done)
-    mine = loads[_unknowns(own)].tocoo()
-    columns = _union([mine.col, *(child.columns for child in children)])
-    count, size = 3 * own.size, 3 * (own.size + outer.size)
-    front = np.zeros((size + columns.size, size), order="F")
-    place[:] = -1
-    place[own] = np.arange(own.size)
-    place[outer] = own.size + np.arange(outer.size)
-    _gather(own, stiffness.indptr, stiffness.indices, stiffness.data, place, front)
-    front[size + np.searchsorted(columns, mine.col), mine.row] = mine.data
-    for child in children:
-        rows = (3 * place[child.nodes][:, None] + np.arange(3)).ravel()
-        _extend(child.matrix, rows, size + np.searchsorted(columns, child.columns), front)
-    done[own] = True
-    return _Front(outer, columns, _reduced(front, count, size, columns, total))
-
-
-def _outer_nodes(
-    own: IntArray, children: list[_Front], graph: sp.csr_matrix, done: np.ndarray
-) -> IntArray:
-    """Nodes that stay and are coupled to a part."""
-    near = [graph.indices[graph.indptr[k] : graph.indptr[k + 1]] for k in own]
-    found = _union([*near, *(child.nodes for child in children)])
-    mask = ~done[found]
-    return np.setdiff1d(found[mask], own, assume_unique=True)
 
 
 def _union(pieces: list[IntArray]) -> IntArray:
     return np.unique(np.concatenate([np.asarray(p, dtype=np.int64) for p in pieces]))
 
 
-def _reduced(front: Array, count: int, size: int, columns: IntArray, total: Array) -> Array:
-    """Eliminate the first unknowns; the work of the loads on them is added to the total."""
-    if count == 0:
+class _Front(NamedTuple):
+    # lower part of the matrix of a front by blocks, each contiguous along its columns
+    inner: Array  # unknowns eliminated
+    below: Array  # unknowns left, unknowns eliminated
+    rest: Array  # unknowns left
+    loads: Array  # load columns, unknowns eliminated
+    passed: Array  # load columns, unknowns left
+
+
+def _blocks(part: _Part) -> list[tuple[int, int]]:
+    count, outer, loads = part.sizes
+    return [(count, count), (outer, count), (outer, outer), (loads, count), (loads, outer)]
+
+
+_KEPT = slice(2, None, 2)
+"""Blocks of a front that its parent takes."""
+
+
+class _Workspace:
+    """Memory of the front in work and of the stack of those that wait for their parents."""
+
+    def __init__(self, front: int, stack: int) -> None:
+        self._front = np.empty(front)
+        self._stack = np.empty(stack)
+        self._top = 0
+
+    @classmethod
+    def sized(cls, parts: list[_Part]) -> _Workspace:
+        """Workspace that suits the fronts in their order."""
+        top, deepest, largest = 0, 0, 0
+        for part in parts:
+            sizes = [rows * columns for rows, columns in _blocks(part)]
+            largest = max(largest, sum(sizes))
+            top += sum(sizes[_KEPT]) - sum(_kept(parts[child]) for child in part.children)
+            deepest = max(deepest, top)
+        return cls(largest, deepest)
+
+    def front(self, part: _Part) -> _Front:
+        """Front of a part, zero everywhere."""
+        shapes = _blocks(part)
+        self._front[: sum(rows * columns for rows, columns in shapes)] = 0.0
+        return _Front(*_views(self._front, 0, shapes))
+
+    def push(self, part: _Part, front: _Front) -> None:
+        """Keep what a part leaves to its parent."""
+        for target, block in zip(self._waiting(part), front[_KEPT], strict=True):
+            target[...] = block
+        self._top += _kept(part)
+
+    def pop(self, part: _Part) -> list[Array]:
+        """What the part that was kept last left; valid until the next push."""
+        self._top -= _kept(part)
+        return self._waiting(part)
+
+    def _waiting(self, part: _Part) -> list[Array]:
+        return _views(self._stack, self._top, _blocks(part)[_KEPT])
+
+
+def _kept(part: _Part) -> int:
+    return sum(rows * columns for rows, columns in _blocks(part)[_KEPT])
+
+
+def _views(memory: Array, start: int, shapes: list[tuple[int, int]]) -> list[Array]:
+    out = []
+    for rows, columns in shapes:
+        stop = start + rows * columns
+        out.append(memory[start:stop].reshape((rows, columns), order="F"))
+        start = stop
+    return out
+
+
+def _assemble(
+    part: _Part, system: tuple[sp.csr_matrix, sp.csr_matrix], place: IntArray, front: _Front
+) -> None:
+    """Stiffness and loads of the nodes that are eliminated."""
+    stiffness, loads = system
+    place[part.own] = np.arange(part.own.size)
+    place[part.outer] = part.own.size + np.arange(part.outer.size)
+    pattern = (stiffness.indptr, stiffness.indices, stiffness.data)
+    _gather(part.own, pattern, place, front.inner, front.below)
+    mine = loads[_unknowns(part.own)].tocoo()
+    front.loads[np.searchsorted(part.columns, mine.col), mine.row] = mine.data
+
+
+@njit(cache=True)
+def _gather(
+    own: IntArray, matrix: tuple[Array, Array, Array], place: IntArray, inner: Array, below: Array
+) -> None:
+    """Entries of the rows of a part at their places in its front; lower part."""
+    start, column, value = matrix
+    count = inner.shape[0]
+    for k in range(own.size):
+        for a in range(3):
+            row = 3 * own[k] + a
+            for j in range(start[row], start[row + 1]):
+                node = column[j] // 3
+                if place[node] < 0:
+                    continue
+                i = 3 * place[node] + column[j] - 3 * node
+                if i >= count:
+                    below[i - count, 3 * k + a] += value[j]
+                elif i >= 3 * k + a:
+                    inner[i, 3 * k + a] += value[j]
+
+
+def _extend_by(
+    child: _Part, part: _Part, left: list[Array], place: IntArray, front: _Front
+) -> None:
+    """Add what a child left."""
+    rows = (3 * place[child.outer][:, None] + np.arange(3)).ravel()
+    _extend(left[0], rows, front.inner, front.below, front.rest)
+    columns = np.searchsorted(part.columns, child.columns)
+    _extend_loads(left[1], rows, columns, front.loads, front.passed)
+
+
+@njit(cache=True)
+def _extend(child: Array, rows: IntArray, inner: Array, below: Array, rest: Array) -> None:
+    """Add the lower part of a child's matrix."""
+    count = inner.shape[0]
+    for j in range(rows.size):
+        for i in range(j, rows.size):
+            r, c = max(rows[i], rows[j]), min(rows[i], rows[j])
+            if r < count:
+                inner[r, c] += child[i, j]
+            elif c < count:
+                below[r - count, c] += child[i, j]
+            else:
+                rest[r - count, c - count] += child[i, j]
+
+
+@njit(cache=True)
+def _extend_loads(
+    child: Array, rows: IntArray, columns: IntArray, loads: Array, passed: Array
+) -> None:
+    """Add the load columns of a child."""
+    count = loads.shape[1]
+    for j in range(rows.size):
+        c = rows[j]
+        for i in range(columns.size):
+            if c < count:
+                loads[columns[i], c] += child[i, j]
+            else:
+                passed[columns[i], c - count] += child[i, j]
+
+
+def _eliminated(part: _Part, front: _Front, total: Array) -> _Front:
+    """Eliminate the own unknowns in place; the work of the loads on them joins the total."""
+    count, outer, loads = part.sizes
+    if not count:
         return front
-    lower, info = dpotrf(front[:count, :count], lower=1)
+    lower, info = dpotrf(front.inner, lower=1, clean=0, overwrite_a=1)
     if info != 0:
         raise GeometryError(
             "elastic body: found a body that is not held or not in one piece, allowed are bodies "
             "with a support or one that floats as a whole"
         )
-    below = dtrsm(1.0, lower, front[count:, :count], side=1, lower=1, trans_a=1)
-    outer = size - count
-    loads = below[outer:]
-    if columns.size:
-        work = dsyrk(1.0, loads, lower=1)
-        total[np.ix_(columns, columns)] += work
-    rest = np.asfortranarray(front[count:, count:])
+    below, rest, own, passed = front[1:]
     if outer:
-        rest[:outer] = dsyrk(-1.0, below[:outer], beta=1.0, c=rest[:outer], lower=1)
-        rest[outer:] -= loads @ below[:outer].T
-    return rest
+        below = dtrsm(1.0, lower, below, side=1, lower=1, trans_a=1, overwrite_b=1)
+        rest = dsyrk(-1.0, below, beta=1.0, c=rest, lower=1, overwrite_c=1)
+    if loads:
+        own = dtrsm(1.0, lower, own, side=1, lower=1, trans_a=1, overwrite_b=1)
+        total[np.ix_(part.columns, part.columns)] += dsyrk(1.0, own, lower=1)
+    if outer and loads:
+        passed = dgemm(-1.0, own, below, beta=1.0, c=passed, trans_b=1, overwrite_c=1)
+    return _Front(lower, below, rest, own, passed)
