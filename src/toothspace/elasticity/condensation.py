@@ -74,11 +74,13 @@ def _held(
         return stiffness, loads
     keep = np.ones(stiffness.shape[0])
     keep[fixed] = 0.0
-    mask = sp.diags(keep)
-    held = np.zeros_like(keep)
-    held[fixed] = stiffness.diagonal()[fixed]
-    # adding the diagonal keeps the pattern of 3 x 3 blocks
-    return (mask @ stiffness @ mask + sp.diags(held)).tocsr(), (mask @ loads).tocsr()
+    held = stiffness.copy()
+    rows = np.repeat(np.arange(keep.size), np.diff(held.indptr))
+    held.data *= keep[rows] * keep[held.indices]
+    # the diagonal stays, and with it the pattern of 3 x 3 blocks
+    own = (rows == held.indices) & (keep[rows] == 0.0)
+    held.data[own] = stiffness.data[own]
+    return held, (sp.diags(keep) @ loads).tocsr()
 
 
 def _node_graph(stiffness: sp.csr_matrix) -> sp.csr_matrix:

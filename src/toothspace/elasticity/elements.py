@@ -28,6 +28,10 @@ _A, _B = 0.5854101966249685, 0.1381966011250105
 _TET_POINTS = np.array([(_B, _B, _B), (_A, _B, _B), (_B, _A, _B), (_B, _B, _A)])
 
 
+_BATCH = 8192
+"""Elements whose matrices are held at a time."""
+
+
 def hooke(elastic_modulus: float, poisson_ratio: float) -> Array:
     """Stresses xx yy zz yz zx xy over strains (shear as angles). [Pa]."""
     shear = 0.5 * elastic_modulus / (1.0 + poisson_ratio)
@@ -162,22 +166,21 @@ def stiffness_matrix(mesh: Mesh, elastic_modulus: float, poisson_ratio: float) -
        analysis, Int. J. Numer. Methods Eng. 10 (1976) 1211-1219.
     """
     law = hooke(elastic_modulus, poisson_ratio)
-    if mesh.elements.shape[1] == 8:
-        blocks = _hexahedra(mesh.nodes, mesh.elements, law, HEX_SLOPES, HEX_BUBBLES)
-    else:
-        blocks = _tetrahedra(mesh.nodes, mesh.elements, law, TET_SLOPES)
-    return _assembled(mesh, blocks)
-
-
-def _assembled(mesh: Mesh, blocks: Array) -> sp.csr_matrix:
-    """Sum of element matrices, via blocks of 3 x 3 to keep the index arrays small."""
-    count, width = mesh.elements.shape
-    small = blocks.reshape(count, width, 3, width, 3).transpose(0, 1, 3, 2, 4)
-    order, start, column = _pattern(mesh.elements, len(mesh.nodes))
-    values = _sum_blocks(small.reshape(-1, 9), order, start.size and order.size, column.size)
-    blocks_3 = values.reshape(-1, 3, 3)
-    out = sp.bsr_matrix((blocks_3, column, start), shape=(mesh.unknowns, mesh.unknowns))
+    place, start, column = _pattern(mesh.elements, len(mesh.nodes))
+    width = mesh.elements.shape[1]
+    place = place.reshape(-1, width, width)
+    values = np.zeros((column.size, 3, 3))
+    for first in range(0, len(place), _BATCH):
+        some = slice(first, first + _BATCH)
+        _sum_blocks(_element_matrices(mesh.nodes, mesh.elements[some], law), place[some], values)
+    out = sp.bsr_matrix((values, column, start), shape=(mesh.unknowns, mesh.unknowns))
     return out.tocsr()
+
+
+def _element_matrices(nodes: Array, elements: IntArray, law: Array) -> Array:
+    if elements.shape[1] == 8:
+        return np.asarray(_hexahedra(nodes, elements, law, HEX_SLOPES, HEX_BUBBLES))
+    return np.asarray(_tetrahedra(nodes, elements, law, TET_SLOPES))
 
 
 def _pattern(elements: IntArray, count: int) -> tuple[IntArray, IntArray, IntArray]:
@@ -191,11 +194,16 @@ def _pattern(elements: IntArray, count: int) -> tuple[IntArray, IntArray, IntArr
 
 
 @njit(cache=True)
-def _sum_blocks(blocks: Array, place: IntArray, count: int, size: int) -> Array:
-    out = np.zeros((size, 9))
-    for k in range(count):
-        out[place[k]] += blocks[k]
-    return out
+def _sum_blocks(matrices: Array, place: IntArray, values: Array) -> None:
+    """Add blocks of 3 x 3 of element matrices at their places."""
+    count, width, _ = place.shape
+    for e in range(count):
+        for a in range(width):
+            for b in range(width):
+                target = values[place[e, a, b]]
+                for i in range(3):
+                    for j in range(3):
+                        target[i, j] += matrices[e, 3 * a + i, 3 * b + j]
 
 
 def nodal_masses(mesh: Mesh, density: float) -> Array:
