@@ -13,7 +13,7 @@ from toothspace.core.types import Array, BoolArray, IntArray
 _LEAF = 96
 """Nodes below which a part is not divided."""
 
-_SMALLEST = 0.3
+_SMALLEST = 0.2
 """Share of the nodes that the smaller half has at least."""
 
 
@@ -111,7 +111,7 @@ def _reach(
 
 
 def _best_cut(axis: int, place: Array, lowest: Array, highest: Array) -> _Cut | None:
-    """Plane across an axis with few nodes in the way and halves of like size."""
+    """Plane across an axis with few nodes in the way for the entropy of the halves."""
     ranked, count = np.sort(place), place.size
     first, last = int(_SMALLEST * count), int((1.0 - _SMALLEST) * count)
     levels = np.unique(ranked[first : last + 1])
@@ -123,7 +123,8 @@ def _best_cut(axis: int, place: Array, lowest: Array, highest: Array) -> _Cut | 
         below - np.searchsorted(np.sort(highest), levels),
         np.searchsorted(np.sort(lowest), levels) - below,
     )
-    uneven = np.maximum(below, count - below) / count - 0.5
-    cost = np.minimum(*crossing) * (1.0 + uneven)
+    share = below / count
+    order = -share * np.log(share) - (1.0 - share) * np.log(1.0 - share)
+    cost = np.minimum(*crossing) / order
     k = int(np.argmin(cost))
     return _Cut(float(cost[k]), axis, float(levels[k]), bool(crossing[0][k] <= crossing[1][k]))
