@@ -109,8 +109,11 @@ class InfluenceMatrix:
 _FILM_ORDER = 4
 """Quadrature points along the edge of a face of a film surface."""
 
-_WORST_GRAM = 0.25
-"""Smallest eigenvalue of the scaled products of hat functions; 0.5 if well resolved. [-]"""
+_WORST_GRAM = 0.12
+"""Smallest eigenvalue of the scaled products of hat functions. [-]
+
+Well resolved, it is 0.5 on triangles and 0.25 on quadrilaterals.
+"""
 
 
 class _Columns(NamedTuple):

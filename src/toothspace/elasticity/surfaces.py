@@ -25,6 +25,9 @@ Side = Literal["top", "bottom", "lateral"]
 _CHORD = 0.06
 """Largest distance of the boundary from the chords between nodes over their spacing. [-]"""
 
+_ON_RADIUS = 0.005
+"""Distance over the radius up to which a face belongs to a cylinder. [-]"""
+
 _NEAREST = 12
 """Triangles that are tried for a point."""
 
@@ -165,10 +168,13 @@ class CylinderSurface:
 
     def select(self, mesh: Mesh) -> BoolArray:
         """Faces of a mesh that belong to the surface."""
-        centre, _ = mesh.face_frames()
+        centre, normal = mesh.face_frames()
         p = mesh.nodes[mesh.faces]
         radii = np.hypot(p[:, :, 0] - self.center[0], p[:, :, 1] - self.center[1])
-        on = np.abs(radii.max(axis=1) / self.radius - 1.0) < 0.02
+        on = np.abs(radii.max(axis=1) / self.radius - 1.0) < _ON_RADIUS
+        outward = centre[:, :2] - np.asarray(self.center)
+        along = np.abs((outward * normal[:, :2]).sum(axis=1))
+        on &= along > 0.7 * np.hypot(*outward.T) * np.hypot(*normal[:, :2].T)
         between = (centre[:, 2] > self.bottom) & (centre[:, 2] < self.top)
         return np.asarray(on & between & looks(mesh, "lateral"))
 

@@ -1,0 +1,141 @@
+"""Journal bearing whose wall is a thin diaphragm with a free edge: film and wall together."""
+
+from __future__ import annotations
+
+import csv
+from itertools import pairwise
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+import shapely
+
+from toothspace.core.status import Status
+from toothspace.elasticity import (
+    CylinderSurface,
+    ElasticBody,
+    Prism,
+    Support,
+    SweptShape,
+    annulus,
+    influence_matrix,
+)
+from toothspace.films import Groove, JournalBearing
+from toothspace.films.cavitation import CAVITATION
+from toothspace.films.elastic_film import elastic_walls, solve_elastic_film
+from toothspace.films.film_fluid import FilmFluid
+from toothspace.films.journal_solution import JournalBearingSolution
+from toothspace.films.plane_film import PlaneFilm, PlanePoints
+
+RADIUS, HALF_WIDTH, CLEARANCE = 0.1, 0.1, 150e-6
+VISCOSITY = 9.29e-3
+THICKNESS, RIM = 1e-3, 0.5e-3
+LENGTH, FREE_HALF, END_HALF = np.radians(132.0), 64e-3, 7.5e-3
+SLOT = 1e-3 / RADIUS
+
+
+def _published(name: str) -> tuple[np.ndarray, np.ndarray]:
+    rows = list(csv.reader((Path(__file__).parent / name).read_text().splitlines()))[1:]
+    angle, value = np.array(rows, dtype=float).T
+    return angle, value
+
+
+def _rigid() -> JournalBearingSolution:
+    bearing = JournalBearing(
+        diameter=2.0 * RADIUS,
+        length=2.0 * HALF_WIDTH,
+        radial_clearance=CLEARANCE,
+        dynamic_viscosity=VISCOSITY,
+        grid=(120, 21),
+        grooves=(Groove(0.0, SLOT, 2.0 * HALF_WIDTH, 0.0),),
+        end_pressure=0.0,
+        cavitation_pressure=0.0,
+    )
+    return bearing.solve(eccentricity=(-0.3, 0.0), shaft_speed=28.0 / (RADIUS - CLEARANCE))
+
+
+def _wedge(first: float, last: float) -> shapely.Polygon:
+    angle = np.linspace(first, last, 2 + int((last - first) / np.radians(2.0)))
+    rim = 2.0 * RADIUS * np.column_stack([np.cos(angle), np.sin(angle)])
+    return shapely.Polygon(np.vstack([[[0.0, 0.0]], rim]))
+
+
+def _shell() -> ElasticBody:
+    """Half of the bearing, z = 0 its mirror plane; the taper of the undercut in steps along z."""
+    ring = annulus(RADIUS, RADIUS + THICKNESS + RIM)
+    back = annulus(RADIUS + THICKNESS, 1.5 * RADIUS)
+    slotted = ring.difference(_wedge(-0.5 * SLOT, 0.5 * SLOT))
+    levels = np.concatenate([[0.0], np.linspace(END_HALF, FREE_HALF, 12)])
+    parts = [Prism(ring, FREE_HALF, HALF_WIDTH)]
+    for low, high in pairwise(levels):
+        taper = (FREE_HALF - 0.5 * (low + high)) / (FREE_HALF - END_HALF)
+        end = LENGTH * min(1.0, taper) + 0.5 * SLOT
+        parts.append(Prism(slotted.difference(back & _wedge(0.5 * SLOT, end)), low, high))
+    held = Support("lateral", annulus(RADIUS + THICKNESS + 0.9 * RIM, 1.5 * RADIUS))
+    mirror = Support("bottom", shapely.box(-1.0, -1.0, 1.0, 1.0), tangential_stiffness=0.0)
+    bore = CylinderSurface("bore", RADIUS, 0.0, HALF_WIDTH, (90, 9))
+    shape = SweptShape(tuple(parts), 3e-3, 7e-3)
+    return ElasticBody(shape, 200e9, 0.3, 7850.0, (bore,), (), (held, mirror))
+
+
+class Found(NamedTuple):
+    """Mid plane of the elastic bearing."""
+
+    angle: np.ndarray  # [deg]
+    pressure: np.ndarray  # [kPa]
+    deflection: np.ndarray  # [um]
+    settled: bool
+
+
+@pytest.fixture(scope="module")
+def bearing() -> Found:
+    """Film and diaphragm, from the deflection that the pressure of the rigid bearing causes."""
+    film = _rigid().film
+    flat = np.zeros_like(film.gap.centre)
+    points = PlanePoints(flat, flat, (flat, flat), (flat, flat))
+    plane = PlaneFilm(
+        film.grid, film.gap, points, FilmFluid(VISCOSITY), 0.0, CAVITATION["jfo"], film.mesh.weight
+    )
+    angle, level = (a.ravel() for a in np.meshgrid(film.mesh.angle, film.mesh.axial, indexing="ij"))
+    cells = np.column_stack([RADIUS * np.cos(angle), RADIUS * np.sin(angle), level])
+    matrix = influence_matrix(_shell(), estimate_error=False)
+    walls = elastic_walls([(matrix, "bore", cells)])
+    push = walls.spread.T @ (film.gauge * film.grid.area).ravel()
+    found = solve_elastic_film(plane, walls, start=(walls.compliance @ push, np.zeros(0)))
+    deflection = (walls.spread @ found.deformation).reshape(flat.shape)[:, 0]
+    return Found(
+        np.degrees(film.mesh.angle),
+        1e-3 * found.plane.pressure[:, 0],
+        1e6 * deflection,
+        found.status is Status.DONE,
+    )
+
+
+def test_rigid_wall_misses_the_published_peak() -> None:
+    """The diaphragm is seen in the pressure: without it a fifth of the peak is missing."""
+    _, published = _published("pressure.csv")
+    assert 1e-3 * _rigid().pressure.max() < 0.85 * published.max()
+
+
+@pytest.mark.slow
+def test_pressure_in_the_mid_plane(bearing: Found) -> None:
+    angle, published = _published("pressure.csv")
+    found = np.interp(angle, bearing.angle, bearing.pressure, period=360.0)
+    error = np.abs(found - published) / published.max()
+    assert bearing.settled
+    assert error[angle <= 160.0].max() < 0.10
+    assert error.max() < 0.15
+    assert error.mean() < 0.05
+    assert bearing.pressure.max() == pytest.approx(published.max(), rel=0.05)
+    assert 120.0 <= bearing.angle[np.argmax(bearing.pressure)] <= 130.0
+
+
+@pytest.mark.slow
+def test_deflection_in_the_mid_plane(bearing: Found) -> None:
+    angle, published = _published("deflection.csv")
+    found = np.interp(angle, bearing.angle, bearing.deflection, period=360.0)
+    error = np.abs(found - published)[1:] / published.max()
+    assert error.max() < 0.10
+    assert error.mean() < 0.04
+    assert 130.0 < bearing.deflection.max() < 1.1 * published.max()
