@@ -17,6 +17,7 @@ from toothspace.config import load_case
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.films.lateral_gap.friction import BREAKAWAY_RATIO
+from toothspace.model.lateral_balance import HousingContact
 from toothspace.plotting.catalogue import FIGURES
 from toothspace.plotting.film_maps import lateral_films
 from toothspace.plotting.study_figures import study_figures
@@ -27,6 +28,7 @@ from toothspace.solver.lateral_gap import LateralProblem, LateralSettings, numbe
 from toothspace.studies import balance_sweep, bearing_map, hysteresis
 from toothspace.studies.balance_sweep import GAPS, FilmTable, claims, follow
 from toothspace.studies.found_point import found_point
+from toothspace.studies.friction_curves import friction_curves
 from toothspace.studies.study import StudyContext
 
 CASES = Path(__file__).parents[2] / "cases"
@@ -201,6 +203,24 @@ def test_loop_shows_measured_positions(monkeypatch: pytest.MonkeyPatch, tmp_path
     assert isinstance(result.data, xr.Dataset)
     names = [figure.name for figure in study_figures("hysteresis", result.data)]
     assert names == ["positions", "contact", "film_height", "wear"]
+
+
+def test_friction_curves_peak_at_their_breakaway_speed() -> None:
+    """Peaks of 2.5 times the Coulomb force of every coefficient, at every breakaway speed."""
+    contact = HousingContact(friction_coefficient=0.008, breakaway_speed=6.45e-3)
+    curves = friction_curves(contact, 250.0)
+    force = curves["friction_curve_force_N"].values
+    velocity = curves["bearing_velocity_mm_per_s"].values
+    coefficient = curves["friction_curve_coefficient"].values
+    # the hyperbolic tangent at a tenth of the speed adds the Coulomb force to the peak
+    assert force.max(axis=1) == pytest.approx(250.0 * coefficient / 0.008, rel=5e-3)
+    peaks = curves["friction_curve_breakaway_speed_mm_per_s"].values
+    assert velocity[np.argmax(force, axis=1)] == pytest.approx(peaks, rel=0.06)
+    assert force == pytest.approx(-force[:, ::-1], rel=1e-12, abs=1e-9)
+    study = hysteresis.LateralStudy("hysteresis", ("a",), (found_point(_coupled()),), (20e5,))
+    figures = study_figures("hysteresis", study.dataset().merge(curves))
+    assert "friction_law" in [figure.name for figure in figures]
+    assert not friction_curves(replace(contact, friction_coefficient=0.0), 0.0).data_vars
 
 
 @pytest.mark.parametrize(

@@ -336,3 +336,39 @@ def test_solid_bearing_that_lifts_off_or_tips_is_told() -> None:
     assert seat_warning(numbers) == ""
     assert "tips on its cover" in seat_warning(replace(numbers, seat_margin=-1e-3))
     assert "lifts off its cover: 12 N" in seat_warning(replace(numbers, seat_force=-12.0))
+
+
+def test_axial_force_of_helical_teeth_presses_the_gear_to_the_floating_side() -> None:
+    """Positive along z: the floating film carries it, the solid one is relieved of it."""
+    push = 200.0
+    stack = ring_stack(approach=APPROACH, high_share=SHARE)
+    helical = replace(stack, balance=replace(stack.balance, body_forces=(push,)))
+    plain, pushed = (_settled(s, HIGH, 2e-6).balance for s in (stack, helical))
+    carried = []
+    for state in (plain.states[0], pushed.states[0]):
+        carried.append([float(((f.total - LOW) * f.grid.area).sum()) for f in state.films])
+    assert carried[0][0] == pytest.approx(carried[0][1], rel=1e-5)
+    assert carried[1][0] == pytest.approx(carried[0][0], rel=1e-5)
+    assert carried[1][0] - carried[1][1] == pytest.approx(push, rel=1e-3)
+    near, far = (float(f.gap.mean()) for f in pushed.states[0].films)
+    assert near < far
+    seats = [float(b.states[0].solid_seat(LOW)[0]) for b in (plain, pushed)]
+    assert seats[0] - seats[1] == pytest.approx(push, rel=1e-3)
+
+
+def test_films_scale_with_viscosity_and_speed_over_pressure() -> None:
+    """Viscosity times speed over pressure is one number: all pressures double with the speed."""
+    one = ring_stack(rough=False, limit=0.0, speed=300.0)
+    two = ring_stack(rough=False, limit=0.0, speed=600.0)
+    place = one.start(4e-6)
+    scenes = [s.scene(0.0, k * pressures(HIGH)) for s, k in ((one, 1.0), (two, 2.0))]
+    flat = [np.zeros((g.rows, g.lanes)) for g in one.grids]
+    still = np.zeros(one.size)
+    films = [
+        s.solve(scene, place, still, None, flat).films[0]
+        for s, scene in zip((one, two), scenes, strict=True)
+    ]
+    np.testing.assert_allclose(films[1].pressure, 2.0 * films[0].pressure, rtol=1e-7)
+    lost = [film.friction() for film in films]
+    assert lost[1].bore_flow == pytest.approx(2.0 * lost[0].bore_flow, rel=1e-7)
+    assert lost[1].shear == pytest.approx(4.0 * lost[0].shear, rel=1e-7)

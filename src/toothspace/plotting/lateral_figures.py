@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, final
 
 import numpy as np
 
+from toothspace.films.lateral_gap.friction import BREAKAWAY_RATIO
 from toothspace.plotting.film_maps import HEIGHT, WEAR, point_maps
 from toothspace.plotting.style import BLUE, CYCLE, GREY, INK, ORANGE, new_figure, styled
 
@@ -14,6 +15,10 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+
+_MARKS = ("-o", "--s", "-.^", ":v", "-D", "--x")
+"""Lines that lie on one another must be told apart."""
 
 
 @final
@@ -36,6 +41,7 @@ def hysteresis_figures(data: xr.Dataset) -> list[StudyFigure]:
             loops(data),
         ),
         *_contact(data),
+        *_friction(data),
         *film_figures(data),
     ]
 
@@ -65,6 +71,17 @@ def _contact(data: xr.Dataset) -> list[StudyFigure]:
         "housing: full line up, broken line down."
     )
     return [StudyFigure("contact", caption, loops(data, CONTACT_PANELS))]
+
+
+def _friction(data: xr.Dataset) -> list[StudyFigure]:
+    if "friction_curve_force_N" not in data:
+        return []
+    caption = (
+        "Friction in the housing over the velocity of the bearing at the point with the largest "
+        "one: other coefficients (left), other breakaway speeds (right). Dotted: the set-valued "
+        "law, which holds the bearing at rest up to the breakaway force."
+    )
+    return [StudyFigure("friction_law", caption, friction_lines(data))]
 
 
 def nose_figures(data: xr.Dataset) -> list[StudyFigure]:
@@ -117,16 +134,56 @@ def _loop(axes: Axes, data: xr.Dataset, name: str) -> None:
 
 
 @styled
+def friction_lines(data: xr.Dataset) -> Figure:
+    """Friction over velocity: smooth law with other parameters, and the set-valued one."""
+    figure = new_figure(7.2, 3.2)
+    velocity = data["bearing_velocity_mm_per_s"].values
+    varied = data["friction_curve_varied"].values
+    shown = (
+        ("friction_coefficient", "friction_curve_coefficient", "µ = {:.3g}"),
+        (
+            "breakaway_speed",
+            "friction_curve_breakaway_speed_mm_per_s",
+            "peak at {:.3g} mm/s",
+        ),
+    )
+    for axes, (name, values, text) in zip(figure.subplots(1, 2, sharey=True), shown, strict=True):
+        for color, k in zip(CYCLE, np.flatnonzero(varied == name), strict=False):
+            label = text.format(float(data[values][k]))
+            force = data["friction_curve_force_N"].values[k]
+            axes.plot(velocity, force, color=color, label=label)
+        axes.set_xlabel("Velocity of the bearing (mm/s)")
+        axes.legend()
+    figure.axes[0].set_ylabel("Friction in the housing (N)")
+    coulomb, held = _set_valued(data)
+    figure.axes[0].plot(
+        [velocity[0], 0.0, 0.0, 0.0, 0.0, velocity[-1]],
+        [-coulomb, -coulomb, -held, held, coulomb, coulomb],
+        ":",
+        color=INK,
+        lw=0.9,
+    )
+    return figure
+
+
+def _set_valued(data: xr.Dataset) -> tuple[float, float]:
+    """Coulomb and breakaway force of the set-valued law of the study. [N]."""
+    held = float(data["breakaway_force_N"].max())
+    return held / BREAKAWAY_RATIO, held
+
+
+@styled
 def nose_lines(data: xr.Dataset) -> Figure:
     """Position over the nose pressure over the outlet pressure, one line per condition."""
     figure = new_figure(7.2, 3.2)
     axes = figure.subplots()
     names = [str(label).rpartition(",")[0] for label in data["point_label"].values]
     ratio = data["nose_pressure_bar"].values / data["outlet_pressure_bar"].values
-    for color, name in zip(CYCLE, dict.fromkeys(names), strict=False):
+    looks = zip(CYCLE, _MARKS, strict=False)
+    for (color, mark), name in zip(looks, dict.fromkeys(names), strict=False):
         own = [k for k, other in enumerate(names) if other == name]
         position = data["bearing_position_um"].values[own]
-        axes.plot(ratio[own], position, "-o", color=color, ms=4, label=name)
+        axes.plot(ratio[own], position, mark, color=color, ms=5, mfc="none", label=name)
     axes.set_xlabel("Nose pressure over outlet pressure")
     axes.set_ylabel("Bearing position (µm)")
     axes.legend()

@@ -14,6 +14,7 @@ from toothspace.core.types import Array
 from toothspace.core.units import parse_quantity
 from toothspace.model.lateral_balance import HousingContact
 from toothspace.studies.found_point import point_key
+from toothspace.studies.friction_curves import friction_curves
 from toothspace.studies.lateral_points import (
     LateralStudy,
     PointCondition,
@@ -56,12 +57,24 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     # a file that cannot be read should not cost the hours before it is needed
     measured = None if spec.measured is None else read_positions(spec.measured)
     study = follow_pressures(case, context)
-    whole = not study.interrupted
-    numbers = {"loop_area_um_bar": loop_area(study) * 1e6 * 1e-5} if whole else {}
+    numbers: dict[str, Any] = {}
+    if not study.interrupted:
+        numbers["loop_area_um_bar"] = loop_area(study) * 1e6 * 1e-5
+    highest = max(point.breakaway_force for point in study.points)
+    curves = friction_curves(_contact(spec), highest)
     if measured is None:
-        return study.result(case, numbers)
+        return study.result(case, numbers, curves)
     beside = lay_over(measured, spec.sensor_deflection or 0.0)
-    return study.result(case, {**numbers, **_deviations(study, beside)}, beside)
+    numbers |= _deviations(study, beside)
+    return study.result(case, numbers, beside.merge(curves))
+
+
+def _contact(spec: HysteresisStudy) -> HousingContact:
+    return HousingContact(
+        friction_coefficient=spec.friction_coefficient,
+        breakaway_speed=spec.breakaway_speed,
+        law=spec.friction_law,
+    )
 
 
 def follow_pressures(case: Case, context: StudyContext | None = None) -> LateralStudy:
@@ -93,11 +106,7 @@ def follow_pressures(case: Case, context: StudyContext | None = None) -> Lateral
     study = case.study
     if not isinstance(study, HysteresisStudy):
         raise CaseError('study.kind: found another study, allowed "hysteresis"')
-    friction = HousingContact(
-        friction_coefficient=study.friction_coefficient,
-        breakaway_speed=study.breakaway_speed,
-        law=study.friction_law,
-    )
+    friction = _contact(study)
     points = prepare(case, friction, "hysteresis")
     base = case.operating_point
     assert base is not None

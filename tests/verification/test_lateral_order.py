@@ -1,0 +1,96 @@
+"""Order of convergence of masked lateral films on their grid, and of the march in time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from tests.lateral_stack import (
+    HIGH,
+    HIGH_NODE,
+    INNER,
+    LOW,
+    OUTER,
+    VISCOSITY,
+    loads,
+    pressures,
+    ring_stack,
+)
+from toothspace.films.lateral_gap.equilibrium import march_angles
+from toothspace.films.lateral_gap.faces import FaceGrid
+from toothspace.films.lateral_gap.motion import StepSettings, rest_at
+from toothspace.films.lateral_gap.stack import BackPressure, Stack
+from toothspace.model.lateral_balance import LAND, FaceCells
+
+GAP = 5e-6
+RIMS = np.linspace(16e-3, 20e-3, 12, endpoint=False)
+"""Edges of the land at all places within a cell. [m]"""
+
+
+@dataclass(frozen=True)
+class _Land:
+    """Film within a radius, a chamber at high pressure beyond it."""
+
+    radius: float
+
+    def __call__(self, shaft_angle: float, x: np.ndarray, y: np.ndarray) -> FaceCells:
+        inside = np.hypot(x, y) <= self.radius
+        every = np.ones_like(inside)
+        return FaceCells(np.where(inside, LAND, HIGH_NODE), every, every)
+
+
+def _ring(radius: float, lanes: int) -> Stack:
+    stack = ring_stack(rough=False, cells=(8, lanes))
+    grids = tuple(
+        FaceGrid(replace(grid.interface, face_map=_Land(radius)), 8, lanes) for grid in stack.grids
+    )
+    return replace(stack, grids=grids)
+
+
+def _errors(radius: float, lanes: int) -> tuple[float, float]:
+    """Relative errors of leakage Q = pi h^3 dp / (6 mu ln r/ri) and load."""
+    stack = _ring(radius, lanes)
+    scene = stack.scene(0.0, pressures(HIGH))
+    flat = [np.zeros((grid.rows, grid.lanes)) for grid in stack.grids]
+    still = np.zeros(stack.size)
+    film = stack.solve(scene, stack.start(GAP), still, None, flat).films[0]
+    fall, logarithm = HIGH - LOW, np.log(radius / INNER)
+    leakage = np.pi * GAP**3 * fall / (6.0 * VISCOSITY * logarithm)
+    ring = radius**2 - (radius**2 - INNER**2) / (2.0 * logarithm)
+    load = np.pi * fall * (ring + OUTER**2 - radius**2)
+    carried = float(((film.pressure - LOW) * film.grid.area).sum())
+    return abs(film.friction().bore_flow / leakage - 1.0), abs(carried / load - 1.0)
+
+
+def test_film_between_cells_and_edges_converges_with_first_order() -> None:
+    """Edges fall anywhere within a cell: means over twelve places of the edge."""
+    errors = np.array(
+        [np.mean([_errors(rim, lanes) for rim in RIMS], axis=0) for lanes in (10, 20, 40, 80)]
+    )
+    order = np.log2(errors[0] / errors[-1]) / 3.0
+    assert np.all(order > 0.8)
+    assert np.all(order < 1.2)
+    assert np.all(errors[1] < (0.05, 0.02))
+
+
+def _closed(stack: Stack, start: np.ndarray, steps: int) -> float:
+    """Position after a step of the pressure behind the bearing, half a radian later. [m]."""
+    closing = loads(HIGH)._replace(back=BackPressure(1.05 * HIGH, LOW, LOW))
+    rest = rest_at(stack, (stack.scene(0.0, pressures(HIGH)),), start)
+    angles = np.arange(1, steps + 1) / steps
+    settings = StepSettings(force_tolerance=1e-9, film_tolerance=1e-7)
+    march = march_angles(stack, lambda _: pressures(HIGH), closing, rest, angles, settings)
+    assert march.converged
+    return float(march.balances[-1].position[0])
+
+
+def test_march_converges_with_first_order_in_time() -> None:
+    """Implicit Euler: the error halves with the step."""
+    stack = ring_stack(approach=3e-13, high_share=0.72)
+    start = stack.start(3.2e-6)
+    path = np.array([_closed(stack, start, steps) for steps in (4, 8, 16)])
+    # differences of neighbours need no exact solution
+    change = np.diff(path)
+    order = np.log2(change[:-1] / change[1:])
+    assert np.all(np.abs(order - 1.0) < 0.15)
