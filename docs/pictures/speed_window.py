@@ -19,7 +19,7 @@ from toothspace.config import load_case
 from toothspace.model.lateral_balance import HousingContact
 from toothspace.plotting.style import BLUE, GREEN, GREY, ORANGE, new_figure, save_figure, styled
 from toothspace.solver.lateral_gap import lateral_problem
-from toothspace.studies import balance_sweep
+from toothspace.studies import StudyContext, balance_sweep
 from toothspace.studies.lateral_points import LateralPoints, PointCondition, prepare
 
 HERE = Path(__file__).resolve().parent
@@ -52,7 +52,9 @@ def tables_of(case):
     for one in case.study.conditions:
         point = replace(case.operating_point, shaft_speed=one.shaft_speed)
         asked = replace(sweep, outlet_pressures=(one.outlet_pressure,))
-        found[one.name] = balance_sweep.film_tables(replace(case, operating_point=point), asked)[0]
+        found[one.name] = balance_sweep.film_tables(
+            replace(case, operating_point=point), asked, StudyContext()
+        )[0]
     return found
 
 

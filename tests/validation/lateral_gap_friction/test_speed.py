@@ -14,6 +14,7 @@ from toothspace.case.study import BalanceSweepStudy, NosePressureStudy
 from toothspace.config import load_case
 from toothspace.model.lateral_balance import HousingContact
 from toothspace.solver.lateral_gap import lateral_problem
+from toothspace.studies import StudyContext
 from toothspace.studies.balance_sweep import FilmTable, film_tables, follow
 from toothspace.studies.lateral_points import LateralPoints, PointCondition, prepare
 
@@ -70,7 +71,9 @@ def tables() -> dict[str, FilmTable]:
     for one in case.study.conditions:
         point = replace(case.operating_point, shaft_speed=one.shaft_speed)
         asked = replace(sweep, outlet_pressures=(one.outlet_pressure,))
-        found[one.name] = film_tables(replace(case, operating_point=point), asked)[0]
+        found[one.name] = film_tables(replace(case, operating_point=point), asked, StudyContext())[
+            0
+        ]
     return found
 
 
