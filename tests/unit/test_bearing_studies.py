@@ -13,6 +13,7 @@ import xarray as xr
 
 from tests.lateral_stack import loads, pressures, ring_stack
 from toothspace.case.study import BalanceSweepStudy, BearingMapStudy, HysteresisStudy
+from toothspace.closures.real_contact import real_contact_share
 from toothspace.config import load_case
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
@@ -162,10 +163,32 @@ def test_films_of_a_run_are_drawn_on_both_sides() -> None:
     assert all(name in one or name in one.coords for name in entry.needs)
 
 
-def test_real_contact_area_is_the_asperity_load_over_the_hardness() -> None:
-    numbers = _coupled().numbers
-    assert numbers.contact_force > 0.0
-    assert numbers.real_contact_area == pytest.approx(numbers.contact_force / 1e9, rel=1e-12)
+def test_real_contact_area_follows_the_asperity_pressure() -> None:
+    """Yielding spots carry 0.96 of the hardness; rings of the tests have smooth interfaces."""
+    point = _coupled()
+    assert point.numbers.contact_force > 0.0
+    assert point.numbers.real_contact_area == 0.0
+    grids = [
+        replace(g, interface=replace(g.interface, moving_roughness=3e-7, resting_roughness=3e-7))
+        for g in point.problem.stack.grids
+    ]
+    states = [
+        replace(s, films=tuple(replace(f, grid=g) for f, g in zip(s.films, grids, strict=True)))
+        for s in point.equilibrium.balance.states
+    ]
+    numbers = numbers_of(point.problem, replace(point.equilibrium.balance, states=tuple(states)))
+    expected = numbers.contact_force / 0.96e9
+    assert numbers.real_contact_area == pytest.approx(expected, rel=1e-12)
+
+
+def test_real_contact_share_is_that_of_the_boundary_element_solution() -> None:
+    """Elastic solutions (pressure and share) of periodic Gaussian surfaces of 256 x 256 points."""
+    pressure = np.array([1.49e-3, 6.58e-3, 2.40e-2, 5.74e-2, 1.62e-1])
+    solved = np.array([0.0066, 0.0306, 0.1046, 0.235, 0.546])
+    found = real_contact_share(pressure, 2.0 / np.pi, 1.0, 1.0, 1e9)
+    assert found == pytest.approx(solved, rel=0.08)
+    soft = real_contact_share(pressure, 2.0 / np.pi, 1.0, 1.0, 0.1)
+    assert soft == pytest.approx(np.minimum(pressure / 0.096, 1.0))
 
 
 def test_measured_positions_are_corrected_for_the_sensor(tmp_path: Path) -> None:

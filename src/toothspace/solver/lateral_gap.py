@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, final
 import numpy as np
 
 from toothspace.closures.fluid_law import FluidLaw
+from toothspace.closures.real_contact import real_contact_share
 from toothspace.closures.viscosity import HIGHEST_PRESSURE
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
@@ -163,8 +164,7 @@ class LateralNumbers:
     contact_force : float
         Load that asperities carry. [N]
     real_contact_area : float
-        Asperity load over the hardness of the softer face: the real area of contact if every spot
-        yields, the smallest that it can be. [m2]
+        Area of touching asperities by ``toothspace.closures.real_contact``. [m2]
     contact_share : float
         Part of the film area with asperity pressure above 1e-4 of the hardness. [-]
     wear_power : float
@@ -393,7 +393,14 @@ def wear_power(film: FaceFilm, shaft_speed: float) -> Array:
 
 
 def _real_area(film: FaceFilm) -> float:
-    return float((film.contact * film.grid.area).sum()) / film.grid.interface.hardness
+    own = film.grid.interface
+    roughness = float(np.hypot(own.moving_roughness, own.resting_roughness))
+    if roughness <= 0.0:
+        return 0.0
+    share = real_contact_share(
+        film.contact, roughness, own.correlation_length, own.effective_modulus, own.hardness
+    )
+    return float((share * film.grid.area).sum())
 
 
 def _contact_share(film: FaceFilm) -> float:
