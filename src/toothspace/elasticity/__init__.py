@@ -5,6 +5,7 @@ module          responsibility
 ==============  ==========================================================
 triangulation   plane regions to triangles
 mesh            bodies swept along z, and their outer faces
+solid_file      bodies of STEP files
 elements        stiffness and mass of solid elements
 dissection      order of elimination
 condensation    large stiffness to flexibility of chosen loads
@@ -22,6 +23,7 @@ from toothspace.elasticity.body import ElasticBody, Support, SweptShape
 from toothspace.elasticity.influence import InfluenceMatrix, influence_matrix
 from toothspace.elasticity.loads import AreaPressure, LateralPressure, journal_load
 from toothspace.elasticity.mesh import Prism, annulus, disc
+from toothspace.elasticity.solid_file import SolidFile
 from toothspace.elasticity.surfaces import CylinderSurface, PlaneSurface
 
 __all__ = [
@@ -32,6 +34,7 @@ __all__ = [
     "LateralPressure",
     "PlaneSurface",
     "Prism",
+    "SolidFile",
     "Support",
     "SweptShape",
     "annulus",

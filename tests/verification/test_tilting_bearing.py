@@ -1,0 +1,85 @@
+"""Bearing and gears of the fuel pump that lift and tilt freely and come to rest."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from toothspace.api import condition_of, lateral_settings, run_in_machine
+from toothspace.config import load_case
+from toothspace.core.errors import CaseError
+from toothspace.films.lateral_gap.equilibrium import Equilibrium
+from toothspace.solver.lateral_gap import LateralProblem, lateral_problem
+
+CASE = Path(__file__).parents[2] / "cases" / "hysteresis_055.toml"
+WALL = 1e6
+DISTANCE = 63.06e-3
+
+pytestmark = [pytest.mark.verification, pytest.mark.slow]
+
+
+def _problem(*changes: str) -> LateralProblem:
+    given = [
+        "run.max_revolutions=3",
+        'machine.floating_bearing.motion="full"',
+        f'machine.floating_bearing.wall_stiffness="{WALL} N m/rad"',
+        'operating_point.outlet_pressure="38.8 bar"',
+    ]
+    case = load_case(CASE, [*given, *changes])
+    machine = run_in_machine(case)
+    data = machine.solve(condition_of(case, machine.description)).data
+    settings = replace(lateral_settings(case), grid=(84, 10), angles=2)
+    return lateral_problem(machine.description, machine.fluid, data, settings)
+
+
+def _moment(problem: LateralProblem, found: Equilibrium) -> float:
+    """Mean moment about y of films, back and springs on the bearing. [N m]."""
+    back = problem.loads.back
+    forces = [s.film_force() + s.back_force(back) for s in found.balance.states]
+    return float(np.mean(forces, axis=0)[2])
+
+
+def test_bearing_leans_on_the_wall_and_gears_stand_between_equal_films() -> None:
+    """Two alike films on both sides of a gear leave it halfway between the bearings, tilt included.
+
+    Pressure behind it acts nearer to the outlet than that of the films, so the bearing opens
+    towards the inlet (positive about y); it stands higher over the driven gear (positive about x).
+    """
+    problem = _problem()
+    found = problem.settle(problem.started(2e-6))
+    q = found.balance.position
+    assert found.rests
+    assert found.balance.residual < 1e-6
+    bearing, drive, driven = q[:3], q[3:6], q[6:9]
+    assert drive == pytest.approx(0.5 * bearing, rel=1e-3)
+    assert driven[1:] == pytest.approx(0.5 * bearing[1:], rel=1e-3)
+    assert driven[0] == pytest.approx(0.5 * (bearing[0] + bearing[1] * DISTANCE), rel=1e-3)
+    assert _moment(problem, found) == pytest.approx(WALL * bearing[2], rel=1e-3)
+    assert 0.0 < bearing[1] < 1e-4
+    assert 0.0 < bearing[2] < 1e-4
+
+
+def test_bending_bodies_are_refused_for_a_split_bearing() -> None:
+    with pytest.raises(CaseError, match=r"run\.deformation: found 'bodies' with machine\."):
+        _problem("machine.floating_bearing.split=true", 'run.deformation="bodies"')
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        ['machine.lateral.arrangement="symmetric"'],
+        ['machine.lateral.arrangement="plates"', 'machine.floating_bearing.length="6 mm"'],
+    ],
+)
+def test_gears_stay_in_the_middle_between_two_tilting_bearings(changes: list[str]) -> None:
+    problem = _problem(*changes)
+    found = problem.settle(problem.started(2e-6))
+    q = found.balance.position
+    assert found.rests
+    middle, other = 2e-6, q[9:12]
+    assert q[3:9] == pytest.approx([middle, 0.0, 0.0] * 2, abs=1e-9)
+    assert other[0] - middle == pytest.approx(middle - q[0], rel=1e-3)
+    assert other[1:] == pytest.approx(-q[1:3], rel=1e-3)
