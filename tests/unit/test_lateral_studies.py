@@ -14,6 +14,7 @@ import pytest
 import xarray as xr
 
 from tests.lateral_stack import loads, pressures, ring_stack
+from toothspace.api import RunInMachine, describe
 from toothspace.case import Case
 from toothspace.config import load_case
 from toothspace.core.errors import CaseError
@@ -171,3 +172,27 @@ def test_interrupt_before_the_first_point_keeps_nothing(
     with pytest.raises(KeyboardInterrupt):
         loop(Records(tmp_path / "points.jsonl"), last=0)
     assert not list(tmp_path.iterdir())
+
+
+def test_loop_asks_for_as_many_rounds_as_its_case(
+    case: Case, study: LateralStudy, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[tuple[int, str]] = []
+
+    def follow(points: Any, *rest: Any) -> tuple[FoundPoint, ...]:
+        asked.append((points.rounds, rest[-1][0]))
+        return study.points[:1]
+
+    monkeypatch.setattr(hysteresis, "follow", follow)
+    monkeypatch.setattr(lateral_points, "run_in_machine", _machine_with_bearing)
+    for rounds in (1, 6):
+        own = replace(case.study, coupling_rounds=rounds)  # type: ignore[type-var]
+        found = hysteresis.follow_pressures(replace(case, study=own))
+        assert found.status is Status.INTERRUPTED
+    assert [one for one, _ in asked] == [1, 6]
+    # points of one number of rounds are none of another
+    assert asked[0][1] != asked[1][1]
+
+
+def _machine_with_bearing(case: Case) -> RunInMachine:
+    return RunInMachine(case, describe(case), cast(Any, None), {})

@@ -78,6 +78,12 @@ class HysteresisStudy:
     friction_coefficient: float = number("Friction in the housing.", low=0, high=1)
     breakaway_speed: float = quantity("mm/s", "Speed of the friction peak.", above=0, high=1e4)
     friction_law: str = choice("Set-valued, or smooth.", "stick", "stribeck", default="stick")
+    coupling_rounds: int = integer(
+        "Most runs of the chambers per point until they leak like the films; 1: as described.",
+        low=1,
+        high=20,
+        default=1,
+    )
     measured: Path | None = file_path(
         "Rows of operating_point.outlet_pressure and relative_position_um in the order of the "
         "measurement, to lay over the loop.",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -107,7 +108,7 @@ def follow_pressures(case: Case, context: StudyContext | None = None) -> Lateral
     if not isinstance(study, HysteresisStudy):
         raise CaseError('study.kind: found another study, allowed "hysteresis"')
     friction = _contact(study)
-    points = prepare(case, friction, "hysteresis")
+    points = replace(prepare(case, friction, "hysteresis"), rounds=study.coupling_rounds)
     base = case.operating_point
     assert base is not None
     conditions = [
@@ -119,7 +120,7 @@ def follow_pressures(case: Case, context: StudyContext | None = None) -> Lateral
         )
         for k, pressure in enumerate(study.outlet_pressures)
     ]
-    asked = (study.start_gap, friction)
+    asked = (study.start_gap, friction, study.coupling_rounds)
     keys = [
         point_key(case, "hysteresis", *asked, study.outlet_pressures[: k + 1])
         for k in range(len(conditions))
