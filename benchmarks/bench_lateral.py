@@ -104,7 +104,8 @@ def report(grids: tuple[tuple[int, int], ...] = GRIDS, steps: int = SAMPLED) -> 
     setting = prepare()
     for grid in grids:
         row(setting, grid, "columns", steps)
-    row(setting, grids[0], "bodies", min(steps, SAMPLED))
+    for grid in sorted({grids[0], grids[-1]}):
+        row(setting, grid, "bodies", steps)
     available, multigrid_cycle.THREADS = multigrid_cycle.THREADS, 1
     if available > 1:
         row(setting, grids[-1], "columns", steps)

@@ -114,11 +114,16 @@ def _barycentric(plane: Triangulation, points: Array) -> sp.csr_matrix:
     origin = corners[:, 0]
     inverse = np.linalg.inv(np.stack([corners[:, 1] - origin, corners[:, 2] - origin], axis=2))
     for column in tried.T:
-        local = np.einsum("kij,kj->ki", inverse[column], points - origin[column])
+        left = np.flatnonzero(best < 0.0)
+        if left.size == 0:
+            break
+        triangle = column[left]
+        local = np.einsum("kij,kj->ki", inverse[triangle], points[left] - origin[triangle])
         share = np.column_stack([1.0 - local.sum(axis=1), local])
         inside = share.min(axis=1)
-        better = inside > best
-        best[better], chosen[better], weight[better] = inside[better], column[better], share[better]
+        better = inside > best[left]
+        taken = left[better]
+        best[taken], chosen[taken], weight[taken] = inside[better], triangle[better], share[better]
     return _rows(plane.triangles[chosen], weight, len(plane.points))
 
 

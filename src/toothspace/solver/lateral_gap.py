@@ -128,7 +128,7 @@ class LateralProblem:
         """March over the shaft angle with transient squeeze."""
         angles = np.arange(1, round(steps * revolutions) + 1) * 2.0 * np.pi / steps
         step = replace(self._step(5e-5), jacobian_age=_JACOBIAN_AGE)
-        step = replace(step, passes=2 if step.memory > 0 else 1)
+        step = replace(step, passes=1)
         laws = tuple(law._replace(accuracy=_MARCHED) for law in self.stack.laws)
         stack = replace(self.stack, laws=laws)
         return march_angles(stack, self.node_pressure, self.loads, start, angles, step)

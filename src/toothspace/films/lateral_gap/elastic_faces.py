@@ -11,14 +11,18 @@ import scipy.sparse as sp
 
 from toothspace.core.types import Array
 from toothspace.elasticity import ElasticBody, InfluenceMatrix, influence_matrix
-from toothspace.films.lateral_gap.faces import FaceGrid, Mask
+from toothspace.films.lateral_gap.faces import FaceGrid
 from toothspace.films.lateral_gap.stack import Scene
+from toothspace.numerics.side_by_side import side_by_side
 
 _PROBE = 1e6
 """Pressure that the local part of the deformation is told with. [Pa]"""
 
-_LOCAL_MARGIN = 1.5
-"""Local part over the mean of the probe: rims give way more, and the rest must not exceed it."""
+_LOCAL_SHARE = 0.35
+"""Local part over the mean of the probe: what faces yield to patterns as wide as a few teeth.
+
+Wider patterns, to which they yield more, are few and soon learnt; to finer ones they hardly yield.
+"""
 
 _KEPT = 4
 """Shaft angles whose interpolation is kept. [-]"""
@@ -55,7 +59,8 @@ class ElasticFaces:
     bodies: Mapping[str, InfluenceMatrix]
     back_loads: Mapping[str, float]
     local: tuple[float, ...]
-    _spreads: dict[tuple[int, float], tuple[sp.csr_matrix, sp.csr_matrix]] = field(
+    _on_bearing: dict[int, sp.csr_matrix] = field(init=False, repr=False, default_factory=dict)
+    _on_body: dict[tuple[int, float], sp.csr_matrix] = field(
         init=False, repr=False, default_factory=dict
     )
 
@@ -69,51 +74,64 @@ class ElasticFaces:
 
     def widening(self, pressures: Sequence[Array], scene: Scene) -> list[Array]:
         """Widening of every gap by all bodies. [m]."""
-        spread = [self._kept_spread(k, scene.shaft_angle) for k in range(len(self.grids))]
+        films, size = range(len(self.grids)), self.grids[0].area.size
         loads = {name: np.zeros(len(body.nodes)) for name, body in self.bodies.items()}
-        for grid, p, mask, maps in zip(self.grids, pressures, scene.masks, spread, strict=True):
+        nodal = side_by_side(lambda k: self._nodal_loads(k, pressures[k], scene), films, size)
+        for grid, (on_bearing, on_body) in zip(self.grids, nodal, strict=True):
             side, body = grid.interface.side, grid.interface.body
-            on_bearing, on_body = self._cell_loads(grid, p, mask)
-            loads[side][self.bodies[side].of("face")] += maps[0].T @ on_bearing
-            loads[body][self.bodies[body].of(side)] += maps[1].T @ on_body
+            loads[side][self.bodies[side].of("face")] += on_bearing
+            loads[body][self.bodies[body].of(side)] += on_body
         moved = {name: self._moved(name, loads[name]) for name in self.bodies}
-        found = []
-        for grid, (bearing, body) in zip(self.grids, spread, strict=True):
-            side, name = grid.interface.side, grid.interface.body
-            opening = bearing @ moved[side][self.bodies[side].of("face")]
-            opening = opening + body @ moved[name][self.bodies[name].of(side)]
-            found.append(np.asarray(opening).reshape(grid.area.shape))
-        return found
+        return list(side_by_side(lambda k: self._opening(k, moved, scene), films, size))
+
+    def _nodal_loads(self, index: int, pressure: Array, scene: Scene) -> tuple[Array, Array]:
+        """Loads of one film on the nodes of bearing and turning body. [N]."""
+        bearing, body = self._kept_spread(index, scene.shaft_angle)
+        cells, push = scene.masks[index].cells, pressure * self.grids[index].area
+        on_bearing = np.where(cells.owned, push, 0.0).ravel()
+        return bearing.T @ on_bearing, body.T @ np.where(cells.covered, push, 0.0).ravel()
+
+    def _opening(self, index: int, moved: Mapping[str, Array], scene: Scene) -> Array:
+        """Widening of one film by the displacements of the nodes of all bodies. [m]."""
+        grid = self.grids[index]
+        bearing, body = self._kept_spread(index, scene.shaft_angle)
+        side, name = grid.interface.side, grid.interface.body
+        opening = bearing @ moved[side][self.bodies[side].of("face")]
+        opening = opening + body @ moved[name][self.bodies[name].of(side)]
+        return np.asarray(opening).reshape(grid.area.shape)
 
     def _moved(self, name: str, loads: Array) -> Array:
         named = self.back_loads if name == "floating" else {}
         return self.bodies[name].deformation(loads, named)
 
-    def _cell_loads(self, grid: FaceGrid, pressure: Array, mask: Mask) -> tuple[Array, Array]:
-        """Loads of all cells on the bearing and on the turning body. [N]."""
-        push = pressure * grid.area
-        on_bearing = np.where(mask.cells.owned, push, 0.0)
-        return on_bearing.ravel(), np.where(mask.cells.covered, push, 0.0).ravel()
-
     def _kept_spread(self, index: int, shaft_angle: float) -> tuple[sp.csr_matrix, sp.csr_matrix]:
-        """Spread at an angle, kept for the next iterations at the angles used last."""
-        key = index, shaft_angle
-        if key not in self._spreads:
-            if len(self._spreads) >= _KEPT * len(self.grids):
-                self._spreads.clear()
-            self._spreads[key] = self._spread(self.grids[index], shaft_angle)
-        return self._spreads[key]
+        """From the nodes of bearing and turning body to the cells.
 
-    def _spread(self, grid: FaceGrid, shaft_angle: float) -> tuple[sp.csr_matrix, sp.csr_matrix]:
-        """From the nodes of bearing and turning body to the cells."""
+        That of the body is kept for the next iterations at the angles used last.
+        """
+        grid = self.grids[index]
+        if index not in self._on_bearing:
+            self._on_bearing[index] = self._bearing_spread(grid)
+        key = index, shaft_angle
+        spread = self._on_body.get(key)
+        if spread is None:
+            if len(self._on_body) >= _KEPT * len(self.grids):
+                self._on_body.clear()
+            spread = self._on_body[key] = self._body_spread(grid, shaft_angle)
+        return self._on_bearing[index], spread
+
+    def _bearing_spread(self, grid: FaceGrid) -> sp.csr_matrix:
+        own, p = grid.interface, grid.points
+        placed = np.column_stack([p.x.ravel() + own.center[0], p.y.ravel() + own.center[1]])
+        return self.bodies[own.side].interpolation("face", placed)
+
+    def _body_spread(self, grid: FaceGrid, shaft_angle: float) -> sp.csr_matrix:
         own = grid.interface
         x, y = grid.points.x.ravel(), grid.points.y.ravel()
         turn = own.body_angle + own.speed_ratio * shaft_angle
         cos, sin = np.cos(turn), np.sin(turn)
         turned = np.column_stack([cos * x + sin * y, cos * y - sin * x])
-        placed = np.column_stack([x + own.center[0], y + own.center[1]])
-        bearing = self.bodies[own.side].interpolation("face", placed)
-        return bearing, self.bodies[own.body].interpolation(own.side, turned)
+        return self.bodies[own.body].interpolation(own.side, turned)
 
 
 def elastic_faces(
@@ -152,4 +170,4 @@ def _local_part(faces: ElasticFaces, scene: Scene, index: int) -> float:
     probe[index] = np.where(pressed, _PROBE, 0.0)
     area = np.where(pressed, grid.area, 0.0)
     mean = float((faces.widening(probe, scene)[index] * area).sum() / area.sum())
-    return _LOCAL_MARGIN * mean / _PROBE
+    return _LOCAL_SHARE * mean / _PROBE

@@ -34,7 +34,9 @@ class Mixing:
     def __init__(self, depth: int, part: float = 1.0) -> None:
         self._depth, self._part = depth, part
         self._last: tuple[Array, Array] | None = None
-        self._changes: list[tuple[Array, Array]] = []
+        self._steps, self._bends = np.empty((depth, 0)), np.empty((depth, 0))
+        self._square = np.zeros((depth, depth))
+        self._count = 0
 
     def following(self, value: Array, residual: Array) -> Array:
         """Value to try next: that whose residual the former ones foretell as least.
@@ -46,18 +48,27 @@ class Mixing:
         residual : ndarray
             What the iteration adds to it. [as the value]
         """
-        if self._last is not None:
-            self._changes.append((value - self._last[0], residual - self._last[1]))
-            self._changes = self._changes[-self._depth :]
+        if self._last is None:
+            self._steps, self._bends = (np.empty((self._depth, value.size)) for _ in range(2))
+        else:
+            self._remember(value - self._last[0], residual - self._last[1])
         self._last = value.copy(), residual.copy()
         found = value + self._part * residual
-        if not self._changes:
+        known = min(self._count, self._depth)
+        if known == 0:
             return found
-        steps = np.array([a for a, _ in self._changes])
-        bends = np.array([b for _, b in self._changes])
-        square = bends @ bends.T
-        shares = np.linalg.lstsq(square, bends @ residual, rcond=_ROUNDING)[0]
-        return np.asarray(found - shares @ (steps + self._part * bends))
+        steps, bends = self._steps[:known], self._bends[:known]
+        shares = np.linalg.lstsq(self._square[:known, :known], bends @ residual, rcond=_ROUNDING)[0]
+        return np.asarray(found - shares @ steps - self._part * (shares @ bends))
+
+    def _remember(self, step: Array, bend: Array) -> None:
+        """Keep the last change of the value and of the residual in place of the oldest."""
+        place = self._count % self._depth
+        self._steps[place], self._bends[place] = step, bend
+        self._count += 1
+        known = min(self._count, self._depth)
+        self._square[place, :known] = self._bends[:known] @ bend
+        self._square[:known, place] = self._square[place, :known]
 
 
 def mixed(

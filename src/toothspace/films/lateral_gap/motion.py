@@ -17,7 +17,7 @@ from toothspace.films.lateral_gap.yielding_film import Accuracy
 _STOP_STIFFNESS = 1e9
 """Stiffness of the cover that limits the travel. [N/m]"""
 _STATUS_ROUNDS = 4
-_PATIENCE = 8
+_PATIENCE = 12
 """Iterations of one step after which an older Jacobian is made afresh. [-]"""
 _HEAD = 0.3
 """Part of the former velocity with which a step begins its search. [-]"""

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple, Protocol, TypeVar, final
+from typing import NamedTuple, Protocol, final
 
 import numpy as np
 
@@ -26,13 +25,9 @@ from toothspace.model.lateral_balance import (
     Patch,
     Side,
 )
-from toothspace.numerics import multigrid_cycle
+from toothspace.numerics.side_by_side import side_by_side
 
-S = TypeVar("S")
-T = TypeVar("T")
 _MOTIONS = 3
-_THREADED_CELLS = 10_000
-"""Cells of a film from which a thread of its own pays. [-]"""
 
 
 class Compliance(Protocol):
@@ -163,7 +158,8 @@ class Stack:
     def scene(self, shaft_angle: float, node_pressure: Array) -> Scene:
         """Masks at a shaft angle [rad] with the pressures of all nodes there. [Pa]."""
         first = {grid.interface.body: grid for grid in reversed(self.grids)}
-        found = self.side_by_side(lambda body: first[body].mask(shaft_angle), tuple(first))
+        size = self.grids[0].area.size
+        found = side_by_side(lambda body: first[body].mask(shaft_angle), first, size)
         masks = dict(zip(first, found, strict=True))
         return Scene(shaft_angle, tuple(masks[g.interface.body] for g in self.grids), node_pressure)
 
@@ -212,7 +208,7 @@ class Stack:
             film.covered_load()  # kept, and found here beside the other films
             return film
 
-        films = self.side_by_side(one, range(len(self.grids)))
+        films = side_by_side(one, range(len(self.grids)), self.grids[0].area.size)
         return StackState(self, scene, q, v, films, tuple(distant))
 
     def with_passes(self, passes: int) -> Stack:
@@ -221,13 +217,6 @@ class Stack:
             return self
         laws = (law._replace(accuracy=law.accuracy._replace(passes=passes)) for law in self.laws)
         return replace(self, laws=tuple(laws))
-
-    def side_by_side(self, one: Callable[[S], T], cases: Iterable[S]) -> tuple[T, ...]:
-        """Outcome of a function for every case; large films are worked on at the same time."""
-        if multigrid_cycle.THREADS < 2 or self.grids[0].area.size < _THREADED_CELLS:
-            return tuple(map(one, cases))
-        with ThreadPoolExecutor(multigrid_cycle.THREADS) as pool:
-            return tuple(pool.map(one, cases))
 
     def _lift_maps(self, interface: FilmInterface) -> tuple[Array, Array]:
         """Upper face of a film from the coordinates: part of the bearing, part of the body."""
