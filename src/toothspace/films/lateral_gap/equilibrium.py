@@ -173,12 +173,12 @@ def march_angles(
         Called with the number and the state after every step; then states are not kept.
     """
     duration = float(angles[1] - angles[0]) / stack.shaft_speed
-    now = replace(start, states=start.states[:1])
+    now = replace(start, states=start.states[:1], jacobian=None)
     kept: list[Balance] = []
     converged = True
     for k, angle in enumerate(angles):
         scene = stack.scene(float(angle), pressures(float(angle)))
-        now = advance(stack, (scene,), loads, now, duration, step)
+        now = advance(stack, (scene,), loads, now, duration, step, follows=k > 0)
         converged = converged and now.converged
         if keep is None:
             kept.append(now)

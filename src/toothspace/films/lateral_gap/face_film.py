@@ -113,6 +113,8 @@ class FaceFilm:
         Its boundaries.
     solution : YieldingSolution
         Pressure, film fraction, asperity pressure and linear system.
+    place : Place
+        Position and velocity of its upper face.
     compliance : float
         Local approach of the faces over pressure. [m/Pa]
     """
@@ -121,6 +123,7 @@ class FaceFilm:
     law: FilmLaw
     around: Surroundings
     solution: YieldingSolution
+    place: Place
     compliance: float
 
     @property
@@ -137,6 +140,12 @@ class FaceFilm:
     def gap(self) -> Array:
         """Gap height, deformation included. [m]."""
         return self.plane.film.gap.centre
+
+    @property
+    def widening(self) -> Array:
+        """Gap above that between undeformed faces. [m]."""
+        p = self.grid.points
+        return np.asarray(self.gap - _plane(p.x, p.y, self.place.position))
 
     @property
     def pressure(self) -> Array:
@@ -272,6 +281,15 @@ def _live_faces(free: BoolArray) -> tuple[BoolArray, BoolArray]:
     return live_x, np.hstack([none, free]) | np.hstack([free, none])
 
 
+class Approach(NamedTuple):
+    """How faces give way: a local compliance, and what other pressures do to the gap."""
+
+    local: float  # [m/Pa]
+    distant: Array  # [m]
+    past: Array  # widening at the begin of the step [m]
+    frequency: float = 0.0  # inverse of the length of the step, 0 for steady faces [1/s]
+
+
 def solve_face(
     grid: FaceGrid,
     law: FilmLaw,
@@ -296,7 +314,7 @@ def solve_face(
     node_pressure = np.maximum(around.node_pressure, law.cavitation_pressure)
     film = PlaneFilm(
         grid.film_grid(around.mask, node_pressure, around.shaft_speed),
-        _gap_field(grid, place, approach.distant),
+        _gap_field(grid, place, approach),
         grid.points,
         law.fluid,
         law.cavitation_pressure,
@@ -308,19 +326,18 @@ def solve_face(
     start = former.solution if former is not None else None
     if approach.local > 0.0:
         reference = around.low_pressure - law.cavitation_pressure
-        how = Yielding(approach.local, reference, law.contact, law.roughness, law.accuracy)
-        start = _stiff(film, carrier, law, None) if start is None else start
-        return FaceFilm(
-            grid, law, around, solve_yielding(film, carrier, how, start), approach.local
+        how = Yielding(
+            approach.local,
+            reference,
+            law.contact,
+            law.roughness,
+            approach.frequency,
+            law.accuracy,
         )
-    return FaceFilm(grid, law, around, _stiff(film, carrier, law, start), 0.0)
-
-
-class Approach(NamedTuple):
-    """How faces give way: a local compliance, and what other pressures do to the gap."""
-
-    local: float  # [m/Pa]
-    distant: Array  # [m]
+        start = _stiff(film, carrier, law, None) if start is None else start
+        found = solve_yielding(film, carrier, how, start)
+        return FaceFilm(grid, law, around, found, place, approach.local)
+    return FaceFilm(grid, law, around, _stiff(film, carrier, law, start), place, 0.0)
 
 
 def _stiff(
@@ -389,12 +406,14 @@ def _change(lever: tuple[Array, Array, Array], rate: bool) -> GapField:
     return GapField(*lever, zero, zero)
 
 
-def _gap_field(grid: FaceGrid, place: Place, distant: Array) -> GapField:
-    """Gap that the position leaves, with its widening by distant pressures."""
-    p = grid.points
+def _gap_field(grid: FaceGrid, place: Place, approach: Approach) -> GapField:
+    """Gap that the position leaves, with its widening by distant pressures and its rate."""
+    p, distant = grid.points, approach.distant
     centre = _plane(p.x, p.y, place.position)
     along, across = _plane(*p.face_x, place.position), _plane(*p.face_y, place.position)
     rate = _plane(p.x, p.y, place.velocity)
+    if approach.frequency > 0.0:
+        rate += approach.frequency * (distant - approach.past)
     rigid = GapField(centre, along, across, rate, np.zeros_like(distant))
     if not distant.any():
         return rigid

@@ -11,7 +11,7 @@ import numpy as np
 from toothspace.core.types import Array
 from toothspace.films.lateral_gap.friction import HousingFriction
 from toothspace.films.lateral_gap.mixing import Mixing, mixed
-from toothspace.films.lateral_gap.stack import BackPressure, Scene, Stack, StackState
+from toothspace.films.lateral_gap.stack import BackPressure, Past, Scene, Stack, StackState
 from toothspace.films.lateral_gap.yielding_film import Accuracy
 
 _STOP_STIFFNESS = 1e9
@@ -127,6 +127,7 @@ class _Task(NamedTuple):
     start: Array  # coordinates at the begin of the step
     velocity: Array  # velocity before the step
     duration: float  # [s]
+    past: Past | None  # films before the step; none if the faces count as steady
 
 
 class _Step(NamedTuple):
@@ -144,6 +145,7 @@ def advance(
     former: Balance,
     duration: float,
     settings: StepSettings,
+    follows: bool = False,
 ) -> Balance:
     """Move by one implicit Euler step under the mean of the forces in all scenes.
 
@@ -161,13 +163,18 @@ def advance(
         Length of the step. [s]
     settings : StepSettings
         When it is done.
+    follows : bool
+        Whether the scene follows on that of the state before by the length of the step, so that
+        the change of the widening squeezes the films. Scenes averaged over leave that out.
 
     Returns
     -------
     Balance
         State after the step; ``converged`` tells whether it is in balance.
     """
-    task = _Task(stack, tuple(scenes), loads, settings, former.position, former.velocity, duration)
+    past = Past(former.states[0], duration) if follows else None
+    start = former.position, former.velocity
+    task = _Task(stack, tuple(scenes), loads, settings, *start, duration, past)
     if not loads.friction.holds or loads.friction.coulomb_force == 0.0:
         return _solve(task, former, None)
     return _solve(task, former, former.slides)
@@ -216,7 +223,7 @@ def _solve(task: _Task, former: Balance, slides: tuple[int, ...] | None) -> Bala
         v = (q - task.start) / task.duration
         films = quick if number % _PATIENCE else stack
         states = tuple(
-            films.solve(scene, q, v, old, given)
+            films.solve(scene, q, v, old, given, task.past)
             for scene, old, given in zip(task.scenes, states, deformed, strict=True)
         )
         settled = all(s.converged for s in states)

@@ -77,6 +77,13 @@ class Scene(NamedTuple):
     node_pressure: Array  # [Pa]
 
 
+class Past(NamedTuple):
+    """State of the films at the begin of a step, and its length."""
+
+    state: StackState
+    duration: float  # [s]
+
+
 class Piece(NamedTuple):
     """One pressed bearing, or one of its parts that move on their own."""
 
@@ -194,17 +201,29 @@ class Stack:
         return Place(chain @ q, chain @ v)
 
     def solve(
-        self, scene: Scene, q: Array, v: Array, former: StackState | None, distant: Sequence[Array]
+        self,
+        scene: Scene,
+        q: Array,
+        v: Array,
+        former: StackState | None,
+        distant: Sequence[Array],
+        past: Past | None = None,
     ) -> StackState:
-        """All films at positions and velocities, with given widening by distant pressures."""
+        """All films at positions and velocities, with given widening by distant pressures.
+
+        Without ``past`` the faces count as steady.
+        """
         low = float(scene.node_pressure[self.balance.low_node])
 
         def one(k: int) -> FaceFilm:
             around = Surroundings(scene.masks[k], scene.node_pressure, self.shaft_speed, low)
             start = former.films[k] if former is not None else None
-            approach = Approach(self.compliance.local[k], distant[k])
-            place = self.film_place(k, q, v)
-            film = solve_face(self.grids[k], self.laws[k], around, place, approach, start)
+            approach = Approach(self.compliance.local[k], distant[k], distant[k])
+            if past is not None:
+                before = past.state.films[k].widening
+                approach = approach._replace(past=before, frequency=1.0 / past.duration)
+            here = self.film_place(k, q, v)
+            film = solve_face(self.grids[k], self.laws[k], around, here, approach, start)
             film.covered_load()  # kept, and found here beside the other films
             return film
 

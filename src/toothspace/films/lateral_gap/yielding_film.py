@@ -20,7 +20,12 @@ from toothspace.films.live_balance import (
 )
 from toothspace.films.plane_film import PlaneFilm, PlaneSolution
 from toothspace.films.reynolds import FilmGrid, FluidField, GapField
-from toothspace.films.rough_surfaces import ContactTable, contact_pressure
+from toothspace.films.rough_surfaces import (
+    ContactTable,
+    FlowLaw,
+    contact_pressure,
+    squeeze_law,
+)
 from toothspace.numerics.banded import stencil_product
 from toothspace.numerics.block_elimination import block_system
 from toothspace.numerics.complementarity import (
@@ -69,6 +74,7 @@ class Yielding(NamedTuple):
     reference: float  # pressure without approach, above the cavitation pressure [Pa]
     contact: ContactTable
     roughness: float  # [m]
+    frequency: float = 0.0  # inverse of the time in which the faces give way, 0 for steady [1/s]
     accuracy: Accuracy = Accuracy()
 
 
@@ -204,6 +210,16 @@ def _couple_across(
                     stencil[other, 3] += change
 
 
+@kernel
+def _store(kind: IntArray, held: Array, height: Array, law: FlowLaw, stencil: Array) -> None:
+    """Add the flow that fills gaps as pressures open them; ``held`` per pressure at flat walls."""
+    rows, lanes = kind.shape
+    for i in range(rows):
+        for j in range(lanes):
+            if kind[i, j] == 0:
+                stencil[i * lanes + j, 2] += held[i, j] * squeeze_law(height[i, j], law)[0]
+
+
 @njit(cache=True, nogil=True)
 def _parted(kind: IntArray, unknown: Array) -> tuple[Array, Array]:
     """Potential and saturation of every cell."""
@@ -333,9 +349,10 @@ def solve_yielding(
             break
     final, filled = _parted(kind, unknown)
     fields = ComplementaritySolution(final, filled, used, now.system, number, settled)
+    rate = film.gap.rate + how.frequency * (gap - film.gap.centre)
     moved = PlaneFilm(
         film.grid,
-        opened(film.gap, gap - film.gap.centre, film.grid.sweep_x),
+        opened(film.gap, gap - film.gap.centre, film.grid.sweep_x)._replace(rate=rate),
         film.points,
         film.fluid,
         film.cavitation_pressure,
@@ -425,9 +442,10 @@ def _linearise(
     pressure = film.fluid.gauge(potential, film.cavitation_pressure)
     _settle_gap(film.gap.centre, pressure, inside, how, height, touch)
     give = how.compliance * touch[2] * film.fluid.stretch(pressure + film.cavitation_pressure)
+    rigid = film.gap._replace(rate=film.gap.rate + how.frequency * (height - film.gap.centre))
     b = film.grid
     rims = np.vstack([b.south, b.north]) - film.cavitation_pressure - how.reference
-    widened = YieldingGap(film.gap, height - film.gap.centre, how.compliance * rims)
+    widened = YieldingGap(rigid, height - film.gap.centre, how.compliance * rims)
     grid, floor, carrier = reduced
     found = linearised_balance(grid, widened, carrier, floor, film.law)
     balance = found.balance
@@ -435,6 +453,8 @@ def _linearise(
     rows, lanes = grid_shape(balance)
     right = stencil_product(stencil, unknown, rows, lanes) - rhs
     _couple(found, kind, potential, saturation, give, stencil)
+    if how.frequency > 0.0:
+        _store(kind, how.frequency * carrier.density * b.area * give, height, film.law, stencil)
     system: LinearSystem | None = None
     if lanes <= _BLOCK_LANES:
         system = block_system(stencil, kind, former)
