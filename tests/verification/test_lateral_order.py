@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
+import pytest
 
 from tests.lateral_stack import (
     HIGH,
@@ -22,6 +24,7 @@ from toothspace.films.lateral_gap.faces import FaceGrid
 from toothspace.films.lateral_gap.motion import StepSettings, rest_at
 from toothspace.films.lateral_gap.stack import BackPressure, Stack
 from toothspace.model.lateral_balance import LAND, FaceCells
+from toothspace.numerics.complementarity import face_flows
 
 GAP = 5e-6
 RIMS = np.linspace(16e-3, 20e-3, 12, endpoint=False)
@@ -94,3 +97,27 @@ def test_march_converges_with_first_order_in_time() -> None:
     change = np.diff(path)
     order = np.log2(change[:-1] / change[1:])
     assert np.all(np.abs(order - 1.0) < 0.15)
+
+
+def test_what_flows_into_a_film_widens_it() -> None:
+    """Pressure of the chambers rises and falls: faces move, give way and store the liquid."""
+    stack = ring_stack(approach=3e-13, rough=False, high_share=0.72)
+    angles = np.linspace(0.1, 1.0, 8)
+
+    def beats(angle: float) -> np.ndarray:
+        return pressures(HIGH * (1.0 + 0.2 * np.sin(3.0 * angle)))
+
+    rest = rest_at(stack, (stack.scene(0.0, beats(0.0)),), stack.start(3.2e-6))
+    settings = StepSettings(force_tolerance=1e-9, film_tolerance=1e-7)
+    march = march_angles(stack, beats, loads(HIGH), rest, angles, settings)
+    assert march.converged
+    duration = (angles[1] - angles[0]) / stack.shaft_speed
+    for before, now in pairwise(b.states[0].films[0] for b in march.balances):
+        b, fields = now.plane.balance, now.plane.fields
+        along, across = face_flows(b, b, fields.potential, fields.saturation)
+        net = np.diff(along, axis=0) + np.diff(across, axis=1)
+        film = now.around.mask.film
+        filled = float((now.grid.area * (now.gap - before.gap))[film].sum()) / duration
+        rate = float((now.grid.area * now.plane.film.gap.rate)[film].sum())
+        assert -float(net[film].sum()) == pytest.approx(filled, rel=1e-5)
+        assert rate == pytest.approx(filled, rel=1e-5)
