@@ -241,12 +241,13 @@ def _solve(task: _Task, former: Balance, slides: tuple[int, ...] | None) -> Bala
         if foretold is not None and age > 1 and found.error > _HELPED * error:
             jacobian, age = _mean_coefficients(states), 1
             found, revised, firm = _decided(task, (states, jacobian), v, slides, steady)
-        slides, error = revised, found.error
-        best = error / _scale(task)
+        slides, error, best = revised, found.error, found.error / _scale(task)
         balanced = best <= settings.force_tolerance and change <= settings.film_tolerance
         if balanced and settled and firm:
             return _outcome(task, states, (found, v, slides), (best, number), (jacobian, age))
         step = found.step
+        if not np.isfinite(step).all():
+            break
         if settings.memory > 0:
             deformed, step = mixed(mixing, (deformed, wanted), (q, step), _reach(stack))
         step = _limited(states, step)

@@ -338,14 +338,17 @@ def solve_yielding(
         now = _linearise(film, reduced, how, found, gap, system)
         gap, system = now.gap, now.system
         step = now.system.solve(-now.right, relative_tolerance=how.accuracy.linear)
+        lost = not np.isfinite(step).all()
+        if lost:
+            step = np.zeros_like(step)
         contact = np.empty_like(gap)
         careful = _CAREFUL if number > _PATIENCE else 1.0
         walls = gap, now.give, now.touch
         largest = _take(kind, walls, how.roughness, careful, step, unknown, contact)
         used = kind.copy()
         changed = _revise(kind, unknown)
-        settled = changed == 0 and largest <= how.accuracy.settled
-        if settled:
+        settled = changed == 0 and largest <= how.accuracy.settled and not lost
+        if settled or lost:
             break
     final, filled = _parted(kind, unknown)
     fields = ComplementaritySolution(final, filled, used, now.system, number, settled)
