@@ -5,8 +5,8 @@
 Both sides of both gears, deformation and force balance, in steps of one degree from a converged
 start, every step to a force residual below 1e-4 of the balance force and a change of the films
 below 1e-3 per iteration. By default a few steps stand for the revolution and the time of the
-revolution is extrapolated from them, as the heading says; ``--whole`` marches all of it. Processor
-seconds stand beside wall time because they are the same on a busy machine. ``--condense`` condenses
+revolution is extrapolated from them, as the heading says; ``--whole`` marches all of it on the
+finest grid. Processor seconds stand beside wall time. ``--condense`` condenses
 the bearing and a gear of the pump with 150 000 elements, each in a process of its own whose memory
 is told; OMP_NUM_THREADS sets its cores.
 """
@@ -92,23 +92,32 @@ def row(setting: Setting, grid: tuple[int, int], deformation: str, steps: int) -
     )
 
 
-def report(grids: tuple[tuple[int, int], ...] = GRIDS, steps: int = SAMPLED) -> None:
-    """Print scaling with cells and with cores."""
-    source = "marched whole" if steps == STEPS else f"extrapolated from {steps} steps"
+def head(source: str) -> Setting:
+    """Print the head of the table and find where the bearing rests."""
     print(f"Elastic lateral films, one revolution in {STEPS} steps; target {TARGET:.0f} s")
     print(f"s/revol. is {source}")
     print(
         "           cells      threads   s/step  cpu s/step  iter/step  Mcell it./s  s/revol.  "
         "residual   done  GiB peak"
     )
-    setting = prepare()
+    return prepare()
+
+
+def whole() -> None:
+    """Print the numbers of a whole revolution on the finest grid."""
+    row(head("marched whole"), GRIDS[-1], "columns", STEPS)
+
+
+def report(grids: tuple[tuple[int, int], ...] = GRIDS) -> None:
+    """Print scaling with cells and with cores."""
+    setting = head(f"extrapolated from {SAMPLED} steps")
     for grid in grids:
-        row(setting, grid, "columns", steps)
+        row(setting, grid, "columns", SAMPLED)
     for grid in sorted({grids[0], grids[-1]}):
-        row(setting, grid, "bodies", steps)
+        row(setting, grid, "bodies", SAMPLED)
     available, multigrid_cycle.THREADS = multigrid_cycle.THREADS, 1
     if available > 1:
-        row(setting, grids[-1], "columns", steps)
+        row(setting, grids[-1], "columns", SAMPLED)
     multigrid_cycle.THREADS = available
 
 
@@ -157,7 +166,7 @@ def main() -> None:
 if __name__ == "__main__":
     if "--condense" in sys.argv:
         condense()
-    elif "--quick" in sys.argv:
-        report(GRIDS[:1])
+    elif "--whole" in sys.argv:
+        whole()
     else:
-        report(steps=STEPS if "--whole" in sys.argv else SAMPLED)
+        report(GRIDS[:1] if "--quick" in sys.argv else GRIDS)
