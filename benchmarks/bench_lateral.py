@@ -27,10 +27,10 @@ from toothspace.api import RunInMachine, condition_of, lateral_settings, run_in_
 from toothspace.case import Case
 from toothspace.config import load_case
 from toothspace.elasticity import ElasticBody, SweptShape, influence_matrix
-from toothspace.films.lateral_gap.equilibrium import March
 from toothspace.films.lateral_gap.motion import Balance
 from toothspace.numerics import multigrid_cycle
 from toothspace.solver.lateral_gap import LateralProblem, lateral_problem
+from toothspace.solver.lateral_track import LateralTrack
 
 CASE = Path(__file__).parents[1] / "cases" / "hysteresis_055.toml"
 GRIDS = ((280, 26), (560, 52), (812, 74))
@@ -68,11 +68,11 @@ def prepare() -> Setting:
     return Setting(case, machine, data, problem.settle(problem.started(2e-6)).balance)
 
 
-def timed(problem: LateralProblem, rest: Balance, steps: int) -> tuple[float, float, March]:
+def timed(problem: LateralProblem, rest: Balance, steps: int) -> tuple[float, float, LateralTrack]:
     """Wall and processor time of the steps after the warm ones, and the march."""
     warm = problem.march(problem.continued(rest.position), STEPS, WARM / STEPS)
     start, used = time.perf_counter(), time.process_time()
-    march = problem.march(warm.balances[-1], STEPS, steps / STEPS)
+    march = problem.march(warm.last, STEPS, steps / STEPS)
     return time.perf_counter() - start, time.process_time() - used, march
 
 
@@ -81,8 +81,8 @@ def row(setting: Setting, grid: tuple[int, int], deformation: str, steps: int) -
     problem = setting.problem(grid, deformation)
     wall, used, march = timed(problem, setting.rest, steps)
     cells = 4 * grid[0] * grid[1]
-    iterations = float(np.mean([b.iterations for b in march.balances]))
-    worst = max(b.residual for b in march.balances)
+    iterations = float(np.mean(march.iterations))
+    worst = max(march.residuals)
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
     print(
         f"  {deformation:8s} 2 x {cells // 2:7d} {multigrid_cycle.THREADS:7d} {wall / steps:8.3f} "

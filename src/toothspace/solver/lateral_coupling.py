@@ -25,7 +25,6 @@ from toothspace.solver.lateral_gap import (
     film_places,
     lateral_problem,
     numbers_of,
-    wear_map,
     with_lateral_torque,
 )
 from toothspace.solver.lateral_heat import HeatedEquilibrium, settle_heated
@@ -221,13 +220,12 @@ def elastic_solution(point: CoupledPoint, steps: int) -> Solution:
     """
     march = point.problem.march(point.equilibrium.balance, steps)
     stack = point.problem.stack
-    track = np.array([stack.gauge(balance.position) for balance in march.balances])
     data = point.solution.data
     angle = np.mod(data["shaft_angle"].values, 2.0 * np.pi)
-    position = np.interp(angle, march.shaft_angle, track, period=2.0 * np.pi)
+    position = np.interp(angle, march.shaft_angle, march.positions, period=2.0 * np.pi)
     values: dict[str, tuple[tuple[str, ...], object, dict[str, str]]] = {}
-    fields = {**film_fields(march.balances[-1]), **film_places(stack)}
-    fields["film_wear_power"] = wear_map(march.balances)
+    fields = {**film_fields(march.last), **film_places(stack)}
+    fields["film_wear_power"] = march.wear
     if point.temperatures is not None:
         fields["film_temperature"] = point.temperatures
     for name, field in fields.items():
@@ -243,9 +241,9 @@ def elastic_solution(point: CoupledPoint, steps: int) -> Solution:
         **_statistics(point.numbers, point.leakage_mismatch),
         **_warmth(point),
         "pressed_bearing_preload": stack.balance.floating.preload,
-        "lateral_iterations": float(sum(b.iterations for b in march.balances)),
+        "lateral_iterations": float(sum(march.iterations)),
         "lateral_rest_residual": point.equilibrium.balance.residual,
-        "lateral_residual": float(max(b.residual for b in march.balances)),
+        "lateral_residual": float(max(march.residuals)),
     }
     provenance = _with_warning(point.solution.provenance, seat_warning(point.numbers))
     return replace(

@@ -18,7 +18,6 @@ from toothspace.films.film_fluid import FilmFluid
 from toothspace.films.lateral_gap.elastic_faces import MEMORY, elastic_faces
 from toothspace.films.lateral_gap.equilibrium import (
     Equilibrium,
-    March,
     SearchSettings,
     find_equilibrium,
     march_angles,
@@ -38,6 +37,7 @@ from toothspace.films.rough_surfaces import RoughSurfaces
 from toothspace.films.thermal import FilmHeating
 from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_balance import FilmInterface, LateralBalance
+from toothspace.solver.lateral_track import LateralTrack
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -124,14 +124,24 @@ class LateralProblem:
             self.stack, self.scenes, self.loads, start, search, self._step(1e-6)
         )
 
-    def march(self, start: Balance, steps: int, revolutions: float = 1.0) -> March:
+    def march(self, start: Balance, steps: int, revolutions: float = 1.0) -> LateralTrack:
         """March over the shaft angle with transient squeeze."""
         angles = np.arange(1, round(steps * revolutions) + 1) * 2.0 * np.pi / steps
         step = replace(self._step(5e-5), jacobian_age=_JACOBIAN_AGE)
         step = replace(step, passes=1)
         laws = tuple(law._replace(accuracy=_MARCHED) for law in self.stack.laws)
         stack = replace(self.stack, laws=laws)
-        return march_angles(stack, self.node_pressure, self.loads, start, angles, step)
+        track = LateralTrack(angles)
+        march_angles(
+            stack,
+            self.node_pressure,
+            self.loads,
+            start,
+            angles,
+            step,
+            keep=lambda _, balance: track.take(balance, wear_map([balance])),
+        )
+        return track
 
     def _step(self, tolerance: float) -> StepSettings:
         bends = self.settings.deformation == "bodies"
