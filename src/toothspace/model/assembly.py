@@ -375,7 +375,8 @@ def _work(sizes: Sizes) -> dict[str, Any]:
         "chamber_values": np.zeros((channels, sizes.chambers)).T,
         "chamber_slopes": np.zeros((channels, sizes.chambers)).T,
         "path_values": np.zeros((HEIGHT_BY_MOTION + sizes.motions, sizes.paths)).T,
-        "contact_values": np.zeros((2, gap_channels, sizes.contacts)).transpose(0, 2, 1),
+        # room for two at least: fewer would be another layout, to be compiled once more
+        "contact_values": np.zeros((2, gap_channels, max(sizes.contacts, 2))).transpose(0, 2, 1),
         "contact": np.zeros((sizes.contacts, CONTACT_COLUMNS)),
         "film_slopes": np.zeros((2, sizes.motions, sizes.motions)),
         "torque": np.zeros(len(FRICTION_MECHANISMS) + 1),
