@@ -38,6 +38,15 @@ def mean_gap_ratio(nominal_gap_ratio: float) -> float:
 
 
 @inlined
+def pressure_unit(roughness: float, correlation_length: float, effective_modulus: float) -> float:
+    """Pressure over which contact pressure and hardness are dimensionless. [Pa].
+
+    Parameters as in :func:`asperity_pressure`.
+    """
+    return math.pi * effective_modulus * roughness / (2.0 * correlation_length)
+
+
+@inlined
 def asperity_pressure(
     gap_height: float,
     roughness: float,
@@ -80,7 +89,7 @@ def asperity_pressure(
     and faded out between X = 3 and X = 4.
     """
     X = min(mean_gap_ratio(gap_height / roughness), 4.0)
-    unit = math.pi * effective_modulus * roughness / (2.0 * correlation_length)
+    unit = pressure_unit(roughness, correlation_length, effective_modulus)
     elastic = math.exp(-1.40292 + X * (-2.40157 + X * (0.101663 - 0.0241509 * X)))
     plastic = (hardness / unit) * math.exp(
         -0.740555 + X * (-0.784921 + X * (-0.666257 + 0.0909432 * X))

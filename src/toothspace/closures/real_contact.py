@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from toothspace.closures.contact_rough import pressure_unit
 from toothspace.core.types import Array
 
 _PLASTIC_SHARE = 0.96
@@ -46,7 +47,7 @@ def real_contact_share(
 
     Validity: P up to 0.16.
     """
-    unit = np.pi * effective_modulus * roughness / (2.0 * correlation_length)
+    unit = pressure_unit(roughness, correlation_length, effective_modulus)
     load = np.asarray(contact_pressure) / unit
     elastic = 0.2346 - 0.197 * np.sqrt(load) + 0.895 * load
     spots = np.minimum(elastic, _PLASTIC_SHARE * hardness / unit)

@@ -127,8 +127,7 @@ class LateralProblem:
     def march(self, start: Balance, steps: int, revolutions: float = 1.0) -> LateralTrack:
         """March over the shaft angle with transient squeeze."""
         angles = np.arange(1, round(steps * revolutions) + 1) * 2.0 * np.pi / steps
-        step = replace(self._step(5e-5), jacobian_age=_JACOBIAN_AGE)
-        step = replace(step, passes=1)
+        step = replace(self._step(5e-5), jacobian_age=_JACOBIAN_AGE, passes=1)
         laws = tuple(law._replace(accuracy=_MARCHED) for law in self.stack.laws)
         stack = replace(self.stack, laws=laws)
         track = LateralTrack(angles)

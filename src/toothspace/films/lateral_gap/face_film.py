@@ -8,7 +8,7 @@ from typing import NamedTuple, final
 
 import numpy as np
 
-from toothspace.core.compiled import njit
+from toothspace.core.compiled import inlined, njit
 from toothspace.core.status import Status
 from toothspace.core.types import Array, BoolArray
 from toothspace.films.cavitation import CAVITATION
@@ -168,10 +168,9 @@ class FaceFilm:
     @cached_property
     def _loads(self) -> tuple[Array, Array]:
         """Loads on covered and on open cells."""
-        grid, cells = self.grid, self.around.mask.cells
-        place = grid.points.x, grid.points.y, grid.area
-        carried = _moments(self.total, cells.covered, *place)
-        return carried, _moments(self.pressure, self.around.mask.open_face, *place)
+        mask = self.around.mask
+        carried = self.grid.moments(self.total, mask.cells.covered)
+        return carried, self.grid.moments(self.pressure, mask.open_face)
 
     def overstep(self, motion: Array) -> float:
         """Motion of the upper face [m, rad] over the longest that its gap allows in one step."""
@@ -204,7 +203,7 @@ class FaceFilm:
             rate, k = divmod(n, len(motions))
             lift = np.zeros_like(response) if rate else levers[k][0]
             total = response + self._touch(self.compliance * response + lift)
-            tables[rate, :, motions[k]] = -self.grid.moments(total)
+            tables[rate, :, motions[k]] = -self.grid.moments(total, self.around.mask.film)
         return tables[0], tables[1]
 
     def _touch(self, opening: Array) -> Array:
@@ -357,18 +356,10 @@ def _stiff(
     return YieldingSolution(plane, contact, slope, np.ones_like(contact), fields.kind)
 
 
-@njit(cache=True, nogil=True)
-def _moments(pressure: Array, where: BoolArray, x: Array, y: Array, area: Array) -> Array:
-    """Force and moments of a pressure on chosen cells, as :meth:`FaceGrid.moments`."""
-    out = np.zeros(3)
-    for i in range(pressure.shape[0]):
-        for j in range(pressure.shape[1]):
-            if where[i, j]:
-                push = pressure[i, j] * area[i, j]
-                out[0] += push
-                out[1] += push * y[i, j]
-                out[2] -= push * x[i, j]
-    return out
+@inlined
+def _height(motion: Array, x: float, y: float) -> float:
+    """Height of a plane with a lift and rotations about x and y. [m]."""
+    return float(motion[0] + motion[1] * y - motion[2] * x)
 
 
 @njit(cache=True, nogil=True)
@@ -379,7 +370,7 @@ def _overstep(
     for i in range(gap.shape[0]):
         for j in range(gap.shape[1]):
             if film[i, j]:
-                change = motion[0] + motion[1] * y[i, j] - motion[2] * x[i, j]
+                change = _height(motion, x[i, j], y[i, j])
                 h = max(gap[i, j], 0.0)
                 room = (1.0 - _SHRINK) * h + _OVERLAP * roughness
                 if change > 0.0:
@@ -422,9 +413,9 @@ def _gap_field(grid: FaceGrid, place: Place, approach: Approach) -> GapField:
 
 @njit(cache=True, nogil=True)
 def _plane(x: Array, y: Array, motion: Array) -> Array:
-    """Height of a plane with a lift and rotations about x and y. [m]."""
+    """Heights of a plane at given places. [m]."""
     out = np.empty(x.shape)
     for i in range(x.shape[0]):
         for j in range(x.shape[1]):
-            out[i, j] = motion[0] + motion[1] * y[i, j] - motion[2] * x[i, j]
+            out[i, j] = _height(motion, x[i, j], y[i, j])
     return out

@@ -7,6 +7,7 @@ from typing import final
 
 import numpy as np
 
+from toothspace.core.compiled import njit
 from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.films.plane_film import PlanePoints, polar_points
 from toothspace.films.reynolds import FilmGrid
@@ -114,11 +115,25 @@ class FaceGrid:
         x, y = self.points.x + x0, self.points.y + y0
         return np.array([area.sum(), (area * y).sum(), -(area * x).sum()])
 
-    def moments(self, pressure: Array) -> Array:
-        """Force [N] and moments [N m] of a pressure about the own axis: lift and rotations."""
-        push = pressure * self.area
-        x, y = self.points.x, self.points.y
-        return np.array([push.sum(), (push * y).sum(), -(push * x).sum()])
+    def moments(self, pressure: Array, cells: BoolArray) -> Array:
+        """Force and moments of a pressure on cells about the own axis: lift and rotations.
+
+        [N, N m, N m]
+        """
+        return _moments(pressure, cells, self.points.x, self.points.y, self.area)
+
+
+@njit(cache=True, nogil=True)
+def _moments(pressure: Array, cells: BoolArray, x: Array, y: Array, area: Array) -> Array:
+    out = np.zeros(3)
+    for i in range(pressure.shape[0]):
+        for j in range(pressure.shape[1]):
+            if cells[i, j]:
+                push = pressure[i, j] * area[i, j]
+                out[0] += push
+                out[1] += push * y[i, j]
+                out[2] -= push * x[i, j]
+    return out
 
 
 def _metric(rows: int, step: float, rim: Array, radius: Array) -> FilmGrid:

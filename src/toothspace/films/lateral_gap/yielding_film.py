@@ -8,7 +8,7 @@ from typing import NamedTuple, final
 
 import numpy as np
 
-from toothspace.core.compiled import kernel, njit
+from toothspace.core.compiled import inlined, kernel, njit
 from toothspace.core.status import Status
 from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.films.live_balance import (
@@ -234,6 +234,12 @@ def _parted(kind: IntArray, unknown: Array) -> tuple[Array, Array]:
     return potential, saturation
 
 
+@inlined
+def _floored(gap: float, roughness: float) -> float:
+    """Gap that changes are compared with, positive also where faces overlap. [m]."""
+    return max(gap, 0.1 * roughness + 1e-9)
+
+
 @kernel
 def _take(
     kind: IntArray,
@@ -256,7 +262,7 @@ def _take(
         for j in range(lanes):
             if kind[i, j] == 0:
                 change = abs(give[i, j] * step[i * lanes + j])
-                largest = max(largest, change / max(gap[i, j], 0.1 * roughness + 1e-9))
+                largest = max(largest, change / _floored(gap[i, j], roughness))
     most = careful if largest > _MUCH else 1.0
     for i in range(rows):
         for j in range(lanes):
@@ -266,7 +272,7 @@ def _take(
                 continue
             if kind[i, j] == 0:
                 change = give[i, j] * step[r]
-                room = _LONGEST * max(gap[i, j], 0.1 * roughness + 1e-9)
+                room = _LONGEST * _floored(gap[i, j], roughness)
                 part = min(part, room / max(abs(change), 1e-300))
             unknown[r] += part * step[r]
             contact[i, j] = max(touch[0, i, j] + part * touch[1, i, j] * change, 0.0)
@@ -304,6 +310,7 @@ class _Reduced(NamedTuple):
 
 class _Pass(NamedTuple):
     gap: Array
+    rate: Array  # of the whole gap [m/s]
     touch: Array  # contact, slope, share
     give: Array  # change of the gap over that of the reduced pressure [m/Pa]
     found: Linearised
@@ -334,8 +341,7 @@ def solve_yielding(
     gap = film.gap.centre.copy() if former is None else former.plane.film.gap.centre.copy()
     settled, system = False, None if former is None else former.plane.fields.system
     for number in range(1, how.accuracy.passes + 1):
-        found = (unknown, *_parted(kind, unknown), kind)
-        now = _linearise(film, reduced, how, found, gap, system)
+        now = _linearise(film, reduced, how, (unknown, kind), gap, system)
         gap, system = now.gap, now.system
         step = now.system.solve(-now.right, relative_tolerance=how.accuracy.linear)
         lost = not np.isfinite(step).all()
@@ -352,10 +358,9 @@ def solve_yielding(
             break
     final, filled = _parted(kind, unknown)
     fields = ComplementaritySolution(final, filled, used, now.system, number, settled)
-    rate = film.gap.rate + how.frequency * (gap - film.gap.centre)
     moved = PlaneFilm(
         film.grid,
-        opened(film.gap, gap - film.gap.centre, film.grid.sweep_x)._replace(rate=rate),
+        opened(film.gap, gap - film.gap.centre, film.grid.sweep_x)._replace(rate=now.rate),
         film.points,
         film.fluid,
         film.cavitation_pressure,
@@ -434,18 +439,20 @@ def _linearise(
     film: PlaneFilm,
     reduced: _Reduced,
     how: Yielding,
-    fields: tuple[Array, Array, Array, IntArray],
+    fields: tuple[Array, IntArray],
     gap: Array,
     former: LinearSystem | None,
 ) -> _Pass:
-    unknown, potential, saturation, kind = fields
+    unknown, kind = fields
+    potential, saturation = _parted(kind, unknown)
     touch = np.empty((3, *gap.shape))
     height = gap.copy()
     inside = film.grid.mark != PRESCRIBED
     pressure = film.fluid.gauge(potential, film.cavitation_pressure)
     _settle_gap(film.gap.centre, pressure, inside, how, height, touch)
     give = how.compliance * touch[2] * film.fluid.stretch(pressure + film.cavitation_pressure)
-    rigid = film.gap._replace(rate=film.gap.rate + how.frequency * (height - film.gap.centre))
+    rate = film.gap.rate + how.frequency * (height - film.gap.centre)
+    rigid = film.gap._replace(rate=rate)
     b = film.grid
     rims = np.vstack([b.south, b.north]) - film.cavitation_pressure - how.reference
     widened = YieldingGap(rigid, height - film.gap.centre, how.compliance * rims)
@@ -463,7 +470,7 @@ def _linearise(
         system = block_system(stencil, kind, former)
     if system is None:
         system = iterative_system(balance, stencil, kind)
-    return _Pass(height, touch, give, found, system, right)
+    return _Pass(height, rate, touch, give, found, system, right)
 
 
 @njit(cache=True, nogil=True)
