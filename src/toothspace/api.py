@@ -237,12 +237,10 @@ def _simulate_lumped(
     progress: Progress | None,
 ) -> Solution:
     worn, depths, status = _run_in(case, description)
-    worn = _with_tables(case, worn)
-    history = _march(case, worn, fluid, condition, progress)
     extra: dict[str, Any] = {"fluid_temperature": np.asarray(_temperature(case))}
     extra |= _running_in_values(description, depths)
-    solution = solution_from(history, provenance_of(case), extra, case.title)
-    return _with_running_in_status(solution, status)
+    machine = RunInMachine(case, _with_tables(case, worn), fluid, extra)
+    return _with_running_in_status(machine.solve(condition, progress=progress), status)
 
 
 def _with_running_in_status(solution: Solution, status: Status) -> Solution:
@@ -347,8 +345,16 @@ class RunInMachine:
     ) -> Solution:
         """Lumped solution at a condition, of the machine or a changed one."""
         machine = description or self.description
-        history = _march(self.case, machine, self.fluid, condition, progress)
-        return solution_from(history, provenance_of(self.case), self.extra, self.case.title)
+
+        def run(changed: MachineDescription) -> Solution:
+            history = _march(self.case, changed, self.fluid, condition, progress)
+            return solution_from(history, provenance_of(self.case), self.extra, self.case.title)
+
+        if machine.lateral_table is None:
+            return run(machine)
+        from toothspace.solver.lateral_lookup import run_with_table
+
+        return run_with_table(machine, run)
 
 
 def run_in_machine(case: Case) -> RunInMachine:

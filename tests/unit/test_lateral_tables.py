@@ -58,18 +58,22 @@ def test_load_grows_with_the_pressure_difference(motor: tuple[Case, MachineDescr
     assert loads[0] == pytest.approx(2.0 * loads[1], rel=1e-6)
 
 
-def _table(extra: float, factor: float) -> LateralTable:
-    shape = (FORCES.size, MOMENTS.size)
-    slope = 1e-3 * FORCES[:, None] * extra / 8.0 + 0.0 * MOMENTS
-    return LateralTable(FORCES, MOMENTS, -slope, np.full(shape, factor))
+def _table() -> LateralTable:
+    """Drag that falls and leakage that rises with the force, from 1 at -8000 N to 16 at 1000 N."""
+    drag = -0.25e-3 * FORCES[:, None] + 0.0 * MOMENTS
+    leakage = np.array([1.0, 4.0, 16.0])[:, None] * np.ones(MOMENTS.size)
+    return LateralTable(FORCES, MOMENTS, drag, leakage, (-7000.0, 0.0))
 
 
-def test_lookup_is_linear_between_nodes_and_refused_far_outside() -> None:
-    table = _table(2.0, 3.0)
-    assert table(-5000.0, 3.0) == pytest.approx((1.25, 3.0))
-    assert table(1500.0, 0.0)[0] == pytest.approx(-0.25)
+def test_lookup_between_nodes_ends_at_the_edges() -> None:
+    table = _table()
+    # half way between two nodes the leakage is the geometric mean of both
+    assert table(-5000.0, 3.0) == pytest.approx((1.25, 2.0))
+    assert table(1500.0, 0.0) == pytest.approx((-0.25, 16.0))
+    assert table.force_of(2.0, 3.0) == pytest.approx(-5000.0)
+    table.check(1500.0, 0.0)
     with pytest.raises(CaseError, match="F_z = 9000 N"):
-        table(9000.0, 0.0)
+        table.check(9000.0, 0.0)
 
 
 def test_machine_takes_drag_and_leakage(motor: tuple[Case, MachineDescription]) -> None:
@@ -77,7 +81,7 @@ def test_machine_takes_drag_and_leakage(motor: tuple[Case, MachineDescription]) 
     condition = api.condition_of(case, machine)
     plain = lateral_torque_coefficient(machine)
     wide = (np.array([-1e6, 1e6]), np.array([-1e5, 1e5]))
-    table = LateralTable(*wide, np.full((2, 2), 0.5 * plain), np.full((2, 2), 8.0))
+    table = LateralTable(*wide, np.full((2, 2), 0.5), np.full((2, 2), 8.0))
     changed = with_lateral_table(replace(machine, lateral_table=table), condition)
     assert lateral_torque_coefficient(changed) == pytest.approx(1.5 * plain)
     for before, after in zip(machine.paths, changed.paths, strict=True):
@@ -88,7 +92,8 @@ def test_machine_takes_drag_and_leakage(motor: tuple[Case, MachineDescription]) 
 
 def _file(machine: MachineDescription, path: Path, **changed: float) -> Path:
     values = {f"lateral_{k}": v for k, v in lateral_sizes(machine).items()}
-    values |= {"lateral_viscosity": 0.03, "lateral_shaft_speed": 157.0} | changed
+    values |= {"lateral_closed_torque": 0.8, "lateral_condition_force": -3000.0}
+    values |= {"lateral_condition_moment": 1.0} | changed
     over = ("lateral_force", "lateral_moment")
     shape = (FORCES.size, MOMENTS.size)
     data = xr.Dataset(
@@ -108,7 +113,8 @@ def _file(machine: MachineDescription, path: Path, **changed: float) -> Path:
 def test_file_is_read(motor: tuple[Case, MachineDescription], tmp_path: Path) -> None:
     machine = with_film_tables(motor[1], _file(motor[1], tmp_path / "a.nc"))
     assert machine.lateral_table is not None
-    assert machine.lateral_table.extra_drag == pytest.approx(0.2 / (0.03 * 157.0))
+    assert machine.lateral_table.extra_share == pytest.approx(0.25)
+    assert machine.lateral_table.condition_load == (-3000.0, 1.0)
 
 
 def test_files_of_other_machines_are_refused(

@@ -115,12 +115,12 @@ def with_lateral_loads(description: MachineDescription, tables: xr.Dataset) -> M
             )
     if not bool(tables["lateral_converged"].all()):
         raise CaseError("run.film_tables: found loads without an equilibrium, allowed none")
-    unit = float(tables["lateral_viscosity"]) * float(tables["lateral_shaft_speed"])
     table = LateralTable(
         tables["lateral_force"].values,
         tables["lateral_moment"].values,
-        tables["lateral_extra_torque"].values / unit,
+        tables["lateral_extra_torque"].values / float(tables["lateral_closed_torque"]),
         tables["lateral_leakage_factor"].values,
+        (float(tables["lateral_condition_force"]), float(tables["lateral_condition_moment"])),
     )
     return replace(description, lateral_table=table)
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
-from toothspace.model.description import FlowPath, MachineDescription
-from toothspace.model.films import lateral_face_torque, lateral_torque_coefficient
+from toothspace.model.description import MachineDescription
+from toothspace.model.films import lateral_face_torque
 from toothspace.model.lateral_balance import LAND, FilmInterface, LateralBalance, Patch
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.quasi_static import quasi_static_pressures
@@ -35,43 +35,61 @@ class LateralTable:
         Unbalanced axial force F_z, positive away from the gears, rising. [N]
     moment : ndarray, shape (m,)
         Unbalanced moment M_x about the middle of the face, rising; one where nothing tilts. [N m]
-    extra_drag : ndarray, shape (n, m)
-        Torque at the shaft beyond the closed form, per viscosity and shaft speed. [m3]
+    extra_share : ndarray, shape (n, m)
+        Torque at the shaft beyond that of the closed form, over it. [-]
     leakage_factor : ndarray, shape (n, m)
-        Leakage over that of the closed form. [-]
+        Leakage over that of the closed form; its logarithm is linear between the nodes. [-]
+    condition_load : tuple of float
+        Force [N] and moment [N m] at the condition that the table was made at.
     """
 
     force: Array
     moment: Array
-    extra_drag: Array
+    extra_share: Array
     leakage_factor: Array
+    condition_load: tuple[float, float] = (0.0, 0.0)
 
     def __call__(self, force: float, moment: float) -> tuple[float, float]:
-        """Extra drag [m3] and leakage factor [-] at a force [N] and a moment [N m].
+        """Extra torque over the closed form and leakage factor at a force [N] and moment [N m].
+
+        A load outside the table counts as its edge; :meth:`check` tells.
+        """
+        places = (_place(self.force, force), _place(self.moment, moment))
+        leakage = float(np.exp(_bilinear(np.log(self.leakage_factor), *places)))
+        return _bilinear(self.extra_share, *places), leakage
+
+    def force_of(self, factor: float, moment: float) -> float:
+        """Force [N] at which films leak by a factor [-] more, at a moment [N m]; rising with it."""
+        column = _place(self.moment, moment)
+        found = [
+            _bilinear(np.log(self.leakage_factor), float(i), column) for i in range(self.force.size)
+        ]
+        return float(np.interp(np.log(factor), np.maximum.accumulate(found), self.force))
+
+    def check(self, force: float, moment: float) -> None:
+        """Refuse a load far outside the table.
 
         Raises
         ------
         CaseError
-            If the load lies outside the table.
+            If the load lies outside by more than a tenth of its range.
         """
-        places = (
-            _place(self.force, force, "F_z", "N"),
-            _place(self.moment, moment, "M_x", "N m"),
-        )
-        return _bilinear(self.extra_drag, *places), _bilinear(self.leakage_factor, *places)
+        _check(self.force, force, "F_z", "N")
+        _check(self.moment, moment, "M_x", "N m")
 
 
-def _place(nodes: Array, value: float, name: str, unit: str) -> float:
-    """Place between the nodes; little outside counts as the edge."""
-    if nodes.size == 1:
-        return 0.0
+def _place(nodes: Array, value: float) -> float:
+    """Place between the nodes; outside counts as the edge."""
+    return float(np.interp(value, nodes, np.arange(nodes.size)))
+
+
+def _check(nodes: Array, value: float, name: str, unit: str) -> None:
     margin = _MARGIN * (nodes[-1] - nodes[0])
-    if not nodes[0] - margin <= value <= nodes[-1] + margin:
+    if nodes.size > 1 and not nodes[0] - margin <= value <= nodes[-1] + margin:
         raise CaseError(
             f"run.film_tables: found {name} = {value:.5g} {unit} at this condition, allowed "
             f"{nodes[0]:.5g} to {nodes[-1]:.5g} {unit}: make tables near it"
         )
-    return float(np.interp(value, nodes, np.arange(nodes.size)))
 
 
 def _bilinear(values: Array, row: float, column: float) -> float:
@@ -100,15 +118,37 @@ def with_lateral_table(
     ------
     CaseError
         If the load lies outside the table.
+
+    Notes
+    -----
+    Quasi-static pressures are those of a machine that turns slowly: nothing is carried from port
+    to port. A run at one condition looks up the load of its own pressures instead.
     """
     table, balance = description.lateral_table, description.lateral_balance
     if table is None or balance is None:
         return description
-    extra, factor = table(*axial_load(balance, chamber_pressures(description, condition)))
-    plain = lateral_torque_coefficient(description)
-    share = max(1.0 + extra / plain, 0.0)
+    load = axial_load(balance, chamber_pressures(description, condition))
+    table.check(*load)
+    return with_lateral_films(description, *table(*load))
+
+
+def with_lateral_films(
+    description: MachineDescription, extra_share: float, leakage_factor: float
+) -> MachineDescription:
+    """Machine without a table whose lateral films drag and leak by given factors more.
+
+    Parameters
+    ----------
+    description : MachineDescription
+        Machine with closed-form films.
+    extra_share : float
+        Torque beyond that of the closed form, over it. [-]
+    leakage_factor : float
+        Leakage over that of the closed form. [-]
+    """
+    share = max(1.0 + extra_share, 0.0)
     laterals = tuple(replace(f, drag=share * lateral_face_torque(f)) for f in description.laterals)
-    changed = with_lateral_leakage(description, factor)
+    changed = with_lateral_leakage(description, leakage_factor)
     return replace(changed, laterals=laterals, lateral_table=None)
 
 
@@ -145,26 +185,6 @@ def chamber_pressures(
         return np.concatenate([quasi_static_pressures(description, condition, shaft_angle), rest])
 
     return at
-
-
-def closed_form_leakage(
-    description: MachineDescription, condition: OperatingCondition, viscosity: float
-) -> float:
-    """Flow between the ports that loses the power of the lateral and drain paths. [m3/s]."""
-    pressures = chamber_pressures(description, condition)
-    span = abs(condition.outlet_pressure - condition.inlet_pressure)
-    paths = [p for p in description.paths if p.category in LATERAL_PATHS]
-    angles = 2.0 * np.pi * (np.arange(24) + 0.5) / 24
-    power = [sum(_power(p, pressures(float(a)), float(a)) for p in paths) for a in angles]
-    return float(np.mean(power)) / (viscosity * span)
-
-
-def _power(path: FlowPath, pressure: Array, shaft_angle: float) -> float:
-    geometry = path.geometry(path.phases + path.angle_ratio * shaft_angle)
-    drop = pressure[path.nodes_a] - pressure[path.nodes_b]
-    height, width = np.maximum(geometry[:, 0], 0.0), np.maximum(geometry[:, 1], 0.0)
-    cube = width * height**3 / (12.0 * np.maximum(geometry[:, 2], 1e-9))
-    return float(path.multiplicity * (cube * drop**2).sum())
 
 
 def axial_load(balance: LateralBalance, pressures: Callable[[float], Array]) -> tuple[float, float]:

@@ -224,6 +224,8 @@ def _ratio(numerator: float, denominator: float) -> float:
 _LATERAL = {
     "lateral_leakage_L_per_min": ("lateral_leakage", 6e4),
     "lateral_torque_N_m": ("lateral_torque", 1.0),
+    "axial_load_N": ("lateral_axial_force", 1.0),
+    "axial_moment_N_m": ("lateral_axial_moment", 1.0),
     "smallest_film_um": ("lateral_smallest_gap", 1e6),
     "contact_force_N": ("lateral_contact_force", 1.0),
     "real_contact_area_mm2": ("lateral_real_contact_area", 1e6),
@@ -239,7 +241,7 @@ _LATERAL = {
 
 
 def lateral_numbers(data: xr.Dataset, statistics: Mapping[str, float]) -> dict[str, float]:
-    """Numbers of a run with solved lateral films and a pressed bearing, names with unit suffix.
+    """Numbers of a run with solved or tabulated lateral films, names with unit suffix.
 
     Parameters
     ----------
@@ -248,10 +250,10 @@ def lateral_numbers(data: xr.Dataset, statistics: Mapping[str, float]) -> dict[s
     statistics : mapping of str to float
         Numbers of the films in SI units; without them the result is empty.
     """
-    if "lateral_leakage" not in statistics:
-        return {}
-    position = float(data["bearing_position"].mean()) * 1e6
     numbers = {
         name: statistics[key] * unit for name, (key, unit) in _LATERAL.items() if key in statistics
     }
-    return {"bearing_position_um": position, **numbers}
+    if "lateral_leakage" in statistics:
+        position = float(data["bearing_position"].mean()) * 1e6
+        numbers = {"bearing_position_um": position, **numbers}
+    return numbers

@@ -14,7 +14,7 @@ from toothspace.core.types import Array
 from toothspace.films.lateral_gap.equilibrium import Equilibrium
 from toothspace.films.lateral_gap.motion import Balance
 from toothspace.model.description import MachineDescription
-from toothspace.model.lateral_table import LATERAL_PATHS, with_lateral_leakage
+from toothspace.model.lateral_table import LATERAL_PATHS, axial_load, with_lateral_leakage
 from toothspace.results.solution import Solution
 from toothspace.results.variables import VARIABLES
 from toothspace.solver.lateral_gap import (
@@ -138,6 +138,7 @@ def couple_point(
     """
     known: list[tuple[float, float]] = []
     widened = 0.0
+    description = replace(description, lateral_table=None)
     for number in range(1, request.rounds + 1):
         solution = run(description)
         problem = lateral_problem(
@@ -164,7 +165,7 @@ def couple_point(
             return point
         if lumped > 0.0 and numbers.leakage > 0.0:
             known.append((widened, float(np.log(numbers.leakage / lumped))))
-            change = _next_change(known)
+            change = next_change(known)
             widened += change
             description = with_lateral_leakage(description, float(np.exp(change)))
         description = _with_drag(description, solution, numbers)
@@ -181,8 +182,14 @@ def _settled(
     return found.problem, found.equilibrium, found
 
 
-def _next_change(known: list[tuple[float, float]]) -> float:
-    """Change of the logarithm of the paths' leakage; secant between opposite errors."""
+def next_change(known: list[tuple[float, float]]) -> float:
+    """Change of the logarithm of the paths' leakage; secant between opposite errors.
+
+    Parameters
+    ----------
+    known : list of tuple
+        Logarithms that were tried, and by how much the leakage asked for differs. [-]
+    """
     place, error = known[-1]
     opposite = [(s, e) for s, e in known if e * error < 0.0]
     if opposite:
@@ -239,6 +246,7 @@ def elastic_solution(point: CoupledPoint, steps: int) -> Solution:
     statistics = {
         **point.solution.statistics,
         **_statistics(point.numbers, point.leakage_mismatch),
+        **_axial_load(point.problem),
         **_warmth(point),
         "pressed_bearing_preload": stack.balance.floating.preload,
         "lateral_iterations": float(sum(march.iterations)),
@@ -276,6 +284,11 @@ def _with_warning(provenance: Mapping[str, str], warning: str) -> dict[str, str]
 def _entry(name: str, value: object) -> tuple[tuple[str, ...], object, dict[str, str]]:
     entry = VARIABLES[name]
     return entry.dimensions, value, {"long_name": entry.long_name, "units": entry.units}
+
+
+def _axial_load(problem: LateralProblem) -> dict[str, float]:
+    force, moment = axial_load(problem.stack.balance, problem.node_pressure)
+    return {"lateral_axial_force": force, "lateral_axial_moment": moment}
 
 
 def _warmth(point: CoupledPoint) -> dict[str, float]:

@@ -4,33 +4,35 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, final
+from typing import final
 
 import numpy as np
 
 from toothspace.closures.fluid_law import FluidLaw
+from toothspace.core.status import Status
 from toothspace.core.types import Array, BoolArray
 from toothspace.films.lateral_gap.motion import Balance
 from toothspace.model.description import MachineDescription
 from toothspace.model.films import lateral_torque_coefficient
 from toothspace.model.lateral_balance import FloatingBearing, LateralBalance
-from toothspace.model.lateral_table import axial_load, chamber_pressures, closed_form_leakage
-from toothspace.model.operating_point import OperatingCondition
+from toothspace.model.lateral_table import LATERAL_PATHS, axial_load
+from toothspace.solver.lateral_coupling import CoupledPoint, LumpedRun, PointRequest, couple_point
 from toothspace.solver.lateral_gap import (
+    LateralProblem,
     LateralSettings,
     balance_of,
     lateral_problem,
     numbers_of,
 )
 
-if TYPE_CHECKING:
-    import xarray as xr
-
-CLOSING = (0.30, 0.25, 0.20, 0.17, 0.145, 0.13)
-"""Forces towards the gears over the force of the high-pressure area. [-]"""
+CLOSING = (0.28, 0.2, 0.14, 0.1, 0.07, 0.045, 0.03, 0.02, 0.01, 0.005)
+"""Closing forces that are added, over the force of the high-pressure area. [-]"""
+OPENING = (0.005, 0.01, 0.02)
+"""Opening forces that are added, over the force of the high-pressure area. [-]"""
 TILTING = (-0.006, -0.003, 0.0, 0.003, 0.006)
-"""Moments over the force of the high-pressure area times the tip radius. [-]"""
-_SAMPLES = 180
+"""Moments that are added, over the force of the high-pressure area times the tip radius. [-]"""
+_START_GAP = 5e-6
+"""Gap that the search begins with. [m]"""
 
 
 @final
@@ -42,6 +44,10 @@ class LateralReduction:
     ----------
     force, moment : ndarray
         Unbalanced force [N] and moment [N m], see :func:`axial_load`.
+    load : tuple of float
+        Force [N] and moment [N m] at the condition, where nothing is added.
+    closed_torque : float
+        Torque of the closed form at the condition. [N m]
     torque : ndarray, shape (n, m)
         Torque of all films at the shaft, asperities included. [N m]
     extra_torque : ndarray, shape (n, m)
@@ -56,6 +62,8 @@ class LateralReduction:
 
     force: Array
     moment: Array
+    load: tuple[float, float]
+    closed_torque: float
     torque: Array
     extra_torque: Array
     leakage_factor: Array
@@ -66,12 +74,12 @@ class LateralReduction:
 def reduce_lateral(
     description: MachineDescription,
     fluid: FluidLaw,
-    condition: OperatingCondition,
+    run: LumpedRun,
     settings: LateralSettings,
-    loads: tuple[Sequence[float], Sequence[float]] = (CLOSING, TILTING),
+    loads: tuple[Sequence[float], Sequence[float], Sequence[float]] = (CLOSING, OPENING, TILTING),
     progress: Callable[[float], None] | None = None,
 ) -> LateralReduction:
-    """Solve the films at rest under forces and moments that are added to the bearing.
+    """Solve the films at rest at the pressures of a condition, with forces and moments added.
 
     Parameters
     ----------
@@ -79,12 +87,13 @@ def reduce_lateral(
         Machine with a pressed bearing.
     fluid : FluidLaw
         Fluid.
-    condition : OperatingCondition
-        Speed and pressures.
+    run : callable
+        Lumped solution of a changed machine at the condition.
     settings : LateralSettings
         Grids and laws.
     loads : tuple of sequences
-        Closing forces and moments, over the force of the high-pressure area. [-]
+        Closing forces, opening forces and moments, over the force of the high-pressure area.
+        [-]
     progress : callable, optional
         Called with the finished share.
 
@@ -95,52 +104,88 @@ def reduce_lateral(
 
     Notes
     -----
-    Without friction in the housing, and with a split bearing in one piece. Bearings and gears that
-    may not tilt (``motion = "axial"``) do not feel the moment: the table has the one of the
-    condition. Every column of one moment begins with the largest force, each point with the
-    positions of the one before.
+    Chambers and films are brought to agreement first, so that the table holds what the coupled
+    run finds at the condition. Without friction in the housing, and with a split bearing in one
+    piece. Bearings and gears that may not tilt (``motion = "axial"``) do not feel the moment: the
+    table has the one of the condition. Opening forces that lift the bearing off its films for any
+    moment are left out.
     """
     balance = balance_of(description)
-    data = _quasi_static_data(description, condition)
-    base = axial_load(balance, chamber_pressures(description, condition))
-    span = abs(condition.outlet_pressure - condition.inlet_pressure)
-    scale = balance.floating.high_pressure.area * span
+    free = replace(description, lateral_balance=_loaded(balance, 0.0, 0.0), lateral_table=None)
+    point = couple_point(free, fluid, run, PointRequest(settings=settings, start=_START_GAP))
+    back = point.problem.loads.back
+    load = axial_load(balance, point.problem.node_pressure)
+    scale = balance.floating.high_pressure.area * (back.high - back.low)
+    closing, opening, tilting = loads
+    added = scale * np.concatenate([-np.sort(closing)[::-1], [0.0], np.sort(opening)])
     reach = balance.interfaces[0].outer_radius
-    force = -np.sort(loads[0])[::-1] * scale
-    tilts = balance.motion == "full"
-    moment = np.sort(loads[1]) * scale * reach if tilts else np.array([base[1]])
-    shape = (force.size, moment.size)
-    table = np.full((4, *shape), np.nan)
-    for j, m in enumerate(moment):
-        now: Balance | None = None
-        for i, f in enumerate(force):
-            moved = _loaded(balance, float(f) - base[0], float(m) - base[1])
-            machine = replace(description, lateral_balance=moved)
-            problem = lateral_problem(machine, fluid, data, settings)
-            start = problem.started(_START_GAP) if now is None else problem.continued(now.position)
-            found = problem.settle(start)
-            numbers = numbers_of(problem, found.balance)
-            now = found.balance if found.rests else None
-            torque = numbers.viscous_torque + numbers.asperity_torque
-            table[:, i, j] = torque, numbers.leakage, numbers.smallest_gap, found.rests
-            if progress:
-                progress((j * shape[0] + i + 1) / table[0].size)
-    viscosity = fluid.dynamic_viscosity
-    plain = lateral_torque_coefficient(description) * viscosity * condition.shaft_speed
-    leakage = closed_form_leakage(description, condition, viscosity)
+    tilts = np.sort(tilting) if balance.motion == "full" else np.zeros(1)
+    turned = tilts * scale * reach
+    table = np.full((4, added.size, turned.size), np.nan)
+    for j, moment in enumerate(turned):
+        table[:, :, j] = _column(point, fluid, added, float(moment))
+        if progress:
+            progress((j + 1) / turned.size)
+    found = (table[3] > 0.0) & (point.status is Status.DONE)
+    kept = found.all(axis=1) | (added <= 0.0)
+    torque, leakage = _closed_forms(description, point)
     return LateralReduction(
-        force=force,
-        moment=moment,
-        torque=table[0],
-        extra_torque=table[0] - plain,
-        leakage_factor=table[1] / leakage,
-        smallest_gap=table[2],
-        converged=table[3] > 0.0,
+        force=load[0] + added[kept],
+        moment=load[1] + turned,
+        load=load,
+        closed_torque=torque,
+        torque=table[0][kept],
+        extra_torque=table[0][kept] - torque,
+        leakage_factor=table[1][kept] / leakage,
+        smallest_gap=table[2][kept],
+        converged=found[kept],
     )
 
 
-_START_GAP = 3e-6
-"""Gap that every column of a table begins with. [m]"""
+def _column(point: CoupledPoint, fluid: FluidLaw, added: Array, moment: float) -> Array:
+    """Torque, leakage, smallest gap and whether it rests, over the forces that are added."""
+    found = np.full((4, added.size), np.nan)
+    middle = int(np.argmin(np.abs(added)))
+    for way in (range(middle, -1, -1), range(middle + 1, added.size)):
+        now = point.equilibrium.balance
+        for k in way:
+            problem = _problem_at(point, fluid, float(added[k]), moment)
+            rest = problem.settle(problem.continued(now.position))
+            numbers = numbers_of(problem, rest.balance)
+            held = rest.rests and not _at_stop(problem, rest.balance)
+            torque = numbers.viscous_torque + numbers.asperity_torque
+            found[:, k] = torque, numbers.leakage, numbers.smallest_gap, held
+            now = rest.balance if held else now
+    return found
+
+
+def _problem_at(
+    point: CoupledPoint, fluid: FluidLaw, force: float, moment: float
+) -> LateralProblem:
+    moved = _loaded(balance_of(point.description), force, moment)
+    machine = replace(point.description, lateral_balance=moved)
+    return lateral_problem(machine, fluid, point.solution.data, point.problem.settings)
+
+
+def _at_stop(problem: LateralProblem, balance: Balance) -> bool:
+    """Whether a pressed bearing has come to the end of its travel."""
+    return any(
+        -piece.sign * float(balance.position[piece.first]) >= piece.bearing.axial_play
+        for piece in problem.stack.pieces
+    )
+
+
+def _closed_forms(description: MachineDescription, point: CoupledPoint) -> tuple[float, float]:
+    """Torque [N m] and leakage [m3/s] of the closed forms at the pressures of the point."""
+    data, changed = point.solution.data, point.description
+    share = lateral_torque_coefficient(changed) / lateral_torque_coefficient(description)
+    torque = float(data["torque_loss"].sel(mechanism="lateral_viscous").mean())
+    wide, plain = (
+        next(p for p in machine.paths if p.category in LATERAL_PATHS).geometry.values[:, 0].max()
+        for machine in (changed, description)
+    )
+    leakage = float(data["leakage"].sel(path=list(LATERAL_PATHS)).sum("path").mean())
+    return torque / share, leakage / float(wide / plain) ** 3
 
 
 def _loaded(balance: LateralBalance, force: float, moment: float) -> LateralBalance:
@@ -157,24 +202,3 @@ def _loaded(balance: LateralBalance, force: float, moment: float) -> LateralBala
         bearing, preload=preload, preload_center=center, housing=housing
     )
     return replace(balance, floating=moved, halves=())
-
-
-def _quasi_static_data(
-    description: MachineDescription, condition: OperatingCondition
-) -> xr.Dataset:
-    """Chamber and port pressures over a revolution, as a lumped solution holds them."""
-    import xarray as xr
-
-    angle = 2.0 * np.pi * np.arange(_SAMPLES) / _SAMPLES
-    pressures = chamber_pressures(description, condition)
-    chambers = np.array([pressures(float(a))[: description.chamber_count] for a in angle])
-    return xr.Dataset(
-        {
-            "shaft_speed": ("shaft_angle", np.full(_SAMPLES, condition.shaft_speed)),
-            "chamber_pressure": (("shaft_angle", "chamber"), chambers),
-            "inlet_pressure": ("shaft_angle", np.full(_SAMPLES, condition.inlet_pressure)),
-            "outlet_pressure": ("shaft_angle", np.full(_SAMPLES, condition.outlet_pressure)),
-            "journal_force": (("shaft_angle", "body", "axis"), np.zeros((_SAMPLES, 2, 2))),
-        },
-        {"shaft_angle": angle},
-    )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any, final
 
 import numpy as np
@@ -252,9 +252,14 @@ def reduce_lateral_films(given: ReduceInput) -> xr.Dataset:
     xarray.Dataset
         Tables over ``lateral_force`` and ``lateral_moment``.
     """
-    condition = given.condition
+    case = given.case
+    # the films of this machine are what is to be found
+    machine = api.run_in_machine(replace(case, run=replace(case.run, film_tables=None)))
     found = reduce_lateral(
-        given.description, given.fluid, condition, api.lateral_settings(given.case)
+        machine.description,
+        given.fluid,
+        lambda changed: machine.solve(given.condition, changed),
+        api.lateral_settings(case),
     )
     over = ("lateral_force", "lateral_moment")
     columns = {
@@ -272,8 +277,15 @@ def reduce_lateral_films(given: ReduceInput) -> xr.Dataset:
         units = "m" if name == "height" else "m2"
         values[f"lateral_{name}"] = ((), size, _about(units, name.replace("_", " ")))
     viscosity = float(given.fluid.dynamic_viscosity)
-    values["lateral_viscosity"] = ((), viscosity, _about("Pa s", "Viscosity"))
-    values["lateral_shaft_speed"] = ((), condition.shaft_speed, _about("rad/s", "Shaft speed"))
+    scalars = {
+        "viscosity": (viscosity, "Pa s", "Viscosity"),
+        "shaft_speed": (given.condition.shaft_speed, "rad/s", "Shaft speed"),
+        "closed_torque": (found.closed_torque, "N m", "Torque of the closed form"),
+        "condition_force": (found.load[0], "N", "Axial force at the condition"),
+        "condition_moment": (found.load[1], "N m", "Moment about x at the condition"),
+    }
+    for name, (value, units, text) in scalars.items():
+        values[f"lateral_{name}"] = ((), value, _about(units, text))
     force = ("lateral_force", found.force, _about("N", "Axial force, away from the gears"))
     moment = ("lateral_moment", found.moment, _about("N m", "Moment about x on the bearing"))
     return xr.Dataset(values, {"lateral_force": force, "lateral_moment": moment})
@@ -291,6 +303,7 @@ def _lateral_summary(tables: xr.Dataset) -> dict[str, Any]:
         values = tables[f"lateral_{name}"].values
         label = f"lateral_{name}_{unit}" if unit else f"lateral_{name}"
         numbers[label] = [float(np.nanmin(values)), float(np.nanmax(values))]
+    numbers["lateral_condition_force_N"] = float(tables["lateral_condition_force"])
     return numbers
 
 

@@ -1,0 +1,108 @@
+"""Lumped runs whose lateral films come from tables over the axial load of the run itself."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from toothspace.core.status import Status
+from toothspace.model.description import MachineDescription
+from toothspace.model.lateral_table import (
+    LATERAL_PATHS,
+    axial_load,
+    with_lateral_films,
+)
+from toothspace.results.solution import Solution
+from toothspace.solver.lateral_coupling import LumpedRun, next_change
+from toothspace.solver.lateral_gap import balance_of, node_pressures
+
+_AGREEMENT = 0.02
+"""Difference of the leakage looked up from that of the run at which both agree. [-]"""
+_NEGLIGIBLE = 5e-4
+"""Difference of leakage over displaced flow at which both agree. [-]"""
+_ROUNDS = 10
+_NOT_AGREED = (
+    "The lateral leakage of the table differs from that of the run by {:.2g} % of the displaced "
+    "flow: the run does not tell where the bearing rests."
+)
+
+
+def load_of_run(description: MachineDescription, solution: Solution) -> tuple[float, float]:
+    """Axial load of the chamber pressures of a run: force [N] and moment [N m].
+
+    Parameters
+    ----------
+    description : MachineDescription
+        Machine with a pressed bearing.
+    solution : Solution
+        Lumped solution of one revolution.
+    """
+    pressures = node_pressures(description, solution.data)
+    return axial_load(balance_of(description), pressures)
+
+
+def run_with_table(description: MachineDescription, run: LumpedRun) -> Solution:
+    """Lumped solution whose lateral films fit the axial load that its pressures exert.
+
+    Parameters
+    ----------
+    description : MachineDescription
+        Machine with a lateral table.
+    run : callable
+        Lumped solution of a changed machine at the condition.
+
+    Raises
+    ------
+    CaseError
+        If the load found lies outside the table.
+
+    Notes
+    -----
+    Leakage lowers the pressures that lift the bearing, and a lower bearing leaks less: secant
+    method on the logarithm of the leakage factor, kept between opposite errors. It begins with the
+    factor of the condition that the table was made at.
+    """
+    table = description.lateral_table
+    assert table is not None
+    known: list[tuple[float, float]] = []
+    force, moment = table.condition_load
+    for number in range(1, _ROUNDS + 1):
+        extra, factor = table(force, moment)
+        solution = run(with_lateral_films(description, extra, factor))
+        if solution.status is not Status.DONE:
+            return solution
+        load = load_of_run(description, solution)
+        error = float(np.log(table(*load)[1] / factor))
+        leakage = float(solution.data["leakage"].sel(path=list(LATERAL_PATHS)).sum("path").mean())
+        mismatch = leakage * float(np.expm1(error))
+        flow = description.displacement * float(solution.data["shaft_speed"].mean())
+        agreed = abs(mismatch) <= max(_AGREEMENT * leakage, _NEGLIGIBLE * flow)
+        if agreed or number == _ROUNDS:
+            break
+        known.append((float(np.log(factor)), error))
+        moment = load[1]
+        force = table.force_of(factor * float(np.exp(next_change(known))), moment)
+    if agreed:
+        table.check(*load)
+    return _told(solution, load, mismatch / flow, agreed)
+
+
+def _told(solution: Solution, load: tuple[float, float], mismatch: float, agreed: bool) -> Solution:
+    """Solution with its axial load, not converged if films and run disagree."""
+    statistics = {
+        **solution.statistics,
+        "lateral_axial_force": load[0],
+        "lateral_axial_moment": load[1],
+        "lateral_leakage_mismatch": mismatch,
+    }
+    if agreed:
+        return replace(solution, statistics=statistics)
+    former, warning = solution.provenance.get("warnings", ""), _NOT_AGREED.format(100.0 * mismatch)
+    provenance = {
+        **solution.provenance,
+        "warnings": "\n".join(filter(None, [former, warning])),
+    }
+    return replace(
+        solution, statistics=statistics, provenance=provenance, status=Status.NOT_CONVERGED
+    )

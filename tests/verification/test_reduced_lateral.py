@@ -1,0 +1,42 @@
+"""Lumped run with reduced lateral films against the elastic run that they were reduced from."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from toothspace import api
+from toothspace.config import load_case
+from toothspace.core.status import Status
+from toothspace.studies.reduce import reduce_films
+
+CASES = Path(__file__).parents[2] / "cases"
+
+
+@pytest.mark.slow
+def test_reduced_films_give_load_leakage_and_torque_of_the_elastic_run(tmp_path: Path) -> None:
+    case = load_case(CASES / "egm12_motor_reduced.toml")
+    plain = replace(
+        case.run,
+        film_tables=None,
+        film_grid=(84, 12),
+        film_steps_per_revolution=12,
+        samples_per_revolution=180,
+    )
+    tables = reduce_films(replace(case, run=plain), ["lateral"])
+    assert bool(tables["lateral_converged"].all())
+    tables.to_netcdf(tmp_path / "films.nc", engine="h5netcdf")
+    reduced = api.simulate(replace(case, run=replace(plain, film_tables=tmp_path / "films.nc")))
+    elastic = api.simulate(replace(case, run=replace(plain, fidelity="elastic")))
+    assert reduced.status is Status.DONE
+    assert elastic.status is Status.DONE
+    found, wanted = reduced.summary(), elastic.summary()
+    # the load within 1 % of the force of the balanced area, 760 mm2 at 199 bar
+    assert found["axial_load_N"] == pytest.approx(wanted["axial_load_N"], abs=0.01 * 15.1e3)
+    leakage = found["leakage_lateral_L_per_min"] + found["leakage_drain_L_per_min"]  # type: ignore[operator]
+    # chambers and films agree within 2 % in either run
+    assert leakage == pytest.approx(wanted["lateral_leakage_L_per_min"], rel=0.05)
+    torque = found["torque_loss_lateral_viscous_N_m"]
+    assert torque == pytest.approx(wanted["lateral_torque_N_m"], rel=0.05)
