@@ -34,6 +34,7 @@ from toothspace.solver import running_in_store
 from toothspace.solver.cyclic import History, RunPlan, first_turn_state, march_revolutions
 from toothspace.solver.ideal import ideal_solution
 from toothspace.solver.lateral_gap import LateralSettings
+from toothspace.solver.lateral_lookup import run_with_table
 from toothspace.solver.outcome import solution_from, window_ledger
 from toothspace.solver.running_in import running_in_depths
 from toothspace.solver.transient import TimePlan, TransientMarch
@@ -236,10 +237,7 @@ def _simulate_lumped(
     condition: OperatingCondition,
     progress: Progress | None,
 ) -> Solution:
-    worn, depths, status = _run_in(case, description)
-    extra: dict[str, Any] = {"fluid_temperature": np.asarray(_temperature(case))}
-    extra |= _running_in_values(description, depths)
-    machine = RunInMachine(case, _with_tables(case, worn), fluid, extra)
+    machine, status = _machine_after_running_in(case, description, fluid)
     return _with_running_in_status(machine.solve(condition, progress=progress), status)
 
 
@@ -261,8 +259,7 @@ def _simulate_circuit(
         found = f"run.fidelity: found {case.run.fidelity!r}"
         raise CaseError(f"{found}, allowed 'lumped' with a [circuit]")
     condition = circuit_condition(case, description, fluid)
-    worn, depths, status = _run_in(case, description)
-    worn = _with_tables(case, worn)
+    machine, status = _machine_after_running_in(case, description, fluid)
     run = case.run
     plan = TimePlan(
         case.circuit.duration,
@@ -270,10 +267,8 @@ def _simulate_circuit(
         max_steps=run.max_steps,
         channels=run.channels,
     )
-    march = TransientMarch(assemble(worn, fluid, condition), plan)
-    extra: dict[str, Any] = {"fluid_temperature": np.asarray(_temperature(case))}
-    extra |= _running_in_values(description, depths)
-    solution = transient_solution(march, provenance_of(case), extra, case.title, progress)
+    march = TransientMarch(assemble(machine.description, fluid, condition), plan)
+    solution = transient_solution(march, provenance_of(case), machine.extra, case.title, progress)
     return _with_running_in_status(solution, status)
 
 
@@ -344,27 +339,26 @@ class RunInMachine:
         progress: Progress | None = None,
     ) -> Solution:
         """Lumped solution at a condition, of the machine or a changed one."""
-        machine = description or self.description
 
         def run(changed: MachineDescription) -> Solution:
             history = _march(self.case, changed, self.fluid, condition, progress)
             return solution_from(history, provenance_of(self.case), self.extra, self.case.title)
 
-        if machine.lateral_table is None:
-            return run(machine)
-        from toothspace.solver.lateral_lookup import run_with_table
-
-        return run_with_table(machine, run)
+        return run_with_table(description or self.description, run)
 
 
 def run_in_machine(case: Case) -> RunInMachine:
     """Describe the machine of a case and run it in."""
-    description = describe(case)
-    worn, depths = run_in(case, description)
-    worn = _with_tables(case, worn)
+    return _machine_after_running_in(case, describe(case), fluid_of(case))[0]
+
+
+def _machine_after_running_in(
+    case: Case, description: MachineDescription, fluid: FluidLaw
+) -> tuple[RunInMachine, Status]:
+    worn, depths, status = _run_in(case, description)
     extra: dict[str, Any] = {"fluid_temperature": np.asarray(_temperature(case))}
     extra |= _running_in_values(description, depths)
-    return RunInMachine(case, worn, fluid_of(case), extra)
+    return RunInMachine(case, _with_tables(case, worn), fluid, extra), status
 
 
 def _simulate_elastic(case: Case, progress: Progress | None) -> Solution:

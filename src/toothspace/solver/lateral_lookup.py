@@ -48,7 +48,7 @@ def run_with_table(description: MachineDescription, run: LumpedRun) -> Solution:
     Parameters
     ----------
     description : MachineDescription
-        Machine with a lateral table.
+        Machine; without a lateral table it is run once, as it is.
     run : callable
         Lumped solution of a changed machine at the condition.
 
@@ -64,7 +64,8 @@ def run_with_table(description: MachineDescription, run: LumpedRun) -> Solution:
     factor of the condition that the table was made at.
     """
     table = description.lateral_table
-    assert table is not None
+    if table is None:
+        return run(description)
     known: list[tuple[float, float]] = []
     force, moment = table.condition_load
     for number in range(1, _ROUNDS + 1):
