@@ -53,6 +53,8 @@ _MARCHED = Accuracy(settled=1e-3, linear=1e-2)
 """Accuracy of films within one step of the march, whose force balance repeats them."""
 _JACOBIAN_AGE = 60
 """Iterations of the march that one Jacobian serves. [-]"""
+_FINENESS = (6, 2)
+"""Waves and degree of the patterns of widening that the march foresees. [-]"""
 
 
 @final
@@ -128,8 +130,10 @@ class LateralProblem:
         """March over the shaft angle with transient squeeze."""
         angles = np.arange(1, round(steps * revolutions) + 1) * 2.0 * np.pi / steps
         step = replace(self._step(5e-5), jacobian_age=_JACOBIAN_AGE, passes=1)
+        if self.settings.deformation == "bodies":
+            step = replace(step, fineness=_FINENESS)
         laws = tuple(law._replace(accuracy=_MARCHED) for law in self.stack.laws)
-        stack = replace(self.stack, laws=laws)
+        stack = replace(self.stack, laws=laws, compliance=self.stack.compliance.in_march())
         track = LateralTrack(angles)
         march_angles(
             stack,

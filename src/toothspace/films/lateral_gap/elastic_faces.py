@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import final
 
 import numpy as np
@@ -12,6 +13,7 @@ import scipy.sparse as sp
 from toothspace.core.types import Array
 from toothspace.elasticity import ElasticBody, InfluenceMatrix, influence_matrix
 from toothspace.films.lateral_gap.faces import FaceGrid
+from toothspace.films.lateral_gap.patterns import Patterns
 from toothspace.films.lateral_gap.stack import Scene
 from toothspace.numerics.side_by_side import side_by_side
 
@@ -24,11 +26,17 @@ _LOCAL_SHARE = 0.35
 Wider patterns, to which they yield more, are few and soon learnt; to finer ones they hardly yield.
 """
 
+_MARCH_SHARE = 0.1
+"""The same where the widening in smooth patterns is foreseen: what is left are finer patterns."""
+
 _KEPT = 4
 """Shaft angles whose interpolation is kept. [-]"""
 
 MEMORY = 8
 """Iterations from which the rest and the positions are foreseen. [-]"""
+
+
+_Place = tuple[str, slice, sp.csr_matrix]
 
 
 @final
@@ -45,8 +53,10 @@ class ElasticFaces:
         turning bodies by name with the films ``floating`` and ``solid`` in their own frame.
     back_loads : mapping of str to float
         Named loads of the pressed bearing, above the low pressure. [Pa] or [N]
-    local : tuple of float
-        Part of the widening that follows the pressure at the same place, by film. [m/Pa]
+    give : tuple of float
+        Mean widening over the pressure on one half of a face, by film. [m/Pa]
+    share : float
+        Part of it that follows the pressure at the same place. [-]
 
     Notes
     -----
@@ -58,11 +68,21 @@ class ElasticFaces:
     grids: tuple[FaceGrid, ...]
     bodies: Mapping[str, InfluenceMatrix]
     back_loads: Mapping[str, float]
-    local: tuple[float, ...]
+    give: tuple[float, ...]
+    share: float = _LOCAL_SHARE
     _on_bearing: dict[int, sp.csr_matrix] = field(init=False, repr=False, default_factory=dict)
     _on_body: dict[tuple[int, float], sp.csr_matrix] = field(
         init=False, repr=False, default_factory=dict
     )
+
+    @property
+    def local(self) -> tuple[float, ...]:
+        """Part of the widening that follows the pressure at the same place, by film. [m/Pa]."""
+        return tuple(self.share * give for give in self.give)
+
+    def in_march(self) -> ElasticFaces:
+        """Same faces with the local part that suits steps whose smooth widening is foreseen."""
+        return replace(self, share=_MARCH_SHARE)
 
     def distant(self, pressures: Sequence[Array], scene: Scene) -> list[Array]:
         """Rest of the widening of every gap [m] under pressures above the low one. [Pa]."""
@@ -70,6 +90,43 @@ class ElasticFaces:
         found = []
         for own, p, share in zip(whole, pressures, self.local, strict=True):
             found.append(own - share * p)
+        return found
+
+    def gain(self, changes: Sequence[Array], scene: Scene, patterns: Sequence[Patterns]) -> Array:
+        """Sizes of patterns of the distant widening per change of pressure, film by film. [m/Pa].
+
+        ``changes`` holds those of a film in its first index, zero outside the film; all films
+        count up.
+        """
+        ends = np.cumsum([0, *map(len, changes)])
+        spans = [slice(a, b) for a, b in itertools.pairwise(ends)]
+        loads = {name: np.zeros((len(b.nodes), ends[-1])) for name, b in self.bodies.items()}
+        for k, (nodes, span) in enumerate(zip(self._places(scene), spans, strict=True)):
+            push = (changes[k] * self.grids[k].area).reshape(len(changes[k]), -1).T
+            owned = scene.masks[k].cells.owned.reshape(-1, 1)
+            for (name, place, spread), felt in zip(nodes, (owned, True), strict=True):
+                loads[name][place, span] += spread.T @ (push * felt)
+        moved = {name: self.bodies[name].compliance @ load for name, load in loads.items()}
+        found = []
+        for k, (nodes, span) in enumerate(zip(self._places(scene), spans, strict=True)):
+            fit = patterns[k].matrix()
+            sizes = sum((spread.T @ fit).T @ moved[name][place] for name, place, spread in nodes)
+            sizes[:, span] -= self.local[k] * np.array([patterns[k].sizes(c) for c in changes[k]]).T
+            found.append(sizes)
+        return np.vstack(found)
+
+    def _places(self, scene: Scene) -> list[tuple[_Place, _Place]]:
+        """Bearing and turning body at every film: name, nodes, and from the nodes to the cells."""
+        found = []
+        for k, grid in enumerate(self.grids):
+            bearing, body = self._kept_spread(k, scene.shaft_angle)
+            side, name = grid.interface.side, grid.interface.body
+            found.append(
+                (
+                    (side, self.bodies[side].of("face"), bearing),
+                    (name, self.bodies[name].of(side), body),
+                )
+            )
         return found
 
     def widening(self, pressures: Sequence[Array], scene: Scene) -> list[Array]:
@@ -158,11 +215,11 @@ def elastic_faces(
     matrices = {name: influence_matrix(body, estimate_error=False) for name, body in bodies.items()}
     faces = ElasticFaces(grids, matrices, {}, (0.0,) * len(grids))
     scene = Scene(0.0, tuple(grid.mask(0.0) for grid in grids), np.zeros(0))
-    local = tuple(_local_part(faces, scene, k) for k in range(len(grids)))
-    return ElasticFaces(grids, matrices, dict(back_loads), local)
+    give = tuple(_mean_give(faces, scene, k) for k in range(len(grids)))
+    return ElasticFaces(grids, matrices, dict(back_loads), give)
 
 
-def _local_part(faces: ElasticFaces, scene: Scene, index: int) -> float:
+def _mean_give(faces: ElasticFaces, scene: Scene, index: int) -> float:
     """Widening over pressure, as a mean over one half of a face under pressure. [m/Pa]."""
     grid = faces.grids[index]
     probe = [np.zeros_like(g.area) for g in faces.grids]
@@ -170,4 +227,4 @@ def _local_part(faces: ElasticFaces, scene: Scene, index: int) -> float:
     probe[index] = np.where(pressed, _PROBE, 0.0)
     area = np.where(pressed, grid.area, 0.0)
     mean = float((faces.widening(probe, scene)[index] * area).sum() / area.sum())
-    return _LOCAL_SHARE * mean / _PROBE
+    return mean / _PROBE

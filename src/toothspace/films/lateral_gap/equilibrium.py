@@ -17,7 +17,7 @@ from toothspace.films.lateral_gap.motion import (
     at_rest,
     balance_force,
 )
-from toothspace.films.lateral_gap.stack import Scene, Stack
+from toothspace.films.lateral_gap.stack import Scene, Stack, StackState
 
 NodePressure = Callable[[float], Array]
 """Pressures of all nodes at a shaft angle. [Pa]"""
@@ -173,7 +173,7 @@ def march_angles(
         Called with the number and the state after every step; then states are not kept.
     """
     duration = float(angles[1] - angles[0]) / stack.shaft_speed
-    now = replace(start, states=start.states[:1], jacobian=None)
+    now = replace(start, states=(_apart(stack, start.states[0], loads),), jacobian=None)
     kept: list[Balance] = []
     converged = True
     for k, angle in enumerate(angles):
@@ -185,3 +185,10 @@ def march_angles(
         else:
             keep(k, now)
     return March(angles, tuple(kept), converged)
+
+
+def _apart(stack: Stack, state: StackState, loads: Loads) -> StackState:
+    """State whose widening is divided into local and distant as the stack does."""
+    pressures, local = state.face_pressures(loads.back.low), stack.compliance.local
+    parts = zip(state.films, pressures, local, strict=True)
+    return replace(state, stack=stack, distant=tuple(f.widening - c * p for f, p, c in parts))

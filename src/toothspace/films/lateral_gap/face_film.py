@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple, final
@@ -184,6 +185,17 @@ class FaceFilm:
         """
         levers = [_lever(self.grid, motion) for motion in motions]
         changes = [_change(lever, rate) for rate in (False, True) for lever in levers]
+        tables = np.zeros((2, 3, 3))
+        for n, total in enumerate(self.pressure_changes(changes)):
+            rate, k = divmod(n, len(motions))
+            tables[rate, :, motions[k]] = -self.grid.moments(total, self.around.mask.film)
+        return tables[0], tables[1]
+
+    def pressure_changes(self, changes: Sequence[GapField]) -> list[Array]:
+        """Change of the pressure of film and asperities with motions of the undeformed gap.
+
+        [Pa per unit]
+        """
         plane, accuracy, fluid = self.plane, self.law.accuracy.linear, self.law.fluid
         if self.solution.found is not None:
             responses = yielding_responses(self.solution, changes, accuracy)
@@ -197,14 +209,12 @@ class FaceFilm:
                 changes,
                 relative_tolerance=accuracy,
             )
-        tables, stretch = np.zeros((2, 3, 3)), fluid.stretch(plane.pressure)
-        for n, reduced in enumerate(responses):
+        stretch = fluid.stretch(plane.pressure)
+        found = []
+        for reduced, change in zip(responses, changes, strict=True):
             response = stretch * reduced
-            rate, k = divmod(n, len(motions))
-            lift = np.zeros_like(response) if rate else levers[k][0]
-            total = response + self._touch(self.compliance * response + lift)
-            tables[rate, :, motions[k]] = -self.grid.moments(total, self.around.mask.film)
-        return tables[0], tables[1]
+            found.append(response + self._touch(self.compliance * response + change.centre))
+        return found
 
     def _touch(self, opening: Array) -> Array:
         """Change of the asperity pressure with an opening of the unyielding gap. [Pa]."""

@@ -10,8 +10,8 @@ import numpy as np
 
 from toothspace.core.types import Array
 from toothspace.films.lateral_gap.friction import HousingFriction
-from toothspace.films.lateral_gap.mixing import Mixing, mixed
 from toothspace.films.lateral_gap.stack import BackPressure, Past, Scene, Stack, StackState
+from toothspace.films.lateral_gap.widening import Response, Widening
 from toothspace.films.lateral_gap.yielding_film import Accuracy
 
 _STOP_STIFFNESS = 1e9
@@ -52,6 +52,8 @@ class StepSettings:
         Iterations and steps that one Jacobian serves; corrected by what it foretold if several.
     passes : int
         Passes of the films in one iteration; with few, films and forces settle together.
+    fineness : tuple of int, optional
+        Waves and degree of patterns of the widening whose response is kept with the Jacobian.
     """
 
     force_tolerance: float = 1e-6
@@ -60,6 +62,7 @@ class StepSettings:
     memory: int = 0
     jacobian_age: int = 1
     passes: int = Accuracy().passes
+    fineness: tuple[int, int] | None = None
 
 
 class Loads(NamedTuple):
@@ -97,6 +100,8 @@ class Balance:
         Stiffness and damping that served last.
     age : int
         Iterations that it has served.
+    response : Response or None
+        Response to patterns that belongs to it.
     """
 
     states: tuple[StackState, ...]
@@ -107,6 +112,7 @@ class Balance:
     converged: bool
     jacobian: tuple[Array, Array] | None = None
     age: int = 0
+    response: Response | None = None
 
     @property
     def position(self) -> Array:
@@ -212,45 +218,49 @@ def _solve(task: _Task, former: Balance, slides: tuple[int, ...] | None) -> Bala
     """Newton's method for positions, with friction of given sense or a smooth law for None."""
     settings, stack = task.settings, task.stack
     states: tuple[StackState, ...] = _matched(former, task)
-    deformed = [list(s.distant) for s in states]
+    fineness = None if task.past is None else settings.fineness
+    widening = Widening(states, settings.memory, fineness, former.response)
     q = task.start + _HEAD * task.duration * task.velocity
-    jacobian, age = former.jacobian, former.age
+    foreseen = fineness is None or former.response is not None
+    jacobian, age = former.jacobian if foreseen else None, former.age
     best, error, failures, number = np.inf, np.inf, 0, 0
     quick = stack.with_passes(settings.passes)
     foretold: tuple[Array, Array] | None = None
-    mixing = Mixing(settings.memory)
     for number in range(1, settings.max_iterations + 1):
         v = (q - task.start) / task.duration
         films = quick if number % _PATIENCE else stack
         states = tuple(
             films.solve(scene, q, v, old, given, task.past)
-            for scene, old, given in zip(task.scenes, states, deformed, strict=True)
+            for scene, old, given in zip(task.scenes, states, widening.used, strict=True)
         )
         settled = all(s.converged for s in states)
         failures = 0 if settled or films is not stack else failures + 1
         if failures > _MOST_FAILURES:
             break
-        wanted, change = _deform(task, states, deformed)
+        change = widening.take(states, task.loads.back.low)
         steady = max(s.change for s in states) <= _STEADY
         if steady and foretold is not None and jacobian is not None:
             jacobian = _corrected(jacobian, foretold, _forces(task, states, v, slides)[0])
         if jacobian is None or age >= settings.jacobian_age or number % _PATIENCE == 0:
-            jacobian, age = _mean_coefficients(states), 0
+            jacobian, age = widening.renew(states, task.duration), 0
         age += 1
-        found, revised, firm = _decided(task, (states, jacobian), v, slides, steady)
+        known = states, jacobian, widening.pull()
+        found, revised, firm = _decided(task, known, v, slides, steady)
         if foretold is not None and age > 1 and found.error > _HELPED * error:
-            jacobian, age = _mean_coefficients(states), 1
-            found, revised, firm = _decided(task, (states, jacobian), v, slides, steady)
+            jacobian, age = widening.renew(states, task.duration), 1
+            found, revised, firm = _decided(task, (states, jacobian, 0.0), v, slides, steady)
+        if revised != slides:
+            widening.forget()
         slides, error, best = revised, found.error, found.error / _scale(task)
         balanced = best <= settings.force_tolerance and change <= settings.film_tolerance
         if balanced and settled and firm:
-            return _outcome(task, states, (found, v, slides), (best, number), (jacobian, age))
+            return _outcome(
+                task, states, (found, v, slides), (best, number), (jacobian, age, widening.response)
+            )
         step = found.step
         if not np.isfinite(step).all():
             break
-        if settings.memory > 0:
-            deformed, step = mixed(mixing, (deformed, wanted), (q, step), _reach(stack))
-        step = _limited(states, step)
+        step = _limited(states, widening.follow(q, step, _reach(stack)))
         ahead = found.force - _matrix(task, jacobian, found.drag) @ step
         foretold = (step, ahead) if _tells(settings, steady, best) else None
         q = q + step
@@ -268,7 +278,7 @@ def _tells(settings: StepSettings, steady: bool, residual: float) -> bool:
 
 def _decided(
     task: _Task,
-    known: tuple[tuple[StackState, ...], tuple[Array, Array]],
+    known: tuple[tuple[StackState, ...], tuple[Array, Array], Array | float],
     v: Array,
     slides: tuple[int, ...] | None,
     steady: bool,
@@ -277,10 +287,10 @@ def _decided(
 
     Rest or slide is revised near the balance only, as what once rests needs more to break away.
     """
-    (states, jacobian), near = known, False
+    (states, jacobian, pull), near = known, False
     for _ in range(_STATUS_ROUNDS):
         force, drag = _forces(task, states, v, slides)
-        found = _newton_step(task, jacobian, force, drag, _held(task, slides), v)
+        found = _newton_step(task, jacobian, (force, drag, pull), _held(task, slides), v)
         revised = slides if slides is None else _revised(task, found, v, slides)
         near = near or (steady and found.error <= _NEAR * _scale(task))
         if revised == slides or not near:
@@ -300,7 +310,7 @@ def _outcome(
     states: tuple[StackState, ...],
     last: tuple[_Step, Array, tuple[int, ...] | None],
     reached: tuple[float, int],
-    jacobian: tuple[tuple[Array, Array], int] | None,
+    jacobian: tuple[tuple[Array, Array], int, Response | None] | None,
 ) -> Balance:
     """State after a step; without a Jacobian it is not in balance."""
     found, v, slides = last
@@ -310,7 +320,7 @@ def _outcome(
         slides or (0,) * len(_levers(task.stack)),
         *reached,
         jacobian is not None,
-        *((None, 0) if jacobian is None else jacobian),
+        *((None, 0, None) if jacobian is None else jacobian),
     )
 
 
@@ -319,24 +329,6 @@ def _matched(former: Balance, task: _Task) -> tuple[StackState, ...]:
     if len(former.states) == len(task.scenes):
         return former.states
     return tuple(former.states[0] for _ in task.scenes)
-
-
-def _deform(
-    task: _Task, states: tuple[StackState, ...], used: list[list[Array]]
-) -> tuple[list[list[Array]], float]:
-    """Distant widening under the pressures found, and its largest change over the gap."""
-    change, found = 0.0, []
-    for state, old in zip(states, used, strict=True):
-        low = task.loads.back.low
-        new = task.stack.compliance.distant(state.face_pressures(low), state.scene)
-        for film, a, b in zip(state.films, new, old, strict=True):
-            if not (a.any() or b.any()):
-                continue
-            inside = film.around.mask.film
-            floor = np.maximum(film.gap, max(film.law.roughness, 1e-8))
-            change = max(change, float((np.abs(a - b) / floor)[inside].max()))
-        found.append(new)
-    return found, change
 
 
 def _forces(
@@ -379,11 +371,6 @@ def _masses(stack: Stack) -> Array:
     return masses
 
 
-def _mean_coefficients(states: tuple[StackState, ...]) -> tuple[Array, Array]:
-    pairs = [state.coefficients() for state in states]
-    return np.mean([k for k, _ in pairs], axis=0), np.mean([d for _, d in pairs], axis=0)
-
-
 def _matrix(task: _Task, jacobian: tuple[Array, Array], drag: Array) -> Array:
     """Minus the derivative of the forces with the coordinates at the end of the step."""
     stiffness, damping = jacobian
@@ -404,18 +391,18 @@ def _corrected(
 def _newton_step(
     task: _Task,
     jacobian: tuple[Array, Array],
-    force: Array,
-    drag: Array,
+    forces: tuple[Array, Array, Array | float],
     held: list[Array],
     v: Array,
 ) -> _Step:
-    """Step of the coordinates that balances the forces."""
+    """Step of the coordinates that balances the forces with what the widening will add."""
+    force, drag, pull = forces
     free = task.stack.free
     matrix = _matrix(task, jacobian, drag)[np.ix_(free, free)]
     count, bars = free.size, len(held)
     full = np.zeros((count + bars, count + bars))
     full[:count, :count] = matrix
-    right = np.concatenate([force[free], np.zeros(bars)])
+    right = np.concatenate([(force + pull)[free], np.zeros(bars)])
     for k, lever in enumerate(held):
         full[:count, count + k] = -lever[free]
         full[count + k, :count] = lever[free]

@@ -18,6 +18,7 @@ from toothspace.films.lateral_gap.face_film import (
     solve_face,
 )
 from toothspace.films.lateral_gap.faces import FaceGrid, Mask
+from toothspace.films.lateral_gap.patterns import Patterns
 from toothspace.model.lateral_balance import (
     FilmInterface,
     FloatingBearing,
@@ -42,6 +43,14 @@ class Compliance(Protocol):
         """Rest of the widening of every gap [m] under pressures above the low one. [Pa]."""
         ...  # pragma: no cover
 
+    def gain(self, changes: Sequence[Array], scene: Scene, patterns: Sequence[Patterns]) -> Array:
+        """Sizes of patterns of that rest per change of pressure, film by film. [m/Pa]."""
+        ...  # pragma: no cover
+
+    def in_march(self) -> Compliance:
+        """Same faces with the local part that suits the march."""
+        ...  # pragma: no cover
+
 
 @final
 @dataclass(frozen=True)
@@ -59,6 +68,15 @@ class Columns:
     def distant(self, pressures: Sequence[Array], scene: Scene) -> list[Array]:
         """Return no further widening. [m]."""
         return [np.zeros_like(p) for p in pressures]
+
+    def gain(self, changes: Sequence[Array], scene: Scene, patterns: Sequence[Patterns]) -> Array:
+        """Return no further widening. [m/Pa]."""
+        count = sum(map(len, changes))
+        return np.zeros((count, count))
+
+    def in_march(self) -> Columns:
+        """Return the same faces."""
+        return self
 
 
 class BackPressure(NamedTuple):
@@ -156,6 +174,11 @@ class Stack:
         still = len(self.balance.halves) or 1
         first = (found >= self.first_body) & (found < self.first_body + _MOTIONS * still)
         return found[~first] if self.two_pressed else found
+
+    @property
+    def chains(self) -> list[Array]:
+        """Upper face of every film from the coordinates."""
+        return [bearing + body for bearing, body in self._maps]
 
     @property
     def film_motions(self) -> tuple[int, ...]:
