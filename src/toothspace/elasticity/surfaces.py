@@ -16,6 +16,7 @@ import scipy.sparse as sp
 import shapely
 from scipy.spatial import cKDTree
 
+from toothspace.core.compiled import njit
 from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.elasticity.mesh import Mesh
 from toothspace.elasticity.triangulation import Triangulation, triangulate
@@ -105,26 +106,46 @@ class PlaneSurface:
 
 def _barycentric(plane: Triangulation, points: Array) -> sp.csr_matrix:
     corners = plane.points[plane.triangles]
-    near = min(_NEAREST, len(corners))
-    _, tried = cKDTree(corners.mean(axis=1)).query(points, k=near)
-    tried = tried.reshape(len(points), near)
-    best = np.full(len(points), -np.inf)
-    chosen = np.zeros(len(points), dtype=np.int64)
-    weight = np.zeros((len(points), 3))
-    origin = corners[:, 0]
+    origin = np.ascontiguousarray(corners[:, 0])
     inverse = np.linalg.inv(np.stack([corners[:, 1] - origin, corners[:, 2] - origin], axis=2))
-    for column in tried.T:
-        left = np.flatnonzero(best < 0.0)
-        if left.size == 0:
-            break
-        triangle = column[left]
-        local = np.einsum("kij,kj->ki", inverse[triangle], points[left] - origin[triangle])
-        share = np.column_stack([1.0 - local.sum(axis=1), local])
-        inside = share.min(axis=1)
-        better = inside > best[left]
-        taken = left[better]
-        best[taken], chosen[taken], weight[taken] = inside[better], triangle[better], share[better]
+    tree = cKDTree(corners.mean(axis=1))
+    chosen, weight = np.zeros(len(points), dtype=np.int64), np.zeros((len(points), 3))
+    left = np.arange(len(points))
+    # most points lie in one of the two nearest triangles, which are found faster
+    for near in (min(2, len(corners)), min(_NEAREST, len(corners))):
+        tried = tree.query(points[left], k=near)[1].reshape(left.size, near)
+        held = _place(points, left, tried, origin, inverse, chosen, weight)
+        left = left[~held]
     return _rows(plane.triangles[chosen], weight, len(plane.points))
+
+
+@njit(cache=True, nogil=True)
+def _place(
+    points: Array,
+    wanted: IntArray,
+    tried: IntArray,
+    origin: Array,
+    inverse: Array,
+    chosen: IntArray,
+    weight: Array,
+) -> BoolArray:
+    """Triangle and hat functions of the wanted points; whether a tried triangle holds them."""
+    held = np.zeros(wanted.size, dtype=np.bool_)
+    for n in range(wanted.size):
+        k, best = wanted[n], -np.inf
+        for t in tried[n]:
+            x, y = points[k, 0] - origin[t, 0], points[k, 1] - origin[t, 1]
+            second = inverse[t, 0, 0] * x + inverse[t, 0, 1] * y
+            third = inverse[t, 1, 0] * x + inverse[t, 1, 1] * y
+            first = 1.0 - second - third
+            inside = min(first, second, third)
+            if inside > best:
+                best, chosen[k] = inside, t
+                weight[k, 0], weight[k, 1], weight[k, 2] = first, second, third
+            if best >= 0.0:
+                held[n] = True
+                break
+    return held
 
 
 def _rows(columns: IntArray, weights: Array, count: int) -> sp.csr_matrix:

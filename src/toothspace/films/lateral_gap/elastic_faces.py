@@ -36,9 +36,6 @@ MEMORY = 8
 """Iterations from which the rest and the positions are foreseen. [-]"""
 
 
-_Place = tuple[str, slice, sp.csr_matrix]
-
-
 @final
 @dataclass(frozen=True, eq=False)
 class ElasticFaces:
@@ -93,41 +90,46 @@ class ElasticFaces:
         return found
 
     def gain(self, changes: Sequence[Array], scene: Scene, patterns: Sequence[Patterns]) -> Array:
-        """Sizes of patterns of the distant widening per change of pressure, film by film. [m/Pa].
+        """Sizes of patterns of the distant widening per change of pressure. [m/Pa].
 
-        ``changes`` holds those of a film in its first index, zero outside the film; all films
-        count up.
+        Parameters
+        ----------
+        changes : sequence of ndarray
+            Changes of the pressure of every film, shape (n, rows, lanes), zero beside the film.
+        scene : Scene
+            Shaft angle and masks.
+        patterns : sequence of Patterns
+            Patterns of every film.
         """
         ends = np.cumsum([0, *map(len, changes)])
-        spans = [slice(a, b) for a, b in itertools.pairwise(ends)]
+        spans = [slice(int(a), int(b)) for a, b in itertools.pairwise(ends)]
         loads = {name: np.zeros((len(b.nodes), ends[-1])) for name, b in self.bodies.items()}
-        for k, (nodes, span) in enumerate(zip(self._places(scene), spans, strict=True)):
+        for k, span in enumerate(spans):
             push = (changes[k] * self.grids[k].area).reshape(len(changes[k]), -1).T
-            owned = scene.masks[k].cells.owned.reshape(-1, 1)
-            for (name, place, spread), felt in zip(nodes, (owned, True), strict=True):
-                loads[name][place, span] += spread.T @ (push * felt)
+            owned = push * scene.masks[k].cells.owned.reshape(-1, 1)
+            for felt, (name, nodes, spread) in zip(
+                (owned, push), self._faces(k, scene), strict=True
+            ):
+                loads[name][nodes, span] += spread.T @ felt
         moved = {name: self.bodies[name].compliance @ load for name, load in loads.items()}
-        found = []
-        for k, (nodes, span) in enumerate(zip(self._places(scene), spans, strict=True)):
+        found = np.zeros((sum(p.count for p in patterns), int(ends[-1])))
+        own = np.split(found, np.cumsum([p.count for p in patterns])[:-1])
+        for k, span in enumerate(spans):
             fit = patterns[k].matrix()
-            sizes = sum((spread.T @ fit).T @ moved[name][place] for name, place, spread in nodes)
-            sizes[:, span] -= self.local[k] * np.array([patterns[k].sizes(c) for c in changes[k]]).T
-            found.append(sizes)
-        return np.vstack(found)
-
-    def _places(self, scene: Scene) -> list[tuple[_Place, _Place]]:
-        """Bearing and turning body at every film: name, nodes, and from the nodes to the cells."""
-        found = []
-        for k, grid in enumerate(self.grids):
-            bearing, body = self._kept_spread(k, scene.shaft_angle)
-            side, name = grid.interface.side, grid.interface.body
-            found.append(
-                (
-                    (side, self.bodies[side].of("face"), bearing),
-                    (name, self.bodies[name].of(side), body),
-                )
-            )
+            for name, nodes, spread in self._faces(k, scene):
+                own[k] += (spread.T @ fit).T @ moved[name][nodes]
+            local = [self.local[k] * patterns[k].sizes(c) for c in changes[k]]
+            own[k][:, span] -= np.array(local).T
         return found
+
+    def _faces(self, index: int, scene: Scene) -> list[tuple[str, slice, sp.csr_matrix]]:
+        """Bearing and turning body at a film: name, nodes, and from the nodes to the cells."""
+        bearing, body = self._kept_spread(index, scene.shaft_angle)
+        side, name = self.grids[index].interface.side, self.grids[index].interface.body
+        return [
+            (side, self.bodies[side].of("face"), bearing),
+            (name, self.bodies[name].of(side), body),
+        ]
 
     def widening(self, pressures: Sequence[Array], scene: Scene) -> list[Array]:
         """Widening of every gap by all bodies. [m]."""
@@ -169,13 +171,25 @@ class ElasticFaces:
         grid = self.grids[index]
         if index not in self._on_bearing:
             self._on_bearing[index] = self._bearing_spread(grid)
-        key = index, shaft_angle
+        key = self._twin(index), shaft_angle
         spread = self._on_body.get(key)
         if spread is None:
             if len(self._on_body) >= _KEPT * len(self.grids):
                 self._on_body.clear()
             spread = self._on_body[key] = self._body_spread(grid, shaft_angle)
         return self._on_bearing[index], spread
+
+    def _twin(self, index: int) -> int:
+        """First film whose cells lie alike to like nodes of the same turning body."""
+        own = self.grids[index]
+        for k, grid in enumerate(self.grids[:index]):
+            alike = grid.interface.body == own.interface.body
+            if alike and np.array_equal(grid.points.x, own.points.x):
+                body = self.bodies[own.interface.body]
+                first, second = body.of(grid.interface.side), body.of(own.interface.side)
+                if np.array_equal(body.nodes[first], body.nodes[second]):
+                    return k
+        return index
 
     def _bearing_spread(self, grid: FaceGrid) -> sp.csr_matrix:
         own, p = grid.interface, grid.points

@@ -218,11 +218,9 @@ def _solve(task: _Task, former: Balance, slides: tuple[int, ...] | None) -> Bala
     """Newton's method for positions, with friction of given sense or a smooth law for None."""
     settings, stack = task.settings, task.stack
     states: tuple[StackState, ...] = _matched(former, task)
-    fineness = None if task.past is None else settings.fineness
-    widening = Widening(states, settings.memory, fineness, former.response)
+    widening = Widening(states, settings.memory, _fineness(task), former.response)
     q = task.start + _HEAD * task.duration * task.velocity
-    foreseen = fineness is None or former.response is not None
-    jacobian, age = former.jacobian if foreseen else None, former.age
+    jacobian, age = widening.serving(former.jacobian), former.age
     best, error, failures, number = np.inf, np.inf, 0, 0
     quick = stack.with_passes(settings.passes)
     foretold: tuple[Array, Array] | None = None
@@ -249,14 +247,12 @@ def _solve(task: _Task, former: Balance, slides: tuple[int, ...] | None) -> Bala
         if foretold is not None and age > 1 and found.error > _HELPED * error:
             jacobian, age = widening.renew(states, task.duration), 1
             found, revised, firm = _decided(task, (states, jacobian, 0.0), v, slides, steady)
-        if revised != slides:
-            widening.forget()
-        slides, error, best = revised, found.error, found.error / _scale(task)
+        slides = widening.beside(slides, revised)
+        error, best = found.error, found.error / _scale(task)
         balanced = best <= settings.force_tolerance and change <= settings.film_tolerance
         if balanced and settled and firm:
-            return _outcome(
-                task, states, (found, v, slides), (best, number), (jacobian, age, widening.response)
-            )
+            lasting = jacobian, age, widening.response
+            return _outcome(task, states, (found, v, slides), (best, number), lasting)
         step = found.step
         if not np.isfinite(step).all():
             break
@@ -265,6 +261,11 @@ def _solve(task: _Task, former: Balance, slides: tuple[int, ...] | None) -> Bala
         foretold = (step, ahead) if _tells(settings, steady, best) else None
         q = q + step
     return _outcome(task, states, (found, v, slides), (best, number), None)
+
+
+def _fineness(task: _Task) -> tuple[int, int] | None:
+    """Patterns of widening that are foreseen; their growth is unknown before the first step."""
+    return None if task.past is None else task.settings.fineness
 
 
 def _tells(settings: StepSettings, steady: bool, residual: float) -> bool:

@@ -55,7 +55,7 @@ class Patterns:
 
     def matrix(self) -> Array:
         """Sizes from the values of all cells, shape (cells, count). [-]."""
-        return np.kron(*self._fits())
+        return np.asarray(np.kron(*self._fits()), dtype=np.float64)
 
     def planes(self) -> Array:
         """Sizes of a unit lift and of unit rotations about x and y, shape (count, 3). [-, m]."""
@@ -80,7 +80,7 @@ class Patterns:
 
     def _fits(self) -> tuple[Array, Array]:
         turns = self._round / (self._round**2).sum(axis=0)
-        return turns, np.linalg.pinv(self._along).T
+        return turns, np.asarray(np.linalg.pinv(self._along).T, dtype=np.float64)
 
     def _radii(self) -> tuple[float, float]:
         own = self.grid.interface

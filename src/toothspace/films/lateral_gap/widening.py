@@ -115,7 +115,7 @@ class Widening:
         """Widening of the next films. [m]"""
         self.response = kept if fineness else None
         """What serves now."""
-        self.fineness = fineness
+        self._fineness = fineness
         self._memory, self._mixing = memory, Mixing(memory)
         self._new = self.used
         self._missing = np.zeros(0)
@@ -134,12 +134,16 @@ class Widening:
             self._new.append(new)
         return change
 
+    def serving(self, jacobian: tuple[Array, Array] | None) -> tuple[Array, Array] | None:
+        """Jacobian of the step before, unless it lacks the response of the widening."""
+        return jacobian if self._fineness is None or self.response is not None else None
+
     def renew(self, states: Sequence[StackState], duration: float) -> tuple[Array, Array]:
         """Stiffness and damping of the films, with the widening that follows if it is foreseen."""
-        if self.fineness is None:
+        if self._fineness is None:
             pairs = [state.coefficients() for state in states]
             return np.mean([k for k, _ in pairs], axis=0), np.mean([d for _, d in pairs], axis=0)
-        self.response = found = response(states[0], self.fineness, 1.0 / duration)
+        self.response = found = response(states[0], self._fineness, 1.0 / duration)
         # the damping is that of the step and stands with the stiffness
         stiffness = -found.pull @ found.planes
         return stiffness, np.zeros_like(stiffness)
@@ -164,6 +168,10 @@ class Widening:
         self.used, step = mixed(self._mixing, (self.used, self._new), (q, step), reach)
         return step
 
-    def forget(self) -> None:
-        """Begin anew, as rest and slide of a bearing are different maps."""
-        self._mixing = Mixing(self._memory)
+    def beside(
+        self, slides: tuple[int, ...] | None, revised: tuple[int, ...] | None
+    ) -> tuple[int, ...] | None:
+        """Rest or slide of the bearings as revised; what was learnt with another is forgotten."""
+        if revised != slides:
+            self._mixing = Mixing(self._memory)
+        return revised
