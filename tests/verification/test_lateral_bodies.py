@@ -22,9 +22,15 @@ from toothspace.films.lateral_gap.elastic_faces import (
     ElasticFaces,
     elastic_faces,
 )
-from toothspace.films.lateral_gap.equilibrium import SearchSettings, find_equilibrium
+from toothspace.films.lateral_gap.equilibrium import (
+    March,
+    SearchSettings,
+    find_equilibrium,
+    march_angles,
+)
 from toothspace.films.lateral_gap.motion import StepSettings, rest_at
-from toothspace.films.lateral_gap.stack import Stack
+from toothspace.films.lateral_gap.stack import Past, Stack
+from toothspace.films.lateral_gap.widening import response
 
 MODULUS, LENGTH, WIDTH = 100e9, 20e-3, 16e-3
 SECTION = annulus(INNER, OUTER)
@@ -120,3 +126,59 @@ def test_bearing_rests_between_elastic_bodies(faces: ElasticFaces) -> None:
     for k, film in enumerate(state.films):
         rigid = stack.film_place(k, found.balance.position, found.balance.velocity).position[0]
         assert film.gap - rigid == pytest.approx(wanted[k], abs=2e-3 * float(film.gap.mean()))
+
+
+def _march(stack: Stack, settings: StepSettings) -> March:
+    """Six steps of half a degree while the pressure of the chambers and behind rises and falls."""
+    angles = np.arange(1, 7) * np.pi / 360.0
+
+    def beats(angle: float) -> np.ndarray:
+        return pressures(HIGH * (1.0 + 0.05 * np.sin(60.0 * angle)))
+
+    rest = rest_at(stack, (stack.scene(0.0, beats(0.0)),), stack.start(2e-6))
+    return march_angles(stack, beats, loads(HIGH), rest, angles, settings)
+
+
+def test_films_and_forces_respond_to_patterns_as_to_small_changes(faces: ElasticFaces) -> None:
+    """Derivatives beside differences of films that are solved anew."""
+    stack = _stack(faces)
+    march = _march(stack, StepSettings(memory=MEMORY))
+    before, last = (march.balances[k].states[0] for k in (-2, -1))
+    duration = float(march.shaft_angle[1] - march.shaft_angle[0]) / stack.shaft_speed
+    found = response(last, (2, 1), 1.0 / duration)
+    for k in (0, 3, 13):
+        change = found.fields(1e-10 * np.eye(len(found.gain))[k])
+        moved = [d + c for d, c in zip(last.distant, change, strict=True)]
+        past = Past(before, duration)
+        place = last.position, last.velocity
+        base = stack.solve(last.scene, *place, last, last.distant, past)
+        near = stack.solve(last.scene, *place, last, moved, past)
+        gain = [
+            b - a
+            for a, b in zip(
+                faces.distant(base.face_pressures(LOW), last.scene),
+                faces.distant(near.face_pressures(LOW), last.scene),
+                strict=True,
+            )
+        ]
+        size = np.abs(found.gain[:, k]).max()
+        assert found.sizes(gain) / 1e-10 == pytest.approx(found.gain[:, k], abs=0.02 * size)
+        force = (near.film_force() - base.film_force()) / 1e-10
+        size = np.abs(found.force[:, k]).max()
+        assert force == pytest.approx(found.force[:, k], abs=0.02 * size)
+
+
+def test_march_that_foresees_the_widening_takes_the_same_way(faces: ElasticFaces) -> None:
+    """To the accuracy that a step asks for, in fewer passes."""
+    stack = _stack(faces)
+    settings = StepSettings(force_tolerance=5e-5, memory=MEMORY, passes=1)
+    plain = _march(stack, settings)
+    quick = _march(
+        replace(stack, compliance=faces.in_march()),
+        replace(settings, fineness=(2, 1), jacobian_age=60),
+    )
+    assert plain.converged and quick.converged
+    for a, b in zip(plain.balances, quick.balances, strict=True):
+        assert b.position == pytest.approx(a.position, abs=1e-3 * a.position[0])
+    used = [sum(b.iterations for b in m.balances[2:]) for m in (plain, quick)]
+    assert used[1] < 0.7 * used[0], used
