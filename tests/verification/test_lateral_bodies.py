@@ -177,7 +177,8 @@ def test_march_that_foresees_the_widening_takes_the_same_way(faces: ElasticFaces
         replace(stack, compliance=faces.in_march()),
         replace(settings, fineness=(2, 1), jacobian_age=60),
     )
-    assert plain.converged and quick.converged
+    assert plain.converged
+    assert quick.converged
     for a, b in zip(plain.balances, quick.balances, strict=True):
         assert b.position == pytest.approx(a.position, abs=1e-3 * a.position[0])
     used = [sum(b.iterations for b in m.balances[2:]) for m in (plain, quick)]
