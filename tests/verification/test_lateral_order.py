@@ -43,17 +43,19 @@ class _Land:
         return FaceCells(np.where(inside, LAND, HIGH_NODE), every, every)
 
 
-def _ring(radius: float, lanes: int) -> Stack:
+def _ring(radius: float, lanes: int, root_radius: float) -> Stack:
     stack = ring_stack(rough=False, cells=(8, lanes))
+    land = _Land(radius)
     grids = tuple(
-        FaceGrid(replace(grid.interface, face_map=_Land(radius)), 8, lanes) for grid in stack.grids
+        FaceGrid(replace(grid.interface, face_map=land, root_radius=root_radius), 8, lanes)
+        for grid in stack.grids
     )
     return replace(stack, grids=grids)
 
 
-def _errors(radius: float, lanes: int) -> tuple[float, float]:
+def _errors(radius: float, lanes: int, root_radius: float = 0.0) -> tuple[float, float]:
     """Relative errors of leakage Q = pi h^3 dp / (6 mu ln r/ri) and load."""
-    stack = _ring(radius, lanes)
+    stack = _ring(radius, lanes, root_radius)
     scene = stack.scene(0.0, pressures(HIGH))
     flat = [np.zeros((grid.rows, grid.lanes)) for grid in stack.grids]
     still = np.zeros(stack.size)
@@ -74,7 +76,18 @@ def test_film_between_cells_and_edges_converges_with_first_order() -> None:
     order = np.log2(errors[0] / errors[-1]) / 3.0
     assert np.all(order > 0.8)
     assert np.all(order < 1.2)
-    assert np.all(errors[1] < (0.05, 0.02))
+    assert np.all(errors[1] < (0.02, 0.006))
+
+
+def test_film_whose_edge_lies_between_lanes_converges_with_second_order() -> None:
+    """Lanes meet the radius where tooth spaces begin, wherever it is."""
+    assert np.any(FaceGrid(_ring(17e-3, 10, 17e-3).grids[0].interface, 8, 10).rims == 17e-3)
+    errors = np.array(
+        [np.mean([_errors(r, lanes, r) for r in RIMS], axis=0) for lanes in (10, 20, 40)]
+    )
+    order = np.log2(errors[0] / errors[-1]) / 2.0
+    assert np.all(order > 1.7)
+    assert np.all(errors[0] < (6e-3, 2e-3))
 
 
 def _closed(stack: Stack, start: np.ndarray, steps: int) -> float:

@@ -83,6 +83,8 @@ class FilmInterface:
         Approach of the faces over the film pressure if body and bearing were columns. [m/Pa]
     body_angle : float
         Angle of the body's own frame at shaft angle zero. [rad]
+    root_radius : float
+        Where tooth spaces begin; zero for a face without any. [m]
     """
 
     name: str
@@ -103,6 +105,7 @@ class FilmInterface:
     boundary_friction: float = 0.1
     column_compliance: float = 0.0
     body_angle: float = 0.0
+    root_radius: float = 0.0
 
 
 @final

@@ -66,19 +66,29 @@ class FaceGrid:
     _metric: FilmGrid = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        own = self.interface
-        step = 2.0 * np.pi / self.rows
-        rim: Array = np.linspace(own.inner_radius, own.outer_radius, self.lanes + 1)
+        step, rim = 2.0 * np.pi / self.rows, self.rims
         face = np.asarray(np.arange(self.rows + 1) * step)
         object.__setattr__(self, "points", polar_points(self.angle, face, self.radius, rim))
         object.__setattr__(self, "_metric", _metric(self.rows, step, rim, self.radius))
         object.__setattr__(self, "area", self._metric.area)
 
     @property
+    def rims(self) -> Array:
+        """Radii between the lanes, one of them where tooth spaces begin. [m]."""
+        own = self.interface
+        within = own.root_radius - own.inner_radius
+        if not 0.0 < within < own.outer_radius - own.inner_radius:
+            return np.linspace(own.inner_radius, own.outer_radius, self.lanes + 1)
+        share = within / (own.outer_radius - own.inner_radius)
+        inside = min(max(round(self.lanes * share), 1), self.lanes - 1)
+        land = np.linspace(own.inner_radius, own.root_radius, inside + 1)
+        teeth = np.linspace(own.root_radius, own.outer_radius, self.lanes - inside + 1)
+        return np.concatenate([land, teeth[1:]])
+
+    @property
     def radius(self) -> Array:
         """Radii of the cell centres. [m]."""
-        own = self.interface
-        rim = np.linspace(own.inner_radius, own.outer_radius, self.lanes + 1)
+        rim = self.rims
         return np.asarray(0.5 * (rim[1:] + rim[:-1]))
 
     @property
@@ -100,7 +110,10 @@ class FaceGrid:
         known = ~mask.film
         speed = self.interface.speed_ratio * shaft_speed
         bore = node_pressure[self.interface.bore_node]
+        along, across = _edges(mask.film)
         return self._metric._replace(
+            shape_x=np.where(along, 2.0, 1.0) * self._metric.shape_x,
+            shape_y=np.where(across, 2.0, 1.0) * self._metric.shape_y,
             sweep_x=self._metric.sweep_x * speed,
             mark=np.where(known, PRESCRIBED, FREE),
             prescribed=np.where(known, node_pressure[mask.cells.node], 0.0),
@@ -121,6 +134,14 @@ class FaceGrid:
         [N, N m, N m]
         """
         return _moments(pressure, cells, self.points.x, self.points.y, self.area)
+
+
+def _edges(film: BoolArray) -> tuple[BoolArray, BoolArray]:
+    """Faces between film and chamber: the edge stands there, half a cell from the film's centre."""
+    ring = np.vstack([film[-1:], film, film[:1]])
+    across = np.zeros((film.shape[0], film.shape[1] + 1), dtype=bool)
+    across[:, 1:-1] = film[:, 1:] != film[:, :-1]
+    return np.asarray(ring[1:] != ring[:-1]), across
 
 
 @njit(cache=True, nogil=True)

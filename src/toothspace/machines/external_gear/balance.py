@@ -84,6 +84,7 @@ def _interface(assembly: Assembly, numbering: Numbering, side: Side, gear: int) 
         hardness=min(own.material.hardness, pressed.material.hardness),
         column_compliance=column,
         body_angle=face.tooth_angle(gear, 0.0),
+        root_radius=assembly.profiles[gear].root_radius,
     )
 
 
