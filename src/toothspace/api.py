@@ -363,20 +363,21 @@ def _machine_after_running_in(
 
 def _simulate_elastic(case: Case, progress: Progress | None) -> Solution:
     """Chambers and lateral films in agreement, then one revolution of the films."""
-    from toothspace.solver.lateral_coupling import PointRequest, couple_point, elastic_solution
+    from toothspace.solver.lateral_coupling import PointRequest, coupled_solution
     from toothspace.solver.lateral_gap import balance_of
 
     machine = run_in_machine(case)
     balance_of(machine.description)
     condition = condition_of(case, machine.description)
     gap = case.machine_spec.lateral.side_gap_floating
-    point = couple_point(
+    return coupled_solution(
         machine.description,
         machine.fluid,
         lambda changed: machine.solve(condition, changed, progress),
         PointRequest(settings=lateral_settings(case), start=float(gap)),
+        case.run.film_steps_per_revolution,
+        progress,
     )
-    return elastic_solution(point, case.run.film_steps_per_revolution)
 
 
 def lateral_settings(case: Case) -> LateralSettings:

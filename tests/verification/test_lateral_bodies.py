@@ -62,7 +62,7 @@ def _bodies() -> dict[str, ElasticBody]:
 def faces(tmp_path_factory: pytest.TempPathFactory) -> ElasticFaces:
     patch = pytest.MonkeyPatch()
     patch.setattr(storage, "folder", lambda: tmp_path_factory.getbasetemp() / "elastic")
-    found = elastic_faces(ring_stack(cells=CELLS).grids, _bodies(), {})
+    found = elastic_faces(ring_stack(cells=CELLS).grids, _bodies())
     patch.undo()
     return found
 

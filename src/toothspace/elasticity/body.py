@@ -19,6 +19,11 @@ from toothspace.elasticity.surfaces import FilmSurface, Side, looks
 class Shape(Protocol):
     """Anything that can be meshed."""
 
+    @property
+    def label(self) -> str:
+        """What the body is called in messages."""
+        ...
+
     def mesh(self, scale: float) -> Mesh:
         """Mesh whose elements are larger by a factor."""
         ...
@@ -46,6 +51,11 @@ class SweptShape:
     parts: tuple[Prism, ...]
     edge_length: float
     layer_height: float
+
+    @property
+    def label(self) -> str:
+        """What the body is called in messages."""
+        return "elastic body"
 
     def mesh(self, scale: float = 1.0) -> Mesh:
         """Hexahedra; elements larger by a factor."""

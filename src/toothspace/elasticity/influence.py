@@ -17,7 +17,7 @@ from toothspace.elasticity.condensation import flexibility
 from toothspace.elasticity.elements import nodal_masses, stiffness_matrix
 from toothspace.elasticity.loads import face_points, load_columns
 from toothspace.elasticity.mesh import Mesh
-from toothspace.elasticity.surfaces import FilmSurface
+from toothspace.elasticity.surfaces import FilmSurface, PlaneSurface
 
 COARSER = 1.5
 """Size of the elements of the mesh that the error is estimated with, over that of the body. [-]"""
@@ -124,7 +124,7 @@ class _Columns(NamedTuple):
 
 
 def influence_matrix(
-    body: ElasticBody, *, estimate_error: bool = True, cache: bool = True
+    body: ElasticBody, *, estimate_error: bool = True, cache: bool = True, scale: float = 1.0
 ) -> InfluenceMatrix:
     r"""Condense a body to its film surfaces.
 
@@ -136,6 +136,8 @@ def influence_matrix(
         Whether to condense a coarser mesh as well.
     cache : bool
         Whether to look in the cache folder first and to store the result there.
+    scale : float
+        Factor on the size of the elements; the film nodes stay. [-]
 
     Returns
     -------
@@ -158,14 +160,20 @@ def influence_matrix(
     from toothspace.elasticity import storage
 
     name = f"{body.hash()}-{'estimated' if estimate_error else 'plain'}"
+    name += f"-{scale:.4f}" if scale != 1.0 else ""
     found = storage.load(name, body) if cache else None
     if found is not None:
         return found
     storage.announce(body)
-    result = _condensed(body, 1.0)
-    if estimate_error:
-        error = _difference(result, _condensed(body, COARSER)) / (COARSER**2 - 1.0)
-        result = replace(result, error_estimate=error)
+    try:
+        result = _condensed(body, scale)
+        if estimate_error:
+            coarse = _condensed(body, scale * COARSER)
+            gap = _difference(result, coarse) / (COARSER**2 - 1.0)
+            result = replace(result, error_estimate=gap)
+    except GeometryError as error:
+        # a body of a file is called by its file
+        raise GeometryError(str(error).replace("elastic body", body.shape.label, 1)) from error
     if cache:
         storage.save(name, result)
     return result
@@ -173,6 +181,8 @@ def influence_matrix(
 
 def _condensed(body: ElasticBody, scale: float) -> InfluenceMatrix:
     mesh = body.shape.mesh(scale)
+    for film in body.films:
+        _check_face(film, mesh)
     columns = _columns(body, mesh)
     masses = np.repeat(nodal_masses(mesh, body.density), 3)
     mass = float(masses[::3].sum())
@@ -186,6 +196,12 @@ def _condensed(body: ElasticBody, scale: float) -> InfluenceMatrix:
         stiffness, held = _supported(body, mesh, stiffness)
         work = flexibility(stiffness, mesh.nodes, loads, held)
     return _evaluated(body, columns, work, rigid, (mass, center, len(mesh.elements)))
+
+
+def _check_face(film: FilmSurface, mesh: Mesh) -> None:
+    wrong = film.mismatch(mesh) if isinstance(film, PlaneSurface) else ""
+    if wrong:
+        raise GeometryError(f"elastic body: found {wrong}, allowed the face of the case there")
 
 
 def _columns(body: ElasticBody, mesh: Mesh) -> _Columns:

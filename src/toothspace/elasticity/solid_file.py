@@ -39,10 +39,18 @@ class SolidFile:
         STEP file with one body.
     edge_length : float
         Longest edge of the tetrahedra. [m]
+    named_by : str
+        Key of the case that names the file, for messages.
     """
 
     path: Path
     edge_length: float
+    named_by: str = ""
+
+    @property
+    def label(self) -> str:
+        """What the body is called in messages."""
+        return f"{self.named_by}: {self.path.name}" if self.named_by else str(self.path)
 
     def mesh(self, scale: float = 1.0) -> Mesh:
         """Tetrahedra; elements larger by a factor.
@@ -53,16 +61,16 @@ class SolidFile:
             If the file or the program ``gmsh`` is missing or the body cannot be meshed.
         """
         if not self.path.is_file():
-            raise GeometryError(f"{self.path}: found no file, allowed is a STEP file")
+            raise GeometryError(f"{self.label}: found no file, allowed is a STEP file")
         program = shutil.which("gmsh")
         if program is None:
             raise GeometryError(
-                f"{self.path}: found no program gmsh, allowed with it on the path "
+                f"{self.label}: found no program gmsh, allowed with it on the path "
                 "(pip install gmsh)"
             )
         with tempfile.TemporaryDirectory() as folder:
             text = self._meshed(program, Path(folder), scale * self.edge_length / _STEP_UNIT)
-        return _read(self.path, text)
+        return _read(self.label, text)
 
     def _meshed(self, program: str, folder: Path, size: float) -> str:
         """Mesh file of version 2, as text."""
@@ -80,10 +88,10 @@ class SolidFile:
             )
         except (subprocess.SubprocessError, OSError) as error:
             raise GeometryError(
-                f"{self.path}: found a body that gmsh cannot mesh, allowed are closed solids"
+                f"{self.label}: found a body that gmsh cannot mesh, allowed are closed solids"
             ) from error
         if not target.is_file():
-            raise GeometryError(f"{self.path}: found no body, allowed is one closed solid")
+            raise GeometryError(f"{self.label}: found no body, allowed is one closed solid")
         return target.read_text()
 
     def key(self) -> tuple[object, ...]:
@@ -92,14 +100,14 @@ class SolidFile:
         return ("solid", hashlib.sha256(content).hexdigest(), self.edge_length)
 
 
-def _read(path: Path, text: str) -> Mesh:
+def _read(label: str, text: str) -> Mesh:
     """Nodes and tetrahedra of a mesh file of version 2."""
     lines = text.splitlines()
     nodes = np.array([line.split() for line in _block(lines, "Nodes")], dtype=float)
     rows = [line.split() for line in _block(lines, "Elements")]
     solid = [row[-_NODES:] for row in rows if int(row[1]) == _TETRAHEDRON]
     if not solid:
-        raise GeometryError(f"{path}: found no body, allowed is one closed solid")
+        raise GeometryError(f"{label}: found no body, allowed is one closed solid")
     number = np.full(int(nodes[:, 0].max()) + 1, -1, dtype=np.int64)
     number[nodes[:, 0].astype(np.int64)] = np.arange(len(nodes))
     elements = number[np.array(solid, dtype=np.int64)][:, _ORDER]

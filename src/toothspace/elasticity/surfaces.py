@@ -29,6 +29,12 @@ _CHORD = 0.06
 _ON_RADIUS = 0.005
 """Distance over the radius up to which a face belongs to a cylinder. [-]"""
 
+_COVERED = 0.1
+"""Part of a plane surface that the faces of a body may leave or have too much. [-]"""
+
+_OFF = 0.01
+"""Distance of the faces from their level over the root of their area. [-]"""
+
 _NEAREST = 12
 """Triangles that are tried for a point."""
 
@@ -57,12 +63,15 @@ class PlaneSurface:
         Outline with holes in the x y plane. [m]
     node_spacing : float
         Distance of the nodes. [m]
+    level : float or None
+        Where most of the surface must stand along z; None: anywhere. [m]
     """
 
     name: str
     side: Side
     region: shapely.Polygon
     node_spacing: float
+    level: float | None = None
 
     @cached_property
     def _plane(self) -> Triangulation:
@@ -87,6 +96,25 @@ class PlaneSurface:
         centre, _ = mesh.face_frames()
         inside = shapely.contains_xy(self.region, centre[:, 0], centre[:, 1])
         return np.asarray(inside & looks(mesh, self.side))
+
+    def mismatch(self, mesh: Mesh) -> str:
+        """Tell how the faces of a mesh differ from a surface with a level; empty if they match."""
+        if self.level is None:
+            return ""
+        centre, normal = mesh.face_frames()
+        chosen = self.select(mesh)
+        if not chosen.any():
+            return f"no plane face that looks to the {self.side} under film {self.name!r}"
+        area = np.abs(normal[chosen, 2])
+        share = float(area.sum() / self.region.area)
+        if abs(share - 1.0) > _COVERED:
+            return f"faces on {share:.0%} of film {self.name!r}"
+        order = np.argsort(centre[chosen, 2])
+        middle = int(np.searchsorted(np.cumsum(area[order]), 0.5 * area.sum()))
+        level = float(centre[chosen, 2][order][middle])
+        if abs(level - self.level) > _OFF * np.sqrt(self.region.area):
+            return f"film {self.name!r} at z = {1e3 * level:.4g} mm"
+        return ""
 
     def interpolation(self, points: Array) -> sp.csr_matrix:
         """Matrix from nodal values to values at points on the body.

@@ -36,11 +36,47 @@ class FaceMap(Protocol):
         ...  # pragma: no cover
 
 
+LoadSource = Literal["constant", "high", "nose", "node", "journal_x", "journal_y"]
+"""What a load follows: one, the pressure of the high-pressure area, of the nose or of a node above
+the low pressure [Pa], or a component of the force of the journal bearings on a body [N]."""
+
+
+@final
+@dataclass(frozen=True)
+class BodyLoad:
+    """What a named load of an elastic body is.
+
+    Parameters
+    ----------
+    body : str
+        Bearing ``floating`` or ``solid``, or a turning body. Journal forces on a turning body
+        are in its own frame, on a bearing in that of the machine.
+    load : str
+        Name of the load.
+    source : LoadSource
+        What it follows.
+    index : int
+        Node of a pressure, or turning body of a journal force. [-]
+    factor : float
+        Load over what it follows; of a constant the load itself. [-] or [N]
+    """
+
+    body: str
+    load: str
+    source: LoadSource
+    index: int = 0
+    factor: float = 1.0
+
+
 class ElasticBodies(Protocol):
     """Definition of the elastic bodies of a machine, made when it is asked for."""
 
     def __call__(self) -> Mapping[str, object]:
         """Bearings ``floating`` and ``solid`` and the turning bodies, by name."""
+        ...  # pragma: no cover
+
+    def loads(self) -> tuple[BodyLoad, ...]:
+        """What acts on them besides the films."""
         ...  # pragma: no cover
 
 

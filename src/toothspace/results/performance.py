@@ -236,6 +236,8 @@ _LATERAL = {
     "seat_margin_mm": ("solid_bearing_seat_margin", 1e3),
     "force_balance_error": ("lateral_rest_residual", 1.0),
     "preload_N": ("pressed_bearing_preload", 1.0),
+    "face_deflection_um": ("film_deformation_largest", 1e6),
+    "face_deflection_error_um": ("film_deformation_error", 1e6),
     "film_temperature_rise_K": ("lateral_temperature_rise", 1.0),
 }
 

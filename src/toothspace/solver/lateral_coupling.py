@@ -17,6 +17,7 @@ from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_table import LATERAL_PATHS, axial_load, with_lateral_leakage
 from toothspace.results.solution import Solution
 from toothspace.results.variables import VARIABLES
+from toothspace.solver.cyclic import Progress
 from toothspace.solver.lateral_gap import (
     LateralNumbers,
     LateralProblem,
@@ -28,6 +29,7 @@ from toothspace.solver.lateral_gap import (
     with_lateral_torque,
 )
 from toothspace.solver.lateral_heat import HeatedEquilibrium, settle_heated
+from toothspace.solver.lateral_loads import face_deflection
 
 LumpedRun = Callable[[MachineDescription], Solution]
 """Lumped solution of a machine at the operating point."""
@@ -209,7 +211,50 @@ def _with_drag(
     return with_lateral_torque(description, float(np.clip(found / lumped, 1e-2, 1e2)))
 
 
-def elastic_solution(point: CoupledPoint, steps: int) -> Solution:
+def coupled_solution(
+    description: MachineDescription,
+    fluid: FluidLaw,
+    run: LumpedRun,
+    request: PointRequest,
+    steps: int,
+    progress: Progress | None = None,
+) -> Solution:
+    """Operating point with its lateral films over one revolution.
+
+    Parameters
+    ----------
+    description, fluid, run, request
+        As for :func:`couple_point`.
+    steps : int
+        Steps of the march over the revolution. [-]
+    progress : callable, optional
+        Called with a fraction and a text.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        If interrupted before there was a lumped solution; a later interrupt keeps what is done.
+    """
+    done: list[Solution] = []
+
+    def lumped(changed: MachineDescription) -> Solution:
+        done.append(run(changed))
+        if done[-1].status is Status.INTERRUPTED:
+            raise KeyboardInterrupt
+        if progress:
+            progress(1.0, "lateral films come to rest")
+        return done[-1]
+
+    try:
+        point = couple_point(description, fluid, lumped, request)
+        return elastic_solution(point, steps, progress)
+    except KeyboardInterrupt:
+        if not done:
+            raise
+        return replace(done[-1], status=Status.INTERRUPTED)
+
+
+def elastic_solution(point: CoupledPoint, steps: int, progress: Progress | None = None) -> Solution:
     """Solution of an operating point with its lateral films over one revolution.
 
     Parameters
@@ -218,14 +263,21 @@ def elastic_solution(point: CoupledPoint, steps: int) -> Solution:
         Chambers and films in agreement.
     steps : int
         Steps of the march over the revolution. [-]
+    progress : callable, optional
+        Called after every step with a fraction and a text.
 
     Returns
     -------
     Solution
         The lumped solution with film fields at the end of the revolution and the position of
-        the bearing at every sample.
+        the bearing at every sample; of an interrupted march as far as it came.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        If interrupted before the first step.
     """
-    march = point.problem.march(point.equilibrium.balance, steps)
+    march = point.problem.march(point.equilibrium.balance, steps, progress=progress)
     stack = point.problem.stack
     data = point.solution.data
     angle = np.mod(data["shaft_angle"].values, 2.0 * np.pi)
@@ -243,6 +295,7 @@ def elastic_solution(point: CoupledPoint, steps: int) -> Solution:
     )
     data = data.set_coords(list(film_places(stack)))
     status = point.status if march.converged else Status.NOT_CONVERGED
+    status = Status.INTERRUPTED if march.interrupted else status
     statistics = {
         **point.solution.statistics,
         **_statistics(point.numbers, point.leakage_mismatch),
@@ -252,6 +305,7 @@ def elastic_solution(point: CoupledPoint, steps: int) -> Solution:
         "lateral_iterations": float(sum(march.iterations)),
         "lateral_rest_residual": point.equilibrium.balance.residual,
         "lateral_residual": float(max(march.residuals)),
+        **face_deflection(march.last.states[0]),
     }
     provenance = _with_warning(point.solution.provenance, seat_warning(point.numbers))
     return replace(

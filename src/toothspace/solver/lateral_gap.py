@@ -13,9 +13,8 @@ from toothspace.closures.real_contact import real_contact_share
 from toothspace.closures.viscosity import HIGHEST_PRESSURE
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
-from toothspace.elasticity import ElasticBody
 from toothspace.films.film_fluid import FilmFluid
-from toothspace.films.lateral_gap.elastic_faces import MEMORY, elastic_faces
+from toothspace.films.lateral_gap.elastic_faces import MEMORY
 from toothspace.films.lateral_gap.equilibrium import (
     Equilibrium,
     SearchSettings,
@@ -37,6 +36,8 @@ from toothspace.films.rough_surfaces import RoughSurfaces
 from toothspace.films.thermal import FilmHeating
 from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_balance import FilmInterface, LateralBalance
+from toothspace.solver.cyclic import Progress
+from toothspace.solver.lateral_loads import loaded_bodies, node_pressures
 from toothspace.solver.lateral_track import LateralTrack
 
 if TYPE_CHECKING:
@@ -130,8 +131,22 @@ class LateralProblem:
             self.stack, self.scenes, self.loads, start, search, self._step(1e-6)
         )
 
-    def march(self, start: Balance, steps: int, revolutions: float = 1.0) -> LateralTrack:
-        """March over the shaft angle with transient squeeze."""
+    def march(
+        self,
+        start: Balance,
+        steps: int,
+        revolutions: float = 1.0,
+        progress: Progress | None = None,
+    ) -> LateralTrack:
+        """March over the shaft angle with transient squeeze.
+
+        An interrupt by the user after the first step keeps the steps that are done.
+
+        Raises
+        ------
+        KeyboardInterrupt
+            If interrupted before.
+        """
         angles = np.arange(1, round(steps * revolutions) + 1) * 2.0 * np.pi / steps
         step = replace(self._step(5e-5), jacobian_age=_JACOBIAN_AGE, passes=1)
         if self.settings.deformation == "bodies":
@@ -141,15 +156,18 @@ class LateralProblem:
         laws = tuple(law._replace(accuracy=_MARCHED) for law in self.stack.laws)
         stack = replace(self.stack, laws=laws, compliance=self.stack.compliance.in_march())
         track = LateralTrack(angles)
-        march_angles(
-            stack,
-            self.node_pressure,
-            self.loads,
-            start,
-            angles,
-            step,
-            keep=lambda _, balance: track.take(balance, wear_map([balance])),
-        )
+
+        def keep(number: int, balance: Balance) -> None:
+            track.take(balance, wear_map([balance]))
+            if progress:
+                progress((number + 1) / angles.size, f"film step {number + 1} of {angles.size}")
+
+        try:
+            march_angles(stack, self.node_pressure, self.loads, start, angles, step, keep=keep)
+        except KeyboardInterrupt:
+            if not track.positions:
+                raise
+            track.interrupted = True
         return track
 
     def _step(self, tolerance: float) -> StepSettings:
@@ -261,7 +279,7 @@ def lateral_problem(
         balance,
         grids,
         tuple(_law(i, film_fluid, settings) for i in balance.interfaces),
-        _compliance(balance, grids, settings, back),
+        _compliance(balance, grids, settings, (back, data)),
         shaft_speed,
     )
     scenes = scenes_over_pitch(stack, pressures, settings.angles)
@@ -325,55 +343,12 @@ def _compliance(
     balance: LateralBalance,
     grids: tuple[FaceGrid, ...],
     settings: LateralSettings,
-    back: BackPressure,
+    state: tuple[BackPressure, xr.Dataset],
 ) -> Compliance:
     if settings.deformation == "bodies":
-        return _elastic_bodies(balance, grids, back)
+        return loaded_bodies(balance, grids, *state)
     yields = settings.deformation == "columns"
     return Columns(tuple(i.column_compliance * yields for i in balance.interfaces))
-
-
-def _elastic_bodies(
-    balance: LateralBalance, grids: tuple[FaceGrid, ...], back: BackPressure
-) -> Compliance:
-    if balance.elastic_bodies is None:
-        raise CaseError("run.deformation: found 'bodies', allowed 'columns' or 'none' here")
-    if balance.halves:
-        raise CaseError(
-            "run.deformation: found 'bodies' with machine.floating_bearing.split, allowed "
-            "'columns' or 'none' here"
-        )
-    made = balance.elastic_bodies()
-    bodies = {name: body for name, body in made.items() if isinstance(body, ElasticBody)}
-    names = [load.name for load in bodies["floating"].loads]
-    springs = [name for name in names if name.startswith("spring")]
-    sizes = dict.fromkeys(springs, balance.floating.preload / max(len(springs), 1))
-    if "high" in names:
-        sizes["high"] = back.high - back.low
-    return elastic_faces(grids, bodies, sizes)
-
-
-def node_pressures(description: MachineDescription, data: xr.Dataset) -> Callable[[float], Array]:
-    """Pressures of all nodes over the shaft angle, periodic with the revolution. [Pa]."""
-    turn = 2.0 * np.pi
-    angle = np.mod(data["shaft_angle"].values - data["shaft_angle"].values[0], turn)
-    first = float(np.mod(data["shaft_angle"].values[0], turn))
-    keep = np.unique(np.round(angle, 9), return_index=True)[1]
-    chambers = data["chamber_pressure"].values[keep]
-    inlet = float(data["inlet_pressure"].mean())
-    outlet = float(data["outlet_pressure"].mean())
-    ports = {"inlet": inlet, "outlet": outlet, "external": description.drain_pressure}
-    knots = np.append(angle[keep], turn)
-    table = np.vstack([chambers, chambers[:1]])
-    rest = np.array([inlet, outlet, ports[description.drain]])
-
-    def at(shaft_angle: float) -> Array:
-        place = np.mod(shaft_angle - first, turn)
-        k = min(int(np.searchsorted(knots, place, side="right")) - 1, knots.size - 2)
-        share = (place - knots[k]) / (knots[k + 1] - knots[k])
-        return np.concatenate([(1.0 - share) * table[k] + share * table[k + 1], rest])
-
-    return at
 
 
 def numbers_of(problem: LateralProblem, balance: Balance) -> LateralNumbers:

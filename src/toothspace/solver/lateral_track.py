@@ -16,8 +16,6 @@ class LateralTrack:
 
     Attributes
     ----------
-    shaft_angle : ndarray
-        Angles at the ends of the steps. [rad]
     positions : list of float
         Position of the pressed bearing at its gauge point after every step. [m]
     iterations : list of int
@@ -26,14 +24,17 @@ class LateralTrack:
         Largest residual force of every step over the balance force. [-]
     converged : bool
         Whether every step was in balance.
+    interrupted : bool
+        Whether the user stopped the march before its end.
     """
 
     def __init__(self, shaft_angle: Array) -> None:
-        self.shaft_angle = shaft_angle
+        self._shaft_angle = shaft_angle
         self.positions: list[float] = []
         self.iterations: list[int] = []
         self.residuals: list[float] = []
         self.converged = True
+        self.interrupted = False
         self._wear = np.zeros(())
         self._last: Balance | None = None
 
@@ -45,6 +46,11 @@ class LateralTrack:
         self.converged = self.converged and balance.converged
         self._wear = self._wear + wear
         self._last = balance
+
+    @property
+    def shaft_angle(self) -> Array:
+        """Angles at the ends of the steps that were made. [rad]."""
+        return self._shaft_angle[: len(self.positions)]
 
     @property
     def last(self) -> Balance:

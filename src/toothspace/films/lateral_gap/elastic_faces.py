@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import final
 
@@ -12,6 +12,7 @@ import scipy.sparse as sp
 
 from toothspace.core.types import Array
 from toothspace.elasticity import ElasticBody, InfluenceMatrix, influence_matrix
+from toothspace.elasticity.influence import COARSER
 from toothspace.films.lateral_gap.faces import FaceGrid
 from toothspace.films.lateral_gap.patterns import Patterns
 from toothspace.films.lateral_gap.stack import Scene
@@ -32,6 +33,9 @@ _MARCH_SHARE = 0.1
 _KEPT = 4
 """Shaft angles whose interpolation is kept. [-]"""
 
+NamedLoads = Callable[[Scene], Mapping[str, Mapping[str, float]]]
+"""Named loads of every body in a scene, above the low pressure. [Pa] or [N]"""
+
 MEMORY = 8
 """Iterations from which the rest and the positions are foreseen. [-]"""
 
@@ -48,8 +52,8 @@ class ElasticFaces:
     bodies : mapping of str to InfluenceMatrix
         Bearings ``floating`` and ``solid`` with the film ``face`` in the machine frame, and the
         turning bodies by name with the films ``floating`` and ``solid`` in their own frame.
-    back_loads : mapping of str to float
-        Named loads of the pressed bearing, above the low pressure. [Pa] or [N]
+    named_loads : callable
+        What acts on the bodies besides the films, by scene.
     give : tuple of float
         Mean widening over the pressure on one half of a face, by film. [m/Pa]
     share : float
@@ -57,14 +61,13 @@ class ElasticFaces:
 
     Notes
     -----
-    Only pressures on the faces and behind the bearing deform; pressures in the tooth spaces and
-    forces of the journals do not. The film follows the local part within its own iteration, the
-    rest is brought to agreement by the iteration of the force balance.
+    The film follows the local part within its own iteration, the rest is brought to agreement
+    by the iteration of the force balance.
     """
 
     grids: tuple[FaceGrid, ...]
     bodies: Mapping[str, InfluenceMatrix]
-    back_loads: Mapping[str, float]
+    named_loads: NamedLoads
     give: tuple[float, ...]
     share: float = _LOCAL_SHARE
     _on_bearing: dict[int, sp.csr_matrix] = field(init=False, repr=False, default_factory=dict)
@@ -133,6 +136,44 @@ class ElasticFaces:
 
     def widening(self, pressures: Sequence[Array], scene: Scene) -> list[Array]:
         """Widening of every gap by all bodies. [m]."""
+        loads, named = self._film_loads(pressures, scene), self.named_loads(scene)
+        moved = {
+            name: body.deformation(loads[name], named.get(name))
+            for name, body in self.bodies.items()
+        }
+        films, size = range(len(self.grids)), self.grids[0].area.size
+        return list(side_by_side(lambda k: self._opening(k, moved, scene), films, size))
+
+    def resultants(self, pressures: Sequence[Array], scene: Scene) -> dict[str, Array]:
+        """Force and moment of all loads on every body about its centre of mass. [N, N m].
+
+        A body at rest on nothing but its films and its named loads has none; what is left
+        accelerates it, see :func:`~toothspace.elasticity.influence_matrix`.
+        """
+        loads, named = self._film_loads(pressures, scene), self.named_loads(scene)
+        return {
+            name: body.resultant(loads[name], named.get(name)) for name, body in self.bodies.items()
+        }
+
+    def mesh_error(self, pressures: Sequence[Array], scene: Scene) -> list[Array]:
+        """Error of the widening of every gap by the size of the elements of all bodies. [m].
+
+        Notes
+        -----
+        Difference to bodies with elements smaller by ``COARSER`` on the same film nodes, and
+        what is missing beyond them by an error of second order (Richardson).
+        """
+        finer = {
+            name: influence_matrix(body.body, estimate_error=False, scale=1.0 / COARSER)
+            for name, body in self.bodies.items()
+        }
+        better = replace(self, bodies=finer).widening(pressures, scene)
+        share = 1.0 / (1.0 - COARSER**-2)
+        here = self.widening(pressures, scene)
+        return [share * (a - b) for a, b in zip(here, better, strict=True)]
+
+    def _film_loads(self, pressures: Sequence[Array], scene: Scene) -> dict[str, Array]:
+        """Loads of all films on the nodes of all bodies. [N]."""
         films, size = range(len(self.grids)), self.grids[0].area.size
         loads = {name: np.zeros(len(body.nodes)) for name, body in self.bodies.items()}
         nodal = side_by_side(lambda k: self._nodal_loads(k, pressures[k], scene), films, size)
@@ -140,8 +181,7 @@ class ElasticFaces:
             side, body = grid.interface.side, grid.interface.body
             loads[side][self.bodies[side].of("face")] += on_bearing
             loads[body][self.bodies[body].of(side)] += on_body
-        moved = {name: self._moved(name, loads[name]) for name in self.bodies}
-        return list(side_by_side(lambda k: self._opening(k, moved, scene), films, size))
+        return loads
 
     def _nodal_loads(self, index: int, pressure: Array, scene: Scene) -> tuple[Array, Array]:
         """Loads of one film on the nodes of bearing and turning body. [N]."""
@@ -158,10 +198,6 @@ class ElasticFaces:
         opening = bearing @ moved[side][self.bodies[side].of("face")]
         opening = opening + body @ moved[name][self.bodies[name].of(side)]
         return np.asarray(opening).reshape(grid.area.shape)
-
-    def _moved(self, name: str, loads: Array) -> Array:
-        named = self.back_loads if name == "floating" else {}
-        return self.bodies[name].deformation(loads, named)
 
     def _kept_spread(self, index: int, shaft_angle: float) -> tuple[sp.csr_matrix, sp.csr_matrix]:
         """From the nodes of bearing and turning body to the cells.
@@ -208,7 +244,7 @@ class ElasticFaces:
 def elastic_faces(
     grids: tuple[FaceGrid, ...],
     bodies: Mapping[str, ElasticBody],
-    back_loads: Mapping[str, float],
+    named_loads: NamedLoads | None = None,
 ) -> ElasticFaces:
     """Condense the bodies, or take them from the cache, and split off the local part.
 
@@ -218,8 +254,8 @@ def elastic_faces(
         One per film.
     bodies : mapping of str to ElasticBody
         Bearings and turning bodies, see :class:`ElasticFaces`.
-    back_loads : mapping of str to float
-        Named loads of the pressed bearing, above the low pressure. [Pa] or [N]
+    named_loads : callable, optional
+        What acts on the bodies besides the films, by scene; nothing if not given.
 
     Raises
     ------
@@ -227,10 +263,14 @@ def elastic_faces(
         If a body cannot be meshed or condensed.
     """
     matrices = {name: influence_matrix(body, estimate_error=False) for name, body in bodies.items()}
-    faces = ElasticFaces(grids, matrices, {}, (0.0,) * len(grids))
+    faces = ElasticFaces(grids, matrices, _unloaded, (0.0,) * len(grids))
     scene = Scene(0.0, tuple(grid.mask(0.0) for grid in grids), np.zeros(0))
     give = tuple(_mean_give(faces, scene, k) for k in range(len(grids)))
-    return ElasticFaces(grids, matrices, dict(back_loads), give)
+    return ElasticFaces(grids, matrices, named_loads or _unloaded, give)
+
+
+def _unloaded(scene: Scene) -> Mapping[str, Mapping[str, float]]:
+    return {}
 
 
 def _mean_give(faces: ElasticFaces, scene: Scene, index: int) -> float:

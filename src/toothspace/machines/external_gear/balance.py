@@ -8,13 +8,14 @@ from typing import Any
 
 import numpy as np
 import shapely
+import shapely.affinity
 
 from toothspace.core.errors import GeometryError
 from toothspace.machines.external_gear.assembly import Assembly
-from toothspace.machines.external_gear.elastic_bodies import PressedBodies
 from toothspace.machines.external_gear.films import FaceOfGear
 from toothspace.machines.external_gear.loads import BODIES, bodies, reduced_modulus
 from toothspace.machines.external_gear.numbering import Numbering
+from toothspace.machines.external_gear.pressed_bodies import PressedBodies
 from toothspace.machines.external_gear.spec import PressedBearing
 from toothspace.model.lateral_balance import (
     FilmInterface,
@@ -27,6 +28,7 @@ from toothspace.model.lateral_balance import (
 
 _ON_THE_CUT = 1e-6
 """Distance up to which a spring stands on the cut of a split bearing. [m]"""
+_HALVINGS = 40
 _SIDES: tuple[Side, ...] = ("floating", "solid")
 
 
@@ -55,9 +57,39 @@ def lateral_balance(assembly: Assembly, numbering: Numbering) -> LateralBalance 
         low_node=ports[drain],
         body_forces=pressed.gear_forces,
         body_masses=tuple(body.mass for body in bodies(assembly)),
-        elastic_bodies=PressedBodies(assembly),
+        elastic_bodies=_elastic_bodies(assembly, numbering, pressed),
         halves=_halves(assembly, pressed) if pressed.split else (),
     )
+
+
+def _elastic_bodies(
+    assembly: Assembly, numbering: Numbering, pressed: PressedBearing
+) -> PressedBodies:
+    face = bearing_face(assembly)
+    high = _high_pressure(assembly, pressed, face)
+    if high is None:
+        high = _behind_a_chord(face, pressed.high_pressure_area, pressed.high_pressure_center)
+    first, second = (FaceOfGear(assembly, numbering, gear).space_nodes() for gear in (0, 1))
+    return PressedBodies(assembly, high, (first, second))
+
+
+def _behind_a_chord(face: Any, area: float, center: tuple[float, float]) -> Any:
+    """Part of a face of a given area behind a chord across the way to a centre. [m]."""
+    middle = np.array([face.centroid.x, face.centroid.y])
+    away = np.array(center) - middle
+    turn = np.arctan2(away[1], away[0])
+    reach = float(np.hypot(*np.ptp(np.reshape(face.bounds, (2, 2)), axis=0)))
+
+    def part(distance: float) -> Any:
+        half = shapely.box(distance, -reach, reach, reach)
+        turned = shapely.affinity.rotate(half, turn, origin=(0.0, 0.0), use_radians=True)
+        return shapely.intersection(face, shapely.affinity.translate(turned, *middle))
+
+    low, high = -reach, reach
+    for _ in range(_HALVINGS):
+        place = 0.5 * (low + high)
+        low, high = (place, high) if part(place).area > area else (low, place)
+    return part(high)
 
 
 def _interface(assembly: Assembly, numbering: Numbering, side: Side, gear: int) -> FilmInterface:

@@ -7,18 +7,19 @@ middle of the face width), bearings and plates in the machine frame with z = 0 o
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Literal, final
 
 import numpy as np
 import shapely
+import shapely.affinity
 
 from toothspace.elasticity.body import ElasticBody, Support, SweptShape
 from toothspace.elasticity.loads import AreaPressure, LateralPressure, Load, journal_load
 from toothspace.elasticity.mesh import Prism, disc
 from toothspace.elasticity.surfaces import PlaneSurface
 from toothspace.machines.external_gear.assembly import Assembly
-from toothspace.machines.external_gear.loads import BODIES, groove_polygons
+from toothspace.machines.external_gear.loads import groove_polygons
 from toothspace.machines.external_gear.spec import Material
 
 BearingSide = Literal["floating", "solid"]
@@ -26,6 +27,8 @@ BearingSide = Literal["floating", "solid"]
 _NAMES = ("drive", "driven")
 _SPRING_RADIUS = 0.05
 """Radius of the patch that carries a spring over the tip radius. [-]"""
+_OUTSIDE = 0.9
+"""Radius from which a face counts as the outside of a bearing over the tip radius. [-]"""
 
 
 @final
@@ -65,11 +68,14 @@ class BackLoads:
         Places x, y of springs by name; one over a bore rests on its rim. [m]
     lines : mapping of str to LineString
         Lines on which seals press, by name; the load is one newton in all. [m]
+    patches : mapping of str to Polygon
+        Regions that carry one newton in all, by name. [m]
     """
 
     areas: Mapping[str, shapely.Geometry] = field(default_factory=dict)
     points: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    lines: Mapping[str, shapely.LineString] = field(default_factory=dict)
+    lines: Mapping[str, shapely.Geometry] = field(default_factory=dict)
+    patches: Mapping[str, shapely.Geometry] = field(default_factory=dict)
 
 
 def gear_body(assembly: Assembly, gear: int, size: MeshSize | None = None) -> ElasticBody:
@@ -113,8 +119,8 @@ def gear_body(assembly: Assembly, gear: int, size: MeshSize | None = None) -> El
         poisson_ratio=own.material.poisson_ratio,
         density=own.material.density,
         films=(
-            PlaneSurface("floating", "top", face, size.node_spacing * unit),
-            PlaneSurface("solid", "bottom", face, size.node_spacing * unit),
+            PlaneSurface("floating", "top", face, size.node_spacing * unit, half),
+            PlaneSurface("solid", "bottom", face, size.node_spacing * unit, -half),
         ),
         loads=tuple(loads),
     )
@@ -173,14 +179,14 @@ def bearing_body(
     ElasticBody
         Film ``face``; loads of the back by their names; ``journal_drive_x``,
         ``journal_driven_y`` and so on for the forces of the journal films on bodies longer than
-        half a bearing.
+        half a bearing, and ``wall_drive_x``... for those of the housing that hold against them.
     """
     size, back = size or MeshSize(), back or BackLoads()
     unit, section = assembly.profiles[0].tip_radius, bearing_section(assembly)
     up = 1.0 if side == "floating" else -1.0
     loads = _back_loads(assembly, back, "top" if side == "floating" else "bottom")
-    if length > 0.5 * assembly.spec.journals.length:
-        loads += _bore_loads(assembly, sorted((0.0, up * length)))
+    if carries_journals(assembly, length):
+        loads += radial_loads(assembly, sorted((0.0, up * length)))
     support = Support("bottom", section)
     return ElasticBody(
         shape=SweptShape(
@@ -197,11 +203,17 @@ def bearing_body(
                 "bottom" if side == "floating" else "top",
                 section,
                 size.node_spacing * unit,
+                0.0,
             ),
         ),
         loads=tuple(loads),
         supports=() if side == "floating" else (support,),
     )
+
+
+def carries_journals(assembly: Assembly, length: float) -> bool:
+    """Whether a body of some length [m] holds the journal bearings: a block, not a plate."""
+    return length > 0.5 * assembly.spec.journals.length
 
 
 def _bearing_parts(
@@ -230,6 +242,8 @@ def _back_loads(assembly: Assembly, back: BackLoads, side: Literal["top", "botto
     for name, line in back.lines.items():
         band = shapely.buffer(line, 0.5 * radius, cap_style="flat")
         loads.append(AreaPressure(name, side, band, per_area=False))
+    for name, region in back.patches.items():
+        loads.append(AreaPressure(name, side, region, per_area=False))
     return loads
 
 
@@ -239,67 +253,53 @@ def _nearest(section: shapely.Polygon, place: tuple[float, float], radius: float
     return shapely.line_interpolate_point(shapely.shortest_line(room, shapely.Point(*place)), 0.0)
 
 
-def _bore_loads(assembly: Assembly, levels: list[float]) -> list[Load]:
-    radius = 0.5 * assembly.spec.journals.diameter
-    ends = (levels[0], levels[1])
-    return [
-        journal_load(f"journal_{name}_{axis}", radius, ends, angle, center=center)
-        for name, center in zip(_NAMES, _centers(assembly), strict=True)
-        for axis, angle in (("x", 0.0), ("y", 0.5 * np.pi))
-    ]
+def radial_loads(assembly: Assembly, levels: list[float]) -> list[Load]:
+    """Forces of journals on the bores and of the housing on the outer face, one newton each."""
+    radius, ends = 0.5 * assembly.spec.journals.diameter, (levels[0], levels[1])
+    loads: list[Load] = []
+    for gear, (name, center) in enumerate(zip(_NAMES, _centers(assembly), strict=True)):
+        for axis, angle in (("x", 0.0), ("y", 0.5 * np.pi)):
+            label = f"{name}_{axis}"
+            loads += [
+                journal_load(f"journal_{label}", radius, ends, angle, center=center),
+                _wall(assembly, gear, f"wall_{label}", ends),
+            ]
+    return loads
 
 
-COARSE = MeshSize(0.16, 0.16, 0.13)
-"""A few thousand elements for each body."""
+def wall_direction(assembly: Assembly, axis: str, gear: int) -> float:
+    """Sign of the side along an axis on which the housing holds a bearing."""
+    if axis == "y":
+        return -1.0 if gear == 0 else 1.0
+    return -1.0 if assembly.spec.mode == "pump" else 1.0
 
 
-@final
-@dataclass(frozen=True, eq=False)
-class PressedBodies:
-    """Bearings and gears of a machine with a pressed bearing.
+def _wall(assembly: Assembly, gear: int, name: str, levels: tuple[float, float]) -> LateralPressure:
+    """One newton away from the housing, as an even pressure on the outer face beside a gear.
 
-    Parameters
-    ----------
-    assembly : Assembly
-        Gears in mesh.
-    size : MeshSize
-        Fineness of all bodies.
+    Both sides of the arc are alike, so that nothing pushes across.
     """
+    axis = name[-1]
+    radius = assembly.profiles[gear].tip_radius
+    x, y = _centers(assembly)[gear]
+    sign = wall_direction(assembly, axis, gear)
+    half = radius if axis == "y" else _waist(assembly, gear)
+    reach = sign * 4.0 * radius
+    low, high = sorted((0.0, reach))
+    wide = (
+        shapely.box(low, -half, high, half) if axis == "x" else shapely.box(-half, low, half, high)
+    )
+    beside = shapely.affinity.translate(wide, x, y)
+    region = beside.difference(disc(_OUTSIDE * radius, (x, y)))
+    pressure = 1.0 / (2.0 * half * (levels[1] - levels[0]))
+    label = repr(("wall", pressure))
+    return LateralPressure(
+        name, region, *levels, lambda place: np.full(len(place), pressure), label
+    )
 
-    assembly: Assembly
-    size: MeshSize = COARSE
 
-    def __call__(self) -> Mapping[str, object]:
-        """Bearings ``floating`` and ``solid``, and the gears by name."""
-        assembly, pressed = self.assembly, self.assembly.spec.pressed
-        assert pressed is not None
-        material, length = pressed.material, pressed.length
-        gears = {name: gear_body(assembly, k, self.size) for k, name in enumerate(BODIES)}
-        # with two pressed bearings the second floats as well
-        free = pressed.arrangement != "asymmetric"
-        solid = bearing_body(assembly, material, length, "solid", size=self.size)
-        return {
-            "floating": bearing_body(
-                assembly, material, length, "floating", self._back(), self.size
-            ),
-            "solid": replace(solid, supports=()) if free else solid,
-            **gears,
-        }
-
-    def _back(self) -> BackLoads:
-        """High-pressure area and springs; the nose where it has an area."""
-        spec = self.assembly.spec
-        pressed = spec.pressed
-        assert pressed is not None
-        section = bearing_section(self.assembly)
-        areas: dict[str, shapely.Geometry] = {}
-        if pressed.high_pressure_contour is not None:
-            areas["high"] = shapely.Polygon(pressed.high_pressure_contour).intersection(section)
-        elif pressed.seal_line is not None:
-            low_x, low_y, high_x, high_y = section.bounds
-            near = pressed.seal_line
-            pump = spec.mode == "pump"
-            half = (near, low_y, high_x, high_y) if pump else (low_x, low_y, -near, high_y)
-            areas["high"] = section.intersection(shapely.box(*half))
-        points = {f"spring_{k}": (s.x, s.y) for k, s in enumerate(pressed.springs)}
-        return BackLoads(areas=areas, points=points)
+def _waist(assembly: Assembly, gear: int) -> float:
+    """Distance of the line through both intersections of the tip circles from an axis. [m]."""
+    a = assembly.mesh.center_distance
+    own, other = (assembly.profiles[k].tip_radius for k in (gear, 1 - gear))
+    return float((a**2 + own**2 - other**2) / (2.0 * a))

@@ -82,6 +82,15 @@ class FaceOfGear:
             return 0.5 * np.pi + mesh.half_pitch + shaft_angle
         return -0.5 * np.pi + mesh.turn - mesh.ratio * shaft_angle
 
+    def space_nodes(self) -> IntArray:
+        """Nodes of the spaces after each tooth, counter-clockwise in the frame of the own gear."""
+        profile = self.assembly.profiles[self.gear]
+        angle = self.tooth_angle(self.gear, 0.0) + profile.pitch_angle * (
+            np.arange(profile.tooth_count) + 0.5
+        )
+        rise = self.assembly.mesh.center_distance if self.gear == 1 else 0.0
+        return self._space(self.gear, 0.0, np.cos(angle), np.sin(angle) + rise)
+
     def _space(self, gear: int, shaft_angle: float, x: Array, y: Array) -> IntArray:
         """Node of the tooth space whose sector holds a point."""
         _, polar = self._polar(gear, x, y)

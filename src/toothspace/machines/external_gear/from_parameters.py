@@ -20,7 +20,7 @@ from toothspace.geometry.profile_detection import gear_profile_from_curve
 from toothspace.library import load_material
 from toothspace.machines.external_gear import parameters as keys
 from toothspace.machines.external_gear import spec
-from toothspace.machines.external_gear.pressed_bearing import pressed_bearing
+from toothspace.machines.external_gear.pressed_bearing import body_files, pressed_bearing
 from toothspace.machines.external_gear.shaft_seal import seal_torque
 from toothspace.model.description import StartupFriction
 
@@ -76,6 +76,7 @@ def spec_from(machine: keys.ExternalGearParameters) -> spec.ExternalGearSpec:
         lateral=_lateral(machine.lateral),
         grooves=_grooves(machine.relief_grooves),
         pressed=pressed_bearing(machine),
+        body_files=body_files(machine),
         mode=cast(Literal["pump", "motor"], machine.mode),
         center_distance=machine.gears.center_distance,
         normal_backlash=machine.gears.normal_backlash,

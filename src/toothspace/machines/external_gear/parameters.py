@@ -30,6 +30,7 @@ from toothspace.core.keys import (
 
 PROFILE_SUFFIXES = (".txt", ".csv", ".dxf", ".stl", ".step", ".stp")
 CONTOUR_SUFFIXES = (".txt", ".csv", ".dxf")
+_STEP = (".step", ".stp")
 _FORCE = Quantity(unit="N", low=-1e6, high=1e6)
 _POINT = Row(items=(Quantity(unit="mm"), Quantity(unit="mm")))
 
@@ -377,6 +378,32 @@ class FloatingBearingParameters:
 
 @final
 @dataclass(frozen=True, kw_only=True)
+class ElasticBodiesParameters:
+    """``[machine.elastic_bodies]``: shapes of bodies that deform in place of swept ones."""
+
+    floating_bearing: Path | None = file_path(
+        "Pressed bearing in the frame of the machine, z = 0 on its film face, from there up (mm).",
+        *_STEP,
+    )
+    solid_bearing: Path | None = file_path(
+        "Bearing on the other side, z = 0 on its film face, from there down (mm).", *_STEP
+    )
+    drive_gear: Path | None = file_path(
+        "Drive gear with its shaft, first tooth on x, z = 0 in the middle of its width (mm).",
+        *_STEP,
+    )
+    driven_gear: Path | None = file_path("Driven gear, likewise.", *_STEP)
+    edge_length: float | None = quantity(
+        "mm",
+        "Longest edge of the elements; default a tenth of the tip radius.",
+        above=0,
+        high=100,
+        default=None,
+    )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
 class SealParameters:
     """``[machine.seals]``."""
 
@@ -462,6 +489,9 @@ class ExternalGearParameters:
     lateral: LateralParameters = table(LateralParameters, "Lateral films.")
     floating_bearing: FloatingBearingParameters | None = table(
         FloatingBearingParameters, "Balance of the floating bearing.", default=None
+    )
+    elastic_bodies: ElasticBodiesParameters | None = table(
+        ElasticBodiesParameters, "STEP files of bearings and gears.", default=None
     )
     seals: SealParameters | None = table(SealParameters, "Shaft seal.", default=None)
     startup: StartupParameters | None = table(StartupParameters, "Friction at rest.", default=None)

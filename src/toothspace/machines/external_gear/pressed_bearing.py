@@ -57,6 +57,20 @@ def pressed_bearing(machine: keys.ExternalGearParameters) -> spec.PressedBearing
     )
 
 
+def body_files(machine: keys.ExternalGearParameters) -> spec.BodyFiles | None:
+    """STEP files of elastic bodies, None without their table."""
+    given = machine.elastic_bodies
+    if given is None:
+        return None
+    return spec.BodyFiles(
+        floating_bearing=given.floating_bearing,
+        solid_bearing=given.solid_bearing,
+        drive_gear=given.drive_gear,
+        driven_gear=given.driven_gear,
+        edge_length=given.edge_length,
+    )
+
+
 def _high_pressure(area: keys.PressureAreaParameters) -> dict[str, Any]:
     if area.contour is not None:
         return {"high_pressure_contour": _contour(area)}

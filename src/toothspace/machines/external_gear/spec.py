@@ -6,6 +6,7 @@ Frame: origin at the drive gear, y towards the driven gear, x towards the outlet
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal, final
 
 from toothspace.core.types import Array
@@ -291,6 +292,29 @@ class PressedBearing:
 
 @final
 @dataclass(frozen=True, kw_only=True)
+class BodyFiles:
+    """STEP files of elastic bodies; None: swept from the parameters.
+
+    Parameters
+    ----------
+    floating_bearing, solid_bearing : Path or None
+        Bearings, in the frame of the machine with z = 0 on the film face.
+    drive_gear, driven_gear : Path or None
+        Gears, about their own axis with the first tooth on x and z = 0 in the middle of the face
+        width.
+    edge_length : float or None
+        Longest edge of the elements. [m]
+    """
+
+    floating_bearing: Path | None = None
+    solid_bearing: Path | None = None
+    drive_gear: Path | None = None
+    driven_gear: Path | None = None
+    edge_length: float | None = None
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
 class ExternalGearSpec:
     """Everything that defines an external gear machine.
 
@@ -306,6 +330,8 @@ class ExternalGearSpec:
         Relief grooves of the faces, None without.
     pressed : PressedBearing or None
         Force balance of the pressed bearing, None without.
+    body_files : BodyFiles or None
+        Files of elastic bodies, None without.
     lateral : LateralGaps
         Lateral films.
     mode : str
@@ -333,6 +359,7 @@ class ExternalGearSpec:
     lateral: LateralGaps
     grooves: ReliefGrooves | None = None
     pressed: PressedBearing | None = None
+    body_files: BodyFiles | None = None
     mode: Literal["pump", "motor"] = "pump"
     center_distance: float | None = None
     normal_backlash: float | None = None
