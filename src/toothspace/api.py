@@ -369,12 +369,11 @@ def _simulate_elastic(case: Case, progress: Progress | None) -> Solution:
     machine = run_in_machine(case)
     balance_of(machine.description)
     condition = condition_of(case, machine.description)
-    gap = case.machine_spec.lateral.side_gap_floating
+    gap = float(case.machine_spec.lateral.side_gap_floating)
+    request = PointRequest(settings=lateral_settings(case), start=gap)
     return coupled_solution(
-        machine.description,
-        machine.fluid,
+        (machine.description, machine.fluid, request),
         lambda changed: machine.solve(condition, changed, progress),
-        PointRequest(settings=lateral_settings(case), start=float(gap)),
         case.run.film_steps_per_revolution,
         progress,
     )

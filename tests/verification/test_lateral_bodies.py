@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from tests.lateral_stack import HIGH, INNER, LOW, OUTER, loads, pressures, ring_stack
+from tests.lateral_stack import HIGH, HIGH_NODE, INNER, LOW, OUTER, loads, pressures, ring_stack
 from toothspace.elasticity import (
     ElasticBody,
+    LateralPressure,
     PlaneSurface,
     Prism,
     Support,
     SweptShape,
     annulus,
+    influence_matrix,
     storage,
 )
 from toothspace.films.lateral_gap.elastic_faces import (
@@ -29,7 +32,7 @@ from toothspace.films.lateral_gap.equilibrium import (
     march_angles,
 )
 from toothspace.films.lateral_gap.motion import StepSettings, rest_at
-from toothspace.films.lateral_gap.stack import Past, Stack
+from toothspace.films.lateral_gap.stack import Past, Scene, Stack
 from toothspace.films.lateral_gap.widening import response
 
 MODULUS, LENGTH, WIDTH = 100e9, 20e-3, 16e-3
@@ -104,6 +107,66 @@ def test_rings_frame_turns_with_the_shaft(faces: ElasticFaces) -> None:
         faces.widening([wave, wave], stack.scene(turn, pressures(HIGH)))[0] for turn in (0.0, 1.0)
     ]
     assert np.abs(found[0] - found[1]).max() < 0.05 * np.ptp(found[0])
+
+
+def _round_the_ring(faces: ElasticFaces) -> ElasticFaces:
+    """The ring of softer material with the pressure of a node on its outer and inner face."""
+    ring = faces.bodies["ring"].body
+    round_it = LateralPressure("round", annulus(0.5 * INNER, 1.5 * OUTER))
+    ring = replace(ring, poisson_ratio=0.3, loads=(round_it,))
+
+    def named(scene: Scene) -> dict[str, dict[str, float]]:
+        return {"ring": {"round": float(scene.node_pressure[HIGH_NODE]) - LOW}}
+
+    bodies = {**_bodies(), "ring": ring}
+    return elastic_faces(faces.grids, bodies, named)
+
+
+def test_pressure_all_round_shrinks_the_ring_as_hydrostatic_pressure_does(
+    faces: ElasticFaces, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """A named load follows the node pressure of the scene: round the ring alone it swells by
+    nu p b / E, with both faces pressed as well it shrinks by (1 - 2 nu) p b / (2 E)."""
+    monkeypatch.setattr(storage, "folder", lambda: tmp_path)
+    loaded = _round_the_ring(faces)
+    stack = _stack(loaded)
+    rise, poisson = 1e7, 0.3
+    quiet, scene = (stack.scene(0.0, pressures(LOW + rise * k)) for k in (0, 1))
+    none = [np.zeros_like(grid.area) for grid in stack.grids]
+    even = [np.full_like(grid.area, rise) for grid in stack.grids]
+    hooke = rise * WIDTH / (2.0 * MODULUS)
+    assert loaded.widening(none, quiet)[0] == pytest.approx(none[0], abs=1e-15)
+    swelling = loaded.widening(none, scene)
+    films = loaded.widening(even, quiet)
+    both = loaded.widening(even, scene)
+    bearings = (rise * LENGTH / (3.0 * MODULUS), rise * LENGTH / MODULUS)
+    for k, bearing in enumerate(bearings):
+        assert swelling[k].mean() == pytest.approx(-2.0 * poisson * hooke, rel=0.02)
+        assert films[k].mean() == pytest.approx(hooke + bearing, rel=0.02)
+        shrinking = both[k].mean() - bearing
+        assert shrinking == pytest.approx((1.0 - 2.0 * poisson) * hooke, rel=0.05)
+    left = loaded.resultants(even, scene)["ring"]
+    assert np.abs(left).max() < 1e-6 * rise * np.pi * OUTER**2
+
+
+@pytest.mark.slow
+def test_mesh_error_is_the_difference_to_finer_bodies(
+    faces: ElasticFaces, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Richardson from elements 1.5 times as small covers what a mesh of half the size changes."""
+    monkeypatch.setattr(storage, "folder", lambda: tmp_path)
+    stack = _stack(faces)
+    scene = stack.scene(0.0, pressures(HIGH))
+    wave = 1e7 * (1.0 + np.cos(2 * stack.grids[0].angle))[:, None] * np.ones(stack.grids[0].lanes)
+    told = faces.mesh_error([wave, wave], scene)[0]
+    finer = {
+        name: influence_matrix(body.body, estimate_error=False, scale=0.5)
+        for name, body in faces.bodies.items()
+    }
+    found = faces.widening([wave, wave], scene)[0]
+    change = found - replace(faces, bodies=finer).widening([wave, wave], scene)[0]
+    assert 0.0 < np.abs(change).max() < 1.3 * np.abs(told).max()
+    assert np.abs(told).max() < 0.1 * np.ptp(found)
 
 
 def test_bearing_rests_between_elastic_bodies(faces: ElasticFaces) -> None:

@@ -212,10 +212,8 @@ def _with_drag(
 
 
 def coupled_solution(
-    description: MachineDescription,
-    fluid: FluidLaw,
+    asked: tuple[MachineDescription, FluidLaw, PointRequest],
     run: LumpedRun,
-    request: PointRequest,
     steps: int,
     progress: Progress | None = None,
 ) -> Solution:
@@ -223,8 +221,10 @@ def coupled_solution(
 
     Parameters
     ----------
-    description, fluid, run, request
-        As for :func:`couple_point`.
+    asked : tuple
+        Machine, fluid and what is asked of them, as for :func:`couple_point`.
+    run : callable
+        Lumped solution at the operating point, of a changed machine.
     steps : int
         Steps of the march over the revolution. [-]
     progress : callable, optional
@@ -246,6 +246,7 @@ def coupled_solution(
         return done[-1]
 
     try:
+        description, fluid, request = asked
         point = couple_point(description, fluid, lumped, request)
         return elastic_solution(point, steps, progress)
     except KeyboardInterrupt:

@@ -1,0 +1,103 @@
+"""March of the lateral films: progress, and what an interrupt by the user keeps."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from tests.fake_solution import fake_solution
+from tests.lateral_stack import HIGH, loads, pressures, ring_stack
+from toothspace.core.status import Status
+from toothspace.films.lateral_gap.equilibrium import scenes_over_pitch
+from toothspace.results.solution import Solution
+from toothspace.solver.lateral_coupling import coupled_solution
+from toothspace.solver.lateral_gap import LateralProblem, LateralSettings
+
+
+@pytest.fixture(scope="module")
+def problem() -> LateralProblem:
+    stack = ring_stack(high_share=0.7)
+    scenes = scenes_over_pitch(stack, lambda _: pressures(HIGH), 1)
+    return LateralProblem(
+        stack, scenes, loads(HIGH), lambda _: pressures(HIGH), LateralSettings(angles=1)
+    )
+
+
+def test_march_tells_how_far_it_is(problem: LateralProblem) -> None:
+    told: list[tuple[float, str]] = []
+    track = problem.march(
+        problem.started(3e-6), 4, progress=lambda share, text: told.append((share, text))
+    )
+    assert [share for share, _ in told] == [0.25, 0.5, 0.75, 1.0]
+    assert told[0][1] == "film step 1 of 4"
+    assert len(track.shaft_angle) == 4
+    assert not track.interrupted
+
+
+def test_interrupted_march_keeps_its_steps(problem: LateralProblem) -> None:
+    def stop(share: float, text: str) -> None:
+        if share > 0.4:
+            raise KeyboardInterrupt
+
+    whole = problem.march(problem.started(3e-6), 4)
+    track = problem.march(problem.started(3e-6), 4, progress=stop)
+    assert track.interrupted
+    assert track.positions == whole.positions[:2]
+    assert track.shaft_angle.tolist() == whole.shaft_angle[:2].tolist()
+    assert track.last.position == pytest.approx(track.last.states[0].position)
+
+
+def test_march_interrupted_at_once_keeps_nothing(
+    problem: LateralProblem, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stop(*args: Any, **rest: Any) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("toothspace.solver.lateral_gap.march_angles", stop)
+    with pytest.raises(KeyboardInterrupt):
+        problem.march(problem.started(3e-6), 4)
+
+
+def _asked() -> Any:
+    return None, None, None
+
+
+def test_interrupt_beside_the_films_keeps_the_lumped_solution(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    told: list[str] = []
+
+    def couple(description: Any, fluid: Any, run: Any, request: Any) -> Any:
+        run(description)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("toothspace.solver.lateral_coupling.couple_point", couple)
+    lumped = fake_solution()
+    found = coupled_solution(_asked(), lambda _: lumped, 12, lambda _, text: told.append(text))
+    assert found.status is Status.INTERRUPTED
+    assert found.data is lumped.data
+    assert told == ["lateral films come to rest"]
+
+
+def test_interrupted_lumped_run_ends_the_point(monkeypatch: pytest.MonkeyPatch) -> None:
+    def couple(description: Any, fluid: Any, run: Any, request: Any) -> Any:
+        run(description)
+        raise AssertionError("went on")
+
+    monkeypatch.setattr("toothspace.solver.lateral_coupling.couple_point", couple)
+    cut = replace(fake_solution(), status=Status.INTERRUPTED)
+    assert coupled_solution(_asked(), lambda _: cut, 12).status is Status.INTERRUPTED
+
+
+def test_interrupt_before_any_result_is_passed_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    def run(_: Any) -> Solution:
+        raise KeyboardInterrupt
+
+    def couple(description: Any, fluid: Any, run: Any, request: Any) -> Any:
+        return run(description)
+
+    monkeypatch.setattr("toothspace.solver.lateral_coupling.couple_point", couple)
+    with pytest.raises(KeyboardInterrupt):
+        coupled_solution(_asked(), run, 12)
