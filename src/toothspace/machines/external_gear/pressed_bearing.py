@@ -11,6 +11,7 @@ from toothspace.geometry.cad_import import load_closed_curves
 from toothspace.geometry.polygon import checked_polygon
 from toothspace.library import load_material
 from toothspace.machines.external_gear import parameters as keys
+from toothspace.machines.external_gear import pressed_parameters as own
 from toothspace.machines.external_gear import spec
 
 _TABLE = "floating_bearing"
@@ -28,7 +29,7 @@ def pressed_bearing(machine: keys.ExternalGearParameters) -> spec.PressedBearing
     if given is None or given.high_pressure_area is None:
         return None
     data = load_material(given.material, f"{_TABLE}.material")
-    housing = given.housing_contact or keys.HousingContactParameters()
+    housing = given.housing_contact or own.HousingContactParameters()
     return spec.PressedBearing(
         material=spec.Material(
             elastic_modulus=data["elastic_modulus"],
@@ -71,7 +72,7 @@ def body_files(machine: keys.ExternalGearParameters) -> spec.BodyFiles | None:
     )
 
 
-def _high_pressure(area: keys.PressureAreaParameters) -> dict[str, Any]:
+def _high_pressure(area: own.PressureAreaParameters) -> dict[str, Any]:
     if area.contour is not None:
         return {"high_pressure_contour": _contour(area)}
     if area.seal_line_x is not None:
@@ -79,7 +80,7 @@ def _high_pressure(area: keys.PressureAreaParameters) -> dict[str, Any]:
     return {"high_pressure_area": area.area, "high_pressure_center": area.center}
 
 
-def _contour(area: keys.PressureAreaParameters) -> Array:
+def _contour(area: own.PressureAreaParameters) -> Array:
     assert area.contour is not None
     key = f"{_TABLE}.high_pressure_area.contour"
     try:

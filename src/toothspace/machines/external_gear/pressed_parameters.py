@@ -1,0 +1,159 @@
+"""Keys of the pressed bearing and of elastic bodies in ``[machine]`` of external gears."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import final
+
+from toothspace.core.keys import (
+    Flag,
+    Items,
+    Quantity,
+    Row,
+    Table,
+    choice,
+    declare,
+    file_path,
+    forbid,
+    number,
+    quantity,
+    require,
+    table,
+    text,
+)
+
+CONTOUR_SUFFIXES = (".txt", ".csv", ".dxf")
+_STEP = (".step", ".stp")
+_FORCE = Quantity(unit="N", low=-1e6, high=1e6)
+_POINT = Row(items=(Quantity(unit="mm"), Quantity(unit="mm")))
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class PressureAreaParameters:
+    """``high_pressure_area``: a seal line, a contour, or area and centre."""
+
+    seal_line_x: float | None = quantity(
+        "mm",
+        "Chord that divides the back face, from the centre line towards high pressure.",
+        low=-500,
+        high=500,
+        default=None,
+    )
+    contour: Path | None = file_path("Closed polygon of the area.", *CONTOUR_SUFFIXES)
+    area: float | None = quantity("mm^2", "Area.", low=0, high=1e6, default=None)
+    center: tuple[float, float] | None = declare(
+        Row(items=_POINT.items, doc="Centroid of the area (x, y)."), None
+    )
+
+    def __post_init__(self) -> None:
+        if self.seal_line_x is None and self.contour is None:
+            require(self, "unless seal_line_x or contour is given", "area", "center")
+        elif self.seal_line_x is not None:
+            forbid(self, "because seal_line_x is given", "contour", "area", "center")
+        else:
+            forbid(self, "because contour is given", "area", "center")
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class NoseParameters:
+    """``nose``: patch of the back face with a pressure of its own."""
+
+    area: float = quantity("mm^2", "Area.", low=0, high=1e6)
+    center: tuple[float, float] = declare(Row(items=_POINT.items, doc="Centroid (x, y)."))
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class SpringParameters:
+    """One of ``springs``."""
+
+    force: float = quantity("N", "Preload towards the gears.", low=0, high=1e5)
+    x: float = quantity("mm", "Position.", low=-500, high=500)
+    y: float = quantity("mm", "Position.", low=-500, high=1000)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class HousingContactParameters:
+    """``housing_contact``: friction between floating bearing and housing."""
+
+    area: float = quantity("mm^2", "Contact area.", low=0, high=1e6, default=0.0)
+    friction_coefficient: float = number("Coulomb friction.", low=0, high=1, default=0.0)
+    breakaway_speed: float = quantity(
+        "mm/s", "Speed of the friction peak.", above=0, high=1e4, default=6.45e-3
+    )
+    law: str = choice("Set-valued stick, or smooth.", "stick", "stribeck", default="stick")
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class FloatingBearingParameters:
+    """``[machine.floating_bearing]``: force balance of the pressed bushing."""
+
+    material: str = text("Material from the library.", default="AlSi")
+    length: float | None = quantity("mm", "Axial length.", above=0, high=500, default=None)
+    roughness: float = quantity(
+        "um", "Root mean square roughness of the face.", low=0, high=10, default=0.4e-6
+    )
+    mass: float | None = quantity("kg", "Mass.", above=0, high=100, default=None)
+    high_pressure_area: PressureAreaParameters | None = table(
+        PressureAreaParameters, "Part of the back face that sees outlet pressure.", default=None
+    )
+    nose: NoseParameters | None = table(
+        NoseParameters, "Patch of the back face with nose pressure.", default=None
+    )
+    seal_preload: float = quantity("N", "Preload of the seal.", low=0, high=1e5, default=0.0)
+    springs: tuple[SpringParameters, ...] = declare(
+        Items(item=Table(spec=SpringParameters), doc="Springs on the back face.", low=0, high=50),
+        (),
+    )
+    housing_contact: HousingContactParameters | None = table(
+        HousingContactParameters, "Friction in the housing.", default=None
+    )
+    motion: str = choice("Free motions of bearing and gears.", "full", "axial", default="full")
+    split: bool = declare(
+        Flag(doc="Whether it is cut between the gears into halves that move on their own."), False
+    )
+    axial_play: float = quantity(
+        "um", "Travel away from the gears up to the cover.", above=0, high=5000, default=100e-6
+    )
+    wall_stiffness: float = quantity(
+        "N m/rad",
+        "Moment about y over the tilt about it, by the wall that the bearing leans on.",
+        low=0,
+        high=1e9,
+        default=0.0,
+    )
+    gear_axial_force: tuple[float, float] = declare(
+        Row(items=(_FORCE, _FORCE), doc="Axial force of helical teeth on both gears, along z."),
+        (0.0, 0.0),
+    )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class ElasticBodiesParameters:
+    """``[machine.elastic_bodies]``: shapes of bodies that deform in place of swept ones."""
+
+    floating_bearing: Path | None = file_path(
+        "Pressed bearing in the frame of the machine, z = 0 on its film face, from there up (mm).",
+        *_STEP,
+    )
+    solid_bearing: Path | None = file_path(
+        "Bearing on the other side, z = 0 on its film face, from there down (mm).", *_STEP
+    )
+    drive_gear: Path | None = file_path(
+        "Drive gear with its shaft, first tooth on x, z = 0 in the middle of its width (mm).",
+        *_STEP,
+    )
+    driven_gear: Path | None = file_path("Driven gear, likewise.", *_STEP)
+    edge_length: float | None = quantity(
+        "mm",
+        "Longest edge of the elements; default a tenth of the tip radius.",
+        above=0,
+        high=100,
+        default=None,
+    )
