@@ -15,7 +15,8 @@ from toothspace.model.lateral_table import (
 )
 from toothspace.results.solution import Solution
 from toothspace.solver.lateral_coupling import LumpedRun, next_change
-from toothspace.solver.lateral_gap import balance_of, node_pressures
+from toothspace.solver.lateral_gap import balance_of
+from toothspace.solver.lateral_loads import node_pressures
 
 _AGREEMENT = 0.02
 """Difference of the leakage looked up from that of the run at which both agree. [-]"""
