@@ -62,7 +62,12 @@ class Preset:
             raise CaseError(f"run.fidelity: found {self.name!r}, allowed {allowed} in this version")
 
 
-_BALANCE_TABLES = ("machine.floating_bearing", "machine.startup", "study")
+_BALANCE_TABLES = (
+    "machine.floating_bearing",
+    "machine.elastic_bodies",
+    "machine.startup",
+    "study",
+)
 _PRESETS = (
     Preset(
         name="ideal",

@@ -128,6 +128,21 @@ def test_tables_that_are_not_used_are_told(
     assert "[machine.casing.wear_in] is not used" in capsys.readouterr().err
 
 
+def test_files_of_bodies_that_do_not_deform_are_told(
+    simulated: Callable[[Simulate], None], capsys: pytest.CaptureFixture[str]
+) -> None:
+    simulated(lambda case, progress: FakeSolution())
+    edge = ["--set", "machine.elastic_bodies.edge_length=3 mm"]
+    main(["run", str(MOTOR), "--json", *edge])
+    assert "[machine.elastic_bodies] is not used by a run" in capsys.readouterr().err
+    main(["run", str(MOTOR), "--json", "--fidelity", "elastic", *edge])
+    told = "[machine.elastic_bodies] is not used with run.deformation = 'columns'"
+    assert told in capsys.readouterr().err
+    bodies = ["--set", "run.deformation=bodies"]
+    main(["run", str(MOTOR), "--json", "--fidelity", "elastic", *edge, *bodies])
+    assert "elastic_bodies" not in capsys.readouterr().err
+
+
 def test_text_summary_is_aligned(
     simulated: Callable[[Simulate], None], capsys: pytest.CaptureFixture[str]
 ) -> None:

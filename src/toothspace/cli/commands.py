@@ -286,6 +286,10 @@ def _write_geometry(case: Case, description: Any, outputs: GeometryOutputs) -> N
 
 
 def _tell_unused(case: Case) -> None:
+    bends = case.run.fidelity != "elastic" or case.run.deformation == "bodies"
+    if not bends and getattr(case.machine, "elastic_bodies", None) is not None:
+        law = f"run.deformation = {case.run.deformation!r}"
+        output.message(f"Note: [machine.elastic_bodies] is not used with {law}")
     for path in PRESETS[case.run.fidelity].unused_tables:
         if path == _START_TABLE and case.circuit is not None:
             continue
