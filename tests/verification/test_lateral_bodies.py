@@ -34,6 +34,7 @@ from toothspace.films.lateral_gap.equilibrium import (
 from toothspace.films.lateral_gap.motion import StepSettings, rest_at
 from toothspace.films.lateral_gap.stack import Past, Scene, Stack
 from toothspace.films.lateral_gap.widening import response
+from toothspace.solver.lateral_loads import face_deflection
 
 MODULUS, LENGTH, WIDTH = 100e9, 20e-3, 16e-3
 SECTION = annulus(INNER, OUTER)
@@ -167,6 +168,25 @@ def test_mesh_error_is_the_difference_to_finer_bodies(
     change = found - replace(faces, bodies=finer).widening([wave, wave], scene)[0]
     assert 0.0 < np.abs(change).max() < 1.3 * np.abs(told).max()
     assert np.abs(told).max() < 0.1 * np.ptp(found)
+
+
+def test_run_tells_the_largest_widening_and_its_error(
+    faces: ElasticFaces, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Over the films; nothing where faces give way as columns."""
+    stack = _stack(faces)
+    scene = stack.scene(0.0, pressures(HIGH))
+    zero = np.zeros(stack.size)
+    distant = [np.zeros_like(grid.area) for grid in stack.grids]
+    state = stack.solve(scene, stack.start(3e-6), zero, None, distant)
+    wide = faces.widening(state.face_pressures(LOW), scene)
+    monkeypatch.setattr(ElasticFaces, "mesh_error", lambda self, p, s: [-0.1 * w for w in wide])
+    told = face_deflection(state)
+    largest = max(np.abs(w).max() for w in wide)
+    assert told["film_deformation_largest"] == pytest.approx(largest)
+    assert told["film_deformation_error"] == pytest.approx(0.1 * largest)
+    columns = replace(state, stack=ring_stack(cells=CELLS))
+    assert face_deflection(columns) == {}
 
 
 def test_bearing_rests_between_elastic_bodies(faces: ElasticFaces) -> None:
