@@ -13,10 +13,12 @@ import shapely
 import shapely.affinity
 
 from tests.external_gear_designs import egm12
+from toothspace.api import condition_of, lateral_settings, run_in_machine
 from toothspace.config import load_case
 from toothspace.core.errors import CaseError, GeometryError
 from toothspace.core.types import Array
 from toothspace.elasticity import AreaPressure, InfluenceMatrix, influence_matrix
+from toothspace.films.lateral_gap.elastic_faces import ElasticFaces
 from toothspace.films.lateral_gap.stack import BackPressure, Scene
 from toothspace.machines.external_gear.assembly import Assembly, assemble
 from toothspace.machines.external_gear.balance import lateral_balance
@@ -32,6 +34,7 @@ from toothspace.machines.external_gear.numbering import number
 from toothspace.machines.external_gear.pressed_bodies import PressedBodies, seal_line
 from toothspace.machines.external_gear.spec import BodyFiles, Material, PressedBearing, Spring
 from toothspace.model.lateral_balance import LAND, BodyLoad, LateralBalance
+from toothspace.solver.lateral_gap import lateral_problem
 from toothspace.solver.lateral_loads import BodyLoads
 
 FINER = MeshSize(0.13, 0.13, 0.17)
@@ -364,3 +367,36 @@ def test_case_names_the_files(tmp_path: Path) -> None:
     assert files == BodyFiles(floating_bearing=path, edge_length=3e-3)
     with pytest.raises(CaseError, match=r"elastic_bodies\.drive_gear: found .*no\.step"):
         load_case(case, ('machine.elastic_bodies.drive_gear="no.step"',))
+
+
+@pytest.mark.slow
+def test_loads_of_a_run_balance_on_the_bodies() -> None:
+    """Bearing at rest without friction: what the films, the balance area, nose, springs and seal
+    do to the elastic bearing cancels along z, and shafts and housing cancel across."""
+    changes = (
+        "run.deformation=bodies",
+        "run.film_grid=[63,9]",
+        "run.film_angles_per_pitch=1",
+        "run.samples_per_revolution=180",
+        "machine.floating_bearing.housing_contact.friction_coefficient=0",
+        "machine.floating_bearing.seal_preload=200 N",
+    )
+    case = load_case(REPOSITORY / "cases" / "hysteresis_055.toml", changes)
+    machine = run_in_machine(case)
+    lumped = machine.solve(condition_of(case, machine.description))
+    problem = lateral_problem(
+        machine.description, machine.fluid, lumped.data, lateral_settings(case), 12e5
+    )
+    found = problem.settle(problem.started(3e-6))
+    assert found.rests
+    state, back = found.balance.states[0], problem.loads.back
+    faces = state.stack.compliance
+    assert isinstance(faces, ElasticFaces)
+    left = faces.resultants(state.face_pressures(back.low), state.scene)
+    push = (back.high - back.low) * state.stack.balance.floating.high_pressure.area
+    assert abs(left["floating"][2]) < 0.01 * push
+    shafts = np.abs(lumped.data["journal_force"].values).max()
+    for bearing in ("floating", "solid"):
+        assert np.abs(left[bearing][:2]).max() < 0.03 * shafts
+    for gear in ("drive_gear", "driven_gear"):
+        assert abs(left[gear][2]) < 0.02 * push
