@@ -39,9 +39,21 @@ def mean_gap_ratio(nominal_gap_ratio: float) -> float:
 
 @inlined
 def pressure_unit(roughness: float, correlation_length: float, effective_modulus: float) -> float:
-    """Pressure over which contact pressure and hardness are dimensionless. [Pa].
+    """Pressure over which contact pressure and hardness are dimensionless.
 
-    Parameters as in :func:`asperity_pressure`.
+    Parameters
+    ----------
+    roughness : float
+        Root mean square roughness of both surfaces together. [m]
+    correlation_length : float
+        Half-height correlation length. [m]
+    effective_modulus : float
+        E' = 2 / [(1 - nu1^2)/E1 + (1 - nu2^2)/E2]. [Pa]
+
+    Returns
+    -------
+    float
+        Pressure. [Pa]
     """
     return math.pi * effective_modulus * roughness / (2.0 * correlation_length)
 
