@@ -33,7 +33,7 @@ from toothspace.films.lateral_gap.equilibrium import (
 )
 from toothspace.films.lateral_gap.motion import StepSettings, rest_at
 from toothspace.films.lateral_gap.stack import Past, Scene, Stack
-from toothspace.films.lateral_gap.widening import response
+from toothspace.films.lateral_gap.widening import Fineness, response
 from toothspace.solver.lateral_loads import face_deflection
 
 MODULUS, LENGTH, WIDTH = 100e9, 20e-3, 16e-3
@@ -228,7 +228,7 @@ def test_films_and_forces_respond_to_patterns_as_to_small_changes(faces: Elastic
     march = _march(stack, StepSettings(memory=MEMORY))
     before, last = (march.balances[k].states[0] for k in (-2, -1))
     duration = float(march.shaft_angle[1] - march.shaft_angle[0]) / stack.shaft_speed
-    found = response(last, (2, 1), 1.0 / duration)
+    found = response(last, Fineness(2, 1), 1.0 / duration)
     for k in (0, 3, 13):
         change = found.fields(1e-10 * np.eye(len(found.gain))[k])
         moved = [d + c for d, c in zip(last.distant, change, strict=True)]
@@ -258,7 +258,7 @@ def test_march_that_foresees_the_widening_takes_the_same_way(faces: ElasticFaces
     plain = _march(stack, settings)
     quick = _march(
         replace(stack, compliance=faces.in_march()),
-        replace(settings, fineness=(2, 1), jacobian_age=60),
+        replace(settings, fineness=Fineness(2, 1), jacobian_age=60),
     )
     assert plain.converged
     assert quick.converged

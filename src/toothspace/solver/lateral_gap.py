@@ -31,6 +31,7 @@ from toothspace.films.lateral_gap.friction import (
 )
 from toothspace.films.lateral_gap.motion import Balance, Loads, StepSettings, rest_at
 from toothspace.films.lateral_gap.stack import BackPressure, Columns, Compliance, Scene, Stack
+from toothspace.films.lateral_gap.widening import Fineness
 from toothspace.films.lateral_gap.yielding_film import Accuracy
 from toothspace.films.rough_surfaces import RoughSurfaces
 from toothspace.films.thermal import FilmHeating
@@ -54,10 +55,8 @@ _MARCHED = Accuracy(settled=1e-3, linear=1e-2)
 """Accuracy of films within one step of the march, whose force balance repeats them."""
 _JACOBIAN_AGE = 60
 """Iterations of the march that one Jacobian serves. [-]"""
-_FINENESS = (8, 1)
-"""Waves and degree of the patterns of widening that the march foresees. [-]"""
-_RESPONSE_AGE = 300
-"""Iterations that the response to these patterns serves: more than a tooth pitch. [-]"""
+_FINENESS = Fineness(waves=16, degree=2, phases=9)
+"""Patterns of widening that the march foresees: those of the teeth are the finest. [-]"""
 _MARCH_MEMORY = 2
 """Iterations of the march from which finer patterns are foreseen. [-]"""
 
@@ -150,9 +149,7 @@ class LateralProblem:
         angles = np.arange(1, round(steps * revolutions) + 1) * 2.0 * np.pi / steps
         step = replace(self._step(5e-5), jacobian_age=_JACOBIAN_AGE, passes=1)
         if self.settings.deformation == "bodies":
-            step = replace(
-                step, fineness=_FINENESS, memory=_MARCH_MEMORY, jacobian_age=_RESPONSE_AGE
-            )
+            step = replace(step, fineness=_FINENESS, memory=_MARCH_MEMORY)
         laws = tuple(law._replace(accuracy=_MARCHED) for law in self.stack.laws)
         stack = replace(self.stack, laws=laws, compliance=self.stack.compliance.in_march())
         track = LateralTrack(angles)

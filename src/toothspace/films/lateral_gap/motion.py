@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple, final
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from toothspace.core.types import Array
 from toothspace.films.lateral_gap.friction import HousingFriction
 from toothspace.films.lateral_gap.stack import BackPressure, Past, Scene, Stack, StackState
-from toothspace.films.lateral_gap.widening import Response, Widening
+from toothspace.films.lateral_gap.widening import Fineness, Response, Widening
 from toothspace.films.lateral_gap.yielding_film import Accuracy
 
 _STOP_STIFFNESS = 1e9
@@ -52,8 +52,8 @@ class StepSettings:
         Iterations and steps that one Jacobian serves; corrected by what it foretold if several.
     passes : int
         Passes of the films in one iteration; with few, films and forces settle together.
-    fineness : tuple of int, optional
-        Waves and degree of patterns of the widening whose response is kept with the Jacobian.
+    fineness : Fineness, optional
+        Patterns of the widening whose response is kept in place of a Jacobian.
     """
 
     force_tolerance: float = 1e-6
@@ -62,7 +62,7 @@ class StepSettings:
     memory: int = 0
     jacobian_age: int = 1
     passes: int = Accuracy().passes
-    fineness: tuple[int, int] | None = None
+    fineness: Fineness | None = None
 
 
 class Loads(NamedTuple):
@@ -100,8 +100,8 @@ class Balance:
         Stiffness and damping that served last.
     age : int
         Iterations that it has served.
-    response : Response or None
-        Response to patterns that belongs to it.
+    responses : mapping of int to Response
+        Responses to patterns of widening, by the phase of the tooth pitch.
     """
 
     states: tuple[StackState, ...]
@@ -112,7 +112,7 @@ class Balance:
     converged: bool
     jacobian: tuple[Array, Array] | None = None
     age: int = 0
-    response: Response | None = None
+    responses: Mapping[int, Response] = field(default_factory=dict)
 
     @property
     def position(self) -> Array:
@@ -218,9 +218,9 @@ def _solve(task: _Task, former: Balance, slides: tuple[int, ...] | None) -> Bala
     """Newton's method for positions, with friction of given sense or a smooth law for None."""
     settings, stack = task.settings, task.stack
     states: tuple[StackState, ...] = _matched(former, task)
-    widening = Widening(states, settings.memory, _fineness(task), former.response)
+    widening = _begun(task, states, former)
     q = task.start + _HEAD * task.duration * task.velocity
-    jacobian, age = widening.serving(former.jacobian), former.age
+    jacobian, age = widening.serving(former.jacobian, former.age)
     best, error, failures, number = np.inf, np.inf, 0, 0
     quick = stack.with_passes(settings.passes)
     foretold: tuple[Array, Array] | None = None
@@ -251,7 +251,7 @@ def _solve(task: _Task, former: Balance, slides: tuple[int, ...] | None) -> Bala
         error, best = found.error, found.error / _scale(task)
         balanced = best <= settings.force_tolerance and change <= settings.film_tolerance
         if balanced and settled and firm:
-            lasting = jacobian, age, widening.response
+            lasting = jacobian, age, widening.responses
             return _outcome(task, states, (found, v, slides), (best, number), lasting)
         step = found.step
         if not np.isfinite(step).all():
@@ -263,9 +263,11 @@ def _solve(task: _Task, former: Balance, slides: tuple[int, ...] | None) -> Bala
     return _outcome(task, states, (found, v, slides), (best, number), None)
 
 
-def _fineness(task: _Task) -> tuple[int, int] | None:
-    """Patterns of widening that are foreseen; their growth is unknown before the first step."""
-    return None if task.past is None else task.settings.fineness
+def _begun(task: _Task, states: tuple[StackState, ...], former: Balance) -> Widening:
+    """Widening before the step, foreseen once the state before the step is that of a march."""
+    settings, angle = task.settings, task.scenes[0].shaft_angle
+    fineness = None if task.past is None else settings.fineness
+    return Widening(states, settings.memory, fineness, former.responses, angle)
 
 
 def _tells(settings: StepSettings, steady: bool, residual: float) -> bool:
@@ -311,7 +313,7 @@ def _outcome(
     states: tuple[StackState, ...],
     last: tuple[_Step, Array, tuple[int, ...] | None],
     reached: tuple[float, int],
-    jacobian: tuple[tuple[Array, Array], int, Response | None] | None,
+    jacobian: tuple[tuple[Array, Array], int, Mapping[int, Response]] | None,
 ) -> Balance:
     """State after a step; without a Jacobian it is not in balance."""
     found, v, slides = last
@@ -321,7 +323,7 @@ def _outcome(
         slides or (0,) * len(_levers(task.stack)),
         *reached,
         jacobian is not None,
-        *((None, 0, None) if jacobian is None else jacobian),
+        *((None, 0, {}) if jacobian is None else jacobian),
     )
 
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import final
+from typing import NamedTuple, final
 
 import numpy as np
 
@@ -48,6 +48,15 @@ class Response:
         object.__setattr__(self, "settled", np.linalg.inv(np.eye(len(self.gain)) - self.gain))
         object.__setattr__(self, "pull", self.force @ self.settled)
 
+    @property
+    def stiffness(self) -> tuple[Array, Array]:
+        """Stiffness and damping of the films, both in the first, with the widening that follows.
+
+        The damping is that of the step for which the patterns grow.
+        """
+        found = -self.pull @ self.planes
+        return found, np.zeros_like(found)
+
     def sizes(self, fields: Sequence[Array]) -> Array:
         """Sizes of the patterns nearest to the fields of all films. [m]."""
         return np.concatenate([p.sizes(f) for p, f in zip(self.patterns, fields, strict=True)])
@@ -58,20 +67,28 @@ class Response:
         return [p.total(s) for p, s in zip(self.patterns, parts, strict=True)]
 
 
-def response(state: StackState, fineness: tuple[int, int], frequency: float) -> Response:
+class Fineness(NamedTuple):
+    """Patterns of widening whose response is kept, and for how many phases of a tooth pitch."""
+
+    waves: int
+    degree: int
+    phases: int = 1
+
+
+def response(state: StackState, fineness: Fineness, frequency: float) -> Response:
     """Response of solved films to patterns that grow over a step.
 
     Parameters
     ----------
     state : StackState
         Films.
-    fineness : tuple of int
+    fineness : Fineness
         Waves and degree of the patterns. [-]
     frequency : float
         Inverse of the length of the step. [1/s]
     """
     stack = state.stack
-    patterns = tuple(Patterns(grid, *fineness) for grid in stack.grids)
+    patterns = tuple(Patterns(grid, fineness.waves, fineness.degree) for grid in stack.grids)
 
     def one(k: int) -> Array:
         film = state.films[k]
@@ -98,27 +115,37 @@ class Widening:
         Films before the step, one state per scene.
     memory : int
         Former iterations from which the next is foreseen. [-]
-    fineness : tuple of int, optional
-        Waves and degree of patterns whose response is taken along. [-]
-    kept : Response, optional
-        Response that served before.
+    fineness : Fineness, optional
+        Patterns whose response is taken along.
+    kept : mapping of int to Response
+        Responses that served at phases of the tooth pitch.
+    shaft_angle : float
+        Angle at the end of the step. [rad]
     """
 
     def __init__(
         self,
         states: Sequence[StackState],
         memory: int,
-        fineness: tuple[int, int] | None,
-        kept: Response | None,
+        fineness: Fineness | None,
+        kept: Mapping[int, Response],
+        shaft_angle: float,
     ) -> None:
         self.used: Fields = [list(s.distant) for s in states]
         """Widening of the next films. [m]"""
-        self.response = kept if fineness else None
-        """What serves now."""
-        self._fineness = fineness
+        self.responses = dict(kept)
+        """Responses that serve the next steps."""
+        self._fineness, self._phase = fineness, 0
+        if fineness is not None:
+            pitch = states[0].stack.balance.interfaces[0].period
+            self._phase = int(np.mod(shaft_angle / pitch, 1.0) * fineness.phases)
         self._memory, self._mixing = memory, Mixing(memory)
         self._new = self.used
         self._missing = np.zeros(0)
+
+    @property
+    def _response(self) -> Response | None:
+        return self.responses.get(self._phase) if self._fineness is not None else None
 
     def take(self, states: Sequence[StackState], low: float) -> float:
         """Widening under the pressures found, and its largest change over the gap. [-]."""
@@ -134,34 +161,37 @@ class Widening:
             self._new.append(new)
         return change
 
-    def serving(self, jacobian: tuple[Array, Array] | None) -> tuple[Array, Array] | None:
-        """Jacobian of the step before, unless it lacks the response of the widening."""
-        return jacobian if self._fineness is None or self.response is not None else None
+    def serving(
+        self, jacobian: tuple[Array, Array] | None, age: int
+    ) -> tuple[tuple[Array, Array] | None, int]:
+        """Stiffness and damping to begin with, and the iterations that they have served."""
+        if self._fineness is None:
+            return jacobian, age
+        return None if self._response is None else self._response.stiffness, 0
 
     def renew(self, states: Sequence[StackState], duration: float) -> tuple[Array, Array]:
         """Stiffness and damping of the films, with the widening that follows if it is foreseen."""
         if self._fineness is None:
             pairs = [state.coefficients() for state in states]
             return np.mean([k for k, _ in pairs], axis=0), np.mean([d for _, d in pairs], axis=0)
-        self.response = found = response(states[0], self._fineness, 1.0 / duration)
-        # the damping is that of the step and stands with the stiffness
-        stiffness = -found.pull @ found.planes
-        return stiffness, np.zeros_like(stiffness)
+        found = response(states[0], self._fineness, 1.0 / duration)
+        self.responses[self._phase] = found
+        return found.stiffness
 
     def pull(self) -> Array | float:
         """Film force that the widening still missing will add. [N, N m]."""
-        if self.response is None:
+        if self._response is None:
             return 0.0
         missing = [b - a for a, b in zip(self.used[0], self._new[0], strict=True)]
-        self._missing = self.response.sizes(missing)
-        return self.response.pull @ self._missing
+        self._missing = self._response.sizes(missing)
+        return self._response.pull @ self._missing
 
     def follow(self, q: Array, step: Array, reach: float) -> Array:
         """Set the widening to use next and return the step of the coordinates to take. [m, rad]."""
         if self._memory == 0:
             return step
-        if self.response is not None:
-            own = self.response
+        own = self._response
+        if own is not None:
             sizes = own.settled @ (self._missing + own.gain @ own.planes @ step) - self._missing
             more = own.fields(sizes)
             self._new = [[a + b for a, b in zip(self._new[0], more, strict=True)]]
