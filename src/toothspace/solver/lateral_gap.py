@@ -55,7 +55,7 @@ _MARCHED = Accuracy(settled=1e-3, linear=1e-2)
 """Accuracy of films within one step of the march, whose force balance repeats them."""
 _JACOBIAN_AGE = 60
 """Iterations of the march that one Jacobian serves. [-]"""
-_FINENESS = Fineness(waves=16, degree=2, phases=9)
+_FINENESS = Fineness(waves=16, degree=2, phases=6)
 """Patterns of widening that the march foresees: those of the teeth are the finest. [-]"""
 _MARCH_MEMORY = 2
 """Iterations of the march from which finer patterns are foreseen. [-]"""

@@ -104,26 +104,32 @@ class ElasticFaces:
         patterns : sequence of Patterns
             Patterns of every film.
         """
+        films, size = range(len(self.grids)), self.grids[0].area.size
         ends = np.cumsum([0, *map(len, changes)])
         spans = [slice(int(a), int(b)) for a, b in itertools.pairwise(ends)]
         loads = {name: np.zeros((len(b.nodes), ends[-1])) for name, b in self.bodies.items()}
-        for k, span in enumerate(spans):
-            push = (changes[k] * self.grids[k].area).reshape(len(changes[k]), -1).T
-            owned = push * scene.masks[k].cells.owned.reshape(-1, 1)
-            for felt, (name, nodes, spread) in zip(
-                (owned, push), self._faces(k, scene), strict=True
-            ):
-                loads[name][nodes, span] += spread.T @ felt
+        nodal = side_by_side(lambda k: self._all_loads(k, changes[k], scene), films, size)
+        for k, felt in zip(films, nodal, strict=True):
+            for load, (name, nodes, _) in zip(felt, self._faces(k, scene), strict=True):
+                loads[name][nodes, spans[k]] += load
         moved = {name: self.bodies[name].compliance @ load for name, load in loads.items()}
-        found = np.zeros((sum(p.count for p in patterns), int(ends[-1])))
-        own = np.split(found, np.cumsum([p.count for p in patterns])[:-1])
-        for k, span in enumerate(spans):
-            fit = patterns[k].matrix()
+
+        def opened(k: int) -> Array:
+            own = np.zeros((patterns[k].count, int(ends[-1])))
             for name, nodes, spread in self._faces(k, scene):
-                own[k] += (spread.T @ fit).T @ moved[name][nodes]
-            local = [self.local[k] * patterns[k].sizes(c) for c in changes[k]]
-            own[k][:, span] -= np.array(local).T
-        return found
+                own += patterns[k].all_sizes(spread.T).T @ moved[name][nodes]
+            own[:, spans[k]] -= (
+                self.local[k] * np.array([patterns[k].sizes(c) for c in changes[k]]).T
+            )
+            return own
+
+        return np.vstack(side_by_side(opened, films, size))
+
+    def _all_loads(self, index: int, changes: Array, scene: Scene) -> tuple[Array, Array]:
+        """Loads of many pressures of one film on the nodes of bearing and turning body. [N]."""
+        found = [self._nodal_loads(index, change, scene) for change in changes]
+        on_bearing, on_body = zip(*found, strict=True)
+        return np.array(on_bearing).T, np.array(on_body).T
 
     def _faces(self, index: int, scene: Scene) -> list[tuple[str, slice, sp.csr_matrix]]:
         """Bearing and turning body at a film: name, nodes, and from the nodes to the cells."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import final
 
 import numpy as np
+import scipy.sparse as sp
 
 from toothspace.core.types import Array
 from toothspace.films.lateral_gap.faces import FaceGrid
@@ -53,9 +54,16 @@ class Patterns:
         table = sizes.reshape(self._round.shape[1], self._along.shape[1])
         return np.asarray(self._round @ table @ self._along.T)
 
-    def matrix(self) -> Array:
-        """Sizes from the values of all cells, shape (cells, count). [-]."""
-        return np.asarray(np.kron(*self._fits()), dtype=np.float64)
+    def all_sizes(self, fields: sp.spmatrix) -> Array:
+        """Sizes for many fields, which stand in the rows of a sparse matrix, in its rows."""
+        turns, powers = self._fits()
+        cells, count = fields.tocoo(), fields.shape[0]
+        row, lane = np.divmod(cells.col, self.grid.lanes)
+        found = np.empty((count, turns.shape[1], powers.shape[1]))
+        for k, power in enumerate(powers.T):
+            values = (cells.data * power[lane], (cells.row, row))
+            found[:, :, k] = sp.csr_matrix(values, shape=(count, self.grid.rows)) @ turns
+        return found.reshape(count, self.count)
 
     def planes(self) -> Array:
         """Sizes of a unit lift and of unit rotations about x and y, shape (count, 3). [-, m]."""

@@ -93,7 +93,7 @@ def response(state: StackState, fineness: Fineness, frequency: float) -> Respons
     def one(k: int) -> Array:
         film = state.films[k]
         changes = (film.pressure_changes([lift])[0] for lift in patterns[k].lifts(frequency))
-        return np.array([np.where(film.around.mask.film, c, 0.0) for c in changes])
+        return np.array(list(changes))
 
     changes = side_by_side(one, range(len(patterns)), stack.grids[0].area.size)
     force, planes = [], []
