@@ -257,6 +257,8 @@ class LateralBalance:
     halves : tuple of FloatingBearing
         Parts of the pressed bearing, one beside every turning body, where it is split; they move
         and tilt on their own. Empty: one piece.
+    body_tilts : tuple of float
+        Largest tilt of every turning body in its journal bearings. Empty: any. [rad]
     """
 
     arrangement: Literal["symmetric", "asymmetric", "plates"]
@@ -269,6 +271,7 @@ class LateralBalance:
     body_masses: tuple[float, ...]
     elastic_bodies: ElasticBodies | None = None
     halves: tuple[FloatingBearing, ...] = ()
+    body_tilts: tuple[float, ...] = ()
 
     @property
     def bodies(self) -> tuple[str, ...]:

@@ -17,8 +17,13 @@ from toothspace.films.lateral_gap.motion import (
     at_rest,
     balance_force,
 )
+from toothspace.films.lateral_gap.relaxation import relax
 from toothspace.films.lateral_gap.stack import Scene, Stack, StackState
 
+_MOST_FAILURES = 4
+"""Steps in time that may fail one after another before squeeze is left out."""
+_RELAXATIONS = 150
+"""Most film solutions of the way to rest without squeeze."""
 NodePressure = Callable[[float], Array]
 """Pressures of all nodes at a shaft angle. [Pa]"""
 
@@ -102,7 +107,7 @@ def find_equilibrium(
     Implicit steps that grow as long as they succeed: accurate in time at first, Newton's method
     for the equilibrium in the end. A step that fails is repeated with a tenth of its length.
     """
-    now, time, length = at_rest(start), 0.0, search.first_step
+    now, time, length, failures = at_rest(start), 0.0, search.first_step, 0
     scale = balance_force(stack, loads.back)
     for number in range(1, search.max_steps + 1):
         length = min(length, search.longest_time - time)
@@ -110,13 +115,39 @@ def find_equilibrium(
             return Equilibrium(now, False, time, number)
         found = advance(stack, scenes, loads, now, length, step)
         if not found.converged:
-            length *= 0.1
+            length, failures = 0.1 * length, failures + 1
+            if failures >= _MOST_FAILURES:
+                return _leaning(stack, scenes, loads, (now, time, number), search, step)
             continue
+        failures = 0
         now, time = found, time + length
         length *= 3.0 if found.iterations <= 12 else 1.0
         if _viscous(stack, now) <= search.rest * scale and number > 2:
             return Equilibrium(now, True, time, number)
     return Equilibrium(now, False, time, search.max_steps)
+
+
+def _leaning(
+    stack: Stack,
+    scenes: Sequence[Scene],
+    loads: Loads,
+    reached: tuple[Balance, float, int],
+    search: SearchSettings,
+    step: StepSettings,
+) -> Equilibrium:
+    """Rest of bodies whose motion in time cannot be followed, proved by one long step."""
+    now, time, steps = reached
+    goal = (step.force_tolerance, step.film_tolerance)
+    found = relax(stack, scenes, loads, now, goal, _RELAXATIONS)
+    steps += found.steps
+    length = search.longest_time - time
+    still = replace(now, states=found.states, slides=(0,) * len(now.slides), jacobian=None)
+    last = advance(stack, scenes, loads, at_rest(still), length, step)
+    if not last.converged:
+        return Equilibrium(replace(still, residual=found.residual), False, time, steps)
+    scale = balance_force(stack, loads.back)
+    rests = _viscous(stack, last) <= search.rest * scale
+    return Equilibrium(last, rests, time + length, steps)
 
 
 def _viscous(stack: Stack, balance: Balance) -> float:

@@ -11,11 +11,10 @@ import numpy as np
 from toothspace.core.types import Array
 from toothspace.films.lateral_gap.friction import HousingFriction
 from toothspace.films.lateral_gap.stack import BackPressure, Past, Scene, Stack, StackState
+from toothspace.films.lateral_gap.stops import stop_forces
 from toothspace.films.lateral_gap.widening import Fineness, Response, Widening
 from toothspace.films.lateral_gap.yielding_film import Accuracy
 
-_STOP_STIFFNESS = 1e9
-"""Stiffness of the cover that limits the travel. [N/m]"""
 _STATUS_ROUNDS = 4
 _PATIENCE = 12
 """Iterations of one step after which an older Jacobian is made afresh. [-]"""
@@ -190,7 +189,7 @@ def _revised(task: _Task, found: _Step, v: Array, tried: tuple[int, ...]) -> tup
     """Rest or slide of every pressed bearing, revised by the forces or the motion foreseen."""
     revised = []
     velocity, friction = v + found.step / task.duration, _friction(task, v, tried, found.holding)
-    for k, lever in enumerate(_levers(task.stack)):
+    for k, lever in enumerate(levers_of(task.stack)):
         speed = float(lever @ velocity)
         limit = task.loads.law(k).breakaway_force
         if tried[k] == 0 and abs(friction[k]) > limit * (1.0 + 1e-9):
@@ -202,7 +201,7 @@ def _revised(task: _Task, found: _Step, v: Array, tried: tuple[int, ...]) -> tup
     return tuple(revised)
 
 
-def _levers(stack: Stack) -> list[Array]:
+def levers_of(stack: Stack) -> list[Array]:
     """Velocity of the middle of every pressed bearing from the coordinates' rates."""
     tilts = stack.balance.motion == "full"
     found = []
@@ -256,7 +255,7 @@ def _solve(task: _Task, former: Balance, slides: tuple[int, ...] | None) -> Bala
         step = found.step
         if not np.isfinite(step).all():
             break
-        step = _limited(states, widening.follow(q, step, _reach(stack)))
+        step = limited(states, widening.follow(q, step, reach_of(stack)))
         ahead = found.force - _matrix(task, jacobian, found.drag) @ step
         foretold = (step, ahead) if _tells(settings, steady, best) else None
         q = q + step
@@ -304,7 +303,7 @@ def _decided(
 
 def _held(task: _Task, slides: tuple[int, ...] | None) -> list[Array]:
     """Motions of the bearings that rest."""
-    levers = _levers(task.stack)
+    levers = levers_of(task.stack)
     return [lever for k, lever in enumerate(levers) if slides is not None and slides[k] == 0]
 
 
@@ -320,7 +319,7 @@ def _outcome(
     return Balance(
         states,
         _friction(task, v, slides, found.holding),
-        slides or (0,) * len(_levers(task.stack)),
+        slides or (0,) * len(levers_of(task.stack)),
         *reached,
         jacobian is not None,
         *((None, 0, {}) if jacobian is None else jacobian),
@@ -343,18 +342,13 @@ def _forces(
     for state in states:
         force += (state.film_force() + state.back_force(task.loads.back)) / len(states)
     q = task.start + v * task.duration
-    drag = np.zeros((stack.size, stack.size))
-    for place, _, push, bearing, _ in stack.pieces:
-        over = -push * float(q[place]) - bearing.axial_play
-        if over > 0.0:
-            force[place] += push * _STOP_STIFFNESS * over
-            drag[place, place] += _STOP_STIFFNESS * task.duration
-        force[place + 2] -= bearing.wall_stiffness * q[place + 2]
-        drag[place + 2, place + 2] += bearing.wall_stiffness * task.duration
+    held, stiffness = stop_forces(stack, q)
+    force += held
+    drag = stiffness * task.duration
     mass = _masses(stack)
     force -= mass * (v - task.velocity) / task.duration
     drag += np.diag(mass) / task.duration
-    for k, lever in enumerate(_levers(stack)):
+    for k, lever in enumerate(levers_of(stack)):
         if slides is None:
             value, slope = task.loads.law(k).force(float(lever @ v))
             force -= value * lever
@@ -412,7 +406,7 @@ def _newton_step(
         right[count + k] = -float(lever @ v) * task.duration
     # lifts in metres and tilts in radians differ by the size of the face
     scale = np.ones(count + bars)
-    scale[:count][free % 3 != 0] = 1.0 / _reach(task.stack)
+    scale[:count][free % 3 != 0] = 1.0 / reach_of(task.stack)
     solution = scale * _solved(full * scale[:, None] * scale[None, :], right * scale)
     step = np.zeros(task.stack.size)
     step[free] = solution[:count]
@@ -420,7 +414,7 @@ def _newton_step(
     balanced = force.copy()
     for lever, value in zip(held, holding, strict=True):
         balanced += value * lever
-    arms = np.where(np.arange(force.size) % 3 == 0, 1.0, 1.0 / _reach(task.stack))
+    arms = np.where(np.arange(force.size) % 3 == 0, 1.0, 1.0 / reach_of(task.stack))
     return _Step(step, holding, float(np.abs(balanced * arms)[free].max()), force, drag)
 
 
@@ -432,13 +426,14 @@ def _solved(matrix: Array, right: Array) -> Array:
         return np.asarray(np.linalg.lstsq(matrix, right, rcond=None)[0], dtype=np.float64)
 
 
-def _reach(stack: Stack) -> float:
+def reach_of(stack: Stack) -> float:
+    """Distance at which a rotation counts as a lift. [m]."""
     return stack.balance.interfaces[0].outer_radius
 
 
 def _friction(task: _Task, v: Array, slides: tuple[int, ...] | None, holding: Array) -> Array:
     """Friction force on every pressed bearing. [N]."""
-    levers = _levers(task.stack)
+    levers = levers_of(task.stack)
     if slides is None:
         laws = [task.loads.law(k) for k in range(len(levers))]
         return np.array([-f.force(float(w @ v))[0] for w, f in zip(levers, laws, strict=True)])
@@ -460,8 +455,8 @@ def _scale(task: _Task) -> float:
     return balance_force(task.stack, task.loads.back)
 
 
-def _limited(states: tuple[StackState, ...], step: Array) -> Array:
-    """Longest part of a step that neither closes nor opens a gap by too much."""
+def limited(states: tuple[StackState, ...], step: Array) -> Array:
+    """Longest part of a step [m, rad] that neither closes nor opens a gap by too much."""
     still, most = np.zeros_like(step), 1.0
     for state in states:
         for k, film in enumerate(state.films):

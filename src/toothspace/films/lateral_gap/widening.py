@@ -105,6 +105,31 @@ def response(state: StackState, fineness: Fineness, frequency: float) -> Respons
     return Response(patterns, gain, np.hstack(force), np.vstack(planes))
 
 
+def widened(states: Sequence[StackState], used: Fields, low: float) -> tuple[Fields, float]:
+    """Widening [m] under the pressures found, and its largest change over the gap [-].
+
+    Parameters
+    ----------
+    states : sequence of StackState
+        Solved films, one state per scene.
+    used : list
+        Widening that they were solved with. [m]
+    low : float
+        Pressure under which nothing gives way. [Pa]
+    """
+    change, found = 0.0, []
+    for state, old in zip(states, used, strict=True):
+        new = state.stack.compliance.distant(state.face_pressures(low), state.scene)
+        for film, a, b in zip(state.films, new, old, strict=True):
+            if not (a.any() or b.any()):
+                continue
+            inside = film.around.mask.film
+            floor = np.maximum(film.gap, max(film.law.roughness, 1e-8))
+            change = max(change, float((np.abs(a - b) / floor)[inside].max()))
+        found.append(new)
+    return found, change
+
+
 @final
 class Widening:
     """Iteration of the distant widening beside that of films and positions.
@@ -149,16 +174,7 @@ class Widening:
 
     def take(self, states: Sequence[StackState], low: float) -> float:
         """Widening under the pressures found, and its largest change over the gap. [-]."""
-        change, self._new = 0.0, []
-        for state, old in zip(states, self.used, strict=True):
-            new = state.stack.compliance.distant(state.face_pressures(low), state.scene)
-            for film, a, b in zip(state.films, new, old, strict=True):
-                if not (a.any() or b.any()):
-                    continue
-                inside = film.around.mask.film
-                floor = np.maximum(film.gap, max(film.law.roughness, 1e-8))
-                change = max(change, float((np.abs(a - b) / floor)[inside].max()))
-            self._new.append(new)
+        self._new, change = widened(states, self.used, low)
         return change
 
     def serving(

@@ -59,6 +59,17 @@ def lateral_balance(assembly: Assembly, numbering: Numbering) -> LateralBalance 
         body_masses=tuple(body.mass for body in bodies(assembly)),
         elastic_bodies=_elastic_bodies(assembly, numbering, pressed),
         halves=_halves(assembly, pressed) if pressed.split else (),
+        body_tilts=_shaft_tilts(assembly),
+    )
+
+
+def _shaft_tilts(assembly: Assembly) -> tuple[float, ...]:
+    """Tilt of every gear at which its shaft meets the far ends of both journal bearings. [rad]."""
+    spec = assembly.spec
+    journals = spec.journals
+    return tuple(
+        journals.radial_clearance / (0.5 * gear.face_width + journals.length)
+        for gear in (spec.drive, spec.driven)
     )
 
 

@@ -1,0 +1,137 @@
+"""Way to rest for bodies that lean: their squeeze in time is left out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple, final
+
+import numpy as np
+
+from toothspace.core.types import Array
+from toothspace.films.lateral_gap.motion import (
+    Balance,
+    Loads,
+    balance_force,
+    levers_of,
+    limited,
+    reach_of,
+)
+from toothspace.films.lateral_gap.stack import Scene, Stack, StackState
+from toothspace.films.lateral_gap.stops import stop_forces
+from toothspace.films.lateral_gap.widening import Fields, widened
+
+_FIRST_YIELD = 1e-7
+"""Way that the force behind the bearing pushes a body in the first step. [m]"""
+_LONGEST_YIELD = 1e3
+_SHORTEST_YIELD = 1e-14
+_FORETOLD, _GOOD = 0.5, 0.1
+"""Force that a step foretells wrongly, over the force: above it is repeated, below it grows. [-]"""
+_GROWTH, _SHRINK = 3.0, 0.25
+_WIDENING = 0.4
+"""Part of the distant widening that is taken over by a step. [-]"""
+
+
+class Relaxed(NamedTuple):
+    """Positions without motion in which forces balance, or the last ones."""
+
+    states: tuple[StackState, ...]
+    residual: float  # over the force behind the bearing [-]
+    steps: int
+
+
+@final
+class _Point(NamedTuple):
+    states: tuple[StackState, ...]
+    force: Array
+    stiffness: Array
+    wanted: Fields
+    change: float  # of the distant widening over the gap [-]
+
+
+def relax(
+    stack: Stack,
+    scenes: Sequence[Scene],
+    loads: Loads,
+    start: Balance,
+    tolerance: tuple[float, float],
+    most_steps: int,
+) -> Relaxed:
+    """Follow the forces of films at rest to where they balance.
+
+    Parameters
+    ----------
+    stack, scenes, loads
+        Bodies and films, shaft angles over which forces are averaged, other loads.
+    start : Balance
+        Where it begins; a bearing that slides there is held back by friction.
+    tolerance : tuple of float
+        Residual over the force behind the bearing, and change of a widening over the gap. [-]
+    most_steps : int
+        Most film solutions.
+
+    Notes
+    -----
+    Linearly implicit steps of bodies that a made-up damping holds back, the same for lifts and
+    tilts at the rim. Squeeze between faces that nearly touch pushes in one sense only, since films
+    cannot pull, and keeps implicit steps in time from settling; here it is left out. Steps grow as
+    long as the stiffness foretells the forces found, so that a contact is met slowly.
+    """
+    free, scale = stack.free, balance_force(stack, loads.back)
+    arms = np.where(np.arange(stack.size) % 3 == 0, 1.0, reach_of(stack))
+    distant = [list(s.distant) for s in start.states]
+    task = (stack, tuple(scenes), loads, start)
+    now = _point(task, start.position, start.states, distant)
+    far, number = _FIRST_YIELD, 0
+    for number in range(1, most_steps + 1):
+        size = _size(now.force, arms, free)
+        settled = now.change <= tolerance[1] and all(s.converged for s in now.states)
+        if settled and size <= tolerance[0] * scale:
+            break
+        holding = np.diag(scale / far * arms**2)
+        matrix = (now.stiffness + holding)[np.ix_(free, free)]
+        step = np.zeros(stack.size)
+        units = arms[free]
+        scaled = matrix / np.outer(units, units)
+        step[free] = np.linalg.solve(scaled, now.force[free] / units) / units
+        step = limited(now.states, step)
+        given = [
+            [a + _WIDENING * (b - a) for a, b in zip(old, new, strict=True)]
+            for old, new in zip((s.distant for s in now.states), now.wanted, strict=True)
+        ]
+        found = _point(task, now.states[0].position + step, now.states, given)
+        wrong = _size(found.force - (now.force - now.stiffness @ step), arms, free)
+        if wrong > _FORETOLD * max(size, 1e-3 * scale) and far > _SHORTEST_YIELD:
+            far *= _SHRINK
+            continue
+        now = found
+        if wrong <= _GOOD * size:
+            far = min(far * _GROWTH, _LONGEST_YIELD)
+    return Relaxed(now.states, _size(now.force, arms, free) / scale, number)
+
+
+_Task = tuple[Stack, tuple[Scene, ...], Loads, Balance]
+
+
+def _point(
+    task: _Task, q: Array, former: Sequence[StackState], distant: Fields
+) -> _Point:
+    stack, scenes, loads, start = task
+    still = np.zeros(stack.size)
+    states = tuple(
+        stack.solve(scene, q, still, old, given)
+        for scene, old, given in zip(scenes, former, distant, strict=True)
+    )
+    force, stiffness = stop_forces(stack, q)
+    if loads.friction.holds:
+        for k, (sense, lever) in enumerate(zip(start.slides, levers_of(stack), strict=True)):
+            force -= sense * loads.law(k).coulomb_force * lever
+    for state in states:
+        force += (state.film_force() + state.back_force(loads.back)) / len(states)
+        stiffness += state.coefficients()[0] / len(states)
+    wanted, change = widened(states, distant, loads.back.low)
+    return _Point(states, force, stiffness, wanted, change)
+
+
+def _size(force: Array, arms: Array, free: Array) -> float:
+    """Largest force, moments as forces at the rim. [N]."""
+    return float(np.abs(force / arms)[free].max())
