@@ -20,8 +20,8 @@ from toothspace.films.lateral_gap.motion import (
 from toothspace.films.lateral_gap.relaxation import relax
 from toothspace.films.lateral_gap.stack import Scene, Stack, StackState
 
-_MOST_FAILURES = 4
-"""Steps in time that may fail one after another before squeeze is left out."""
+_MOST_FAILURES = 6
+"""Steps in time that may fail before squeeze is left out."""
 _RELAXATIONS = 150
 """Most film solutions of the way to rest without squeeze."""
 NodePressure = Callable[[float], Array]
@@ -119,7 +119,6 @@ def find_equilibrium(
             if failures >= _MOST_FAILURES:
                 return _leaning(stack, scenes, loads, (now, time, number), search, step)
             continue
-        failures = 0
         now, time = found, time + length
         length *= 3.0 if found.iterations <= 12 else 1.0
         if _viscous(stack, now) <= search.rest * scale and number > 2:
