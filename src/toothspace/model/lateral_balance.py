@@ -259,6 +259,8 @@ class LateralBalance:
         and tilt on their own. Empty: one piece.
     body_tilts : tuple of float
         Largest tilt of every turning body in its journal bearings. Empty: any. [rad]
+    shaft_stiffness : float
+        Moment over tilt by which the journal bearings hold every turning body. [N m/rad]
     """
 
     arrangement: Literal["symmetric", "asymmetric", "plates"]
@@ -272,6 +274,7 @@ class LateralBalance:
     elastic_bodies: ElasticBodies | None = None
     halves: tuple[FloatingBearing, ...] = ()
     body_tilts: tuple[float, ...] = ()
+    shaft_stiffness: float = 0.0
 
     @property
     def bodies(self) -> tuple[str, ...]:

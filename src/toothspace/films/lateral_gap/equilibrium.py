@@ -16,12 +16,22 @@ from toothspace.films.lateral_gap.motion import (
     advance,
     at_rest,
     balance_force,
+    limited,
 )
 from toothspace.films.lateral_gap.relaxation import relax
+from toothspace.films.lateral_gap.stability import growing_motion
 from toothspace.films.lateral_gap.stack import Scene, Stack, StackState
+from toothspace.films.lateral_gap.stops import leaning
 
 _MOST_FAILURES = 6
 """Steps in time that may fail before squeeze is left out."""
+_MOST_PUSHES = 2
+"""Times that a state which small motions leave is left for another."""
+_PUSH, _FAR = 0.05, 1e3
+"""Part of the longest step that gaps allow by which such a state is pushed aside. [-]"""
+_PUSH_TIME = 0.3
+"""Length of the next step over the time in which the motion grows. [-]"""
+_UNSTABLE = "forces balance where the smallest motion grows by {:.3g} 1/s"
 _RELAXATIONS = 150
 """Most film solutions of the way to rest without squeeze."""
 NodePressure = Callable[[float], Array]
@@ -66,12 +76,15 @@ class Equilibrium:
         Time over which the bodies moved. [s]
     steps : int
         Steps taken.
+    reason : str
+        Why it does not rest, in words.
     """
 
     balance: Balance
     rests: bool
     time: float
     steps: int
+    reason: str = ""
 
 
 def scenes_over_pitch(stack: Stack, pressures: NodePressure, count: int) -> tuple[Scene, ...]:
@@ -105,14 +118,16 @@ def find_equilibrium(
     Notes
     -----
     Implicit steps that grow as long as they succeed: accurate in time at first, Newton's method
-    for the equilibrium in the end. A step that fails is repeated with a tenth of its length.
+    for the equilibrium in the end. A step that fails is repeated with a tenth of its length; after
+    the sixth the way is followed without squeeze, see :func:`relax`. Newton's method also ends
+    where a small motion grows: such a state is pushed aside, and the search goes on.
     """
-    now, time, length, failures = at_rest(start), 0.0, search.first_step, 0
-    scale = balance_force(stack, loads.back)
+    now, time, length = at_rest(start), 0.0, search.first_step
+    scale, failures, pushes = balance_force(stack, loads.back), 0, 0
     for number in range(1, search.max_steps + 1):
         length = min(length, search.longest_time - time)
         if length <= 1e-12:
-            return Equilibrium(now, False, time, number)
+            return Equilibrium(now, False, time, number, "its time is over")
         found = advance(stack, scenes, loads, now, length, step)
         if not found.converged:
             length, failures = 0.1 * length, failures + 1
@@ -121,9 +136,32 @@ def find_equilibrium(
             continue
         now, time = found, time + length
         length *= 3.0 if found.iterations <= 12 else 1.0
-        if _viscous(stack, now) <= search.rest * scale and number > 2:
+        if _viscous(stack, now) > search.rest * scale or number <= 2:
+            continue
+        rate, motion = _growth(stack, now, loads, step)
+        if rate * search.longest_time <= 1.0:
             return Equilibrium(now, True, time, number)
-    return Equilibrium(now, False, time, search.max_steps)
+        if pushes == _MOST_PUSHES:
+            return Equilibrium(now, False, time, number, _UNSTABLE.format(rate))
+        now, length, pushes = _pushed(now, motion), _PUSH_TIME / rate, pushes + 1
+    return Equilibrium(now, False, time, search.max_steps, "it still moves after the last step")
+
+
+def _growth(
+    stack: Stack, balance: Balance, loads: Loads, step: StepSettings
+) -> tuple[float, Array]:
+    """Growth of a small motion; between bending bodies the stiffness known does not tell it."""
+    if step.memory > 0:
+        return 0.0, np.zeros(stack.size)
+    return growing_motion(stack, balance, loads)
+
+
+def _pushed(balance: Balance, motion: Array) -> Balance:
+    """State a little aside, without motion; films are those of the place before."""
+    aside = _PUSH * limited(balance.states, motion * _FAR)
+    still = np.zeros_like(motion)
+    states = tuple(replace(s, position=s.position + aside, velocity=still) for s in balance.states)
+    return replace(balance, states=states)
 
 
 def _leaning(
@@ -143,10 +181,13 @@ def _leaning(
     still = replace(now, states=found.states, slides=(0,) * len(now.slides), jacobian=None)
     last = advance(stack, scenes, loads, at_rest(still), length, step)
     if not last.converged:
-        return Equilibrium(replace(still, residual=found.residual), False, time, steps)
-    scale = balance_force(stack, loads.back)
-    rests = _viscous(stack, last) <= search.rest * scale
-    return Equilibrium(last, rests, time + length, steps)
+        reason = "; ".join(leaning(stack, still.position)) or "films and forces do not settle"
+        return Equilibrium(replace(still, residual=found.residual), False, time, steps, reason)
+    rate, _ = _growth(stack, last, loads, step)
+    if rate * search.longest_time > 1.0:
+        return Equilibrium(last, False, time + length, steps, _UNSTABLE.format(rate))
+    rests = _viscous(stack, last) <= search.rest * balance_force(stack, loads.back)
+    return Equilibrium(last, rests, time + length, steps, "" if rests else "it still moves")
 
 
 def _viscous(stack: Stack, balance: Balance) -> float:

@@ -26,6 +26,8 @@ _LONGEST_YIELD = 1e3
 _SHORTEST_YIELD = 1e-14
 _FORETOLD, _GOOD = 0.5, 0.1
 """Force that a step foretells wrongly, over the force: above it is repeated, below it grows. [-]"""
+_SMALL = 1e-3
+"""Force over the force behind the bearing below which no step is repeated for its error. [-]"""
 _GROWTH, _SHRINK = 3.0, 0.25
 _WIDENING = 0.4
 """Part of the distant widening that is taken over by a step. [-]"""
@@ -76,45 +78,60 @@ def relax(
     cannot pull, and keeps implicit steps in time from settling; here it is left out. Steps grow as
     long as the stiffness foretells the forces found, so that a contact is met slowly.
     """
-    free, scale = stack.free, balance_force(stack, loads.back)
-    arms = np.where(np.arange(stack.size) % 3 == 0, 1.0, reach_of(stack))
-    distant = [list(s.distant) for s in start.states]
+    scale = balance_force(stack, loads.back)
     task = (stack, tuple(scenes), loads, start)
-    now = _point(task, start.position, start.states, distant)
-    far, number = _FIRST_YIELD, 0
-    for number in range(1, most_steps + 1):
-        size = _size(now.force, arms, free)
-        settled = now.change <= tolerance[1] and all(s.converged for s in now.states)
-        if settled and size <= tolerance[0] * scale:
-            break
-        holding = np.diag(scale / far * arms**2)
-        matrix = (now.stiffness + holding)[np.ix_(free, free)]
-        step = np.zeros(stack.size)
-        units = arms[free]
-        scaled = matrix / np.outer(units, units)
-        step[free] = np.linalg.solve(scaled, now.force[free] / units) / units
-        step = limited(now.states, step)
-        given = [
-            [a + _WIDENING * (b - a) for a, b in zip(old, new, strict=True)]
-            for old, new in zip((s.distant for s in now.states), now.wanted, strict=True)
-        ]
-        found = _point(task, now.states[0].position + step, now.states, given)
-        wrong = _size(found.force - (now.force - now.stiffness @ step), arms, free)
-        if wrong > _FORETOLD * max(size, 1e-3 * scale) and far > _SHORTEST_YIELD:
+    now = _point(task, start.position, start.states, [list(s.distant) for s in start.states])
+    far, taken = _FIRST_YIELD, 0
+    while taken < most_steps and not _settled(stack, now, scale, tolerance):
+        taken += 1
+        step = limited(now.states, _step(stack, now, scale / far))
+        found = _point(task, now.states[0].position + step, now.states, _followed(now))
+        error = _size(stack, found.force - (now.force - now.stiffness @ step))
+        size = _size(stack, now.force)
+        if error > _FORETOLD * max(size, _SMALL * scale) and far > _SHORTEST_YIELD:
             far *= _SHRINK
             continue
         now = found
-        if wrong <= _GOOD * size:
-            far = min(far * _GROWTH, _LONGEST_YIELD)
-    return Relaxed(now.states, _size(now.force, arms, free) / scale, number)
+        far = min(far * _GROWTH, _LONGEST_YIELD) if error <= _GOOD * size else far
+    return Relaxed(now.states, _size(stack, now.force) / scale, taken)
+
+
+def _settled(stack: Stack, now: _Point, scale: float, tolerance: tuple[float, float]) -> bool:
+    films = now.change <= tolerance[1] and all(s.converged for s in now.states)
+    return films and _size(stack, now.force) <= tolerance[0] * scale
+
+
+def _step(stack: Stack, now: _Point, holding: float) -> Array:
+    """Step of the coordinates against a made-up damping. [m, rad]."""
+    free, arms = stack.free, _arms(stack)
+    scaled = (now.stiffness / np.outer(arms, arms))[np.ix_(free, free)]
+    step = np.zeros(stack.size)
+    found = np.linalg.solve(scaled + holding * np.eye(free.size), (now.force / arms)[free])
+    step[free] = found / arms[free]
+    return step
+
+
+def _followed(now: _Point) -> Fields:
+    """Widening for the next films: that of the last ones on its way to what they ask for."""
+    return [
+        [a + _WIDENING * (b - a) for a, b in zip(state.distant, new, strict=True)]
+        for state, new in zip(now.states, now.wanted, strict=True)
+    ]
+
+
+def _arms(stack: Stack) -> Array:
+    return np.where(np.arange(stack.size) % 3 == 0, 1.0, reach_of(stack))
+
+
+def _size(stack: Stack, force: Array) -> float:
+    """Largest force, moments as forces at the rim. [N]."""
+    return float(np.abs(force / _arms(stack))[stack.free].max())
 
 
 _Task = tuple[Stack, tuple[Scene, ...], Loads, Balance]
 
 
-def _point(
-    task: _Task, q: Array, former: Sequence[StackState], distant: Fields
-) -> _Point:
+def _point(task: _Task, q: Array, former: Sequence[StackState], distant: Fields) -> _Point:
     stack, scenes, loads, start = task
     still = np.zeros(stack.size)
     states = tuple(
@@ -130,8 +147,3 @@ def _point(
         stiffness += state.coefficients()[0] / len(states)
     wanted, change = widened(states, distant, loads.back.low)
     return _Point(states, force, stiffness, wanted, change)
-
-
-def _size(force: Array, arms: Array, free: Array) -> float:
-    """Largest force, moments as forces at the rim. [N]."""
-    return float(np.abs(force / arms)[free].max())

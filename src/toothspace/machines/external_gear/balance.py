@@ -60,6 +60,7 @@ def lateral_balance(assembly: Assembly, numbering: Numbering) -> LateralBalance 
         elastic_bodies=_elastic_bodies(assembly, numbering, pressed),
         halves=_halves(assembly, pressed) if pressed.split else (),
         body_tilts=_shaft_tilts(assembly),
+        shaft_stiffness=pressed.shaft_stiffness,
     )
 
 

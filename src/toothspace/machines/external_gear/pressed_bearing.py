@@ -53,6 +53,7 @@ def pressed_bearing(machine: keys.ExternalGearParameters) -> spec.PressedBearing
         friction_law=housing.law,
         axial_play=given.axial_play,
         wall_stiffness=given.wall_stiffness,
+        shaft_stiffness=given.shaft_stiffness,
         gear_forces=given.gear_axial_force,
         **_high_pressure(given.high_pressure_area),
     )

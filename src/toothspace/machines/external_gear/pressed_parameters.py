@@ -127,6 +127,13 @@ class FloatingBearingParameters:
         high=1e9,
         default=0.0,
     )
+    shaft_stiffness: float = quantity(
+        "N m/rad",
+        "Moment over tilt by which its journal bearings hold a gear upright.",
+        low=0,
+        high=1e9,
+        default=0.0,
+    )
     gear_axial_force: tuple[float, float] = declare(
         Row(items=(_FORCE, _FORCE), doc="Axial force of helical teeth on both gears, along z."),
         (0.0, 0.0),

@@ -262,6 +262,8 @@ class PressedBearing:
         Travel away from the gears until the bearing meets its cover. [m]
     wall_stiffness : float
         Moment about y over the tilt about it, by the wall that the bearing leans on. [N m/rad]
+    shaft_stiffness : float
+        Moment over tilt by which the journal bearings hold a gear. [N m/rad]
     gear_forces : tuple of float
         Axial force of the teeth on drive and driven gear. [N]
     """
@@ -287,6 +289,7 @@ class PressedBearing:
     friction_law: str = "stick"
     axial_play: float = 100e-6
     wall_stiffness: float = 0.0
+    shaft_stiffness: float = 0.0
     gear_forces: tuple[float, float] = (0.0, 0.0)
 
 

@@ -1,0 +1,62 @@
+"""Motions that grow away from a rest of bearings and gears."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toothspace.core.types import Array
+from toothspace.films.lateral_gap.motion import Balance, Loads, levers_of, reach_of
+from toothspace.films.lateral_gap.stack import Stack
+from toothspace.films.lateral_gap.stops import stop_forces
+
+_ROUNDING = 1e-5
+"""Growth over the fastest decay below which it is not told from none. [-]"""
+
+
+def growing_motion(stack: Stack, balance: Balance, loads: Loads) -> tuple[float, Array]:
+    """Fastest growth of a small motion at rest and how the coordinates share in it.
+
+    Parameters
+    ----------
+    stack : Stack
+        Bodies and films.
+    balance : Balance
+        State at rest with its Jacobian; bearings that friction holds take no part.
+    loads : Loads
+        Friction in the housing.
+
+    Returns
+    -------
+    tuple
+        Rate [1/s], zero if every motion decays, and coordinates with the largest one. [m, rad]
+
+    Notes
+    -----
+    With the films' damping D and the stiffness K of films and stops small motions follow
+    D dq/dt = -K q; masses play no part. Films carry along what turns: K is not symmetric and
+    motions may circle.
+    """
+    assert balance.jacobian is not None
+    stiffness = balance.jacobian[0] + stop_forces(stack, balance.position)[1]
+    arms = np.where(np.arange(stack.size) % 3 == 0, 1.0, 1.0 / reach_of(stack))
+    basis = _moving(stack, balance, loads) * arms[:, None]
+    matrix = -np.linalg.solve(basis.T @ balance.jacobian[1] @ basis, basis.T @ stiffness @ basis)
+    rates, shapes = np.linalg.eig(matrix)
+    k = int(np.argmax(rates.real))
+    fastest = float(np.abs(rates).max())
+    if rates[k].real <= _ROUNDING * fastest:
+        return 0.0, np.zeros(stack.size)
+    return float(rates[k].real), basis @ shapes[:, k].real
+
+
+def _moving(stack: Stack, balance: Balance, loads: Loads) -> Array:
+    """Motions of the free coordinates that leave bearings at rest where friction holds them."""
+    every = np.eye(stack.size)[:, stack.free]
+    if not loads.friction.holds or loads.friction.coulomb_force == 0.0:
+        return every
+    bars = zip(levers_of(stack), balance.slides, strict=True)
+    held = [lever @ every for lever, slides in bars if slides == 0]
+    if not held:
+        return every
+    left = np.linalg.svd(np.array(held))[2][len(held) :]
+    return np.asarray(every @ left.T)
