@@ -13,6 +13,7 @@ from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.films.lateral_gap.equilibrium import Equilibrium
 from toothspace.films.lateral_gap.motion import Balance
+from toothspace.films.lateral_gap.stops import leaning
 from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_table import LATERAL_PATHS, axial_load, with_lateral_leakage
 from toothspace.results.solution import Solution
@@ -308,7 +309,8 @@ def elastic_solution(point: CoupledPoint, steps: int, progress: Progress | None 
         "lateral_residual": float(max(march.residuals)),
         **face_deflection(march.last.states[0]),
     }
-    provenance = _with_warning(point.solution.provenance, seat_warning(point.numbers))
+    warnings = filter(None, [seat_warning(point.numbers), rest_warning(point)])
+    provenance = _with_warning(point.solution.provenance, "\n".join(warnings))
     return replace(
         point.solution, status=status, data=data, statistics=statistics, provenance=provenance
     )
@@ -327,6 +329,15 @@ def seat_warning(numbers: LateralNumbers) -> str:
             f"{-numbers.seat_margin * 1e3:.3g} mm beyond its rim at one shaft angle at least."
         )
     return ""
+
+
+def rest_warning(point: CoupledPoint) -> str:
+    """Tell why bearing and gears do not rest, or on what they lean; nothing if films carry all."""
+    found = point.equilibrium
+    if not found.rests:
+        return f"Bearing and gears do not come to rest: {found.reason}."
+    held = leaning(point.problem.stack, found.balance.position)
+    return f"At rest {'; '.join(held)}." if held else ""
 
 
 def _with_warning(provenance: Mapping[str, str], warning: str) -> dict[str, str]:

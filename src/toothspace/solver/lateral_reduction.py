@@ -11,7 +11,7 @@ import numpy as np
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.status import Status
 from toothspace.core.types import Array, BoolArray
-from toothspace.films.lateral_gap.motion import Balance
+from toothspace.films.lateral_gap.stops import leaning
 from toothspace.model.description import MachineDescription
 from toothspace.model.films import lateral_torque_coefficient
 from toothspace.model.lateral_balance import FloatingBearing, LateralBalance
@@ -152,7 +152,7 @@ def _column(point: CoupledPoint, fluid: FluidLaw, added: Array, moment: float) -
             problem = _problem_at(point, fluid, float(added[k]), moment)
             rest = problem.settle(problem.continued(now.position))
             numbers = numbers_of(problem, rest.balance)
-            held = rest.rests and not _at_stop(problem, rest.balance)
+            held = rest.rests and not leaning(problem.stack, rest.balance.position)
             torque = numbers.viscous_torque + numbers.asperity_torque
             found[:, k] = torque, numbers.leakage, numbers.smallest_gap, held
             now = rest.balance if held else now
@@ -165,14 +165,6 @@ def _problem_at(
     moved = _loaded(balance_of(point.description), force, moment)
     machine = replace(point.description, lateral_balance=moved)
     return lateral_problem(machine, fluid, point.solution.data, point.problem.settings)
-
-
-def _at_stop(problem: LateralProblem, balance: Balance) -> bool:
-    """Whether a pressed bearing has come to the end of its travel."""
-    return any(
-        -piece.sign * float(balance.position[piece.first]) >= piece.bearing.axial_play
-        for piece in problem.stack.pieces
-    )
 
 
 def _closed_forms(description: MachineDescription, point: CoupledPoint) -> tuple[float, float]:

@@ -53,12 +53,15 @@ class SearchSettings:
         Viscous force of the remaining motion over the balance force. [-]
     max_steps : int
         Most steps.
+    stable : bool
+        Whether a balance that small motions tip away from is left for another.
     """
 
     first_step: float = 1e-3
     longest_time: float = 1e3
     rest: float = 1e-6
     max_steps: int = 80
+    stable: bool = True
 
 
 @final
@@ -124,6 +127,7 @@ def find_equilibrium(
     """
     now, time, length = at_rest(start), 0.0, search.first_step
     scale, failures, pushes = balance_force(stack, loads.back), 0, 0
+    still = np.zeros(stack.size)
     for number in range(1, search.max_steps + 1):
         length = min(length, search.longest_time - time)
         if length <= 1e-12:
@@ -138,7 +142,7 @@ def find_equilibrium(
         length *= 3.0 if found.iterations <= 12 else 1.0
         if _viscous(stack, now) > search.rest * scale or number <= 2:
             continue
-        rate, motion = _growth(stack, now, loads, step)
+        rate, motion = _growth(stack, now, loads, step) if search.stable else (0.0, still)
         if rate * search.longest_time <= 1.0:
             return Equilibrium(now, True, time, number)
         if pushes == _MOST_PUSHES:

@@ -1,4 +1,4 @@
-"""Motions that grow away from a rest of bearings and gears."""
+"""Motions that tip bearings and gears away from a rest."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _ROUNDING = 1e-5
 
 
 def growing_motion(stack: Stack, balance: Balance, loads: Loads) -> tuple[float, Array]:
-    """Fastest growth of a small motion at rest and how the coordinates share in it.
+    """Fastest growth of a motion that tips bodies at rest, and how the coordinates share in it.
 
     Parameters
     ----------
@@ -33,8 +33,8 @@ def growing_motion(stack: Stack, balance: Balance, loads: Loads) -> tuple[float,
     Notes
     -----
     With the films' damping D and the stiffness K of films and stops small motions follow
-    D dq/dt = -K q; masses play no part. Films carry along what turns: K is not symmetric and
-    motions may circle.
+    D dq/dt = -K q; masses play no part. What turns carries its film along: K is not symmetric and
+    motions circle. Those that circle faster than they grow do not tip a body, and are left out.
     """
     assert balance.jacobian is not None
     stiffness = balance.jacobian[0] + stop_forces(stack, balance.position)[1]
@@ -42,9 +42,10 @@ def growing_motion(stack: Stack, balance: Balance, loads: Loads) -> tuple[float,
     basis = _moving(stack, balance, loads) * arms[:, None]
     matrix = -np.linalg.solve(basis.T @ balance.jacobian[1] @ basis, basis.T @ stiffness @ basis)
     rates, shapes = np.linalg.eig(matrix)
-    k = int(np.argmax(rates.real))
+    tipping = np.where(np.abs(rates.imag) < rates.real, rates.real, -np.inf)
+    k = int(np.argmax(tipping))
     fastest = float(np.abs(rates).max())
-    if rates[k].real <= _ROUNDING * fastest:
+    if tipping[k] <= _ROUNDING * fastest:
         return 0.0, np.zeros(stack.size)
     return float(rates[k].real), basis @ shapes[:, k].real
 
