@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal, final
+from typing import Literal, NamedTuple, final
 
 import numpy as np
 import scipy.sparse as sp
@@ -77,6 +77,10 @@ class PlaneSurface:
     def _plane(self) -> Triangulation:
         return triangulate([self.region], self.node_spacing, _CHORD)
 
+    @cached_property
+    def _finder(self) -> _Finder:
+        return _finder(self._plane)
+
     @property
     def nodes(self) -> Array:
         """Places x, y of the nodes. [m]."""
@@ -129,18 +133,32 @@ class PlaneSurface:
         csr_matrix, shape (k, nodes)
             Hat functions; a point outside takes the plane of the nearest triangle.
         """
-        return _barycentric(self._plane, np.asarray(points, dtype=float)[:, :2])
+        return _barycentric(self._plane, self._finder, np.asarray(points, dtype=float)[:, :2])
 
 
-def _barycentric(plane: Triangulation, points: Array) -> sp.csr_matrix:
+class _Finder(NamedTuple):
+    """Triangles by their middles, with first corners and the inverse of their edges."""
+
+    middles: cKDTree
+    origin: Array
+    inverse: Array
+
+
+def _finder(plane: Triangulation) -> _Finder:
     corners = plane.points[plane.triangles]
     origin = np.ascontiguousarray(corners[:, 0])
-    inverse = np.linalg.inv(np.stack([corners[:, 1] - origin, corners[:, 2] - origin], axis=2))
-    tree = cKDTree(corners.mean(axis=1))
+    edges = np.stack([corners[:, 1] - origin, corners[:, 2] - origin], axis=2)
+    inverse: Array = np.asarray(np.linalg.inv(edges), dtype=np.float64)
+    return _Finder(cKDTree(corners.mean(axis=1)), origin, inverse)
+
+
+def _barycentric(plane: Triangulation, finder: _Finder, points: Array) -> sp.csr_matrix:
+    tree, origin, inverse = finder
+    count = len(plane.triangles)
     chosen, weight = np.zeros(len(points), dtype=np.int64), np.zeros((len(points), 3))
     left = np.arange(len(points))
     # most points lie in one of the two nearest triangles, which are found faster
-    for near in (min(2, len(corners)), min(_NEAREST, len(corners))):
+    for near in (min(2, count), min(_NEAREST, count)):
         tried = tree.query(points[left], k=near)[1].reshape(left.size, near)
         held = _place(points, left, tried, origin, inverse, chosen, weight)
         left = left[~held]

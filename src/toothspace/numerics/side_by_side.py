@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from functools import lru_cache
 from typing import TypeVar
+
+from threadpoolctl import ThreadpoolController
 
 from toothspace.numerics import multigrid_cycle
 
@@ -36,3 +39,15 @@ def side_by_side(one: Callable[[S], T], cases: Iterable[S], size: int) -> tuple[
 def _threads(count: int) -> ThreadPoolExecutor:
     """Threads to work on; to start them takes as long as a tenth of a pass of a film."""
     return ThreadPoolExecutor(count)
+
+
+@contextmanager
+def cores_for_fields() -> Iterator[None]:
+    """Keep linear algebra to one thread: its others wait busily on the cores of the fields."""
+    with _libraries().limit(limits=1, user_api="blas"):
+        yield
+
+
+@lru_cache(maxsize=1)
+def _libraries() -> ThreadpoolController:
+    return ThreadpoolController()

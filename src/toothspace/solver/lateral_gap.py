@@ -37,6 +37,7 @@ from toothspace.films.rough_surfaces import RoughSurfaces
 from toothspace.films.thermal import FilmHeating
 from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_balance import FilmInterface, LateralBalance
+from toothspace.numerics.side_by_side import cores_for_fields
 from toothspace.solver.cyclic import Progress
 from toothspace.solver.lateral_loads import loaded_bodies, node_pressures
 from toothspace.solver.lateral_track import LateralTrack
@@ -126,9 +127,10 @@ class LateralProblem:
     def settle(self, start: Balance) -> Equilibrium:
         """Let bearings and gears move until they rest, forces averaged over a pitch."""
         search = SearchSettings(longest_time=self.settings.dwell)
-        return find_equilibrium(
-            self.stack, self.scenes, self.loads, start, search, self._step(1e-6)
-        )
+        with cores_for_fields():
+            return find_equilibrium(
+                self.stack, self.scenes, self.loads, start, search, self._step(1e-6)
+            )
 
     def march(
         self,
@@ -160,7 +162,8 @@ class LateralProblem:
                 progress((number + 1) / angles.size, f"film step {number + 1} of {angles.size}")
 
         try:
-            march_angles(stack, self.node_pressure, self.loads, start, angles, step, keep=keep)
+            with cores_for_fields():
+                march_angles(stack, self.node_pressure, self.loads, start, angles, step, keep=keep)
         except KeyboardInterrupt:
             if not track.positions:
                 raise
