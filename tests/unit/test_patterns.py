@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from tests.lateral_stack import ring_stack
+from tests.lateral_stack import INNER, OUTER, ring_stack
+from toothspace.films.lateral_gap.faces import FaceGrid
 from toothspace.films.lateral_gap.patterns import Patterns
 
 
-@pytest.fixture
-def patterns() -> Patterns:
-    return Patterns(ring_stack(cells=(40, 7)).grids[0], 3, 2)
+@pytest.fixture(params=[0.0, 0.37])
+def patterns(request: pytest.FixtureRequest) -> Patterns:
+    """On lanes of one width, and on lanes that meet a root circle."""
+    whole = ring_stack(cells=(40, 7)).grids[0]
+    root_radius = INNER + request.param * (OUTER - INNER)
+    own = replace(whole.interface, root_radius=root_radius)
+    return Patterns(FaceGrid(own, 40, 7), 3, 2)
 
 
 def test_sizes_of_a_sum_of_patterns_come_back(patterns: Patterns) -> None:

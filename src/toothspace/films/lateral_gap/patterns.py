@@ -76,9 +76,9 @@ class Patterns:
 
     def lifts(self, frequency: float) -> Iterator[GapField]:
         """Change of the gap by every pattern that grows over a step of given frequency. [1/s]."""
-        rows, own = self.grid.rows, self.grid.interface
+        rows = self.grid.rows
         edges = self._turns(np.arange(rows + 1) * 2.0 * np.pi / rows)
-        rims = self._powers(np.linspace(own.inner_radius, own.outer_radius, self.grid.lanes + 1))
+        rims = self._powers(self.grid.rims)
         still = np.zeros((rows, self.grid.lanes))
         for turn, edge in zip(self._round.T, edges.T, strict=True):
             for power, rim in zip(self._along.T, rims.T, strict=True):
