@@ -29,7 +29,7 @@ from toothspace.model.description import MachineDescription
 from toothspace.model.fluid import fluid_law
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.presets import PRESETS
-from toothspace.results.solution import Solution
+from toothspace.results.solution import Solution, warned
 from toothspace.solver import running_in_store
 from toothspace.solver.cyclic import History, RunPlan, first_turn_state, march_revolutions
 from toothspace.solver.ideal import ideal_solution
@@ -245,9 +245,8 @@ def _with_running_in_status(solution: Solution, status: Status) -> Solution:
     """A run on a casing that was cut only in part is not done."""
     if status is Status.DONE or solution.status is Status.INTERRUPTED:
         return solution
-    warnings = [solution.provenance.get("warnings", ""), "Running-in ended before its time."]
-    text = "\n".join(filter(None, warnings))
-    return replace(solution, status=status, provenance={**solution.provenance, "warnings": text})
+    provenance = warned(solution.provenance, "Running-in ended before its time.")
+    return replace(solution, status=status, provenance=provenance)
 
 
 def _simulate_circuit(

@@ -112,3 +112,11 @@ class Solution:
         from toothspace.results.io import save_solution
 
         return save_solution(self, path)
+
+
+def warned(provenance: Mapping[str, str], warning: str) -> dict[str, str]:
+    """Provenance with one more warning, as it is where the warning is empty."""
+    if not warning:
+        return dict(provenance)
+    text = "\n".join(filter(None, [provenance.get("warnings", ""), warning]))
+    return {**provenance, "warnings": text}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -16,7 +16,7 @@ from toothspace.films.lateral_gap.motion import Balance
 from toothspace.films.lateral_gap.stops import leaning
 from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_table import LATERAL_PATHS, axial_load, with_lateral_leakage
-from toothspace.results.solution import Solution
+from toothspace.results.solution import Solution, warned
 from toothspace.results.variables import VARIABLES
 from toothspace.solver.cyclic import Progress
 from toothspace.solver.lateral_gap import (
@@ -310,7 +310,7 @@ def elastic_solution(point: CoupledPoint, steps: int, progress: Progress | None 
         **face_deflection(march.last.states[0]),
     }
     warnings = filter(None, [seat_warning(point.numbers), rest_warning(point)])
-    provenance = _with_warning(point.solution.provenance, "\n".join(warnings))
+    provenance = warned(point.solution.provenance, "\n".join(warnings))
     return replace(
         point.solution, status=status, data=data, statistics=statistics, provenance=provenance
     )
@@ -338,13 +338,6 @@ def rest_warning(point: CoupledPoint) -> str:
         return f"Bearing and gears do not come to rest: {found.reason}."
     held = leaning(point.problem.stack, found.balance.position)
     return f"At rest {'; '.join(held)}." if held else ""
-
-
-def _with_warning(provenance: Mapping[str, str], warning: str) -> dict[str, str]:
-    if not warning:
-        return dict(provenance)
-    text = "\n".join(filter(None, [provenance.get("warnings", ""), warning]))
-    return {**provenance, "warnings": text}
 
 
 def _entry(name: str, value: object) -> tuple[tuple[str, ...], object, dict[str, str]]:

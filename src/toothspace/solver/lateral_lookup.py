@@ -13,7 +13,7 @@ from toothspace.model.lateral_table import (
     axial_load,
     with_lateral_films,
 )
-from toothspace.results.solution import Solution
+from toothspace.results.solution import Solution, warned
 from toothspace.solver.lateral_coupling import LumpedRun, next_change
 from toothspace.solver.lateral_gap import balance_of
 from toothspace.solver.lateral_loads import node_pressures
@@ -100,11 +100,7 @@ def _told(solution: Solution, load: tuple[float, float], mismatch: float, agreed
     }
     if agreed:
         return replace(solution, statistics=statistics)
-    former, warning = solution.provenance.get("warnings", ""), _NOT_AGREED.format(100.0 * mismatch)
-    provenance = {
-        **solution.provenance,
-        "warnings": "\n".join(filter(None, [former, warning])),
-    }
+    provenance = warned(solution.provenance, _NOT_AGREED.format(100.0 * mismatch))
     return replace(
         solution, statistics=statistics, provenance=provenance, status=Status.NOT_CONVERGED
     )

@@ -183,10 +183,9 @@ class ElasticFaces:
         films, size = range(len(self.grids)), self.grids[0].area.size
         loads = {name: np.zeros(len(body.nodes)) for name, body in self.bodies.items()}
         nodal = side_by_side(lambda k: self._nodal_loads(k, pressures[k], scene), films, size)
-        for grid, (on_bearing, on_body) in zip(self.grids, nodal, strict=True):
-            side, body = grid.interface.side, grid.interface.body
-            loads[side][self.bodies[side].of("face")] += on_bearing
-            loads[body][self.bodies[body].of(side)] += on_body
+        for k, felt in zip(films, nodal, strict=True):
+            for load, (name, nodes, _) in zip(felt, self._faces(k, scene), strict=True):
+                loads[name][nodes] += load
         return loads
 
     def _nodal_loads(self, index: int, pressure: Array, scene: Scene) -> tuple[Array, Array]:
@@ -198,12 +197,8 @@ class ElasticFaces:
 
     def _opening(self, index: int, moved: Mapping[str, Array], scene: Scene) -> Array:
         """Widening of one film by the displacements of the nodes of all bodies. [m]."""
-        grid = self.grids[index]
-        bearing, body = self._kept_spread(index, scene.shaft_angle)
-        side, name = grid.interface.side, grid.interface.body
-        opening = bearing @ moved[side][self.bodies[side].of("face")]
-        opening = opening + body @ moved[name][self.bodies[name].of(side)]
-        return np.asarray(opening).reshape(grid.area.shape)
+        parts = [spread @ moved[name][nodes] for name, nodes, spread in self._faces(index, scene)]
+        return np.asarray(sum(parts)).reshape(self.grids[index].area.shape)
 
     def _kept_spread(self, index: int, shaft_angle: float) -> tuple[sp.csr_matrix, sp.csr_matrix]:
         """From the nodes of bearing and turning body to the cells.

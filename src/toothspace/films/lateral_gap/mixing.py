@@ -75,7 +75,7 @@ def mixed(
     mixing: Mixing,
     widened: tuple[list[list[Array]], list[list[Array]]],
     places: tuple[Array, Array],
-    reach: float,
+    arms: Array,
 ) -> tuple[list[list[Array]], Array]:
     """Widening of gaps and step of the coordinates to try next.
 
@@ -87,16 +87,16 @@ def mixed(
         Widening of every scene and film that was used, and that found with it. [m]
     places : tuple of ndarray
         Coordinates, lifts and rotations in turn, and the step that balances forces. [m, rad]
-    reach : float
-        Distance at which a rotation counts as a lift. [m]
+    arms : ndarray
+        Distance at which every coordinate counts as a lift. [-, m]
     """
     used, new = (np.concatenate([a.ravel() for s in w for a in s]) for w in widened)
     q, step = places
     # the coordinates count as much as the widening of all cells
-    arms = np.where(np.arange(q.size) % 3 == 0, 1.0, reach) * np.sqrt(used.size)
-    residual = np.concatenate([new - used, arms * step])
-    found = mixing.following(np.concatenate([used, arms * q]), residual)
+    weight = arms * np.sqrt(used.size)
+    residual = np.concatenate([new - used, weight * step])
+    found = mixing.following(np.concatenate([used, weight * q]), residual)
     ends = np.cumsum([a.size for s in widened[0] for a in s])
     parts = iter(np.split(found, ends))
     fields = [[next(parts).reshape(a.shape) for a in s] for s in widened[0]]
-    return fields, next(parts) / arms - q
+    return fields, next(parts) / weight - q

@@ -10,7 +10,14 @@ import numpy as np
 
 from toothspace.core.types import Array
 from toothspace.films.lateral_gap.friction import HousingFriction
-from toothspace.films.lateral_gap.stack import BackPressure, Past, Scene, Stack, StackState
+from toothspace.films.lateral_gap.stack import (
+    BackPressure,
+    Past,
+    Scene,
+    Stack,
+    StackState,
+    mean_force,
+)
 from toothspace.films.lateral_gap.stops import stop_forces
 from toothspace.films.lateral_gap.widening import Fineness, Response, Widening
 from toothspace.films.lateral_gap.yielding_film import Accuracy
@@ -255,7 +262,7 @@ def _solve(task: _Task, former: Balance, slides: tuple[int, ...] | None) -> Bala
         step = found.step
         if not np.isfinite(step).all():
             break
-        step = limited(states, widening.follow(q, step, reach_of(stack)))
+        step = limited(states, widening.follow(q, step, stack.arms))
         ahead = found.force - _matrix(task, jacobian, found.drag) @ step
         foretold = (step, ahead) if _tells(settings, steady, best) else None
         q = q + step
@@ -338,12 +345,8 @@ def _forces(
 ) -> tuple[Array, Array]:
     """Force on the coordinates without held friction, and minus its derivative with velocity."""
     stack = task.stack
-    force = np.zeros(stack.size)
-    for state in states:
-        force += (state.film_force() + state.back_force(task.loads.back)) / len(states)
-    q = task.start + v * task.duration
-    held, stiffness = stop_forces(stack, q)
-    force += held
+    held, stiffness = stop_forces(stack, task.start + v * task.duration)
+    force = mean_force(states, task.loads.back) + held
     drag = stiffness * task.duration
     mass = _masses(stack)
     force -= mass * (v - task.velocity) / task.duration
@@ -405,8 +408,7 @@ def _newton_step(
         full[count + k, :count] = lever[free]
         right[count + k] = -float(lever @ v) * task.duration
     # lifts in metres and tilts in radians differ by the size of the face
-    scale = np.ones(count + bars)
-    scale[:count][free % 3 != 0] = 1.0 / reach_of(task.stack)
+    scale = np.concatenate([1.0 / task.stack.arms[free], np.ones(bars)])
     solution = scale * _solved(full * scale[:, None] * scale[None, :], right * scale)
     step = np.zeros(task.stack.size)
     step[free] = solution[:count]
@@ -414,8 +416,8 @@ def _newton_step(
     balanced = force.copy()
     for lever, value in zip(held, holding, strict=True):
         balanced += value * lever
-    arms = np.where(np.arange(force.size) % 3 == 0, 1.0, 1.0 / reach_of(task.stack))
-    return _Step(step, holding, float(np.abs(balanced * arms)[free].max()), force, drag)
+    error = float(np.abs(balanced / task.stack.arms)[free].max())
+    return _Step(step, holding, error, force, drag)
 
 
 def _solved(matrix: Array, right: Array) -> Array:
@@ -424,11 +426,6 @@ def _solved(matrix: Array, right: Array) -> Array:
         return np.asarray(np.linalg.solve(matrix, right), dtype=np.float64)
     except np.linalg.LinAlgError:
         return np.asarray(np.linalg.lstsq(matrix, right, rcond=None)[0], dtype=np.float64)
-
-
-def reach_of(stack: Stack) -> float:
-    """Distance at which a rotation counts as a lift. [m]."""
-    return stack.balance.interfaces[0].outer_radius
 
 
 def _friction(task: _Task, v: Array, slides: tuple[int, ...] | None, holding: Array) -> Array:

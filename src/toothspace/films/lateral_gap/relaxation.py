@@ -14,9 +14,14 @@ from toothspace.films.lateral_gap.motion import (
     balance_force,
     levers_of,
     limited,
-    reach_of,
 )
-from toothspace.films.lateral_gap.stack import Scene, Stack, StackState
+from toothspace.films.lateral_gap.stack import (
+    Scene,
+    Stack,
+    StackState,
+    mean_coefficients,
+    mean_force,
+)
 from toothspace.films.lateral_gap.stops import stop_forces
 from toothspace.films.lateral_gap.widening import Fields, widened
 
@@ -103,7 +108,7 @@ def _settled(stack: Stack, now: _Point, scale: float, tolerance: tuple[float, fl
 
 def _step(stack: Stack, now: _Point, holding: float) -> Array:
     """Step of the coordinates against a made-up damping. [m, rad]."""
-    free, arms = stack.free, _arms(stack)
+    free, arms = stack.free, stack.arms
     scaled = (now.stiffness / np.outer(arms, arms))[np.ix_(free, free)]
     step = np.zeros(stack.size)
     found = np.linalg.solve(scaled + holding * np.eye(free.size), (now.force / arms)[free])
@@ -119,13 +124,9 @@ def _followed(now: _Point) -> Fields:
     ]
 
 
-def _arms(stack: Stack) -> Array:
-    return np.where(np.arange(stack.size) % 3 == 0, 1.0, reach_of(stack))
-
-
 def _size(stack: Stack, force: Array) -> float:
     """Largest force, moments as forces at the rim. [N]."""
-    return float(np.abs(force / _arms(stack))[stack.free].max())
+    return float(np.abs(force / stack.arms)[stack.free].max())
 
 
 _Task = tuple[Stack, tuple[Scene, ...], Loads, Balance]
@@ -142,8 +143,7 @@ def _point(task: _Task, q: Array, former: Sequence[StackState], distant: Fields)
     if loads.friction.holds:
         for k, (sense, lever) in enumerate(zip(start.slides, levers_of(stack), strict=True)):
             force -= sense * loads.law(k).coulomb_force * lever
-    for state in states:
-        force += (state.film_force() + state.back_force(loads.back)) / len(states)
-        stiffness += state.coefficients()[0] / len(states)
+    force += mean_force(states, loads.back)
+    stiffness += mean_coefficients(states)[0]
     wanted, change = widened(states, distant, loads.back.low)
     return _Point(states, force, stiffness, wanted, change)

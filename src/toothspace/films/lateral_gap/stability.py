@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.films.lateral_gap.motion import Balance, Loads, levers_of, reach_of
+from toothspace.films.lateral_gap.motion import Balance, Loads, levers_of
 from toothspace.films.lateral_gap.stack import Stack
 from toothspace.films.lateral_gap.stops import stop_forces
 
@@ -38,8 +38,7 @@ def growing_motion(stack: Stack, balance: Balance, loads: Loads) -> tuple[float,
     """
     assert balance.jacobian is not None
     stiffness = balance.jacobian[0] + stop_forces(stack, balance.position)[1]
-    arms = np.where(np.arange(stack.size) % 3 == 0, 1.0, 1.0 / reach_of(stack))
-    basis = _moving(stack, balance, loads) * arms[:, None]
+    basis = _moving(stack, balance, loads) / stack.arms[:, None]
     matrix = -np.linalg.solve(basis.T @ balance.jacobian[1] @ basis, basis.T @ stiffness @ basis)
     rates, shapes = np.linalg.eig(matrix)
     tipping = np.where(np.abs(rates.imag) < rates.real, rates.real, -np.inf)

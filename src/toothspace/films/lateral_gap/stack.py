@@ -176,6 +176,12 @@ class Stack:
         return found[~first] if self.two_pressed else found
 
     @property
+    def arms(self) -> Array:
+        """Distance at which every coordinate counts as a lift: one for lifts. [-, m]."""
+        reach = self.balance.interfaces[0].outer_radius
+        return np.where(np.arange(self.size) % _MOTIONS == 0, 1.0, reach)
+
+    @property
     def chains(self) -> list[Array]:
         """Upper face of every film from the coordinates."""
         return [bearing + body for bearing, body in self._maps]
@@ -398,3 +404,14 @@ class StackState:
             if film.grid.interface.side == side and film.grid.interface.body in bodies:
                 found += film.grid.face_moments(film.around.mask.cells.owned)
         return found
+
+
+def mean_force(states: Sequence[StackState], back: BackPressure) -> Array:
+    """Force of films and of the pressures behind the bearing, mean over scenes. [N, N m]."""
+    return np.mean([s.film_force() + s.back_force(back) for s in states], axis=0)
+
+
+def mean_coefficients(states: Sequence[StackState]) -> tuple[Array, Array]:
+    """Stiffness and damping of the films, means over scenes."""
+    pairs = [state.coefficients() for state in states]
+    return np.mean([k for k, _ in pairs], axis=0), np.mean([d for _, d in pairs], axis=0)

@@ -11,7 +11,7 @@ import numpy as np
 from toothspace.core.types import Array
 from toothspace.films.lateral_gap.mixing import Mixing, mixed
 from toothspace.films.lateral_gap.patterns import Patterns
-from toothspace.films.lateral_gap.stack import StackState
+from toothspace.films.lateral_gap.stack import StackState, mean_coefficients
 from toothspace.numerics.side_by_side import side_by_side
 
 Fields = list[list[Array]]
@@ -188,8 +188,7 @@ class Widening:
     def renew(self, states: Sequence[StackState], duration: float) -> tuple[Array, Array]:
         """Stiffness and damping of the films, with the widening that follows if it is foreseen."""
         if self._fineness is None:
-            pairs = [state.coefficients() for state in states]
-            return np.mean([k for k, _ in pairs], axis=0), np.mean([d for _, d in pairs], axis=0)
+            return mean_coefficients(states)
         found = response(states[0], self._fineness, 1.0 / duration)
         self.responses[self._phase] = found
         return found.stiffness
@@ -202,7 +201,7 @@ class Widening:
         self._missing = self._response.sizes(missing)
         return self._response.pull @ self._missing
 
-    def follow(self, q: Array, step: Array, reach: float) -> Array:
+    def follow(self, q: Array, step: Array, arms: Array) -> Array:
         """Set the widening to use next and return the step of the coordinates to take. [m, rad]."""
         if self._memory == 0:
             return step
@@ -211,7 +210,7 @@ class Widening:
             sizes = own.settled @ (self._missing + own.gain @ own.planes @ step) - self._missing
             more = own.fields(sizes)
             self._new = [[a + b for a, b in zip(self._new[0], more, strict=True)]]
-        self.used, step = mixed(self._mixing, (self.used, self._new), (q, step), reach)
+        self.used, step = mixed(self._mixing, (self.used, self._new), (q, step), arms)
         return step
 
     def beside(

@@ -12,10 +12,11 @@ import shapely.affinity
 
 from toothspace.core.errors import GeometryError
 from toothspace.machines.external_gear.assembly import Assembly
+from toothspace.machines.external_gear.elastic_bodies import waist
 from toothspace.machines.external_gear.films import FaceOfGear
 from toothspace.machines.external_gear.loads import BODIES, bodies, reduced_modulus
 from toothspace.machines.external_gear.numbering import Numbering
-from toothspace.machines.external_gear.pressed_bodies import PressedBodies
+from toothspace.machines.external_gear.pressed_bodies import PressedBodies, nose_outline
 from toothspace.machines.external_gear.spec import PressedBearing
 from toothspace.model.lateral_balance import (
     FilmInterface,
@@ -231,12 +232,11 @@ def _halves(assembly: Assembly, pressed: PressedBearing) -> tuple[FloatingBearin
             "machine.floating_bearing.split: found a high_pressure_area without outline, allowed "
             "with seal_line_x or contour"
         )
-    a = assembly.mesh.center_distance
     tips = [profile.tip_radius for profile in assembly.profiles]
-    cut = float((a**2 + tips[0] ** 2 - tips[1] ** 2) / (2.0 * a))
+    cut = waist(assembly, 0)
     x0, y0, x1, y1 = face.bounds
     parts = (shapely.box(x0, y0, x1, cut), shapely.box(x0, cut, x1, y1))
-    gauges = ((0.0, -tips[0]), (0.0, a + tips[1]))
+    gauges = ((0.0, -tips[0]), (0.0, assembly.mesh.center_distance + tips[1]))
     made = []
     for k, (part, gauge) in enumerate(zip(parts, gauges, strict=True)):
         own = shapely.intersection(face, part)
@@ -268,12 +268,11 @@ def _part_of(y: float, cut: float, half: int) -> float:
 
 
 def _nose(pressed: PressedBearing, part: Any) -> Patch:
-    """Part of the nose, taken as a square, that is on a half."""
-    reach = 0.5 * float(np.sqrt(pressed.nose_area))
-    x, y = pressed.nose_center
-    square = shapely.box(x - reach, y - reach, x + reach, y + reach)
+    """Part of the nose that is on a half."""
+    square = nose_outline(pressed)
+    left, _, right, _ = square.bounds
     below, above = part.bounds[1], part.bounds[3]
-    wide = shapely.box(x - reach, below, x + reach, above)
+    wide = shapely.box(left, below, right, above)
     own = shapely.intersection(square, wide)
     return _patch(own) if own.area > 0.0 else Patch(0.0, (0.0, 0.0))
 

@@ -283,7 +283,7 @@ def _wall(assembly: Assembly, gear: int, name: str, levels: tuple[float, float])
     radius = assembly.profiles[gear].tip_radius
     x, y = _centers(assembly)[gear]
     sign = wall_direction(assembly, axis, gear)
-    half = radius if axis == "y" else _waist(assembly, gear)
+    half = radius if axis == "y" else waist(assembly, gear)
     reach = sign * 4.0 * radius
     low, high = sorted((0.0, reach))
     wide = (
@@ -298,7 +298,7 @@ def _wall(assembly: Assembly, gear: int, name: str, levels: tuple[float, float])
     )
 
 
-def _waist(assembly: Assembly, gear: int) -> float:
+def waist(assembly: Assembly, gear: int) -> float:
     """Distance of the line through both intersections of the tip circles from an axis. [m]."""
     a = assembly.mesh.center_distance
     own, other = (assembly.profiles[k].tip_radius for k in (gear, 1 - gear))

@@ -111,10 +111,7 @@ class PressedBodies:
         points = {f"spring_{k}": (s.x, s.y) for k, s in enumerate(own.springs)}
         patches = {}
         if own.nose_area > 0.0:
-            reach = 0.5 * own.nose_area**0.5
-            x, y = own.nose_center
-            square = shapely.box(x - reach, y - reach, x + reach, y + reach)
-            patches["nose"] = square.difference(self.high_pressure)
+            patches["nose"] = nose_outline(own).difference(self.high_pressure)
         return BackLoads(areas=areas, points=points, lines=lines, patches=patches)
 
     def _bearing_loads(self, side: BearingSide) -> list[BodyLoad]:
@@ -151,6 +148,13 @@ class PressedBodies:
             return body
         edge = files.edge_length or _EDGE * self.assembly.profiles[0].tip_radius
         return replace(body, shape=SolidFile(path, edge, f"machine.elastic_bodies.{_KEYS[name]}"))
+
+
+def nose_outline(pressed: PressedBearing) -> shapely.Polygon:
+    """Nose, taken as a square about its centre. [m]."""
+    reach = 0.5 * pressed.nose_area**0.5
+    x, y = pressed.nose_center
+    return shapely.box(x - reach, y - reach, x + reach, y + reach)
 
 
 def seal_line(high_pressure: shapely.Geometry, section: shapely.Polygon) -> shapely.Geometry:
