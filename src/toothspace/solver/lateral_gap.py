@@ -30,9 +30,9 @@ from toothspace.films.lateral_gap.friction import (
     normal_force,
 )
 from toothspace.films.lateral_gap.motion import Balance, Loads, StepSettings, rest_at
+from toothspace.films.lateral_gap.pressed_gap import Accuracy
 from toothspace.films.lateral_gap.stack import BackPressure, Columns, Compliance, Scene, Stack
 from toothspace.films.lateral_gap.widening import Fineness
-from toothspace.films.lateral_gap.yielding_film import Accuracy
 from toothspace.films.rough_surfaces import RoughSurfaces
 from toothspace.films.thermal import FilmHeating
 from toothspace.model.description import MachineDescription

@@ -15,9 +15,8 @@ from toothspace.core.types import Array, BoolArray
 from toothspace.films.cavitation import CAVITATION
 from toothspace.films.film_fluid import FilmFluid
 from toothspace.films.lateral_gap.faces import FaceGrid, Mask
+from toothspace.films.lateral_gap.pressed_gap import Accuracy, Yielding
 from toothspace.films.lateral_gap.yielding_film import (
-    Accuracy,
-    Yielding,
     YieldingSolution,
     opened,
     solve_yielding,

@@ -10,6 +10,7 @@ import numpy as np
 
 from toothspace.core.types import Array
 from toothspace.films.lateral_gap.friction import HousingFriction
+from toothspace.films.lateral_gap.pressed_gap import Accuracy
 from toothspace.films.lateral_gap.stack import (
     BackPressure,
     Past,
@@ -20,7 +21,6 @@ from toothspace.films.lateral_gap.stack import (
 )
 from toothspace.films.lateral_gap.stops import stop_forces
 from toothspace.films.lateral_gap.widening import Fineness, Response, Widening
-from toothspace.films.lateral_gap.yielding_film import Accuracy
 
 _STATUS_ROUNDS = 4
 _PATIENCE = 12

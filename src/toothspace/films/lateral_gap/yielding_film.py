@@ -11,6 +11,7 @@ import numpy as np
 from toothspace.core.compiled import inlined, kernel, njit
 from toothspace.core.status import Status
 from toothspace.core.types import Array, BoolArray, IntArray
+from toothspace.films.lateral_gap.pressed_gap import Yielding, settle_gap
 from toothspace.films.live_balance import (
     Linearised,
     Motion,
@@ -21,9 +22,7 @@ from toothspace.films.live_balance import (
 from toothspace.films.plane_film import PlaneFilm, PlaneSolution
 from toothspace.films.reynolds import FilmGrid, FluidField, GapField
 from toothspace.films.rough_surfaces import (
-    ContactTable,
     FlowLaw,
-    contact_pressure,
     squeeze_law,
 )
 from toothspace.numerics.banded import stencil_product
@@ -36,14 +35,12 @@ from toothspace.numerics.complementarity import (
 from toothspace.numerics.linear_system import (
     PRESCRIBED,
     SATURATED,
-    TIGHT,
     UNSATURATED,
     LinearSystem,
     iterative_system,
 )
 from toothspace.numerics.structured_grid import grid_shape
 
-_MOST_PASSES = 40
 _PATIENCE = 8
 """Passes after which steps that still change the gap much are taken in part."""
 _CAREFUL = 0.5
@@ -57,25 +54,6 @@ _CARRIED = 16
 _ROUNDING = 1e-10
 _BLOCK_LANES = 200
 """Cells along the radius up to which elimination beats multigrid of a yielding film. [-]"""
-
-
-class Accuracy(NamedTuple):
-    """When a film is done."""
-
-    settled: float = 1e-7  # change of the gap by one pass over the gap [-]
-    linear: float = TIGHT  # residual of one linear solution over its right-hand side [-]
-    passes: int = _MOST_PASSES  # most passes; few where the force balance repeats them [-]
-
-
-class Yielding(NamedTuple):
-    """How the faces give way."""
-
-    compliance: float  # local approach over pressure [m/Pa]
-    reference: float  # pressure without approach, above the cavitation pressure [Pa]
-    contact: ContactTable
-    roughness: float  # [m]
-    frequency: float = 0.0  # inverse of the time in which the faces give way, 0 for steady [1/s]
-    accuracy: Accuracy = Accuracy()
 
 
 @final
@@ -106,31 +84,6 @@ class YieldingSolution:
     kind: IntArray
     change: float = 0.0
     found: Linearised | None = None
-
-
-@kernel
-def _settle_gap(
-    rigid: Array, pressure: Array, film: Array, how: Yielding, gap: Array, out: Array
-) -> None:
-    """Gap of every cell under film and asperity pressure; ``out`` holds contact, slope, share."""
-    rows, lanes = rigid.shape
-    for i in range(rows):
-        for j in range(lanes):
-            base = rigid[i, j] + how.compliance * (pressure[i, j] - how.reference)
-            gap[i, j] = base
-            out[0, i, j], out[1, i, j], out[2, i, j] = 0.0, 0.0, 1.0
-            if not film[i, j] or how.contact.value.size == 0:
-                continue
-            h = max(base, gap[i, j])
-            for _ in range(40):
-                p, slope = contact_pressure(h, how.roughness, how.contact)
-                error = h - base - how.compliance * p
-                share = 1.0 / (1.0 - how.compliance * slope)
-                h -= error * share
-                if abs(error) < 1e-15:
-                    break
-            gap[i, j] = h
-            out[0, i, j], out[1, i, j], out[2, i, j] = p, slope, share
 
 
 @kernel
@@ -449,7 +402,7 @@ def _linearise(
     height = gap.copy()
     inside = film.grid.mark != PRESCRIBED
     pressure = film.fluid.gauge(potential, film.cavitation_pressure)
-    _settle_gap(film.gap.centre, pressure, inside, how, height, touch)
+    settle_gap(film.gap.centre, pressure, inside, how, height, touch)
     give = how.compliance * touch[2] * film.fluid.stretch(pressure + film.cavitation_pressure)
     rate = film.gap.rate + how.frequency * (height - film.gap.centre)
     rigid = film.gap._replace(rate=rate)
