@@ -44,7 +44,7 @@ def _pressed_gap(base: float, start: float, how: Yielding) -> tuple[float, float
     Newton's method between bounds: asperities begin to carry so suddenly that its steps alone go
     back and forth over the edge of contact.
     """
-    low, high, h = base, np.inf, max(base, start)
+    low, high, h = -np.inf, np.inf, max(base, start)
     p, slope = contact_pressure(h, how.roughness, how.contact)
     for _ in range(_MOST_HALVINGS):
         error = h - base - how.compliance * p
@@ -52,7 +52,7 @@ def _pressed_gap(base: float, start: float, how: Yielding) -> tuple[float, float
             break
         low, high = (h, high) if error < 0.0 else (low, h)
         h -= error / (1.0 - how.compliance * slope)
-        if not low <= h <= high:
+        if not low < h < high:
             h = 0.5 * (low + high)
         p, slope = contact_pressure(h, how.roughness, how.contact)
     return h, p, slope
