@@ -27,6 +27,7 @@ INNER, OUTER, VISCOSITY = 10e-3, 25e-3, 1e-3
 AREA = np.pi * (OUTER**2 - INNER**2)
 LOW, HIGH = 5e5, 60e5
 LOW_NODE, HIGH_NODE = 0, 1
+PLACES = ((0.0, 0.0), (5e-3, 0.1))
 ROUGH = RoughSurfaces(
     moving_roughness=0.25e-6,
     resting_roughness=0.3e-6,
@@ -104,6 +105,56 @@ def ring_stack(
     law = film_law(ROUGH if rough else None, FilmFluid(VISCOSITY))
     grids = tuple(FaceGrid(i, *cells) for i in interfaces)
     return Stack(balance, grids, (law, law), Columns((approach, approach)), speed)
+
+
+@dataclass(frozen=True)
+class _Moved:
+    """Ring about another centre."""
+
+    face: RingFace
+    center: tuple[float, float]
+
+    def __call__(self, shaft_angle: float, x: np.ndarray, y: np.ndarray) -> FaceCells:
+        return self.face(shaft_angle, x - self.center[0], y - self.center[1])
+
+
+def _half(own: FloatingBearing, place: tuple[float, float], share: float) -> FloatingBearing:
+    x, y = place
+    high = Patch(share * AREA, (x + own.high_pressure.center[0], y))
+    springs = (x + own.preload_center[0], y + own.preload_center[1])
+    gauge = (x, y - OUTER)
+    return replace(
+        own, face=Patch(AREA, place), high_pressure=high, preload_center=springs, gauge_point=gauge
+    )
+
+
+def split_stack(shares: tuple[float, float], **changes: object) -> Stack:
+    """Two rings side by side, each with its own half of the bearing, known to its films."""
+    one = ring_stack(high_share=shares[0], **changes)  # type: ignore[arg-type]
+    balance = one.balance
+    interfaces = tuple(
+        replace(
+            i,
+            name=f"{i.side}_{k}",
+            body=f"ring_{k}",
+            part=f"{i.side}_{k}",
+            center=place,
+            face_map=_Moved(i.face_map, place),  # type: ignore[arg-type]
+        )
+        for i in balance.interfaces
+        for k, place in enumerate(PLACES)
+    )
+    halves = tuple(_half(balance.floating, p, s) for p, s in zip(PLACES, shares, strict=True))
+    split = replace(
+        balance,
+        interfaces=interfaces,
+        halves=halves,
+        body_forces=(0.0, 0.0),
+        body_masses=(0.5, 0.5),
+    )
+    cells = one.grids[0]
+    grids = tuple(FaceGrid(i, cells.rows, cells.lanes) for i in interfaces)
+    return Stack(split, grids, one.laws[:1] * 4, Columns(one.compliance.local * 2), one.shaft_speed)
 
 
 def loads(high: float, coulomb: float = 0.0, law: str = "stick") -> Loads:

@@ -2,74 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from tests.external_gear_designs import fuel14
-from tests.lateral_stack import AREA, HIGH, LOW, OUTER, RingFace, loads, pressures, ring_stack
+from tests.lateral_stack import HIGH, LOW, loads, pressures, ring_stack, split_stack
 from toothspace.core.errors import GeometryError
 from toothspace.films.lateral_gap.equilibrium import Equilibrium, SearchSettings, find_equilibrium
-from toothspace.films.lateral_gap.faces import FaceGrid
 from toothspace.films.lateral_gap.friction import HousingFriction
 from toothspace.films.lateral_gap.motion import Loads, StepSettings, rest_at
-from toothspace.films.lateral_gap.stack import Columns, Stack
+from toothspace.films.lateral_gap.stack import Stack
 from toothspace.machines.external_gear.describe import describe
 from toothspace.machines.external_gear.spec import Material, PressedBearing, Spring
-from toothspace.model.lateral_balance import FaceCells, FloatingBearing, Patch
+from toothspace.model.lateral_balance import Patch
 
 APPROACH = 3e-13
-PLACES = ((0.0, 0.0), (5e-3, 0.1))
-
-
-@dataclass(frozen=True)
-class _Moved:
-    """Ring about another centre."""
-
-    face: RingFace
-    center: tuple[float, float]
-
-    def __call__(self, shaft_angle: float, x: np.ndarray, y: np.ndarray) -> FaceCells:
-        return self.face(shaft_angle, x - self.center[0], y - self.center[1])
-
-
-def _half(own: FloatingBearing, place: tuple[float, float], share: float) -> FloatingBearing:
-    x, y = place
-    high = Patch(share * AREA, (x + own.high_pressure.center[0], y))
-    springs = (x + own.preload_center[0], y + own.preload_center[1])
-    gauge = (x, y - OUTER)
-    return replace(
-        own, face=Patch(AREA, place), high_pressure=high, preload_center=springs, gauge_point=gauge
-    )
 
 
 def _pair(shares: tuple[float, float], **changes: object) -> Stack:
-    """Two rings side by side, each with its own half of the bearing."""
-    one = ring_stack(approach=APPROACH, high_share=shares[0], **changes)  # type: ignore[arg-type]
-    balance = one.balance
-    interfaces = tuple(
-        replace(
-            i,
-            name=f"{i.side}_{k}",
-            body=f"ring_{k}",
-            center=place,
-            face_map=_Moved(i.face_map, place),  # type: ignore[arg-type]
-        )
-        for i in balance.interfaces
-        for k, place in enumerate(PLACES)
-    )
-    halves = tuple(_half(balance.floating, p, s) for p, s in zip(PLACES, shares, strict=True))
-    split = replace(
-        balance,
-        interfaces=interfaces,
-        halves=halves,
-        body_forces=(0.0, 0.0),
-        body_masses=(0.5, 0.5),
-    )
-    cells = one.grids[0]
-    grids = tuple(FaceGrid(i, cells.rows, cells.lanes) for i in interfaces)
-    return Stack(split, grids, one.laws[:1] * 4, Columns((APPROACH,) * 4), one.shaft_speed)
+    return split_stack(shares, approach=APPROACH, **changes)
 
 
 def _settled(stack: Stack, acting: Loads) -> Equilibrium:
@@ -83,9 +36,9 @@ def _settled(stack: Stack, acting: Loads) -> Equilibrium:
 def test_halves_rest_where_two_bearings_would(motion: str) -> None:
     """Every half against the same half computed alone."""
     shares = (0.70, 0.74)
-    pair = _settled(_pair(shares, motion=motion, preload_x=1e-3), loads(HIGH))
-    assert pair.rests
-    found = pair.balance.states[0].stack.positions(pair.balance.position)
+    both = _settled(_pair(shares, motion=motion, preload_x=1e-3), loads(HIGH))
+    assert both.rests
+    found = both.balance.states[0].stack.positions(both.balance.position)
     for k, share in enumerate(shares):
         alone = ring_stack(approach=APPROACH, high_share=share, motion=motion, preload_x=1e-3)
         single = _settled(alone, loads(HIGH))

@@ -10,7 +10,6 @@ import pytest
 
 from toothspace.api import condition_of, lateral_settings, run_in_machine
 from toothspace.config import load_case
-from toothspace.core.errors import CaseError
 from toothspace.films.lateral_gap.equilibrium import Equilibrium
 from toothspace.films.lateral_gap.stops import leaning, rim_levers
 from toothspace.solver.lateral_gap import LateralProblem, lateral_problem
@@ -62,11 +61,6 @@ def test_bearing_leans_on_the_wall_and_gears_stand_between_equal_films() -> None
     assert _moment(problem, found) == pytest.approx(WALL * bearing[2], rel=1e-3)
     assert 0.0 < bearing[1] < 2e-4
     assert 0.0 < bearing[2] < 1e-4
-
-
-def test_bending_bodies_are_refused_for_a_split_bearing() -> None:
-    with pytest.raises(CaseError, match=r"run\.deformation: found 'bodies' with machine\."):
-        _problem("machine.floating_bearing.split=true", 'run.deformation="bodies"')
 
 
 @pytest.mark.parametrize(

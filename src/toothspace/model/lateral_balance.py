@@ -49,8 +49,8 @@ class BodyLoad:
     Parameters
     ----------
     body : str
-        Bearing ``floating`` or ``solid``, or a turning body. Journal forces on a turning body
-        are in its own frame, on a bearing in that of the machine.
+        Bearing ``floating`` or ``solid``, a part of one, or a turning body. Journal forces on a
+        turning body are in its own frame, on a bearing in that of the machine.
     load : str
         Name of the load.
     source : LoadSource
@@ -72,7 +72,7 @@ class ElasticBodies(Protocol):
     """Definition of the elastic bodies of a machine, made when it is asked for."""
 
     def __call__(self) -> Mapping[str, object]:
-        """Bearings ``floating`` and ``solid`` and the turning bodies, by name."""
+        """Bearings ``floating`` and ``solid``, or their parts, and the turning bodies, by name."""
         ...  # pragma: no cover
 
     def loads(self) -> tuple[BodyLoad, ...]:
@@ -121,6 +121,8 @@ class FilmInterface:
         Angle of the body's own frame at shaft angle zero. [rad]
     root_radius : float
         Where tooth spaces begin; zero for a face without any. [m]
+    part : str
+        Elastic body of the part of the bearing beside it; empty where the bearing is whole.
     """
 
     name: str
@@ -142,6 +144,12 @@ class FilmInterface:
     column_compliance: float = 0.0
     body_angle: float = 0.0
     root_radius: float = 0.0
+    part: str = ""
+
+    @property
+    def bearing(self) -> str:
+        """Elastic body of the bearing that it runs against."""
+        return self.part or self.side
 
 
 @final

@@ -87,17 +87,12 @@ def loaded_bodies(
     Raises
     ------
     CaseError
-        If the machine has no elastic bodies, or parts that move on their own.
+        If the machine has no elastic bodies.
     GeometryError
         If a body cannot be meshed or condensed.
     """
     if balance.elastic_bodies is None:
         raise CaseError("run.deformation: found 'bodies', allowed 'columns' or 'none' here")
-    if balance.halves:
-        raise CaseError(
-            "run.deformation: found 'bodies' with machine.floating_bearing.split, allowed "
-            "'columns' or 'none' here"
-        )
     made = balance.elastic_bodies()
     bodies = {name: body for name, body in made.items() if isinstance(body, ElasticBody)}
     frames = {i.body: (i.body_angle, i.speed_ratio) for i in balance.interfaces}

@@ -50,8 +50,9 @@ class ElasticFaces:
     grids : tuple of FaceGrid
         One per film.
     bodies : mapping of str to InfluenceMatrix
-        Bearings ``floating`` and ``solid`` with the film ``face`` in the machine frame, and the
-        turning bodies by name with the films ``floating`` and ``solid`` in their own frame.
+        Bearings, or their parts, by the names that the films have for them, with the film
+        ``face`` in the machine frame; the turning bodies by name with the films ``floating`` and
+        ``solid`` in their own frame.
     named_loads : callable
         What acts on the bodies besides the films, by scene.
     give : tuple of float
@@ -134,10 +135,10 @@ class ElasticFaces:
     def _faces(self, index: int, scene: Scene) -> list[tuple[str, slice, sp.csr_matrix]]:
         """Bearing and turning body at a film: name, nodes, and from the nodes to the cells."""
         bearing, body = self._kept_spread(index, scene.shaft_angle)
-        side, name = self.grids[index].interface.side, self.grids[index].interface.body
+        own = self.grids[index].interface
         return [
-            (side, self.bodies[side].of("face"), bearing),
-            (name, self.bodies[name].of(side), body),
+            (own.bearing, self.bodies[own.bearing].of("face"), bearing),
+            (own.body, self.bodies[own.body].of(own.side), body),
         ]
 
     def widening(self, pressures: Sequence[Array], scene: Scene) -> list[Array]:
@@ -231,7 +232,7 @@ class ElasticFaces:
     def _bearing_spread(self, grid: FaceGrid) -> sp.csr_matrix:
         own, p = grid.interface, grid.points
         placed = np.column_stack([p.x.ravel() + own.center[0], p.y.ravel() + own.center[1]])
-        return self.bodies[own.side].interpolation("face", placed)
+        return self.bodies[own.bearing].interpolation("face", placed)
 
     def _body_spread(self, grid: FaceGrid, shaft_angle: float) -> sp.csr_matrix:
         own = grid.interface

@@ -12,11 +12,16 @@ import shapely.affinity
 
 from toothspace.core.errors import GeometryError
 from toothspace.machines.external_gear.assembly import Assembly
-from toothspace.machines.external_gear.elastic_bodies import waist
+from toothspace.machines.external_gear.elastic_bodies import beside_cut
 from toothspace.machines.external_gear.films import FaceOfGear
 from toothspace.machines.external_gear.loads import BODIES, bodies, reduced_modulus
 from toothspace.machines.external_gear.numbering import Numbering
-from toothspace.machines.external_gear.pressed_bodies import PressedBodies, nose_outline
+from toothspace.machines.external_gear.pressed_bodies import (
+    PressedBodies,
+    half_names,
+    nose_outline,
+    spring_share,
+)
 from toothspace.machines.external_gear.spec import PressedBearing
 from toothspace.model.lateral_balance import (
     FilmInterface,
@@ -27,8 +32,6 @@ from toothspace.model.lateral_balance import (
     Side,
 )
 
-_ON_THE_CUT = 1e-6
-"""Distance up to which a spring stands on the cut of a split bearing. [m]"""
 _HALVINGS = 40
 _SIDES: tuple[Side, ...] = ("floating", "solid")
 
@@ -111,6 +114,7 @@ def _interface(assembly: Assembly, numbering: Numbering, side: Side, gear: int) 
     own = (spec.drive, spec.driven)[gear]
     column = pressed.length / pressed.material.elastic_modulus
     face = FaceOfGear(assembly, numbering, gear)
+    parts = half_names(pressed, side)
     column += 0.5 * own.face_width / own.material.elastic_modulus
     return FilmInterface(
         name=f"{side}_{BODIES[gear]}",
@@ -130,6 +134,7 @@ def _interface(assembly: Assembly, numbering: Numbering, side: Side, gear: int) 
         column_compliance=column,
         body_angle=face.tooth_angle(gear, 0.0),
         root_radius=assembly.profiles[gear].root_radius,
+        part=parts[gear] if parts else "",
     )
 
 
@@ -233,15 +238,13 @@ def _halves(assembly: Assembly, pressed: PressedBearing) -> tuple[FloatingBearin
             "with seal_line_x or contour"
         )
     tips = [profile.tip_radius for profile in assembly.profiles]
-    cut = waist(assembly, 0)
-    x0, y0, x1, y1 = face.bounds
-    parts = (shapely.box(x0, y0, x1, cut), shapely.box(x0, cut, x1, y1))
+    parts = (beside_cut(assembly, 0), beside_cut(assembly, 1))
     gauges = ((0.0, -tips[0]), (0.0, assembly.mesh.center_distance + tips[1]))
     made = []
     for k, (part, gauge) in enumerate(zip(parts, gauges, strict=True)):
         own = shapely.intersection(face, part)
         share = float(own.area / face.area)
-        loads = [(s.force * _part_of(s.y, cut, k), s.x, s.y) for s in pressed.springs]
+        loads = [(s.force * spring_share(assembly, s.y, k), s.x, s.y) for s in pressed.springs]
         loads.append((share * pressed.seal_preload, own.centroid.x, own.centroid.y))
         total, center = _resultant(loads)
         half = replace(
@@ -260,20 +263,9 @@ def _halves(assembly: Assembly, pressed: PressedBearing) -> tuple[FloatingBearin
     return made[0], made[1]
 
 
-def _part_of(y: float, cut: float, half: int) -> float:
-    """Part of a spring that a half carries: both share one that stands on the cut."""
-    if abs(y - cut) < _ON_THE_CUT:
-        return 0.5
-    return float((y < cut) == (half == 0))
-
-
 def _nose(pressed: PressedBearing, part: Any) -> Patch:
     """Part of the nose that is on a half."""
-    square = nose_outline(pressed)
-    left, _, right, _ = square.bounds
-    below, above = part.bounds[1], part.bounds[3]
-    wide = shapely.box(left, below, right, above)
-    own = shapely.intersection(square, wide)
+    own = shapely.intersection(nose_outline(pressed), part)
     return _patch(own) if own.area > 0.0 else Patch(0.0, (0.0, 0.0))
 
 

@@ -29,6 +29,7 @@ _SPRING_RADIUS = 0.05
 """Radius of the patch that carries a spring over the tip radius. [-]"""
 _OUTSIDE = 0.9
 """Radius from which a face counts as the outside of a bearing over the tip radius. [-]"""
+_INSIDE = 1.0 - 1e-6
 
 
 @final
@@ -135,13 +136,24 @@ def _space(assembly: Assembly, gear: int, index: int) -> shapely.Polygon:
     return shapely.Polygon(np.vstack([1.02 * profile.tip_radius * rim, near * rim[::-1]]))
 
 
-def bearing_section(assembly: Assembly) -> shapely.Polygon:
-    """Section of a bearing block or plate: both tip circles less the shaft bores. [m]."""
+def bearing_section(assembly: Assembly, half: int | None = None) -> shapely.Polygon:
+    """Section of a bearing block or plate: both tip circles less the shaft bores. [m].
+
+    With the number of a gear that of the half beside it.
+    """
     centers = _centers(assembly)
     tips = [profile.tip_radius for profile in assembly.profiles]
     outline = shapely.union_all([disc(r, c) for r, c in zip(tips, centers, strict=True)])
     bore = 0.5 * assembly.spec.journals.diameter
-    return shapely.difference(outline, shapely.union_all([disc(bore, c) for c in centers]))
+    whole = shapely.difference(outline, shapely.union_all([disc(bore, c) for c in centers]))
+    return whole if half is None else shapely.intersection(whole, beside_cut(assembly, half))
+
+
+def beside_cut(assembly: Assembly, gear: int) -> shapely.Polygon:
+    """Side of a gear of the line that cuts a split bearing, as a box round the machine. [m]."""
+    cut, reach = waist(assembly, 0), 10.0 * max(p.tip_radius for p in assembly.profiles)
+    low, high = (cut - reach, cut) if gear == 0 else (cut, cut + reach)
+    return shapely.box(-reach, low, reach, high)
 
 
 def _centers(assembly: Assembly) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -155,8 +167,9 @@ def bearing_body(
     side: BearingSide = "floating",
     back: BackLoads | None = None,
     size: MeshSize | None = None,
+    half: int | None = None,
 ) -> ElasticBody:
-    """Bearing block, bushing pair in one piece, or pressure plate.
+    """Bearing block, bushing pair in one piece, pressure plate, or a half of one of them.
 
     Parameters
     ----------
@@ -173,6 +186,8 @@ def bearing_body(
         Pressure regions, springs and seals of the back face.
     size : MeshSize, optional
         Fineness.
+    half : int, optional
+        Gear beside the half of a split bearing; the whole bearing if not given.
 
     Returns
     -------
@@ -182,11 +197,13 @@ def bearing_body(
         half a bearing, and ``wall_drive_x``... for those of the housing that hold against them.
     """
     size, back = size or MeshSize(), back or BackLoads()
-    unit, section = assembly.profiles[0].tip_radius, bearing_section(assembly)
+    unit, section = assembly.profiles[0].tip_radius, bearing_section(assembly, half)
     up = 1.0 if side == "floating" else -1.0
-    loads = _back_loads(assembly, back, "top" if side == "floating" else "bottom")
+    patch = _SPRING_RADIUS * unit
+    loads = _back_loads(section, patch, back, "top" if side == "floating" else "bottom")
     if carries_journals(assembly, length):
-        loads += radial_loads(assembly, sorted((0.0, up * length)))
+        gears = (0, 1) if half is None else (half,)
+        loads += radial_loads(assembly, sorted((0.0, up * length)), gears)
     support = Support("bottom", section)
     return ElasticBody(
         shape=SweptShape(
@@ -232,9 +249,9 @@ def _bearing_parts(
     )
 
 
-def _back_loads(assembly: Assembly, back: BackLoads, side: Literal["top", "bottom"]) -> list[Load]:
-    section = bearing_section(assembly)
-    radius = _SPRING_RADIUS * assembly.profiles[0].tip_radius
+def _back_loads(
+    section: shapely.Polygon, radius: float, back: BackLoads, side: Literal["top", "bottom"]
+) -> list[Load]:
     loads: list[Load] = [AreaPressure(name, side, area) for name, area in back.areas.items()]
     for name, place in back.points.items():
         patch = _nearest(section, place, radius).buffer(radius)
@@ -253,11 +270,14 @@ def _nearest(section: shapely.Polygon, place: tuple[float, float], radius: float
     return shapely.line_interpolate_point(shapely.shortest_line(room, shapely.Point(*place)), 0.0)
 
 
-def radial_loads(assembly: Assembly, levels: list[float]) -> list[Load]:
+def radial_loads(
+    assembly: Assembly, levels: list[float], gears: tuple[int, ...] = (0, 1)
+) -> list[Load]:
     """Forces of journals on the bores and of the housing on the outer face, one newton each."""
     radius, ends = 0.5 * assembly.spec.journals.diameter, (levels[0], levels[1])
     loads: list[Load] = []
-    for gear, (name, center) in enumerate(zip(_NAMES, _centers(assembly), strict=True)):
+    for gear in gears:
+        name, center = _NAMES[gear], _centers(assembly)[gear]
         for axis, angle in (("x", 0.0), ("y", 0.5 * np.pi)):
             label = f"{name}_{axis}"
             loads += [
@@ -283,7 +303,8 @@ def _wall(assembly: Assembly, gear: int, name: str, levels: tuple[float, float])
     radius = assembly.profiles[gear].tip_radius
     x, y = _centers(assembly)[gear]
     sign = wall_direction(assembly, axis, gear)
-    half = radius if axis == "y" else waist(assembly, gear)
+    # the face of a cut is no part of the outer face
+    half = radius if axis == "y" else _INSIDE * waist(assembly, gear)
     reach = sign * 4.0 * radius
     low, high = sorted((0.0, reach))
     wide = (

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import final
+from typing import NamedTuple, final
 
 import shapely
 
+from toothspace.core.errors import GeometryError
 from toothspace.core.types import IntArray
 from toothspace.elasticity.body import ElasticBody
 from toothspace.elasticity.solid_file import SolidFile
@@ -18,8 +19,10 @@ from toothspace.machines.external_gear.elastic_bodies import (
     MeshSize,
     bearing_body,
     bearing_section,
+    beside_cut,
     carries_journals,
     gear_body,
+    waist,
     wall_direction,
 )
 from toothspace.machines.external_gear.loads import BODIES
@@ -31,12 +34,22 @@ COARSE = MeshSize(0.16, 0.16, 0.13)
 _SIDES: tuple[BearingSide, ...] = ("floating", "solid")
 _KEYS = dict(zip((*_SIDES, *BODIES), ("floating_bearing", "solid_bearing", *BODIES), strict=True))
 _AXES: tuple[tuple[str, LoadSource], ...] = (("x", "journal_x"), ("y", "journal_y"))
+_ON_THE_CUT = 1e-6
+"""Distance up to which a spring stands on the cut of a split bearing. [m]"""
 _ON_OUTLINE = 1e-5
 """Distance up to which an edge of the high-pressure area is the outline of the face. [m]"""
 _EDGE = 0.1
 """Edge of the tetrahedra of bodies from files over the tip radius, if not given. [-]"""
 _SHARE = 0.5
 """Each of both bearings carries this share of the journal force on a gear. [-]"""
+
+
+class _Piece(NamedTuple):
+    # bearing or half: name of its body, side, gear beside a half, share of the whole face
+    name: str
+    side: BearingSide
+    half: int | None
+    share: float
 
 
 @final
@@ -62,20 +75,21 @@ class PressedBodies:
     size: MeshSize = COARSE
 
     def __call__(self) -> Mapping[str, ElasticBody]:
-        """Bearings ``floating`` and ``solid``, and the gears by name.
+        """Bearings ``floating`` and ``solid`` or their halves, and the gears by name.
 
         Raises
         ------
         GeometryError
-            If a body has a shape that cannot be swept.
+            If a body has a shape that cannot be swept, or a half of a bearing a file.
         """
-        made: dict[str, ElasticBody] = {side: self._bearing(side) for side in _SIDES}
-        made |= {name: gear_body(self.assembly, k, self.size) for k, name in enumerate(BODIES)}
-        return {name: self._from_file(name, body) for name, body in made.items()}
+        made = {p.name: self._from_file(p.side, self._bearing(p), p.half) for p in self._pieces()}
+        for k, name in enumerate(BODIES):
+            made[name] = self._from_file(name, gear_body(self.assembly, k, self.size))
+        return made
 
     def loads(self) -> tuple[BodyLoad, ...]:
         """Pressures behind the bearing and in the tooth spaces, springs, seal, journals."""
-        found = [load for side in _SIDES for load in self._bearing_loads(side)]
+        found = [load for piece in self._pieces() for load in self._bearing_loads(piece)]
         for gear, name in enumerate(BODIES):
             spaces = enumerate(self.space_nodes[gear])
             found += [BodyLoad(name, f"space_{k}", "node", int(node)) for k, node in spaces]
@@ -95,59 +109,123 @@ class PressedBodies:
         """Whether a bearing is pressed on its back and held by nothing else."""
         return side == "floating" or self._pressed.arrangement != "asymmetric"
 
-    def _bearing(self, side: BearingSide) -> ElasticBody:
-        own = self._pressed
-        back = self._back() if self._moves(side) else None
-        body = bearing_body(self.assembly, own.material, own.length, side, back, self.size)
-        return replace(body, supports=()) if self._moves(side) else body
+    def _pieces(self) -> list[_Piece]:
+        """Both bearings, halves of the split ones."""
+        area = bearing_section(self.assembly).area
+        found = []
+        for side in _SIDES:
+            parts = half_names(self._pressed, side)
+            if not parts:
+                found.append(_Piece(side, side, None, 1.0))
+            for k, name in enumerate(parts):
+                own = bearing_section(self.assembly, k).area
+                found.append(_Piece(name, side, k, float(own / area)))
+        return found
 
-    def _back(self) -> BackLoads:
+    def _bearing(self, piece: _Piece) -> ElasticBody:
+        own, moves = self._pressed, self._moves(piece.side)
+        body = bearing_body(
+            self.assembly,
+            own.material,
+            own.length,
+            piece.side,
+            self._back(piece) if moves else None,
+            self.size,
+            piece.half,
+        )
+        return replace(body, supports=()) if moves else body
+
+    def _back(self, piece: _Piece) -> BackLoads:
         """High-pressure area with its seal, nose and springs."""
-        own, section = self._pressed, bearing_section(self.assembly)
-        areas = {"high": self.high_pressure} if self.high_pressure.area > 0.0 else {}
+        own, high = self._pressed, self._high_on(piece)
+        areas = {"high": high} if high.area > 0.0 else {}
         lines = {}
         if own.seal_preload > 0.0:
-            lines["seal"] = seal_line(self.high_pressure, section)
-        points = {f"spring_{k}": (s.x, s.y) for k, s in enumerate(own.springs)}
+            lines["seal"] = seal_line(high, bearing_section(self.assembly, piece.half))
+        points = {
+            f"spring_{k}": (own.springs[k].x, own.springs[k].y) for k in self._springs_on(piece)
+        }
         patches = {}
-        if own.nose_area > 0.0:
-            patches["nose"] = nose_outline(own).difference(self.high_pressure)
+        if self._nose_on(piece).area > 0.0:
+            patches["nose"] = self._nose_on(piece).difference(self.high_pressure)
         return BackLoads(areas=areas, points=points, lines=lines, patches=patches)
 
-    def _bearing_loads(self, side: BearingSide) -> list[BodyLoad]:
-        own, found = self._pressed, list[BodyLoad]()
-        if self._moves(side):
-            if self.high_pressure.area > 0.0:
-                found.append(BodyLoad(side, "high", "high"))
-            if own.nose_area > 0.0:
-                found.append(BodyLoad(side, "nose", "nose", factor=own.nose_area))
+    def _high_on(self, piece: _Piece) -> shapely.Geometry:
+        return self._of(self.high_pressure, piece)
+
+    def _nose_on(self, piece: _Piece) -> shapely.Geometry:
+        return self._of(nose_outline(self._pressed), piece)
+
+    def _of(self, shape: shapely.Geometry, piece: _Piece) -> shapely.Geometry:
+        """Part of a shape that is on a bearing or half."""
+        if piece.half is None:
+            return shape
+        return shapely.intersection(shape, beside_cut(self.assembly, piece.half))
+
+    def _springs_on(self, piece: _Piece) -> dict[int, float]:
+        """Springs on a bearing or half by number, with the share of them that it carries."""
+        shares = {
+            k: 1.0 if piece.half is None else spring_share(self.assembly, spring.y, piece.half)
+            for k, spring in enumerate(self._pressed.springs)
+        }
+        return {k: share for k, share in shares.items() if share > 0.0}
+
+    def _bearing_loads(self, piece: _Piece) -> list[BodyLoad]:
+        own, name, found = self._pressed, piece.name, list[BodyLoad]()
+        if self._moves(piece.side):
+            if self._high_on(piece).area > 0.0:
+                found.append(BodyLoad(name, "high", "high"))
+            if self._nose_on(piece).area > 0.0:
+                area = float(self._nose_on(piece).area)
+                found.append(BodyLoad(name, "nose", "nose", factor=area))
             if own.seal_preload > 0.0:
-                found.append(BodyLoad(side, "seal", "constant", factor=own.seal_preload))
-            for k, spring in enumerate(own.springs):
-                found.append(BodyLoad(side, f"spring_{k}", "constant", factor=spring.force))
+                size = piece.share * own.seal_preload
+                found.append(BodyLoad(name, "seal", "constant", factor=size))
+            for k, share in self._springs_on(piece).items():
+                size = share * own.springs[k].force
+                found.append(BodyLoad(name, f"spring_{k}", "constant", factor=size))
         if carries_journals(self.assembly, own.length):
-            found += self._radial_loads(side)
+            found += self._radial_loads(piece)
         return found
 
-    def _radial_loads(self, side: BearingSide) -> list[BodyLoad]:
+    def _radial_loads(self, piece: _Piece) -> list[BodyLoad]:
         """Journal forces on the bores and what holds against them."""
-        found = []
-        for gear, name in enumerate(BODIES):
-            label = name.removesuffix("_gear")
+        found, name = [], piece.name
+        for gear in (0, 1) if piece.half is None else (piece.half,):
+            label = BODIES[gear].removesuffix("_gear")
             for axis, source in _AXES:
                 held = -_SHARE * wall_direction(self.assembly, axis, gear)
-                found.append(BodyLoad(side, f"journal_{label}_{axis}", source, gear, -_SHARE))
-                found.append(BodyLoad(side, f"wall_{label}_{axis}", source, gear, held))
+                found.append(BodyLoad(name, f"journal_{label}_{axis}", source, gear, -_SHARE))
+                found.append(BodyLoad(name, f"wall_{label}_{axis}", source, gear, held))
         return found
 
-    def _from_file(self, name: str, body: ElasticBody) -> ElasticBody:
+    def _from_file(self, name: str, body: ElasticBody, half: int | None = None) -> ElasticBody:
         """Body with the shape of its STEP file, where it has one."""
         files = self.assembly.spec.body_files
         path = None if files is None else getattr(files, _KEYS[name])
         if files is None or path is None:
             return body
+        if half is not None:
+            raise GeometryError(
+                f"machine.elastic_bodies.{_KEYS[name]}: found a file of a split bearing, allowed "
+                "for bearings in one piece"
+            )
         edge = files.edge_length or _EDGE * self.assembly.profiles[0].tip_radius
         return replace(body, shape=SolidFile(path, edge, f"machine.elastic_bodies.{_KEYS[name]}"))
+
+
+def half_names(pressed: PressedBearing, side: str) -> tuple[str, ...]:
+    """Elastic bodies of the halves beside the gears; empty for a bearing in one piece."""
+    moves = side == "floating" or pressed.arrangement != "asymmetric"
+    return tuple(f"{side}_{name}" for name in BODIES) if pressed.split and moves else ()
+
+
+def spring_share(assembly: Assembly, y: float, half: int) -> float:
+    """Part of a spring that a half carries: both share one that stands on the cut."""
+    cut = waist(assembly, 0)
+    if abs(y - cut) < _ON_THE_CUT:
+        return 0.5
+    return float((y < cut) == (half == 0))
 
 
 def nose_outline(pressed: PressedBearing) -> shapely.Polygon:
