@@ -21,7 +21,6 @@ from toothspace.elasticity import (
     storage,
 )
 from toothspace.films.lateral_gap.elastic_faces import (
-    MEMORY,
     ElasticFaces,
     elastic_faces,
 )
@@ -40,6 +39,8 @@ MODULUS, LENGTH, WIDTH = 100e9, 20e-3, 16e-3
 SECTION = annulus(INNER, OUTER)
 SIZE = (5e-3, 5e-3)
 CELLS = (36, 10)
+MEMORY = 8
+FORESEEN = StepSettings(film_tolerance=1e-4, memory=2, fineness=Fineness(4, 2), jacobian_age=60)
 
 
 def _face(name: str, side: str) -> PlaneSurface:
@@ -200,7 +201,7 @@ def test_bearing_rests_between_elastic_bodies(faces: ElasticFaces) -> None:
         loads(HIGH),
         first,
         SearchSettings(first_step=10.0),
-        StepSettings(film_tolerance=1e-4, memory=MEMORY),
+        FORESEEN,
     )
     assert found.rests
     assert found.balance.residual < 1e-6
@@ -257,7 +258,7 @@ def test_march_that_foresees_the_widening_takes_the_same_way(faces: ElasticFaces
     settings = StepSettings(force_tolerance=5e-5, memory=MEMORY, passes=1)
     plain = _march(stack, settings)
     quick = _march(
-        replace(stack, compliance=faces.in_march()),
+        stack,
         replace(settings, fineness=Fineness(2, 1), jacobian_age=60),
     )
     assert plain.converged

@@ -14,7 +14,6 @@ from toothspace.closures.viscosity import HIGHEST_PRESSURE
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
 from toothspace.films.film_fluid import FilmFluid
-from toothspace.films.lateral_gap.elastic_faces import MEMORY
 from toothspace.films.lateral_gap.equilibrium import (
     Equilibrium,
     SearchSettings,
@@ -57,9 +56,9 @@ _MARCHED = Accuracy(settled=1e-3, linear=1e-2)
 _JACOBIAN_AGE = 60
 """Iterations of the march that one Jacobian serves. [-]"""
 _FINENESS = Fineness(waves=16, degree=2, phases=6)
-"""Patterns of widening that the march foresees: those of the teeth are the finest. [-]"""
-_MARCH_MEMORY = 2
-"""Iterations of the march from which finer patterns are foreseen. [-]"""
+"""Patterns of widening that are foreseen: those of the teeth are the finest. [-]"""
+_MEMORY = 2
+"""Iterations from which finer patterns are foreseen. [-]"""
 
 
 @final
@@ -150,10 +149,8 @@ class LateralProblem:
         """
         angles = np.arange(1, round(steps * revolutions) + 1) * 2.0 * np.pi / steps
         step = replace(self._step(5e-5), jacobian_age=_JACOBIAN_AGE, passes=1)
-        if self.settings.deformation == "bodies":
-            step = replace(step, fineness=_FINENESS, memory=_MARCH_MEMORY)
         laws = tuple(law._replace(accuracy=_MARCHED) for law in self.stack.laws)
-        stack = replace(self.stack, laws=laws, compliance=self.stack.compliance.in_march())
+        stack = replace(self.stack, laws=laws)
         track = LateralTrack(angles)
 
         def keep(number: int, balance: Balance) -> None:
@@ -175,7 +172,9 @@ class LateralProblem:
         return StepSettings(
             force_tolerance=tolerance,
             max_iterations=40 if bends else 25,
-            memory=MEMORY if bends else 0,
+            memory=_MEMORY if bends else 0,
+            jacobian_age=_JACOBIAN_AGE if bends else 1,
+            fineness=_FINENESS if bends else None,
         )
 
 

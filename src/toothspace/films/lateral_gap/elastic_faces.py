@@ -21,23 +21,17 @@ from toothspace.numerics.side_by_side import side_by_side
 _PROBE = 1e6
 """Pressure that the local part of the deformation is told with. [Pa]"""
 
-_LOCAL_SHARE = 0.35
-"""Local part over the mean of the probe: what faces yield to patterns as wide as a few teeth.
+_PROBE_WAVES = 12
+"""Waves of that pressure round a face: about the finest that a tooth makes.
 
-Wider patterns, to which they yield more, are few and soon learnt; to finer ones they hardly yield.
+Patterns as wide and wider are foreseen, finer ones to which faces yield less are iterated.
 """
-
-_MARCH_SHARE = 0.1
-"""The same where the widening in smooth patterns is foreseen: what is left are finer patterns."""
 
 _KEPT = 4
 """Shaft angles whose interpolation is kept. [-]"""
 
 NamedLoads = Callable[[Scene], Mapping[str, Mapping[str, float]]]
 """Named loads of every body in a scene, above the low pressure. [Pa] or [N]"""
-
-MEMORY = 8
-"""Iterations from which the rest and the positions are foreseen. [-]"""
 
 
 @final
@@ -55,10 +49,8 @@ class ElasticFaces:
         ``solid`` in their own frame.
     named_loads : callable
         What acts on the bodies besides the films, by scene.
-    give : tuple of float
-        Mean widening over the pressure on one half of a face, by film. [m/Pa]
-    share : float
-        Part of it that follows the pressure at the same place. [-]
+    local : tuple of float
+        Part of the widening that follows the pressure at the same place, by film. [m/Pa]
 
     Notes
     -----
@@ -69,21 +61,11 @@ class ElasticFaces:
     grids: tuple[FaceGrid, ...]
     bodies: Mapping[str, InfluenceMatrix]
     named_loads: NamedLoads
-    give: tuple[float, ...]
-    share: float = _LOCAL_SHARE
+    local: tuple[float, ...]
     _on_bearing: dict[int, sp.csr_matrix] = field(init=False, repr=False, default_factory=dict)
     _on_body: dict[tuple[int, float], sp.csr_matrix] = field(
         init=False, repr=False, default_factory=dict
     )
-
-    @property
-    def local(self) -> tuple[float, ...]:
-        """Part of the widening that follows the pressure at the same place, by film. [m/Pa]."""
-        return tuple(self.share * give for give in self.give)
-
-    def in_march(self) -> ElasticFaces:
-        """Same faces with the local part that suits steps whose smooth widening is foreseen."""
-        return replace(self, share=_MARCH_SHARE)
 
     def distant(self, pressures: Sequence[Array], scene: Scene) -> list[Array]:
         """Rest of the widening of every gap [m] under pressures above the low one. [Pa]."""
@@ -267,20 +249,19 @@ def elastic_faces(
     matrices = {name: influence_matrix(body, estimate_error=False) for name, body in bodies.items()}
     faces = ElasticFaces(grids, matrices, _unloaded, (0.0,) * len(grids))
     scene = Scene(0.0, tuple(grid.mask(0.0) for grid in grids), np.zeros(0))
-    give = tuple(_mean_give(faces, scene, k) for k in range(len(grids)))
-    return ElasticFaces(grids, matrices, named_loads or _unloaded, give)
+    local = tuple(_fine_give(faces, scene, k) for k in range(len(grids)))
+    return ElasticFaces(grids, matrices, named_loads or _unloaded, local)
 
 
 def _unloaded(scene: Scene) -> Mapping[str, Mapping[str, float]]:
     return {}
 
 
-def _mean_give(faces: ElasticFaces, scene: Scene, index: int) -> float:
-    """Widening over pressure, as a mean over one half of a face under pressure. [m/Pa]."""
+def _fine_give(faces: ElasticFaces, scene: Scene, index: int) -> float:
+    """Widening over pressure, where the pressure goes up and down round the face. [m/Pa]."""
     grid = faces.grids[index]
     probe = [np.zeros_like(g.area) for g in faces.grids]
-    pressed = scene.masks[index].film & (grid.points.x > 0.0)
-    probe[index] = np.where(pressed, _PROBE, 0.0)
-    area = np.where(pressed, grid.area, 0.0)
-    mean = float((faces.widening(probe, scene)[index] * area).sum() / area.sum())
-    return mean / _PROBE
+    wave = np.cos(_PROBE_WAVES * grid.angle)[:, None] * np.ones(grid.lanes)
+    probe[index] = _PROBE * wave
+    found = faces.widening(probe, scene)[index]
+    return float((found * wave * grid.area).sum() / (wave**2 * grid.area).sum()) / _PROBE

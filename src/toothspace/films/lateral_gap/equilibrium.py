@@ -16,12 +16,12 @@ from toothspace.films.lateral_gap.motion import (
     advance,
     at_rest,
     balance_force,
-    limited,
 )
 from toothspace.films.lateral_gap.relaxation import relax
 from toothspace.films.lateral_gap.stability import growing_motion
-from toothspace.films.lateral_gap.stack import Scene, Stack, StackState
+from toothspace.films.lateral_gap.stack import Scene, Stack
 from toothspace.films.lateral_gap.stops import leaning
+from toothspace.films.lateral_gap.widening import limited
 
 _MOST_FAILURES = 6
 """Steps in time that may fail before squeeze is left out."""
@@ -248,7 +248,7 @@ def march_angles(
         Called with the number and the state after every step; then states are not kept.
     """
     duration = float(angles[1] - angles[0]) / stack.shaft_speed
-    now = replace(start, states=(_apart(stack, start.states[0], loads),), jacobian=None)
+    now = replace(start, states=(replace(start.states[0], stack=stack),), jacobian=None)
     kept: list[Balance] = []
     converged = True
     for k, angle in enumerate(angles):
@@ -260,10 +260,3 @@ def march_angles(
         else:
             keep(k, now)
     return March(angles, tuple(kept), converged)
-
-
-def _apart(stack: Stack, state: StackState, loads: Loads) -> StackState:
-    """State whose widening is divided into local and distant as the stack does."""
-    pressures, local = state.face_pressures(loads.back.low), stack.compliance.local
-    parts = zip(state.films, pressures, local, strict=True)
-    return replace(state, stack=stack, distant=tuple(f.widening - c * p for f, p, c in parts))

@@ -172,10 +172,13 @@ class FaceFilm:
         carried = self.grid.moments(self.total, mask.cells.covered)
         return carried, self.grid.moments(self.pressure, mask.open_face)
 
-    def overstep(self, motion: Array) -> float:
-        """Motion of the upper face [m, rad] over the longest that its gap allows in one step."""
-        p = self.grid.points
-        return _overstep(motion, p.x, p.y, self.around.mask.film, self.gap, self.law.roughness)
+    def overstep(self, motion: Array, opening: Array) -> float:
+        """Step of the gap over the longest that it allows.
+
+        A motion of the upper face [m, rad] and an opening of every cell. [m]
+        """
+        change = _plane(self.grid.points.x, self.grid.points.y, motion) + opening
+        return _overstep(change, self.around.mask.film, self.gap, self.law.roughness)
 
     def coefficients(self, motions: tuple[int, ...]) -> tuple[Array, Array]:
         """Stiffness and damping 3x3 of the covered load; unasked motions have zero columns.
@@ -189,6 +192,10 @@ class FaceFilm:
             rate, k = divmod(n, len(motions))
             tables[rate, :, motions[k]] = -self.grid.moments(total, self.around.mask.film)
         return tables[0], tables[1]
+
+    def rates(self) -> list[GapField]:
+        """Motions of the upper face: rates of its lift and rotations."""
+        return [_change(_lever(self.grid, motion), True) for motion in range(3)]
 
     def pressure_changes(self, changes: Sequence[GapField]) -> list[Array]:
         """Change of the pressure of film and asperities with motions of the undeformed gap.
@@ -372,19 +379,16 @@ def _height(motion: Array, x: float, y: float) -> float:
 
 
 @njit(cache=True, nogil=True)
-def _overstep(
-    motion: Array, x: Array, y: Array, film: BoolArray, gap: Array, roughness: float
-) -> float:
+def _overstep(change: Array, film: BoolArray, gap: Array, roughness: float) -> float:
     most = 0.0
     for i in range(gap.shape[0]):
         for j in range(gap.shape[1]):
             if film[i, j]:
-                change = _height(motion, x[i, j], y[i, j])
                 h = max(gap[i, j], 0.0)
                 room = (1.0 - _SHRINK) * h + _OVERLAP * roughness
-                if change > 0.0:
+                if change[i, j] > 0.0:
                     room = (_GROWTH - 1.0) * h + max(roughness, 1e-7)
-                most = max(most, abs(change) / max(room, 1e-300))
+                most = max(most, abs(change[i, j]) / max(room, 1e-300))
     return most
 
 

@@ -246,12 +246,12 @@ def _solve(task: _Task, former: Balance, slides: tuple[int, ...] | None) -> Bala
         if steady and foretold is not None and jacobian is not None:
             jacobian = _corrected(jacobian, foretold, _forces(task, states, v, slides)[0])
         if jacobian is None or age >= settings.jacobian_age or number % _PATIENCE == 0:
-            jacobian, age = widening.renew(states, task.duration), 0
+            jacobian, age = widening.renew(states), 0
         age += 1
         known = states, jacobian, widening.pull()
         found, revised, firm = _decided(task, known, v, slides, steady)
         if foretold is not None and age > 1 and found.error > _HELPED * error:
-            jacobian, age = widening.renew(states, task.duration), 1
+            jacobian, age = widening.renew(states), 1
             found, revised, firm = _decided(task, (states, jacobian, 0.0), v, slides, steady)
         slides = widening.beside(slides, revised)
         error, best = found.error, found.error / _scale(task)
@@ -262,7 +262,7 @@ def _solve(task: _Task, former: Balance, slides: tuple[int, ...] | None) -> Bala
         step = found.step
         if not np.isfinite(step).all():
             break
-        step = limited(states, widening.follow(q, step, stack.arms))
+        step = widening.follow(states, step, step / task.duration)
         ahead = found.force - _matrix(task, jacobian, found.drag) @ step
         foretold = (step, ahead) if _tells(settings, steady, best) else None
         q = q + step
@@ -270,10 +270,11 @@ def _solve(task: _Task, former: Balance, slides: tuple[int, ...] | None) -> Bala
 
 
 def _begun(task: _Task, states: tuple[StackState, ...], former: Balance) -> Widening:
-    """Widening before the step, foreseen once the state before the step is that of a march."""
-    settings, angle = task.settings, task.scenes[0].shaft_angle
-    fineness = None if task.past is None else settings.fineness
-    return Widening(states, settings.memory, fineness, former.responses, angle)
+    """Widening before the step."""
+    settings, angles = task.settings, [scene.shaft_angle for scene in task.scenes]
+    frequency = 0.0 if task.past is None else 1.0 / task.duration
+    kept = settings.fineness, former.responses
+    return Widening(states, angles, settings.memory, *kept, frequency)
 
 
 def _tells(settings: StepSettings, steady: bool, residual: float) -> bool:
@@ -450,15 +451,6 @@ def balance_force(stack: Stack, back: BackPressure) -> float:
 
 def _scale(task: _Task) -> float:
     return balance_force(task.stack, task.loads.back)
-
-
-def limited(states: tuple[StackState, ...], step: Array) -> Array:
-    """Longest part of a step [m, rad] that neither closes nor opens a gap by too much."""
-    still, most = np.zeros_like(step), 1.0
-    for state in states:
-        for k, film in enumerate(state.films):
-            most = max(most, film.overstep(state.stack.film_place(k, step, still).position))
-    return np.asarray(step / most)
 
 
 def rest_at(stack: Stack, scenes: Sequence[Scene], position: Array) -> Balance:

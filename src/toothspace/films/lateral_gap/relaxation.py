@@ -13,7 +13,6 @@ from toothspace.films.lateral_gap.motion import (
     Loads,
     balance_force,
     levers_of,
-    limited,
 )
 from toothspace.films.lateral_gap.stack import (
     Scene,
@@ -23,7 +22,7 @@ from toothspace.films.lateral_gap.stack import (
     mean_force,
 )
 from toothspace.films.lateral_gap.stops import stop_forces
-from toothspace.films.lateral_gap.widening import Fields, widened
+from toothspace.films.lateral_gap.widening import Fields, limited, widened
 
 _FIRST_YIELD = 1e-7
 """Way that the force behind the bearing pushes a body in the first step. [m]"""

@@ -47,10 +47,6 @@ class Compliance(Protocol):
         """Sizes of patterns of that rest per change of pressure, film by film. [m/Pa]."""
         ...  # pragma: no cover
 
-    def in_march(self) -> Compliance:
-        """Same faces with the local part that suits the march."""
-        ...  # pragma: no cover
-
 
 @final
 @dataclass(frozen=True)
@@ -71,12 +67,7 @@ class Columns:
 
     def gain(self, changes: Sequence[Array], scene: Scene, patterns: Sequence[Patterns]) -> Array:
         """Return no further widening. [m/Pa]."""
-        count = sum(map(len, changes))
-        return np.zeros((count, count))
-
-    def in_march(self) -> Columns:
-        """Return the same faces."""
-        return self
+        return np.zeros((sum(p.count for p in patterns), sum(map(len, changes))))
 
 
 class BackPressure(NamedTuple):

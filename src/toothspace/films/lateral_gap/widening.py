@@ -9,6 +9,7 @@ from typing import NamedTuple, final
 import numpy as np
 
 from toothspace.core.types import Array
+from toothspace.films.lateral_gap.face_film import FaceFilm
 from toothspace.films.lateral_gap.mixing import Mixing, mixed
 from toothspace.films.lateral_gap.patterns import Patterns
 from toothspace.films.lateral_gap.stack import StackState, mean_coefficients
@@ -33,12 +34,21 @@ class Response:
         Film force on the coordinates per size. [N/m, N]
     planes : ndarray, shape (n, coordinates)
         Sizes per unit of the coordinates. [-, m]
+    squeezed : ndarray, shape (n, coordinates)
+        Sizes of patterns of the distant widening per rate of the coordinates. [s, m s]
+    drag : ndarray, shape (coordinates, coordinates)
+        Damping of the films where the distant widening stays. [N s/m, N s, N m s]
+    frequency : float
+        Inverse of the step over which patterns grow, 0 where the widening is steady. [1/s]
     """
 
     patterns: tuple[Patterns, ...]
     gain: Array
     force: Array
     planes: Array
+    squeezed: Array
+    drag: Array
+    frequency: float
     settled: Array = field(init=False, repr=False)
     """Sizes in the end, per size of what the widening misses. [-]"""
     pull: Array = field(init=False, repr=False)
@@ -49,13 +59,25 @@ class Response:
         object.__setattr__(self, "pull", self.force @ self.settled)
 
     @property
-    def stiffness(self) -> tuple[Array, Array]:
-        """Stiffness and damping of the films, both in the first, with the widening that follows.
+    def coefficients(self) -> tuple[Array, Array]:
+        """Stiffness and damping of the films with the widening that follows.
 
-        The damping is that of the step for which the patterns grow.
+        Of patterns that grow over a step the first holds the damping of that step, too.
         """
-        found = -self.pull @ self.planes
-        return found, np.zeros_like(found)
+        return -self.pull @ self.planes, self.drag - self.pull @ self.squeezed
+
+    def follow(self, missing: Array, step: Array, rate: Array) -> Array:
+        """Sizes by which the widening changes until it misses nothing. [m].
+
+        Parameters
+        ----------
+        missing : ndarray
+            Sizes of what it misses. [m]
+        step, rate : ndarray
+            Change of the coordinates and of their rates. [m, rad, m/s, rad/s]
+        """
+        asked = missing + self.gain @ (self.planes @ step) + self.squeezed @ rate
+        return np.asarray(self.settled @ asked)
 
     def sizes(self, fields: Sequence[Array]) -> Array:
         """Sizes of the patterns nearest to the fields of all films. [m]."""
@@ -76,7 +98,7 @@ class Fineness(NamedTuple):
 
 
 def response(state: StackState, fineness: Fineness, frequency: float) -> Response:
-    """Response of solved films to patterns that grow over a step.
+    """Response of solved films to patterns that open the gaps.
 
     Parameters
     ----------
@@ -85,24 +107,35 @@ def response(state: StackState, fineness: Fineness, frequency: float) -> Respons
     fineness : Fineness
         Waves and degree of the patterns. [-]
     frequency : float
-        Inverse of the length of the step. [1/s]
+        Inverse of the length of a step over which patterns grow and the coordinates move; 0 where
+        the widening counts as steady and rates of the coordinates are told apart. [1/s]
     """
     stack = state.stack
     patterns = tuple(Patterns(grid, fineness.waves, fineness.degree) for grid in stack.grids)
 
-    def one(k: int) -> Array:
+    def one(k: int) -> tuple[Array, Array]:
         film = state.films[k]
-        changes = (film.pressure_changes([lift])[0] for lift in patterns[k].lifts(frequency))
-        return np.array(list(changes))
+        asked = patterns[k].lifts(frequency)
+        changes = np.array([film.pressure_changes([lift])[0] for lift in asked])
+        return changes, np.array(film.pressure_changes(film.rates()))
 
-    changes = side_by_side(one, range(len(patterns)), stack.grids[0].area.size)
-    force, planes = [], []
-    for film, chain, change, own in zip(state.films, stack.chains, changes, patterns, strict=True):
-        loads = [film.grid.moments(c, film.around.mask.film) for c in change]
-        force.append(chain.T @ np.array(loads).T)
-        planes.append(own.planes() @ chain)
+    found = side_by_side(one, range(len(patterns)), stack.grids[0].area.size)
+    changes, rates = ([pair[k] for pair in found] for k in range(2))
+    loads = [_loads(film, c) for film, c in zip(state.films, changes, strict=True)]
+    force = [chain.T @ load for chain, load in zip(stack.chains, loads, strict=True)]
+    planes = [own.planes() @ chain for own, chain in zip(patterns, stack.chains, strict=True)]
     gain = stack.compliance.gain(changes, state.scene, patterns)
-    return Response(patterns, gain, np.hstack(force), np.vstack(planes))
+    squeezed, drag = np.zeros((len(gain), stack.size)), np.zeros((stack.size, stack.size))
+    if frequency == 0.0:
+        squeezed = stack.compliance.gain(rates, state.scene, patterns) @ np.vstack(stack.chains)
+        for film, chain, rate in zip(state.films, stack.chains, rates, strict=True):
+            drag -= chain.T @ _loads(film, rate) @ chain
+    return Response(patterns, gain, np.hstack(force), np.vstack(planes), squeezed, drag, frequency)
+
+
+def _loads(film: FaceFilm, changes: Array) -> Array:
+    """Forces and moments of changes of the pressure, one column each. [N, N m]."""
+    return np.array([film.grid.moments(c, film.around.mask.film) for c in changes]).T
 
 
 def widened(states: Sequence[StackState], used: Fields, low: float) -> tuple[Fields, float]:
@@ -138,39 +171,46 @@ class Widening:
     ----------
     states : sequence of StackState
         Films before the step, one state per scene.
+    angles : sequence of float
+        Shaft angles of the scenes. [rad]
     memory : int
         Former iterations from which the next is foreseen. [-]
     fineness : Fineness, optional
         Patterns whose response is taken along.
     kept : mapping of int to Response
         Responses that served at phases of the tooth pitch.
-    shaft_angle : float
-        Angle at the end of the step. [rad]
+    frequency : float
+        Inverse of the length of the step, 0 if the widening counts as steady. [1/s]
     """
 
     def __init__(
         self,
         states: Sequence[StackState],
+        angles: Sequence[float],
         memory: int,
         fineness: Fineness | None,
         kept: Mapping[int, Response],
-        shaft_angle: float,
+        frequency: float,
     ) -> None:
         self.used: Fields = [list(s.distant) for s in states]
         """Widening of the next films. [m]"""
-        self.responses = dict(kept)
-        """Responses that serve the next steps."""
-        self._fineness, self._phase = fineness, 0
+        self.responses = {k: own for k, own in kept.items() if own.frequency == frequency}
+        """Responses that serve the next steps, by the phase of the tooth pitch."""
+        self._fineness, self._frequency = fineness, frequency
+        self._phases: list[int] = []
         if fineness is not None:
             pitch = states[0].stack.balance.interfaces[0].period
-            self._phase = int(np.mod(shaft_angle / pitch, 1.0) * fineness.phases)
+            self._phases = [int(np.mod(a / pitch, 1.0) * fineness.phases) for a in angles]
         self._memory, self._mixing = memory, Mixing(memory)
         self._new = self.used
-        self._missing = np.zeros(0)
+        self._missing: list[Array] = []
 
     @property
-    def _response(self) -> Response | None:
-        return self.responses.get(self._phase) if self._fineness is not None else None
+    def _own(self) -> list[Response]:
+        """Responses of all scenes; none if they are not foreseen or not known yet."""
+        if any(phase not in self.responses for phase in self._phases):
+            return []
+        return [self.responses[phase] for phase in self._phases]
 
     def take(self, states: Sequence[StackState], low: float) -> float:
         """Widening under the pressures found, and its largest change over the gap. [-]."""
@@ -183,35 +223,59 @@ class Widening:
         """Stiffness and damping to begin with, and the iterations that they have served."""
         if self._fineness is None:
             return jacobian, age
-        return None if self._response is None else self._response.stiffness, 0
+        return (_mean_of(self._own) if self._own else None), age
 
-    def renew(self, states: Sequence[StackState], duration: float) -> tuple[Array, Array]:
+    def renew(self, states: Sequence[StackState]) -> tuple[Array, Array]:
         """Stiffness and damping of the films, with the widening that follows if it is foreseen."""
         if self._fineness is None:
             return mean_coefficients(states)
-        found = response(states[0], self._fineness, 1.0 / duration)
-        self.responses[self._phase] = found
-        return found.stiffness
+        found: dict[int, Response] = {}
+        for phase, state in zip(self._phases, states, strict=True):
+            if phase not in found:
+                found[phase] = response(state, self._fineness, self._frequency)
+        self.responses |= found
+        return _mean_of(self._own)
 
     def pull(self) -> Array | float:
         """Film force that the widening still missing will add. [N, N m]."""
-        if self._response is None:
-            return 0.0
-        missing = [b - a for a, b in zip(self.used[0], self._new[0], strict=True)]
-        self._missing = self._response.sizes(missing)
-        return self._response.pull @ self._missing
+        self._missing = []
+        for own, used, new in zip(self._own, self.used, self._new, strict=False):
+            self._missing.append(own.sizes([b - a for a, b in zip(used, new, strict=True)]))
+        pulls = [own.pull @ m for own, m in zip(self._own, self._missing, strict=True)]
+        return np.mean(pulls, axis=0) if pulls else 0.0
 
-    def follow(self, q: Array, step: Array, arms: Array) -> Array:
-        """Set the widening to use next and return the step of the coordinates to take. [m, rad]."""
+    def follow(self, states: Sequence[StackState], step: Array, rate: Array) -> Array:
+        """Set the widening to use next and return the step of the coordinates to take. [m, rad].
+
+        Parameters
+        ----------
+        states : sequence of StackState
+            Films that were solved last.
+        step, rate : ndarray
+            Step that balances forces and its change of the rates. [m, rad, m/s, rad/s]
+        """
         if self._memory == 0:
-            return step
-        own = self._response
-        if own is not None:
-            sizes = own.settled @ (self._missing + own.gain @ own.planes @ step) - self._missing
-            more = own.fields(sizes)
-            self._new = [[a + b for a, b in zip(self._new[0], more, strict=True)]]
-        self.used, step = mixed(self._mixing, (self.used, self._new), (q, step), arms)
-        return step
+            return limited(states, step)
+        new = self._new
+        if self._own:
+            pairs = zip(self._own, self._missing, strict=True)
+            more = [own.fields(own.follow(m, step, rate) - m) for own, m in pairs]
+            new = [
+                [a + b for a, b in zip(fields, added, strict=True)]
+                for fields, added in zip(new, more, strict=True)
+            ]
+        place = states[0].position, step
+        new, step = mixed(self._mixing, (self.used, new), place, states[0].stack.arms)
+        change = [
+            [b - a for a, b in zip(fields, asked, strict=True)]
+            for fields, asked in zip(self.used, new, strict=True)
+        ]
+        part = 1.0 / overstep(states, step, change)
+        self.used = [
+            [a + part * b for a, b in zip(fields, added, strict=True)]
+            for fields, added in zip(self.used, change, strict=True)
+        ]
+        return part * step
 
     def beside(
         self, slides: tuple[int, ...] | None, revised: tuple[int, ...] | None
@@ -220,3 +284,35 @@ class Widening:
         if revised != slides:
             self._mixing = Mixing(self._memory)
         return revised
+
+
+def limited(states: Sequence[StackState], step: Array) -> Array:
+    """Longest part of a step [m, rad] that neither closes nor opens a gap by too much."""
+    still = [[np.zeros_like(d) for d in state.distant] for state in states]
+    return np.asarray(step / overstep(states, step, still))
+
+
+def overstep(states: Sequence[StackState], step: Array, openings: Fields) -> float:
+    """Step over the longest that neither closes nor opens a gap by too much, one at least. [-].
+
+    Parameters
+    ----------
+    states : sequence of StackState
+        Solved films, one state per scene.
+    step : ndarray
+        Step of the coordinates. [m, rad]
+    openings : list
+        What the step adds to the widening of every scene and film. [m]
+    """
+    still, most = np.zeros_like(step), 1.0
+    for state, fields in zip(states, openings, strict=True):
+        for k, (film, opening) in enumerate(zip(state.films, fields, strict=True)):
+            motion = state.stack.film_place(k, step, still).position
+            most = max(most, film.overstep(motion, opening))
+    return most
+
+
+def _mean_of(responses: Sequence[Response]) -> tuple[Array, Array]:
+    """Stiffness and damping, means over scenes."""
+    pairs = [own.coefficients for own in responses]
+    return np.mean([k for k, _ in pairs], axis=0), np.mean([d for _, d in pairs], axis=0)
