@@ -35,10 +35,11 @@ from toothspace.elasticity import (
     annulus,
     influence_matrix,
 )
-from toothspace.films.lateral_gap.elastic_faces import MEMORY, ElasticFaces, elastic_faces
+from toothspace.films.lateral_gap.elastic_faces import ElasticFaces, elastic_faces
 from toothspace.films.lateral_gap.equilibrium import Equilibrium, SearchSettings, find_equilibrium
 from toothspace.films.lateral_gap.motion import StepSettings, rest_at
 from toothspace.films.lateral_gap.stack import Stack
+from toothspace.films.lateral_gap.widening import Fineness
 from toothspace.machines.external_gear.assembly import assemble
 from toothspace.machines.external_gear.balance import lateral_balance
 from toothspace.machines.external_gear.elastic_bodies import MeshSize
@@ -205,7 +206,7 @@ def _settled(stack: Stack, faces: ElasticFaces | None) -> Equilibrium:
     bending = stack if faces is None else replace(stack, compliance=faces)
     scenes = (bending.scene(0.0, pressures(HIGH)),)
     start = rest_at(bending, scenes, bending.start(2e-6))
-    step = StepSettings(film_tolerance=1e-4, memory=MEMORY)
+    step = StepSettings(film_tolerance=1e-4, memory=2, fineness=Fineness(4, 2), jacobian_age=60)
     return find_equilibrium(
         bending, scenes, loads(HIGH), start, SearchSettings(first_step=10.0), step
     )

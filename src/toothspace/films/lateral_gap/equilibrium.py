@@ -21,7 +21,7 @@ from toothspace.films.lateral_gap.relaxation import relax
 from toothspace.films.lateral_gap.stability import growing_motion
 from toothspace.films.lateral_gap.stack import Scene, Stack
 from toothspace.films.lateral_gap.stops import leaning
-from toothspace.films.lateral_gap.widening import limited
+from toothspace.films.lateral_gap.widening import film_coefficients, limited
 
 _MOST_FAILURES = 6
 """Steps in time that may fail before squeeze is left out."""
@@ -139,7 +139,7 @@ def find_equilibrium(
                 return _leaning(stack, scenes, loads, (now, time, number), search, step)
             continue
         now, time = found, time + length
-        length *= 3.0 if found.iterations <= 12 else 1.0
+        length *= 3.0 if found.iterations <= step.max_iterations // 2 else 1.0
         if _viscous(stack, now) > search.rest * scale or number <= 2:
             continue
         rate, motion = _growth(stack, now, loads, step) if search.stable else (0.0, still)
@@ -154,10 +154,9 @@ def find_equilibrium(
 def _growth(
     stack: Stack, balance: Balance, loads: Loads, step: StepSettings
 ) -> tuple[float, Array]:
-    """Growth of a small motion; between bending bodies the stiffness known does not tell it."""
-    if step.memory > 0:
-        return 0.0, np.zeros(stack.size)
-    return growing_motion(stack, balance, loads)
+    """Growth of a small motion [1/s], and the coordinates that share in it."""
+    known = replace(balance, jacobian=film_coefficients(balance.states, step.fineness))
+    return growing_motion(stack, known, loads)
 
 
 def _pushed(balance: Balance, motion: Array) -> Balance:

@@ -286,6 +286,15 @@ class Widening:
         return revised
 
 
+def film_coefficients(
+    states: Sequence[StackState], fineness: Fineness | None
+) -> tuple[Array, Array]:
+    """Stiffness and damping of films, with the widening that follows if it is foreseen."""
+    if fineness is None:
+        return mean_coefficients(states)
+    return _mean_of([response(state, fineness, 0.0) for state in states])
+
+
 def limited(states: Sequence[StackState], step: Array) -> Array:
     """Longest part of a step [m, rad] that neither closes nor opens a gap by too much."""
     still = [[np.zeros_like(d) for d in state.distant] for state in states]
