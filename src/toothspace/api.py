@@ -34,7 +34,7 @@ from toothspace.solver import running_in_store
 from toothspace.solver.cyclic import History, RunPlan, first_turn_state, march_revolutions
 from toothspace.solver.ideal import ideal_solution
 from toothspace.solver.lateral_gap import LateralSettings
-from toothspace.solver.lateral_lookup import run_with_table
+from toothspace.solver.lateral_lookup import run_with_table, told_over_time
 from toothspace.solver.outcome import solution_from, window_ledger
 from toothspace.solver.running_in import running_in_depths
 from toothspace.solver.transient import TimePlan, TransientMarch
@@ -267,8 +267,8 @@ def _simulate_circuit(
         channels=run.channels,
     )
     march = TransientMarch(assemble(machine.description, fluid, condition), plan)
-    solution = transient_solution(march, provenance_of(case), machine.extra, case.title, progress)
-    return _with_running_in_status(solution, status)
+    ended = transient_solution(march, provenance_of(case), machine.extra, case.title, progress)
+    return _with_running_in_status(told_over_time(machine.description, condition, ended), status)
 
 
 def circuit_condition(
@@ -362,7 +362,8 @@ def _machine_after_running_in(
 
 def _simulate_elastic(case: Case, progress: Progress | None) -> Solution:
     """Chambers and lateral films in agreement, then one revolution of the films."""
-    from toothspace.solver.lateral_coupling import PointRequest, coupled_solution
+    from toothspace.solver.lateral_agreement import PointRequest
+    from toothspace.solver.lateral_coupling import coupled_solution
     from toothspace.solver.lateral_gap import balance_of
 
     machine = run_in_machine(case)

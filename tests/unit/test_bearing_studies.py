@@ -24,7 +24,7 @@ from toothspace.plotting.film_maps import lateral_films
 from toothspace.plotting.study_figures import study_figures
 from toothspace.report.study import study_report_html
 from toothspace.report.wording import quantity
-from toothspace.solver.lateral_coupling import CoupledPoint
+from toothspace.solver.lateral_agreement import CoupledPoint
 from toothspace.solver.lateral_gap import LateralProblem, LateralSettings, numbers_of, wear_map
 from toothspace.studies import balance_sweep, bearing_map, hysteresis
 from toothspace.studies.balance_sweep import GAPS, FilmTable, claims, follow

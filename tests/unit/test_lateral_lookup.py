@@ -15,10 +15,16 @@ from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.model.description import MachineDescription
 from toothspace.model.films import lateral_torque_coefficient
-from toothspace.model.lateral_table import LATERAL_PATHS, LateralTable
+from toothspace.model.lateral_table import (
+    LATERAL_PATHS,
+    LateralTable,
+    axial_load,
+    chamber_pressures,
+)
+from toothspace.model.operating_point import OperatingCondition
 from toothspace.results.ledger import Ledger
 from toothspace.results.solution import Solution
-from toothspace.solver.lateral_lookup import load_of_run, run_with_table
+from toothspace.solver.lateral_lookup import load_of_run, run_with_table, told_over_time
 
 CASES = Path(__file__).resolve().parents[2] / "cases"
 FORCES = np.array([-12000.0, -6000.0, 0.0, 6000.0])
@@ -92,6 +98,20 @@ def test_run_that_never_agrees_is_not_converged(motor: MachineDescription) -> No
     solution = run_with_table(_with_table(motor, -3000.0), _Carrying(motor, at_once=True))
     assert solution.status is Status.NOT_CONVERGED
     assert "differs from that of the run" in solution.provenance["warnings"]
+
+
+def test_run_over_time_tells_its_one_load(motor: MachineDescription) -> None:
+    done = Solution(Status.DONE, xr.Dataset(), Ledger(1.0, 1.0, {}, {}))
+    condition = OperatingCondition(shaft_speed=157.0, inlet_pressure=200e5, outlet_pressure=1e5)
+    plain = replace(motor, lateral_table=None)
+    assert told_over_time(plain, condition, done) is done
+    told = told_over_time(_with_table(motor, -3000.0), condition, done)
+    force = told.statistics["lateral_axial_force"]
+    balance = plain.lateral_balance
+    assert balance is not None
+    assert force == axial_load(balance, chamber_pressures(plain, condition))[0]
+    assert f"at one load, {force:.4g} N" in told.provenance["warnings"]
+    assert "199 bar" in told.provenance["warnings"]
 
 
 def test_load_beyond_the_table_is_refused(motor: MachineDescription) -> None:

@@ -21,7 +21,7 @@ from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.plotting.study_figures import study_figures
 from toothspace.report.study import study_report_html
-from toothspace.solver.lateral_coupling import CoupledPoint
+from toothspace.solver.lateral_agreement import CoupledPoint
 from toothspace.solver.lateral_gap import LateralProblem, LateralSettings, numbers_of
 from toothspace.studies import STUDY_MODULES, hysteresis, lateral_points, run_study
 from toothspace.studies.found_point import FoundPoint, found_point, record_of, recorded_point

@@ -79,7 +79,7 @@ class HysteresisStudy:
     breakaway_speed: float = quantity("mm/s", "Speed of the friction peak.", above=0, high=1e4)
     friction_law: str = choice("Set-valued, or smooth.", "stick", "stribeck", default="stick")
     coupling_rounds: int = integer(
-        "Most runs of the chambers per point until they leak like the films; 1: as described.",
+        "Most runs of the chambers per point until they agree with the films; 1: as described.",
         low=1,
         high=20,
         default=1,
@@ -117,7 +117,7 @@ class BearingMapStudy:
         "um", "Gap that every point starts from.", above=0, high=100, default=2e-6
     )
     coupling_rounds: int = integer(
-        "Most runs of the chambers per point until they leak like the films; 1: as described.",
+        "Most runs of the chambers per point until they agree with the films; 1: as described.",
         low=1,
         high=20,
         default=6,

@@ -254,6 +254,7 @@ class Constants(NamedTuple):
     """Constants of one run."""
 
     lateral_torque: float
+    asperity_share: float
     seal_torque: float
     relative_tolerance: float
     pressure_scale: float

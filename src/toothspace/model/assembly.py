@@ -63,6 +63,7 @@ from toothspace.model.description import FlowPath, MachineDescription
 from toothspace.model.films import (
     JournalData,
     journal_data,
+    lateral_asperity_share,
     lateral_drag,
     lateral_torque_coefficient,
 )
@@ -280,6 +281,7 @@ def _constants(
 ) -> Constants:
     return Constants(
         lateral_torque=float(lateral_torque_coefficient(description)),
+        asperity_share=lateral_asperity_share(description),
         seal_torque=float(description.seal_torque),
         relative_tolerance=float(condition.relative_tolerance),
         pressure_scale=5.0 * max(condition.inlet_pressure, condition.outlet_pressure),

@@ -281,6 +281,8 @@ class LateralFilm:
     drag : float or None
         Torque per viscosity and speed of the body on one face, in place of the closed form.
         [m3]
+    asperity_share : float
+        Part of the torque that touching asperities cause. [-]
     """
 
     body: str
@@ -293,6 +295,7 @@ class LateralFilm:
     tilt: float = 0.0
     face: FaceOutline | None = None
     drag: float | None = None
+    asperity_share: float = 0.0
 
 
 @final

@@ -195,6 +195,19 @@ def lateral_torque_coefficient(description: MachineDescription) -> float:
     return sum(body.speed_ratio**2 * drag[body.name] for body in description.bodies)
 
 
+def lateral_asperity_share(description: MachineDescription) -> float:
+    """Part of the lateral film torque at the shaft that touching asperities cause. [-]."""
+    ratio = {body.name: body.speed_ratio for body in description.bodies}
+    parts = np.array(
+        [
+            (ratio[f.body] ** 2 * f.faces * lateral_face_torque(f), f.asperity_share)
+            for f in description.laterals
+        ]
+    ).reshape(-1, 2)
+    total = float(parts[:, 0].sum())
+    return float(parts.prod(axis=1).sum()) / total if total > 0.0 else 0.0
+
+
 def lateral_drag(description: MachineDescription) -> dict[str, float]:
     """Lateral film torque on each body per viscosity and speed of the body. [m3]."""
     drag = {body.name: 0.0 for body in description.bodies}

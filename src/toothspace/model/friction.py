@@ -30,6 +30,7 @@ from toothspace.model.arrays import (
 from toothspace.model.drive import running_torque, startup_torque, taken_torque
 from toothspace.model.ledger import (
     FRICTION,
+    LATERAL_ASPERITY,
     LATERAL_VISCOUS,
     MESH_FRICTION,
     SHAFT_SEAL,
@@ -38,6 +39,9 @@ from toothspace.model.ledger import (
 )
 
 NO_SHARE = 1e-9
+_RESISTING = (LATERAL_VISCOUS, LATERAL_ASPERITY, TIP_SHEAR, SHAFT_SEAL, STARTUP)
+"""Friction of faces, tips, seal and start."""
+_BOOKED = (MESH_FRICTION, *_RESISTING)
 
 
 @kernel
@@ -115,12 +119,13 @@ def book_friction(s: SystemArrays, state: Array, ledger: Array, driving: float) 
     torque, motion, speed = s.torque, s.motion, state[1]
     way, fade = s.drive[DIRECTION], s.drive[FADE]
     lateral = s.constant.lateral_torque * s.fluid.dynamic_viscosity
-    torque[LATERAL_VISCOUS] = fade * lateral * speed
+    torque[LATERAL_ASPERITY] = fade * lateral * s.constant.asperity_share * speed
+    torque[LATERAL_VISCOUS] = fade * lateral * speed - torque[LATERAL_ASPERITY]
     torque[TIP_SHEAR] = fade * tip_torque(s)
     torque[SHAFT_SEAL] = running_torque(s)
     torque[STARTUP] = startup_torque(s, speed)
     total = 0.0
-    for mechanism in (LATERAL_VISCOUS, TIP_SHEAR, SHAFT_SEAL, STARTUP):
+    for mechanism in _RESISTING:
         total += torque[mechanism]
     for k in range(s.size.motions):
         drag = motion[k, LATERAL_DRAG] * s.fluid.dynamic_viscosity
@@ -129,6 +134,6 @@ def book_friction(s: SystemArrays, state: Array, ledger: Array, driving: float) 
         total += motion[k, MOTION_RATIO] * drag * ahead
     load_mesh(s, state, driving + total)
     torque[MESH_FRICTION] = way * fade * mesh_torque(s, way * speed)
-    for mechanism in (MESH_FRICTION, LATERAL_VISCOUS, TIP_SHEAR, SHAFT_SEAL, STARTUP):
+    for mechanism in _BOOKED:
         ledger[FRICTION + mechanism] += torque[mechanism] * speed
     return total + torque[MESH_FRICTION]

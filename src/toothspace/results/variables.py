@@ -90,6 +90,12 @@ _ROWS: tuple[tuple[str, str, str, str], ...] = (
         "m3/s",
         "Flow from high to low pressure that would lose the same power",
     ),
+    (
+        "drag_torque",
+        "sample path",
+        "N m",
+        "Torque at the shaft of walls that drag fluid against pressure, part of the path losses",
+    ),
     ("torque_loss", "sample mechanism", "N m", "Friction torque, at the shaft, by mechanism"),
     ("power_loss", "sample mechanism", "W", "Friction power by mechanism"),
     ("film_pressure", "film film_row film_column", "Pa", "Absolute pressure in a film"),

@@ -1,215 +1,27 @@
-"""Chamber pressures and lateral films brought to agreement, and added to a solution."""
+"""Chambers and lateral films in agreement over one revolution, added to a solution."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import final
+from dataclasses import replace
 
 import numpy as np
 
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.status import Status
-from toothspace.core.types import Array
-from toothspace.films.lateral_gap.equilibrium import Equilibrium
-from toothspace.films.lateral_gap.motion import Balance
 from toothspace.films.lateral_gap.stops import leaning
 from toothspace.model.description import MachineDescription
-from toothspace.model.lateral_table import LATERAL_PATHS, axial_load, with_lateral_leakage
+from toothspace.model.lateral_table import axial_load
 from toothspace.results.solution import Solution, warned
 from toothspace.results.variables import VARIABLES
 from toothspace.solver.cyclic import Progress
+from toothspace.solver.lateral_agreement import CoupledPoint, LumpedRun, PointRequest, couple_point
 from toothspace.solver.lateral_gap import (
     LateralNumbers,
     LateralProblem,
-    LateralSettings,
     film_fields,
     film_places,
-    lateral_problem,
-    numbers_of,
-    with_lateral_torque,
 )
-from toothspace.solver.lateral_heat import HeatedEquilibrium, settle_heated
 from toothspace.solver.lateral_loads import face_deflection
-
-LumpedRun = Callable[[MachineDescription], Solution]
-"""Lumped solution of a machine at the operating point."""
-
-_AGREEMENT = 0.02
-"""Difference of leakage at which films and chambers agree. [-]"""
-_NEGLIGIBLE = 5e-4
-"""Difference of leakage over displaced flow at which films and chambers agree. [-]"""
-_TOLERATED = 0.01
-"""Difference of leakage over displaced flow above which a point has failed. [-]"""
-_LONGEST_CHANGE = 3.0
-"""Largest change of the logarithm of the leakage of the paths in one round. [-]"""
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class PointRequest:
-    """What is asked of one operating point.
-
-    Parameters
-    ----------
-    settings : LateralSettings
-        Grids and laws of the films.
-    start : ndarray or float
-        Positions and rotations of all bodies, or a gap everywhere, to begin with. [m, rad]
-    nose_pressure : float or None
-        Absolute pressure on the nose; None: the low pressure. [Pa]
-    rounds : int
-        Most lumped runs at this point; one leaves the paths of the network as they are.
-    """
-
-    settings: LateralSettings
-    start: Array | float
-    nose_pressure: float | None = None
-    rounds: int = 6
-
-
-@final
-@dataclass(frozen=True, eq=False)
-class CoupledPoint:
-    """Films, bearing and chambers at one operating point.
-
-    Parameters
-    ----------
-    solution : Solution
-        Last lumped solution.
-    description : MachineDescription
-        The machine with the lateral gaps that were found.
-    problem : LateralProblem
-        Films and loads.
-    equilibrium : Equilibrium
-        Where the bearing came to rest.
-    numbers : LateralNumbers
-        Mean numbers of the films.
-    leakage_mismatch : float
-        Leakage of films less that of the lumped paths, over the displaced flow. [-]
-    agreed : bool
-        Whether films and paths were brought to agree, or were not meant to be, and temperatures
-        with the power dissipated.
-    temperatures : ndarray or None
-        Mean temperature of every film; None at the temperature of the fluid. [K]
-    """
-
-    solution: Solution
-    description: MachineDescription
-    problem: LateralProblem
-    equilibrium: Equilibrium
-    numbers: LateralNumbers
-    leakage_mismatch: float
-    agreed: bool = True
-    temperatures: Array | None = None
-
-    @property
-    def temperature_rise(self) -> float | None:
-        """Temperature of the hottest film above the fluid; None where none warms up. [K]."""
-        heating = self.problem.settings.heating
-        if self.temperatures is None or heating is None:
-            return None
-        return float(self.temperatures.max()) - heating.balance.supply_temperature
-
-    @property
-    def status(self) -> Status:
-        """Outcome of the lumped run, or failure of the force balance or of the agreement."""
-        settled = self.equilibrium.rests and self.agreed
-        return self.solution.status if settled else Status.NOT_CONVERGED
-
-
-def couple_point(
-    description: MachineDescription, fluid: FluidLaw, run: LumpedRun, request: PointRequest
-) -> CoupledPoint:
-    """Find gaps and chamber pressures that agree about the lateral leakage.
-
-    Parameters
-    ----------
-    description : MachineDescription
-        The machine after running-in.
-    fluid : FluidLaw
-        Fluid.
-    run : callable
-        Lumped solution at the operating point, of a changed machine.
-    request : PointRequest
-        Start and settings.
-
-    Notes
-    -----
-    Secant method on the logarithm of the factor by which the lumped lateral and drain paths leak
-    more; the film heights of the faces are set to drag like the films.
-    """
-    known: list[tuple[float, float]] = []
-    widened = 0.0
-    description = replace(description, lateral_table=None)
-    for number in range(1, request.rounds + 1):
-        solution = run(description)
-        problem = lateral_problem(
-            description, fluid, solution.data, request.settings, request.nose_pressure
-        )
-        start = request.start
-        begun = problem.started(start) if isinstance(start, float) else problem.continued(start)
-        problem, found, warm = _settled(problem, begun)
-        numbers = numbers_of(problem, found.balance)
-        paths = solution.data["leakage"].sel(path=list(LATERAL_PATHS))
-        lumped = float(paths.sum("path").mean())
-        mismatch = numbers.leakage - lumped
-        flow = description.displacement * problem.stack.shaft_speed
-        close = abs(mismatch) <= max(_AGREEMENT * abs(numbers.leakage), _NEGLIGIBLE * flow)
-        agreed = request.rounds == 1 or abs(mismatch) <= max(
-            _AGREEMENT * abs(numbers.leakage), _TOLERATED * flow
-        )
-        own = None if warm is None else warm.temperatures
-        agreed = agreed and (warm is None or warm.agreed)
-        point = CoupledPoint(
-            solution, description, problem, found, numbers, mismatch / flow, agreed, own
-        )
-        if close or number == request.rounds:
-            return point
-        if lumped > 0.0 and numbers.leakage > 0.0:
-            known.append((widened, float(np.log(numbers.leakage / lumped))))
-            change = next_change(known)
-            widened += change
-            description = with_lateral_leakage(description, float(np.exp(change)))
-        description = _with_drag(description, solution, numbers)
-    return point
-
-
-def _settled(
-    problem: LateralProblem, begun: Balance
-) -> tuple[LateralProblem, Equilibrium, HeatedEquilibrium | None]:
-    """Bearing at rest, with films that warm up where they are meant to."""
-    if problem.settings.heating is None:
-        return problem, problem.settle(begun), None
-    found = settle_heated(problem, begun, problem.settings.heating)
-    return found.problem, found.equilibrium, found
-
-
-def next_change(known: list[tuple[float, float]]) -> float:
-    """Change of the logarithm of the paths' leakage; secant between opposite errors.
-
-    Parameters
-    ----------
-    known : list of tuple
-        Logarithms that were tried, and by how much the leakage asked for differs. [-]
-    """
-    place, error = known[-1]
-    opposite = [(s, e) for s, e in known if e * error < 0.0]
-    if opposite:
-        other, before = min(opposite, key=lambda pair: abs(pair[0] - place))
-        share = float(np.clip(error / (error - before), 0.2, 0.8))
-        return share * (other - place)
-    return float(np.clip(error, -_LONGEST_CHANGE, _LONGEST_CHANGE))
-
-
-def _with_drag(
-    description: MachineDescription, solution: Solution, numbers: LateralNumbers
-) -> MachineDescription:
-    lumped = float(solution.data["torque_loss"].sel(mechanism="lateral_viscous").mean())
-    found = numbers.viscous_torque + numbers.asperity_torque
-    if lumped <= 0.0 or found <= 0.0:
-        return description
-    return with_lateral_torque(description, float(np.clip(found / lumped, 1e-2, 1e2)))
 
 
 def coupled_solution(
@@ -300,7 +112,7 @@ def elastic_solution(point: CoupledPoint, steps: int, progress: Progress | None 
     status = Status.INTERRUPTED if march.interrupted else status
     statistics = {
         **point.solution.statistics,
-        **_statistics(point.numbers, point.leakage_mismatch),
+        **_statistics(point),
         **_axial_load(point.problem),
         **_warmth(point),
         "pressed_bearing_preload": stack.balance.floating.preload,
@@ -355,10 +167,12 @@ def _warmth(point: CoupledPoint) -> dict[str, float]:
     return {} if rise is None else {"lateral_temperature_rise": rise}
 
 
-def _statistics(numbers: LateralNumbers, mismatch: float) -> dict[str, float]:
+def _statistics(point: CoupledPoint) -> dict[str, float]:
+    numbers = point.numbers
     return {
         "lateral_leakage": numbers.leakage,
-        "lateral_leakage_mismatch": mismatch,
+        "lateral_leakage_mismatch": point.leakage_mismatch,
+        "lateral_torque_mismatch": point.torque_mismatch,
         "lateral_torque": numbers.viscous_torque + numbers.asperity_torque,
         "lateral_smallest_gap": numbers.smallest_gap,
         "lateral_contact_force": numbers.contact_force,

@@ -402,12 +402,6 @@ def _contact_share(film: FaceFilm) -> float:
     return float((area * touching).sum() / area.sum())
 
 
-def with_lateral_torque(description: MachineDescription, factor: float) -> MachineDescription:
-    """Change the film heights on the faces so that they drag by a factor more. [-]."""
-    laterals = tuple(replace(f, height=f.height / factor) for f in description.laterals)
-    return replace(description, laterals=laterals)
-
-
 def wear_map(balances: Sequence[Balance]) -> Array:
     """Wear indicator at the places of the bearings, mean over all shaft angles. [W/m2].
 

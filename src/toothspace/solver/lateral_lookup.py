@@ -11,10 +11,12 @@ from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_table import (
     LATERAL_PATHS,
     axial_load,
+    chamber_pressures,
     with_lateral_films,
 )
+from toothspace.model.operating_point import OperatingCondition
 from toothspace.results.solution import Solution, warned
-from toothspace.solver.lateral_coupling import LumpedRun, next_change
+from toothspace.solver.lateral_agreement import LumpedRun, next_change
 from toothspace.solver.lateral_gap import balance_of
 from toothspace.solver.lateral_loads import node_pressures
 
@@ -23,6 +25,10 @@ _AGREEMENT = 0.02
 _NEGLIGIBLE = 5e-4
 """Difference of leakage over displaced flow at which both agree. [-]"""
 _ROUNDS = 10
+_ONE_LOAD = (
+    "Lateral films of the table at one load, {:.4g} N, that of gears which turn slowly at a "
+    "pressure difference of {:.4g} bar: a run over time does not look them up again."
+)
 _NOT_AGREED = (
     "The lateral leakage of the table differs from that of the run by {:.2g} % of the displaced "
     "flow: the run does not tell where the bearing rests."
@@ -41,6 +47,35 @@ def load_of_run(description: MachineDescription, solution: Solution) -> tuple[fl
     """
     pressures = node_pressures(description, solution.data)
     return axial_load(balance_of(description), pressures)
+
+
+def told_over_time(
+    description: MachineDescription, condition: OperatingCondition, solution: Solution
+) -> Solution:
+    """Solution of a run over time that tells at which load its lateral films were looked up.
+
+    Parameters
+    ----------
+    description : MachineDescription
+        Machine of the run; without a lateral table the solution stays as it is.
+    condition : OperatingCondition
+        Condition at the pressure that the run was expected to reach.
+    solution : Solution
+        Its solution.
+    """
+    if description.lateral_table is None:
+        return solution
+    force, moment = axial_load(balance_of(description), chamber_pressures(description, condition))
+    span = abs(condition.outlet_pressure - condition.inlet_pressure)
+    return replace(
+        solution,
+        statistics={
+            **solution.statistics,
+            "lateral_axial_force": force,
+            "lateral_axial_moment": moment,
+        },
+        provenance=warned(solution.provenance, _ONE_LOAD.format(force, 1e-5 * span)),
+    )
 
 
 def run_with_table(description: MachineDescription, run: LumpedRun) -> Solution:

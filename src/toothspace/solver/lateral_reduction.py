@@ -16,7 +16,7 @@ from toothspace.model.description import MachineDescription
 from toothspace.model.films import lateral_torque_coefficient
 from toothspace.model.lateral_balance import FloatingBearing, LateralBalance
 from toothspace.model.lateral_table import LATERAL_PATHS, axial_load
-from toothspace.solver.lateral_coupling import CoupledPoint, LumpedRun, PointRequest, couple_point
+from toothspace.solver.lateral_agreement import CoupledPoint, LumpedRun, PointRequest, couple_point
 from toothspace.solver.lateral_gap import (
     LateralProblem,
     LateralSettings,
@@ -128,7 +128,9 @@ def reduce_lateral(
             progress((j + 1) / turned.size)
     found = (table[3] > 0.0) & (point.status is Status.DONE)
     kept = found.all(axis=1) | (added <= 0.0)
-    torque, leakage = _closed_forms(description, point)
+    torque = lateral_torque_coefficient(description) * fluid.dynamic_viscosity
+    torque *= point.problem.stack.shaft_speed
+    leakage = _closed_leakage(description, point)
     return LateralReduction(
         force=load[0] + added[kept],
         moment=load[1] + turned,
@@ -167,17 +169,14 @@ def _problem_at(
     return lateral_problem(machine, fluid, point.solution.data, point.problem.settings)
 
 
-def _closed_forms(description: MachineDescription, point: CoupledPoint) -> tuple[float, float]:
-    """Torque [N m] and leakage [m3/s] of the closed forms at the pressures of the point."""
-    data, changed = point.solution.data, point.description
-    share = lateral_torque_coefficient(changed) / lateral_torque_coefficient(description)
-    torque = float(data["torque_loss"].sel(mechanism="lateral_viscous").mean())
+def _closed_leakage(description: MachineDescription, point: CoupledPoint) -> float:
+    """Leakage of the closed forms at the pressures of the point. [m3/s]."""
     wide, plain = (
         next(p for p in machine.paths if p.category in LATERAL_PATHS).geometry.values[:, 0].max()
-        for machine in (changed, description)
+        for machine in (point.description, description)
     )
-    leakage = float(data["leakage"].sel(path=list(LATERAL_PATHS)).sum("path").mean())
-    return torque / share, leakage / float(wide / plain) ** 3
+    paths = point.solution.data["leakage"].sel(path=list(LATERAL_PATHS))
+    return float(paths.sum("path").mean()) / float(wide / plain) ** 3
 
 
 def _loaded(balance: LateralBalance, force: float, moment: float) -> LateralBalance:

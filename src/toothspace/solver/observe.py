@@ -12,6 +12,7 @@ from toothspace.model.arrays import (
     CONTACT_FORCE,
     DENSITY,
     DIRECTION,
+    DRAG,
     ELEMENT_FLOW,
     FILM_FORCE,
     FLOW,
@@ -40,6 +41,7 @@ class Observation(NamedTuple):
     path_flow: Array
     path_drop: Array
     path_loss: Array
+    path_drag: Array
     path_partner: IntArray
     raw_height: Array
     pressure_force: Array
@@ -61,6 +63,7 @@ def observe(arrays: SystemArrays, states: Array, times: Array | None = None) -> 
         path_flow=np.zeros((count, paths)),
         path_drop=np.zeros((count, paths)),
         path_loss=np.zeros((count, paths)),
+        path_drag=np.zeros((count, paths)),
         path_partner=np.zeros((count, paths), dtype=np.int64),
         raw_height=np.zeros((count, paths)),
         pressure_force=np.zeros((count, motions)),
@@ -90,6 +93,7 @@ def _observe(s: SystemArrays, times: Array, states: Array, out: Observation) -> 
         out.gas[i] = s.node[:, GAS]
         out.path_flow[i] = s.path[:, FLOW]
         out.path_loss[i] = s.path[:, LOSS]
+        out.path_drag[i] = s.path[:, DRAG]
         out.path_partner[i] = s.path_index[:, PRESENT_B]
         out.pressure_force[i] = s.motion[:, PRESSURE_FORCE]
         out.film_force[i] = s.motion[:, FILM_FORCE]

@@ -86,6 +86,7 @@ def solution_from(
         **body_values(history, seen),
         **loss_values(history, seen),
         "leakage": _leakage(system, seen),
+        "drag_torque": _drag_torque(system, seen),
         **extra,
     }
     data = dataset_from(
@@ -348,11 +349,19 @@ def _leakage(system: System, seen: Observation) -> Array:
     condition = system.condition
     span = abs(condition.inlet_pressure - condition.outlet_pressure)
     power = seen.path_flow * seen.path_drop / seen.density[:, [system.description.inlet_node]]
-    result = np.zeros((power.shape[0], len(_LEAKAGE_PATHS)))
-    for k, name in enumerate(_LEAKAGE_PATHS):
-        members = system.arrays.path_index[:, CATEGORY] == PATH_CATEGORIES.index(name)
-        result[:, k] = power[:, members].sum(axis=1) / span if span > 0.0 else 0.0
-    return result
+    return _by_path(system, power) / span if span > 0.0 else 0.0 * _by_path(system, power)
+
+
+def _drag_torque(system: System, seen: Observation) -> Array:
+    """Torque at the shaft of walls that drag fluid to higher pressure, by path. [N m]."""
+    return -_by_path(system, seen.path_drag * seen.path_drop)
+
+
+def _by_path(system: System, values: Array) -> Array:
+    """Sum over all paths of the same kind, shape (samples, kinds)."""
+    kinds = [PATH_CATEGORIES.index(name) for name in _LEAKAGE_PATHS]
+    members = system.arrays.path_index[:, [CATEGORY]] == np.array(kinds)
+    return np.asarray(values @ members)
 
 
 def labels_of(system: System) -> dict[str, list[str]]:

@@ -18,7 +18,7 @@ from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_balance import HousingContact, LateralBalance
 from toothspace.results.solution import Solution
 from toothspace.results.variables import variable
-from toothspace.solver.lateral_coupling import CoupledPoint, PointRequest, couple_point
+from toothspace.solver.lateral_agreement import CoupledPoint, PointRequest, couple_point
 from toothspace.solver.lateral_gap import (
     NO_BEARING,
     LateralNumbers,

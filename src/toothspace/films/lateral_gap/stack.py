@@ -86,6 +86,16 @@ class Scene(NamedTuple):
     node_pressure: Array  # [Pa]
 
 
+class Guide(NamedTuple):
+    """Spring that holds the mean opening of all pressed bearings at a place.
+
+    It stands in for what else answers a lift, such as chambers that wider gaps drain.
+    """
+
+    opening: float  # [m]
+    stiffness: float  # [N/m]
+
+
 class Past(NamedTuple):
     """State of the films at the begin of a step, and its length."""
 
@@ -120,6 +130,8 @@ class Stack:
         Elastic approach.
     shaft_speed : float
         Shaft speed. [rad/s]
+    guide : Guide, optional
+        Spring on the mean opening of the pressed bearings; none in a machine.
 
     Notes
     -----
@@ -134,6 +146,7 @@ class Stack:
     laws: tuple[FilmLaw, ...]
     compliance: Compliance
     shaft_speed: float
+    guide: Guide | None = None
     pieces: tuple[Piece, ...] = field(init=False, repr=False)
     _maps: tuple[tuple[Array, Array], ...] = field(init=False, repr=False)
 
@@ -209,6 +222,17 @@ class Stack:
             (x, y), k = piece.bearing.gauge_point, piece.first
             found.append(float(q[k] + q[k + 1] * y - q[k + 2] * x))
         return np.array(found)
+
+    @property
+    def opening(self) -> Array:
+        """Mean lift of all pressed bearings away from the gears, from the coordinates."""
+        tilts = self.balance.motion == "full"
+        lever = np.zeros(self.size)
+        for piece in self.pieces:
+            (x, y), k = piece.bearing.face.center, piece.first
+            outwards = -piece.sign / len(self.pieces)
+            lever[k : k + _MOTIONS] = outwards, outwards * y * tilts, -outwards * x * tilts
+        return lever
 
     def tilts(self, q: Array) -> list[float]:
         """Tilt of every pressed bearing or part. [rad]."""

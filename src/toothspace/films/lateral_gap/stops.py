@@ -47,6 +47,10 @@ def stop_forces(stack: Stack, q: Array) -> tuple[Array, Array]:
         wall = piece.bearing.wall_stiffness
         force[piece.first + 2] -= wall * q[piece.first + 2]
         stiffness[piece.first + 2, piece.first + 2] += wall
+    if stack.guide is not None:
+        lever, spring = stack.opening, stack.guide
+        force += spring.stiffness * (spring.opening - float(lever @ q)) * lever
+        stiffness += spring.stiffness * np.outer(lever, lever)
     held = stack.balance.shaft_stiffness
     for tilts, most in _shafts(stack):
         moment, slope = _journal_moment(q[tilts], most)

@@ -1,0 +1,69 @@
+"""Chambers and lateral films of whole machines brought to agreement, pumps and motors."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from toothspace import api
+from toothspace.config import load_case
+from toothspace.core.status import Status
+
+CASES = Path(__file__).parents[2] / "cases"
+COARSE = [
+    "run.fidelity=elastic",
+    "run.samples_per_revolution=180",
+    "run.relative_tolerance=1e-5",
+    "run.film_grid=[84,10]",
+    "run.film_steps_per_revolution=84",
+]
+FUEL_MOTOR = [
+    "machine.mode=motor",
+    'machine.floating_bearing.nose.center=["20 mm","31.53 mm"]',
+    'machine.casing.inlet_angle="55 deg"',
+    'machine.casing.outlet_angle="70 deg"',
+    'machine.relief_grooves.closing_side_offset="4.5 mm"',
+    'machine.relief_grooves.opening_side_offset="4.5 mm"',
+    'operating_point.inlet_pressure="77.6 bar"',
+    'operating_point.outlet_pressure="7.2 bar"',
+]
+UPRIGHT = [
+    "machine.floating_bearing.motion=full",
+    'machine.floating_bearing.wall_stiffness="1e6 N m/rad"',
+    'machine.floating_bearing.shaft_stiffness="1e6 N m/rad"',
+]
+BUSHINGS = [
+    'machine.lateral.arrangement="symmetric"',
+    'machine.floating_bearing={material="AlSi",length="19 mm",roughness="0.4 um",motion="axial",'
+    'high_pressure_area={area="760 mm^2",center=["8.16 mm","17.34 mm"]},seal_preload="200 N"}',
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "changes", "play"),
+    [
+        ("fuel14_pump", FUEL_MOTOR, 100.0),
+        ("fuel14_pump", [*FUEL_MOTOR, *UPRIGHT], 100.0),
+        ("egm12_pump", BUSHINGS, 100.0),
+    ],
+    ids=["motor, lifts", "motor, all motions", "pump, two bushings"],
+)
+def test_films_and_chambers_agree_about_leakage_and_torque(
+    name: str, changes: list[str], play: float
+) -> None:
+    """At single chamber pressures these bearings either close their gaps or go to the cover."""
+    solution = api.simulate(load_case(CASES / f"{name}.toml", [*COARSE, *changes]))
+    assert solution.status is Status.DONE
+    found = solution.summary()
+    leakage = found["leakage_lateral_L_per_min"] + found["leakage_drain_L_per_min"]  # type: ignore[operator]
+    assert leakage == pytest.approx(found["lateral_leakage_L_per_min"], rel=0.02)
+    friction = found["torque_loss_lateral_viscous_N_m"] + found["torque_loss_lateral_asperity_N_m"]  # type: ignore[operator]
+    drag = float(solution.data["drag_torque"].sel(path=["lateral", "drain"]).sum("path").mean())
+    assert friction + drag == pytest.approx(found["lateral_torque_N_m"], rel=0.03)
+    assert abs(found["energy_balance_error"]) < 1e-3  # type: ignore[arg-type]
+    # the march stays where the search found it, because chambers that a gap drains let it close
+    position = solution.data["bearing_position"]
+    assert float(position.max() - position.min()) < 5e-6
+    assert float(position.max()) < play * 1e-6
