@@ -94,7 +94,7 @@ def halves() -> tuple[LateralBalance, list[InfluenceMatrix]]:
 def _sizes(balance: LateralBalance, half: int) -> dict[str, float]:
     """Loads of a half that are told by the case alone, and one pascal at high pressure."""
     found = {}
-    for load in _bodies(balance).loads():
+    for load in _bodies(balance).loads(0.0):
         if load.body == HALVES[half] and load.source in ("constant", "high", "nose"):
             found[load.load] = load.factor
     return found
@@ -134,7 +134,7 @@ def test_shaft_and_housing_hold_every_half_on_their_own(
     for name, body in zip(HALVES, halves[1], strict=True):
         sizes = {
             load.load: load.factor * force[load.source][load.index]
-            for load in _bodies(halves[0]).loads()
+            for load in _bodies(halves[0]).loads(0.0)
             if load.body == name and load.source in force
         }
         assert len(sizes) == 4

@@ -22,6 +22,7 @@ from toothspace.films.lateral_gap.elastic_faces import ElasticFaces
 from toothspace.films.lateral_gap.stack import BackPressure, Scene
 from toothspace.machines.external_gear.assembly import Assembly, assemble
 from toothspace.machines.external_gear.balance import lateral_balance
+from toothspace.machines.external_gear.describe import describe
 from toothspace.machines.external_gear.elastic_bodies import (
     BackLoads,
     MeshSize,
@@ -30,6 +31,7 @@ from toothspace.machines.external_gear.elastic_bodies import (
     gear_body,
 )
 from toothspace.machines.external_gear.films import FaceOfGear
+from toothspace.machines.external_gear.loads import BODIES
 from toothspace.machines.external_gear.numbering import number
 from toothspace.machines.external_gear.pressed_bodies import PressedBodies, seal_line
 from toothspace.machines.external_gear.spec import BodyFiles, Material, PressedBearing, Spring
@@ -87,15 +89,19 @@ def bearing() -> InfluenceMatrix:
 @pytest.fixture(scope="module")
 def gear() -> InfluenceMatrix:
     """Drive gear with the shortest of shafts."""
-    assembly = _assembly()
+    return _gear(0)
+
+
+def _gear(wheel: int, **changes: object) -> InfluenceMatrix:
+    assembly = _assembly(**changes)
     short = replace(assembly.spec.journals, length=0.2e-3)
     short_shaft = replace(assembly, spec=replace(assembly.spec, journals=short))
-    return influence_matrix(gear_body(short_shaft, 0, SIZE), estimate_error=False, cache=False)
+    return influence_matrix(gear_body(short_shaft, wheel, SIZE), estimate_error=False, cache=False)
 
 
 @pytest.mark.parametrize("turn", [0.0, 0.7, 3.1])
 @pytest.mark.parametrize("wheel", [0, 1])
-def test_tooth_spaces_of_a_gear_have_the_nodes_of_the_chambers_beside_them(
+def test_flanks_of_a_gear_have_the_nodes_of_the_chambers_beside_them(
     wheel: int, turn: float
 ) -> None:
     """Away from the mesh the film sees the same chamber there, at every shaft angle."""
@@ -111,7 +117,8 @@ def test_tooth_spaces_of_a_gear_have_the_nodes_of_the_chambers_beside_them(
     seen = face(turn, x, y + rise).node
     clear = away & (seen != LAND)
     assert clear.sum() >= 6
-    assert (seen[clear] == face.space_nodes()[clear]).all()
+    nodes = face.flank_nodes(turn, np.linspace(profile.root_radius, profile.tip_radius, 5))
+    assert (seen[clear] == nodes[clear].transpose(1, 2, 0)).all()
 
 
 def test_pressure_in_all_tooth_spaces_swells_the_gear_between_its_faces(
@@ -121,32 +128,80 @@ def test_pressure_in_all_tooth_spaces_swells_the_gear_between_its_faces(
     own = gear.body
     pressure, half = 20e6, 0.5 * 7.5e-3
     sizes = {name: pressure for name in gear.load_cases if name.startswith("space")}
-    assert len(sizes) == 12
+    assert len(sizes) == 12 * 2 * 3
     zero = np.zeros(len(gear.nodes))
     moved = gear.deformation(zero, sizes)
     wanted = -2.0 * own.poisson_ratio * pressure / own.elastic_modulus * half
     inside = np.hypot(*gear.nodes.T) < 14e-3
     assert moved[inside] == pytest.approx(np.full(inside.sum(), wanted), rel=0.05)
     push = gear.resultant(zero, sizes)
-    alone = gear.resultant(zero, {"space_0": pressure})
+    alone = gear.resultant(zero, {"space_0_left_1": pressure})
     assert np.abs(push[:3]).max() < 1e-6 * np.abs(alone[:3]).max()
 
 
 def test_pressure_in_a_tooth_space_pushes_on_its_chord(gear: InfluenceMatrix) -> None:
     """From tip to tip: pressure times 2 r sin(pitch / 2) times the face width, inwards."""
     tip, pitch = _assembly().profiles[0].tip_radius, 2.0 * np.pi / 12
-    force = gear.resultants["space_0"][:2]
+    force = sum(gear.resultants[f"space_0_{s}_{n}"] for s in ("left", "right") for n in range(3))
+    force = np.asarray(force)[:2]
     wanted = 2.0 * tip * np.sin(0.5 * pitch) * 7.5e-3
     away = np.array([np.cos(0.5 * pitch), np.sin(0.5 * pitch)])
     assert force @ away == pytest.approx(-wanted, rel=0.01)
     assert abs(force @ np.array([-away[1], away[0]])) < 0.01 * wanted
 
 
+def test_chambers_turn_both_gears_as_their_volumes_change() -> None:
+    """Virtual work of the pressure on one side of the mesh: sum of p dV/dphi."""
+    assembly, bodies = _assembly(), _bodies(_balance())
+    machine = describe(assembly.spec)
+    both = [_gear(wheel) for wheel in (0, 1)]
+    ratio = (1.0, -assembly.mesh.ratio)
+    for turn in (0.02, 0.15, 0.28, 0.41):
+        place = [family.angle_ratio * turn + family.phases for family in machine.families]
+        rate = [
+            family.angle_ratio * family.volume.derivative(own).ravel()
+            for family, own in zip(machine.families, place, strict=True)
+        ]
+        # all spaces on one side of the centre line
+        pressure = 1e6 * np.concatenate([np.sin(own) > 0.0 for own in place])
+        wanted = float(np.concatenate(rate) @ pressure)
+        found = 0.0
+        for load in bodies.loads(turn):
+            if load.source == "node":
+                gear = BODIES.index(load.body)
+                moment = both[gear].resultants[load.load][5]
+                found += ratio[gear] * moment * load.factor * pressure[load.index]
+        assert found == pytest.approx(wanted, rel=0.06)
+
+
+def test_contacts_press_on_both_gears_against_each_other() -> None:
+    """Force along the line of contact, with the arms of the base circles; thrust on the tooth."""
+    assembly = _assembly(gear_forces=(250.0, -250.0))
+    bodies = _bodies(_balance(gear_forces=(250.0, -250.0)))
+    both = [_gear(wheel, gear_forces=(250.0, -250.0)) for wheel in (0, 1)]
+    base = np.cos(np.radians(20.0)) * 0.5 * assembly.mesh.center_distance
+    for turn in (0.0, 0.3):
+        loads = [load for load in bodies.loads(turn) if load.source.startswith("contact")]
+        for contact in {load.index for load in loads}:
+            pushes = []
+            for gear, name in enumerate(BODIES):
+                own = [x for x in loads if x.body == name and x.index == contact]
+                assert len(own) == 2
+                push = sum(x.factor * both[gear].resultants[x.load] for x in own)
+                assert push[2] == pytest.approx((250.0, -250.0)[gear], rel=1e-6)
+                pushes.append(np.asarray(push))
+            for push in pushes:
+                assert np.hypot(*push[:2]) == pytest.approx(1.0, rel=0.03)
+                assert abs(push[5]) == pytest.approx(base, rel=0.05)
+            # the driven gear is turned on by the contact, the drive gear held back
+            assert pushes[0][5] * pushes[1][5] > 0.0
+
+
 def test_springs_seal_and_nose_press_with_their_forces_where_they_stand(
     bearing: InfluenceMatrix,
 ) -> None:
     """Force and moments about the centre of mass of every load on the back."""
-    loads = {load.load: load for load in _bodies(_balance()).loads() if load.body == "floating"}
+    loads = {load.load: load for load in _bodies(_balance()).loads(0.0) if load.body == "floating"}
     x0, y0, _ = bearing.center_of_mass
     places = {
         "nose": (NOSE[0], *NOSE[1]),
@@ -186,7 +241,7 @@ def test_journals_and_housing_hold_each_other(bearing: InfluenceMatrix) -> None:
     """Forces of both shafts are met by the walls: next to nothing is left to accelerate."""
     force = {"journal_x": (-4000.0, -5000.0), "journal_y": (-700.0, 900.0)}
     sizes: dict[str, float] = {}
-    for load in _bodies(_balance()).loads():
+    for load in _bodies(_balance()).loads(0.0):
         if load.body == "floating" and load.source in force:
             sizes[load.load] = load.factor * force[load.source][load.index]
     assert len(sizes) == 8
@@ -224,19 +279,19 @@ def test_high_pressure_area_without_outline_lies_behind_a_chord() -> None:
 
 
 def test_second_pressed_bearing_carries_the_same_loads_behind_it() -> None:
-    loads = _bodies(_balance(arrangement="symmetric")).loads()
+    loads = _bodies(_balance(arrangement="symmetric")).loads(0.0)
     behind = [
         {(load.load, load.factor) for load in loads if load.body == side and "_x" not in load.load}
         for side in ("floating", "solid")
     ]
     assert behind[0] == behind[1]
-    alone = _bodies(_balance()).loads()
+    alone = _bodies(_balance()).loads(0.0)
     resting = {load.load for load in alone if load.body == "solid"}
     assert not {"high", "nose", "seal", "spring_0"} & resting
 
 
 def test_plates_hold_no_journals() -> None:
-    loads = _bodies(_balance(length=6e-3)).loads()
+    loads = _bodies(_balance(length=6e-3)).loads(0.0)
     assert not [x for x in loads if x.body in ("floating", "solid") and "journal" in x.load]
 
 
@@ -250,17 +305,23 @@ def test_sizes_follow_pressures_and_forces_above_the_low_pressure() -> None:
         BodyLoad("floating", "high", "high"),
         BodyLoad("floating", "nose", "nose", factor=2e-5),
         BodyLoad("floating", "spring", "constant", factor=30.0),
-        BodyLoad("drive_gear", "space_0", "node", 1),
+        BodyLoad("drive_gear", "flank", "node", 1, 0.25),
+        BodyLoad("drive_gear", "flank", "contact", 0, 1e3),
+        BodyLoad("drive_gear", "thrust", "contact_share", 0, 200.0),
         BodyLoad("drive_gear", "push_x", "journal_x", 0, -0.5),
         BodyLoad("floating", "bore_y", "journal_y", 0, -0.5),
     )
     back = BackPressure(high=60e5, low=5e5, nose=9e5)
-    loads = BodyLoads(given, back, journals, {"drive_gear": (0.25 * np.pi, 1.0)})
+    contacts = np.array([300.0, 100.0])
+    frames = {"drive_gear": (0.25 * np.pi, 1.0)}
+    loads = BodyLoads(lambda angle: given, back, journals, lambda angle: contacts, frames)
     sizes = loads(Scene(0.25 * np.pi, (), np.array([5e5, 25e5])))
     assert sizes["floating"] == pytest.approx(
         {"high": 55e5, "nose": 8.0, "spring": 30.0, "bore_y": -500.0}
     )
-    assert sizes["drive_gear"] == pytest.approx({"space_0": 20e5, "push_x": -500.0})
+    assert sizes["drive_gear"] == pytest.approx(
+        {"flank": 5e5 + 3e5, "thrust": 150.0, "push_x": -500.0}
+    )
 
 
 def _with_file(path: Path, **changes: object) -> PressedBodies:
@@ -400,3 +461,8 @@ def test_loads_of_a_run_balance_on_the_bodies() -> None:
         assert np.abs(left[bearing][:2]).max() < 0.03 * shafts
     for gear in ("drive_gear", "driven_gear"):
         assert abs(left[gear][2]) < 0.02 * push
+        assert np.hypot(*left[gear][:2]) < 0.06 * shafts
+    # what turns the drive gear comes from the shaft, which is no load of the body
+    shaft = float(lumped.data["shaft_torque"].mean())
+    assert abs(left["driven_gear"][5]) < 0.05 * shaft
+    assert abs(abs(left["drive_gear"][5]) - shaft) < 0.25 * shaft

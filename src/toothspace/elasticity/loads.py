@@ -216,17 +216,54 @@ class LateralPressure:
 
     def forces(self, mesh: Mesh) -> Array:
         """Nodal forces. [N/Pa]."""
-        centre, _ = mesh.face_frames()
-        chosen = looks(mesh, "lateral") & (centre[:, 2] > self.bottom) & (centre[:, 2] < self.top)
-        chosen &= shapely.contains_xy(self.region, centre[:, 0], centre[:, 1])
-        if not chosen.any():
-            raise _missed(self.name)
-        points = face_points(mesh, chosen)
+        points = _beside(self, mesh)
         values = np.ones(len(points.place)) if self.pattern is None else self.pattern(points.place)
         return points.forces(values, len(mesh.nodes))
 
 
-Load = AreaPressure | LateralPressure
+@final
+@dataclass(frozen=True, eq=False)
+class AxialTraction:
+    """One newton along z, even over the lateral faces inside a region and between two levels.
+
+    Parameters
+    ----------
+    name : str
+        Name of the load.
+    region : Polygon
+        Region in the x y plane that holds the centres of the loaded faces. [m]
+    bottom, top : float
+        Levels. [m]
+    """
+
+    name: str
+    region: shapely.Geometry
+    bottom: float
+    top: float
+
+    def key(self) -> tuple[object, ...]:
+        """Everything that defines the load."""
+        return ("axial", self.name, shapely.to_wkb(self.region), self.bottom, self.top)
+
+    def forces(self, mesh: Mesh) -> Array:
+        """Nodal forces. [N/N]."""
+        points = _beside(self, mesh)
+        area = np.linalg.norm(points.push, axis=1)
+        along = np.outer(area / area.sum(), [0.0, 0.0, 1.0])
+        return points.traction(along, len(mesh.nodes))
+
+
+def _beside(load: LateralPressure | AxialTraction, mesh: Mesh) -> FacePoints:
+    """Quadrature points on the lateral faces of a load."""
+    centre, _ = mesh.face_frames()
+    chosen = looks(mesh, "lateral") & (centre[:, 2] > load.bottom) & (centre[:, 2] < load.top)
+    chosen &= shapely.contains_xy(load.region, centre[:, 0], centre[:, 1])
+    if not chosen.any():
+        raise _missed(load.name)
+    return face_points(mesh, chosen)
+
+
+Load = AreaPressure | LateralPressure | AxialTraction
 
 
 def journal_load(

@@ -36,9 +36,12 @@ class FaceMap(Protocol):
         ...  # pragma: no cover
 
 
-LoadSource = Literal["constant", "high", "nose", "node", "journal_x", "journal_y"]
+LoadSource = Literal[
+    "constant", "high", "nose", "node", "journal_x", "journal_y", "contact", "contact_share"
+]
 """What a load follows: one, the pressure of the high-pressure area, of the nose or of a node above
-the low pressure [Pa], or a component of the force of the journal bearings on a body [N]."""
+the low pressure [Pa], a component of the force of the journal bearings on a body, the force of a
+contact between turning bodies [N], or its share of all contact forces [-]."""
 
 
 @final
@@ -56,9 +59,9 @@ class BodyLoad:
     source : LoadSource
         What it follows.
     index : int
-        Node of a pressure, or turning body of a journal force. [-]
+        Node of a pressure, turning body of a journal force, or contact. [-]
     factor : float
-        Load over what it follows; of a constant the load itself. [-] or [N]
+        Load over what it follows; of a constant or a share the load itself. [-], [1/m2] or [N]
     """
 
     body: str
@@ -75,8 +78,8 @@ class ElasticBodies(Protocol):
         """Bearings ``floating`` and ``solid``, or their parts, and the turning bodies, by name."""
         ...  # pragma: no cover
 
-    def loads(self) -> tuple[BodyLoad, ...]:
-        """What acts on them besides the films."""
+    def loads(self, shaft_angle: float) -> tuple[BodyLoad, ...]:
+        """What acts on them besides the films at a shaft angle [rad]; one name adds up."""
         ...  # pragma: no cover
 
 

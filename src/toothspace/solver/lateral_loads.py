@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, final
 
 import numpy as np
@@ -20,6 +21,8 @@ from toothspace.model.lateral_balance import BodyLoad, LateralBalance
 if TYPE_CHECKING:
     import xarray as xr
 
+_KEPT = 32
+"""Shaft angles whose loads are kept. [-]"""
 _COMPONENTS = {"journal_x": 0, "journal_y": 1}
 
 
@@ -30,33 +33,43 @@ class BodyLoads:
 
     Parameters
     ----------
-    loads : tuple of BodyLoad
-        What the loads follow.
+    loads : callable
+        What the loads follow at a shaft angle; those of one name add up.
     back : BackPressure
         Pressures behind the bearing.
     journal_force : callable
         Forces of the journal bearings on the turning bodies at a shaft angle, in the machine
         frame, shape (bodies, 2). [N]
+    contact_force : callable
+        Forces of all contacts between turning bodies at a shaft angle. [N]
     frames : mapping of str to tuple of float
         Angle [rad] at shaft angle zero and speed ratio of the frames that turn, by body.
     """
 
-    loads: tuple[BodyLoad, ...]
+    loads: Callable[[float], tuple[BodyLoad, ...]]
     back: BackPressure
     journal_force: Callable[[float], Array]
+    contact_force: Callable[[float], Array]
     frames: Mapping[str, tuple[float, float]]
 
     def __call__(self, scene: Scene) -> dict[str, dict[str, float]]:
         """Sizes of the loads by body and name. [Pa] or [N]."""
-        journals = self.journal_force(scene.shaft_angle)
+        angle = scene.shaft_angle
+        forces = self.journal_force(angle), self.contact_force(angle)
         found: dict[str, dict[str, float]] = {}
-        for load in self.loads:
-            size = load.factor * self._followed(load, scene, journals)
-            found.setdefault(load.body, {})[load.load] = size
+        for load in self.loads(angle):
+            own = found.setdefault(load.body, {})
+            size = load.factor * self._followed(load, scene, *forces)
+            own[load.load] = own.get(load.load, 0.0) + size
         return found
 
-    def _followed(self, load: BodyLoad, scene: Scene, journals: Array) -> float:
+    def _followed(self, load: BodyLoad, scene: Scene, journals: Array, contacts: Array) -> float:
         low = self.back.low
+        if load.source == "contact":
+            return float(contacts[load.index])
+        if load.source == "contact_share":
+            total = float(contacts.sum())
+            return float(contacts[load.index]) / total if total > 0.0 else 0.0
         if load.source == "node":
             return float(scene.node_pressure[load.index]) - low
         if load.source in _COMPONENTS:
@@ -96,7 +109,8 @@ def loaded_bodies(
     made = balance.elastic_bodies()
     bodies = {name: body for name, body in made.items() if isinstance(body, ElasticBody)}
     frames = {i.body: (i.body_angle, i.speed_ratio) for i in balance.interfaces}
-    loads = BodyLoads(balance.elastic_bodies.loads(), back, journal_forces(data), frames)
+    at_angle = lru_cache(_KEPT)(balance.elastic_bodies.loads)
+    loads = BodyLoads(at_angle, back, journal_forces(data), contact_forces(data), frames)
     return elastic_faces(grids, bodies, loads)
 
 
@@ -137,6 +151,11 @@ def node_pressures(description: MachineDescription, data: xr.Dataset) -> Callabl
 def journal_forces(data: xr.Dataset) -> Callable[[float], Array]:
     """Forces of the journal bearings on every body over the shaft angle, x and y. [N]."""
     return _over_a_turn(data, data["journal_force"].values[:, :, :2])
+
+
+def contact_forces(data: xr.Dataset) -> Callable[[float], Array]:
+    """Forces of all contacts between turning bodies over the shaft angle. [N]."""
+    return _over_a_turn(data, data["contact_force"].values)
 
 
 def _over_a_turn(data: xr.Dataset, values: Array) -> Callable[[float], Array]:

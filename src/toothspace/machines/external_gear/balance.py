@@ -85,8 +85,8 @@ def _elastic_bodies(
     high = _high_pressure(assembly, pressed, face)
     if high is None:
         high = _behind_a_chord(face, pressed.high_pressure_area, pressed.high_pressure_center)
-    first, second = (FaceOfGear(assembly, numbering, gear).space_nodes() for gear in (0, 1))
-    return PressedBodies(assembly, high, (first, second))
+    drive, driven = (FaceOfGear(assembly, numbering, gear) for gear in (0, 1))
+    return PressedBodies(assembly, high, (drive, driven))
 
 
 def _behind_a_chord(face: Any, area: float, center: tuple[float, float]) -> Any:

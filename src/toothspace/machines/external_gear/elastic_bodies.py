@@ -19,6 +19,7 @@ from toothspace.elasticity.loads import AreaPressure, LateralPressure, Load, jou
 from toothspace.elasticity.mesh import Prism, disc
 from toothspace.elasticity.surfaces import PlaneSurface
 from toothspace.machines.external_gear.assembly import Assembly
+from toothspace.machines.external_gear.gear_flanks import flank_loads
 from toothspace.machines.external_gear.loads import groove_polygons
 from toothspace.machines.external_gear.spec import Material
 
@@ -94,8 +95,9 @@ def gear_body(assembly: Assembly, gear: int, size: MeshSize | None = None) -> El
     Returns
     -------
     ElasticBody
-        Films ``floating`` (z > 0) and ``solid``; loads ``space_0``... (pressure in the tooth
-        space after each tooth) and ``journal_floating_x``... (force of a journal film).
+        Films ``floating`` (z > 0) and ``solid``; loads of
+        :func:`~toothspace.machines.external_gear.gear_flanks.flank_loads` and
+        ``journal_floating_x``... (force of a journal film).
     """
     size = size or MeshSize()
     spec, profile = assembly.spec, assembly.profiles[gear]
@@ -105,10 +107,7 @@ def gear_body(assembly: Assembly, gear: int, size: MeshSize | None = None) -> El
     section = shapely.Polygon(profile.closed_polygon())
     face = section.difference(disc(radius))
     parts = (Prism(section, -half, half), Prism(disc(radius), -reach, reach))
-    loads: list[Load] = [
-        LateralPressure(f"space_{k}", _space(assembly, gear, k), -half, half)
-        for k in range(profile.tooth_count)
-    ]
+    loads: list[Load] = [*flank_loads(assembly, gear)]
     for side, levels in (("floating", (half, reach)), ("solid", (-reach, -half))):
         loads += [
             journal_load(f"journal_{side}_{axis}", radius, levels, angle)
@@ -125,15 +124,6 @@ def gear_body(assembly: Assembly, gear: int, size: MeshSize | None = None) -> El
         ),
         loads=tuple(loads),
     )
-
-
-def _space(assembly: Assembly, gear: int, index: int) -> shapely.Polygon:
-    """Sector from the middle of a tooth to the middle of the next, outside the shaft."""
-    profile = assembly.profiles[gear]
-    near = 0.5 * (0.5 * assembly.spec.journals.diameter + profile.root_radius)
-    angle = profile.pitch_angle * (index + np.linspace(0.0, 1.0, 33))
-    rim = np.column_stack([np.cos(angle), np.sin(angle)])
-    return shapely.Polygon(np.vstack([1.02 * profile.tip_radius * rim, near * rim[::-1]]))
 
 
 def bearing_section(assembly: Assembly, half: int | None = None) -> shapely.Polygon:

@@ -18,6 +18,8 @@ from toothspace.machines.external_gear.outlines import space_outline
 from toothspace.model.lateral_balance import LAND, FaceCells
 
 _FULL_TURN = 2.0 * np.pi
+_ON_FLANK = 1e-4
+"""Distance up to which the outline of a chamber runs along a flank. [m]"""
 
 
 @final
@@ -82,14 +84,52 @@ class FaceOfGear:
             return 0.5 * np.pi + mesh.half_pitch + shaft_angle
         return -0.5 * np.pi + mesh.turn - mesh.ratio * shaft_angle
 
-    def space_nodes(self) -> IntArray:
-        """Nodes of the spaces after each tooth, counter-clockwise in the frame of the own gear."""
+    def own_angle(self, shaft_angle: float, x: Array, y: Array) -> Array:
+        """Angle of points in the frame of the own gear, from its first tooth. [rad]."""
+        return self._polar(self.gear, x, y)[1] - self.tooth_angle(self.gear, shaft_angle)
+
+    def flank(self, side: int) -> tuple[Array, Array]:
+        """Radii [m] and angles [rad] of a flank from its tooth's middle, side 0 left, 1 right."""
+        radii, right, left = self._edges[self.gear]
+        return radii, (left, right)[side]
+
+    def flank_nodes(self, shaft_angle: float, radius: Array) -> IntArray:
+        """Nodes of the chambers along all flanks, shape (spaces, 2, radii).
+
+        Parameters
+        ----------
+        shaft_angle : float
+            Shaft angle. [rad]
+        radius : ndarray
+            Places on the flanks. [m]
+
+        Returns
+        -------
+        ndarray
+            For the spaces after each tooth, counter-clockwise in the frame of the own gear, on
+            the left flank of the tooth before and the right one of the tooth after.
+        """
         profile = self.assembly.profiles[self.gear]
-        angle = self.tooth_angle(self.gear, 0.0) + profile.pitch_angle * (
-            np.arange(profile.tooth_count) + 0.5
-        )
+        edges = [np.interp(radius, *self.flank(side)) for side in (0, 1)]
+        teeth = profile.pitch_angle * np.arange(profile.tooth_count)[:, None, None]
+        own = teeth + np.stack([edges[0], profile.pitch_angle + edges[1]])
+        angle = own + self.tooth_angle(self.gear, shaft_angle)
         rise = self.assembly.mesh.center_distance if self.gear == 1 else 0.0
-        return self._space(self.gear, 0.0, np.cos(angle), np.sin(angle) + rise)
+        x, y = radius * np.cos(angle), radius * np.sin(angle) + rise
+        node = self._space(self.gear, shaft_angle, x, y)
+        meshing = self._in_lens(x, y)
+        node[meshing] = self._nearest(shaft_angle, x[meshing], y[meshing], node[meshing])
+        return node
+
+    def _nearest(self, shaft_angle: float, x: Array, y: Array, default: IntArray) -> IntArray:
+        """Chambers between the teeth in mesh that touch places on a flank."""
+        points, node = shapely.points(x, y), default.copy()
+        closest = np.full(x.shape, _ON_FLANK)
+        for chamber, outline in self._mesh_spaces(shaft_angle):
+            away = shapely.distance(shapely.LineString(outline), points)
+            node[away < closest] = chamber
+            closest = np.minimum(away, closest)
+        return node
 
     def _space(self, gear: int, shaft_angle: float, x: Array, y: Array) -> IntArray:
         """Node of the tooth space whose sector holds a point."""

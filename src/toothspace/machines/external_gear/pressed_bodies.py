@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple, final
 
 import shapely
 
 from toothspace.core.errors import GeometryError
-from toothspace.core.types import IntArray
 from toothspace.elasticity.body import ElasticBody
 from toothspace.elasticity.solid_file import SolidFile
 from toothspace.machines.external_gear.assembly import Assembly
@@ -25,6 +25,8 @@ from toothspace.machines.external_gear.elastic_bodies import (
     waist,
     wall_direction,
 )
+from toothspace.machines.external_gear.films import FaceOfGear
+from toothspace.machines.external_gear.gear_flanks import GearFlanks
 from toothspace.machines.external_gear.loads import BODIES
 from toothspace.machines.external_gear.spec import PressedBearing
 from toothspace.model.lateral_balance import BodyLoad, LoadSource
@@ -63,15 +65,15 @@ class PressedBodies:
         Gears in mesh.
     high_pressure : Geometry
         Part of the back face at high pressure. [m]
-    space_nodes : tuple of ndarray
-        Nodes of the spaces after each tooth, counter-clockwise in the frame of the gear.
+    faces : tuple of FaceOfGear
+        Chambers round both gears.
     size : MeshSize
         Fineness of all bodies.
     """
 
     assembly: Assembly
     high_pressure: shapely.Geometry
-    space_nodes: tuple[IntArray, IntArray]
+    faces: tuple[FaceOfGear, FaceOfGear]
     size: MeshSize = COARSE
 
     def __call__(self) -> Mapping[str, ElasticBody]:
@@ -87,12 +89,16 @@ class PressedBodies:
             made[name] = self._from_file(name, gear_body(self.assembly, k, self.size))
         return made
 
-    def loads(self) -> tuple[BodyLoad, ...]:
-        """Pressures behind the bearing and in the tooth spaces, springs, seal, journals."""
+    def loads(self, shaft_angle: float) -> tuple[BodyLoad, ...]:
+        """Pressures behind the bearing and on the flanks, springs, seal, contacts, journals."""
+        flanks = [load for f in self.faces for load in GearFlanks(f).acting(shaft_angle)]
+        return (*self._steady, *flanks)
+
+    @cached_property
+    def _steady(self) -> tuple[BodyLoad, ...]:
+        """Loads that follow the same at all shaft angles."""
         found = [load for piece in self._pieces() for load in self._bearing_loads(piece)]
         for gear, name in enumerate(BODIES):
-            spaces = enumerate(self.space_nodes[gear])
-            found += [BodyLoad(name, f"space_{k}", "node", int(node)) for k, node in spaces]
             for side in _SIDES:
                 label = f"journal_{side}"
                 found.append(BodyLoad(name, f"{label}_x", "journal_x", gear, -_SHARE))

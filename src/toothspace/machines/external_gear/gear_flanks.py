@@ -1,0 +1,158 @@
+"""What acts on the flanks of an elastic gear: chamber pressures up to the throats, tooth contacts.
+
+The frame is that of the gear: first tooth on the x axis, space k after tooth k.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+import shapely
+
+from toothspace.core.types import Array
+from toothspace.elasticity.loads import AxialTraction, LateralPressure, Load
+from toothspace.geometry.gear_profile import GearProfile
+from toothspace.machines.external_gear.assembly import Assembly
+from toothspace.machines.external_gear.chambers import drive_spaces
+from toothspace.machines.external_gear.contacts import loaded_throats
+from toothspace.machines.external_gear.films import FaceOfGear
+from toothspace.machines.external_gear.loads import BODIES
+from toothspace.machines.external_gear.numbering import FULL_TURN
+from toothspace.model.lateral_balance import BodyLoad
+
+_PATTERNS = 3
+_MIDDLE = 1
+_SAMPLES = 24
+"""Places along a flank at which the chamber is looked up. [-]"""
+_SIDES = ("left", "right")
+"""Flanks of a space: the left one of the tooth before it, the right one of the tooth after it."""
+
+
+def flank_loads(assembly: Assembly, gear: int) -> list[Load]:
+    """Unit loads on the flanks of a gear.
+
+    Pressures at root, middle and tip by ``space_k_side_n``; of helical teeth also one newton
+    along z by ``thrust_k``, on the loaded flank of every space.
+    """
+    profile, half = assembly.profiles[gear], 0.5 * _width(assembly, gear)
+    loads: list[Load] = []
+    for name, space, side, n in _names(profile):
+
+        def pattern(place: Array, n: int = n) -> Array:
+            return _shares(profile, np.hypot(place[:, 0], place[:, 1]))[:, n]
+
+        label = repr(("flank", n, profile.root_radius, profile.tip_radius))
+        sector = _sector(assembly, gear, space, side)
+        loads.append(LateralPressure(name, sector, -half, half, pattern, label))
+    if thrust(assembly, gear) != 0.0:
+        for k in range(profile.tooth_count):
+            sector = _sector(assembly, gear, k, 0 if assembly.loaded_is_left else 1)
+            loads.append(AxialTraction(f"thrust_{k}", sector, -half, half))
+    return loads
+
+
+def thrust(assembly: Assembly, gear: int) -> float:
+    """Axial force of helical teeth on a gear, along z. [N]."""
+    pressed = assembly.spec.pressed
+    return 0.0 if pressed is None else pressed.gear_forces[gear]
+
+
+def _width(assembly: Assembly, gear: int) -> float:
+    return (assembly.spec.drive, assembly.spec.driven)[gear].face_width
+
+
+def _sector(assembly: Assembly, gear: int, space: int, side: int) -> shapely.Polygon:
+    """Half of a space, from the middle of the tooth beside it, outside the shaft. [m]."""
+    profile = assembly.profiles[gear]
+    near = 0.5 * (0.5 * assembly.spec.journals.diameter + profile.root_radius)
+    angle = profile.pitch_angle * (space + 0.5 * side + np.linspace(0.0, 0.5, 17))
+    rim = np.column_stack([np.cos(angle), np.sin(angle)])
+    return shapely.Polygon(np.vstack([1.02 * profile.tip_radius * rim, near * rim[::-1]]))
+
+
+def _names(profile: GearProfile) -> list[tuple[str, int, int, int]]:
+    """Names of the loads, with space, side and pattern."""
+    return [
+        (f"space_{k}_{_SIDES[side]}_{n}", k, side, n)
+        for k in range(profile.tooth_count)
+        for side in (0, 1)
+        for n in range(_PATTERNS)
+    ]
+
+
+def _shares(profile: GearProfile, radius: Array) -> Array:
+    """Patterns at radii: linear between root, middle and tip; they sum to one."""
+    places = np.linspace(profile.root_radius, profile.tip_radius, _PATTERNS)
+    return np.column_stack([np.interp(radius, places, row) for row in np.eye(_PATTERNS)])
+
+
+@final
+@dataclass(frozen=True)
+class GearFlanks:
+    """Pressures and contacts on the flanks of a gear over the shaft angle.
+
+    Parameters
+    ----------
+    face : FaceOfGear
+        Chambers round the gear.
+    """
+
+    face: FaceOfGear
+
+    @property
+    def _profile(self) -> GearProfile:
+        return self.face.assembly.profiles[self.face.gear]
+
+    def acting(self, shaft_angle: float) -> list[BodyLoad]:
+        """Loads at a shaft angle [rad], several for one name where chambers meet on a flank."""
+        return self._pressures(shaft_angle) + self._contacts(shaft_angle)
+
+    def _pressures(self, shaft_angle: float) -> list[BodyLoad]:
+        profile, body = self._profile, BODIES[self.face.gear]
+        steps = (np.arange(_SAMPLES) + 0.5) / _SAMPLES
+        radius = profile.root_radius + steps * (profile.tip_radius - profile.root_radius)
+        nodes = self.face.flank_nodes(shaft_angle, radius)
+        shares = _shares(profile, radius)
+        shares /= shares.sum(axis=0)
+        found = []
+        for name, space, side, n in _names(profile):
+            seen = nodes[space, side]
+            for node in np.unique(seen):
+                part = float(shares[seen == node, n].sum())
+                found.append(BodyLoad(body, name, "node", int(node), part))
+        return found
+
+    def _contacts(self, shaft_angle: float) -> list[BodyLoad]:
+        """Force of every contact on the middle of its flank, and its share of the thrust."""
+        body, assembly = BODIES[self.face.gear], self.face.assembly
+        factor, axial = 1.0 / self._middle_area(), thrust(assembly, self.face.gear)
+        side = _SIDES[0 if assembly.loaded_is_left else 1]
+        found = []
+        for contact, space in self._touching(shaft_angle):
+            name = f"space_{space}_{side}_{_MIDDLE}"
+            found.append(BodyLoad(body, name, "contact", contact, factor))
+            if axial != 0.0:
+                name = f"thrust_{space}"
+                found.append(BodyLoad(body, name, "contact_share", contact, axial))
+        return found
+
+    def _touching(self, shaft_angle: float) -> list[tuple[int, int]]:
+        """Numbers of the contacts of loaded flanks in mesh, and of the spaces beside them."""
+        assembly, numbering, face = self.face.assembly, self.face.numbering, self.face
+        turned = numbering.space_phases[0] + numbering.ratios[0] * shaft_angle
+        place = np.mod(turned, FULL_TURN) - np.pi
+        side = loaded_throats(assembly, drive_spaces(*assembly.teeth, assembly.mesh, place))
+        point = side.drive_point if face.gear == 0 else side.driven_point
+        pitch = self._profile.pitch_angle
+        angle = np.mod(face.own_angle(shaft_angle, *point.T), FULL_TURN)
+        return [(int(k), int(angle[k] // pitch)) for k in np.flatnonzero(side.weight > 0.0)]
+
+    def _middle_area(self) -> float:
+        """Force of one pascal in the middle of a flank along its normal. [m2]."""
+        radius, angle = self.face.flank(0)
+        line = radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+        share = _shares(self._profile, 0.5 * (radius[1:] + radius[:-1]))[:, _MIDDLE]
+        along = np.sum(share[:, None] * np.diff(line, axis=0), axis=0)
+        return float(np.hypot(*along)) * _width(self.face.assembly, self.face.gear)
