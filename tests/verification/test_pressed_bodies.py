@@ -63,12 +63,12 @@ def _pressed(**changes: object) -> PressedBearing:
     return replace(given, **changes)  # type: ignore[arg-type]
 
 
-def _assembly(**changes: object) -> Assembly:
-    return assemble(egm12("pump", pressed=_pressed(**changes)))
+def _assembly(mode: str = "pump", /, **changes: object) -> Assembly:
+    return assemble(egm12(mode, pressed=_pressed(**changes)))
 
 
-def _balance(**changes: object) -> LateralBalance:
-    assembly = _assembly(**changes)
+def _balance(mode: str = "pump", /, **changes: object) -> LateralBalance:
+    assembly = _assembly(mode, **changes)
     found = lateral_balance(assembly, number(assembly))
     assert found is not None
     return found
@@ -92,8 +92,8 @@ def gear() -> InfluenceMatrix:
     return _gear(0)
 
 
-def _gear(wheel: int, **changes: object) -> InfluenceMatrix:
-    assembly = _assembly(**changes)
+def _gear(wheel: int, mode: str = "pump", /, **changes: object) -> InfluenceMatrix:
+    assembly = _assembly(mode, **changes)
     short = replace(assembly.spec.journals, length=0.2e-3)
     short_shaft = replace(assembly, spec=replace(assembly.spec, journals=short))
     return influence_matrix(gear_body(short_shaft, wheel, SIZE), estimate_error=False, cache=False)
@@ -174,11 +174,13 @@ def test_chambers_turn_both_gears_as_their_volumes_change() -> None:
         assert found == pytest.approx(wanted, rel=0.06)
 
 
-def test_contacts_press_on_both_gears_against_each_other() -> None:
+@pytest.mark.parametrize("mode", ["pump", "motor"])
+def test_contacts_press_on_both_gears_against_each_other(mode: str) -> None:
     """Force along the line of contact, with the arms of the base circles; thrust on the tooth."""
-    assembly = _assembly(gear_forces=(250.0, -250.0))
-    bodies = _bodies(_balance(gear_forces=(250.0, -250.0)))
-    both = [_gear(wheel, gear_forces=(250.0, -250.0)) for wheel in (0, 1)]
+    changes = {"gear_forces": (250.0, -250.0), "nose_area": 0.0}
+    assembly = _assembly(mode, **changes)
+    bodies = _bodies(_balance(mode, **changes))
+    both = [_gear(wheel, mode, **changes) for wheel in (0, 1)]
     base = np.cos(np.radians(20.0)) * 0.5 * assembly.mesh.center_distance
     for turn in (0.0, 0.3):
         loads = [load for load in bodies.loads(turn) if load.source.startswith("contact")]
