@@ -40,6 +40,10 @@ _TOLERATED = 20.0
 """Part of a negligible difference above which a point has failed. [-]"""
 _LONGEST_CHANGE = 3.0
 """Largest change of the logarithm of the leakage of the paths in one round. [-]"""
+_STILL = 1e-10
+"""Lift of a bearing that counts as none. [m]"""
+_NARROW = 0.1
+"""Difference of two runs between which a bearing that friction holds breaks away. [-]"""
 _STEEP = 2.0
 """Slope of the logarithm of film over path leakage from which single runs lead nowhere. [-]"""
 
@@ -267,18 +271,24 @@ def _trial(
 ) -> Trial:
     moved = problem.stack.opening @ (found.balance.position - begun.position)
     excess = float(np.log(found.numbers.leakage / leakage))
-    sense = int(np.sign(moved))
+    sense = int(np.sign(moved)) if abs(moved) > _STILL else 0
     return Trial(widened, leakage, problem, found.balance.position, excess, sense)
 
 
 def _ends(trials: list[Trial]) -> tuple[Trial, Trial] | None:
-    """Nearest trials with opposite errors between which the bearing jumps, None without."""
+    """Nearest trials with opposite errors between which the bearing jumps, None without.
+
+    A bearing that friction holds where it began is followed until it breaks away.
+    """
     last = trials[-1]
     opposite = [t for t in trials if t.excess * last.excess < 0.0]
     if not opposite:
         return None
     other = min(opposite, key=lambda t: abs(t.widened - last.widened))
-    if abs(last.excess - other.excess) <= _STEEP * abs(last.widened - other.widened):
+    apart = abs(last.widened - other.widened)
+    if last.sense * other.sense == 0 and apart > _NARROW:
+        return None
+    if abs(last.excess - other.excess) <= _STEEP * apart:
         return None
     return (last, other) if last.excess > 0.0 else (other, last)
 

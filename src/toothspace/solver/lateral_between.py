@@ -124,8 +124,8 @@ class Between:
     def __init__(self, low: Trial, high: Trial, settle: Settle, stiffness: float = 0.0) -> None:
         self._ends, self._settle, self._known_stiffness = (low, high), settle, stiffness
         self._scale = balance_force(low.problem.stack, low.problem.loads.back)
-        agreed = low.sense == high.sense
-        self._sense = high.sense if agreed else 0
+        senses = {low.sense, high.sense} - {0}
+        self._sense = senses.pop() if len(senses) == 1 else 0
 
     def at(self, share: float, position: Array) -> Rest:
         """Bearing at the opening that leaks as the paths do, from a position. [m, rad].
