@@ -9,6 +9,9 @@ import numpy as np
 import pytest
 
 from tests.lateral_stack import HIGH, HIGH_NODE, INNER, LOW, OUTER, loads, pressures, ring_stack
+from toothspace.api import condition_of, lateral_settings, run_in_machine
+from toothspace.config import load_case
+from toothspace.core.types import Array
 from toothspace.elasticity import (
     ElasticBody,
     LateralPressure,
@@ -25,16 +28,20 @@ from toothspace.films.lateral_gap.elastic_faces import (
     elastic_faces,
 )
 from toothspace.films.lateral_gap.equilibrium import (
+    Equilibrium,
     March,
     SearchSettings,
     find_equilibrium,
     march_angles,
 )
+from toothspace.films.lateral_gap.mixing import Mixing
 from toothspace.films.lateral_gap.motion import StepSettings, rest_at
-from toothspace.films.lateral_gap.stack import Past, Scene, Stack
-from toothspace.films.lateral_gap.widening import Fineness, response
+from toothspace.films.lateral_gap.stack import Past, Scene, Stack, StackState
+from toothspace.films.lateral_gap.widening import Fineness, film_coefficients, response
+from toothspace.solver.lateral_gap import LateralProblem, lateral_problem, numbers_of
 from toothspace.solver.lateral_loads import face_deflection
 
+REPOSITORY = Path(__file__).parents[2]
 MODULUS, LENGTH, WIDTH = 100e9, 20e-3, 16e-3
 SECTION = annulus(INNER, OUTER)
 SIZE = (5e-3, 5e-3)
@@ -210,6 +217,94 @@ def test_bearing_rests_between_elastic_bodies(faces: ElasticFaces) -> None:
     for k, film in enumerate(state.films):
         rigid = stack.film_place(k, found.balance.position, found.balance.velocity).position[0]
         assert film.gap - rigid == pytest.approx(wanted[k], abs=2e-3 * float(film.gap.mean()))
+
+
+def test_rest_over_several_scenes_is_that_of_the_plain_iteration(faces: ElasticFaces) -> None:
+    """Every scene has a response of its own, the coordinates are common to all."""
+    stack = _stack(faces)
+    scenes = tuple(
+        stack.scene(k * np.pi, pressures(share * HIGH)) for k, share in enumerate((0.9, 1.1))
+    )
+    first = rest_at(stack, scenes, stack.start(2e-6))
+    plain = StepSettings(film_tolerance=1e-4, memory=MEMORY)
+    foreseen = replace(FORESEEN, fineness=Fineness(4, 2, 2))
+    found = [
+        find_equilibrium(stack, scenes, loads(HIGH), first, SearchSettings(first_step=10.0), step)
+        for step in (foreseen, plain)
+    ]
+    assert all(own.rests for own in found)
+    assert found[0].balance.position == pytest.approx(found[1].balance.position, rel=1e-4)
+    assert sorted(found[0].balance.responses) == [0, 1]
+
+
+def test_stiffness_and_damping_are_those_of_small_motions_of_bending_bodies(
+    faces: ElasticFaces,
+) -> None:
+    """Differences of films that are solved anew, their widening settled."""
+    stack = _stack(faces)
+    scene = stack.scene(0.0, pressures(HIGH))
+    q, step = np.array([4.2, 0.0, 0.0, 2.1, 0.0, 0.0]) * 1e-6, 2e-9
+
+    def settled(place: Array, rate: Array) -> StackState:
+        mixing, shape = Mixing(MEMORY, 0.2), (len(stack.grids), *CELLS)
+        used, state = np.zeros(shape), None
+        for _ in range(30):
+            state = stack.solve(scene, place, rate, state, list(used))
+            new = np.array(faces.distant(state.face_pressures(LOW), scene))
+            if np.abs(new - used).max() < 1e-13:
+                break
+            used = mixing.following(used.ravel(), (new - used).ravel()).reshape(shape)
+        assert state is not None
+        return state
+
+    still = np.zeros(stack.size)
+    told = film_coefficients([settled(q, still)], Fineness(8, 3))
+    for k in (0, 3):
+        unit = np.eye(stack.size)[k]
+        sides = [settled(q + s * step * unit, still).film_force() for s in (-1.0, 1.0)]
+        stiffness = (sides[0] - sides[1]) / (2.0 * step)
+        assert told[0][::3, k] == pytest.approx(stiffness[::3], rel=0.02)
+        sides = [settled(q, s * 1e-5 * unit).film_force() for s in (-1.0, 1.0)]
+        damping = (sides[0] - sides[1]) / 2e-5
+        assert told[1][::3, k] == pytest.approx(damping[::3], rel=0.02)
+
+
+def _fuel_pump(*changes: str) -> tuple[LateralProblem, Equilibrium]:
+    """Rest of the fuel pump between bodies at the chamber pressures of small gaps."""
+    coarse = (
+        "run.deformation=bodies",
+        "run.film_grid=[84,10]",
+        "run.film_angles_per_pitch=2",
+        "run.samples_per_revolution=180",
+    )
+    case = load_case(REPOSITORY / "cases" / "hysteresis_078.toml", (*coarse, *changes))
+    machine = run_in_machine(case)
+    data = machine.solve(condition_of(case, machine.description)).data
+    problem = lateral_problem(machine.description, machine.fluid, data, lateral_settings(case))
+    return problem, problem.settle(problem.started(3e-6))
+
+
+@pytest.mark.slow
+def test_fuel_pump_rests_at_its_highest_pressure() -> None:
+    """155 bar: faces bend by as much as the films are thick."""
+    problem, found = _fuel_pump("operating_point.outlet_pressure=155.2 bar")
+    assert found.rests
+    assert found.steps <= 12
+    assert found.balance.residual < 1e-6
+    numbers = numbers_of(problem, found.balance)
+    assert 0.9e-6 < numbers.smallest_gap < 1.2e-6
+    assert 3e-6 < numbers.gaps.mean() < 4e-6
+
+
+@pytest.mark.slow
+def test_plates_rest_between_bending_bodies() -> None:
+    """Plates of 15 mm at 58 bar, one on each side of the gears: both rest alike."""
+    plates = "machine.lateral.arrangement=plates", "machine.floating_bearing.length=15 mm"
+    problem, found = _fuel_pump(*plates)
+    assert found.rests
+    assert found.balance.residual < 1e-6
+    gaps = numbers_of(problem, found.balance).gaps
+    assert gaps[:2] == pytest.approx(gaps[2:], rel=1e-3)
 
 
 def _march(stack: Stack, settings: StepSettings) -> March:

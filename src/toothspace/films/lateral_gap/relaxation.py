@@ -92,7 +92,8 @@ def relax(
         found = _point(task, now.states[0].position + step, now.states, _followed(now))
         error = _size(stack, found.force - (now.force - now.stiffness @ step))
         size = _size(stack, now.force)
-        if error > _FORETOLD * max(size, _SMALL * scale) and far > _SHORTEST_YIELD:
+        good = error <= _FORETOLD * max(size, _SMALL * scale)  # false where films are lost
+        if not good and far > _SHORTEST_YIELD:
             far *= _SHRINK
             continue
         now = found
