@@ -32,7 +32,7 @@ def _problem(rim: float, arrangement: str, coulomb: float = 0.0) -> LateralProbl
     )
 
 
-def _settle(problem: LateralProblem, begun: Balance) -> Rest:
+def _settle(problem: LateralProblem, begun: Balance, warm: np.ndarray | None) -> Rest:
     found = problem.settle(begun)
     return Rest(problem, found, numbers_of(problem, found.balance))
 

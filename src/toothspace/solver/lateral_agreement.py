@@ -256,12 +256,12 @@ class _Search:
         return point, close
 
 
-def _settle(problem: LateralProblem, begun: Balance) -> Rest:
+def _settle(problem: LateralProblem, begun: Balance, temperatures: Array | None = None) -> Rest:
     """Bearing at rest, with films that warm up where they are meant to."""
     if problem.settings.heating is None:
         found = problem.settle(begun)
         return Rest(problem, found, numbers_of(problem, found.balance))
-    warm = settle_heated(problem, begun, problem.settings.heating)
+    warm = settle_heated(problem, begun, problem.settings.heating, temperatures)
     numbers = numbers_of(warm.problem, warm.equilibrium.balance)
     return Rest(warm.problem, warm.equilibrium, numbers, warm.temperatures, warm.agreed)
 

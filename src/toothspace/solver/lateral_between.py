@@ -96,8 +96,8 @@ class Trial:
     held: Rest | None = None
 
 
-Settle = Callable[[LateralProblem, Balance], Rest]
-"""Rest of a problem from a state."""
+Settle = Callable[[LateralProblem, Balance, Array | None], Rest]
+"""Rest of a problem from a state and from temperatures of its films, if they are known. [K]"""
 
 
 @final
@@ -123,6 +123,7 @@ class Between:
 
     def __init__(self, low: Trial, high: Trial, settle: Settle, stiffness: float = 0.0) -> None:
         self._ends, self._settle, self._known_stiffness = (low, high), settle, stiffness
+        self._temperatures: Array | None = None
         self._scale = balance_force(low.problem.stack, low.problem.loads.back)
         senses = {low.sense, high.sense} - {0}
         self._sense = senses.pop() if len(senses) == 1 else 0
@@ -226,7 +227,8 @@ class Between:
     def _held(self, problem: LateralProblem, place: float, position: Array) -> Rest:
         guide = Guide(place, _STIFFNESS * self._scale)
         guided = replace(problem, stack=replace(problem.stack, guide=guide))
-        found = self._settle(guided, guided.continued(position))
+        found = self._settle(guided, guided.continued(position), self._temperatures)
+        self._temperatures = found.temperatures
         opened = float(guided.stack.opening @ found.balance.position)
         pull = guide.stiffness * (place - opened)
         excess = (-self._sense * self._friction - pull) / self._scale

@@ -44,7 +44,7 @@ class HeatedEquilibrium:
 
 
 def settle_heated(
-    problem: LateralProblem, start: Balance, heating: FilmHeating
+    problem: LateralProblem, start: Balance, heating: FilmHeating, begin: Array | None = None
 ) -> HeatedEquilibrium:
     """Let the bearing come to rest with the viscosity that the heat of every film gives.
 
@@ -56,6 +56,8 @@ def settle_heated(
         Where bearings and gears start, in every round.
     heating : FilmHeating
         Oil, and part of the heat that it carries away.
+    begin : ndarray, optional
+        Temperatures that the films begin with; default that of the supply. [K]
 
     Notes
     -----
@@ -65,7 +67,7 @@ def settle_heated(
     known for keeps the highest known one, and the point counts as not agreed.
     """
     supply = heating.balance.supply_temperature
-    now = np.full(len(problem.stack.grids), supply)
+    now = np.full(len(problem.stack.grids), supply) if begin is None else begin
     for _ in range(_MOST_ROUNDS):
         heated = _at(problem, now, heating)
         found = heated.settle(start)
