@@ -19,8 +19,8 @@ _STIFFNESS = 1e6
 """Stiffness of the guide over the force behind the bearing. [1/m]"""
 _LEAKAGE, _MOST_PLACES = 3e-3, 8
 """Difference of the logarithm of a leakage at which the place of the guide is found. [-]"""
-_FORCE, _HELD_FORCE = 1e-6, 1e-4
-"""Force left over that behind the bearing: on films alone, and where friction holds it. [-]"""
+_FORCE, _LEFT_FORCE = 1e-6, 1e-4
+"""Force left over that behind the bearing: on films alone, and where more than they answer. [-]"""
 _MOST_SHARES = 16
 _APART = 3e-3
 """Logarithm of two leakages over each other that tells a stiffness. [-]"""
@@ -162,7 +162,8 @@ class Between:
         (a, fa), (b, fb) = (0.0, ends[0].excess), (1.0, ends[1].excess)
         share, held = (0.0, ends[0]) if abs(fa) < abs(fb) else (1.0, ends[1])
         stiffness = self._stiffness(*ends)
-        goal = _HELD_FORCE if self._friction > 0.0 else _FORCE
+        # the answer of the chambers takes what is left to them
+        goal = _LEFT_FORCE if self._friction > 0.0 or stiffness > 0.0 else _FORCE
         for _ in range(_MOST_SHARES if fa > 0.0 > fb else 0):
             share = (a * fb - b * fa) / (fb - fa)
             held = self.at(share, held.balance.position)
@@ -207,6 +208,8 @@ class Between:
             friction=np.array(friction),
             residual=max(held.balance.residual, left),
         )
+        if self._friction == 0.0 < stiffness and balanced:
+            return self._settle(problem, problem.continued(balance.position), held.temperatures)
         found = replace(held.equilibrium, balance=balance)
         if not balanced and found.rests:
             found = replace(found, rests=False, reason=_LEFT.format(held.excess * self._scale))
