@@ -51,12 +51,14 @@ NO_BEARING = (
 """Message about a machine whose lateral gaps are not those of a pressed bearing."""
 _TOUCH = 1e-4
 """Asperity pressure over hardness that counts as contact. [-]"""
-_MARCHED = Accuracy(settled=1e-3, linear=1e-2)
+_MARCHED = Accuracy(settled=1e-3, linear=5e-2)
 """Accuracy of films within one step of the march, whose force balance repeats them."""
 _JACOBIAN_AGE = 60
 """Iterations of the march that one Jacobian serves. [-]"""
 _FINENESS = Fineness(waves=16, degree=2, phases=6)
 """Patterns of widening that are foreseen: those of the teeth are the finest. [-]"""
+_IN_MARCH = Fineness(waves=12, degree=2, phases=2)
+"""The same in a march: a step begins so near its end that fewer and older responses do."""
 _MEMORY = 2
 """Iterations from which finer patterns are foreseen. [-]"""
 
@@ -148,7 +150,9 @@ class LateralProblem:
             If interrupted before.
         """
         angles = np.arange(1, round(steps * revolutions) + 1) * 2.0 * np.pi / steps
-        step = replace(self._step(5e-5), jacobian_age=_JACOBIAN_AGE, passes=1)
+        step = replace(self._step(9e-5), jacobian_age=_JACOBIAN_AGE, passes=1)
+        if step.fineness is not None:
+            step = replace(step, fineness=_IN_MARCH)
         laws = tuple(law._replace(accuracy=_MARCHED) for law in self.stack.laws)
         stack = replace(self.stack, laws=laws)
         track = LateralTrack(angles)

@@ -21,10 +21,10 @@ from toothspace.numerics.side_by_side import side_by_side
 _PROBE = 1e6
 """Pressure that the local part of the deformation is told with. [Pa]"""
 
-_PROBE_WAVES = 12
-"""Waves of that pressure round a face: about the finest that a tooth makes.
+_PROBE_WAVES = 16
+"""Waves of that pressure round a face: about the finest patterns that are foreseen.
 
-Patterns as wide and wider are foreseen, finer ones to which faces yield less are iterated.
+Finer ones, to which faces yield less, are iterated.
 """
 
 _KEPT = 4

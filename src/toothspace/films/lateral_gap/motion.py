@@ -23,7 +23,7 @@ from toothspace.films.lateral_gap.stops import stop_forces
 from toothspace.films.lateral_gap.widening import Fineness, Response, Widening
 
 _STATUS_ROUNDS = 4
-_PATIENCE = 12
+_PATIENCE = 16
 """Iterations of one step after which an older Jacobian is made afresh. [-]"""
 _HEAD = 0.3
 """Part of the former velocity with which a step begins its search. [-]"""

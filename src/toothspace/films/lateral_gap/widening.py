@@ -223,7 +223,7 @@ class Widening:
         """Stiffness and damping to begin with, and the iterations that they have served."""
         if self._fineness is None:
             return jacobian, age
-        return (_mean_of(self._own) if self._own else None), age
+        return (_mean_of(self._own) if self._own else None), 0
 
     def renew(self, states: Sequence[StackState]) -> tuple[Array, Array]:
         """Stiffness and damping of the films, with the widening that follows if it is foreseen."""
