@@ -234,9 +234,10 @@ class _Search:
         flow = machine.displacement * found.problem.stack.shaft_speed
         ideal = machine.displacement * (back.high - back.low)
         torque = numbers.viscous_torque + numbers.asperity_torque
+        dragged = lumped_torque(solution.data)
         pairs = (
             (numbers.leakage, leakage, _NEGLIGIBLE * flow),
-            (torque, lumped_torque(solution.data), _NEGLIGIBLE_TORQUE * ideal),
+            (torque, dragged, _NEGLIGIBLE_TORQUE * ideal),
         )
         close = all(abs(a - b) <= max(_AGREEMENT * abs(a), least) for a, b, least in pairs)
         agreed = all(
@@ -249,7 +250,7 @@ class _Search:
             equilibrium=found.equilibrium,
             numbers=numbers,
             leakage_mismatch=(numbers.leakage - leakage) / flow,
-            torque_mismatch=(torque - pairs[1][1]) / ideal,
+            torque_mismatch=(torque - dragged) / ideal,
             agreed=found.warm and (agreed or self._asked.rounds == 1),
             temperatures=found.temperatures,
         )

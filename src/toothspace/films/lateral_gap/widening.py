@@ -113,24 +113,29 @@ def response(state: StackState, fineness: Fineness, frequency: float) -> Respons
     stack = state.stack
     patterns = tuple(Patterns(grid, fineness.waves, fineness.degree) for grid in stack.grids)
 
-    def one(k: int) -> tuple[Array, Array]:
-        film = state.films[k]
-        asked = patterns[k].lifts(frequency)
-        changes = np.array([film.pressure_changes([lift])[0] for lift in asked])
-        return changes, np.array(film.pressure_changes(film.rates()))
+    films, size = range(len(patterns)), stack.grids[0].area.size
 
-    found = side_by_side(one, range(len(patterns)), stack.grids[0].area.size)
-    changes, rates = ([pair[k] for pair in found] for k in range(2))
+    def one(k: int) -> Array:
+        film, asked = state.films[k], patterns[k].lifts(frequency)
+        return np.array([film.pressure_changes([lift])[0] for lift in asked])
+
+    changes = side_by_side(one, films, size)
     loads = [_loads(film, c) for film, c in zip(state.films, changes, strict=True)]
     force = [chain.T @ load for chain, load in zip(stack.chains, loads, strict=True)]
     planes = [own.planes() @ chain for own, chain in zip(patterns, stack.chains, strict=True)]
     gain = stack.compliance.gain(changes, state.scene, patterns)
     squeezed, drag = np.zeros((len(gain), stack.size)), np.zeros((stack.size, stack.size))
     if frequency == 0.0:
+        rates = side_by_side(lambda k: _squeezed(state.films[k]), films, size)
         squeezed = stack.compliance.gain(rates, state.scene, patterns) @ np.vstack(stack.chains)
         for film, chain, rate in zip(state.films, stack.chains, rates, strict=True):
             drag -= chain.T @ _loads(film, rate) @ chain
     return Response(patterns, gain, np.hstack(force), np.vstack(planes), squeezed, drag, frequency)
+
+
+def _squeezed(film: FaceFilm) -> Array:
+    """Change of the pressure with the rates of the upper face. [Pa s/m, Pa s]."""
+    return np.array(film.pressure_changes(film.rates()))
 
 
 def _loads(film: FaceFilm, changes: Array) -> Array:
@@ -260,21 +265,12 @@ class Widening:
         if self._own:
             pairs = zip(self._own, self._missing, strict=True)
             more = [own.fields(own.follow(m, step, rate) - m) for own, m in pairs]
-            new = [
-                [a + b for a, b in zip(fields, added, strict=True)]
-                for fields, added in zip(new, more, strict=True)
-            ]
+            new = _sum(new, more)
         place = states[0].position, step
         new, step = mixed(self._mixing, (self.used, new), place, states[0].stack.arms)
-        change = [
-            [b - a for a, b in zip(fields, asked, strict=True)]
-            for fields, asked in zip(self.used, new, strict=True)
-        ]
+        change = _sum(new, self.used, -1.0)
         part = 1.0 / overstep(states, step, change)
-        self.used = [
-            [a + part * b for a, b in zip(fields, added, strict=True)]
-            for fields, added in zip(self.used, change, strict=True)
-        ]
+        self.used = _sum(self.used, change, part)
         return part * step
 
     def beside(
@@ -284,6 +280,12 @@ class Widening:
         if revised != slides:
             self._mixing = Mixing(self._memory)
         return revised
+
+
+def _sum(fields: Fields, others: Fields, part: float = 1.0) -> Fields:
+    """Fields with a part of others added, scene by scene and film by film."""
+    pairs = zip(fields, others, strict=True)
+    return [[a + part * b for a, b in zip(*pair, strict=True)] for pair in pairs]
 
 
 def film_coefficients(
