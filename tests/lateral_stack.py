@@ -15,6 +15,7 @@ from toothspace.films.lateral_gap.stack import BackPressure, Columns, Stack
 from toothspace.films.rough_surfaces import RoughSurfaces
 from toothspace.model.lateral_balance import (
     LAND,
+    AxialForce,
     FaceCells,
     FilmInterface,
     FloatingBearing,
@@ -86,8 +87,7 @@ def ring_stack(
         face=Patch(AREA, (0.0, 0.0)),
         high_pressure=Patch(high_share * AREA, (0.0, 0.0)),
         nose=Patch(0.0, (0.0, 0.0)),
-        preload=preload,
-        preload_center=(preload_x, 0.0),
+        preload=AxialForce(preload, (preload_x, 0.0)),
         housing=HousingContact(),
         gauge_point=(0.0, -OUTER),
         axial_play=100e-6,
@@ -99,7 +99,7 @@ def ring_stack(
         floating=floating,
         high_node=HIGH_NODE,
         low_node=LOW_NODE,
-        body_forces=(0.0,),
+        body_forces=(AxialForce(0.0),),
         body_masses=(0.5,),
     )
     law = film_law(ROUGH if rough else None, FilmFluid(VISCOSITY))
@@ -121,10 +121,10 @@ class _Moved:
 def _half(own: FloatingBearing, place: tuple[float, float], share: float) -> FloatingBearing:
     x, y = place
     high = Patch(share * AREA, (x + own.high_pressure.center[0], y))
-    springs = (x + own.preload_center[0], y + own.preload_center[1])
+    springs = AxialForce(own.preload.size, (x + own.preload.place[0], y + own.preload.place[1]))
     gauge = (x, y - OUTER)
     return replace(
-        own, face=Patch(AREA, place), high_pressure=high, preload_center=springs, gauge_point=gauge
+        own, face=Patch(AREA, place), high_pressure=high, preload=springs, gauge_point=gauge
     )
 
 
@@ -149,7 +149,7 @@ def split_stack(shares: tuple[float, float], **changes: object) -> Stack:
         balance,
         interfaces=interfaces,
         halves=halves,
-        body_forces=(0.0, 0.0),
+        body_forces=(AxialForce(0.0),) * 2,
         body_masses=(0.5, 0.5),
     )
     cells = one.grids[0]

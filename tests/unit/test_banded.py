@@ -71,6 +71,13 @@ def test_gmres_of_nothing_is_nothing() -> None:
     assert not x.any()
 
 
+@pytest.mark.parametrize("factor", [0.0, np.inf])
+@pytest.mark.filterwarnings("error")
+def test_gmres_tells_that_a_singular_or_lost_matrix_has_no_solution(factor: float) -> None:
+    x, _ = gmres(lambda v: np.full(4, factor), lambda v: v.copy(), np.ones(4))
+    assert np.isnan(x).all()
+
+
 def test_stencil_product_closes_the_ring() -> None:
     rows, lanes = 5, 3
     stencil = np.zeros((15, 5))

@@ -40,9 +40,9 @@ def test_equal_pressure_everywhere_leaves_the_preload(
     assert balance is not None
     force, moment = axial_load(balance, lambda _: np.full(motor[1].chamber_count + 3, 7e5))
     bearing = balance.floating
-    assert force == pytest.approx(-bearing.preload, abs=1e-6)
-    arm = bearing.preload_center[1] - bearing.face.center[1]
-    assert moment == pytest.approx(-bearing.preload * arm, abs=1e-6)
+    assert force == pytest.approx(-bearing.preload.size, abs=1e-6)
+    arm = bearing.preload.place[1] - bearing.face.center[1]
+    assert moment == pytest.approx(-bearing.preload.size * arm, abs=1e-6)
 
 
 def test_load_grows_with_the_pressure_difference(motor: tuple[Case, MachineDescription]) -> None:
@@ -52,7 +52,7 @@ def test_load_grows_with_the_pressure_difference(motor: tuple[Case, MachineDescr
     condition = api.condition_of(case, machine)
     half = replace(condition, inlet_pressure=0.5 * (condition.inlet_pressure + 1e5))
     loads = [
-        axial_load(balance, chamber_pressures(machine, c))[0] + balance.floating.preload
+        axial_load(balance, chamber_pressures(machine, c))[0] + balance.floating.preload.size
         for c in (condition, half)
     ]
     assert loads[0] == pytest.approx(2.0 * loads[1], rel=1e-6)

@@ -14,6 +14,7 @@ from tests.lateral_stack import HIGH, VISCOSITY, loads, pressures, ring_stack
 from toothspace.films.lateral_gap.equilibrium import scenes_over_pitch
 from toothspace.model.description import Body, LateralFilm
 from toothspace.model.films import lateral_asperity_share, lateral_torque_coefficient
+from toothspace.model.lateral_balance import AxialForce
 from toothspace.solver.lateral_gap import LateralProblem, LateralSettings, numbers_of
 from toothspace.solver.lateral_torque import lumped_torque, with_film_torque
 
@@ -93,7 +94,7 @@ def test_half_of_the_faces_touch() -> None:
 def test_force_of_helical_teeth_lifts_the_gear_off_the_solid_bearing(motion: str) -> None:
     """Positive along z: the film there opens, the pressed bearing follows with the same gap."""
     problem = _problem(high_share=0.8, motion=motion)
-    pushed = replace(problem.stack.balance, body_forces=(80.0,))
+    pushed = replace(problem.stack.balance, body_forces=(AxialForce(80.0),))
     helical = replace(problem, stack=replace(problem.stack, balance=pushed))
     still, found = (p.settle(p.started(2e-6)) for p in (problem, helical))
     assert found.rests

@@ -16,7 +16,6 @@ from toothspace.films.lateral_gap.motion import Loads, StepSettings, rest_at
 from toothspace.films.lateral_gap.stack import Stack
 from toothspace.machines.external_gear.describe import describe
 from toothspace.machines.external_gear.spec import Material, PressedBearing, Spring
-from toothspace.model.lateral_balance import Patch
 
 APPROACH = 3e-13
 
@@ -98,8 +97,8 @@ def test_halves_of_a_machine_add_up_to_the_whole() -> None:
     for name in ("face", "high_pressure", "nose"):
         parts = np.sum([getattr(half, name).moments for half in halves], axis=0)
         assert parts == pytest.approx(getattr(whole, name).moments, rel=1e-9, abs=1e-15)
-    springs = np.sum([Patch(h.preload, h.preload_center).moments for h in halves], axis=0)
-    assert springs == pytest.approx(Patch(whole.preload, whole.preload_center).moments, rel=1e-9)
+    springs = np.sum([h.preload.moments for h in halves], axis=0)
+    assert springs == pytest.approx(whole.preload.moments, rel=1e-9)
     assert sum(half.mass for half in halves) == pytest.approx(whole.mass)
     assert sum(half.housing.area for half in halves) == pytest.approx(whole.housing.area)
     # equal gears: the cut is half way, and the nose is below it but for its upper edge

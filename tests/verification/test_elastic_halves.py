@@ -124,7 +124,7 @@ def test_halves_carry_their_parts_of_the_loads_behind(
         assert body.mass == pytest.approx(half.mass, rel=0.05)
         del sizes["high"]
         push = body.resultant(np.zeros(len(body.nodes)), sizes)
-        assert push[2] == pytest.approx(-half.preload - half.nose.area, rel=1e-2)
+        assert push[2] == pytest.approx(-half.preload.size - half.nose.area, rel=1e-2)
 
 
 def test_shaft_and_housing_hold_every_half_on_their_own(

@@ -28,7 +28,8 @@ from toothspace.films.lateral_gap.equilibrium import (
 from toothspace.films.lateral_gap.friction import HousingFriction, normal_force
 from toothspace.films.lateral_gap.motion import StepSettings, balance_force, rest_at
 from toothspace.films.lateral_gap.stack import BackPressure, Stack, StackState
-from toothspace.model.lateral_balance import HousingContact
+from toothspace.films.lateral_gap.stops import leaning, stop_forces
+from toothspace.model.lateral_balance import AxialForce, HousingContact
 from toothspace.solver.lateral_coupling import seat_warning
 from toothspace.solver.lateral_gap import LateralProblem, LateralSettings, numbers_of
 
@@ -351,7 +352,7 @@ def test_axial_force_of_helical_teeth_presses_the_gear_to_the_floating_side() ->
     """Positive along z: the floating film carries it, the solid one is relieved of it."""
     push = 200.0
     stack = ring_stack(approach=APPROACH, high_share=SHARE)
-    helical = replace(stack, balance=replace(stack.balance, body_forces=(push,)))
+    helical = replace(stack, balance=replace(stack.balance, body_forces=(AxialForce(push),)))
     plain, pushed = (_settled(s, HIGH, 2e-6).balance for s in (stack, helical))
     carried = []
     for state in (plain.states[0], pushed.states[0]):
@@ -363,6 +364,43 @@ def test_axial_force_of_helical_teeth_presses_the_gear_to_the_floating_side() ->
     assert near < far
     seats = [float(b.states[0].solid_seat(LOW)[0]) for b in (plain, pushed)]
     assert seats[0] - seats[1] == pytest.approx(push, rel=1e-3)
+
+
+def test_axial_force_of_the_teeth_tilts_the_gear_until_films_take_its_moment() -> None:
+    """The pressed bearing follows, so that the film on the solid side takes all of it."""
+    push, arm = 100.0, 15e-3
+    stack = ring_stack(approach=APPROACH, high_share=SHARE, motion="full")
+    forces = (AxialForce(push, (0.0, arm)),)
+    helical = replace(stack, balance=replace(stack.balance, body_forces=forces))
+    state = _settled(helical, HIGH, 2e-6).balance.states[0]
+    floating, solid = (film.covered_load() for film in state.films)
+    assert floating - solid == pytest.approx([push, push * arm, 0.0], rel=1e-3, abs=1e-3)
+    assert helical.tilts(state.position)[0] > 1e-5
+    bearing, gear = (state.position[k + 1 : k + 3] for k in (0, helical.first_body))
+    assert gear == pytest.approx(bearing, rel=1e-3)
+
+
+@pytest.mark.parametrize("push", [-150.0, 150.0])
+def test_thrust_between_two_pressed_bearings_holds_one_of_them_on_its_cover(push: float) -> None:
+    """That one is then a solid bearing: films are those of one pressed and one solid."""
+    both, one = (
+        ring_stack(approach=APPROACH, high_share=SHARE, arrangement=arrangement)
+        for arrangement in ("symmetric", "asymmetric")
+    )
+    gaps = []
+    for stack, size in ((both, push), (one, -abs(push))):
+        balance = replace(stack.balance, body_forces=(AxialForce(size),))
+        thrust = replace(stack, balance=balance)
+        found = _settled(thrust, HIGH, 2e-6)
+        assert found.rests
+        assert leaning(thrust, found.balance.position) == []
+        gaps.append(found.balance.states[0].mean_gaps())
+        if stack is both:
+            cover = stop_forces(thrust, found.balance.position)[0]
+            assert cover.sum() == pytest.approx(-push, rel=1e-3)
+    near_floating = gaps[0] if push < 0.0 else gaps[0][::-1]
+    assert near_floating == pytest.approx(gaps[1], rel=1e-4)
+    assert gaps[1][1] < 0.95 * gaps[1][0]
 
 
 def test_films_scale_with_viscosity_and_speed_over_pressure() -> None:

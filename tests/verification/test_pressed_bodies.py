@@ -199,6 +199,16 @@ def test_contacts_press_on_both_gears_against_each_other(mode: str) -> None:
             assert pushes[0][5] * pushes[1][5] > 0.0
 
 
+def test_helical_teeth_push_both_gears_at_the_pitch_point() -> None:
+    assembly, balance = _assembly(), _balance(gear_forces=(250.0, -250.0), nose_area=0.0)
+    drive, driven = balance.body_forces
+    assert (drive.size, driven.size) == (250.0, -250.0)
+    assert balance.thrust(balance.bodies) == 0.0
+    reach = [force.place[1] for force in (drive, driven)]
+    assert reach[0] == pytest.approx(reach[1] + assembly.mesh.center_distance)
+    assert reach[0] == pytest.approx(-reach[1] * assembly.mesh.ratio)
+
+
 def test_springs_seal_and_nose_press_with_their_forces_where_they_stand(
     bearing: InfluenceMatrix,
 ) -> None:

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from toothspace.core.compiled import inlined
-from toothspace.core.types import Array
+from toothspace.core.types import Array, ComplexArray
 
 CRITICAL_REYNOLDS = 2300.0
 _LAMINAR_END = 2000.0 / CRITICAL_REYNOLDS
@@ -26,8 +26,6 @@ _BLASIUS = 0.3164 / 64.0 * CRITICAL_REYNOLDS**0.75
 _FIRST_RATE = 26.374616427163393
 _SPACING = 6.0
 _POINTS = 200
-
-ComplexArray = npt.NDArray[np.complex128]
 
 
 @inlined

@@ -5,7 +5,7 @@ Axial positions are positive from the solid towards the floating side.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Literal, NamedTuple, Protocol, final
 
@@ -180,6 +180,29 @@ class Patch:
 
 @final
 @dataclass(frozen=True)
+class AxialForce:
+    """Force along the axes that acts at a place.
+
+    Parameters
+    ----------
+    size : float
+        Size. [N]
+    place : tuple of float
+        Point of action. [m]
+    """
+
+    size: float
+    place: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def moments(self) -> tuple[float, float, float]:
+        """Force [N] and its moments about x and y [N m]."""
+        x, y = self.place
+        return self.size, self.size * y, -self.size * x
+
+
+@final
+@dataclass(frozen=True)
 class HousingContact:
     """Friction of a pressed bearing in its housing.
 
@@ -216,10 +239,8 @@ class FloatingBearing:
         Part of the back face at high pressure.
     nose : Patch
         Part of the back face with a pressure of its own.
-    preload : float
-        Springs and seal together, towards the gears. [N]
-    preload_center : tuple of float
-        Point of action of the preload. [m]
+    preload : AxialForce
+        Springs and seal together, positive towards the gears.
     housing : HousingContact
         Friction in the housing.
     gauge_point : tuple of float
@@ -234,8 +255,7 @@ class FloatingBearing:
     face: Patch
     high_pressure: Patch
     nose: Patch
-    preload: float
-    preload_center: tuple[float, float]
+    preload: AxialForce
     housing: HousingContact
     gauge_point: tuple[float, float]
     axial_play: float
@@ -259,8 +279,8 @@ class LateralBalance:
         The pressed bearing, or each of both.
     high_node, low_node : int
         Nodes of the high-pressure port and of the low pressure behind the bearing.
-    body_forces : tuple of float
-        Axial force on every turning body from its teeth, along z. [N]
+    body_forces : tuple of AxialForce
+        Force on every turning body from its teeth, along z, its place from the axis of the body.
     body_masses : tuple of float
         Masses of the turning bodies. [kg]
     elastic_bodies : callable or None
@@ -280,7 +300,7 @@ class LateralBalance:
     floating: FloatingBearing
     high_node: int
     low_node: int
-    body_forces: tuple[float, ...]
+    body_forces: tuple[AxialForce, ...]
     body_masses: tuple[float, ...]
     elastic_bodies: ElasticBodies | None = None
     halves: tuple[FloatingBearing, ...] = ()
@@ -291,3 +311,8 @@ class LateralBalance:
     def bodies(self) -> tuple[str, ...]:
         """Turning bodies in the order of the interfaces."""
         return tuple(dict.fromkeys(i.body for i in self.interfaces))
+
+    def thrust(self, bodies: Collection[str]) -> float:
+        """Axial force of the teeth on turning bodies together, along z. [N]."""
+        forces = zip(self.bodies, self.body_forces, strict=True)
+        return sum(force.size for body, force in forces if body in bodies)

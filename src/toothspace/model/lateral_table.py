@@ -12,7 +12,7 @@ from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
 from toothspace.model.films import lateral_face_torque
-from toothspace.model.lateral_balance import LAND, FilmInterface, LateralBalance, Patch
+from toothspace.model.lateral_balance import LAND, FilmInterface, LateralBalance
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.quasi_static import quasi_static_pressures
 from toothspace.numerics.periodic_table import PeriodicTable
@@ -255,7 +255,6 @@ def _back_push(balance: LateralBalance, pressure: Array, face: Array) -> Array:
     """Force and moment about x behind the bearing, its face as the films see it."""
     bearing = balance.floating
     high, low = pressure[balance.high_node], pressure[balance.low_node]
-    preload = Patch(bearing.preload, bearing.preload_center)
     force, about_x = np.array(bearing.high_pressure.moments)[:2] * (high - low)
-    push = np.array(preload.moments)[:2]
+    push = np.array(bearing.preload.moments)[:2]
     return np.array([force, about_x]) + push + low * face

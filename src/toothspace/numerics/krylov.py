@@ -82,7 +82,8 @@ def gmres_several(
     Returns
     -------
     tuple of ndarray and int
-        Solutions and the largest number of iterations. [any, -]
+        Solutions, NaN where the matrix is singular, and the largest number of iterations.
+        [any, -]
     """
     spaces = [_Space(side, float(limit)) for side, limit in zip(rhs, limits, strict=True)]
     for count in range(max_iterations + 1):
@@ -120,12 +121,14 @@ class _Space:
                 c * column[m + 1] - s * column[m],
             )
         size = float(np.hypot(column[-2], column[-1]))
+        if not 0.0 < size < np.inf:
+            size = np.nan  # a singular matrix or one that overflows leaves no solution
         c, s = column[-2] / size, column[-1] / size
         column[-2], column[-1] = size, 0.0
         self._columns.append(column)
         self._rotations.append((c, s))
         self._g[-1:] = [c * self._g[-1], -s * self._g[-1]]
-        self.finished = abs(self._g[-1]) <= self._limit
+        self.finished = not abs(self._g[-1]) > self._limit
 
     def _orthogonalise(self, w: Array) -> Array:
         """Modified Gram-Schmidt; appends the new basis vector."""

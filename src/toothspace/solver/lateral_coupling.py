@@ -115,7 +115,7 @@ def elastic_solution(point: CoupledPoint, steps: int, progress: Progress | None 
         **_statistics(point),
         **_axial_load(point.problem),
         **_warmth(point),
-        "pressed_bearing_preload": stack.balance.floating.preload,
+        "pressed_bearing_preload": stack.balance.floating.preload.size,
         "lateral_iterations": float(sum(march.iterations)),
         "lateral_rest_residual": point.equilibrium.balance.residual,
         "lateral_residual": float(max(march.residuals)),

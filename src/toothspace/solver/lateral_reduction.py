@@ -14,7 +14,7 @@ from toothspace.core.types import Array, BoolArray
 from toothspace.films.lateral_gap.stops import leaning
 from toothspace.model.description import MachineDescription
 from toothspace.model.films import lateral_torque_coefficient
-from toothspace.model.lateral_balance import FloatingBearing, LateralBalance
+from toothspace.model.lateral_balance import AxialForce, FloatingBearing, LateralBalance
 from toothspace.model.lateral_table import LATERAL_PATHS, axial_load
 from toothspace.solver.lateral_agreement import CoupledPoint, LumpedRun, PointRequest, couple_point
 from toothspace.solver.lateral_gap import (
@@ -182,14 +182,12 @@ def _closed_leakage(description: MachineDescription, point: CoupledPoint) -> flo
 def _loaded(balance: LateralBalance, force: float, moment: float) -> LateralBalance:
     """Bearing with a force away from the gears and a moment more, without friction."""
     bearing = balance.floating
-    x, y = bearing.preload_center
-    preload = bearing.preload - force
-    about_x = bearing.preload * y - moment - force * bearing.face.center[1]
+    push, about_x, about_y = bearing.preload.moments
+    about_x -= moment + force * bearing.face.center[1]
     # the force stands where high pressure presses, so that it does not tilt about y
-    about_y = bearing.preload * x - force * bearing.high_pressure.center[0]
-    center = (about_y / preload, about_x / preload)
+    about_y += force * bearing.high_pressure.center[0]
+    push -= force
+    preload = AxialForce(push, (-about_y / push, about_x / push))
     housing = replace(bearing.housing, friction_coefficient=0.0)
-    moved: FloatingBearing = replace(
-        bearing, preload=preload, preload_center=center, housing=housing
-    )
+    moved: FloatingBearing = replace(bearing, preload=preload, housing=housing)
     return replace(balance, floating=moved, halves=())

@@ -172,7 +172,7 @@ def _film_table(points: LateralPoints, pressure: float) -> FilmTable:
     difference = back.high - back.low
     rows = [_row(problem, gap) for gap in GAPS]
     net = np.array([row.pop("opening_N") for row in rows])
-    carried = _row(plane, _PLANE_GAP)["opening_N"] + bearing.preload
+    carried = _row(plane, _PLANE_GAP)["opening_N"] + bearing.preload.size
     return FilmTable(
         pressure,
         difference,

@@ -83,7 +83,7 @@ def found_point(point: CoupledPoint) -> FoundPoint:
         residual=balance.residual,
         nose_pressure=point.problem.loads.back.nose,
         breakaway_force=point.problem.loads.friction.breakaway_force,
-        preload=stack.balance.floating.preload,
+        preload=stack.balance.floating.preload.size,
         temperature_rise=point.temperature_rise,
         coordinates=balance.position,
         films=tuple(grid.interface.name for grid in stack.grids),

@@ -446,7 +446,7 @@ def balance_force(stack: Stack, back: BackPressure) -> float:
     bearing = stack.balance.floating
     rest = bearing.face.area - bearing.high_pressure.area - bearing.nose.area
     push = back.high * bearing.high_pressure.area + back.nose * bearing.nose.area
-    return push + back.low * rest + bearing.preload
+    return push + back.low * rest + bearing.preload.size
 
 
 def _scale(task: _Task) -> float:

@@ -23,7 +23,6 @@ from toothspace.model.lateral_balance import (
     FilmInterface,
     FloatingBearing,
     LateralBalance,
-    Patch,
     Side,
 )
 from toothspace.numerics.side_by_side import side_by_side
@@ -111,6 +110,12 @@ class Piece(NamedTuple):
     sign: float  # sense in which its back is pushed, along z
     bearing: FloatingBearing
     bodies: tuple[str, ...]  # that it runs against
+    pushed: bool  # whether the teeth push these towards it, so that its cover holds all
+
+    @property
+    def play(self) -> float:
+        """Travel from the gears up to its cover. [m]."""
+        return 0.0 if self.pushed else self.bearing.axial_play
 
 
 @final
@@ -138,7 +143,9 @@ class Stack:
     Coordinates, three each (lift and rotations about x and y): pressed bearing, gears, and the
     second pressed bearing if there is one; then the drive gear stays where it is. A bearing that
     is split has three for every part; between two split ones all gears stay where they are.
-    Bearings turn about the x and y axes of the machine frame, gears about their own.
+    Forces of the teeth that do not cancel push what is between two pressed bearings to the cover
+    of one of them, which takes the rest. Bearings turn about the x and y axes of the machine
+    frame, gears about their own.
     """
 
     balance: LateralBalance
@@ -174,10 +181,20 @@ class Stack:
         """Coordinates that move."""
         axial = self.balance.motion == "axial"
         found = np.arange(0, self.size, _MOTIONS if axial else 1)
-        # nothing changes when all bodies move together, so the first gear is the reference
-        still = len(self.balance.halves) or 1
-        first = (found >= self.first_body) & (found < self.first_body + _MOTIONS * still)
-        return found[~first] if self.two_pressed else found
+        return found[~np.isin(found - found % _MOTIONS, self._references)]
+
+    @property
+    def _references(self) -> list[int]:
+        """First coordinates of bodies that stay where they are.
+
+        Nothing changes when all that is between two pressed bearings moves with them.
+        """
+        groups = {piece.bodies: 0 for piece in self.pieces} if self.two_pressed else {}
+        return [self._body(own[0]) for own in groups if self.balance.thrust(own) == 0.0]
+
+    def _body(self, name: str) -> int:
+        """First coordinate of a turning body."""
+        return self.first_body + _MOTIONS * self.balance.bodies.index(name)
 
     @property
     def arms(self) -> Array:
@@ -209,6 +226,10 @@ class Stack:
         first = self.first_body
         q[:first:_MOTIONS] = 2.0 * gap
         q[first : first + _MOTIONS * len(self.balance.bodies) : _MOTIONS] = gap
+        for held in self.pieces:
+            if held.pushed:  # it begins on its cover
+                beside = [piece.first for piece in self.pieces if piece.bodies == held.bodies]
+                q[beside + [self._body(body) for body in held.bodies]] -= q[held.first]
         return q
 
     def gauge(self, q: Array) -> float:
@@ -286,7 +307,7 @@ class Stack:
         x, y = interface.center
         about = np.array([[1.0, y, -x], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
         bearing, body = np.zeros((_MOTIONS, self.size)), np.zeros((_MOTIONS, self.size))
-        first = self.first_body + _MOTIONS * self.balance.bodies.index(interface.body)
+        first = self._body(interface.body)
         sign = 1.0 if interface.side == "floating" else -1.0
         body[:, first : first + _MOTIONS] = -sign * np.eye(_MOTIONS)
         for piece in self.pieces:
@@ -315,7 +336,14 @@ def _pieces(balance: LateralBalance) -> tuple[Piece, ...]:
     if balance.arrangement != "asymmetric":
         sides += (("solid", 1.0, len(parts) + len(bodies)),)
     return tuple(
-        Piece(_MOTIONS * (start + k), side, sign, part, beside[k])
+        Piece(
+            _MOTIONS * (start + k),
+            side,
+            sign,
+            part,
+            beside[k],
+            len(sides) > 1 and sign * balance.thrust(beside[k]) < 0.0,
+        )
         for side, sign, start in sides
         for k, part in enumerate(parts)
     )
@@ -355,14 +383,15 @@ class StackState:
         stack = self.stack
         force = np.zeros(stack.size)
         # the face as the films see it, so that equal pressure everywhere balances exactly
-        for first, side, sign, bearing, bodies in stack.pieces:
+        for first, side, sign, bearing, bodies, _ in stack.pieces:
             high, nose = (np.array(p.moments) for p in (bearing.high_pressure, bearing.nose))
             rest = self._face(side, bodies) - high - nose
             push = back.high * high + back.nose * nose + back.low * rest
-            push += np.array(Patch(bearing.preload, bearing.preload_center).moments)
+            push += np.array(bearing.preload.moments)
             force[first : first + _MOTIONS] += sign * push
         for k, load in enumerate(stack.balance.body_forces):
-            force[stack.first_body + _MOTIONS * k] += load
+            first = stack.first_body + _MOTIONS * k
+            force[first : first + _MOTIONS] += load.moments
         return force
 
     def coefficients(self) -> tuple[Array, Array]:

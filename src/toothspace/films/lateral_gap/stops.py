@@ -40,7 +40,7 @@ def stop_forces(stack: Stack, q: Array) -> tuple[Array, Array]:
     for piece in stack.pieces:
         here = slice(piece.first, piece.first + 3)
         levers = rim_levers(stack, piece)
-        over = -piece.sign * (levers @ q[here]) - piece.bearing.axial_play
+        over = -piece.sign * (levers @ q[here]) - piece.play
         met = levers[over > 0.0]
         force[here] += piece.sign * _STIFFNESS * (over[over > 0.0] @ met)
         stiffness[here, here] += _STIFFNESS * met.T @ met
@@ -64,7 +64,7 @@ def leaning(stack: Stack, q: Array) -> list[str]:
     found = []
     for piece in stack.pieces:
         lift = -piece.sign * (rim_levers(stack, piece) @ q[piece.first : piece.first + 3])
-        if lift.max() > piece.bearing.axial_play:
+        if lift.max() > piece.play and not piece.pushed:
             beside = "" if len(stack.pieces) == 1 else f" ({piece.side} side)"
             found.append(f"the pressed bearing{beside} has lifted to its cover")
     for body, (tilts, most) in zip(stack.balance.bodies, _shafts(stack), strict=False):

@@ -24,6 +24,7 @@ from toothspace.machines.external_gear.pressed_bodies import (
 )
 from toothspace.machines.external_gear.spec import PressedBearing
 from toothspace.model.lateral_balance import (
+    AxialForce,
     FilmInterface,
     FloatingBearing,
     HousingContact,
@@ -59,13 +60,22 @@ def lateral_balance(assembly: Assembly, numbering: Numbering) -> LateralBalance 
         floating=_floating(assembly, pressed),
         high_node=numbering.outlet if pump else numbering.inlet,
         low_node=ports[drain],
-        body_forces=pressed.gear_forces,
+        body_forces=_tooth_forces(assembly, pressed),
         body_masses=tuple(body.mass for body in bodies(assembly)),
         elastic_bodies=_elastic_bodies(assembly, numbering, pressed),
         halves=_halves(assembly, pressed) if pressed.split else (),
         body_tilts=_shaft_tilts(assembly),
         shaft_stiffness=pressed.shaft_stiffness,
     )
+
+
+def _tooth_forces(assembly: Assembly, pressed: PressedBearing) -> tuple[AxialForce, ...]:
+    """Forces of helical teeth at the pitch point, where contacts stand in the mean."""
+    mesh = assembly.mesh
+    pitch_point = mesh.center_distance / (1.0 + 1.0 / mesh.ratio)
+    drive, driven = pressed.gear_forces
+    beyond = pitch_point - mesh.center_distance
+    return AxialForce(drive, (0.0, pitch_point)), AxialForce(driven, (0.0, beyond))
 
 
 def _shaft_tilts(assembly: Assembly) -> tuple[float, ...]:
@@ -171,15 +181,13 @@ def _floating(assembly: Assembly, pressed: PressedBearing) -> FloatingBearing:
     middle = (float(face.centroid.x), float(face.centroid.y))
     loads = [(s.force, s.x, s.y) for s in pressed.springs]
     loads += [(pressed.seal_preload, *middle)] if pressed.seal_preload > 0.0 else []
-    total, center = _resultant(loads)
     mass = pressed.mass or face.area * pressed.length * pressed.material.density
     return FloatingBearing(
         mass=float(mass),
         face=_patch(face),
         high_pressure=high,
         nose=nose,
-        preload=total,
-        preload_center=center,
+        preload=_resultant(loads),
         housing=_housing(pressed, 1.0),
         gauge_point=(0.0, -assembly.profiles[0].tip_radius),
         axial_play=pressed.axial_play,
@@ -220,12 +228,12 @@ def _housing(pressed: PressedBearing, share: float) -> HousingContact:
     )
 
 
-def _resultant(loads: Sequence[tuple[float, float, float]]) -> tuple[float, tuple[float, float]]:
-    """Sum of forces at places, and its point of action. [N, m]."""
+def _resultant(loads: Sequence[tuple[float, float, float]]) -> AxialForce:
+    """Sum of forces [N] at places [m]."""
     total = sum(load[0] for load in loads)
     share = 1.0 / total if total > 0.0 else 0.0
     x, y = (share * sum(load[0] * load[k] for load in loads) for k in (1, 2))
-    return float(total), (float(x), float(y))
+    return AxialForce(float(total), (float(x), float(y)))
 
 
 def _halves(assembly: Assembly, pressed: PressedBearing) -> tuple[FloatingBearing, FloatingBearing]:
@@ -246,15 +254,13 @@ def _halves(assembly: Assembly, pressed: PressedBearing) -> tuple[FloatingBearin
         share = float(own.area / face.area)
         loads = [(s.force * spring_share(assembly, s.y, k), s.x, s.y) for s in pressed.springs]
         loads.append((share * pressed.seal_preload, own.centroid.x, own.centroid.y))
-        total, center = _resultant(loads)
         half = replace(
             whole,
             mass=share * whole.mass,
             face=_patch(own),
             high_pressure=_patch(shapely.intersection(high, part)),
             nose=_nose(pressed, part),
-            preload=total,
-            preload_center=center,
+            preload=_resultant(loads),
             housing=_housing(pressed, share),
             gauge_point=gauge,
             wall_stiffness=share * whole.wall_stiffness,

@@ -135,7 +135,10 @@ class FloatingBearingParameters:
         default=0.0,
     )
     gear_axial_force: tuple[float, float] = declare(
-        Row(items=(_FORCE, _FORCE), doc="Axial force of helical teeth on both gears, along z."),
+        Row(
+            items=(_FORCE, _FORCE),
+            doc="Axial force of helical teeth on both gears, along z, at the pitch point.",
+        ),
         (0.0, 0.0),
     )
 
