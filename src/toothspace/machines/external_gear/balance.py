@@ -34,6 +34,8 @@ from toothspace.model.lateral_balance import (
 )
 
 _HALVINGS = 40
+_SHARED = 0.01
+"""Part of a nose that may lie in the high-pressure area, as drawn outlines overlap a little. [-]"""
 _SIDES: tuple[Side, ...] = ("floating", "solid")
 
 
@@ -211,11 +213,23 @@ def _check_places(pressed: PressedBearing, face: Any, high: Any | None) -> None:
                 f"machine.floating_bearing.{key}: found x {x * 1e3:.5g} mm, y {y * 1e3:.5g} mm, "
                 f"allowed {inside} mm"
             )
+    if pressed.nose_area > 0.0 and high is not None:
+        _check_nose(pressed, high)
+
+
+def _check_nose(pressed: PressedBearing, high: Any) -> None:
+    """Refuse a nose in the high-pressure area: by its outline, or by the centre of a square."""
     nose = shapely.Point(*pressed.nose_center)
-    if pressed.nose_area > 0.0 and high is not None and shapely.covers(high, nose):
+    found, key = f"x {nose.x * 1e3:.5g} mm, y {nose.y * 1e3:.5g} mm", "center"
+    inside = bool(shapely.covers(high, nose))
+    if pressed.nose_contour is not None:
+        shared = float(shapely.intersection(high, nose_outline(pressed)).area)
+        found, key = f"{shared * 1e6:.5g} mm^2", "contour"
+        inside = shared > _SHARED * pressed.nose_area
+    if inside:
         raise GeometryError(
-            f"machine.floating_bearing.nose.center: found x {nose.x * 1e3:.5g} mm, y "
-            f"{nose.y * 1e3:.5g} mm in the high-pressure area, allowed beside it"
+            f"machine.floating_bearing.nose.{key}: found {found} in the high-pressure area, "
+            "allowed beside it"
         )
 
 
@@ -278,7 +292,13 @@ def _nose(pressed: PressedBearing, part: Any) -> Patch:
 def _high_pressure(assembly: Assembly, pressed: PressedBearing, face: Any) -> Any | None:
     """Outline of the back face at high pressure, None if only its area is known."""
     if pressed.high_pressure_contour is not None:
-        return shapely.intersection(shapely.Polygon(pressed.high_pressure_contour), face)
+        part = shapely.intersection(shapely.Polygon(pressed.high_pressure_contour), face)
+        if part.area <= 0.0:
+            raise GeometryError(
+                "machine.floating_bearing.high_pressure_area.contour: found an area beside the "
+                "bearing, allowed on its back face"
+            )
+        return part
     if pressed.seal_line is None:
         return None
     low_x, low_y, high_x, high_y = face.bounds

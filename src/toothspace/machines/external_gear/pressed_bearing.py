@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any, cast
+
+import shapely
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.keys import KeyRuleError
@@ -45,8 +48,6 @@ def pressed_bearing(machine: keys.ExternalGearParameters) -> spec.PressedBearing
         split=given.split,
         springs=tuple(spec.Spring(force=s.force, x=s.x, y=s.y) for s in given.springs),
         seal_preload=given.seal_preload,
-        nose_area=given.nose.area if given.nose else 0.0,
-        nose_center=given.nose.center if given.nose else (0.0, 0.0),
         contact_area=housing.area,
         friction_coefficient=housing.friction_coefficient,
         breakaway_speed=housing.breakaway_speed,
@@ -56,6 +57,7 @@ def pressed_bearing(machine: keys.ExternalGearParameters) -> spec.PressedBearing
         shaft_stiffness=given.shaft_stiffness,
         gear_forces=given.gear_axial_force,
         **_high_pressure(given.high_pressure_area),
+        **_nose(given.nose),
     )
 
 
@@ -75,21 +77,32 @@ def body_files(machine: keys.ExternalGearParameters) -> spec.BodyFiles | None:
 
 def _high_pressure(area: own.PressureAreaParameters) -> dict[str, Any]:
     if area.contour is not None:
-        return {"high_pressure_contour": _contour(area)}
+        contour = _contour(area.contour, f"{_TABLE}.high_pressure_area.contour")
+        return {"high_pressure_contour": contour}
     if area.seal_line_x is not None:
         return {"seal_line": area.seal_line_x}
     return {"high_pressure_area": area.area, "high_pressure_center": area.center}
 
 
-def _contour(area: own.PressureAreaParameters) -> Array:
-    assert area.contour is not None
-    key = f"{_TABLE}.high_pressure_area.contour"
+def _nose(nose: own.NoseParameters | None) -> dict[str, Any]:
+    if nose is None:
+        return {}
+    if nose.contour is None:
+        return {"nose_area": nose.area, "nose_center": nose.center}
+    contour = _contour(nose.contour, f"{_TABLE}.nose.contour")
+    shape = shapely.Polygon(contour)
+    center = (float(shape.centroid.x), float(shape.centroid.y))
+    return {"nose_area": float(shape.area), "nose_center": center, "nose_contour": contour}
+
+
+def _contour(path: Path, key: str) -> Array:
+    """Only polygon of a file. [m]."""
     try:
-        curves = load_closed_curves(area.contour, 1e-3, None, None, None)
-        polygons = [checked_polygon(curve, area.contour.name) for curve in curves]
+        curves = load_closed_curves(path, 1e-3, None, None, None)
+        polygons = [checked_polygon(curve, path.name) for curve in curves]
     except GeometryError as error:
         raise GeometryError(f"{key}: {error}") from error
     if len(polygons) != 1:
-        found = f"{len(polygons)} polygons in {area.contour.name}"
+        found = f"{len(polygons)} polygons in {path.name}"
         raise KeyRuleError(key, found, "one polygon")
     return polygons[0]

@@ -235,7 +235,9 @@ def spring_share(assembly: Assembly, y: float, half: int) -> float:
 
 
 def nose_outline(pressed: PressedBearing) -> shapely.Polygon:
-    """Nose, taken as a square about its centre. [m]."""
+    """Nose; a square about its centre where it has no contour. [m]."""
+    if pressed.nose_contour is not None:
+        return shapely.Polygon(pressed.nose_contour)
     reach = 0.5 * pressed.nose_area**0.5
     x, y = pressed.nose_center
     return shapely.box(x - reach, y - reach, x + reach, y + reach)

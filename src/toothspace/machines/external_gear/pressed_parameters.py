@@ -61,8 +61,17 @@ class PressureAreaParameters:
 class NoseParameters:
     """``nose``: patch of the back face with a pressure of its own."""
 
-    area: float = quantity("mm^2", "Area.", low=0, high=1e6)
-    center: tuple[float, float] = declare(Row(items=_POINT.items, doc="Centroid (x, y)."))
+    contour: Path | None = file_path("Closed polygon of the patch.", *CONTOUR_SUFFIXES)
+    area: float | None = quantity("mm^2", "Area of a square.", low=0, high=1e6, default=None)
+    center: tuple[float, float] | None = declare(
+        Row(items=_POINT.items, doc="Its centroid (x, y)."), None
+    )
+
+    def __post_init__(self) -> None:
+        if self.contour is None:
+            require(self, "unless contour is given", "area", "center")
+        else:
+            forbid(self, "because contour is given", "area", "center")
 
 
 @final

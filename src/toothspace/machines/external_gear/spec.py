@@ -246,6 +246,8 @@ class PressedBearing:
         Patch of the back face with a pressure of its own. [m2]
     nose_center : tuple of float
         Its centroid. [m]
+    nose_contour : ndarray, shape (points, 2), or None
+        Its outline; None: a square. [m]
     springs : tuple of Spring
         Springs on the back face.
     seal_preload : float
@@ -281,6 +283,7 @@ class PressedBearing:
     high_pressure_center: tuple[float, float] = (0.0, 0.0)
     nose_area: float = 0.0
     nose_center: tuple[float, float] = (0.0, 0.0)
+    nose_contour: Array | None = None
     springs: tuple[Spring, ...] = ()
     seal_preload: float = 0.0
     contact_area: float = 0.0
