@@ -32,7 +32,7 @@ LumpedRun = Callable[[MachineDescription], Solution]
 
 _AGREEMENT = 0.02
 """Difference of leakage or torque at which films and chambers agree. [-]"""
-_NEGLIGIBLE = 5e-4
+NEGLIGIBLE = 5e-4
 """Difference of leakage over displaced flow at which films and chambers agree. [-]"""
 _NEGLIGIBLE_TORQUE = 5e-5
 """Difference of torque over that of the displaced volume at which both agree. [-]"""
@@ -124,6 +124,16 @@ class CoupledPoint:
         return self.solution.status if settled else Status.NOT_CONVERGED
 
 
+def agree(films: float, paths: float, negligible: float) -> bool:
+    """Whether leakage or torque of films and of the lumped network agree."""
+    return abs(films - paths) <= max(_AGREEMENT * abs(films), negligible)
+
+
+def path_leakage(solution: Solution) -> float:
+    """Leakage beside the gears in a lumped run, mean over its samples. [m3/s]."""
+    return float(solution.data["leakage"].sel(path=list(LATERAL_PATHS)).sum("path").mean())
+
+
 def couple_point(
     description: MachineDescription, fluid: FluidLaw, run: LumpedRun, request: PointRequest
 ) -> CoupledPoint:
@@ -176,8 +186,7 @@ class _Search:
         solution = self._run(machine)
         settings, nose = self._asked.settings, self._asked.nose_pressure
         problem = lateral_problem(machine, self._fluid, solution.data, settings, nose)
-        paths = solution.data["leakage"].sel(path=list(LATERAL_PATHS))
-        leakage = float(paths.sum("path").mean())
+        leakage = path_leakage(solution)
         solve = self._free if self._ends is None else self._held
         found = solve(problem, leakage)
         viscosity = self._fluid.dynamic_viscosity
@@ -236,13 +245,11 @@ class _Search:
         torque = numbers.viscous_torque + numbers.asperity_torque
         dragged = lumped_torque(solution.data)
         pairs = (
-            (numbers.leakage, leakage, _NEGLIGIBLE * flow),
+            (numbers.leakage, leakage, NEGLIGIBLE * flow),
             (torque, dragged, _NEGLIGIBLE_TORQUE * ideal),
         )
-        close = all(abs(a - b) <= max(_AGREEMENT * abs(a), least) for a, b, least in pairs)
-        agreed = all(
-            abs(a - b) <= max(_AGREEMENT * abs(a), _TOLERATED * least) for a, b, least in pairs
-        )
+        close = all(agree(a, b, least) for a, b, least in pairs)
+        agreed = all(agree(a, b, _TOLERATED * least) for a, b, least in pairs)
         point = CoupledPoint(
             solution=solution,
             description=machine,

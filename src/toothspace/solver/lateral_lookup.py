@@ -9,21 +9,22 @@ import numpy as np
 from toothspace.core.status import Status
 from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_table import (
-    LATERAL_PATHS,
     axial_load,
     chamber_pressures,
     with_lateral_films,
 )
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.results.solution import Solution, warned
-from toothspace.solver.lateral_agreement import LumpedRun, next_change
+from toothspace.solver.lateral_agreement import (
+    NEGLIGIBLE,
+    LumpedRun,
+    agree,
+    next_change,
+    path_leakage,
+)
 from toothspace.solver.lateral_gap import balance_of
 from toothspace.solver.lateral_loads import node_pressures
 
-_AGREEMENT = 0.02
-"""Difference of the leakage looked up from that of the run at which both agree. [-]"""
-_NEGLIGIBLE = 5e-4
-"""Difference of leakage over displaced flow at which both agree. [-]"""
 _ROUNDS = 10
 _ONE_LOAD = (
     "Lateral films of the table at one load, {:.4g} N, that of gears which turn slowly at a "
@@ -111,10 +112,10 @@ def run_with_table(description: MachineDescription, run: LumpedRun) -> Solution:
             return solution
         load = load_of_run(description, solution)
         error = float(np.log(table(*load)[1] / factor))
-        leakage = float(solution.data["leakage"].sel(path=list(LATERAL_PATHS)).sum("path").mean())
+        leakage = path_leakage(solution)
         mismatch = leakage * float(np.expm1(error))
         flow = description.displacement * float(solution.data["shaft_speed"].mean())
-        agreed = abs(mismatch) <= max(_AGREEMENT * leakage, _NEGLIGIBLE * flow)
+        agreed = agree(leakage + mismatch, leakage, NEGLIGIBLE * flow)
         if agreed or number == _ROUNDS:
             break
         known.append((float(np.log(factor)), error))

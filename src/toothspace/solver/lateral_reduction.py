@@ -16,7 +16,13 @@ from toothspace.model.description import MachineDescription
 from toothspace.model.films import lateral_torque_coefficient
 from toothspace.model.lateral_balance import AxialForce, FloatingBearing, LateralBalance
 from toothspace.model.lateral_table import LATERAL_PATHS, axial_load
-from toothspace.solver.lateral_agreement import CoupledPoint, LumpedRun, PointRequest, couple_point
+from toothspace.solver.lateral_agreement import (
+    CoupledPoint,
+    LumpedRun,
+    PointRequest,
+    couple_point,
+    path_leakage,
+)
 from toothspace.solver.lateral_gap import (
     LateralProblem,
     LateralSettings,
@@ -175,8 +181,7 @@ def _closed_leakage(description: MachineDescription, point: CoupledPoint) -> flo
         next(p for p in machine.paths if p.category in LATERAL_PATHS).geometry.values[:, 0].max()
         for machine in (point.description, description)
     )
-    paths = point.solution.data["leakage"].sel(path=list(LATERAL_PATHS))
-    return float(paths.sum("path").mean()) / float(wide / plain) ** 3
+    return path_leakage(point.solution) / float(wide / plain) ** 3
 
 
 def _loaded(balance: LateralBalance, force: float, moment: float) -> LateralBalance:
