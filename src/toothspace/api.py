@@ -343,7 +343,8 @@ class RunInMachine:
             history = _march(self.case, changed, self.fluid, condition, progress)
             return solution_from(history, provenance_of(self.case), self.extra, self.case.title)
 
-        return run_with_table(description or self.description, run)
+        slide = float(self.fluid.dynamic_viscosity) * condition.shaft_speed
+        return run_with_table(description or self.description, run, slide)
 
 
 def run_in_machine(case: Case) -> RunInMachine:

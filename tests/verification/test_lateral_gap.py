@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -10,8 +10,10 @@ import pytest
 from tests.lateral_stack import (
     AREA,
     HIGH,
+    HIGH_NODE,
     INNER,
     LOW,
+    LOW_NODE,
     OUTER,
     VISCOSITY,
     loads,
@@ -25,11 +27,12 @@ from toothspace.films.lateral_gap.equilibrium import (
     find_equilibrium,
     march_angles,
 )
+from toothspace.films.lateral_gap.faces import FaceGrid
 from toothspace.films.lateral_gap.friction import HousingFriction, normal_force
 from toothspace.films.lateral_gap.motion import StepSettings, balance_force, rest_at
 from toothspace.films.lateral_gap.stack import BackPressure, Stack, StackState
 from toothspace.films.lateral_gap.stops import leaning, stop_forces
-from toothspace.model.lateral_balance import AxialForce, HousingContact
+from toothspace.model.lateral_balance import LAND, AxialForce, FaceCells, HousingContact
 from toothspace.solver.lateral_coupling import seat_warning
 from toothspace.solver.lateral_gap import LateralProblem, LateralSettings, numbers_of
 
@@ -317,6 +320,33 @@ def test_powers_of_a_film_balance(fluid: FilmFluid) -> None:
     lost = _solved(stack, q, v=v).films[0].friction()
     assert lost.dissipation == pytest.approx(lost.shear + lost.pressure - lost.squeeze, rel=1e-9)
     assert lost.squeeze < 0.0
+
+
+@dataclass(frozen=True)
+class _HalfFace:
+    """Film on the half with y > 0, from high pressure at angle zero to low pressure."""
+
+    def __call__(self, shaft_angle: float, x: np.ndarray, y: np.ndarray) -> FaceCells:
+        inside = np.hypot(x, y) <= OUTER
+        film = inside & (y > 0.0)
+        open_to = np.where(x > 0.0, HIGH_NODE, LOW_NODE)
+        return FaceCells(np.where(film, LAND, open_to), film, inside)
+
+
+def test_flow_that_pressure_drives_pulls_the_face_along_at_any_speed() -> None:
+    """Between parallel faces the shear is h/2 dp/ds, so every arc pulls with h/2 r per drop."""
+    height, drop = 4e-6, HIGH - LOW
+    wanted = -0.5 * height * drop * 0.5 * (OUTER**2 - INNER**2)
+    sheared = []
+    for speed in (300.0, 600.0):
+        stack = ring_stack(rough=False, speed=speed)
+        halves = tuple(replace(i, face_map=_HalfFace()) for i in stack.balance.interfaces)
+        grids = tuple(FaceGrid(i, 36, 10) for i in halves)
+        stack = replace(stack, balance=replace(stack.balance, interfaces=halves), grids=grids)
+        lost = _solved(stack, stack.start(height)).films[0].friction()
+        assert lost.drag / speed == pytest.approx(wanted, rel=1e-6)
+        sheared.append((lost.shear - lost.drag) / speed)
+    assert sheared[1] == pytest.approx(2.0 * sheared[0], rel=1e-9)
 
 
 def test_seat_of_the_solid_bearing_is_where_the_film_presses() -> None:

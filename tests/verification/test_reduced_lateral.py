@@ -42,3 +42,13 @@ def test_reduced_films_give_load_leakage_and_torque_of_the_elastic_run(tmp_path:
     # here the torque falls as the leakage rises, in nearly the same proportion
     torque = found["torque_loss_lateral_viscous_N_m"]
     assert torque == pytest.approx(wanted["lateral_torque_N_m"], rel=within)
+    # at two thirds of the speed half of the torque is left: pressure pulls as before
+    slower = replace(case.operating_point, shaft_speed=case.operating_point.shaft_speed / 1.5)
+    runs = [
+        api.simulate(replace(case, operating_point=slower, run=replace(plain, **changes)))
+        for changes in ({"film_tables": tmp_path / "films.nc"}, {"fidelity": "elastic"})
+    ]
+    found, wanted = (run.summary() for run in runs)
+    left = found["torque_loss_lateral_viscous_N_m"]
+    assert left == pytest.approx(wanted["lateral_torque_N_m"], rel=0.15)
+    assert left < 0.6 * torque  # type: ignore[operator]

@@ -21,6 +21,23 @@ KINDS = "film_kinds"
 """Attribute of the file that lists the kinds of films in it."""
 JOURNAL_SIZES = ("diameter", "length", "radial_clearance")
 _SAME_SIZE = 1e-6
+_NEEDED = {
+    "journal": ("friction_terms", "load", *JOURNAL_SIZES),
+    "lateral": (
+        "force",
+        "moment",
+        "extra_torque",
+        "pressure_torque",
+        "leakage_factor",
+        "converged",
+        "closed_torque",
+        "condition_force",
+        "condition_moment",
+        "viscosity",
+        "shaft_speed",
+    ),
+}
+"""Variables of every kind of film, without the name of the kind."""
 
 
 def with_film_tables(description: MachineDescription, path: str | Path) -> MachineDescription:
@@ -55,6 +72,10 @@ def with_film_tables(description: MachineDescription, path: str | Path) -> Machi
         found = f"run.film_tables: found {path} with {' '.join(kinds) or 'no films'}"
         raise CaseError(f"{found}, allowed tables of {', '.join(sorted(APPLIED))} films")
     for kind in kinds:
+        missing = [name for name in _NEEDED[kind] if f"{kind}_{name}" not in tables]
+        if missing:
+            found = f"run.film_tables: found {path} without {kind}_{missing[0]}"
+            raise CaseError(f"{found}, allowed a file that this version's 'toothspace reduce' made")
         description = APPLIED[kind](description, tables)
     return description
 
@@ -115,12 +136,18 @@ def with_lateral_loads(description: MachineDescription, tables: xr.Dataset) -> M
             )
     if not bool(tables["lateral_converged"].all()):
         raise CaseError("run.film_tables: found loads without an equilibrium, allowed none")
+    closed = float(tables["lateral_closed_torque"])
     table = LateralTable(
-        tables["lateral_force"].values,
-        tables["lateral_moment"].values,
-        tables["lateral_extra_torque"].values / float(tables["lateral_closed_torque"]),
-        tables["lateral_leakage_factor"].values,
-        (float(tables["lateral_condition_force"]), float(tables["lateral_condition_moment"])),
+        force=tables["lateral_force"].values,
+        moment=tables["lateral_moment"].values,
+        extra_share=tables["lateral_extra_torque"].values / closed,
+        pressure_share=tables["lateral_pressure_torque"].values / closed,
+        leakage_factor=tables["lateral_leakage_factor"].values,
+        condition_load=(
+            float(tables["lateral_condition_force"]),
+            float(tables["lateral_condition_moment"]),
+        ),
+        condition_slide=float(tables["lateral_viscosity"] * tables["lateral_shaft_speed"]),
     )
     return replace(description, lateral_table=table)
 

@@ -25,7 +25,7 @@ _MARGIN = 0.1
 
 
 @final
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class LateralTable:
     """Friction and leakage beside the gears over force and moment on the pressed bearing.
 
@@ -36,27 +36,40 @@ class LateralTable:
     moment : ndarray, shape (m,)
         Unbalanced moment M_x about the middle of the face, rising; one where nothing tilts. [N m]
     extra_share : ndarray, shape (n, m)
-        Torque at the shaft beyond that of the closed form, over it. [-]
+        Torque at the shaft beyond that of the closed form, over it, both at the condition. [-]
+    pressure_share : ndarray, shape (n, m)
+        Part of the torque that does not depend on viscosity and speed, over the same. [-]
     leakage_factor : ndarray, shape (n, m)
         Leakage over that of the closed form; its logarithm is linear between the nodes. [-]
     condition_load : tuple of float
         Force [N] and moment [N m] at the condition that the table was made at.
+    condition_slide : float
+        Viscosity times shaft speed there. [Pa]
     """
 
     force: Array
     moment: Array
     extra_share: Array
+    pressure_share: Array
     leakage_factor: Array
-    condition_load: tuple[float, float] = (0.0, 0.0)
+    condition_load: tuple[float, float]
+    condition_slide: float
 
-    def __call__(self, force: float, moment: float) -> tuple[float, float]:
+    def __call__(
+        self, force: float, moment: float, slide: float | None = None
+    ) -> tuple[float, float]:
         """Extra torque over the closed form and leakage factor at a force [N] and moment [N m].
 
-        A load outside the table counts as its edge; :meth:`check` tells.
+        ``slide`` is viscosity times shaft speed [Pa], by default that of the condition. A load
+        outside the table counts as its edge; :meth:`check` tells.
         """
         places = (_place(self.force, force), _place(self.moment, moment))
         leakage = float(np.exp(_bilinear(np.log(self.leakage_factor), *places)))
-        return _bilinear(self.extra_share, *places), leakage
+        faster = 1.0 if slide is None else slide / self.condition_slide
+        extra = _bilinear(self.extra_share, *places)
+        # what does not grow with the speed is the less of a torque that does
+        extra += _bilinear(self.pressure_share, *places) * (1.0 / faster - 1.0)
+        return extra, leakage
 
     def force_of(self, factor: float, moment: float) -> float:
         """Force [N] at which films leak by a factor [-] more, at a moment [N m]; rising with it."""

@@ -79,7 +79,7 @@ def told_over_time(
     )
 
 
-def run_with_table(description: MachineDescription, run: LumpedRun) -> Solution:
+def run_with_table(description: MachineDescription, run: LumpedRun, slide: float) -> Solution:
     """Lumped solution whose lateral films fit the axial load that its pressures exert.
 
     Parameters
@@ -88,6 +88,8 @@ def run_with_table(description: MachineDescription, run: LumpedRun) -> Solution:
         Machine; without a lateral table it is run once, as it is.
     run : callable
         Lumped solution of a changed machine at the condition.
+    slide : float
+        Viscosity times shaft speed at the condition. [Pa]
 
     Raises
     ------
@@ -106,7 +108,7 @@ def run_with_table(description: MachineDescription, run: LumpedRun) -> Solution:
     known: list[tuple[float, float]] = []
     force, moment = table.condition_load
     for number in range(1, _ROUNDS + 1):
-        extra, factor = table(force, moment)
+        extra, factor = table(force, moment, slide)
         solution = run(with_lateral_films(description, extra, factor))
         if solution.status is not Status.DONE:
             return solution

@@ -30,6 +30,7 @@ from toothspace.solver.lateral_gap import (
     lateral_problem,
     numbers_of,
 )
+from toothspace.solver.lateral_torque import pressure_torque
 
 CLOSING = (0.28, 0.2, 0.14, 0.1, 0.07, 0.045, 0.03, 0.02, 0.01, 0.005)
 """Closing forces that are added, over the force of the high-pressure area. [-]"""
@@ -58,6 +59,8 @@ class LateralReduction:
         Torque of all films at the shaft, asperities included. [N m]
     extra_torque : ndarray, shape (n, m)
         Torque less that of the closed form. [N m]
+    pressure_torque : ndarray, shape (n, m)
+        Part of the torque that does not depend on viscosity and speed. [N m]
     leakage_factor : ndarray, shape (n, m)
         Leakage over that of the closed form. [-]
     smallest_gap : ndarray, shape (n, m)
@@ -72,6 +75,7 @@ class LateralReduction:
     closed_torque: float
     torque: Array
     extra_torque: Array
+    pressure_torque: Array
     leakage_factor: Array
     smallest_gap: Array
     converged: BoolArray
@@ -127,7 +131,7 @@ def reduce_lateral(
     reach = balance.interfaces[0].outer_radius
     tilts = np.sort(tilting) if balance.motion == "full" else np.zeros(1)
     turned = tilts * scale * reach
-    table = np.full((4, added.size, turned.size), np.nan)
+    table = np.full((5, added.size, turned.size), np.nan)
     for j, moment in enumerate(turned):
         table[:, :, j] = _column(point, fluid, added, float(moment))
         if progress:
@@ -144,6 +148,7 @@ def reduce_lateral(
         closed_torque=torque,
         torque=table[0][kept],
         extra_torque=table[0][kept] - torque,
+        pressure_torque=table[4][kept],
         leakage_factor=table[1][kept] / leakage,
         smallest_gap=table[2][kept],
         converged=found[kept],
@@ -151,8 +156,11 @@ def reduce_lateral(
 
 
 def _column(point: CoupledPoint, fluid: FluidLaw, added: Array, moment: float) -> Array:
-    """Torque, leakage, smallest gap and whether it rests, over the forces that are added."""
-    found = np.full((4, added.size), np.nan)
+    """Numbers over the forces that are added.
+
+    Torque, leakage, smallest gap, whether it rests, and torque that pressure causes.
+    """
+    found = np.full((5, added.size), np.nan)
     middle = int(np.argmin(np.abs(added)))
     for way in (range(middle, -1, -1), range(middle + 1, added.size)):
         now = point.equilibrium.balance
@@ -162,7 +170,8 @@ def _column(point: CoupledPoint, fluid: FluidLaw, added: Array, moment: float) -
             numbers = numbers_of(problem, rest.balance)
             held = rest.rests and not leaning(problem.stack, rest.balance.position)
             torque = numbers.viscous_torque + numbers.asperity_torque
-            found[:, k] = torque, numbers.leakage, numbers.smallest_gap, held
+            still = pressure_torque(rest.balance)
+            found[:, k] = torque, numbers.leakage, numbers.smallest_gap, held, still
             now = rest.balance if held else now
     return found
 

@@ -66,6 +66,16 @@ def with_film_torque(
     return replace(description, laterals=tuple(map(dragged, description.laterals)))
 
 
+def pressure_torque(balance: Balance) -> float:
+    """Torque at the shaft that does not depend on viscosity and speed. [N m].
+
+    Drag of the flow that pressure drives along the faces, and asperities; mean over the states.
+    """
+    lost = [film.friction() for state in balance.states for film in state.films]
+    power = sum(one.drag + one.asperity for one in lost) / len(balance.states)
+    return power / balance.states[0].stack.shaft_speed
+
+
 def _powers(balance: Balance) -> dict[str, Array]:
     """Power of shear and of asperities [W] and mean gap [m] of the films on every body."""
     found: dict[str, Array] = {}

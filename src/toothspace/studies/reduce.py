@@ -265,6 +265,7 @@ def reduce_lateral_films(given: ReduceInput) -> xr.Dataset:
     columns = {
         "torque": ("N m", "Torque of the lateral films at the shaft"),
         "extra_torque": ("N m", "Torque beyond the closed form"),
+        "pressure_torque": ("N m", "Part of the torque that viscosity and speed do not change"),
         "leakage_factor": ("1", "Leakage over that of the closed form"),
         "smallest_gap": ("m", "Smallest gap"),
         "converged": ("1", "Whether the bearing came to rest"),
@@ -298,6 +299,7 @@ def _lateral_summary(tables: xr.Dataset) -> dict[str, Any]:
         ("force", "N"),
         ("moment", "N_m"),
         ("extra_torque", "N_m"),
+        ("pressure_torque", "N_m"),
         ("leakage_factor", ""),
     ):
         values = tables[f"lateral_{name}"].values

@@ -246,6 +246,7 @@ class FilmLosses(NamedTuple):
     """Powers of one film [W] and flow into the bore [m3/s]."""
 
     shear: float  # of the moving face, its drag included
+    drag: float  # part of it by the flow that pressure drives along the face
     asperity: float
     pressure: float  # delivered by chambers, grooves, bore and rim
     squeeze: float  # delivered by the film to approaching faces, negative if they approach
@@ -272,6 +273,7 @@ def _losses(
     drag = conducted - total
     return FilmLosses(
         shear=couette + drag,
+        drag=drag,
         asperity=asperity,
         pressure=total + squeeze,
         squeeze=squeeze,
