@@ -114,9 +114,8 @@ def simulate(case: Case, progress: Progress | None = None) -> Solution:
     elif case.run.fidelity == "elastic":
         solution = _simulate_elastic(case, progress)
     else:
-        solution = _simulate_lumped(
-            case, _solved_films(case, description, condition), fluid, condition, progress
-        )
+        machine = _solved_films(case, description, condition)
+        solution = _simulate_lumped(case, machine, fluid, condition, progress)
     wall = time.perf_counter() - started
     return replace(solution, statistics={**solution.statistics, "wall_time": wall})
 
