@@ -45,13 +45,24 @@ def test_failed_write_leaves_the_old_file(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_other_files_are_refused_in_one_line(tmp_path: Path) -> None:
-    text = tmp_path / "notes.nc"
-    text.write_text("not a result")
-    with pytest.raises(CaseError, match=r"notes\.nc: cannot be read"):
-        load_solution(text)
-    with pytest.raises(CaseError, match="cannot be read"):
-        load_solution(tmp_path / "missing.nc")
+def test_file_without_a_result_is_refused(tmp_path: Path) -> None:
     xr.Dataset({"a": 1.0}).to_netcdf(tmp_path / "other.nc", engine="h5netcdf")
     with pytest.raises(CaseError, match="not a result"):
         load_solution(tmp_path / "other.nc")
+
+
+@pytest.mark.parametrize(
+    ("name", "found"),
+    [
+        ("folder.nc", "a folder"),
+        ("text.nc", "a file that cannot be read as one"),
+        ("none.nc", "nothing"),
+    ],
+)
+def test_what_is_no_result_is_refused_in_one_line(tmp_path: Path, name: str, found: str) -> None:
+    (tmp_path / "folder.nc").mkdir()
+    (tmp_path / "text.nc").write_text("pressure", encoding="utf-8")
+    with pytest.raises(CaseError) as refused:
+        load_solution(tmp_path / name)
+    wanted = f"{tmp_path / name}: found {found}, allowed a NetCDF file of results"
+    assert str(refused.value) == wanted

@@ -135,7 +135,10 @@ def read_dataset(path: str | Path) -> xr.Dataset:
             Path(path), engine="h5netcdf", decode_times=False, decode_timedelta=False
         )
     except OSError as error:
-        raise CaseError(f"{path}: cannot be read as a NetCDF file ({error})") from error
+        place = Path(path)
+        kind = "a folder" if place.is_dir() else "a file that cannot be read as one"
+        found = kind if place.exists() else "nothing"
+        raise CaseError(f"{path}: found {found}, allowed a NetCDF file of results") from error
     for name in dataset.variables:
         if dataset[name].dtype.kind not in "fiub":
             text = dataset[name].astype(str)
