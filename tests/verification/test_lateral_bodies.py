@@ -14,6 +14,7 @@ from toothspace.config import load_case
 from toothspace.core.types import Array
 from toothspace.elasticity import (
     ElasticBody,
+    LateralFaces,
     LateralPressure,
     PlaneSurface,
     Prism,
@@ -122,7 +123,7 @@ def test_rings_frame_turns_with_the_shaft(faces: ElasticFaces) -> None:
 def _round_the_ring(faces: ElasticFaces) -> ElasticFaces:
     """The ring of softer material with the pressure of a node on its outer and inner face."""
     ring = faces.bodies["ring"].body
-    round_it = LateralPressure("round", annulus(0.5 * INNER, 1.5 * OUTER))
+    round_it = LateralPressure("round", LateralFaces(annulus(0.5 * INNER, 1.5 * OUTER)))
     ring = replace(ring, poisson_ratio=0.3, loads=(round_it,))
 
     def named(scene: Scene) -> dict[str, dict[str, float]]:

@@ -21,7 +21,7 @@ from __future__ import annotations
 
 from toothspace.elasticity.body import ElasticBody, Support, SweptShape
 from toothspace.elasticity.influence import InfluenceMatrix, influence_matrix
-from toothspace.elasticity.loads import AreaPressure, LateralPressure, journal_load
+from toothspace.elasticity.loads import AreaPressure, LateralFaces, LateralPressure, journal_load
 from toothspace.elasticity.mesh import Prism, annulus, disc
 from toothspace.elasticity.solid_file import SolidFile
 from toothspace.elasticity.surfaces import CylinderSurface, PlaneSurface
@@ -31,6 +31,7 @@ __all__ = [
     "CylinderSurface",
     "ElasticBody",
     "InfluenceMatrix",
+    "LateralFaces",
     "LateralPressure",
     "PlaneSurface",
     "Prism",

@@ -185,17 +185,46 @@ def _bilinear(s: Array, t: Array) -> Array:
 
 @final
 @dataclass(frozen=True, eq=False)
+class LateralFaces:
+    """Faces that look to the side inside a region and between two levels.
+
+    Parameters
+    ----------
+    region : Polygon
+        Region in the x y plane that holds their centres. [m]
+    bottom, top : float
+        Levels. [m]
+    """
+
+    region: shapely.Geometry
+    bottom: float = -np.inf
+    top: float = np.inf
+
+    def key(self) -> tuple[object, ...]:
+        """Everything that defines them."""
+        return (shapely.to_wkb(self.region), self.bottom, self.top)
+
+    def points(self, mesh: Mesh, name: str) -> FacePoints:
+        """Quadrature points of a load of that name."""
+        centre, _ = mesh.face_frames()
+        chosen = looks(mesh, "lateral") & (centre[:, 2] > self.bottom) & (centre[:, 2] < self.top)
+        chosen &= shapely.contains_xy(self.region, centre[:, 0], centre[:, 1])
+        if not chosen.any():
+            raise _missed(name)
+        return face_points(mesh, chosen)
+
+
+@final
+@dataclass(frozen=True, eq=False)
 class LateralPressure:
-    """Pressure on the faces that look to the side inside a region and between two levels.
+    """Pressure on faces that look to the side.
 
     Parameters
     ----------
     name : str
         Name of the load.
-    region : Polygon
-        Region in the x y plane that holds the centres of the loaded faces. [m]
-    bottom, top : float
-        Levels. [m]
+    faces : LateralFaces
+        Where it acts.
     pattern : callable, optional
         Pressure at places x, y, z [m] in place of one pascal.
     label : str
@@ -203,20 +232,17 @@ class LateralPressure:
     """
 
     name: str
-    region: shapely.Geometry
-    bottom: float = -np.inf
-    top: float = np.inf
+    faces: LateralFaces
     pattern: Callable[[Array], Array] | None = None
     label: str = ""
 
     def key(self) -> tuple[object, ...]:
         """Everything that defines the load."""
-        where = (shapely.to_wkb(self.region), self.bottom, self.top)
-        return ("lateral", self.name, where, self.label)
+        return ("lateral", self.name, self.faces.key(), self.label)
 
     def forces(self, mesh: Mesh) -> Array:
         """Nodal forces. [N/Pa]."""
-        points = _beside(self, mesh)
+        points = self.faces.points(mesh, self.name)
         values = np.ones(len(points.place)) if self.pattern is None else self.pattern(points.place)
         return points.forces(values, len(mesh.nodes))
 
@@ -224,43 +250,29 @@ class LateralPressure:
 @final
 @dataclass(frozen=True, eq=False)
 class AxialTraction:
-    """One newton along z, even over the lateral faces inside a region and between two levels.
+    """One newton along z, even over faces that look to the side.
 
     Parameters
     ----------
     name : str
         Name of the load.
-    region : Polygon
-        Region in the x y plane that holds the centres of the loaded faces. [m]
-    bottom, top : float
-        Levels. [m]
+    faces : LateralFaces
+        Where it acts.
     """
 
     name: str
-    region: shapely.Geometry
-    bottom: float
-    top: float
+    faces: LateralFaces
 
     def key(self) -> tuple[object, ...]:
         """Everything that defines the load."""
-        return ("axial", self.name, shapely.to_wkb(self.region), self.bottom, self.top)
+        return ("axial", self.name, self.faces.key())
 
     def forces(self, mesh: Mesh) -> Array:
         """Nodal forces. [N/N]."""
-        points = _beside(self, mesh)
+        points = self.faces.points(mesh, self.name)
         area = np.linalg.norm(points.push, axis=1)
         along = np.outer(area / area.sum(), [0.0, 0.0, 1.0])
         return points.traction(along, len(mesh.nodes))
-
-
-def _beside(load: LateralPressure | AxialTraction, mesh: Mesh) -> FacePoints:
-    """Quadrature points on the lateral faces of a load."""
-    centre, _ = mesh.face_frames()
-    chosen = looks(mesh, "lateral") & (centre[:, 2] > load.bottom) & (centre[:, 2] < load.top)
-    chosen &= shapely.contains_xy(load.region, centre[:, 0], centre[:, 1])
-    if not chosen.any():
-        raise _missed(load.name)
-    return face_points(mesh, chosen)
 
 
 Load = AreaPressure | LateralPressure | AxialTraction
@@ -309,7 +321,7 @@ def journal_load(
         return wave * (12.0 * (place[:, 2] - middle) / length**2) if moment else wave
 
     label = repr(("journal", radius, levels, angle, center, moment))
-    return LateralPressure(name, ring, bottom, top, pattern, label)
+    return LateralPressure(name, LateralFaces(ring, bottom, top), pattern, label)
 
 
 def load_columns(mesh: Mesh, loads: tuple[Load, ...]) -> sp.csc_matrix:

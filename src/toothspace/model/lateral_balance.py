@@ -174,8 +174,7 @@ class Patch:
     @property
     def moments(self) -> tuple[float, float, float]:
         """Area and its first moments about x and y: lift and rotations of a unit pressure."""
-        x, y = self.center
-        return self.area, self.area * y, -self.area * x
+        return _moments(self.area, self.center)
 
 
 @final
@@ -197,8 +196,13 @@ class AxialForce:
     @property
     def moments(self) -> tuple[float, float, float]:
         """Force [N] and its moments about x and y [N m]."""
-        x, y = self.place
-        return self.size, self.size * y, -self.size * x
+        return _moments(self.size, self.place)
+
+
+def _moments(size: float, place: tuple[float, float]) -> tuple[float, float, float]:
+    """Lift and rotations about x and y that act at a place."""
+    x, y = place
+    return size, size * y, -size * x
 
 
 @final

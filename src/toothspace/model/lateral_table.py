@@ -65,10 +65,11 @@ class LateralTable:
         """
         places = (_place(self.force, force), _place(self.moment, moment))
         leakage = float(np.exp(_bilinear(np.log(self.leakage_factor), *places)))
-        faster = 1.0 if slide is None else slide / self.condition_slide
         extra = _bilinear(self.extra_share, *places)
-        # what does not grow with the speed is the less of a torque that does
-        extra += _bilinear(self.pressure_share, *places) * (1.0 / faster - 1.0)
+        if slide is not None:
+            # what does not grow with the speed is the less of a torque that does
+            growth = self.condition_slide / slide - 1.0
+            extra += growth * _bilinear(self.pressure_share, *places)
         return extra, leakage
 
     def force_of(self, factor: float, moment: float) -> float:

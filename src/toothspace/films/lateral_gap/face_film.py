@@ -229,6 +229,10 @@ class FaceFilm:
 
     def friction(self) -> FilmLosses:
         """Torques of shear and asperities, and flows that the boundaries lose."""
+        return self._friction
+
+    @cached_property
+    def _friction(self) -> FilmLosses:
         b, fields = self.plane.balance, self.plane.fields
         potential = np.maximum(fields.potential, 0.0)
         speed = self.grid.interface.speed_ratio * self.around.shaft_speed

@@ -64,7 +64,7 @@ def leaning(stack: Stack, q: Array) -> list[str]:
     found = []
     for piece in stack.pieces:
         lift = -piece.sign * (rim_levers(stack, piece) @ q[piece.first : piece.first + 3])
-        if lift.max() > piece.play and not piece.pushed:
+        if lift.max() > piece.bearing.axial_play:
             beside = "" if len(stack.pieces) == 1 else f" ({piece.side} side)"
             found.append(f"the pressed bearing{beside} has lifted to its cover")
     for body, (tilts, most) in zip(stack.balance.bodies, _shafts(stack), strict=False):

@@ -73,11 +73,9 @@ def lateral_balance(assembly: Assembly, numbering: Numbering) -> LateralBalance 
 
 def _tooth_forces(assembly: Assembly, pressed: PressedBearing) -> tuple[AxialForce, ...]:
     """Forces of helical teeth at the pitch point, where contacts stand in the mean."""
-    mesh = assembly.mesh
-    pitch_point = mesh.center_distance / (1.0 + 1.0 / mesh.ratio)
+    above, below = assembly.mesh.pitch_radii
     drive, driven = pressed.gear_forces
-    beyond = pitch_point - mesh.center_distance
-    return AxialForce(drive, (0.0, pitch_point)), AxialForce(driven, (0.0, beyond))
+    return AxialForce(drive, (0.0, above)), AxialForce(driven, (0.0, -below))
 
 
 def _shaft_tilts(assembly: Assembly) -> tuple[float, ...]:

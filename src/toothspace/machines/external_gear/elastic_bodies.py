@@ -15,7 +15,13 @@ import shapely
 import shapely.affinity
 
 from toothspace.elasticity.body import ElasticBody, Support, SweptShape
-from toothspace.elasticity.loads import AreaPressure, LateralPressure, Load, journal_load
+from toothspace.elasticity.loads import (
+    AreaPressure,
+    LateralFaces,
+    LateralPressure,
+    Load,
+    journal_load,
+)
 from toothspace.elasticity.mesh import Prism, disc
 from toothspace.elasticity.surfaces import PlaneSurface
 from toothspace.machines.external_gear.assembly import Assembly
@@ -301,12 +307,10 @@ def _wall(assembly: Assembly, gear: int, name: str, levels: tuple[float, float])
         shapely.box(low, -half, high, half) if axis == "x" else shapely.box(-half, low, half, high)
     )
     beside = shapely.affinity.translate(wide, x, y)
-    region = beside.difference(disc(_OUTSIDE * radius, (x, y)))
+    outer = LateralFaces(beside.difference(disc(_OUTSIDE * radius, (x, y))), *levels)
     pressure = 1.0 / (2.0 * half * (levels[1] - levels[0]))
     label = repr(("wall", pressure))
-    return LateralPressure(
-        name, region, *levels, lambda place: np.full(len(place), pressure), label
-    )
+    return LateralPressure(name, outer, lambda place: np.full(len(place), pressure), label)
 
 
 def waist(assembly: Assembly, gear: int) -> float:

@@ -120,9 +120,7 @@ def _slip_by_motion(assembly: Assembly, side: Throats) -> Array:
 
 def half_tooth(assembly: Assembly) -> float:
     """Half thickness of a tooth on the pitch circle: how deep contact deformation counts. [m]."""
-    mesh = assembly.mesh
-    pitch_radius = mesh.center_distance / (1.0 + 1.0 / mesh.ratio)
-    return 0.5 * mesh.half_pitch * pitch_radius
+    return 0.5 * assembly.mesh.half_pitch * assembly.mesh.pitch_radii[0]
 
 
 def tooth_stiffness(assembly: Assembly) -> float:
@@ -155,8 +153,7 @@ def tooth_stiffness(assembly: Assembly) -> float:
     moduli = [gear.material.elastic_modulus for gear in gears]
     total *= 2.0 * moduli[0] * moduli[1] / (moduli[0] + moduli[1]) / _STEEL_MODULUS
     contact_modulus = 0.5 * reduced_modulus(gears[0].material, gears[1].material)
-    pitch_radius = 2.0 * half_tooth(assembly) / assembly.mesh.half_pitch
-    radius = _RADIUS_OVER_PITCH * pitch_radius
+    radius = _RADIUS_OVER_PITCH * assembly.mesh.pitch_radii[0]
     other = radius / assembly.mesh.ratio
     level = float(np.log(hertz_scale(radius, other, half_tooth(assembly))))
     load, _, _, _ = logarithmic_law(_HERTZ_SHARE_DEPTH, level, contact_modulus)

@@ -12,7 +12,7 @@ import numpy as np
 import shapely
 
 from toothspace.core.types import Array
-from toothspace.elasticity.loads import AxialTraction, LateralPressure, Load
+from toothspace.elasticity.loads import AxialTraction, LateralFaces, LateralPressure, Load
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.external_gear.chambers import drive_spaces
@@ -36,7 +36,7 @@ def flank_loads(assembly: Assembly, gear: int) -> list[Load]:
     Pressures at root, middle and tip by ``space_k_side_n``; of helical teeth also one newton
     along z by ``thrust_k``, on the loaded flank of every space.
     """
-    profile, half = assembly.profiles[gear], 0.5 * _width(assembly, gear)
+    profile = assembly.profiles[gear]
     loads: list[Load] = []
     for name, space, side, n in _names(profile):
 
@@ -44,12 +44,12 @@ def flank_loads(assembly: Assembly, gear: int) -> list[Load]:
             return _shares(profile, np.hypot(place[:, 0], place[:, 1]))[:, n]
 
         label = repr(("flank", n, profile.root_radius, profile.tip_radius))
-        sector = _sector(assembly, gear, space, side)
-        loads.append(LateralPressure(name, sector, -half, half, pattern, label))
+        flank = _flank(assembly, gear, space, side)
+        loads.append(LateralPressure(name, flank, pattern, label))
     if thrust(assembly, gear) != 0.0:
         for k in range(profile.tooth_count):
-            sector = _sector(assembly, gear, k, 0 if assembly.loaded_is_left else 1)
-            loads.append(AxialTraction(f"thrust_{k}", sector, -half, half))
+            flank = _flank(assembly, gear, k, 0 if assembly.loaded_is_left else 1)
+            loads.append(AxialTraction(f"thrust_{k}", flank))
     return loads
 
 
@@ -63,13 +63,14 @@ def _width(assembly: Assembly, gear: int) -> float:
     return (assembly.spec.drive, assembly.spec.driven)[gear].face_width
 
 
-def _sector(assembly: Assembly, gear: int, space: int, side: int) -> shapely.Polygon:
-    """Half of a space, from the middle of the tooth beside it, outside the shaft. [m]."""
-    profile = assembly.profiles[gear]
+def _flank(assembly: Assembly, gear: int, space: int, side: int) -> LateralFaces:
+    """Faces in half of a space, from the middle of the tooth beside it, outside the shaft."""
+    profile, half = assembly.profiles[gear], 0.5 * _width(assembly, gear)
     near = 0.5 * (0.5 * assembly.spec.journals.diameter + profile.root_radius)
     angle = profile.pitch_angle * (space + 0.5 * side + np.linspace(0.0, 0.5, 17))
     rim = np.column_stack([np.cos(angle), np.sin(angle)])
-    return shapely.Polygon(np.vstack([1.02 * profile.tip_radius * rim, near * rim[::-1]]))
+    sector = shapely.Polygon(np.vstack([1.02 * profile.tip_radius * rim, near * rim[::-1]]))
+    return LateralFaces(sector, -half, half)
 
 
 def _names(profile: GearProfile) -> list[tuple[str, int, int, int]]:

@@ -146,7 +146,7 @@ def groove_polygons(assembly: Assembly) -> dict[str, Array]:
     grooves = assembly.spec.grooves
     if grooves is None:
         return {}
-    pitch_height = assembly.mesh.center_distance / (1.0 + 1.0 / assembly.mesh.ratio)
+    pitch_height = assembly.mesh.pitch_radii[0]
     low, high = (pitch_height + s * 0.5 * grooves.radial_extent for s in (-1.0, 1.0))
     found = {}
     sides = (

@@ -65,6 +65,12 @@ class Mesh(NamedTuple):
     lens_drive: float
     lens_driven: float
 
+    @property
+    def pitch_radii(self) -> tuple[float, float]:
+        """Operating pitch radii of drive and driven gear. [m]."""
+        drive = self.center_distance / (1.0 + 1.0 / self.ratio)
+        return drive, self.center_distance / (1.0 + self.ratio)
+
 
 class Window(NamedTuple):
     """Angles at which a throat appears, is complete, begins to leave and is gone. [rad]."""

@@ -89,9 +89,8 @@ def contact_force(assembly: Assembly, pressure_difference: float) -> float:
 
 def flank_pressure(assembly: Assembly, force: float) -> float:
     """Hertzian pressure of one contact at the pitch point. [Pa]."""
-    mesh, spec = assembly.mesh, assembly.spec
-    driven_pitch = mesh.center_distance / (1.0 + mesh.ratio)
-    drive_pitch = mesh.center_distance - driven_pitch
+    spec = assembly.spec
+    drive_pitch, driven_pitch = assembly.mesh.pitch_radii
     lever = abs(rigid_mesh(assembly).lever)
     sine = np.sqrt(max(1.0 - (lever / driven_pitch) ** 2, 1e-4))
     radius = sine / (1.0 / drive_pitch + 1.0 / driven_pitch)
