@@ -18,7 +18,7 @@ import scipy.sparse.linalg as spl
 
 from toothspace.core.compiled import njit
 from toothspace.films import FilmFluid, Groove, JournalBearing, LateralFilm
-from toothspace.films.reynolds import film_balance
+from toothspace.films.reynolds.equation import film_balance
 from toothspace.numerics.complementarity import assemble
 from toothspace.numerics.conduction import ConductionSolver
 from toothspace.numerics.multigrid_cycle import THREADS

@@ -24,15 +24,18 @@ from pathlib import Path
 
 import numpy as np
 
-from toothspace.api import RunInMachine, condition_of, lateral_settings, run_in_machine
+from toothspace.api import set_up
 from toothspace.case import Case
 from toothspace.config import load_case
 from toothspace.elasticity import ElasticBody, SweptShape, influence_matrix
-from toothspace.films.lateral_gap.motion import Balance
+from toothspace.films.lateral.motion import Balance
 from toothspace.numerics import multigrid_cycle
-from toothspace.solver.lateral_agreement import PointRequest, couple_point
-from toothspace.solver.lateral_gap import LateralProblem, lateral_problem
-from toothspace.solver.lateral_track import LateralTrack
+from toothspace.simulation.elastic import lateral_settings
+from toothspace.simulation.lateral.coupling import PointRequest, couple_point
+from toothspace.simulation.lateral.history import LateralTrack
+from toothspace.simulation.lateral.problem import LateralProblem, lateral_problem
+from toothspace.simulation.lumped import RunInMachine, run_in_machine
+from toothspace.simulation.setup import condition_of
 
 CASE = Path(__file__).parents[1] / "cases" / "hysteresis_055.toml"
 GRIDS = ((280, 26), (560, 52), (812, 74))
@@ -66,7 +69,7 @@ class Setting:
 def prepare() -> Setting:
     """Chamber pressures and rest of the bearing that agree, on the grid of the case."""
     case = load_case(CASE, ["run.max_revolutions=3"])
-    machine = run_in_machine(case)
+    machine = run_in_machine(set_up(case))
     condition = condition_of(case, machine.description)
     point = couple_point(
         machine.description,
@@ -151,7 +154,7 @@ def report(grids: tuple[tuple[int, int], ...] = GRIDS) -> None:
 
 def fine_body(name: str) -> ElasticBody:
     """Body of the pump with at least the wanted number of elements."""
-    balance = run_in_machine(load_case(CASE)).description.lateral_balance
+    balance = run_in_machine(set_up(load_case(CASE))).description.lateral_balance
     body = balance.elastic_bodies()[name]
     shape, count, part = body.shape, 0, 1.0
     while count < ELEMENTS:

@@ -27,6 +27,8 @@ from toothspace import api
 from toothspace.model.assembly import System, assemble
 from toothspace.model.jacobian import jacobian
 from toothspace.model.system import error_weights, right_hand_side
+from toothspace.simulation.running_in import run_in
+from toothspace.simulation.setup import condition_of
 from toothspace.solver.cyclic import RunPlan, march_revolutions
 from toothspace.solver.integrator import start_march
 from toothspace.solver.observe import observe
@@ -57,9 +59,9 @@ class Problem:
 
     def __init__(self, path: Path = CASE, overrides: tuple[str, ...] = ()) -> None:
         case = api.load_case(path, overrides)
-        description, _ = api.run_in(case, api.describe(case))
+        description = run_in(api.set_up(case)).description
         self.fluid, self.description = api.fluid_of(case), description
-        self.condition = api.condition_of(case, description)
+        self.condition = condition_of(case, description)
         self.system = assemble(self.description, self.fluid, self.condition)
         history = march_revolutions(self.system, RunPlan(samples_per_revolution=SAMPLES))
         self.revolutions_to_cyclic = history.revolutions

@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from toothspace.films import FilmFluid
-from toothspace.films.lateral_gap.face_film import film_law
-from toothspace.films.lateral_gap.faces import FaceGrid
-from toothspace.films.lateral_gap.friction import housing_friction
-from toothspace.films.lateral_gap.motion import Loads
-from toothspace.films.lateral_gap.stack import BackPressure, Columns, Stack
-from toothspace.films.rough_surfaces import RoughSurfaces
+from toothspace.films.lateral.face_film import film_law
+from toothspace.films.lateral.face_grid import FaceGrid
+from toothspace.films.lateral.housing_friction import housing_friction
+from toothspace.films.lateral.motion import Loads
+from toothspace.films.lateral.stack import BackPressure, Columns, Stack
+from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
 from toothspace.model.lateral_balance import (
     LAND,
     AxialForce,

@@ -13,7 +13,7 @@ import matplotlib as mpl
 import numpy as np
 
 from toothspace.config import load_case
-from toothspace.films.lateral_gap.friction import HousingFriction
+from toothspace.films.lateral.housing_friction import HousingFriction
 from toothspace.plotting.bearing_figures import area_sensitivity, friction_sensitivity, window_on
 from toothspace.plotting.style import BLUE, ORANGE, new_figure, save_figure, styled
 from toothspace.studies import StudyContext, balance_sweep

@@ -18,7 +18,7 @@ import numpy as np
 from toothspace.config import load_case
 from toothspace.model.lateral_balance import HousingContact
 from toothspace.plotting.style import BLUE, GREEN, GREY, ORANGE, new_figure, save_figure, styled
-from toothspace.solver.lateral_gap import lateral_problem
+from toothspace.simulation.lateral.problem import lateral_problem
 from toothspace.studies import StudyContext, balance_sweep
 from toothspace.studies.lateral_points import LateralPoints, PointCondition, prepare
 

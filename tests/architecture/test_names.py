@@ -60,3 +60,15 @@ def test_modules_and_classes_say_what_they_are(source: Source) -> None:
 def test_the_search_sees_every_kind_of_name() -> None:
     code = "import x as a\nb = 1\no.c = 2\nclass D:\n    def e(self, f): ...\nfor g in (): ...\n"
     assert {"a", "b", "c", "D", "e", "f", "g"} <= set(identifiers(ast.parse(code)))
+
+
+@pytest.mark.parametrize("source", SOURCES, ids=lambda source: source.label)
+def test_nothing_is_printed(source: Source) -> None:
+    calls = [
+        node.lineno
+        for node in ast.walk(source.tree)
+        if isinstance(node, ast.Call)
+        and isinstance(node.func, ast.Name)
+        and node.func.id == "print"
+    ]
+    assert not calls, f"print in lines {calls}"

@@ -18,7 +18,7 @@ from toothspace.films import (
     Pocket,
     RoughSurfaces,
 )
-from toothspace.films.film_fluid import HIGHEST_EXPONENT
+from toothspace.films.reynolds.fluid import HIGHEST_EXPONENT
 
 ROUGH = RoughSurfaces(moving_roughness=2e-7, resting_roughness=3e-7)
 SQUEEZE = st.sampled_from([0.0, 0.0, -1e-4, 1e-4, -0.01, 0.01])

@@ -17,15 +17,20 @@ from toothspace.closures.real_contact import real_contact_share
 from toothspace.config import load_case
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
-from toothspace.films.lateral_gap.friction import BREAKAWAY_RATIO
+from toothspace.films.lateral.housing_friction import BREAKAWAY_RATIO
 from toothspace.model.lateral_balance import HousingContact
 from toothspace.plotting.catalogue import FIGURES
 from toothspace.plotting.film_maps import lateral_films
 from toothspace.plotting.study_figures import study_figures
 from toothspace.report.study import study_report_html
 from toothspace.report.wording import quantity
-from toothspace.solver.lateral_agreement import CoupledPoint
-from toothspace.solver.lateral_gap import LateralProblem, LateralSettings, numbers_of, wear_map
+from toothspace.simulation.lateral.coupling import CoupledPoint
+from toothspace.simulation.lateral.problem import (
+    LateralProblem,
+    LateralSettings,
+    numbers_of,
+    wear_map,
+)
 from toothspace.studies import balance_sweep, bearing_map, hysteresis
 from toothspace.studies.balance_sweep import GAPS, FilmTable, claims, follow
 from toothspace.studies.found_point import found_point

@@ -60,7 +60,8 @@ Simulate = Callable[..., Any]
 @pytest.fixture
 def simulated(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Callable[[Simulate], None]:
     """Replace the simulation, and work in an empty folder."""
-    api = pytest.importorskip("toothspace.api")
+    from toothspace import api
+
     monkeypatch.chdir(tmp_path)
 
     def replace(simulate: Simulate) -> None:
@@ -72,7 +73,8 @@ def simulated(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Callable[[Simu
 @pytest.fixture
 def described(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """Replace the machine description, and work in an empty folder."""
-    api = pytest.importorskip("toothspace.api")
+    from toothspace import api
+
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(api, "describe", lambda case: FakeDescription())
 
@@ -251,10 +253,11 @@ def test_export_of_an_unknown_format_or_machine(
 def test_stand_alone_film(
     table: str, name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    films = pytest.importorskip("toothspace.films")
+    from toothspace import api
+
     for status, code in (("done", 0), ("not_converged", 3)):
         summary = {"load_N": 1.0, "status": status}
-        monkeypatch.setattr(films, f"solve_{table}", lambda case, _fields, summary=summary: summary)
+        monkeypatch.setattr(api, f"solve_{table}", lambda case, _fields, summary=summary: summary)
         assert main([table, str(MOTOR.with_name(f"{name}.toml")), "--json"]) == code
         assert json.loads(capsys.readouterr().out) == summary
 

@@ -21,7 +21,7 @@ from toothspace.case.study import (
 from toothspace.config import case_from_text, load_case
 from toothspace.config.document import document_text, parse_document
 from toothspace.core.errors import CaseError
-from toothspace.presets import PRESETS
+from toothspace.simulation.presets import PRESETS
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 CASES = sorted((REPOSITORY / "cases").glob("*.toml"))

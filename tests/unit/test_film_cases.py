@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from toothspace.api import solve_bearing, solve_film
 from toothspace.cli import main
 from toothspace.config import case_from_text
 from toothspace.core.errors import CaseError
@@ -17,8 +18,6 @@ from toothspace.films import (
     JournalBearing,
     RoughSurfaces,
     critical_mass,
-    solve_bearing,
-    solve_film,
 )
 
 CASES = Path(__file__).resolve().parents[2] / "cases"

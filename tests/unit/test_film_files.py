@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from toothspace.api import solve_bearing, solve_film
 from toothspace.case import Case
 from toothspace.config import case_from_text
 from toothspace.core.errors import CaseError
@@ -22,8 +23,6 @@ from toothspace.films import (
     Pad,
     save_film,
     save_film_vtk,
-    solve_bearing,
-    solve_film,
 )
 from toothspace.films.field_files import FilmSolution
 

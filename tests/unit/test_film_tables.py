@@ -16,7 +16,6 @@ from toothspace.cli import main
 from toothspace.closures.journal_friction import PUBLISHED_CURVE, FrictionCurves
 from toothspace.config import load_case
 from toothspace.core.errors import CaseError
-from toothspace.films.film_tables import with_film_tables
 from toothspace.model.arrays import FILM_FORCE, FILM_X, FILM_Y
 from toothspace.model.assembly import System, assemble
 from toothspace.model.bodies import journal_torques
@@ -24,6 +23,7 @@ from toothspace.model.description import MachineDescription
 from toothspace.model.fluid import fluid_law
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.system import right_hand_side
+from toothspace.simulation.film_tables import with_film_tables
 from toothspace.solver.initial import start_state
 from toothspace.studies import reduce
 

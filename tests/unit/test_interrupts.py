@@ -25,7 +25,9 @@ from toothspace.core.status import Status
 from toothspace.model.assembly import System, assemble
 from toothspace.model.fluid import fluid_law
 from toothspace.model.operating_point import OperatingCondition
-from toothspace.solver import cyclic, running_in_store
+from toothspace.simulation import running_in, running_in_store
+from toothspace.simulation.setup import Setup, fluid_of
+from toothspace.solver import cyclic
 from toothspace.solver.cyclic import RunPlan, march_revolutions
 
 REPOSITORY = Path(__file__).resolve().parents[2]
@@ -88,8 +90,10 @@ def test_the_step_limit_reaches_the_integrator(system: System) -> None:
 def motor(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Case:
     """The motor with running-in replaced by stand-ins, and an empty store."""
     monkeypatch.setattr(running_in_store, "folder", lambda: tmp_path / "store")
-    monkeypatch.setattr(api, "assemble", lambda *_: None)
-    monkeypatch.setattr(api, "running_in_depths", lambda _: {"tooth_tip_drive": np.arange(3.0)})
+    monkeypatch.setattr(running_in, "assemble", lambda *_: None)
+    monkeypatch.setattr(
+        running_in, "running_in_depths", lambda _: {"tooth_tip_drive": np.arange(3.0)}
+    )
     return api.load_case(MOTOR)
 
 
@@ -101,6 +105,10 @@ def machine() -> Any:
     )
 
 
+def run_in(case: Case) -> running_in.WornMachine:
+    return running_in.run_in(Setup(case, machine(), fluid_of(case)))
+
+
 def marches(monkeypatch: pytest.MonkeyPatch, status: Status) -> list[RunPlan]:
     """Let every march end with a status; the plans that were asked for."""
     asked: list[RunPlan] = []
@@ -109,19 +117,19 @@ def marches(monkeypatch: pytest.MonkeyPatch, status: Status) -> list[RunPlan]:
         asked.append(plan)
         return SimpleNamespace(status=status)
 
-    monkeypatch.setattr(api, "march_revolutions", march)
+    monkeypatch.setattr(running_in, "march_revolutions", march)
     return asked
 
 
 def test_running_in_is_computed_once(motor: Case, monkeypatch: pytest.MonkeyPatch) -> None:
     asked = marches(monkeypatch, Status.DONE)
-    first = api.run_in(motor, machine())
+    first = run_in(motor)
     other_speed = api.load_case(MOTOR, ["operating_point.shaft_speed=900 rpm"])
-    again = api.run_in(other_speed, machine())
+    again = run_in(other_speed)
     assert len(asked) == 1
-    np.testing.assert_array_equal(first[1]["tooth_tip_drive"], again[1]["tooth_tip_drive"])
-    api.run_in(api.load_case(MOTOR, ["machine.gears.face_width=8 mm"]), machine())
-    api.run_in(api.load_case(MOTOR, ["fluid.name=iso_vg_32"]), machine())
+    np.testing.assert_array_equal(first.depths["tooth_tip_drive"], again.depths["tooth_tip_drive"])
+    run_in(api.load_case(MOTOR, ["machine.gears.face_width=8 mm"]))
+    run_in(api.load_case(MOTOR, ["fluid.name=iso_vg_32"]))
     assert len(asked) == 3
 
 
@@ -130,7 +138,7 @@ def test_running_in_that_was_interrupted_is_not_used(
 ) -> None:
     marches(monkeypatch, Status.INTERRUPTED)
     with pytest.raises(KeyboardInterrupt):
-        api.run_in(motor, machine())
+        run_in(motor)
     assert not running_in_store.folder().exists()
 
 
@@ -138,7 +146,7 @@ def test_running_in_that_failed_is_used_but_not_kept(
     motor: Case, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked = marches(monkeypatch, Status.STEP_TOO_SMALL)
-    _, depths = api.run_in(motor, machine())
+    depths = run_in(motor).depths
     assert depths
     assert not running_in_store.folder().exists()
     assert asked[0].max_steps == motor.run.max_steps

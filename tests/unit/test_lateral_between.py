@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from tests.lateral_stack import AREA, HIGH, loads, pressures, ring_stack
-from toothspace.films.lateral_gap.equilibrium import scenes_over_pitch
-from toothspace.films.lateral_gap.motion import Balance, balance_force
-from toothspace.films.lateral_gap.stack import Guide
-from toothspace.films.lateral_gap.stops import leaning, stop_forces
-from toothspace.solver.lateral_between import Between, Rest, Trial
-from toothspace.solver.lateral_gap import LateralProblem, LateralSettings, numbers_of
+from toothspace.films.lateral.equilibrium import scenes_over_pitch
+from toothspace.films.lateral.motion import Balance, balance_force
+from toothspace.films.lateral.stack import Guide
+from toothspace.films.lateral.stops import leaning, stop_forces
+from toothspace.simulation.lateral.interpolation import Between, Rest, Trial
+from toothspace.simulation.lateral.problem import LateralProblem, LateralSettings, numbers_of
 
 PUSHED, PRESSED = 60e5, 38e5
 """Pressures round the ring that lift the bearing off and press it on, before high pressure behind

@@ -9,8 +9,8 @@ import pytest
 
 from tests.lateral_stack import VISCOSITY, loads, pressures, ring_stack
 from toothspace.films.thermal import FilmHeating, HeatBalance
-from toothspace.solver.lateral_gap import LateralProblem, LateralSettings
-from toothspace.solver.lateral_heat import settle_heated
+from toothspace.simulation.lateral.heat import settle_heated
+from toothspace.simulation.lateral.problem import LateralProblem, LateralSettings
 
 SUPPLY, THINNING = 330.0, 0.02
 

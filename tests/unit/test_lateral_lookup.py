@@ -24,7 +24,7 @@ from toothspace.model.lateral_table import (
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.results.ledger import Ledger
 from toothspace.results.solution import Solution
-from toothspace.solver.lateral_lookup import load_of_run, run_with_table, told_over_time
+from toothspace.simulation.lateral.table_lookup import load_of_run, run_with_table, told_over_time
 
 CASES = Path(__file__).resolve().parents[2] / "cases"
 FORCES = np.array([-12000.0, -6000.0, 0.0, 6000.0])

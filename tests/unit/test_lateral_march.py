@@ -10,10 +10,10 @@ import pytest
 from tests.fake_solution import fake_solution
 from tests.lateral_stack import HIGH, loads, pressures, ring_stack
 from toothspace.core.status import Status
-from toothspace.films.lateral_gap.equilibrium import scenes_over_pitch
+from toothspace.films.lateral.equilibrium import scenes_over_pitch
 from toothspace.results.solution import Solution
-from toothspace.solver.lateral_coupling import coupled_solution
-from toothspace.solver.lateral_gap import LateralProblem, LateralSettings
+from toothspace.simulation.lateral.coupled_run import coupled_solution
+from toothspace.simulation.lateral.problem import LateralProblem, LateralSettings
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +55,7 @@ def test_march_interrupted_at_once_keeps_nothing(
     def stop(*args: Any, **rest: Any) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("toothspace.solver.lateral_gap.march_angles", stop)
+    monkeypatch.setattr("toothspace.simulation.lateral.problem.march_angles", stop)
     with pytest.raises(KeyboardInterrupt):
         problem.march(problem.started(3e-6), 4)
 
@@ -73,7 +73,7 @@ def test_interrupt_beside_the_films_keeps_the_lumped_solution(
         run(description)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("toothspace.solver.lateral_coupling.couple_point", couple)
+    monkeypatch.setattr("toothspace.simulation.lateral.coupled_run.couple_point", couple)
     lumped = fake_solution()
     found = coupled_solution(_asked(), lambda _: lumped, 12, lambda _, text: told.append(text))
     assert found.status is Status.INTERRUPTED
@@ -86,7 +86,7 @@ def test_interrupted_lumped_run_ends_the_point(monkeypatch: pytest.MonkeyPatch) 
         run(description)
         raise AssertionError("went on")
 
-    monkeypatch.setattr("toothspace.solver.lateral_coupling.couple_point", couple)
+    monkeypatch.setattr("toothspace.simulation.lateral.coupled_run.couple_point", couple)
     cut = replace(fake_solution(), status=Status.INTERRUPTED)
     assert coupled_solution(_asked(), lambda _: cut, 12).status is Status.INTERRUPTED
 
@@ -98,6 +98,6 @@ def test_interrupt_before_any_result_is_passed_on(monkeypatch: pytest.MonkeyPatc
     def couple(description: Any, fluid: Any, run: Any, request: Any) -> Any:
         return run(description)
 
-    monkeypatch.setattr("toothspace.solver.lateral_coupling.couple_point", couple)
+    monkeypatch.setattr("toothspace.simulation.lateral.coupled_run.couple_point", couple)
     with pytest.raises(KeyboardInterrupt):
         coupled_solution(_asked(), run, 12)

@@ -14,15 +14,17 @@ import pytest
 import xarray as xr
 
 from tests.lateral_stack import loads, pressures, ring_stack
-from toothspace.api import RunInMachine, describe
 from toothspace.case import Case
 from toothspace.config import load_case
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.plotting.study_figures import study_figures
 from toothspace.report.study import study_report_html
-from toothspace.solver.lateral_agreement import CoupledPoint
-from toothspace.solver.lateral_gap import LateralProblem, LateralSettings, numbers_of
+from toothspace.simulation.lateral.coupling import CoupledPoint
+from toothspace.simulation.lateral.problem import LateralProblem, LateralSettings, numbers_of
+from toothspace.simulation.lumped import RunInMachine
+from toothspace.simulation.running_in import WornMachine
+from toothspace.simulation.setup import Setup
 from toothspace.studies import STUDY_MODULES, hysteresis, lateral_points, run_study
 from toothspace.studies.found_point import FoundPoint, found_point, record_of, recorded_point
 from toothspace.studies.lateral_points import LateralStudy, PointCondition
@@ -194,5 +196,6 @@ def test_loop_asks_for_as_many_rounds_as_its_case(
     assert asked[0][1] != asked[1][1]
 
 
-def _machine_with_bearing(case: Case) -> RunInMachine:
-    return RunInMachine(case, describe(case), cast(Any, None), {})
+def _machine_with_bearing(setup: Setup) -> RunInMachine:
+    worn = WornMachine(setup.description, {})
+    return RunInMachine(setup.case, worn, worn.description, setup.fluid, {})

@@ -13,7 +13,6 @@ from toothspace import api
 from toothspace.case import Case
 from toothspace.config import load_case
 from toothspace.core.errors import CaseError
-from toothspace.films.film_tables import lateral_sizes, with_film_tables
 from toothspace.model.description import MachineDescription
 from toothspace.model.films import lateral_torque_coefficient
 from toothspace.model.lateral_table import (
@@ -22,6 +21,8 @@ from toothspace.model.lateral_table import (
     chamber_pressures,
     with_lateral_table,
 )
+from toothspace.simulation.film_tables import lateral_sizes, with_film_tables
+from toothspace.simulation.setup import condition_of
 
 CASE = Path(__file__).resolve().parents[2] / "cases" / "egm12_motor_reduced.toml"
 FORCES, MOMENTS = np.array([-8000.0, -2000.0, 1000.0]), np.array([-20.0, 0.0, 20.0])
@@ -49,7 +50,7 @@ def test_load_grows_with_the_pressure_difference(motor: tuple[Case, MachineDescr
     case, machine = motor
     balance = machine.lateral_balance
     assert balance is not None
-    condition = api.condition_of(case, machine)
+    condition = condition_of(case, machine)
     half = replace(condition, inlet_pressure=0.5 * (condition.inlet_pressure + 1e5))
     loads = [
         axial_load(balance, chamber_pressures(machine, c))[0] + balance.floating.preload.size
@@ -88,7 +89,7 @@ def test_lookup_between_nodes_ends_at_the_edges() -> None:
 
 def test_machine_takes_drag_and_leakage(motor: tuple[Case, MachineDescription]) -> None:
     case, machine = motor
-    condition = api.condition_of(case, machine)
+    condition = condition_of(case, machine)
     plain = lateral_torque_coefficient(machine)
     wide = (np.array([-1e6, 1e6]), np.array([-1e5, 1e5]))
     table = replace(

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from toothspace.films.live_balance import YieldingGap, linearised_balance
-from toothspace.films.reynolds import FilmGrid, FluidField, GapField
-from toothspace.films.rough_surfaces import SMOOTH, FlowLaw, RoughSurfaces
+from toothspace.films.reynolds.active_set import YieldingGap, linearised_balance
+from toothspace.films.reynolds.equation import FilmGrid, FluidField, GapField
+from toothspace.films.reynolds.rough_surfaces import SMOOTH, FlowLaw, RoughSurfaces
 from toothspace.numerics.structured_grid import FREE
 
 ROWS, LANES = 6, 4

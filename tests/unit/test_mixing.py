@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from toothspace.films.lateral_gap.mixing import Mixing
+from toothspace.numerics.acceleration import Mixing
 
 
 def test_linear_iteration_ends_after_as_many_steps_as_unknowns() -> None:

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from toothspace.films import Groove, JournalBearing
-from toothspace.films.journal_film import (
+from toothspace.films.journal.geometry import (
     EndConditions,
     MotionState,
     journal_gap,
     journal_grid,
     journal_mesh,
 )
-from toothspace.films.reynolds import FluidField, film_balance
+from toothspace.films.reynolds.equation import FluidField, film_balance
 from toothspace.numerics import conjugate, linear_system, multigrid, multigrid_cycle
 from toothspace.numerics.banded import stencil_product
 from toothspace.numerics.complementarity import Constraint, assemble, solve_complementarity

@@ -9,8 +9,8 @@ import pytest
 import scipy.sparse as sp
 
 from tests.lateral_stack import INNER, OUTER, ring_stack
-from toothspace.films.lateral_gap.faces import FaceGrid
-from toothspace.films.lateral_gap.patterns import Patterns
+from toothspace.films.lateral.basis_functions import Patterns
+from toothspace.films.lateral.face_grid import FaceGrid
 
 
 @pytest.fixture(params=[0.0, 0.37])

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from toothspace.core.types import Array
-from toothspace.films.lateral_gap.pressed_gap import Yielding, settle_gap
-from toothspace.films.rough_surfaces import RoughSurfaces, contact_field
+from toothspace.films.lateral.local_deformation import Yielding, settle_gap
+from toothspace.films.reynolds.rough_surfaces import RoughSurfaces, contact_field
 
 COMPLIANCE = 4e-13
 PRESSURE = 2e6

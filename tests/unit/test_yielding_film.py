@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from tests.lateral_stack import HIGH, loads, pressures, ring_stack
-from toothspace.films.lateral_gap import yielding_film
-from toothspace.films.lateral_gap.motion import StepSettings, advance, rest_at
+from toothspace.films.lateral import compliant_film as yielding_film
+from toothspace.films.lateral.motion import StepSettings, advance, rest_at
 
 
 class _Lost:

@@ -10,10 +10,10 @@ import pytest
 from tests.external_gear_designs import fuel14
 from tests.lateral_stack import HIGH, LOW, loads, pressures, ring_stack, split_stack
 from toothspace.core.errors import GeometryError
-from toothspace.films.lateral_gap.equilibrium import Equilibrium, SearchSettings, find_equilibrium
-from toothspace.films.lateral_gap.friction import HousingFriction
-from toothspace.films.lateral_gap.motion import Loads, StepSettings, rest_at
-from toothspace.films.lateral_gap.stack import Stack
+from toothspace.films.lateral.equilibrium import Equilibrium, SearchSettings, find_equilibrium
+from toothspace.films.lateral.housing_friction import HousingFriction
+from toothspace.films.lateral.motion import Loads, StepSettings, rest_at
+from toothspace.films.lateral.stack import Stack
 from toothspace.machines.external_gear.describe import describe
 from toothspace.machines.external_gear.spec import Material, PressedBearing, Spring
 

@@ -11,10 +11,10 @@ import scipy.sparse as sp
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.films.elastic_film import ElasticWalls, solve_elastic_film
-from toothspace.films.film_fluid import FilmFluid
-from toothspace.films.pad import Pad
-from toothspace.films.plane_film import PlaneFilm, solve_plane
-from toothspace.films.reynolds import GapField
+from toothspace.films.plane.film import PlaneFilm, solve_plane
+from toothspace.films.plane.pad import Pad
+from toothspace.films.reynolds.equation import GapField
+from toothspace.films.reynolds.fluid import FilmFluid
 
 SPEED, ROWS, LANES = 5.0, 24, 9
 PAD = Pad(

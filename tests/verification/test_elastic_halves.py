@@ -23,7 +23,7 @@ from tests.lateral_stack import (
     ring_stack,
     split_stack,
 )
-from toothspace.api import condition_of, lateral_settings, run_in_machine
+from toothspace.api import set_up
 from toothspace.config import load_case
 from toothspace.core.errors import GeometryError
 from toothspace.elasticity import (
@@ -35,11 +35,11 @@ from toothspace.elasticity import (
     annulus,
     influence_matrix,
 )
-from toothspace.films.lateral_gap.elastic_faces import ElasticFaces, elastic_faces
-from toothspace.films.lateral_gap.equilibrium import Equilibrium, SearchSettings, find_equilibrium
-from toothspace.films.lateral_gap.motion import StepSettings, rest_at
-from toothspace.films.lateral_gap.stack import Stack
-from toothspace.films.lateral_gap.widening import Fineness
+from toothspace.films.lateral.deformation import Fineness
+from toothspace.films.lateral.elastic_faces import ElasticFaces, elastic_faces
+from toothspace.films.lateral.equilibrium import Equilibrium, SearchSettings, find_equilibrium
+from toothspace.films.lateral.motion import StepSettings, rest_at
+from toothspace.films.lateral.stack import Stack
 from toothspace.machines.external_gear.assembly import assemble
 from toothspace.machines.external_gear.balance import lateral_balance
 from toothspace.machines.external_gear.elastic_bodies import MeshSize
@@ -47,7 +47,10 @@ from toothspace.machines.external_gear.numbering import number
 from toothspace.machines.external_gear.pressed_bodies import PressedBodies
 from toothspace.machines.external_gear.spec import BodyFiles, Material, PressedBearing, Spring
 from toothspace.model.lateral_balance import LateralBalance
-from toothspace.solver.lateral_gap import LateralProblem, lateral_problem
+from toothspace.simulation.elastic import lateral_settings
+from toothspace.simulation.lateral.problem import LateralProblem, lateral_problem
+from toothspace.simulation.lumped import run_in_machine
+from toothspace.simulation.setup import condition_of
 
 REPOSITORY = Path(__file__).parents[2]
 SIZE = MeshSize(0.24, 0.25, 0.2)
@@ -263,7 +266,7 @@ def _fuel_pump(split: str) -> tuple[LateralProblem, Equilibrium]:
         f"machine.floating_bearing.split={split}",
     )
     case = load_case(REPOSITORY / "cases" / "hysteresis_055.toml", changes)
-    machine = run_in_machine(case)
+    machine = run_in_machine(set_up(case))
     data = machine.solve(condition_of(case, machine.description)).data
     problem = lateral_problem(
         machine.description, machine.fluid, data, lateral_settings(case), 12e5

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from toothspace.core.errors import CaseError
-from toothspace.films.film_fluid import FilmFluid
-from toothspace.films.pad import Pad, Pocket
-from toothspace.films.plane_film import solve_plane
-from toothspace.films.reynolds import film_balance
+from toothspace.films.plane.film import solve_plane
+from toothspace.films.plane.pad import Pad, Pocket
+from toothspace.films.reynolds.equation import film_balance
+from toothspace.films.reynolds.fluid import FilmFluid
 from toothspace.numerics.complementarity import Constraint, solve_complementarity
 
 VISCOSITY, SPEED, LENGTH, WIDTH, HEIGHT = 0.01, 1.0, 0.02, 0.01, 10e-6

@@ -9,7 +9,7 @@ import pytest
 
 from toothspace.core.errors import CaseError
 from toothspace.films import Groove, JournalBearing
-from toothspace.films.shaft_motion import (
+from toothspace.films.journal.shaft_motion import (
     OrbitSettings,
     critical_mass,
     shaft_orbit,

@@ -13,12 +13,13 @@ import pytest
 from toothspace import api
 from toothspace.closures.squeeze_film import squeeze_damping
 from toothspace.core.types import Array, IntArray
-from toothspace.films.axial_place import axial_forces, balanced_gaps
-from toothspace.films.rim_film import rim_paths, sector_family
-from toothspace.films.shared_face import SharedFilm, sector_phases, shared_film
-from toothspace.films.shared_machine import with_shared_films
+from toothspace.films.journal.rim_film import rim_paths, sector_family
+from toothspace.films.lateral.axial_position import axial_forces, balanced_gaps
+from toothspace.films.lateral.shared_face import SharedFilm, sector_phases, shared_film
 from toothspace.model.description import MachineDescription
 from toothspace.model.film_shapes import BARE, Cover, RimFilm, SharedFaces
+from toothspace.simulation.setup import condition_of
+from toothspace.simulation.shared_covers import with_shared_films
 
 CASE = Path(__file__).parents[2] / "cases" / "gerotor_cycloidal.toml"
 INNER, MIDDLE, RIM = 8e-3, 14e-3, 26e-3
@@ -178,7 +179,7 @@ def test_rotors_free_between_covers_lean_on_the_one_without_kidneys() -> None:
         overrides = ("machine.lateral.position=free", f"machine.ports.covers={covers}")
         case = api.load_case(CASE, overrides)
         description = api.describe(case)
-        faces, condition = description.shared_faces, api.condition_of(case, description)
+        faces, condition = description.shared_faces, condition_of(case, description)
         assert faces is not None
         centers = np.array([body.center for body in description.bodies])
         films = tuple(shared_film(faces, c, centers, None, 24, 32, 2) for c in faces.covers)

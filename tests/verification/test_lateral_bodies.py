@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.lateral_stack import HIGH, HIGH_NODE, INNER, LOW, OUTER, loads, pressures, ring_stack
-from toothspace.api import condition_of, lateral_settings, run_in_machine
+from toothspace.api import set_up
 from toothspace.config import load_case
 from toothspace.core.types import Array
 from toothspace.elasticity import (
@@ -24,24 +24,27 @@ from toothspace.elasticity import (
     influence_matrix,
     storage,
 )
-from toothspace.films.lateral_gap.elastic_faces import (
+from toothspace.films.lateral.deformation import Fineness, film_coefficients, response
+from toothspace.films.lateral.elastic_faces import (
     ElasticFaces,
     elastic_faces,
 )
-from toothspace.films.lateral_gap.equilibrium import (
+from toothspace.films.lateral.equilibrium import (
     Equilibrium,
     March,
     SearchSettings,
     find_equilibrium,
     march_angles,
 )
-from toothspace.films.lateral_gap.mixing import Mixing
-from toothspace.films.lateral_gap.motion import StepSettings, rest_at
-from toothspace.films.lateral_gap.pressed_gap import Accuracy
-from toothspace.films.lateral_gap.stack import Past, Scene, Stack, StackState
-from toothspace.films.lateral_gap.widening import Fineness, film_coefficients, response
-from toothspace.solver.lateral_gap import LateralProblem, lateral_problem, numbers_of
-from toothspace.solver.lateral_loads import face_deflection
+from toothspace.films.lateral.local_deformation import Accuracy
+from toothspace.films.lateral.motion import StepSettings, rest_at
+from toothspace.films.lateral.stack import Past, Scene, Stack, StackState
+from toothspace.numerics.acceleration import Mixing
+from toothspace.simulation.elastic import lateral_settings
+from toothspace.simulation.lateral.loads import face_deflection
+from toothspace.simulation.lateral.problem import LateralProblem, lateral_problem, numbers_of
+from toothspace.simulation.lumped import run_in_machine
+from toothspace.simulation.setup import condition_of
 
 REPOSITORY = Path(__file__).parents[2]
 MODULUS, LENGTH, WIDTH = 100e9, 20e-3, 16e-3
@@ -280,7 +283,7 @@ def _fuel_pump(*changes: str) -> tuple[LateralProblem, Equilibrium]:
         "run.samples_per_revolution=180",
     )
     case = load_case(REPOSITORY / "cases" / "hysteresis_078.toml", (*coarse, *changes))
-    machine = run_in_machine(case)
+    machine = run_in_machine(set_up(case))
     data = machine.solve(condition_of(case, machine.description)).data
     problem = lateral_problem(machine.description, machine.fluid, data, lateral_settings(case))
     return problem, problem.settle(problem.started(3e-6))

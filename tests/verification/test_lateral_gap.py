@@ -21,20 +21,20 @@ from tests.lateral_stack import (
     ring_stack,
 )
 from toothspace.films import FilmFluid, LateralFilm
-from toothspace.films.lateral_gap.equilibrium import (
+from toothspace.films.lateral.equilibrium import (
     Equilibrium,
     SearchSettings,
     find_equilibrium,
     march_angles,
 )
-from toothspace.films.lateral_gap.faces import FaceGrid
-from toothspace.films.lateral_gap.friction import HousingFriction, normal_force
-from toothspace.films.lateral_gap.motion import StepSettings, balance_force, rest_at
-from toothspace.films.lateral_gap.stack import BackPressure, Stack, StackState
-from toothspace.films.lateral_gap.stops import leaning, stop_forces
+from toothspace.films.lateral.face_grid import FaceGrid
+from toothspace.films.lateral.housing_friction import HousingFriction, normal_force
+from toothspace.films.lateral.motion import StepSettings, balance_force, rest_at
+from toothspace.films.lateral.stack import BackPressure, Stack, StackState
+from toothspace.films.lateral.stops import leaning, stop_forces
 from toothspace.model.lateral_balance import LAND, AxialForce, FaceCells, HousingContact
-from toothspace.solver.lateral_coupling import seat_warning
-from toothspace.solver.lateral_gap import LateralProblem, LateralSettings, numbers_of
+from toothspace.simulation.lateral.coupled_run import seat_warning
+from toothspace.simulation.lateral.problem import LateralProblem, LateralSettings, numbers_of
 
 APPROACH = 3e-13
 SHARE = 0.72

@@ -19,10 +19,10 @@ from tests.lateral_stack import (
     pressures,
     ring_stack,
 )
-from toothspace.films.lateral_gap.equilibrium import march_angles
-from toothspace.films.lateral_gap.faces import FaceGrid
-from toothspace.films.lateral_gap.motion import StepSettings, rest_at
-from toothspace.films.lateral_gap.stack import BackPressure, Stack
+from toothspace.films.lateral.equilibrium import march_angles
+from toothspace.films.lateral.face_grid import FaceGrid
+from toothspace.films.lateral.motion import StepSettings, rest_at
+from toothspace.films.lateral.stack import BackPressure, Stack
 from toothspace.model.lateral_balance import LAND, FaceCells
 from toothspace.numerics.complementarity import face_flows
 

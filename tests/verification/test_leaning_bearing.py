@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 
 from tests.lateral_stack import OUTER, loads, pressures, ring_stack
-from toothspace.films.lateral_gap.equilibrium import (
+from toothspace.films.lateral.equilibrium import (
     Equilibrium,
     SearchSettings,
     find_equilibrium,
     scenes_over_pitch,
 )
-from toothspace.films.lateral_gap.motion import StepSettings, rest_at
-from toothspace.films.lateral_gap.stack import Stack
-from toothspace.films.lateral_gap.stops import leaning, rim_levers, stop_forces
+from toothspace.films.lateral.motion import StepSettings, rest_at
+from toothspace.films.lateral.stack import Stack
+from toothspace.films.lateral.stops import leaning, rim_levers, stop_forces
 
 HIGH = 50e5
 PLAY = 100e-6

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from toothspace import api
-from toothspace.films import solve_film
-from toothspace.films.face_conductance import face_conductance
+from toothspace.api import solve_film
+from toothspace.films.lateral.conductance import face_conductance
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.quasi_static import quasi_static_pressures
 

@@ -13,13 +13,13 @@ import shapely
 import shapely.affinity
 
 from tests.external_gear_designs import egm12
-from toothspace.api import condition_of, lateral_settings, run_in_machine
+from toothspace.api import set_up
 from toothspace.config import load_case
 from toothspace.core.errors import CaseError, GeometryError
 from toothspace.core.types import Array
 from toothspace.elasticity import AreaPressure, InfluenceMatrix, influence_matrix
-from toothspace.films.lateral_gap.elastic_faces import ElasticFaces
-from toothspace.films.lateral_gap.stack import BackPressure, Scene
+from toothspace.films.lateral.elastic_faces import ElasticFaces
+from toothspace.films.lateral.stack import BackPressure, Scene
 from toothspace.machines.external_gear.assembly import Assembly, assemble
 from toothspace.machines.external_gear.balance import lateral_balance
 from toothspace.machines.external_gear.describe import describe
@@ -36,8 +36,11 @@ from toothspace.machines.external_gear.numbering import number
 from toothspace.machines.external_gear.pressed_bodies import PressedBodies, seal_line
 from toothspace.machines.external_gear.spec import BodyFiles, Material, PressedBearing, Spring
 from toothspace.model.lateral_balance import LAND, BodyLoad, LateralBalance
-from toothspace.solver.lateral_gap import lateral_problem
-from toothspace.solver.lateral_loads import BodyLoads
+from toothspace.simulation.elastic import lateral_settings
+from toothspace.simulation.lateral.loads import BodyLoads
+from toothspace.simulation.lateral.problem import lateral_problem
+from toothspace.simulation.lumped import run_in_machine
+from toothspace.simulation.setup import condition_of
 
 FINER = MeshSize(0.13, 0.13, 0.17)
 REPOSITORY = Path(__file__).parents[2]
@@ -455,7 +458,7 @@ def test_loads_of_a_run_balance_on_the_bodies() -> None:
         "machine.floating_bearing.seal_preload=200 N",
     )
     case = load_case(REPOSITORY / "cases" / "hysteresis_055.toml", changes)
-    machine = run_in_machine(case)
+    machine = run_in_machine(set_up(case))
     lumped = machine.solve(condition_of(case, machine.description))
     problem = lateral_problem(
         machine.description, machine.fluid, lumped.data, lateral_settings(case), 12e5

@@ -8,15 +8,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from toothspace.simulation.solved_films import with_solved_films
 
 from toothspace import api
 from toothspace.closures.bearing_map import build_journal_map, journal_force
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
-from toothspace.films.face_conductance import FaceConductance, face_conductance
-from toothspace.films.journal_bearing import JournalBearing
-from toothspace.films.journal_map import solved_journal
-from toothspace.films.solved_machine import with_solved_films
+from toothspace.films.journal.bearing import JournalBearing
+from toothspace.films.journal.map import solved_journal
+from toothspace.films.lateral.conductance import FaceConductance, face_conductance
 from toothspace.model.description import LateralFilm
 from toothspace.model.film_shapes import FaceOutline
 

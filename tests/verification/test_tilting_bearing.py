@@ -8,11 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from toothspace.api import condition_of, lateral_settings, run_in_machine
+from toothspace.api import set_up
 from toothspace.config import load_case
-from toothspace.films.lateral_gap.equilibrium import Equilibrium
-from toothspace.films.lateral_gap.stops import leaning, rim_levers
-from toothspace.solver.lateral_gap import LateralProblem, lateral_problem
+from toothspace.films.lateral.equilibrium import Equilibrium
+from toothspace.films.lateral.stops import leaning, rim_levers
+from toothspace.simulation.elastic import lateral_settings
+from toothspace.simulation.lateral.problem import LateralProblem, lateral_problem
+from toothspace.simulation.lumped import run_in_machine
+from toothspace.simulation.setup import condition_of
 
 CASE = Path(__file__).parents[2] / "cases" / "hysteresis_055.toml"
 WALL = 1e6
@@ -30,7 +33,7 @@ def _problem(*changes: str, file: Path = CASE) -> LateralProblem:
         'operating_point.outlet_pressure="38.8 bar"',
     ]
     case = load_case(file, [*given, *changes])
-    machine = run_in_machine(case)
+    machine = run_in_machine(set_up(case))
     data = machine.solve(condition_of(case, machine.description)).data
     settings = replace(lateral_settings(case), grid=(84, 10), angles=2)
     return lateral_problem(machine.description, machine.fluid, data, settings)

@@ -9,11 +9,12 @@ import numpy as np
 
 import toothspace as ts
 from tests.iteration_matrices import assert_iteration_agrees
-from toothspace.api import condition_of, fluid_of
+from toothspace.api import fluid_of
 from toothspace.model.arrays import DRAG, HEIGHT, PRESENT_B
 from toothspace.model.assembly import System, assemble
 from toothspace.model.jacobian import jacobian
 from toothspace.model.system import right_hand_side
+from toothspace.simulation.setup import condition_of
 from toothspace.solver.cyclic import RunPlan, march_revolutions
 from toothspace.solver.initial import start_state
 

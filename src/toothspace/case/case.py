@@ -8,7 +8,7 @@ from typing import Any, final
 
 from toothspace.case.circuit import Circuit
 from toothspace.case.conditions import FluidChoice, OperatingPoint, RunSettings
-from toothspace.case.stand_alone import FilmCase, JournalBearingCase
+from toothspace.case.stand_alone import FilmTable, JournalBearingCase
 
 
 @final
@@ -60,7 +60,7 @@ class Case:
     operating_point: OperatingPoint | None = None
     circuit: Circuit | None = None
     bearing: JournalBearingCase | None = None
-    film: FilmCase | None = None
+    film: FilmTable | None = None
     study: Any = None
     run: RunSettings = field(default_factory=RunSettings)
     schema: int = 1

@@ -357,6 +357,9 @@ class RingFilmCase(PlaneFilmKeys):
             require(self, "unless inner_pressure is given", "outer_pressure")
 
 
+FilmTable = JournalBearingCase | PlaneFilmKeys
+"""A table ``[bearing]`` or ``[film]``."""
+
 FILMS: Mapping[str, type] = {
     "pad": FilmCase,
     "lateral": LateralFilmCase,

@@ -15,7 +15,7 @@ from toothspace.cli import output
 from toothspace.core.errors import CaseError, ToothspaceError
 from toothspace.core.registry import machine_modules
 from toothspace.core.status import Status
-from toothspace.presets import PRESETS
+from toothspace.simulation.presets import PRESETS
 
 if TYPE_CHECKING:
     from toothspace.case import Case
@@ -83,8 +83,6 @@ def run(case_file: Path, result: Path | None, overrides: Sequence[str], *, as_js
             allowed = f"with 'toothspace {table}' only"
             raise CaseError(f"{case_file}: {table}: found a stand-alone {table}, allowed {allowed}")
     target = _writable(result or Path(f"{case_file.stem}.nc"), "-o")
-    with _file_named(case_file):
-        PRESETS[case.run.fidelity].require_solved()
     from toothspace import api
 
     try:
@@ -189,17 +187,18 @@ def stand_alone_film(
     case = _load(case_file, overrides)
     if getattr(case, table) is None:
         raise CaseError(f"{case_file}: {table}: found nothing, allowed a table [{table}]")
-    from toothspace import films
+    from toothspace import api
+    from toothspace.films.grid_report import grid_report
 
     with _file_named(case_file):
-        solve = films.solve_bearing if table == "bearing" else films.solve_film
+        solve = api.solve_bearing if table == "bearing" else api.solve_film
         summary = solve(case, target)
 
         def on_grid(cells: tuple[int, int]) -> dict[str, Any]:
             return solve(_load(case_file, [*overrides, f"{table}.grid={list(cells)}"]))
 
         own = tuple(getattr(case, table).grid)
-        report = films.grid_report(on_grid, own, summary) if grids else {}
+        report = grid_report(on_grid, own, summary) if grids else {}
     if as_json and grids:
         output.write({**summary, "grid_report": report}, as_json=True)
     else:

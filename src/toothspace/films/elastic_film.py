@@ -24,9 +24,9 @@ from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.elasticity.influence import InfluenceMatrix
-from toothspace.films.plane_film import PlaneFilm, PlaneSolution, solve_plane
-from toothspace.films.reynolds import GapField
-from toothspace.films.rough_surfaces import ContactTable, contact_field
+from toothspace.films.plane.film import PlaneFilm, PlaneSolution, solve_plane
+from toothspace.films.reynolds.equation import GapField
+from toothspace.films.reynolds.rough_surfaces import ContactTable, contact_field
 from toothspace.numerics.krylov import gmres
 from toothspace.numerics.linear_system import PRESCRIBED
 

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.films.journal_solution import JournalBearingSolution
-from toothspace.films.lateral import LateralSolution
-from toothspace.films.pad import PadSolution
+from toothspace.films.journal.solution import JournalBearingSolution
+from toothspace.films.plane.pad import PadSolution
+from toothspace.films.plane.ring import LateralSolution
 
 if TYPE_CHECKING:
     import xarray as xr

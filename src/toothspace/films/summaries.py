@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from toothspace.films.journal_solution import JournalBearingSolution
-from toothspace.films.lateral import LateralSolution
-from toothspace.films.machine_faces import FaceFilms
-from toothspace.films.pad import PadSolution
-from toothspace.films.shaft_motion import Orbit, critical_mass
+from toothspace.films.journal.shaft_motion import Orbit, critical_mass
+from toothspace.films.journal.solution import JournalBearingSolution
+from toothspace.films.lateral.rigid_faces import FaceFilms
+from toothspace.films.plane.pad import PadSolution
+from toothspace.films.plane.ring import LateralSolution
 from toothspace.films.thermal import HeatedFilm
 
 _LITRES_PER_MINUTE = 6e4

@@ -20,9 +20,9 @@ from toothspace.case.study import BalanceSweepStudy
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.films.lateral_gap.friction import BREAKAWAY_RATIO
+from toothspace.films.lateral.housing_friction import BREAKAWAY_RATIO
 from toothspace.model.lateral_balance import HousingContact
-from toothspace.solver.lateral_gap import LateralProblem, lateral_problem, numbers_of
+from toothspace.simulation.lateral.problem import LateralProblem, lateral_problem, numbers_of
 from toothspace.studies.found_point import point_key
 from toothspace.studies.lateral_points import LateralPoints, PointCondition, film_numbers, prepare
 from toothspace.studies.records import DONE, Record

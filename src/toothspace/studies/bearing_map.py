@@ -11,7 +11,7 @@ from toothspace.case import Case
 from toothspace.case.study import BearingMapStudy
 from toothspace.core.errors import CaseError
 from toothspace.core.units import from_si
-from toothspace.solver.lateral_agreement import CoupledPoint
+from toothspace.simulation.lateral.coupling import CoupledPoint
 from toothspace.studies.lateral_points import PointCondition, film_numbers, prepare, require_bearing
 from toothspace.studies.points import Point, collected, point, status_of
 from toothspace.studies.records import Record, failed_count

@@ -16,8 +16,8 @@ from toothspace.case import Case
 from toothspace.config.load import case_with
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.solver.lateral_agreement import CoupledPoint
-from toothspace.solver.lateral_gap import LateralNumbers, film_fields, film_places
+from toothspace.simulation.lateral.coupling import CoupledPoint
+from toothspace.simulation.lateral.problem import LateralNumbers, film_fields, film_places
 from toothspace.studies.records import Record
 from toothspace.studies.study import plain
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from toothspace.films.lateral_gap.friction import BREAKAWAY_RATIO, HousingFriction
+from toothspace.films.lateral.housing_friction import BREAKAWAY_RATIO, HousingFriction
 from toothspace.model.lateral_balance import HousingContact
 
 if TYPE_CHECKING:

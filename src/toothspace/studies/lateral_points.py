@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
-from toothspace.api import RunInMachine, condition_of, lateral_settings, run_in_machine
+from toothspace.api import set_up
 from toothspace.case import Case
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
@@ -18,13 +18,16 @@ from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_balance import HousingContact, LateralBalance
 from toothspace.results.solution import Solution
 from toothspace.results.variables import variable
-from toothspace.solver.lateral_agreement import CoupledPoint, PointRequest, couple_point
-from toothspace.solver.lateral_gap import (
+from toothspace.simulation.elastic import lateral_settings
+from toothspace.simulation.lateral.coupling import CoupledPoint, PointRequest, couple_point
+from toothspace.simulation.lateral.problem import (
     NO_BEARING,
     LateralNumbers,
     LateralSettings,
     balance_of,
 )
+from toothspace.simulation.lumped import RunInMachine, run_in_machine
+from toothspace.simulation.setup import condition_of
 from toothspace.studies.found_point import (
     FIELDS,
     FoundPoint,
@@ -332,7 +335,7 @@ def prepare(case: Case, friction: HousingContact | None, kind: str) -> LateralPo
         )
     require_bearing(case)
     run = replace(case.run, max_revolutions=min(case.run.max_revolutions, _LUMPED_REVOLUTIONS))
-    machine = run_in_machine(replace(case, run=run))
+    machine = run_in_machine(set_up(replace(case, run=run)))
     balance = balance_of(machine.description)
     own = balance.floating.housing
     friction = own if friction is None else replace(friction, area=own.area)

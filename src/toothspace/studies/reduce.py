@@ -16,8 +16,7 @@ from toothspace.closures.journal_friction import FrictionCurve
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.films.film_tables import JOURNAL_SIZES, KINDS, lateral_sizes
-from toothspace.films.mixed_lubrication import (
+from toothspace.films.journal.mixed_lubrication import (
     FrictionSweep,
     fit_friction_curve,
     machine_bearing,
@@ -26,7 +25,11 @@ from toothspace.films.mixed_lubrication import (
 from toothspace.model.description import JournalBearing, MachineDescription
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.quasi_static import mean_force
-from toothspace.solver.lateral_reduction import reduce_lateral
+from toothspace.simulation.elastic import lateral_settings
+from toothspace.simulation.film_tables import JOURNAL_SIZES, KINDS, lateral_sizes
+from toothspace.simulation.lateral.reduction import reduce_lateral
+from toothspace.simulation.lumped import run_in_machine
+from toothspace.simulation.setup import Progress, circuit_condition, condition_of, provenance_of
 
 LOAD_LEVELS = (1.0 / 30.0, 0.1, 1.0 / 3.0, 1.0, 3.0)
 """Loads of the sweeps over the mean load of the condition. [-]"""
@@ -58,7 +61,7 @@ class ReduceInput:
 
 
 def reduce_films(
-    case: Case, kinds: Sequence[str] = (), progress: api.Progress | None = None
+    case: Case, kinds: Sequence[str] = (), progress: Progress | None = None
 ) -> xr.Dataset:
     """Solve the films of a machine and reduce them to tables.
 
@@ -90,7 +93,7 @@ def reduce_films(
             progress(k / len(wanted), kind)
         parts.append(REDUCED[kind].reduce(given))
     tables = xr.merge(parts, join="exact", compat="no_conflicts", combine_attrs="drop_conflicts")
-    tables.attrs |= {KINDS: " ".join(wanted), **api.provenance_of(case)}
+    tables.attrs |= {KINDS: " ".join(wanted), **provenance_of(case)}
     return tables
 
 
@@ -110,9 +113,9 @@ def _input(case: Case) -> ReduceInput:
         raise CaseError("machine: found none, allowed a case with a [machine] table")
     description, fluid = api.describe(case), api.fluid_of(case)
     if case.circuit is not None:
-        condition = api.circuit_condition(case, description, fluid)
+        condition = circuit_condition(case, description, fluid)
     elif case.operating_point is not None:
-        condition = api.condition_of(case, description)
+        condition = condition_of(case, description)
     else:
         allowed = "a case with an [operating_point] or a [circuit]"
         raise CaseError(f"operating_point: found none, allowed {allowed}")
@@ -254,12 +257,12 @@ def reduce_lateral_films(given: ReduceInput) -> xr.Dataset:
     """
     case = given.case
     # the films of this machine are what is to be found
-    machine = api.run_in_machine(replace(case, run=replace(case.run, film_tables=None)))
+    machine = run_in_machine(api.set_up(replace(case, run=replace(case.run, film_tables=None))))
     found = reduce_lateral(
         machine.description,
         given.fluid,
         lambda changed: machine.solve(given.condition, changed),
-        api.lateral_settings(case),
+        lateral_settings(case),
     )
     over = ("lateral_force", "lateral_moment")
     columns = {

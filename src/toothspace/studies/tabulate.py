@@ -133,6 +133,6 @@ def _value(value: Any) -> float | str:
 
 def provenance(case: Case) -> dict[str, str]:
     """Return where the result of a study comes from, as text."""
-    from toothspace import api
+    from toothspace.simulation.setup import provenance_of
 
-    return api.provenance_of(case)
+    return provenance_of(case)

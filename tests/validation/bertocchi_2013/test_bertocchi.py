@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from toothspace.films.film_fluid import FilmFluid
-from toothspace.films.pad import Pad, Pocket
+from toothspace.films.plane.pad import Pad, Pocket
+from toothspace.films.reynolds.fluid import FilmFluid
 
 
 def _reference() -> np.ndarray:

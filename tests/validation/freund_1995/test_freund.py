@@ -22,11 +22,11 @@ from toothspace.elasticity import (
     influence_matrix,
 )
 from toothspace.films import Groove, JournalBearing
-from toothspace.films.cavitation import CAVITATION
 from toothspace.films.elastic_film import elastic_walls, solve_elastic_film
-from toothspace.films.film_fluid import FilmFluid
-from toothspace.films.journal_solution import JournalBearingSolution
-from toothspace.films.plane_film import PlaneFilm, PlanePoints
+from toothspace.films.journal.solution import JournalBearingSolution
+from toothspace.films.plane.film import PlaneFilm, PlanePoints
+from toothspace.films.reynolds.cavitation import CAVITATION
+from toothspace.films.reynolds.fluid import FilmFluid
 
 RADIUS, HALF_WIDTH, CLEARANCE = 0.1, 0.1, 150e-6
 VISCOSITY = 9.29e-3

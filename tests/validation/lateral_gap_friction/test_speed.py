@@ -14,7 +14,7 @@ from toothspace.case.study import BalanceSweepStudy, NosePressureStudy
 from toothspace.config import load_case
 from toothspace.core.status import Status
 from toothspace.model.lateral_balance import HousingContact
-from toothspace.solver.lateral_gap import lateral_problem
+from toothspace.simulation.lateral.problem import lateral_problem
 from toothspace.studies import StudyContext
 from toothspace.studies.balance_sweep import FilmTable, film_tables, follow
 from toothspace.studies.lateral_points import LateralPoints, PointCondition, prepare

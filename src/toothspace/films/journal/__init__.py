@@ -1,0 +1,17 @@
+"""Film between a shaft and its bush.
+
+===================  ================================================================
+module               responsibility
+===================  ================================================================
+geometry             gap between shaft and bush, grooves, lobes, integrals over the film
+bearing              :class:`~.bearing.JournalBearing`, the input
+solver               film for a given motion of the shaft
+solution             fields, loads, flows, stiffness and damping
+equilibrium          position of the shaft under a load
+tilted_equilibrium   the same under a moment, free to tilt
+shaft_motion         stability threshold and transient orbit
+mixed_lubrication    friction from boundary to full film, reduced to a formula
+map                  impedance maps that the machine model reads
+rim_film             film round the rim of a rotor as a ring of chambers
+===================  ================================================================
+"""

@@ -1,0 +1,205 @@
+"""Position of a shaft at which the film carries the load."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from toothspace.core.status import Status
+from toothspace.core.types import Array
+from toothspace.films.journal.geometry import MotionState
+from toothspace.films.journal.solution import JournalBearingSolution, SurfaceSpeed
+from toothspace.films.journal.solver import solve_motion
+
+if TYPE_CHECKING:
+    from toothspace.films.journal.bearing import JournalBearing
+
+_LONGEST_STEP = 0.5
+"""Longest step over the clearance. [-]"""
+
+_SINGULAR = 1e10
+"""Condition number from which a film counts as empty. [-]"""
+_LONGEST_SINK = 0.1
+"""Longest step of a sinking shaft over the clearance. [-]"""
+_ROUND = np.linspace(0.0, 2.0 * np.pi, 180, endpoint=False)
+_SINK_STEPS = 150
+_QUICKER = 0.8
+"""Growth of the pace of a sinking shaft from step to step, beside that of the error. [-]"""
+_OVERSHOT = 2.0
+"""Growth of the force out of balance with which a step counts as too long. [-]"""
+_NEAR_RUNAWAY = 0.3
+"""Part of the smallest gap within which a search that a runaway stopped has come to it. [-]"""
+_TOLERANCE = 1e-9
+"""Force out of balance over the load. [-]"""
+
+_SMALLEST_SHRINK = 0.3
+"""A step may shrink the smallest gap to this part."""
+
+
+def find_equilibrium(
+    bearing: JournalBearing,
+    load: Array,
+    speed: SurfaceSpeed,
+    start: tuple[float, float] | None,
+) -> JournalBearingSolution:
+    """Newton's method with the exact stiffness, on a coarse grid first.
+
+    See :meth:`JournalBearing.equilibrium`.
+    """
+    if start is None:
+        coarse = replace(bearing, grid=_coarse(bearing.grid))
+        guess = _newton(coarse, load, speed, _first_guess(bearing, load, speed), 1e-3)
+        # a coarse grid does not resolve a nearly closed gap, so it may go too far
+        place = guess.eccentricity
+        place = place * min(1.0, 0.97 / max(closeness(place, bearing), 0.01))
+    else:
+        place = np.asarray(start, dtype=float)
+    film = _newton(bearing, load, speed, place, _TOLERANCE)
+    if film.status.succeeded:
+        return film
+    film = _sunk(bearing, load, _solve_at(bearing, _inner(film.eccentricity, bearing), speed))
+    return film if film.status.succeeded else _told_apart(bearing, load, film)
+
+
+def _told_apart(
+    bearing: JournalBearing, load: Array, film: JournalBearingSolution
+) -> JournalBearingSolution:
+    """Say so where the load is more than the liquid carries before its pressure runs away."""
+    missing = film.force + load
+    room = 1.0 - closeness(film.eccentricity, bearing)
+    if bearing.pressure_viscosity == 0.0 or room <= 0.0:
+        return film
+    beyond = film.eccentricity + _NEAR_RUNAWAY * room * missing / np.hypot(*missing)
+    near = (_solve_at(bearing, place, film.speed) for place in (film.eccentricity, beyond))
+    runs_away = any(one.status is Status.RUNAWAY for one in near)
+    return replace(film, status=Status.RUNAWAY) if runs_away else film
+
+
+def _inner(place: Array, bearing: JournalBearing) -> Array:
+    """Place from which a shaft is let sink: not deeper than 0.7 of the clearance."""
+    deepest = 0.7 if bearing.lobes is None else 0.7 * (1.0 - bearing.lobes.preload)
+    return np.asarray(place * min(1.0, deepest / max(float(np.hypot(*place)), 1e-9)))
+
+
+def _sunk(
+    bearing: JournalBearing, load: Array, film: JournalBearingSolution
+) -> JournalBearingSolution:
+    """Let a shaft without mass sink to its place in ever longer implicit steps of time.
+
+    Squeeze damping holds it on the way that a real shaft takes where Newton's method jumps to
+    and fro, as between a light load and the pressure of a groove.
+    """
+    size, pace, longest = float(np.hypot(*load)), np.inf, _LONGEST_SINK
+    for _ in range(_SINK_STEPS):
+        error = film.force + load
+        length = float(np.hypot(*error))
+        if length <= _TOLERANCE * size:
+            return film
+        pace, step = _sinking_step(film, error, pace, longest)
+        place = film.eccentricity + _kept_inside(film.eccentricity, step, bearing)
+        trial = _solve_at(bearing, place, film.speed, film)
+        after = float(np.hypot(*(trial.force + load)))
+        if after > _OVERSHOT * length:
+            longest = 0.3 * min(longest, float(np.hypot(*step)))
+            continue
+        film, longest = trial, min(1.5 * longest, _LONGEST_SINK)
+        pace *= max(after / length, 0.1) * _QUICKER
+    return replace(film, status=Status.NOT_CONVERGED)
+
+
+def _sinking_step(
+    film: JournalBearingSolution, error: Array, pace: float, longest: float
+) -> tuple[float, Array]:
+    """Pace that keeps the step short [1/s], and the step over the clearance."""
+    clearance = film.bearing.radial_clearance
+    damping, stiffness = film.damping * clearance, film.stiffness * clearance
+    if np.linalg.cond(damping) > _SINGULAR:
+        return pace, np.asarray(longest * error / np.hypot(*error))
+    free = np.linalg.solve(damping, error)
+    pace = min(pace, float(np.hypot(*free)) / longest)
+    step = np.linalg.solve(stiffness + pace * damping, error)
+    return pace, np.asarray(step * min(1.0, longest / max(float(np.hypot(*step)), 1e-300)))
+
+
+def _coarse(grid: tuple[int, int]) -> tuple[int, int]:
+    return max(min(grid[0], 48), grid[0] // 4), max(min(grid[1], 9), grid[1] // 4)
+
+
+def _first_guess(bearing: JournalBearing, load: Array, speed: SurfaceSpeed) -> Array:
+    """Half the smallest clearance of the centred shaft, 55 degrees from the load with rotation."""
+    sense = -1.0 if speed.shaft + speed.bush < 0.0 else 1.0
+    size = 0.5 if bearing.lobes is None else 0.5 * (1.0 - bearing.lobes.preload)
+    angle = np.arctan2(load[1], load[0]) + sense * np.radians(55.0)
+    return size * np.array([np.cos(angle), np.sin(angle)])
+
+
+def _solve_at(
+    bearing: JournalBearing,
+    place: Array,
+    speed: SurfaceSpeed,
+    former: JournalBearingSolution | None = None,
+) -> JournalBearingSolution:
+    position = np.array([*(bearing.radial_clearance * place), 0.0, 0.0])
+    return solve_motion(bearing, MotionState(position, np.zeros(4)), speed, former=former)
+
+
+def _newton(
+    bearing: JournalBearing, load: Array, speed: SurfaceSpeed, place: Array, tolerance: float
+) -> JournalBearingSolution:
+    film = _solve_at(bearing, place, speed)
+    size = float(np.hypot(*load))
+    for _ in range(40):
+        error = film.force + load
+        if np.hypot(*error) <= tolerance * size:
+            return film
+        film = _damped_step(bearing, load, film, _newton_step(film, load))
+    return replace(film, status=Status.NOT_CONVERGED)
+
+
+def _newton_step(film: JournalBearingSolution, load: Array) -> Array:
+    """Newton's step over the clearance; an empty film has no stiffness and follows the load."""
+    stiffness = film.stiffness * film.bearing.radial_clearance
+    if np.linalg.cond(stiffness) > _SINGULAR:
+        return np.asarray(_LONGEST_STEP * load / np.hypot(*load), dtype=np.float64)
+    step = np.linalg.solve(stiffness, film.force + load)
+    return np.asarray(step * min(1.0, _LONGEST_STEP / max(np.hypot(*step), 1e-300)))
+
+
+def _damped_step(
+    bearing: JournalBearing, load: Array, film: JournalBearingSolution, step: Array
+) -> JournalBearingSolution:
+    """Longest part of a step that keeps the gap open and does not raise the error much."""
+    place = film.eccentricity
+    step = _kept_inside(place, step, bearing)
+    error = float(np.hypot(*(film.force + load)))
+    for _ in range(8):
+        trial = _solve_at(bearing, place + step, film.speed, film)
+        if np.hypot(*(trial.force + load)) < error:
+            return trial
+        step = 0.5 * step
+    return trial
+
+
+def closeness(place: Array, bearing: JournalBearing) -> float:
+    """One less the smallest gap over the clearance: the eccentricity ratio in a cylinder."""
+    if bearing.lobes is None:
+        return float(np.hypot(*place))
+    nearer = place[0] * np.cos(_ROUND) + place[1] * np.sin(_ROUND)
+    return float((nearer + bearing.lobes.narrowing(_ROUND)).max())
+
+
+def _kept_inside(place: Array, step: Array, bearing: JournalBearing) -> Array:
+    """Shorten a step that would close the gap; rough walls may overlap a little more each time."""
+    ratio = closeness(place, bearing)
+    limit = ratio + (1.0 - _SMALLEST_SHRINK) * max(1.0 - ratio, 0.0)
+    if bearing.surfaces is None:
+        limit = min(limit, 0.9999)
+    else:
+        limit += 0.5 * bearing.surfaces.roughness / bearing.radial_clearance
+    for _ in range(60):
+        if closeness(place + step, bearing) <= limit:
+            break
+        step = 0.8 * step
+    return step

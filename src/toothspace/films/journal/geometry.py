@@ -1,0 +1,340 @@
+r"""Geometry of the film between a shaft and its bush, and the integrals over it.
+
+Angle :math:`\varphi` runs from x towards y about the bush axis, :math:`z` along it from the
+middle of the bush. With the displacement :math:`(x, y)` and the rotation
+:math:`(\alpha, \beta)` of the shaft about the x and y axis the gap height is
+
+.. math::
+
+    h = c - (x + \beta z)\cos\varphi - (y - \alpha z)\sin\varphi .
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple, final
+
+import numpy as np
+
+from toothspace.closures.flow_factors import (
+    pressure_stress_factor,
+    shear_stress_correction,
+    shear_stress_factor,
+)
+from toothspace.core.compiled import inlined, njit
+from toothspace.core.errors import CaseError
+from toothspace.core.types import Array
+from toothspace.films.reynolds.equation import FilmGrid, GapField
+from toothspace.films.reynolds.rough_surfaces import FlowLaw
+
+
+@final
+@dataclass(frozen=True)
+class Lobes:
+    """Bore of equal circular lobes that are moved towards the middle; two make an ellipse.
+
+    Parameters
+    ----------
+    count : int
+        Number of lobes. [-]
+    preload : float
+        Displacement of the lobes over the radial clearance of their own circle, below 1. [-]
+    angle : float
+        Middle of the first lobe, from x towards y. [rad]
+    """
+
+    count: int
+    preload: float
+    angle: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.count < 1 or not 0.0 <= self.preload < 1.0:
+            raise CaseError(
+                f"bearing.lobes: found {self.count} lobes of preload {self.preload!r}, allowed are "
+                "1 lobe or more and preloads from 0 to below 1"
+            )
+
+    def narrowing(self, angle: Array) -> Array:
+        """Loss of gap height over the radial clearance at angles. [-]."""
+        pitch = 2.0 * np.pi / self.count
+        away = np.mod(angle - self.angle + 0.5 * pitch, pitch) - 0.5 * pitch
+        return np.asarray(self.preload * np.cos(away))
+
+
+@final
+@dataclass(frozen=True)
+class Groove:
+    """Supply groove or pocket of the bush at a given pressure.
+
+    Parameters
+    ----------
+    angle : float
+        Position of its centre, from x towards y. [rad]
+    width : float
+        Angle that it spans. [rad]
+    length : float
+        Axial length. [m]
+    pressure : float
+        Absolute pressure in the groove. [Pa]
+    position : float
+        Axial position of its centre, from the middle of the bush. [m]
+    """
+
+    angle: float
+    width: float
+    length: float
+    pressure: float
+    position: float = 0.0
+
+
+class JournalMesh(NamedTuple):
+    """Cells of the developed film; half of it if the middle plane is a mirror."""
+
+    angle: Array  # (rows,) centres [rad]
+    angle_step: float  # [rad]
+    axial: Array  # (lanes,) centres [m]
+    axial_face: Array  # (lanes + 1,) [m]
+    weight: float  # 2 for half a film, else 1
+
+
+class MotionState(NamedTuple):
+    """Rigid motion of the shaft against the bush: x, y [m], rotations about x and y [rad]."""
+
+    place: Array  # (4,)
+    speed: Array  # (4,) their time derivatives
+
+
+def journal_mesh(
+    length: float, grid: tuple[int, int], first_angle: float, *, half: bool
+) -> JournalMesh:
+    """Return uniform cells from a first angle; half a film keeps the cells with z >= 0.
+
+    With an odd number of lanes the middle cell is cut in half, its centre stays in the
+    mirror plane; results on half and whole grids are then identical.
+    """
+    rows, lanes = grid
+    step = 2.0 * np.pi / rows
+    faces = np.asarray(length * (np.arange(lanes + 1) / lanes - 0.5), dtype=np.float64)
+    centres = 0.5 * (faces[1:] + faces[:-1])
+    if half:
+        first = lanes // 2
+        centres = centres[first:]
+        faces = faces[first:].copy()
+        centres[0] = max(centres[0], 0.0) if lanes % 2 == 0 else 0.0
+        faces[0] = 0.0
+    angle = np.asarray(first_angle + step * np.arange(rows), dtype=np.float64)
+    axial = np.asarray(centres, dtype=np.float64)
+    return JournalMesh(angle, step, axial, faces, 2.0 if half else 1.0)
+
+
+class EndConditions(NamedTuple):
+    """Pressures beyond the two ends of the bush, or walls."""
+
+    south: float  # at z = -length/2 [Pa]
+    north: float  # at z = +length/2 [Pa]
+    wall: bool  # no flow through the ends
+
+
+def journal_grid(
+    mesh: JournalMesh, radius: float, grooves: tuple[Groove, ...], ends: EndConditions
+) -> FilmGrid:
+    """Metric of the film; unit mean surface speed, to be scaled by half the surface speed."""
+    rows, lanes = mesh.angle.size, mesh.axial.size
+    widths = np.diff(mesh.axial_face)
+    along = radius * mesh.angle_step
+    shape_x = np.tile(widths / along, (rows + 1, 1))
+    distance = np.empty(lanes + 1)
+    distance[1:-1] = np.diff(mesh.axial)
+    distance[0] = mesh.axial[0] - mesh.axial_face[0]
+    distance[-1] = mesh.axial_face[-1] - mesh.axial[-1]
+    closed = np.zeros(lanes + 1, dtype=bool)
+    closed[[0, -1]] = ends.wall
+    closed[0] |= mesh.weight > 1.0
+    shape_y = np.tile(np.where(closed, 0.0, along / np.where(closed, 1.0, distance)), (rows, 1))
+    grid = FilmGrid(
+        shape_x,
+        shape_y,
+        np.tile(widths, (rows + 1, 1)),
+        np.zeros((rows, lanes + 1)),
+        np.tile(widths * along, (rows, 1)),
+        np.zeros((rows, lanes), dtype=np.int64),
+        np.zeros((rows, lanes)),
+        np.zeros(lanes),
+        np.zeros(lanes),
+        np.full(rows, ends.south),
+        np.full(rows, ends.north),
+        True,
+    )
+    for groove in grooves:
+        _cut_groove(grid, mesh, groove)
+    return grid
+
+
+def _cut_groove(grid: FilmGrid, mesh: JournalMesh, groove: Groove) -> None:
+    """Prescribe the cells of a groove and shorten the paths from its edges."""
+    offset = np.angle(np.exp(1j * (mesh.angle - groove.angle)))
+    along = _inside(offset, 0.5 * groove.width, mesh.angle_step)
+    reach = mesh.axial - groove.position
+    across = _inside(reach, 0.5 * groove.length, float(np.diff(mesh.axial_face).max()))
+    cells = np.ix_(along, across)
+    grid.mark[cells] = 2
+    grid.prescribed[cells] = groove.pressure
+    rows, lanes = grid.mark.shape
+    for i in range(rows):
+        west = (i - 1) % rows
+        if along[i] != along[west]:
+            free = offset[i] if along[west] else offset[west]
+            edge = max(abs(free) - 0.5 * groove.width, 0.1 * mesh.angle_step)
+            grid.shape_x[i, across] *= mesh.angle_step / edge
+    grid.shape_x[rows] = grid.shape_x[0]
+    for j in range(1, lanes):
+        if across[j] != across[j - 1]:
+            free, step = (
+                reach[j] if across[j - 1] else reach[j - 1],
+                mesh.axial[j] - mesh.axial[j - 1],
+            )
+            edge = max(abs(free) - 0.5 * groove.length, 0.1 * step)
+            grid.shape_y[along, j] *= step / edge
+
+
+def _inside(distance: Array, half_extent: float, step: float) -> np.ndarray:
+    """Cells with their centre in the groove, at least the nearest one."""
+    inside = np.abs(distance) <= half_extent + 1e-9 * step
+    if not inside.any() and np.abs(distance).min() <= step:
+        inside[np.argmin(np.abs(distance))] = True
+    return inside
+
+
+@njit(cache=True)
+def _plane_waves(mesh: JournalMesh, place: Array, base: float, shift: float, axial: Array) -> Array:
+    """Gap height on lines of constant angle, shifted by a part of the angle step."""
+    out = np.empty((mesh.angle.size, axial.size))
+    for i in range(mesh.angle.size):
+        angle = mesh.angle[i] + shift * mesh.angle_step
+        c, s = np.cos(angle), np.sin(angle)
+        level = base - place[0] * c - place[1] * s
+        slope = place[2] * s - place[3] * c
+        for j in range(axial.size):
+            out[i, j] = level + slope * axial[j]
+    return out
+
+
+@njit(cache=True)
+def _gap(mesh: JournalMesh, clearance: float, place: Array, speed: Array) -> GapField:
+    rows, lanes = mesh.angle.size, mesh.axial.size
+    centre = _plane_waves(mesh, place, clearance, 0.0, mesh.axial)
+    face_y = _plane_waves(mesh, place, clearance, 0.0, mesh.axial_face)
+    face_x = np.empty((rows + 1, lanes))
+    face_x[:rows] = _plane_waves(mesh, place, clearance, -0.5, mesh.axial)
+    face_x[rows] = face_x[0]
+    rate = _plane_waves(mesh, speed, 0.0, 0.0, mesh.axial)
+    return GapField(centre, face_x, face_y, rate, np.zeros((rows, lanes)))
+
+
+def journal_gap(mesh: JournalMesh, clearance: float, motion: MotionState) -> GapField:
+    """Gap height of a rigid shaft in a rigid cylindrical bush. [m]."""
+    return GapField(*_gap(mesh, clearance, motion.place, motion.speed))
+
+
+def lobed(gap: GapField, mesh: JournalMesh, lobes: Lobes, clearance: float) -> GapField:
+    """Gap height in a bore of lobes instead of a cylinder. [m]."""
+    face = np.append(mesh.angle - 0.5 * mesh.angle_step, mesh.angle[-1] + 0.5 * mesh.angle_step)
+    centre = clearance * lobes.narrowing(mesh.angle)[:, None]
+    return gap._replace(
+        centre=gap.centre - centre,
+        face_x=gap.face_x - clearance * lobes.narrowing(face)[:, None],
+        face_y=gap.face_y - centre,
+    )
+
+
+@njit(cache=True)
+def journal_load(mesh: JournalMesh, pressure: Array, area: Array) -> Array:
+    """Force x, y [N] and moment about x, y [N m] on the shaft by the film pressure."""
+    rows, lanes = pressure.shape
+    out = np.zeros(4)
+    for i in range(rows):
+        total, lever = 0.0, 0.0
+        for j in range(lanes):
+            f = pressure[i, j] * area[i, j]
+            total += f
+            lever += f * mesh.axial[j]
+        c, s = np.cos(mesh.angle[i]), np.sin(mesh.angle[i])
+        out[0] -= total * c
+        out[1] -= total * s
+        out[2] += lever * s
+        out[3] -= lever * c
+    out[:2] *= mesh.weight
+    if mesh.weight > 1.0:
+        out[2:] = 0.0
+    else:
+        out[2:] *= mesh.weight
+    return out
+
+
+@inlined
+def _stress_factors(gap: float, law: FlowLaw) -> tuple[float, float]:
+    """Sliding stress over viscosity and speed: mean, and difference of the two walls. [1/m]."""
+    if law.roughness == 0.0:
+        return 1.0 / gap, 0.0
+    ratio = gap / law.roughness
+    moving, resting = law.moving, law.resting
+    share = law.moving_share
+    pattern = share * shear_stress_correction(ratio, moving.stress_correction, moving.weight)
+    pattern -= (1.0 - share) * shear_stress_correction(
+        ratio, resting.stress_correction, resting.weight
+    )
+    return shear_stress_factor(ratio) / law.roughness, pattern / max(gap, 1e-3 * law.roughness)
+
+
+@inlined
+def _pressure_stress(gap: float, law: FlowLaw) -> float:
+    """Half the gap times the pressure stress factor. [m]."""
+    if law.roughness == 0.0:
+        return 0.5 * gap
+    columns = law.along
+    factor = pressure_stress_factor(gap / law.roughness, columns.pressure_stress, columns.weight)
+    return 0.5 * max(gap, 0.0) * factor
+
+
+@njit(cache=True)
+def wall_stress(gap: Array, law: FlowLaw) -> tuple[Array, Array, Array]:
+    """Parts of the shear stress on both walls of every cell: sliding, pattern, pressure.
+
+    The moving wall is braked by viscosity times speed times the first less the second [1/m] plus
+    the third times the pressure gradient along the motion [m]; the resting one is dragged along by
+    the sum of the first two less the third.
+    """
+    mean, difference, half = np.empty_like(gap), np.empty_like(gap), np.empty_like(gap)
+    for i in range(gap.shape[0]):
+        for j in range(gap.shape[1]):
+            mean[i, j], difference[i, j] = _stress_factors(gap[i, j], law)
+            half[i, j] = _pressure_stress(gap[i, j], law)
+    return mean, difference, half
+
+
+@njit(cache=True)
+def journal_shear(
+    gap: GapField, pressure: Array, sheared: Array, mesh: JournalMesh, law: FlowLaw
+) -> Array:
+    """Integrals of the wall shear: sliding over speed and viscosity, pattern, pressure part.
+
+    Returns the sums over angle and axis of ``sheared / h`` [rad], of its difference between
+    the walls by their patterns [rad], and of ``(h/2) dp`` [N].
+    """
+    rows, lanes = pressure.shape
+    sliding, pattern, poiseuille = 0.0, 0.0, 0.0
+    smooth = law.roughness == 0.0
+    for i in range(rows):
+        west = (i + rows - 1) % rows
+        for j in range(lanes):
+            width = mesh.axial_face[j + 1] - mesh.axial_face[j]
+            if smooth:
+                mean, difference, half = 1.0 / gap.centre[i, j], 0.0, 0.5 * gap.face_x[i, j]
+            else:
+                mean, difference = _stress_factors(gap.centre[i, j], law)
+                half = _pressure_stress(gap.face_x[i, j], law)
+            sliding += sheared[i, j] * mesh.angle_step * width * mean
+            pattern += sheared[i, j] * mesh.angle_step * width * difference
+            drop = pressure[i, j] - pressure[west, j]
+            poiseuille += half * drop * width
+    return np.array([sliding, pattern, poiseuille])

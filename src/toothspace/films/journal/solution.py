@@ -1,0 +1,282 @@
+"""Solved film of a journal bearing and everything derived from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, final
+
+import numpy as np
+
+from toothspace.core.status import Status
+from toothspace.core.types import Array
+from toothspace.films.journal.geometry import JournalMesh, MotionState, journal_gap, journal_load
+from toothspace.films.reynolds.equation import FilmGrid, FluidField, GapField
+from toothspace.films.reynolds.fluid import FilmFluid
+from toothspace.films.reynolds.linearised import pressure_responses
+from toothspace.films.reynolds.rough_surfaces import FlowLaw, mean_gap
+from toothspace.films.reynolds.state import FilmHistory, exchange
+from toothspace.numerics.complementarity import ComplementaritySolution
+from toothspace.numerics.linear_system import PRESCRIBED
+from toothspace.numerics.structured_grid import CellBalance
+
+if TYPE_CHECKING:
+    from toothspace.films.journal.bearing import JournalBearing
+
+
+@final
+@dataclass(frozen=True)
+class SurfaceSpeed:
+    """Rotation of shaft and bush. [rad/s]."""
+
+    shaft: float
+    bush: float = 0.0
+
+
+@final
+@dataclass(frozen=True)
+class JournalContact:
+    """Asperity pressure of the cells and its derivative with the gap."""
+
+    pressure: Array
+    slope: Array
+
+
+@final
+@dataclass(frozen=True)
+class JournalField:
+    """Discrete film and its solution, kept for variations."""
+
+    mesh: JournalMesh
+    grid: FilmGrid
+    gap: GapField
+    fluid: FluidField
+    """Liquid at the pressure of the cells."""
+    balance: CellBalance
+    fields: ComplementaritySolution
+    law: FlowLaw
+    contact: JournalContact | None
+    gauge: Array
+    """Pressure above the cavitation pressure. [Pa]"""
+
+
+@final
+@dataclass(frozen=True)
+class JournalBearingSolution:
+    """Film of a journal bearing; forces and moments act on the shaft by the film."""
+
+    bearing: JournalBearing
+    """What was solved."""
+    motion: MotionState
+    """Position and motion of the shaft."""
+    speed: SurfaceSpeed
+    """Rotation of shaft and bush."""
+    force: Array
+    """Force x, y on the shaft. [N]"""
+    moment: Array
+    """Moment about the x and y axis through the middle of the bush, on the shaft. [N m]"""
+    friction_torque: float
+    """Torque of the film on the shaft, positive along positive rotation. [N m]"""
+    bush_friction_torque: float
+    """Torque of the film on the bush. [N m]"""
+    contact_force: Array
+    """Part of the force that touching asperities carry. [N]"""
+    contact_torque: float
+    """Torque by which touching asperities brake the shaft; part of the friction torques. [N m]"""
+    end_flow: Array
+    """Flow out through the ends at z = -length/2 and +length/2. [m3/s]"""
+    supply_flow: float
+    """Flow in through grooves and supply line. [m3/s]"""
+    mass_balance_error: float
+    """Sum of the absolute cell residuals over the through-flow. [-]"""
+    status: Status
+    """Whether the cavity boundary settled."""
+    film: JournalField = field(repr=False)
+
+    @property
+    def eccentricity(self) -> Array:
+        """Displacement over clearance. [-]."""
+        return self.motion.place[:2] / self.bearing.radial_clearance
+
+    @property
+    def eccentricity_ratio(self) -> float:
+        """Length of the eccentricity. [-]."""
+        return float(np.hypot(*self.eccentricity))
+
+    @property
+    def attitude_angle(self) -> float:
+        """Angle from the load on the shaft to the eccentricity, along the rotation. [rad]."""
+        load, place = -self.force, self.motion.place
+        turn = np.arctan2(place[1], place[0]) - np.arctan2(load[1], load[0])
+        sense = -1.0 if self.speed.shaft < 0.0 else 1.0
+        return float(sense * np.angle(np.exp(1j * turn)))
+
+    @property
+    def load(self) -> float:
+        """Size of the force. [N]."""
+        return float(np.hypot(*self.force))
+
+    @property
+    def sommerfeld_number(self) -> float:
+        r"""Load parameter :math:`S = (\eta N / P) (R / c)^2`, N in 1/s. [-]."""
+        return 1.0 / (2.0 * np.pi * self.sommerfeld_number_din) if self.load > 0.0 else np.inf
+
+    @property
+    def sommerfeld_number_din(self) -> float:
+        r"""Load parameter :math:`So = P \psi^2 / (\eta \omega)`. [-]."""
+        b = self.bearing
+        ratio = 2.0 * b.radial_clearance / b.diameter
+        speed = abs(self.speed.shaft + self.speed.bush)
+        if speed == 0.0:
+            return np.inf
+        return self.load / (b.diameter * b.length) * ratio**2 / (b.dynamic_viscosity * speed)
+
+    @property
+    def side_flow(self) -> float:
+        """Flow out through both ends. [m3/s]."""
+        return float(self.end_flow.sum())
+
+    @property
+    def power_loss(self) -> float:
+        """Power that friction takes from shaft and bush. [W]."""
+        return (
+            -self.friction_torque * self.speed.shaft - self.bush_friction_torque * self.speed.bush
+        )
+
+    @property
+    def outflow(self) -> float:
+        """Flow that carries heat away: out through both ends. [m3/s]."""
+        return self.side_flow
+
+    @property
+    def dissipated_power(self) -> float:
+        """Power that becomes heat: of friction, approach, and supply pressure. [W]."""
+        film = self.film
+        given = film.mesh.weight * exchange(film.grid, film.balance, film.fields).power
+        approach = self.force @ self.motion.speed[:2] + self.moment @ self.motion.speed[2:]
+        return self.power_loss + given - float(approach)
+
+    @property
+    def max_pressure(self) -> float:
+        """Highest absolute pressure. [Pa]."""
+        return float(self.film.gauge.max()) + self.bearing.cavitation_pressure
+
+    @property
+    def min_gap_height(self) -> float:
+        """Smallest gap height. [m]."""
+        return float(min(self.film.gap.centre.min(), self.film.gap.face_y.min()))
+
+    @property
+    def cavitated_fraction(self) -> float:
+        """Part of the film area at cavitation pressure with a film fraction below one. [-]."""
+        film = self.film
+        empty = np.where(_cavitated(film.fields, film.balance), film.grid.area, 0.0)
+        return float(empty.sum() / film.grid.area.sum())
+
+    @property
+    def pressure(self) -> Array:
+        """Absolute pressure over angle and axis, whole film. [Pa]."""
+        return self._whole(self.film.gauge) + self.bearing.cavitation_pressure
+
+    @property
+    def film_fraction(self) -> Array:
+        """Film fraction over angle and axis, whole film. [-]."""
+        return self._whole(self.film.fields.saturation)
+
+    @property
+    def gap_height(self) -> Array:
+        """Gap height over angle and axis, whole film. [m]."""
+        return self._whole(self.film.gap.centre)
+
+    @property
+    def contact_pressure(self) -> Array:
+        """Asperity pressure over angle and axis, whole film. [Pa]."""
+        contact = self.film.contact
+        return self._whole(np.zeros_like(self.film.gauge) if contact is None else contact.pressure)
+
+    @property
+    def angle(self) -> Array:
+        """Angles of the cell centres. [rad]."""
+        return self.film.mesh.angle
+
+    @property
+    def axial_position(self) -> Array:
+        """Axial positions of the cell centres, whole film. [m]."""
+        length, lanes = self.bearing.length, self.bearing.grid[1]
+        return (np.arange(lanes) + 0.5) * length / lanes - 0.5 * length
+
+    @cached_property
+    def stiffness(self) -> Array:
+        """Minus the derivative of the force with the displacement, 2x2. [N/m]."""
+        return -self._derivatives[:2, :2]
+
+    @cached_property
+    def damping(self) -> Array:
+        """Minus the derivative of the force with the velocity, 2x2. [N s/m]."""
+        return -self._derivatives[:2, 2:]
+
+    @cached_property
+    def _derivatives(self) -> Array:
+        return load_derivatives(self.film, self.bearing.fluid, (0, 1))
+
+    def history(self, time_step: float) -> FilmHistory:
+        """What the film holds, as the past of a film one time step later. [s]."""
+        film = self.film
+        held = film.fields.saturation * film.fluid.density
+        return FilmHistory(held * mean_gap(film.gap.centre, film.law), time_step)
+
+    def coefficients(self) -> tuple[Array, Array]:
+        """Stiffness and damping 4x4 for x, y and rotations about x and y.
+
+        Units follow force [N] and moment [N m] over displacement [m] and rotation [rad].
+        """
+        from toothspace.films.journal.solver import solve_motion
+
+        whole = self
+        if self.film.mesh.weight > 1.0:
+            whole = solve_motion(self.bearing, self.motion, self.speed, half=False)
+        derivatives = load_derivatives(whole.film, self.bearing.fluid, (0, 1, 2, 3))
+        return -derivatives[:, :4], -derivatives[:, 4:]
+
+    def _whole(self, values: Array) -> Array:
+        if self.film.mesh.weight == 1.0:
+            return values.copy()
+        mirrored = values[:, ::-1]
+        if self.bearing.grid[1] % 2:
+            mirrored = mirrored[:, :-1]
+        return np.concatenate([mirrored, values], axis=1)
+
+
+def _cavitated(fields: ComplementaritySolution, balance: CellBalance) -> Array:
+    """Cells at cavitation pressure that are not prescribed."""
+    return (balance.mark != PRESCRIBED) & (fields.potential <= 0.0)
+
+
+def load_derivatives(film: JournalField, fluid: FilmFluid, directions: tuple[int, ...]) -> Array:
+    """Derivatives of force and moment with position and speed of the shaft, cavity boundary exact.
+
+    Returns an array of 4 rows (force x, y, moment x, y) and, for every direction, one column
+    per position and then one per speed. [N or N m over m, rad, m/s, rad/s]
+    """
+    changes = [
+        journal_gap(film.mesh, 0.0, _unit_motion(k, speeds))
+        for speeds in (False, True)
+        for k in directions
+    ]
+    carrier = fluid.carrier(film.fluid.density)
+    responses = pressure_responses(
+        (film.grid, film.gap, carrier), film.law, film.balance, film.fields, changes
+    )
+    # the reduced pressure is solved for; the pressure follows it with the viscosity ratio
+    stretch = carrier.fluidity / film.fluid.fluidity
+    columns = []
+    for response, change in zip(responses, changes, strict=True):
+        touch = 0.0 if film.contact is None else film.contact.slope * change.centre
+        columns.append(journal_load(film.mesh, stretch * response + touch, film.grid.area))
+    return np.array(columns).T
+
+
+def _unit_motion(direction: int, speeds: bool) -> MotionState:
+    unit = np.zeros(4)
+    unit[direction] = 1.0
+    return MotionState(np.zeros(4), unit) if speeds else MotionState(unit, np.zeros(4))

@@ -1,0 +1,254 @@
+"""Solution of the film of a journal bearing for a given motion of its shaft."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from toothspace.core.errors import CaseError
+from toothspace.core.status import Status
+from toothspace.core.types import Array
+from toothspace.films.journal.geometry import (
+    EndConditions,
+    Groove,
+    JournalMesh,
+    MotionState,
+    journal_gap,
+    journal_grid,
+    journal_load,
+    journal_mesh,
+    journal_shear,
+    lobed,
+)
+from toothspace.films.journal.solution import (
+    JournalBearingSolution,
+    JournalContact,
+    JournalField,
+    SurfaceSpeed,
+)
+from toothspace.films.reynolds.cavitation import CAVITATION
+from toothspace.films.reynolds.equation import FilmGrid, GapField
+from toothspace.films.reynolds.rough_surfaces import SMOOTH, FlowLaw, contact_field
+from toothspace.films.reynolds.state import (
+    FilmHistory,
+    FilmProblem,
+    FilmState,
+    memory,
+    relative_error,
+    solve_state,
+)
+from toothspace.numerics.complementarity import (
+    face_flows,
+    residual,
+)
+from toothspace.numerics.linear_system import PRESCRIBED
+
+if TYPE_CHECKING:
+    from toothspace.films.journal.bearing import JournalBearing
+
+
+@lru_cache(maxsize=32)
+def _metric(
+    bearing: JournalBearing, grooves: tuple[Groove, ...], first_angle: float, half: bool
+) -> tuple[JournalMesh, FilmGrid]:
+    mesh = journal_mesh(bearing.length, bearing.grid, first_angle, half=half)
+    wall = bearing.end_condition == "no_flow"
+    ends = EndConditions(bearing.end_pressure, bearing.end_pressure, wall)
+    return mesh, journal_grid(mesh, 0.5 * bearing.diameter, grooves, ends)
+
+
+def _needs_supply(bearing: JournalBearing, motion: MotionState, surface_speed: float) -> bool:
+    if bearing.supply != "auto":
+        return bearing.supply == "widest_gap"
+    if bearing.grooves:
+        return False
+    if bearing.end_condition == "no_flow":
+        return surface_speed != 0.0 or bool(np.any(motion.speed))
+    return surface_speed != 0.0 and bearing.end_pressure <= bearing.cavitation_pressure
+
+
+def _refuse_closed(bearing: JournalBearing, motion: MotionState, surface_speed: float) -> None:
+    """Refuse a film that nothing fixes the pressure or the amount of liquid of."""
+    moves = surface_speed != 0.0 or bool(np.any(motion.speed))
+    if bearing.end_condition == "no_flow" and not bearing.grooves and moves:
+        raise CaseError(
+            "bearing.supply: found 'none' between walls and without grooves, allowed is a supply "
+            "line, a groove or open ends: nothing tells how much liquid a closed film holds"
+        )
+
+
+def _supplied(
+    bearing: JournalBearing, motion: MotionState, surface_speed: float, *, remembered: bool
+) -> tuple[tuple[Groove, ...], float]:
+    """Grooves with the supply line, and the angle at which the grid begins."""
+    if not _needs_supply(bearing, motion, surface_speed):
+        if not remembered:
+            _refuse_closed(bearing, motion, surface_speed)
+        return bearing.grooves, 0.0
+    place = motion.place
+    widest = float(np.arctan2(-place[1], -place[0])) if np.any(place[:2]) else np.pi
+    line = Groove(widest, 0.0, bearing.length, bearing.end_pressure)
+    return (*bearing.grooves, line), widest
+
+
+def solve_motion(
+    bearing: JournalBearing,
+    motion: MotionState,
+    speed: SurfaceSpeed,
+    *,
+    half: bool | None = None,
+    former: JournalBearingSolution | None = None,
+    history: FilmHistory | None = None,
+) -> JournalBearingSolution:
+    """Film of a bearing for a rigid motion of its shaft; see :meth:`JournalBearing.solve`.
+
+    A former solution nearby gives the cavity to begin with. With a history the film fraction is
+    transported in time, else it follows the motion without delay.
+    """
+    radius = 0.5 * bearing.diameter
+    surface_speed = 0.5 * (speed.shaft + speed.bush) * radius
+    grooves, first_angle = _supplied(bearing, motion, surface_speed, remembered=history is not None)
+    if half is None:
+        tilted = np.any(motion.place[2:]) or np.any(motion.speed[2:])
+        half = not tilted and all(g.position == 0.0 for g in grooves)
+    mesh, unit_grid = _metric(bearing, grooves, first_angle, half)
+    grid = unit_grid._replace(sweep_x=unit_grid.sweep_x * surface_speed)
+    gap = journal_gap(mesh, bearing.radial_clearance, motion)
+    if bearing.lobes is not None:
+        gap = lobed(gap, mesh, bearing.lobes, bearing.radial_clearance)
+    law, contact = _walls(bearing, speed, gap)
+    if contact is None:
+        _refuse_contact(gap, motion, bearing)
+    state = _solved(bearing, JournalGap(mesh, grid, gap, law, contact), former, history)
+    film = JournalField(
+        mesh, grid, gap, state.fluid, state.balance, state.fields, law, contact, state.gauge
+    )
+    return _evaluate(bearing, motion, speed, film, state.status)
+
+
+class JournalGap(NamedTuple):
+    """Film before it is solved."""
+
+    mesh: JournalMesh
+    grid: FilmGrid
+    gap: GapField
+    law: FlowLaw
+    contact: JournalContact | None
+
+
+def _solved(
+    bearing: JournalBearing,
+    film: JournalGap,
+    former: JournalBearingSolution | None,
+    history: FilmHistory | None,
+) -> FilmState:
+    problem = FilmProblem(
+        film.grid,
+        film.gap,
+        bearing.fluid,
+        bearing.cavitation_pressure,
+        CAVITATION[bearing.cavitation],
+        film.law,
+    )
+    start = None if former is None else former.film.fields.kind
+    return solve_state(problem, start, memory(problem, history))
+
+
+def _walls(
+    bearing: JournalBearing, speed: SurfaceSpeed, gap: GapField
+) -> tuple[FlowLaw, JournalContact | None]:
+    """Average flow law and asperity pressure; smooth walls have none."""
+    surfaces = bearing.surfaces
+    if surfaces is None:
+        return SMOOTH, None
+    total = speed.shaft + speed.bush
+    law = surfaces.flow_law((speed.shaft - speed.bush) / total if total != 0.0 else 0.0)
+    pressure, slope = contact_field(gap.centre, surfaces.roughness, surfaces.contact_table())
+    return law, JournalContact(pressure, slope)
+
+
+def _refuse_contact(gap: GapField, motion: MotionState, bearing: JournalBearing) -> None:
+    lowest = min(float(gap.centre.min()), float(gap.face_x.min()), float(gap.face_y.min()))
+    if lowest <= 0.0:
+        ratio = float(np.hypot(*motion.place[:2])) / bearing.radial_clearance
+        raise CaseError(
+            f"bearing.eccentricity: found a smallest gap of {lowest:.3g} m at an eccentricity "
+            f"ratio of {ratio:.4g}, allowed are positions without contact"
+        )
+
+
+def _evaluate(
+    bearing: JournalBearing,
+    motion: MotionState,
+    speed: SurfaceSpeed,
+    film: JournalField,
+    status: Status,
+) -> JournalBearingSolution:
+    carried = film.gauge if film.contact is None else film.gauge + film.contact.pressure
+    load = journal_load(film.mesh, carried, film.grid.area)
+    shaft, bush = _friction(bearing, speed, film)
+    contact_force, contact_torque = _contact_load(bearing, speed, film)
+    shaft, bush = shaft - contact_torque, bush + contact_torque
+    supply, ends, error = _flows(film)
+    return JournalBearingSolution(
+        bearing=bearing,
+        motion=motion,
+        speed=speed,
+        force=load[:2],
+        moment=load[2:],
+        friction_torque=shaft,
+        bush_friction_torque=bush,
+        contact_force=contact_force,
+        contact_torque=contact_torque,
+        end_flow=ends,
+        supply_flow=supply,
+        mass_balance_error=error,
+        status=status,
+        film=film,
+    )
+
+
+def _contact_load(
+    bearing: JournalBearing, speed: SurfaceSpeed, film: JournalField
+) -> tuple[Array, float]:
+    """Force on the shaft by asperities, and the torque by which they brake it."""
+    if film.contact is None or bearing.surfaces is None:
+        return np.zeros(2), 0.0
+    force = journal_load(film.mesh, film.contact.pressure, film.grid.area)[:2]
+    normal = film.mesh.weight * float((film.contact.pressure * film.grid.area).sum())
+    sense = float(np.sign(speed.shaft - speed.bush))
+    return force, sense * bearing.surfaces.boundary_friction * normal * 0.5 * bearing.diameter
+
+
+def _friction(
+    bearing: JournalBearing, speed: SurfaceSpeed, film: JournalField
+) -> tuple[float, float]:
+    """Torques on shaft and bush; a cavity carries shear in proportion to its film fraction."""
+    radius = 0.5 * bearing.diameter
+    thickness = 1.0 / (bearing.dynamic_viscosity * film.fluid.fluidity)
+    couette, pattern, pressure = film.mesh.weight * journal_shear(
+        film.gap, film.gauge, film.fields.saturation * thickness, film.mesh, film.law
+    )
+    scale = bearing.dynamic_viscosity * (speed.shaft - speed.bush) * radius**3
+    shaft = -scale * (couette - pattern) - radius * pressure
+    return shaft, scale * (couette + pattern) - radius * pressure
+
+
+def _flows(film: JournalField) -> tuple[float, Array, float]:
+    """Supply by prescribed cells, flow out of the two ends, relative error of the balance."""
+    weight, b = film.mesh.weight, film.balance
+    potential, saturation = np.maximum(film.fields.potential, 0.0), film.fields.saturation
+    _, flow_y = face_flows(b, b, potential, saturation)
+    net = residual(b, b, potential, saturation)
+    prescribed = b.mark == PRESCRIBED
+    supply = weight * float(net[prescribed].sum())
+    north = float(flow_y[:, -1].sum())
+    south = north if weight > 1.0 else -float(flow_y[:, 0].sum())
+    through = max(
+        abs(supply), abs(north), abs(south), float(np.abs(b.advection_x).sum(axis=1).max())
+    )
+    through = max(through, float(np.abs(b.storage - b.source).sum()))
+    error = relative_error(weight * float(net[~prescribed].sum()), through, b, potential)
+    return supply, np.array([south, north]), error

@@ -1,0 +1,26 @@
+"""Films on the faces of gears and rotors, and the bearings that float on them.
+
+=================  ==================================================================
+module             responsibility
+=================  ==================================================================
+rigid_faces        films on one face of every body of a machine, at one shaft angle
+conductance        conductances of the film on a toothed face between its chambers
+shared_face        conductances of films between bodies and the covers that they share
+shared_paths       flow paths from these conductances
+axial_position     where bodies that float between two covers run
+face_grid          polar grids on the faces, masked at every shaft angle
+face_film          one film of the stack: solution, forces and their variation
+local_deformation  gap of faces that deform locally under film and asperity pressure
+compliant_film     Newton's method for pressure, cavity and gap of such a film
+basis_functions    smooth functions of radius and angle for slow parts of the deformation
+elastic_faces      deformation of elastic bearings and gears under all lateral films
+deformation        deformation by distant pressures within a step
+stack              positions of bearings and gears, films between them, forces on them
+stops              covers, walls and journals that limit lift and tilt
+housing_friction   friction of a floating bearing in its housing
+motion             one implicit step of bearings and gears
+relaxation         way to the equilibrium of bodies that tilt
+stability          motions that grow away from an equilibrium
+equilibrium        equilibrium of bearings and gears, and their motion over a revolution
+=================  ==================================================================
+"""

@@ -1,0 +1,106 @@
+"""Smooth patterns of the gap of one face: waves round it times polynomials of the radius."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import final
+
+import numpy as np
+import scipy.sparse as sp
+
+from toothspace.core.types import Array
+from toothspace.films.lateral.face_grid import FaceGrid
+from toothspace.films.reynolds.equation import GapField
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Patterns:
+    """Patterns of one face.
+
+    Parameters
+    ----------
+    grid : FaceGrid
+        Face.
+    waves : int
+        Most waves round the circumference, at least one. [-]
+    degree : int
+        Largest degree of the polynomials, at least one: then the planes are patterns too. [-]
+    """
+
+    grid: FaceGrid
+    waves: int
+    degree: int
+    _round: Array = field(init=False, repr=False)
+    _along: Array = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_round", self._turns(self.grid.angle))
+        object.__setattr__(self, "_along", self._powers(self.grid.radius))
+
+    @property
+    def count(self) -> int:
+        """Number of patterns. [-]."""
+        return self._round.shape[1] * self._along.shape[1]
+
+    def sizes(self, values: Array) -> Array:
+        """Sizes of the patterns that come nearest to a field. [as the field]."""
+        turns, powers = self._fits()
+        return np.asarray((turns.T @ (values @ powers)).ravel())
+
+    def total(self, sizes: Array) -> Array:
+        """Field of patterns of given sizes. [as the sizes]."""
+        table = sizes.reshape(self._round.shape[1], self._along.shape[1])
+        return np.asarray(self._round @ table @ self._along.T)
+
+    def all_sizes(self, fields: sp.spmatrix) -> Array:
+        """Sizes for many fields, which stand in the rows of a sparse matrix, in its rows."""
+        turns, powers = self._fits()
+        cells, count = fields.tocoo(), fields.shape[0]
+        row, lane = np.divmod(cells.col, self.grid.lanes)
+        found = np.empty((count, turns.shape[1], powers.shape[1]))
+        for k, power in enumerate(powers.T):
+            values = (cells.data * power[lane], (cells.row, row))
+            found[:, :, k] = sp.csr_matrix(values, shape=(count, self.grid.rows)) @ turns
+        return found.reshape(count, self.count)
+
+    def planes(self) -> Array:
+        """Sizes of a unit lift and of unit rotations about x and y, shape (count, 3). [-, m]."""
+        middle, half = self._radii()
+        found = np.zeros((self._round.shape[1], self._along.shape[1], 3))
+        found[0, 0, 0] = 1.0
+        found[2, :2, 1] = middle, half
+        found[1, :2, 2] = -middle, -half
+        return found.reshape(self.count, 3)
+
+    def lifts(self, frequency: float) -> Iterator[GapField]:
+        """Change of the gap by every pattern that grows over a step of given frequency. [1/s]."""
+        rows = self.grid.rows
+        edges = self._turns(np.arange(rows + 1) * 2.0 * np.pi / rows)
+        rims = self._powers(self.grid.rims)
+        still = np.zeros((rows, self.grid.lanes))
+        for turn, edge in zip(self._round.T, edges.T, strict=True):
+            for power, rim in zip(self._along.T, rims.T, strict=True):
+                centre = np.outer(turn, power)
+                sides = np.outer(edge, power), np.outer(turn, rim)
+                yield GapField(centre, *sides, frequency * centre, still)
+
+    def _fits(self) -> tuple[Array, Array]:
+        turns = self._round / (self._round**2).sum(axis=0)
+        return turns, np.asarray(np.linalg.pinv(self._along).T, dtype=np.float64)
+
+    def _radii(self) -> tuple[float, float]:
+        own = self.grid.interface
+        return 0.5 * (own.outer_radius + own.inner_radius), 0.5 * (
+            own.outer_radius - own.inner_radius
+        )
+
+    def _turns(self, angle: Array) -> Array:
+        waves = np.arange(1, self.waves + 1) * angle[:, None]
+        pairs = np.stack([np.cos(waves), np.sin(waves)], axis=2).reshape(angle.size, -1)
+        return np.hstack([np.ones((angle.size, 1)), pairs])
+
+    def _powers(self, radius: Array) -> Array:
+        middle, half = self._radii()
+        return np.asarray(np.polynomial.legendre.legvander((radius - middle) / half, self.degree))

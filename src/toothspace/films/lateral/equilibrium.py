@@ -1,0 +1,261 @@
+"""Where bearings and gears come to rest, and how they move over the revolution."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+
+from toothspace.core.types import Array
+from toothspace.films.lateral.deformation import film_coefficients, limited
+from toothspace.films.lateral.motion import (
+    Balance,
+    Loads,
+    StepSettings,
+    advance,
+    at_rest,
+    balance_force,
+)
+from toothspace.films.lateral.relaxation import relax
+from toothspace.films.lateral.stability import growing_motion
+from toothspace.films.lateral.stack import Scene, Stack
+from toothspace.films.lateral.stops import leaning
+
+_MOST_FAILURES = 6
+"""Steps in time that may fail before squeeze is left out."""
+_MOST_PUSHES = 2
+"""Times that a state which small motions leave is left for another."""
+_PUSH, _FAR = 0.05, 1e3
+"""Part of the longest step that gaps allow by which such a state is pushed aside. [-]"""
+_PUSH_TIME = 0.3
+"""Length of the next step over the time in which the motion grows. [-]"""
+_UNSTABLE = "forces balance where the smallest motion grows by {:.3g} 1/s"
+_RELAXATIONS = 150
+"""Most film solutions of the way to rest without squeeze."""
+NodePressure = Callable[[float], Array]
+"""Pressures of all nodes at a shaft angle. [Pa]"""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class SearchSettings:
+    """How an equilibrium is looked for.
+
+    Parameters
+    ----------
+    first_step : float
+        First step of the time in which the search moves. [s]
+    longest_time : float
+        Time after which the search stops: the dwell at the operating point. [s]
+    rest : float
+        Viscous force of the remaining motion over the balance force. [-]
+    max_steps : int
+        Most steps.
+    stable : bool
+        Whether a balance that small motions tip away from is left for another.
+    """
+
+    first_step: float = 1e-3
+    longest_time: float = 1e3
+    rest: float = 1e-6
+    max_steps: int = 80
+    stable: bool = True
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Equilibrium:
+    """Outcome of a search.
+
+    Parameters
+    ----------
+    balance : Balance
+        Last state.
+    rests : bool
+        Whether the remaining motion is negligible.
+    time : float
+        Time over which the bodies moved. [s]
+    steps : int
+        Steps taken.
+    reason : str
+        Why it does not rest, in words.
+    """
+
+    balance: Balance
+    rests: bool
+    time: float
+    steps: int
+    reason: str = ""
+
+
+def scenes_over_pitch(stack: Stack, pressures: NodePressure, count: int) -> tuple[Scene, ...]:
+    """Masks and pressures at evenly spaced angles of one period of the faces."""
+    period = stack.balance.interfaces[0].period
+    angles = (np.arange(count) + 0.5) * period / count
+    return tuple(stack.scene(float(a), pressures(float(a))) for a in angles)
+
+
+def find_equilibrium(
+    stack: Stack,
+    scenes: Sequence[Scene],
+    loads: Loads,
+    start: Balance,
+    search: SearchSettings,
+    step: StepSettings,
+) -> Equilibrium:
+    """Let bearings and gears move under mean forces until they rest or the time is over.
+
+    Parameters
+    ----------
+    stack, scenes, loads
+        Bodies and films, shaft angles over which forces are averaged, other loads.
+    start : Balance
+        Where the motion starts; it begins from rest.
+    search : SearchSettings
+        Steps and end of the search.
+    step : StepSettings
+        When one step is done.
+
+    Notes
+    -----
+    Implicit steps that grow as long as they succeed: accurate in time at first, Newton's method
+    for the equilibrium in the end. A step that fails is repeated with a tenth of its length; after
+    the sixth the way is followed without squeeze, see :func:`relax`. Newton's method also ends
+    where a small motion grows: such a state is pushed aside, and the search goes on.
+    """
+    now, time, length = at_rest(start), 0.0, search.first_step
+    scale, failures, pushes = balance_force(stack, loads.back), 0, 0
+    still = np.zeros(stack.size)
+    for number in range(1, search.max_steps + 1):
+        length = min(length, search.longest_time - time)
+        if length <= 1e-12:
+            return Equilibrium(now, False, time, number, "its time is over")
+        found = advance(stack, scenes, loads, now, length, step)
+        if not found.converged:
+            length, failures = 0.1 * length, failures + 1
+            if failures >= _MOST_FAILURES:
+                return _leaning(stack, scenes, loads, (now, time, number), search, step)
+            continue
+        now, time = found, time + length
+        length *= 3.0 if found.iterations <= step.max_iterations // 2 else 1.0
+        if _viscous(stack, now) > search.rest * scale or number <= 2:
+            continue
+        rate, motion = _growth(stack, now, loads, step) if search.stable else (0.0, still)
+        if rate * search.longest_time <= 1.0:
+            return Equilibrium(now, True, time, number)
+        if pushes == _MOST_PUSHES:
+            return Equilibrium(now, False, time, number, _UNSTABLE.format(rate))
+        now, length, pushes = _pushed(now, motion), _PUSH_TIME / rate, pushes + 1
+    return Equilibrium(now, False, time, search.max_steps, "it still moves after the last step")
+
+
+def _growth(
+    stack: Stack, balance: Balance, loads: Loads, step: StepSettings
+) -> tuple[float, Array]:
+    """Growth of a small motion [1/s], and the coordinates that share in it."""
+    known = replace(balance, jacobian=film_coefficients(balance.states, step.fineness))
+    return growing_motion(stack, known, loads)
+
+
+def _pushed(balance: Balance, motion: Array) -> Balance:
+    """State a little aside, without motion; films are those of the place before."""
+    aside = _PUSH * limited(balance.states, motion * _FAR)
+    still = np.zeros_like(motion)
+    states = tuple(replace(s, position=s.position + aside, velocity=still) for s in balance.states)
+    return replace(balance, states=states)
+
+
+def _leaning(
+    stack: Stack,
+    scenes: Sequence[Scene],
+    loads: Loads,
+    reached: tuple[Balance, float, int],
+    search: SearchSettings,
+    step: StepSettings,
+) -> Equilibrium:
+    """Rest of bodies whose motion in time cannot be followed, proved by one long step."""
+    now, time, steps = reached
+    goal = (step.force_tolerance, step.film_tolerance)
+    found = relax(stack, scenes, loads, now, goal, _RELAXATIONS)
+    steps += found.steps
+    length = search.longest_time - time
+    still = replace(now, states=found.states, slides=(0,) * len(now.slides), jacobian=None)
+    last = advance(stack, scenes, loads, at_rest(still), length, step)
+    if not last.converged:
+        reason = "; ".join(leaning(stack, still.position)) or "films and forces do not settle"
+        return Equilibrium(replace(still, residual=found.residual), False, time, steps, reason)
+    rate, _ = _growth(stack, last, loads, step)
+    if rate * search.longest_time > 1.0:
+        return Equilibrium(last, False, time + length, steps, _UNSTABLE.format(rate))
+    rests = _viscous(stack, last) <= search.rest * balance_force(stack, loads.back)
+    return Equilibrium(last, rests, time + length, steps, "" if rests else "it still moves")
+
+
+def _viscous(stack: Stack, balance: Balance) -> float:
+    """Largest force of the films' damping on a lift. [N]."""
+    assert balance.jacobian is not None
+    force = balance.jacobian[1] @ balance.velocity
+    return float(np.abs(force[::3]).max())
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class March:
+    """Motion over the shaft angle.
+
+    Parameters
+    ----------
+    shaft_angle : ndarray
+        Angles of the steps. [rad]
+    balances : tuple of Balance
+        State after every step.
+    converged : bool
+        Whether every step was in balance.
+    """
+
+    shaft_angle: Array
+    balances: tuple[Balance, ...]
+    converged: bool
+
+
+def march_angles(
+    stack: Stack,
+    pressures: NodePressure,
+    loads: Loads,
+    start: Balance,
+    angles: Array,
+    step: StepSettings,
+    keep: Callable[[int, Balance], None] | None = None,
+) -> March:
+    """March over shaft angles with transient squeeze.
+
+    Parameters
+    ----------
+    stack, loads
+        Bodies, films and other loads.
+    pressures : callable
+        Pressures of all nodes at a shaft angle. [Pa]
+    start : Balance
+        State before the first angle.
+    angles : ndarray
+        Shaft angles at the ends of the steps, evenly spaced. [rad]
+    step : StepSettings
+        When one step is done.
+    keep : callable, optional
+        Called with the number and the state after every step; then states are not kept.
+    """
+    duration = float(angles[1] - angles[0]) / stack.shaft_speed
+    now = replace(start, states=(replace(start.states[0], stack=stack),), jacobian=None)
+    kept: list[Balance] = []
+    converged = True
+    for k, angle in enumerate(angles):
+        scene = stack.scene(float(angle), pressures(float(angle)))
+        now = advance(stack, (scene,), loads, now, duration, step, follows=k > 0)
+        converged = converged and now.converged
+        if keep is None:
+            kept.append(now)
+        else:
+            keep(k, now)
+    return March(angles, tuple(kept), converged)

@@ -1,0 +1,440 @@
+"""One film of the stack: its solution, its forces and their exact variation with the gap."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple, final
+
+import numpy as np
+
+from toothspace.core.compiled import inlined, njit
+from toothspace.core.status import Status
+from toothspace.core.types import Array, BoolArray
+from toothspace.films.lateral.compliant_film import (
+    YieldingSolution,
+    opened,
+    solve_yielding,
+    yielding_responses,
+)
+from toothspace.films.lateral.face_grid import FaceGrid, Mask
+from toothspace.films.lateral.local_deformation import Accuracy, Yielding
+from toothspace.films.plane.film import PlaneFilm, PlaneSolution
+from toothspace.films.reynolds.cavitation import CAVITATION
+from toothspace.films.reynolds.equation import FluidField, GapField, film_balance
+from toothspace.films.reynolds.fluid import FilmFluid
+from toothspace.films.reynolds.linearised import pressure_responses
+from toothspace.films.reynolds.rough_surfaces import (
+    NO_CONTACT,
+    SMOOTH,
+    ContactTable,
+    FlowLaw,
+    RoughSurfaces,
+    contact_field,
+    mean_gap,
+)
+from toothspace.numerics.complementarity import face_flows, solve_complementarity
+from toothspace.numerics.linear_system import PRESCRIBED
+
+_SHEARED = 1e-9
+"""Smallest mean gap that liquid is sheared in, where faces were pressed into each other. [m]"""
+
+
+_SHRINK = 0.3
+"""Part to which a step of the faces may shrink a gap. [-]"""
+_GROWTH = 3.0
+"""Factor by which a step of the faces may widen a gap. [-]"""
+_OVERLAP = 0.5
+"""Overlap of rough walls that a step of the faces may add, over the roughness. [-]"""
+
+
+class FilmLaw(NamedTuple):
+    """Liquid, walls and cavitation of a film."""
+
+    fluid: FilmFluid
+    law: FlowLaw
+    contact: ContactTable
+    roughness: float  # [m]
+    boundary_friction: float  # [-]
+    cavitation: str
+    cavitation_pressure: float  # [Pa]
+    accuracy: Accuracy = Accuracy()
+
+
+def film_law(
+    surfaces: RoughSurfaces | None,
+    fluid: FilmFluid,
+    cavitation: str = "jfo",
+    cavitation_pressure: float = 0.0,
+) -> FilmLaw:
+    """Laws of a film between rough surfaces, or smooth ones for None."""
+    if surfaces is None:
+        return FilmLaw(fluid, SMOOTH, NO_CONTACT, 0.0, 0.0, cavitation, cavitation_pressure)
+    return FilmLaw(
+        fluid,
+        surfaces.flow_law(1.0),
+        surfaces.contact_table(),
+        surfaces.roughness,
+        surfaces.boundary_friction,
+        cavitation,
+        cavitation_pressure,
+    )
+
+
+class Place(NamedTuple):
+    """Position and velocity of the upper face: lift [m] and rotations about x and y [rad]."""
+
+    position: Array
+    velocity: Array
+
+
+class Surroundings(NamedTuple):
+    """What a film meets at one shaft angle."""
+
+    mask: Mask
+    node_pressure: Array  # [Pa]
+    shaft_speed: float  # [rad/s]
+    low_pressure: float  # pressure under which nothing gives way [Pa]
+
+
+@final
+@dataclass(frozen=True)
+class FaceFilm:
+    """Solved film of one face.
+
+    Parameters
+    ----------
+    grid : FaceGrid
+        Where it is.
+    law : FilmLaw
+        Its laws.
+    around : Surroundings
+        Its boundaries.
+    solution : YieldingSolution
+        Pressure, film fraction, asperity pressure and linear system.
+    place : Place
+        Position and velocity of its upper face.
+    compliance : float
+        Local approach of the faces over pressure. [m/Pa]
+    """
+
+    grid: FaceGrid
+    law: FilmLaw
+    around: Surroundings
+    solution: YieldingSolution
+    place: Place
+    compliance: float
+
+    @property
+    def plane(self) -> PlaneSolution:
+        """Fields of the film."""
+        return self.solution.plane
+
+    @property
+    def contact(self) -> Array:
+        """Asperity pressure. [Pa]."""
+        return self.solution.contact
+
+    @property
+    def gap(self) -> Array:
+        """Gap height, deformation included. [m]."""
+        return self.plane.film.gap.centre
+
+    @property
+    def widening(self) -> Array:
+        """Gap above that between undeformed faces. [m]."""
+        p = self.grid.points
+        return np.asarray(self.gap - _plane(p.x, p.y, self.place.position))
+
+    @property
+    def pressure(self) -> Array:
+        """Absolute pressure, chambers and grooves included. [Pa]."""
+        return self.plane.pressure
+
+    @property
+    def total(self) -> Array:
+        """Pressure of film, chambers and asperities. [Pa]."""
+        return self.plane.pressure + self.contact
+
+    def covered_load(self) -> Array:
+        """Load between body and bearing: lift [N] and rotations [N m] about the own axis."""
+        return self._loads[0]
+
+    def open_load(self) -> Array:
+        """Load of the chambers on the bearing alone: lift [N] and rotations [N m]."""
+        return self._loads[1]
+
+    @cached_property
+    def _loads(self) -> tuple[Array, Array]:
+        """Loads on covered and on open cells."""
+        mask = self.around.mask
+        carried = self.grid.moments(self.total, mask.cells.covered)
+        return carried, self.grid.moments(self.pressure, mask.open_face)
+
+    def overstep(self, motion: Array, opening: Array) -> float:
+        """Step of the gap over the longest that it allows.
+
+        A motion of the upper face [m, rad] and an opening of every cell. [m]
+        """
+        change = _plane(self.grid.points.x, self.grid.points.y, motion) + opening
+        return _overstep(change, self.around.mask.film, self.gap, self.law.roughness)
+
+    def coefficients(self, motions: tuple[int, ...]) -> tuple[Array, Array]:
+        """Stiffness and damping 3x3 of the covered load; unasked motions have zero columns.
+
+        Minus the derivatives with position and velocity of the upper face.
+        """
+        levers = [_lever(self.grid, motion) for motion in motions]
+        changes = [_change(lever, rate) for rate in (False, True) for lever in levers]
+        tables = np.zeros((2, 3, 3))
+        for n, total in enumerate(self.pressure_changes(changes)):
+            rate, k = divmod(n, len(motions))
+            tables[rate, :, motions[k]] = -self.grid.moments(total, self.around.mask.film)
+        return tables[0], tables[1]
+
+    def rates(self) -> list[GapField]:
+        """Motions of the upper face: rates of its lift and rotations."""
+        return [_change(_lever(self.grid, motion), True) for motion in range(3)]
+
+    def pressure_changes(self, changes: Sequence[GapField]) -> list[Array]:
+        """Change of the pressure of film and asperities with motions of the undeformed gap.
+
+        [Pa per unit]
+        """
+        plane, accuracy, fluid = self.plane, self.law.accuracy.linear, self.law.fluid
+        if self.solution.found is not None:
+            responses = yielding_responses(self.solution, changes, accuracy)
+        else:
+            film = (plane.film.grid, plane.film.gap, fluid.carrier(plane.fluid.density))
+            responses = pressure_responses(
+                film,
+                plane.film.law,
+                plane.balance,
+                plane.fields,
+                changes,
+                relative_tolerance=accuracy,
+            )
+        stretch = fluid.stretch(plane.pressure)
+        found = []
+        for reduced, change in zip(responses, changes, strict=True):
+            response = stretch * reduced
+            found.append(response + self._touch(self.compliance * response + change.centre))
+        return found
+
+    def _touch(self, opening: Array) -> Array:
+        """Change of the asperity pressure with an opening of the unyielding gap. [Pa]."""
+        found = self.solution
+        return np.asarray(found.contact_slope * found.yielding * opening)
+
+    def friction(self) -> FilmLosses:
+        """Torques of shear and asperities, and flows that the boundaries lose."""
+        return self._friction
+
+    @cached_property
+    def _friction(self) -> FilmLosses:
+        b, fields = self.plane.balance, self.plane.fields
+        potential = np.maximum(fields.potential, 0.0)
+        speed = self.grid.interface.speed_ratio * self.around.shaft_speed
+        film, radius = self.around.mask.film, self.grid.radius
+        height = np.maximum(mean_gap(self.gap, self.law.law), _SHEARED)
+        shear = np.where(film, fields.saturation / (self.plane.fluid.fluidity * height), 0.0)
+        couette = float((shear * radius**2 * self.grid.area).sum()) * speed**2
+        push = float((np.where(film, self.contact, 0.0) * self.grid.area * radius).sum())
+        asperity = self.law.boundary_friction * push * abs(speed)
+        flow_x, flow_y = face_flows(b, b, potential, fields.saturation)
+        return _losses(self, (flow_x, flow_y), couette, asperity)
+
+
+class FilmLosses(NamedTuple):
+    """Powers of one film [W] and flow into the bore [m3/s]."""
+
+    shear: float  # of the moving face, its drag included
+    drag: float  # part of it by the flow that pressure drives along the face
+    asperity: float
+    pressure: float  # delivered by chambers, grooves, bore and rim
+    squeeze: float  # delivered by the film to approaching faces, negative if they approach
+    dissipation: float  # of film flow
+    bore_flow: float
+
+
+def _losses(
+    film: FaceFilm, flows: tuple[Array, Array], couette: float, asperity: float
+) -> FilmLosses:
+    flow_x, flow_y = flows
+    b, fields = film.plane.balance, film.plane.fields
+    grid, lowest = film.plane.film.grid, film.plane.film.cavitation_pressure
+    drop_x, drop_y = _drops(film.plane.gauge, grid.south - lowest, grid.north - lowest)
+    # what drives the flow is the reduced pressure, what it costs is the pressure
+    push_x, push_y = _drops(np.maximum(fields.potential, 0.0), b.south, b.north)
+    free = b.mark != PRESCRIBED
+    live_x, live_y = _live_faces(free)
+    flow_x, flow_y = np.where(live_x, flow_x, 0.0), np.where(live_y, flow_y, 0.0)
+    total = float((flow_x * drop_x).sum() + (flow_y * drop_y).sum())
+    conducted = float((np.where(live_x, b.conductance_x, 0.0) * push_x * drop_x).sum())
+    conducted += float((np.where(live_y, b.conductance_y, 0.0) * push_y * drop_y).sum())
+    squeeze = float((np.where(free, b.storage * fields.saturation, 0.0) * film.plane.gauge).sum())
+    drag = conducted - total
+    return FilmLosses(
+        shear=couette + drag,
+        drag=drag,
+        asperity=asperity,
+        pressure=total + squeeze,
+        squeeze=squeeze,
+        dissipation=couette + conducted,
+        bore_flow=-float(flow_y[:, 0].sum()),
+    )
+
+
+def _drops(u: Array, south: Array, north: Array) -> tuple[Array, Array]:
+    """Drops of a field of a ring over all faces, given what is beyond the second index."""
+    drop_x = np.vstack([u[-1:], u]) - np.vstack([u, u[:1]])
+    drop_y = np.hstack([south[:, None], u]) - np.hstack([u, north[:, None]])
+    return drop_x, drop_y
+
+
+def _live_faces(free: BoolArray) -> tuple[BoolArray, BoolArray]:
+    """Faces that touch film; the last face of the ring, which repeats the first, is left out."""
+    before = np.vstack([free[-1:], free])
+    live_x = before | np.vstack([free, free[:1]])
+    live_x[-1] = False
+    none = np.zeros((free.shape[0], 1), dtype=bool)
+    return live_x, np.hstack([none, free]) | np.hstack([free, none])
+
+
+class Approach(NamedTuple):
+    """How faces give way: a local compliance, and what other pressures do to the gap."""
+
+    local: float  # [m/Pa]
+    distant: Array  # [m]
+    past: Array  # widening at the begin of the step [m]
+    frequency: float = 0.0  # inverse of the length of the step, 0 for steady faces [1/s]
+
+
+def solve_face(
+    grid: FaceGrid,
+    law: FilmLaw,
+    around: Surroundings,
+    place: Place,
+    approach: Approach,
+    former: FaceFilm | None = None,
+) -> FaceFilm:
+    """Film at a position and velocity of the upper face.
+
+    Parameters
+    ----------
+    grid, law, around
+        Where, of what and between which boundaries.
+    place : Place
+        Lift and rotations of the upper face about the own axis, and their rates.
+    approach : Approach
+        How the faces give way.
+    former : FaceFilm, optional
+        Similar film to begin with.
+    """
+    node_pressure = np.maximum(around.node_pressure, law.cavitation_pressure)
+    film = PlaneFilm(
+        grid.film_grid(around.mask, node_pressure, around.shaft_speed),
+        _gap_field(grid, place, approach),
+        grid.points,
+        law.fluid,
+        law.cavitation_pressure,
+        CAVITATION[law.cavitation],
+        law=law.law,
+    )
+    density = law.fluid.density(np.full(approach.distant.shape, law.cavitation_pressure))
+    carrier = law.fluid.carrier(density)
+    start = former.solution if former is not None else None
+    if approach.local > 0.0:
+        reference = around.low_pressure - law.cavitation_pressure
+        how = Yielding(
+            approach.local,
+            reference,
+            law.contact,
+            law.roughness,
+            approach.frequency,
+            law.accuracy,
+        )
+        start = _stiff(film, carrier, law, None) if start is None else start
+        found = solve_yielding(film, carrier, how, start)
+        return FaceFilm(grid, law, around, found, place, approach.local)
+    return FaceFilm(grid, law, around, _stiff(film, carrier, law, start), place, 0.0)
+
+
+def _stiff(
+    film: PlaneFilm, carrier: FluidField, law: FilmLaw, former: YieldingSolution | None
+) -> YieldingSolution:
+    start = None if former is None else former.plane.fields.kind
+    fluid, lowest = law.fluid, law.cavitation_pressure
+    grid = fluid.reduced_grid(film.grid)
+    balance = film_balance(grid, film.gap, carrier, fluid.reduced_of(lowest), law.law)
+    fields = solve_complementarity(balance, film.constraint, start)
+    status = Status.DONE if fields.converged else Status.NOT_CONVERGED
+    gauge = fluid.gauge(np.maximum(fields.potential, 0.0), lowest)
+    plane = PlaneSolution(film, fluid.fields(gauge + lowest), balance, fields, status, gauge)
+    contact, slope = contact_field(film.gap.centre, max(law.roughness, 1e-12), law.contact)
+    known = film.grid.mark == PRESCRIBED
+    contact[known], slope[known] = 0.0, 0.0
+    return YieldingSolution(plane, contact, slope, np.ones_like(contact), fields.kind)
+
+
+@inlined
+def _height(motion: Array, x: float, y: float) -> float:
+    """Height of a plane with a lift and rotations about x and y. [m]."""
+    return float(motion[0] + motion[1] * y - motion[2] * x)
+
+
+@njit(cache=True, nogil=True)
+def _overstep(change: Array, film: BoolArray, gap: Array, roughness: float) -> float:
+    most = 0.0
+    for i in range(gap.shape[0]):
+        for j in range(gap.shape[1]):
+            if film[i, j]:
+                h = max(gap[i, j], 0.0)
+                room = (1.0 - _SHRINK) * h + _OVERLAP * roughness
+                if change[i, j] > 0.0:
+                    room = (_GROWTH - 1.0) * h + max(roughness, 1e-7)
+                most = max(most, abs(change[i, j]) / max(room, 1e-300))
+    return most
+
+
+def _lever(grid: FaceGrid, motion: int) -> tuple[Array, Array, Array]:
+    """Change of the gap at centres and faces by a unit motion of the upper face."""
+    p = grid.points
+
+    def shape(x: Array, y: Array) -> Array:
+        return np.ascontiguousarray((np.ones_like(x), y, -x)[motion])
+
+    return shape(p.x, p.y), shape(*p.face_x), shape(*p.face_y)
+
+
+def _change(lever: tuple[Array, Array, Array], rate: bool) -> GapField:
+    """Change of the undeformed gap with one motion, or with its rate."""
+    zero = np.zeros_like(lever[0])
+    if rate:
+        return GapField(zero, np.zeros_like(lever[1]), np.zeros_like(lever[2]), lever[0], zero)
+    return GapField(*lever, zero, zero)
+
+
+def _gap_field(grid: FaceGrid, place: Place, approach: Approach) -> GapField:
+    """Gap that the position leaves, with its widening by distant pressures and its rate."""
+    p, distant = grid.points, approach.distant
+    centre = _plane(p.x, p.y, place.position)
+    along, across = _plane(*p.face_x, place.position), _plane(*p.face_y, place.position)
+    rate = _plane(p.x, p.y, place.velocity)
+    if approach.frequency > 0.0:
+        rate += approach.frequency * (distant - approach.past)
+    rigid = GapField(centre, along, across, rate, np.zeros_like(distant))
+    if not distant.any():
+        return rigid
+    return opened(rigid, distant, np.full_like(along, grid.interface.speed_ratio))
+
+
+@njit(cache=True, nogil=True)
+def _plane(x: Array, y: Array, motion: Array) -> Array:
+    """Heights of a plane at given places. [m]."""
+    out = np.empty(x.shape)
+    for i in range(x.shape[0]):
+        for j in range(x.shape[1]):
+            out[i, j] = _height(motion, x[i, j], y[i, j])
+    return out

@@ -1,0 +1,184 @@
+"""Polar grids on the faces of the gears, masked at every shaft angle."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import final
+
+import numpy as np
+
+from toothspace.core.compiled import njit
+from toothspace.core.types import Array, BoolArray, IntArray
+from toothspace.films.plane.film import PlanePoints, polar_points
+from toothspace.films.reynolds.equation import FilmGrid
+from toothspace.model.lateral_balance import LAND, FaceCells, FilmInterface
+from toothspace.numerics.structured_grid import FREE, PRESCRIBED
+
+_BEYOND = 1.0 + 1e-6
+"""Radius over the tip radius at which the pressure beyond the rim is looked up. [-]"""
+
+
+@final
+@dataclass(frozen=True)
+class Mask:
+    """What stands against one bearing face at a shaft angle.
+
+    Parameters
+    ----------
+    cells : FaceCells
+        Cells of the grid.
+    rim : ndarray of int
+        Nodes beyond the outer rim, one per angle.
+    """
+
+    cells: FaceCells
+    rim: IntArray
+
+    @property
+    def film(self) -> BoolArray:
+        """Cells that a film covers."""
+        return np.asarray(self.cells.node == LAND)
+
+    @property
+    def open_face(self) -> BoolArray:
+        """Cells where a chamber meets the bearing and no other body does."""
+        return np.asarray(self.cells.owned & ~self.cells.covered)
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class FaceGrid:
+    """Polar grid about the axis of one body, at rest with the bearing.
+
+    Parameters
+    ----------
+    interface : FilmInterface
+        Film that it is for.
+    rows, lanes : int
+        Cells round the circumference and along the radius. [-]
+    """
+
+    interface: FilmInterface
+    rows: int
+    lanes: int
+    points: PlanePoints = field(init=False, repr=False)
+    area: Array = field(init=False, repr=False)
+    _metric: FilmGrid = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        step, rim = 2.0 * np.pi / self.rows, self.rims
+        face = np.asarray(np.arange(self.rows + 1) * step)
+        object.__setattr__(self, "points", polar_points(self.angle, face, self.radius, rim))
+        object.__setattr__(self, "_metric", _metric(self.rows, step, rim, self.radius))
+        object.__setattr__(self, "area", self._metric.area)
+
+    @property
+    def rims(self) -> Array:
+        """Radii between the lanes, one of them where tooth spaces begin. [m]."""
+        own = self.interface
+        within = own.root_radius - own.inner_radius
+        if not 0.0 < within < own.outer_radius - own.inner_radius:
+            return np.linspace(own.inner_radius, own.outer_radius, self.lanes + 1)
+        share = within / (own.outer_radius - own.inner_radius)
+        inside = min(max(round(self.lanes * share), 1), self.lanes - 1)
+        land = np.linspace(own.inner_radius, own.root_radius, inside + 1)
+        teeth = np.linspace(own.root_radius, own.outer_radius, self.lanes - inside + 1)
+        return np.concatenate([land, teeth[1:]])
+
+    @property
+    def radius(self) -> Array:
+        """Radii of the cell centres. [m]."""
+        rim = self.rims
+        return np.asarray(0.5 * (rim[1:] + rim[:-1]))
+
+    @property
+    def angle(self) -> Array:
+        """Angles of the cell centres. [rad]."""
+        return np.asarray((np.arange(self.rows) + 0.5) * 2.0 * np.pi / self.rows)
+
+    def mask(self, shaft_angle: float) -> Mask:
+        """Film, chambers and grooves at a shaft angle. [rad]."""
+        x0, y0 = self.interface.center
+        find = self.interface.face_map
+        cells = find(shaft_angle, self.points.x + x0, self.points.y + y0)
+        tip = _BEYOND * self.interface.outer_radius
+        rim = find(shaft_angle, tip * np.cos(self.angle) + x0, tip * np.sin(self.angle) + y0)
+        return Mask(cells, rim.node)
+
+    def film_grid(self, mask: Mask, node_pressure: Array, shaft_speed: float) -> FilmGrid:
+        """Metric, pressures of chambers, grooves, bore and rim [Pa], and sweep of the body."""
+        known = ~mask.film
+        speed = self.interface.speed_ratio * shaft_speed
+        bore = node_pressure[self.interface.bore_node]
+        along, across = _edges(mask.film)
+        return self._metric._replace(
+            shape_x=np.where(along, 2.0, 1.0) * self._metric.shape_x,
+            shape_y=np.where(across, 2.0, 1.0) * self._metric.shape_y,
+            sweep_x=self._metric.sweep_x * speed,
+            mark=np.where(known, PRESCRIBED, FREE),
+            prescribed=np.where(known, node_pressure[mask.cells.node], 0.0),
+            south=np.full(self.rows, bore),
+            north=node_pressure[mask.rim],
+        )
+
+    def face_moments(self, cells: BoolArray) -> Array:
+        """Area of cells and its first moments in the machine frame: lift and rotations."""
+        x0, y0 = self.interface.center
+        area = np.where(cells, self.area, 0.0)
+        x, y = self.points.x + x0, self.points.y + y0
+        return np.array([area.sum(), (area * y).sum(), -(area * x).sum()])
+
+    def moments(self, pressure: Array, cells: BoolArray) -> Array:
+        """Force and moments of a pressure on cells about the own axis: lift and rotations.
+
+        [N, N m, N m]
+        """
+        return _moments(pressure, cells, self.points.x, self.points.y, self.area)
+
+
+def _edges(film: BoolArray) -> tuple[BoolArray, BoolArray]:
+    """Faces between film and chamber: the edge stands there, half a cell from the film's centre."""
+    ring = np.vstack([film[-1:], film, film[:1]])
+    across = np.zeros((film.shape[0], film.shape[1] + 1), dtype=bool)
+    across[:, 1:-1] = film[:, 1:] != film[:, :-1]
+    return np.asarray(ring[1:] != ring[:-1]), across
+
+
+@njit(cache=True, nogil=True)
+def _moments(pressure: Array, cells: BoolArray, x: Array, y: Array, area: Array) -> Array:
+    out = np.zeros(3)
+    for i in range(pressure.shape[0]):
+        for j in range(pressure.shape[1]):
+            if cells[i, j]:
+                push = pressure[i, j] * area[i, j]
+                out[0] += push
+                out[1] += push * y[i, j]
+                out[2] -= push * x[i, j]
+    return out
+
+
+def _metric(rows: int, step: float, rim: Array, radius: Array) -> FilmGrid:
+    """Metric with the sweep of one radian per second."""
+    lanes, width = radius.size, np.diff(rim)
+    between = np.concatenate(
+        [
+            [np.log(radius[0] / rim[0])],
+            np.log(radius[1:] / radius[:-1]),
+            [np.log(rim[-1] / radius[-1])],
+        ]
+    )
+    area = 0.5 * step * (rim[1:] ** 2 - rim[:-1] ** 2)
+    return FilmGrid(
+        np.tile(width / (radius * step), (rows + 1, 1)),
+        np.tile(step / between, (rows, 1)),
+        np.tile(0.5 * radius * width, (rows + 1, 1)),
+        np.zeros((rows, lanes + 1)),
+        np.tile(area, (rows, 1)),
+        np.zeros((rows, lanes), dtype=np.int64),
+        np.zeros((rows, lanes)),
+        np.zeros(lanes),
+        np.zeros(lanes),
+        np.zeros(rows),
+        np.zeros(rows),
+        True,
+    )

@@ -1,0 +1,149 @@
+"""Way to rest for bodies that lean: their squeeze in time is left out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple, final
+
+import numpy as np
+
+from toothspace.core.types import Array
+from toothspace.films.lateral.deformation import Fields, limited, widened
+from toothspace.films.lateral.motion import (
+    Balance,
+    Loads,
+    balance_force,
+    levers_of,
+)
+from toothspace.films.lateral.stack import (
+    Scene,
+    Stack,
+    StackState,
+    mean_coefficients,
+    mean_force,
+)
+from toothspace.films.lateral.stops import stop_forces
+
+_FIRST_YIELD = 1e-7
+"""Way that the force behind the bearing pushes a body in the first step. [m]"""
+_LONGEST_YIELD = 1e3
+_SHORTEST_YIELD = 1e-14
+_FORETOLD, _GOOD = 0.5, 0.1
+"""Force that a step foretells wrongly, over the force: above it is repeated, below it grows. [-]"""
+_SMALL = 1e-3
+"""Force over the force behind the bearing below which no step is repeated for its error. [-]"""
+_GROWTH, _SHRINK = 3.0, 0.25
+_WIDENING = 0.4
+"""Part of the distant widening that is taken over by a step. [-]"""
+
+
+class Relaxed(NamedTuple):
+    """Positions without motion in which forces balance, or the last ones."""
+
+    states: tuple[StackState, ...]
+    residual: float  # over the force behind the bearing [-]
+    steps: int
+
+
+@final
+class _Point(NamedTuple):
+    states: tuple[StackState, ...]
+    force: Array
+    stiffness: Array
+    wanted: Fields
+    change: float  # of the distant widening over the gap [-]
+
+
+def relax(
+    stack: Stack,
+    scenes: Sequence[Scene],
+    loads: Loads,
+    start: Balance,
+    tolerance: tuple[float, float],
+    most_steps: int,
+) -> Relaxed:
+    """Follow the forces of films at rest to where they balance.
+
+    Parameters
+    ----------
+    stack, scenes, loads
+        Bodies and films, shaft angles over which forces are averaged, other loads.
+    start : Balance
+        Where it begins; a bearing that slides there is held back by friction.
+    tolerance : tuple of float
+        Residual over the force behind the bearing, and change of a widening over the gap. [-]
+    most_steps : int
+        Most film solutions.
+
+    Notes
+    -----
+    Linearly implicit steps of bodies that a made-up damping holds back, the same for lifts and
+    tilts at the rim. Squeeze between faces that nearly touch pushes in one sense only, since films
+    cannot pull, and keeps implicit steps in time from settling; here it is left out. Steps grow as
+    long as the stiffness foretells the forces found, so that a contact is met slowly.
+    """
+    scale = balance_force(stack, loads.back)
+    task = (stack, tuple(scenes), loads, start)
+    now = _point(task, start.position, start.states, [list(s.distant) for s in start.states])
+    far, taken = _FIRST_YIELD, 0
+    while taken < most_steps and not _settled(stack, now, scale, tolerance):
+        taken += 1
+        step = limited(now.states, _step(stack, now, scale / far))
+        found = _point(task, now.states[0].position + step, now.states, _followed(now))
+        error = _size(stack, found.force - (now.force - now.stiffness @ step))
+        size = _size(stack, now.force)
+        good = error <= _FORETOLD * max(size, _SMALL * scale)  # false where films are lost
+        if not good and far > _SHORTEST_YIELD:
+            far *= _SHRINK
+            continue
+        now = found
+        far = min(far * _GROWTH, _LONGEST_YIELD) if error <= _GOOD * size else far
+    return Relaxed(now.states, _size(stack, now.force) / scale, taken)
+
+
+def _settled(stack: Stack, now: _Point, scale: float, tolerance: tuple[float, float]) -> bool:
+    films = now.change <= tolerance[1] and all(s.converged for s in now.states)
+    return films and _size(stack, now.force) <= tolerance[0] * scale
+
+
+def _step(stack: Stack, now: _Point, holding: float) -> Array:
+    """Step of the coordinates against a made-up damping. [m, rad]."""
+    free, arms = stack.free, stack.arms
+    scaled = (now.stiffness / np.outer(arms, arms))[np.ix_(free, free)]
+    step = np.zeros(stack.size)
+    found = np.linalg.solve(scaled + holding * np.eye(free.size), (now.force / arms)[free])
+    step[free] = found / arms[free]
+    return step
+
+
+def _followed(now: _Point) -> Fields:
+    """Widening for the next films: that of the last ones on its way to what they ask for."""
+    return [
+        [a + _WIDENING * (b - a) for a, b in zip(state.distant, new, strict=True)]
+        for state, new in zip(now.states, now.wanted, strict=True)
+    ]
+
+
+def _size(stack: Stack, force: Array) -> float:
+    """Largest force, moments as forces at the rim. [N]."""
+    return float(np.abs(force / stack.arms)[stack.free].max())
+
+
+_Task = tuple[Stack, tuple[Scene, ...], Loads, Balance]
+
+
+def _point(task: _Task, q: Array, former: Sequence[StackState], distant: Fields) -> _Point:
+    stack, scenes, loads, start = task
+    still = np.zeros(stack.size)
+    states = tuple(
+        stack.solve(scene, q, still, old, given)
+        for scene, old, given in zip(scenes, former, distant, strict=True)
+    )
+    force, stiffness = stop_forces(stack, q)
+    if loads.friction.holds:
+        for k, (sense, lever) in enumerate(zip(start.slides, levers_of(stack), strict=True)):
+            force -= sense * loads.law(k).coulomb_force * lever
+    force += mean_force(states, loads.back)
+    stiffness += mean_coefficients(states)[0]
+    wanted, change = widened(states, distant, loads.back.low)
+    return _Point(states, force, stiffness, wanted, change)

@@ -1,0 +1,178 @@
+"""Films on one face of every body of a machine, at one shaft angle and rigid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from toothspace.core.errors import CaseError
+from toothspace.core.status import Status
+from toothspace.core.types import Array
+from toothspace.films.lateral.conductance import edge_marks
+from toothspace.films.plane.ring import LateralFilm as RingFilm
+from toothspace.films.plane.ring import LateralSolution
+from toothspace.films.reynolds.fluid import FilmFluid
+from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
+from toothspace.model.description import LateralFilm, MachineDescription
+from toothspace.model.operating_point import OperatingCondition
+from toothspace.model.quasi_static import quasi_static_pressures
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class FaceSetting:
+    """Where the opposite face stands, and the liquid between.
+
+    Parameters
+    ----------
+    side_gap : float
+        Gap height at the origin of the machine. [m]
+    fluid : FilmFluid
+        Liquid.
+    tilt : tuple of float
+        Rotation of the face about the x and y axis through the origin. [rad]
+    shaft_angle : float
+        Angle of the drive body. [rad]
+    surfaces : RoughSurfaces or None
+        Roughness and contact.
+    cavitation : str
+        Cavitation model.
+    cavitation_pressure : float
+        Absolute pressure in the cavity. [Pa]
+    grid : tuple of int
+        Cells round each body and along the radius. [-]
+    """
+
+    side_gap: float
+    fluid: FilmFluid
+    tilt: tuple[float, float] = (0.0, 0.0)
+    shaft_angle: float = 0.0
+    surfaces: RoughSurfaces | None = None
+    cavitation: str = "jfo"
+    cavitation_pressure: float = 0.0
+    grid: tuple[int, int] = (256, 64)
+
+
+@final
+@dataclass(frozen=True)
+class FaceFilms:
+    """Solved films, one for each body with an outline."""
+
+    bodies: tuple[str, ...]
+    """Names of the bodies."""
+    centers: tuple[tuple[float, float], ...]
+    """Their axes. [m]"""
+    films: tuple[LateralSolution, ...]
+    """Films, each about its own axis."""
+
+    @property
+    def status(self) -> Status:
+        """Of the films; the first that is not done."""
+        return min((film.status for film in self.films), key=lambda status: status.succeeded)
+
+    @property
+    def outflow(self) -> float:
+        """Flow out of all films. [m3/s]."""
+        return sum(film.outflow for film in self.films)
+
+    @property
+    def dissipated_power(self) -> float:
+        """Power that becomes heat in all films. [W]."""
+        return sum(film.dissipated_power for film in self.films)
+
+    @property
+    def load(self) -> Array:
+        """Force along z [N] and moments about x and y through the origin [N m].
+
+        On the face opposite to the bodies, by the absolute pressure on its ring about each body.
+        """
+        total = np.zeros(3)
+        for (x, y), film in zip(self.centers, self.films, strict=True):
+            force = film.load
+            total += force + force[0] * np.array([0.0, y, -x])
+        return total
+
+
+def solve_faces(
+    description: MachineDescription, condition: OperatingCondition, setting: FaceSetting
+) -> FaceFilms:
+    """Films between the bodies of a machine and one rigid face.
+
+    Parameters
+    ----------
+    description : MachineDescription
+        Machine with outlines of its faces.
+    condition : OperatingCondition
+        Shaft speed and port pressures; the chambers have the pressures that their paths hold
+        at rest.
+    setting : FaceSetting
+        Position of the face, liquid and grid.
+
+    Returns
+    -------
+    FaceFilms
+        Solved films.
+
+    Raises
+    ------
+    CaseError
+        If the machine type gives no outlines.
+    """
+    known = [film for film in description.laterals if film.face is not None]
+    if not known:
+        raise CaseError("film.kind: found 'lateral', allowed is 'pad' for this machine type")
+    chambers = quasi_static_pressures(description, condition, setting.shaft_angle)
+    drain = {
+        "inlet": condition.inlet_pressure,
+        "outlet": condition.outlet_pressure,
+        "external": condition.drain_pressure,
+    }[description.drain]
+    ports = [condition.inlet_pressure, condition.outlet_pressure, drain]
+    pressure = np.concatenate([chambers, ports])
+    ratios = {body.name: body.speed_ratio for body in description.bodies}
+    found = [
+        _ring(film, ratios[film.body], pressure, setting).solve(
+            shaft_speed=ratios[film.body] * condition.shaft_speed
+        )
+        for film in known
+    ]
+    centers = tuple(film.face.center for film in known if film.face is not None)
+    return FaceFilms(tuple(film.body for film in known), centers, tuple(found))
+
+
+def _ring(film: LateralFilm, speed_ratio: float, pressure: Array, setting: FaceSetting) -> RingFilm:
+    """Film about one body; the gap rests with the opposite face while its edges turn."""
+    face = film.face
+    assert face is not None
+    about_x, about_y = setting.tilt
+    x, y = face.center
+    return RingFilm(
+        inner_radius=film.inner_radius,
+        outer_radius=film.outer_radius,
+        side_gap=setting.side_gap + about_x * y - about_y * x,
+        fluid=setting.fluid,
+        tilt=setting.tilt,
+        grid=setting.grid,
+        inner_pressure=float(pressure[-1]),
+        given_pressure=_given(film, speed_ratio, pressure, setting),
+        surfaces=setting.surfaces,
+        cavitation=setting.cavitation,
+        cavitation_pressure=setting.cavitation_pressure,
+    )
+
+
+def _given(film: LateralFilm, speed_ratio: float, pressure: Array, setting: FaceSetting) -> Array:
+    """Pressure of the cells over chambers and recesses, NaN in the film. [Pa]."""
+    face = film.face
+    assert face is not None
+    polar = (np.arange(setting.grid[0]) + 0.5) * 2.0 * np.pi / setting.grid[0]
+    rim = np.linspace(film.inner_radius, film.outer_radius, setting.grid[1] + 1)
+    radius = np.asarray(0.5 * (rim[1:] + rim[:-1]))
+    angle = np.asarray(np.mod(face.direction * (polar - face.zero_angle), 2.0 * np.pi))
+    mark = edge_marks(face, angle, radius, abs(speed_ratio) * setting.shaft_angle)
+    nodes = np.concatenate([face.nodes, [node for node, _ in face.recesses], [0]])
+    values = pressure[nodes.astype(np.int64)]
+    values[-1] = np.nan
+    return np.asarray(values[mark])

@@ -1,0 +1,148 @@
+"""Flow paths through the films beside bodies that share covers, from solved conductances."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from toothspace.core.types import Array, IntArray
+from toothspace.films.lateral.shared_face import SharedFilm, sector_phases
+from toothspace.model.description import FlowPath
+from toothspace.model.film_shapes import SharedFaces
+from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
+
+_FULL_TURN = 2.0 * np.pi
+_LENGTH = 1e-3
+_LEAST = 0.01
+"""Share of the largest conductance below which the films between two edges are left out. [-]"""
+_LARGEST = 30.0
+"""Largest shape conductance: an edge next to another is joined by its opening anyway. [-]"""
+
+
+@final
+@dataclass(frozen=True)
+class _Edges:
+    """Edges of the films with their nodes, one per chamber."""
+
+    number: IntArray
+    node: IntArray
+
+
+def shared_paths(
+    faces: SharedFaces, films: tuple[SharedFilm, ...], height: float
+) -> list[FlowPath]:
+    """Paths between all edges of the films at shared covers.
+
+    Parameters
+    ----------
+    faces : SharedFaces
+        What the covers share; the chamber of the rim is the first of its sectors.
+    films : tuple of SharedFilm
+        Films before the covers.
+    height : float
+        Gap of the paths; unequal gaps of the covers enter with their cubes. [m]
+
+    Returns
+    -------
+    list of FlowPath
+        Between neighbouring chambers; from chambers to recesses, to the inner node and to the
+        rim; from recesses to each other, to the inner node and to the rim.
+    """
+    return _Paths(faces, films, height).all()
+
+
+class _Paths:
+    def __init__(self, faces: SharedFaces, films: tuple[SharedFilm, ...], height: float) -> None:
+        self.faces, self.height, self.turn = faces, height, films[0].turn
+        weight = [(cover.gap / height) ** 3 for cover in faces.covers]
+        parts = [w * film.matrix for w, film in zip(weight, films, strict=True)]
+        self.shape = -np.sum(parts, axis=0)
+        self.count = faces.chambers.size
+        self.chambers = _Edges(np.arange(self.count), faces.chambers)
+        self.inner = self._same(self.count + faces.recesses.size, faces.inner_node)
+        self.recesses = [
+            self._same(self.count + k, node) for k, node in enumerate(faces.recesses.tolist())
+        ]
+
+    def all(self) -> list[FlowPath]:
+        """Every path."""
+        chambers, ahead = self.chambers, np.roll(np.arange(self.count), -1)
+        next_ones = _Edges(ahead, chambers.node[ahead])
+        found = [
+            self._turning(("lateral", "lateral"), chambers, next_ones),
+            self._turning(("drain", "drain"), chambers, self.inner),
+        ]
+        for k, recess in enumerate(self.recesses):
+            found.append(self._turning((f"lateral_recess_{k}", "lateral"), chambers, recess))
+            found.append(self._resting((f"drain_recess_{k}", "drain"), recess, self.inner))
+            found += [
+                self._resting((f"lateral_recesses_{j}_{k}", "lateral"), self.recesses[j], recess)
+                for j in range(k)
+            ]
+        return [*found, *self._to_rim()]
+
+    def _to_rim(self) -> list[FlowPath]:
+        """From chambers and recesses to the rim, one path for each sector of a pitch."""
+        found = []
+        per_pitch, first = self.faces.rim.sectors, self.faces.rim.chamber
+        edges = self.inner.number[0] + 1
+        phases = sector_phases(self.faces)
+        for j in range(-per_pitch, 2 * per_pitch):
+            sector = np.mod(np.arange(self.count) * per_pitch + j, phases.size)
+            rim = _Edges(edges + sector, self._rim_nodes(first, sector))
+            found.append(self._turning((f"rim_{j}", "radial"), self.chambers, rim))
+            if 0 <= j < per_pitch:
+                found += [
+                    self._turning((f"rim_{j}_recess_{k}", "radial"), rim, recess, phases[sector])
+                    for k, recess in enumerate(self.recesses)
+                ]
+        largest = max(_shape(path).max() for path in found)
+        return [path for path in found if _shape(path).max() > _LEAST * largest]
+
+    def _rim_nodes(self, first: int, sector: IntArray) -> IntArray:
+        if self.faces.rim.open_ends:
+            return self.inner.node
+        return first + sector
+
+    def _same(self, number: int, node: int) -> _Edges:
+        return _Edges(np.full(self.count, number), np.full(self.count, node))
+
+    def _turning(
+        self, label: tuple[str, str], a: _Edges, b: _Edges, phases: Array | None = None
+    ) -> FlowPath:
+        """Path for every chamber, over its table angle."""
+        phases = self.faces.phases if phases is None else phases
+        values = self.shape[:, a.number, b.number]
+        place = np.mod(phases + self.turn[:, None], _FULL_TURN).ravel()
+        order = np.argsort(place)
+        nodes = np.arange(place.size) * _FULL_TURN / place.size
+        shape = np.interp(nodes, place[order], values.ravel()[order], period=_FULL_TURN)
+        return self._path(label, (a.node, b.node), phases, shape)
+
+    def _resting(self, label: tuple[str, str], a: _Edges, b: _Edges) -> FlowPath:
+        """Path between edges that rest: the same after every pitch."""
+        shape = np.tile(self.shape[:, a.number[0], b.number[0]], self.count)
+        return self._path(label, (a.node[:1], b.node[:1]), np.zeros(1), shape)
+
+    def _path(
+        self, label: tuple[str, str], nodes: tuple[IntArray, IntArray], phases: Array, shape: Array
+    ) -> FlowPath:
+        columns = np.tile([self.height, 0.0, _LENGTH], (shape.size, 1))
+        columns[:, 1] = _LENGTH * np.clip(shape, 0.0, _LARGEST)
+        table: PeriodicTable = monotone_table(_FULL_TURN, columns)
+        return FlowPath(
+            name=label[0],
+            category=label[1],
+            kind="parallel_gap",
+            nodes_a=nodes[0],
+            nodes_b=nodes[1],
+            angle_ratio=self.faces.angle_ratio,
+            phases=phases,
+            geometry=table,
+        )
+
+
+def _shape(path: FlowPath) -> Array:
+    return np.asarray(path.geometry.values[:, 1] / _LENGTH)

@@ -1,0 +1,461 @@
+"""Positions of bearings and gears, the films between them and the forces on them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple, Protocol, final
+
+import numpy as np
+
+from toothspace.core.types import Array, IntArray
+from toothspace.films.lateral.basis_functions import Patterns
+from toothspace.films.lateral.face_film import (
+    Approach,
+    FaceFilm,
+    FilmLaw,
+    Place,
+    Surroundings,
+    solve_face,
+)
+from toothspace.films.lateral.face_grid import FaceGrid, Mask
+from toothspace.model.lateral_balance import (
+    FilmInterface,
+    FloatingBearing,
+    LateralBalance,
+    Side,
+)
+from toothspace.numerics.side_by_side import side_by_side
+
+_MOTIONS = 3
+
+
+class Compliance(Protocol):
+    """Elastic approach of the faces under the pressures of all films."""
+
+    @property
+    def local(self) -> Sequence[float]:
+        """Part of the approach that follows the pressure at the same place, by film. [m/Pa]."""
+        ...  # pragma: no cover
+
+    def distant(self, pressures: Sequence[Array], scene: Scene) -> list[Array]:
+        """Rest of the widening of every gap [m] under pressures above the low one. [Pa]."""
+        ...  # pragma: no cover
+
+    def gain(self, changes: Sequence[Array], scene: Scene, patterns: Sequence[Patterns]) -> Array:
+        """Sizes of patterns of that rest per change of pressure, film by film. [m/Pa]."""
+        ...  # pragma: no cover
+
+
+@final
+@dataclass(frozen=True)
+class Columns:
+    """Every point gives way like a column under its own pressure; zero for rigid faces.
+
+    Parameters
+    ----------
+    local : tuple of float
+        Approach over pressure of each interface. [m/Pa]
+    """
+
+    local: tuple[float, ...]
+
+    def distant(self, pressures: Sequence[Array], scene: Scene) -> list[Array]:
+        """Return no further widening. [m]."""
+        return [np.zeros_like(p) for p in pressures]
+
+    def gain(self, changes: Sequence[Array], scene: Scene, patterns: Sequence[Patterns]) -> Array:
+        """Return no further widening. [m/Pa]."""
+        return np.zeros((sum(p.count for p in patterns), sum(map(len, changes))))
+
+
+class BackPressure(NamedTuple):
+    """Pressures behind the pressed bearing. [Pa]."""
+
+    high: float
+    low: float
+    nose: float
+
+
+class Scene(NamedTuple):
+    """Masks and node pressures at one shaft angle."""
+
+    shaft_angle: float  # [rad]
+    masks: tuple[Mask, ...]  # one per interface
+    node_pressure: Array  # [Pa]
+
+
+class Guide(NamedTuple):
+    """Spring that holds the mean opening of all pressed bearings at a place.
+
+    It stands in for what else answers a lift, such as chambers that wider gaps drain.
+    """
+
+    opening: float  # [m]
+    stiffness: float  # [N/m]
+
+
+class Past(NamedTuple):
+    """State of the films at the begin of a step, and its length."""
+
+    state: StackState
+    duration: float  # [s]
+
+
+class Piece(NamedTuple):
+    """One pressed bearing, or one of its parts that move on their own."""
+
+    first: int  # first of its three coordinates
+    side: Side
+    sign: float  # sense in which its back is pushed, along z
+    bearing: FloatingBearing
+    bodies: tuple[str, ...]  # that it runs against
+    pushed: bool  # whether the teeth push these towards it, so that its cover holds all
+
+    @property
+    def play(self) -> float:
+        """Travel from the gears up to its cover. [m]."""
+        return 0.0 if self.pushed else self.bearing.axial_play
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Stack:
+    """Bearings, gears and films of a machine.
+
+    Parameters
+    ----------
+    balance : LateralBalance
+        The machine's data.
+    grids : tuple of FaceGrid
+        One per interface.
+    laws : tuple of FilmLaw
+        One per interface.
+    compliance : Compliance
+        Elastic approach.
+    shaft_speed : float
+        Shaft speed. [rad/s]
+    guide : Guide, optional
+        Spring on the mean opening of the pressed bearings; none in a machine.
+
+    Notes
+    -----
+    Coordinates, three each (lift and rotations about x and y): pressed bearing, gears, and the
+    second pressed bearing if there is one; then the drive gear stays where it is. A bearing that
+    is split has three for every part; between two split ones all gears stay where they are.
+    Forces of the teeth that do not cancel push what is between two pressed bearings to the cover
+    of one of them, which takes the rest. Bearings turn about the x and y axes of the machine
+    frame, gears about their own.
+    """
+
+    balance: LateralBalance
+    grids: tuple[FaceGrid, ...]
+    laws: tuple[FilmLaw, ...]
+    compliance: Compliance
+    shaft_speed: float
+    guide: Guide | None = None
+    pieces: tuple[Piece, ...] = field(init=False, repr=False)
+    _maps: tuple[tuple[Array, Array], ...] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "pieces", _pieces(self.balance))
+        object.__setattr__(self, "_maps", tuple(map(self._lift_maps, self.balance.interfaces)))
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates."""
+        return _MOTIONS * (len(self.pieces) + len(self.balance.bodies))
+
+    @property
+    def first_body(self) -> int:
+        """First coordinate of the first turning body."""
+        return _MOTIONS * max(len(self.balance.halves), 1)
+
+    @property
+    def two_pressed(self) -> bool:
+        """Whether a second bearing is pressed from the other side."""
+        return self.balance.arrangement != "asymmetric"
+
+    @property
+    def free(self) -> IntArray:
+        """Coordinates that move."""
+        axial = self.balance.motion == "axial"
+        found = np.arange(0, self.size, _MOTIONS if axial else 1)
+        return found[~np.isin(found - found % _MOTIONS, self._references)]
+
+    @property
+    def _references(self) -> list[int]:
+        """First coordinates of bodies that stay where they are.
+
+        Nothing changes when all that is between two pressed bearings moves with them.
+        """
+        groups = {piece.bodies: 0 for piece in self.pieces} if self.two_pressed else {}
+        return [self._body(own[0]) for own in groups if self.balance.thrust(own) == 0.0]
+
+    def _body(self, name: str) -> int:
+        """First coordinate of a turning body."""
+        return self.first_body + _MOTIONS * self.balance.bodies.index(name)
+
+    @property
+    def arms(self) -> Array:
+        """Distance at which every coordinate counts as a lift: one for lifts. [-, m]."""
+        reach = self.balance.interfaces[0].outer_radius
+        return np.where(np.arange(self.size) % _MOTIONS == 0, 1.0, reach)
+
+    @property
+    def chains(self) -> list[Array]:
+        """Upper face of every film from the coordinates."""
+        return [bearing + body for bearing, body in self._maps]
+
+    @property
+    def film_motions(self) -> tuple[int, ...]:
+        """Motions of the film faces that occur."""
+        return (0,) if self.balance.motion == "axial" else (0, 1, 2)
+
+    def scene(self, shaft_angle: float, node_pressure: Array) -> Scene:
+        """Masks at a shaft angle [rad] with the pressures of all nodes there. [Pa]."""
+        first = {grid.interface.body: grid for grid in reversed(self.grids)}
+        size = self.grids[0].area.size
+        found = side_by_side(lambda body: first[body].mask(shaft_angle), first, size)
+        masks = dict(zip(first, found, strict=True))
+        return Scene(shaft_angle, tuple(masks[g.interface.body] for g in self.grids), node_pressure)
+
+    def start(self, gap: float) -> Array:
+        """Coordinates with one gap everywhere. [m]."""
+        q = np.zeros(self.size)
+        first = self.first_body
+        q[:first:_MOTIONS] = 2.0 * gap
+        q[first : first + _MOTIONS * len(self.balance.bodies) : _MOTIONS] = gap
+        for held in self.pieces:
+            if held.pushed:  # it begins on its cover
+                beside = [piece.first for piece in self.pieces if piece.bodies == held.bodies]
+                q[beside + [self._body(body) for body in held.bodies]] -= q[held.first]
+        return q
+
+    def gauge(self, q: Array) -> float:
+        """Position of the pressed bearing at its gauge point, away from the gears. [m]."""
+        return float(self.positions(q)[0])
+
+    def positions(self, q: Array) -> Array:
+        """Positions of all pressed bearings or parts at their gauge points, along z. [m]."""
+        found = []
+        for piece in self.pieces:
+            (x, y), k = piece.bearing.gauge_point, piece.first
+            found.append(float(q[k] + q[k + 1] * y - q[k + 2] * x))
+        return np.array(found)
+
+    @property
+    def opening(self) -> Array:
+        """Mean lift of all pressed bearings away from the gears, from the coordinates."""
+        tilts = self.balance.motion == "full"
+        lever = np.zeros(self.size)
+        for piece in self.pieces:
+            (x, y), k = piece.bearing.face.center, piece.first
+            outwards = -piece.sign / len(self.pieces)
+            lever[k : k + _MOTIONS] = outwards, outwards * y * tilts, -outwards * x * tilts
+        return lever
+
+    def tilts(self, q: Array) -> list[float]:
+        """Tilt of every pressed bearing or part. [rad]."""
+        return [float(np.hypot(q[piece.first + 1], q[piece.first + 2])) for piece in self.pieces]
+
+    def film_place(self, index: int, q: Array, v: Array) -> Place:
+        """Position and velocity of a film's upper face about the axis of its body."""
+        bearing, body = self._maps[index]
+        chain = bearing + body
+        return Place(chain @ q, chain @ v)
+
+    def solve(
+        self,
+        scene: Scene,
+        q: Array,
+        v: Array,
+        former: StackState | None,
+        distant: Sequence[Array],
+        past: Past | None = None,
+    ) -> StackState:
+        """All films at positions and velocities, with given widening by distant pressures.
+
+        Without ``past`` the faces count as steady.
+        """
+        low = float(scene.node_pressure[self.balance.low_node])
+
+        def one(k: int) -> FaceFilm:
+            around = Surroundings(scene.masks[k], scene.node_pressure, self.shaft_speed, low)
+            start = former.films[k] if former is not None else None
+            approach = Approach(self.compliance.local[k], distant[k], distant[k])
+            if past is not None:
+                before = past.state.films[k].widening
+                approach = approach._replace(past=before, frequency=1.0 / past.duration)
+            here = self.film_place(k, q, v)
+            film = solve_face(self.grids[k], self.laws[k], around, here, approach, start)
+            film.covered_load()  # kept, and found here beside the other films
+            return film
+
+        films = side_by_side(one, range(len(self.grids)), self.grids[0].area.size)
+        return StackState(self, scene, q, v, films, tuple(distant))
+
+    def with_passes(self, passes: int) -> Stack:
+        """Same stack whose films make at most so many passes at a time."""
+        if passes == self.laws[0].accuracy.passes:
+            return self
+        laws = (law._replace(accuracy=law.accuracy._replace(passes=passes)) for law in self.laws)
+        return replace(self, laws=tuple(laws))
+
+    def _lift_maps(self, interface: FilmInterface) -> tuple[Array, Array]:
+        """Upper face of a film from the coordinates: part of the bearing, part of the body."""
+        x, y = interface.center
+        about = np.array([[1.0, y, -x], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+        bearing, body = np.zeros((_MOTIONS, self.size)), np.zeros((_MOTIONS, self.size))
+        first = self._body(interface.body)
+        sign = 1.0 if interface.side == "floating" else -1.0
+        body[:, first : first + _MOTIONS] = -sign * np.eye(_MOTIONS)
+        for piece in self.pieces:
+            if piece.side == interface.side and interface.body in piece.bodies:
+                bearing[:, piece.first : piece.first + _MOTIONS] = sign * about
+        return bearing, body
+
+
+def _inside_rim(balance: LateralBalance, place: Array) -> float:
+    """Distance of a place from the edge of the belt round the bodies, positive inside. [m]."""
+    first, last = balance.interfaces[0], balance.interfaces[len(balance.bodies) - 1]
+    start, end = np.array(first.center), np.array(last.center)
+    along = end - start
+    length = float(along @ along)
+    share = float(np.clip((place - start) @ along / length, 0.0, 1.0)) if length > 0.0 else 0.0
+    radius = min(first.outer_radius, last.outer_radius)
+    return radius - float(np.linalg.norm(place - start - share * along))
+
+
+def _pieces(balance: LateralBalance) -> tuple[Piece, ...]:
+    """Pressed bearings or their parts: before the bodies those of the floating side."""
+    bodies = balance.bodies
+    parts = balance.halves or (balance.floating,)
+    beside = tuple((b,) for b in bodies) if balance.halves else (bodies,)
+    sides: tuple[tuple[Side, float, int], ...] = (("floating", -1.0, 0),)
+    if balance.arrangement != "asymmetric":
+        sides += (("solid", 1.0, len(parts) + len(bodies)),)
+    return tuple(
+        Piece(
+            _MOTIONS * (start + k),
+            side,
+            sign,
+            part,
+            beside[k],
+            len(sides) > 1 and sign * balance.thrust(beside[k]) < 0.0,
+        )
+        for side, sign, start in sides
+        for k, part in enumerate(parts)
+    )
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class StackState:
+    """Solved films of a stack at one shaft angle."""
+
+    stack: Stack
+    scene: Scene
+    position: Array
+    velocity: Array
+    films: tuple[FaceFilm, ...]
+    distant: tuple[Array, ...]
+
+    @property
+    def converged(self) -> bool:
+        """Whether all films settled."""
+        return all(film.plane.status.succeeded for film in self.films)
+
+    @property
+    def change(self) -> float:
+        """Largest change of a gap by the last pass of its film over the gap. [-]."""
+        return max(film.solution.change for film in self.films)
+
+    def film_force(self) -> Array:
+        """Generalised forces of films, asperities and tooth spaces on the coordinates."""
+        force = np.zeros(self.stack.size)
+        for film, (bearing, body) in zip(self.films, self.stack._maps, strict=True):
+            force += (bearing + body).T @ film.covered_load() + bearing.T @ film.open_load()
+        return force
+
+    def back_force(self, back: BackPressure) -> Array:
+        """Generalised forces behind the pressed bearings, springs and tooth forces."""
+        stack = self.stack
+        force = np.zeros(stack.size)
+        # the face as the films see it, so that equal pressure everywhere balances exactly
+        for first, side, sign, bearing, bodies, _ in stack.pieces:
+            high, nose = (np.array(p.moments) for p in (bearing.high_pressure, bearing.nose))
+            rest = self._face(side, bodies) - high - nose
+            push = back.high * high + back.nose * nose + back.low * rest
+            push += np.array(bearing.preload.moments)
+            force[first : first + _MOTIONS] += sign * push
+        for k, load in enumerate(stack.balance.body_forces):
+            first = stack.first_body + _MOTIONS * k
+            force[first : first + _MOTIONS] += load.moments
+        return force
+
+    def coefficients(self) -> tuple[Array, Array]:
+        """Stiffness and damping of all films: minus the derivatives of the film force."""
+        size = self.stack.size
+        stiffness, damping = np.zeros((size, size)), np.zeros((size, size))
+        for film, (bearing, body) in zip(self.films, self.stack._maps, strict=True):
+            chain = bearing + body
+            k, d = film.coefficients(self.stack.film_motions)
+            stiffness += chain.T @ k @ chain
+            damping += chain.T @ d @ chain
+        return stiffness, damping
+
+    def face_pressures(self, low: float) -> list[Array]:
+        """Pressures on the faces above the low pressure. [Pa]."""
+        return [film.total - low for film in self.films]
+
+    def smallest_gap(self) -> float:
+        """Smallest gap under film. [m]."""
+        return min(float(f.gap[f.around.mask.film].min()) for f in self.films)
+
+    def mean_gaps(self) -> Array:
+        """Mean gap of every film over its area. [m]."""
+        found = []
+        for f in self.films:
+            area = np.where(f.around.mask.film, f.grid.area, 0.0)
+            found.append(float((f.gap * area).sum() / area.sum()))
+        return np.array(found)
+
+    def solid_seat(self, low: float) -> Array:
+        """Force [N] and moments [N m] that press the solid bearing on its cover.
+
+        The force is negative if the bearing lifts off; moments are about the x and y axes of the
+        machine.
+        """
+        load = -low * self._face("solid", self.stack.balance.bodies)
+        for film in self.films:
+            if film.grid.interface.side == "solid":
+                x, y = film.grid.interface.center
+                force, about_x, about_y = film.covered_load() + film.open_load()
+                load += np.array([force, about_x + y * force, about_y - x * force])
+        return load
+
+    def seat_margin(self, low: float) -> float:
+        """How far inside its rim the solid bearing is pressed, negative if it tips. [m]."""
+        force, about_x, about_y = self.solid_seat(low)
+        if force <= 0.0:
+            return -np.inf
+        return _inside_rim(self.stack.balance, np.array([-about_y, about_x]) / force)
+
+    def _face(self, side: str, bodies: tuple[str, ...]) -> Array:
+        found = np.zeros(_MOTIONS)
+        for film in self.films:
+            if film.grid.interface.side == side and film.grid.interface.body in bodies:
+                found += film.grid.face_moments(film.around.mask.cells.owned)
+        return found
+
+
+def mean_force(states: Sequence[StackState], back: BackPressure) -> Array:
+    """Force of films and of the pressures behind the bearing, mean over scenes. [N, N m]."""
+    return np.mean([s.film_force() + s.back_force(back) for s in states], axis=0)
+
+
+def mean_coefficients(states: Sequence[StackState]) -> tuple[Array, Array]:
+    """Stiffness and damping of the films, means over scenes."""
+    pairs = [state.coefficients() for state in states]
+    return np.mean([k for k, _ in pairs], axis=0), np.mean([d for _, d in pairs], axis=0)

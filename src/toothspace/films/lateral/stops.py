@@ -1,0 +1,101 @@
+"""Cover, wall and journal bearings that limit how far bodies lift and tilt."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toothspace.core.types import Array
+from toothspace.films.lateral.stack import Piece, Stack
+
+_STIFFNESS = 1e9
+"""Stiffness of the cover at one place of the rim. [N/m]"""
+_SHAFT_STIFFNESS = 1e6
+"""Stiffness of a shaft that leans on the far ends of its journal bearings. [N m/rad]"""
+_PLACES = 12
+"""Places of the rim beside every body at which the cover may be met."""
+
+
+def stop_forces(stack: Stack, q: Array) -> tuple[Array, Array]:
+    """Forces of cover, wall and journal bearings on the coordinates, and their stiffness.
+
+    Parameters
+    ----------
+    stack : Stack
+        Bodies and films.
+    q : ndarray
+        Coordinates. [m, rad]
+
+    Returns
+    -------
+    tuple of ndarray
+        Generalised forces [N, N m] and minus their derivatives with the coordinates.
+
+    Notes
+    -----
+    The cover is met where a place of the rim has travelled by the axial play, so that a bearing
+    which films push off on one side leans on it. The wall of the housing holds the tilt about y.
+    Turning bodies are held by their journal bearings, weakly until the clearance is used up.
+    """
+    force, stiffness = np.zeros(stack.size), np.zeros((stack.size, stack.size))
+    for piece in stack.pieces:
+        here = slice(piece.first, piece.first + 3)
+        levers = rim_levers(stack, piece)
+        over = -piece.sign * (levers @ q[here]) - piece.play
+        met = levers[over > 0.0]
+        force[here] += piece.sign * _STIFFNESS * (over[over > 0.0] @ met)
+        stiffness[here, here] += _STIFFNESS * met.T @ met
+        wall = piece.bearing.wall_stiffness
+        force[piece.first + 2] -= wall * q[piece.first + 2]
+        stiffness[piece.first + 2, piece.first + 2] += wall
+    if stack.guide is not None:
+        lever, spring = stack.opening, stack.guide
+        force += spring.stiffness * (spring.opening - float(lever @ q)) * lever
+        stiffness += spring.stiffness * np.outer(lever, lever)
+    held = stack.balance.shaft_stiffness
+    for tilts, most in _shafts(stack):
+        moment, slope = _journal_moment(q[tilts], most)
+        force[tilts] += moment - held * q[tilts]
+        stiffness[tilts, tilts] += slope + held * np.eye(2)
+    return force, stiffness
+
+
+def leaning(stack: Stack, q: Array) -> list[str]:
+    """Tell what leans on its cover or in its journal bearings at coordinates. [m, rad]."""
+    found = []
+    for piece in stack.pieces:
+        lift = -piece.sign * (rim_levers(stack, piece) @ q[piece.first : piece.first + 3])
+        if lift.max() > piece.bearing.axial_play:
+            beside = "" if len(stack.pieces) == 1 else f" ({piece.side} side)"
+            found.append(f"the pressed bearing{beside} has lifted to its cover")
+    for body, (tilts, most) in zip(stack.balance.bodies, _shafts(stack), strict=False):
+        if np.hypot(*q[tilts]) > most:
+            found.append(f"{body} has tilted by the clearance of its journal bearings")
+    return found
+
+
+def rim_levers(stack: Stack, piece: Piece) -> Array:
+    """Lift of places on the rim of a bearing from its three coordinates, one row each."""
+    own = [i for i in stack.balance.interfaces if i.side == piece.side and i.body in piece.bodies]
+    turn = 2.0 * np.pi * np.arange(_PLACES) / _PLACES
+    x = np.concatenate([i.center[0] + i.outer_radius * np.cos(turn) for i in own])
+    y = np.concatenate([i.center[1] + i.outer_radius * np.sin(turn) for i in own])
+    return np.stack([np.ones_like(x), y, -x], axis=1)
+
+
+def _shafts(stack: Stack) -> list[tuple[slice, float]]:
+    """Rotations of every turning body, and how large they may be. [rad]."""
+    count = len(stack.balance.bodies)
+    most = stack.balance.body_tilts or (np.inf,) * count
+    places = [stack.first_body + 3 * k for k in range(count)]
+    return [(slice(p + 1, p + 3), m) for p, m in zip(places, most, strict=True)]
+
+
+def _journal_moment(tilt: Array, most: float) -> tuple[Array, Array]:
+    """Moments on a shaft that is tilted by more than its bearings allow, and their stiffness."""
+    size = float(np.hypot(*tilt))
+    over = size - most
+    if over <= 0.0:
+        return np.zeros(2), np.zeros((2, 2))
+    sense = np.outer(tilt, tilt) / size**2
+    slope = sense + over / size * (np.eye(2) - sense)
+    return -_SHAFT_STIFFNESS * over / size * tilt, _SHAFT_STIFFNESS * slope

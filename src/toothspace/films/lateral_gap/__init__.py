@@ -1,1 +1,0 @@
-"""Films beside the gears in balance with the bearings pressed against them."""

@@ -1,0 +1,206 @@
+"""Films between nearly parallel faces: solution on a given grid, loads and rigid motions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import NamedTuple, final
+
+import numpy as np
+
+from toothspace.core.errors import CaseError
+from toothspace.core.status import Status
+from toothspace.core.types import Array
+from toothspace.films.reynolds.equation import FilmGrid, FluidField, GapField
+from toothspace.films.reynolds.fluid import FilmFluid
+from toothspace.films.reynolds.linearised import pressure_responses
+from toothspace.films.reynolds.rough_surfaces import SMOOTH, FlowLaw, mean_gap
+from toothspace.films.reynolds.state import (
+    Exchange,
+    FilmHistory,
+    FilmProblem,
+    exchange,
+    memory,
+    relative_error,
+    solve_state,
+)
+from toothspace.numerics.complementarity import (
+    ComplementaritySolution,
+    Constraint,
+    residual,
+)
+from toothspace.numerics.linear_system import PRESCRIBED
+from toothspace.numerics.structured_grid import CellBalance
+
+
+class PlanePoints(NamedTuple):
+    """Coordinates x and y of cell centres and faces. [m]."""
+
+    x: Array  # (rows, lanes)
+    y: Array
+    face_x: tuple[Array, Array]  # x and y on the faces of the first index
+    face_y: tuple[Array, Array]  # x and y on the faces of the second index
+
+
+def cartesian_points(x: Array, x_face: Array, y: Array, y_face: Array) -> PlanePoints:
+    """Coordinates of a rectangular grid from its lines."""
+    centre = np.meshgrid(x, y, indexing="ij")
+    first = np.meshgrid(x_face, y, indexing="ij")
+    second = np.meshgrid(x, y_face, indexing="ij")
+    return PlanePoints(centre[0], centre[1], (first[0], first[1]), (second[0], second[1]))
+
+
+def polar_points(angle: Array, angle_face: Array, radius: Array, rim: Array) -> PlanePoints:
+    """Coordinates of a polar grid from its lines; the first index is the angle."""
+
+    def at(angles: Array, radii: Array) -> tuple[Array, Array]:
+        return np.outer(np.cos(angles), radii), np.outer(np.sin(angles), radii)
+
+    x, y = at(angle, radius)
+    return PlanePoints(x, y, at(angle_face, radius), at(angle, rim))
+
+
+@final
+@dataclass(frozen=True)
+class PlaneFilm:
+    """Discrete film between two faces; force axis z.
+
+    ``weight`` is 2 if the film is half of a mirrored one (mirror plane y = 0), else 1.
+    """
+
+    grid: FilmGrid
+    gap: GapField
+    points: PlanePoints
+    fluid: FilmFluid
+    cavitation_pressure: float
+    constraint: Constraint
+    weight: float = 1.0
+    law: FlowLaw = SMOOTH
+
+
+@final
+@dataclass(frozen=True)
+class PlaneSolution:
+    """Fields of a plane film and the state that they were found with."""
+
+    film: PlaneFilm
+    fluid: FluidField = field(repr=False)
+    """Liquid at the pressure of the cells."""
+    balance: CellBalance = field(repr=False)
+    fields: ComplementaritySolution = field(repr=False)
+    status: Status
+    """Whether there is a solution and the iterations settled."""
+    gauge: Array = field(repr=False)
+    """Pressure above the cavitation pressure. [Pa]"""
+
+    @property
+    def pressure(self) -> Array:
+        """Absolute pressure of the cells. [Pa]."""
+        return self.gauge + self.film.cavitation_pressure
+
+    def responses(self, changes: Sequence[GapField]) -> list[Array]:
+        """Change of the pressure with each change of the gap; the density is held. [Pa per unit].
+
+        As :func:`~toothspace.films.reynolds.linearised.pressure_responses`.
+        """
+        film, density = self.film, self.fluid.density
+        carrier = film.fluid.carrier(density)
+        found = pressure_responses(
+            (film.grid, film.gap, carrier), film.law, self.balance, self.fields, changes
+        )
+        # the reduced pressure is solved for; the pressure follows it with the viscosity ratio
+        stretch = carrier.fluidity / self.fluid.fluidity
+        return [stretch * response for response in found]
+
+    def load(self, pressure: Array) -> Array:
+        """Force along z and moments about x and y of a pressure on the upper face.
+
+        [N, N m, N m]
+        """
+        film = self.film
+        push = pressure * film.grid.area * film.weight
+        moment_x = 0.0 if film.weight > 1.0 else float((push * film.points.y).sum())
+        return np.array([float(push.sum()), moment_x, -float((push * film.points.x).sum())])
+
+    @cached_property
+    def exchange(self) -> Exchange:
+        """Flow out of the whole film, and power of the given pressures. [m3/s, W]."""
+        found = exchange(self.film.grid, self.balance, self.fields)
+        return Exchange(self.film.weight * found.outflow, self.film.weight * found.power)
+
+    def history(self, time_step: float) -> FilmHistory:
+        """What the film holds, as the past of a film one time step later. [s]."""
+        film = self.film
+        height = mean_gap(film.gap.centre, film.law) + film.gap.step
+        return FilmHistory(self.fields.saturation * self.fluid.density * height, time_step)
+
+    def mass_balance_error(self) -> float:
+        """Sum of the residuals of free cells over the through-flow. [-]."""
+        b = self.balance
+        net = residual(b, b, np.maximum(self.fields.potential, 0.0), self.fields.saturation)
+        free = b.mark != PRESCRIBED
+        through = max(
+            float(np.abs(net[~free]).sum()),
+            float(np.abs(b.storage).sum()),
+            float(np.abs(b.advection_x).sum(axis=1).max()),
+            float(np.abs(b.advection_y).sum(axis=0).max()),
+            self._edge_flow(),
+        )
+        return relative_error(float(net[free].sum()), through, b, self.fields.potential)
+
+    def _edge_flow(self) -> float:
+        b, u = self.balance, self.fields.potential
+        flow = float(np.abs(b.conductance_y[:, -1] * (u[:, -1] - b.north)).sum())
+        if not b.ring:
+            flow += float(np.abs(b.conductance_x[0] * (u[0] - b.west)).sum())
+        return flow
+
+    def cavitated_fraction(self) -> float:
+        """Part of the free area that is at cavitation pressure. [-]."""
+        free = self.balance.mark != PRESCRIBED
+        empty = free & (self.fields.potential <= 0.0)
+        area = self.film.grid.area
+        return float(area[empty].sum() / area[free].sum())
+
+    def rigid_coefficients(self) -> tuple[Array, Array]:
+        """Stiffness and damping 3x3 for lift of the upper face and its rotations about x and y.
+
+        Minus the derivatives of force and moments; the density is held.
+        [N/m, N m/rad and mixed; the same times s]
+        """
+        film = self.film
+        changes = [_rigid_change(film, k, rate) for rate in (False, True) for k in range(3)]
+        responses = self.responses(changes)
+        table = -np.array([self.load(response) for response in responses]).T
+        return table[:, :3], table[:, 3:]
+
+
+def solve_plane(film: PlaneFilm, history: FilmHistory | None = None) -> PlaneSolution:
+    """Pressure and film fraction; viscosity and density are iterated with the pressure.
+
+    With a history the liquid is transported in time, else it follows the motion without delay.
+    """
+    lowest = float(min(film.gap.centre.min(), film.gap.face_x.min(), film.gap.face_y.min()))
+    if lowest <= 0.0 and film.law.roughness == 0.0:
+        raise CaseError(f"film: found a smallest gap of {lowest:.3g} m, allowed are open gaps")
+    problem = FilmProblem(
+        film.grid, film.gap, film.fluid, film.cavitation_pressure, film.constraint, film.law
+    )
+    state = solve_state(problem, history=memory(problem, history))
+    return PlaneSolution(film, state.fluid, state.balance, state.fields, state.status, state.gauge)
+
+
+def _rigid_change(film: PlaneFilm, motion: int, rate: bool) -> GapField:
+    """Change of the gap by a unit lift or rotation of the upper face about x or y."""
+    points = film.points
+
+    def shape(x: Array, y: Array) -> Array:
+        return np.ascontiguousarray((np.ones_like(x), y, -x)[motion])
+
+    centre = shape(points.x, points.y)
+    faces = shape(*points.face_x), shape(*points.face_y)
+    zero = np.zeros_like(centre)
+    if rate:
+        return GapField(zero, np.zeros_like(faces[0]), np.zeros_like(faces[1]), centre, zero)
+    return GapField(centre, faces[0], faces[1], zero, zero)

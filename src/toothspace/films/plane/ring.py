@@ -1,0 +1,389 @@
+"""Film between a rotating and a resting face on a polar grid, masked by given pressures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import final
+
+import numpy as np
+
+from toothspace.core.errors import CaseError
+from toothspace.core.status import Status
+from toothspace.core.types import Array
+from toothspace.films.journal.geometry import wall_stress
+from toothspace.films.plane.film import (
+    PlaneFilm,
+    PlaneSolution,
+    polar_points,
+    solve_plane,
+)
+from toothspace.films.reynolds.cavitation import CAVITATION
+from toothspace.films.reynolds.equation import FilmGrid, GapField
+from toothspace.films.reynolds.fluid import FilmFluid
+from toothspace.films.reynolds.rough_surfaces import (
+    SMOOTH,
+    RoughSurfaces,
+    contact_field,
+    refuse_deep_contact,
+)
+from toothspace.films.reynolds.state import FilmHistory
+from toothspace.numerics.complementarity import face_flows, residual
+from toothspace.numerics.linear_system import PRESCRIBED
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LateralFilm:
+    r"""Film on a ring or disc whose one face rotates about the z axis.
+
+    Parameters
+    ----------
+    inner_radius : float
+        Inner radius; zero for a disc. [m]
+    outer_radius : float
+        Outer radius. [m]
+    side_gap : float
+        Gap height on the axis. [m]
+    fluid : FilmFluid
+        Liquid.
+    tilt : tuple of float
+        Rotation of the upper face about the x and y axis. [rad]
+    grid : tuple of int
+        Cells round the circumference and along the radius. [-]
+    inner_pressure, outer_pressure : float, ndarray or None
+        Absolute pressure beyond the rims, one value or one per angle; None for a wall. [Pa]
+    given_pressure : ndarray, optional
+        Shape of the grid: absolute pressure of cells that belong to a tooth space, groove or
+        port, NaN where there is film. [Pa]
+    depth : ndarray, optional
+        Shape of the grid: recess of the cells below the plane face. [m]
+    surfaces : RoughSurfaces, optional
+        Roughness and contact; the rotating face is the moving wall.
+    cavitation : {"jfo", "reynolds", "guembel"}
+        As for :class:`~toothspace.films.journal.bearing.JournalBearing`.
+    cavitation_pressure : float
+        Absolute pressure in the cavity. [Pa]
+
+    Notes
+    -----
+    Gap height :math:`h = h_0 + \alpha y - \beta x`. Angles run from x towards y, cell centres
+    stand at half steps. Radial conductances are exact for a gap that does not change along the
+    radius. Validity: laminar, no inertia (:math:`\rho \omega h^2 / \mu \ll 1`).
+    """
+
+    inner_radius: float
+    outer_radius: float
+    side_gap: float
+    fluid: FilmFluid
+    tilt: tuple[float, float] = (0.0, 0.0)
+    grid: tuple[int, int] = (256, 64)
+    inner_pressure: float | Array | None = None
+    outer_pressure: float | Array | None = None
+    given_pressure: Array | None = field(default=None, repr=False)
+    depth: Array | None = field(default=None, repr=False)
+    surfaces: RoughSurfaces | None = None
+    cavitation: str = "jfo"
+    cavitation_pressure: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.inner_radius < self.outer_radius:
+            raise CaseError(
+                f"film.inner_radius: found {self.inner_radius!r} m, allowed are values from 0 to "
+                f"below the outer radius {self.outer_radius!r} m"
+            )
+        for key in ("given_pressure", "depth"):
+            values = getattr(self, key)
+            if values is not None and values.shape != self.grid:
+                raise CaseError(f"film.{key}: found shape {values.shape}, allowed is {self.grid}")
+
+    @property
+    def angle(self) -> Array:
+        """Angles of the cell centres. [rad]."""
+        return np.asarray((np.arange(self.grid[0]) + 0.5) * 2.0 * np.pi / self.grid[0])
+
+    @property
+    def radius(self) -> Array:
+        """Radii of the cell centres. [m]."""
+        rim = self._rims()
+        return 0.5 * (rim[1:] + rim[:-1])
+
+    def solve(
+        self,
+        *,
+        shaft_speed: float = 0.0,
+        squeeze_velocity: float = 0.0,
+        gap_speed: float = 0.0,
+        history: FilmHistory | None = None,
+    ) -> LateralSolution:
+        """Film at a speed of the rotating face.
+
+        Parameters
+        ----------
+        shaft_speed : float
+            Rotation of the lower face, positive from x towards y. [rad/s]
+        squeeze_velocity : float
+            Velocity of the upper face away from the lower. [m/s]
+        gap_speed : float
+            Rotation of the gap pattern: zero if it rests with the upper face, the shaft
+            speed if it is fixed to the rotating face. [rad/s]
+        history : FilmHistory, optional
+            ``solution.history(time_step)`` of the film one time step ago: the liquid is then
+            transported in time; the change of the gaps counts instead of their velocities.
+        """
+        film = self.discretise(shaft_speed, squeeze_velocity, gap_speed)
+        refuse_deep_contact(film.gap.centre, self.surfaces, "film.side_gap")
+        return LateralSolution(self, shaft_speed, squeeze_velocity, solve_plane(film, history))
+
+    def discretise(
+        self, shaft_speed: float = 0.0, squeeze_velocity: float = 0.0, gap_speed: float = 0.0
+    ) -> PlaneFilm:
+        """Film on its grid before it is solved; arguments as for :meth:`solve`."""
+        rim, radius, angle = self._rims(), self.radius, self.angle
+        step = 2.0 * np.pi / self.grid[0]
+        face_angle = np.asarray(np.arange(self.grid[0] + 1) * step, dtype=np.float64)
+        centre = self._gap(angle, radius)
+        slope = self._slope(angle, radius)
+        gap = GapField(
+            centre,
+            self._gap(face_angle, radius),
+            self._gap(angle, rim),
+            squeeze_velocity - gap_speed * slope,
+            np.zeros_like(centre) if self.depth is None else self.depth,
+        )
+        return PlaneFilm(
+            self._metric(step, rim, radius, shaft_speed),
+            gap,
+            polar_points(angle, face_angle, radius, rim),
+            self.fluid,
+            self.cavitation_pressure,
+            CAVITATION[self.cavitation],
+            law=SMOOTH if self.surfaces is None else self.surfaces.flow_law(1.0),
+        )
+
+    def _rims(self) -> Array:
+        return np.asarray(np.linspace(self.inner_radius, self.outer_radius, self.grid[1] + 1))
+
+    def _gap(self, angle: Array, radius: Array) -> Array:
+        about_x, about_y = self.tilt
+        lean = about_x * np.sin(angle) - about_y * np.cos(angle)
+        return np.ascontiguousarray(self.side_gap + lean[:, None] * radius)
+
+    def _slope(self, angle: Array, radius: Array) -> Array:
+        about_x, about_y = self.tilt
+        lean = about_x * np.cos(angle) + about_y * np.sin(angle)
+        return np.asarray(lean[:, None] * radius)
+
+    def _metric(self, step: float, rim: Array, radius: Array, shaft_speed: float) -> FilmGrid:
+        rows, lanes = self.grid
+        width = np.diff(rim)
+        between = np.empty(lanes + 1)
+        between[1:-1] = np.log(radius[1:] / radius[:-1])
+        between[0] = np.log(radius[0] / rim[0]) if rim[0] > 0.0 else np.inf
+        between[-1] = np.log(rim[-1] / radius[-1])
+        across = step / between
+        if self.inner_pressure is None:
+            across[0] = 0.0
+        if self.outer_pressure is None:
+            across[-1] = 0.0
+        area = 0.5 * step * (rim[1:] ** 2 - rim[:-1] ** 2)
+        given = np.full(self.grid, np.nan) if self.given_pressure is None else self.given_pressure
+        known = np.isfinite(given)
+        return FilmGrid(
+            np.tile(width / (radius * step), (rows + 1, 1)),
+            np.tile(across, (rows, 1)),
+            np.tile(0.5 * shaft_speed * radius * width, (rows + 1, 1)),
+            np.zeros((rows, lanes + 1)),
+            np.tile(area, (rows, 1)),
+            np.where(known, PRESCRIBED, 0),
+            np.where(known, given, 0.0),
+            np.zeros(lanes),
+            np.zeros(lanes),
+            self._rim_pressure(self.inner_pressure),
+            self._rim_pressure(self.outer_pressure),
+            True,
+        )
+
+    def _rim_pressure(self, pressure: float | Array | None) -> Array:
+        value = self.cavitation_pressure if pressure is None else pressure
+        return np.array(np.broadcast_to(np.asarray(value, dtype=float), (self.grid[0],)))
+
+
+@final
+@dataclass(frozen=True)
+class LateralSolution:
+    """Film between two faces, one rotating."""
+
+    lateral: LateralFilm
+    """What was solved."""
+    shaft_speed: float
+    """Rotation of the lower face. [rad/s]"""
+    squeeze_velocity: float
+    """Velocity of the upper face away from the lower. [m/s]"""
+    plane: PlaneSolution
+    """Fields, mass balance, stiffness and damping."""
+
+    def history(self, time_step: float) -> FilmHistory:
+        """What the film holds, as the past of a film one time step later. [s]."""
+        return self.plane.history(time_step)
+
+    @property
+    def status(self) -> Status:
+        """Whether there is a solution and cavity boundary and fluid state settled."""
+        return self.plane.status
+
+    @property
+    def pressure(self) -> Array:
+        """Absolute pressure over angle and radius. [Pa]."""
+        return self.plane.pressure
+
+    @property
+    def film_fraction(self) -> Array:
+        """Film fraction over angle and radius. [-]."""
+        return self.plane.fields.saturation
+
+    @property
+    def gap_height(self) -> Array:
+        """Gap height over angle and radius, recesses included. [m]."""
+        gap = self.plane.film.gap
+        return np.asarray(gap.centre + gap.step)
+
+    @property
+    def contact_pressure(self) -> Array:
+        """Asperity pressure over angle and radius, zero in recesses. [Pa]."""
+        surfaces = self.lateral.surfaces
+        gap = self.plane.film.gap
+        if surfaces is None:
+            return np.zeros_like(gap.centre)
+        height = gap.centre + gap.step
+        pressure, _ = contact_field(height, surfaces.roughness, surfaces.contact_table())
+        return np.where(self.plane.film.grid.mark == PRESCRIBED, 0.0, pressure)
+
+    def coefficients(self) -> tuple[Array, Array]:
+        """Stiffness and damping 3x3 for lift of the upper face and its rotations about x and y.
+
+        Of film and touching asperities; units as of
+        :meth:`~toothspace.films.plane.film.PlaneSolution.rigid_coefficients`.
+        """
+        stiffness, damping = self.plane.rigid_coefficients()
+        return stiffness + self._contact_stiffness(), damping
+
+    def _contact_stiffness(self) -> Array:
+        """Part of the stiffness that asperities add. [N/m, N/rad, N m/rad]."""
+        surfaces, film = self.lateral.surfaces, self.plane.film
+        if surfaces is None:
+            return np.zeros((3, 3))
+        height = film.gap.centre + film.gap.step
+        _, slope = contact_field(height, surfaces.roughness, surfaces.contact_table())
+        softer = np.where(film.grid.mark == PRESCRIBED, 0.0, -slope * film.grid.area)
+        lift = np.stack([np.ones_like(height), film.points.y, -film.points.x])
+        return np.asarray(np.einsum("ikl,jkl,kl->ij", lift, lift, softer))
+
+    @property
+    def load(self) -> Array:
+        """Force along z [N] and moments about x and y [N m] on the upper face.
+
+        Of the absolute pressure, given cells included, and of asperities.
+        """
+        return self.plane.load(self.plane.pressure + self.contact_pressure)
+
+    @property
+    def friction_torque(self) -> float:
+        """Torque of film and asperities on the rotating face, positive along z. [N m].
+
+        Shear in a cavity counts with the film fraction; given cells carry none.
+        """
+        sliding, pattern, pressure = self._drag
+        return pattern - sliding - pressure - self.contact_torque
+
+    @property
+    def resting_friction_torque(self) -> float:
+        """Torque of film and asperities on the resting face, positive along z. [N m]."""
+        sliding, pattern, pressure = self._drag
+        return sliding + pattern - pressure + self.contact_torque
+
+    @property
+    def contact_torque(self) -> float:
+        """Torque by which touching asperities drag the resting face along. [N m]."""
+        surfaces = self.lateral.surfaces
+        if surfaces is None:
+            return 0.0
+        push = self.contact_pressure * self.plane.film.grid.area * self.lateral.radius
+        return float(np.sign(self.shaft_speed) * surfaces.boundary_friction * push.sum())
+
+    @property
+    def contact_load(self) -> float:
+        """Part of the force along z that touching asperities carry. [N]."""
+        return float((self.contact_pressure * self.plane.film.grid.area).sum())
+
+    @property
+    def power_loss(self) -> float:
+        """Power that friction takes from the rotating face. [W]."""
+        return -self.friction_torque * self.shaft_speed
+
+    @cached_property
+    def _drag(self) -> tuple[float, float, float]:
+        """Torque by sliding, its difference by the patterns, and by pressure gradients. [N m]."""
+        film, gap = self.plane.film, self.plane.film.gap
+        radius = self.lateral.radius
+        arm = np.where(film.grid.mark != PRESCRIBED, radius * film.grid.area, 0.0)
+        mean, difference, half = wall_stress(gap.centre + gap.step, film.law)
+        viscous = self.shaft_speed * radius * self.plane.fields.saturation
+        viscous = viscous / self.plane.fluid.fluidity * arm
+        p = self.plane.pressure
+        step = 2.0 * np.pi / self.lateral.grid[0]
+        rise = (np.roll(p, -1, axis=0) - np.roll(p, 1, axis=0)) / (2.0 * step * radius)
+        return (
+            float((viscous * mean).sum()),
+            float((viscous * difference).sum()),
+            float((half * rise * arm).sum()),
+        )
+
+    @property
+    def outer_flow(self) -> float:
+        """Flow out through the outer rim. [m3/s]."""
+        return float(self._radial_flow()[:, -1].sum())
+
+    @property
+    def inner_flow(self) -> float:
+        """Flow out through the inner rim. [m3/s]."""
+        return -float(self._radial_flow()[:, 0].sum())
+
+    def _radial_flow(self) -> Array:
+        b, fields = self.plane.balance, self.plane.fields
+        _, flow = face_flows(b, b, np.maximum(fields.potential, 0.0), fields.saturation)
+        return np.asarray(flow)
+
+    @property
+    def cell_flow(self) -> Array:
+        """Flow out of every given cell into the film, zero elsewhere. [m3/s]."""
+        b, fields = self.plane.balance, self.plane.fields
+        net = residual(b, b, np.maximum(fields.potential, 0.0), fields.saturation)
+        return np.where(b.mark == PRESCRIBED, net, 0.0)
+
+    @property
+    def outflow(self) -> float:
+        """Flow out over rims and edges of given cells, where it leaves. [m3/s]."""
+        return self.plane.exchange.outflow
+
+    @property
+    def dissipated_power(self) -> float:
+        """Power that becomes heat: of rotation, approach, and pressures at the edges. [W]."""
+        free = np.where(self.plane.film.grid.mark == PRESCRIBED, 0.0, self.plane.pressure)
+        approach = float(self.plane.load(free)[0]) * self.squeeze_velocity
+        return self.plane.exchange.power - self.friction_torque * self.shaft_speed - approach
+
+    @property
+    def max_pressure(self) -> float:
+        """Highest absolute pressure. [Pa]."""
+        return float(self.plane.pressure.max())
+
+    @property
+    def cavitated_fraction(self) -> float:
+        """Part of the film area at cavitation pressure. [-]."""
+        return self.plane.cavitated_fraction()
+
+    @property
+    def mass_balance_error(self) -> float:
+        """Sum of the cell residuals over the through-flow. [-]."""
+        return self.plane.mass_balance_error()

@@ -1,0 +1,287 @@
+r"""Balance of a film between yielding faces and its derivative with the gap, where there is film.
+
+Pressure that steps from one cell to the next opens the gap in a step too, and a conductance taken
+at one side or at the mean gap then lets the flow fall as the pressure rises: solutions multiply.
+The mean of the conductances of both cells is the trapezoidal rule of
+
+.. math::
+
+    q \propto \int K(h(p))\,\mathrm dp,
+
+which always grows with the pressure, so that the matrix of Newton's method is one of diffusion.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from toothspace.closures.flow_factors import PatternColumns
+from toothspace.core.compiled import inlined, kernel
+from toothspace.core.types import Array, IntArray
+from toothspace.films.reynolds.equation import (
+    FilmGrid,
+    FluidField,
+    GapField,
+    gauge_pressure,
+    vary_storage,
+)
+from toothspace.films.reynolds.rough_surfaces import (
+    FlowLaw,
+    carried_law,
+    conductance_law,
+    squeeze_law,
+    tabulated,
+    tabulates,
+)
+from toothspace.numerics.structured_grid import PRESCRIBED, CellBalance
+
+
+class GapSlopes(NamedTuple):
+    """Change of the coefficients with the gap of one of the two cells of a face. [m2, -]."""
+
+    west: Array  # (rows + 1, lanes) conductance, gap of the cell before
+    east: Array  # gap of the cell behind
+    carried: Array  # advection, gap of the cell upstream
+    south: Array  # (rows, lanes + 1)
+    north: Array
+
+
+class Linearised(NamedTuple):
+    """Coefficients of a balance, and their derivatives."""
+
+    balance: CellBalance
+    slope: GapSlopes
+
+
+class YieldingGap(NamedTuple):
+    """Gap of a ring of cells between yielding faces."""
+
+    rigid: GapField  # undeformed; its steps are not used
+    opening: Array  # (rows, lanes) widening [m]
+    edge: Array  # (2, rows) widening at the inner and at the outer rim [m]
+
+
+class Motion(NamedTuple):
+    """Motion of a face."""
+
+    lift: GapField  # change of the undeformed gap and of its rate, per unit
+    follows: Array  # change of the gap of a cell over that of its undeformed height [-]
+
+
+class _Cells(NamedTuple):
+    """Cube of the gap times flow factor along and across [m3], and their slopes. [m2]."""
+
+    along: Array
+    along_slope: Array
+    across: Array
+    across_slope: Array
+
+
+@inlined
+def _conductance(
+    gap: float, law: FlowLaw, columns: PatternColumns, nodes: Array
+) -> tuple[float, float]:
+    if law.roughness == 0.0:
+        return gap * gap * gap, 3.0 * gap * gap
+    ratio = gap / law.roughness
+    if tabulates(law.table, ratio):
+        value, slope = tabulated(law.table, nodes, ratio)
+        return value * law.roughness**3, slope * law.roughness**2
+    return conductance_law(gap, law, columns)
+
+
+@inlined
+def _carried(gap: float, law: FlowLaw) -> tuple[float, float]:
+    if law.roughness == 0.0:
+        return gap, 1.0
+    ratio = gap / law.roughness
+    if tabulates(law.table, ratio):
+        value, slope = tabulated(law.table, law.table.carried, ratio)
+        return value * law.roughness, slope
+    return carried_law(gap, law)
+
+
+@kernel
+def _fill_cells(mark: IntArray, gap: YieldingGap, law: FlowLaw, alike: bool, cells: _Cells) -> None:
+    """Conductances of the film and of the cells beside it; ``alike``: both ways the same."""
+    rows, lanes = gap.opening.shape
+    for i in range(rows):
+        for j in range(lanes):
+            bare = mark[i, j] == 2 and mark[(i + 1) % rows, j] == 2 and mark[i - 1, j] == 2
+            bare = bare and mark[i, max(j - 1, 0)] == 2 and mark[i, min(j + 1, lanes - 1)] == 2
+            if bare:
+                continue
+            h = gap.rigid.centre[i, j] + gap.opening[i, j]
+            cube, slope = _conductance(h, law, law.along, law.table.along)
+            cells.along[i, j], cells.along_slope[i, j] = cube, slope
+            if not alike:
+                cube, slope = _conductance(h, law, law.across, law.table.across)
+            cells.across[i, j], cells.across_slope[i, j] = cube, slope
+
+
+@kernel
+def _fill_along(
+    grid: FilmGrid,
+    gap: YieldingGap,
+    fluid: FluidField,
+    law: FlowLaw,
+    cells: _Cells,
+    out: Linearised,
+) -> None:
+    """Faces of the first index between cells of which at least one holds film."""
+    rows, lanes = gap.opening.shape
+    b, slope = out
+    for i in range(rows + 1):
+        w, e = (i + rows - 1) % rows, i % rows
+        for j in range(lanes):
+            if grid.mark[w, j] == 2 and grid.mark[e, j] == 2:
+                b.conductance_x[i, j], b.advection_x[i, j] = 0.0, 0.0
+                slope.west[i, j], slope.east[i, j], slope.carried[i, j] = 0.0, 0.0, 0.0
+                continue
+            up = w if grid.sweep_x[i, j] >= 0.0 else e
+            height, height_slope = _carried(gap.rigid.face_x[i, j] + gap.opening[up, j], law)
+            density = 0.5 * (fluid.density[w, j] + fluid.density[e, j])
+            fluidity = 0.5 * (fluid.fluidity[w, j] + fluid.fluidity[e, j])
+            flow = density * fluidity / 24.0 * grid.shape_x[i, j]
+            sweep = density * grid.sweep_x[i, j]
+            b.conductance_x[i, j] = flow * (cells.along[w, j] + cells.along[e, j])
+            b.advection_x[i, j] = sweep * height
+            slope.west[i, j] = flow * cells.along_slope[w, j]
+            slope.east[i, j] = flow * cells.along_slope[e, j]
+            slope.carried[i, j] = sweep * height_slope
+
+
+@kernel
+def _fill_across(
+    grid: FilmGrid,
+    gap: YieldingGap,
+    fluid: FluidField,
+    law: FlowLaw,
+    cells: _Cells,
+    out: Linearised,
+) -> None:
+    """Faces of the second index, as :func:`_fill_along`; the rims have gaps of their own."""
+    rows, lanes = gap.opening.shape
+    b, slope = out
+    b.advection_y[:] = 0.0
+    for i in range(rows):
+        for j in range(lanes + 1):
+            s, n = max(j - 1, 0), min(j, lanes - 1)
+            if grid.mark[i, s] == 2 and grid.mark[i, n] == 2:
+                b.conductance_y[i, j], slope.south[i, j], slope.north[i, j] = 0.0, 0.0, 0.0
+                continue
+            density = 0.5 * (fluid.density[i, s] + fluid.density[i, n])
+            fluidity = 0.5 * (fluid.fluidity[i, s] + fluid.fluidity[i, n])
+            flow = density * fluidity / 24.0 * grid.shape_y[i, j]
+            before, before_slope = cells.across[i, s], cells.across_slope[i, s]
+            behind, behind_slope = cells.across[i, n], cells.across_slope[i, n]
+            if j == 0:
+                rim = gap.rigid.face_y[i, j] + gap.edge[0, i]
+                before, before_slope = _conductance(rim, law, law.across, law.table.across)
+            elif j == lanes:
+                rim = gap.rigid.face_y[i, j] + gap.edge[1, i]
+                behind, behind_slope = _conductance(rim, law, law.across, law.table.across)
+            b.conductance_y[i, j] = flow * (before + behind)
+            slope.south[i, j], slope.north[i, j] = flow * before_slope, flow * behind_slope
+
+
+@kernel
+def _fill_squeeze(
+    grid: FilmGrid, gap: YieldingGap, fluid: FluidField, law: FlowLaw, storage: Array
+) -> None:
+    rows, lanes = gap.opening.shape
+    for i in range(rows):
+        for j in range(lanes):
+            rate = gap.rigid.rate[i, j]
+            if rate == 0.0 or grid.mark[i, j] == 2:
+                storage[i, j] = 0.0
+                continue
+            if law.roughness > 0.0:
+                rate *= squeeze_law(gap.rigid.centre[i, j] + gap.opening[i, j], law)[0]
+            storage[i, j] = fluid.density[i, j] * rate * grid.area[i, j]
+
+
+def linearised_balance(
+    grid: FilmGrid, gap: YieldingGap, fluid: FluidField, cavitation_pressure: float, law: FlowLaw
+) -> Linearised:
+    """Balance of a ring of cells and how it follows the gaps.
+
+    Faces between two prescribed cells conduct and carry nothing, and prescribed cells store
+    nothing.
+
+    Parameters
+    ----------
+    grid : FilmGrid
+        Metric and given pressures.
+    gap : YieldingGap
+        Gap with its widening. [m]
+    fluid : FluidField
+        Fluid of the cells.
+    cavitation_pressure : float
+        Absolute pressure at which the potential is zero. [Pa]
+    law : FlowLaw
+        Average flow between the walls.
+    """
+    x, y = gap.rigid.face_x.shape, gap.rigid.face_y.shape
+    balance = CellBalance(
+        np.empty(x),
+        np.empty(y),
+        np.empty(x),
+        np.empty(y),
+        np.empty(gap.opening.shape),
+        np.zeros(gap.opening.shape),
+        grid.mark,
+        np.where(grid.mark == PRESCRIBED, gauge_pressure(grid.prescribed, cavitation_pressure), 0),
+        gauge_pressure(grid.west, cavitation_pressure),
+        gauge_pressure(grid.east, cavitation_pressure),
+        gauge_pressure(grid.south, cavitation_pressure),
+        gauge_pressure(grid.north, cavitation_pressure),
+        grid.ring,
+    )
+    out = Linearised(balance, GapSlopes(*map(np.empty, (x, x, x, y, y))))
+    cells = _Cells(*(np.empty(gap.opening.shape) for _ in range(4)))
+    _fill_cells(grid.mark, gap, law, np.array_equal(law.table.along, law.table.across), cells)
+    _fill_along(grid, gap, fluid, law, cells, out)
+    _fill_across(grid, gap, fluid, law, cells, out)
+    _fill_squeeze(grid, gap, fluid, law, balance.storage)
+    return out
+
+
+def varied_balance(
+    found: Linearised, film: tuple[FilmGrid, GapField, FluidField], law: FlowLaw, motion: Motion
+) -> CellBalance:
+    """First variation of a balance with one motion of a face, for use in a residual.
+
+    Parameters
+    ----------
+    found : Linearised
+        Balance and its slopes.
+    film : tuple of FilmGrid, GapField and FluidField
+        Film that it is of, with its deformed gap.
+    law : FlowLaw
+        Average flow between the walls.
+    motion : Motion
+        What moves, per unit.
+    """
+    lift, slope = motion.lift, found.slope
+    own = motion.follows * lift.centre
+    extra = own - lift.centre
+    upstream = np.where(film[0].sweep_x >= 0.0, *_both_sides(extra))
+    before, behind = _both_sides(own)
+    south = np.hstack([lift.face_y[:, :1], own])
+    north = np.hstack([own, lift.face_y[:, -1:]])
+    return found.balance._replace(
+        conductance_x=slope.west * before + slope.east * behind,
+        conductance_y=slope.south * south + slope.north * north,
+        advection_x=slope.carried * (lift.face_x + upstream),
+        advection_y=np.zeros_like(slope.south),
+        storage=vary_storage(*film, law, lift._replace(centre=own)),
+        source=np.zeros_like(own),
+    )
+
+
+def _both_sides(cells: Array) -> tuple[Array, Array]:
+    """Values of the cells before and behind the faces of a ring."""
+    return np.vstack([cells[-1:], cells]), np.vstack([cells, cells[:1]])

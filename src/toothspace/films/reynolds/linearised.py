@@ -1,0 +1,65 @@
+"""Change of the pressure of a solved film with small changes of its gap."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from toothspace.core.types import Array
+from toothspace.films.reynolds.equation import (
+    FilmGrid,
+    FluidField,
+    GapField,
+    balance_derivative,
+    balance_variation,
+)
+from toothspace.films.reynolds.rough_surfaces import FlowLaw
+from toothspace.numerics.complementarity import ComplementaritySolution, residual
+from toothspace.numerics.linear_system import PRESCRIBED, SATURATED, TIGHT
+from toothspace.numerics.structured_grid import CellBalance
+
+
+def pressure_responses(
+    film: tuple[FilmGrid, GapField, FluidField],
+    law: FlowLaw,
+    balance: CellBalance,
+    fields: ComplementaritySolution,
+    changes: Sequence[GapField],
+    *,
+    relative_tolerance: float = TIGHT,
+) -> list[Array]:
+    """Change of the pressure with each of several changes of the gap, cavity boundary exact.
+
+    All changes are right-hand sides of one linear solution.
+
+    Parameters
+    ----------
+    film : tuple of FilmGrid, GapField and FluidField
+        Film that was solved.
+    law : FlowLaw
+        Average flow law of its walls.
+    balance : CellBalance
+        Balance that was solved. [Pa, m3/s]
+    fields : ComplementaritySolution
+        Its solution.
+    changes : sequence of GapField
+        Changes of gap and rate per unit of a motion, ``step`` unused. [m and m/s per unit]
+    relative_tolerance : float
+        Residual of the linear solution over its right-hand side. [-]
+
+    Returns
+    -------
+    list of ndarray
+        Change of the pressure of every cell per unit. [Pa per unit]
+    """
+    slope = balance_derivative(*film, balance, law)
+    sides = np.empty((len(changes), fields.potential.size))
+    for side, change in zip(sides, changes, strict=True):
+        varied = balance_variation(film, change, slope, law)
+        disturbance = residual(balance, varied, fields.potential, fields.saturation)
+        disturbance[fields.kind == PRESCRIBED] = 0.0
+        side[:] = -disturbance.ravel()
+    found = fields.system.solve(sides, relative_tolerance=relative_tolerance)
+    held = (fields.kind != SATURATED) | (fields.potential <= 0.0)
+    return [np.where(held, 0.0, response.reshape(held.shape)) for response in found]

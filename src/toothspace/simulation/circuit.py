@@ -1,0 +1,38 @@
+"""Runs over time with the machine in a hydraulic circuit."""
+
+from __future__ import annotations
+
+from toothspace.core.errors import CaseError
+from toothspace.model.assembly import assemble
+from toothspace.results.solution import Solution
+from toothspace.simulation.lateral.table_lookup import told_over_time
+from toothspace.simulation.lumped import run_in_machine
+from toothspace.simulation.setup import Progress, Setup, provenance_of
+from toothspace.solver.transient import TimePlan, TransientMarch
+from toothspace.solver.transient_outcome import transient_solution
+
+
+def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
+    """Run a case over the time of its circuit.
+
+    Raises
+    ------
+    CaseError
+        If the case asks for another preset than ``lumped``.
+    """
+    case, run = setup.case, setup.case.run
+    assert case.circuit is not None
+    if run.fidelity != "lumped":
+        found = f"run.fidelity: found {run.fidelity!r}"
+        raise CaseError(f"{found}, allowed 'lumped' with a [circuit]")
+    condition = setup.condition
+    machine = run_in_machine(setup)
+    plan = TimePlan(
+        case.circuit.duration,
+        cells=run.time_samples,
+        max_steps=run.max_steps,
+        channels=run.channels,
+    )
+    march = TransientMarch(assemble(machine.description, setup.fluid, condition), plan)
+    ended = transient_solution(march, provenance_of(case), machine.extra, case.title, progress)
+    return machine.worn.marked(told_over_time(machine.description, condition, ended))

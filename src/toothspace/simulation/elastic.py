@@ -1,0 +1,34 @@
+"""The ``elastic`` preset: lateral films with deformation, floating bearings in balance."""
+
+from __future__ import annotations
+
+from toothspace.case import Case
+from toothspace.results.solution import Solution
+from toothspace.simulation.heating import lateral_heating
+from toothspace.simulation.lateral.coupled_run import coupled_solution
+from toothspace.simulation.lateral.coupling import PointRequest
+from toothspace.simulation.lateral.problem import LateralSettings, balance_of
+from toothspace.simulation.lumped import run_in_machine
+from toothspace.simulation.setup import Progress, Setup
+
+
+def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
+    """Chambers and lateral films in agreement, then one revolution of the films."""
+    case, condition = setup.case, setup.condition
+    machine = run_in_machine(setup)
+    balance_of(machine.description)
+    gap = float(case.machine_spec.lateral.side_gap_floating)
+    request = PointRequest(settings=lateral_settings(case), start=gap)
+    return coupled_solution(
+        (machine.description, machine.fluid, request),
+        lambda changed: machine.solve(condition, changed, progress),
+        case.run.film_steps_per_revolution,
+        progress,
+    )
+
+
+def lateral_settings(case: Case) -> LateralSettings:
+    """Grids and laws of the lateral films of a case."""
+    run, heating = case.run, lateral_heating(case)
+    grid, angles, law = run.film_grid, run.film_angles_per_pitch, run.deformation
+    return LateralSettings(grid=grid, angles=angles, deformation=law, heating=heating)

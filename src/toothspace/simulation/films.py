@@ -1,0 +1,189 @@
+"""The ``films`` preset: journal and lateral films of a machine solved on grids."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from toothspace.core.errors import CaseError
+from toothspace.core.types import Array, IntArray
+from toothspace.films.journal.map import solved_journal
+from toothspace.films.lateral.conductance import FaceConductance, face_conductance
+from toothspace.model.description import (
+    FlowPath,
+    JournalBearing,
+    LateralFilm,
+    MachineDescription,
+)
+from toothspace.model.films import lateral_face_torque
+from toothspace.model.operating_point import OperatingCondition
+from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
+from toothspace.results.solution import Solution
+from toothspace.simulation import lumped
+from toothspace.simulation.setup import Progress, Setup
+from toothspace.simulation.shared_covers import solved_covers, with_shared_films
+
+_FULL_TURN = 2.0 * np.pi
+_LENGTH = 1e-3
+_LEAST = 1e-3
+"""Smallest shape conductance between chambers, of a path that needs a length. [-]"""
+_LARGEST = 10.0
+"""Largest shape conductance: chambers over a recess are joined by its opening anyway. [-]"""
+
+
+def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
+    """Cyclic state of a case with solved films."""
+    machine = with_solved_films(setup.description, setup.condition)
+    return lumped.simulate(replace(setup, description=machine), progress)
+
+
+def with_solved_films(
+    description: MachineDescription, condition: OperatingCondition | None = None
+) -> MachineDescription:
+    """Machine whose journal and lateral films follow from solved Reynolds equations.
+
+    Parameters
+    ----------
+    description : MachineDescription
+        Machine with closed-form films.
+    condition : OperatingCondition, optional
+        Condition at which bodies that float between covers find their place.
+
+    Returns
+    -------
+    MachineDescription
+        The same machine with impedance maps of its journal films, and with the conductances of
+        its lateral films between chambers, relief grooves and shaft over the angle.
+
+    Raises
+    ------
+    CaseError
+        If the machine type does not give the outlines of its faces.
+
+    Notes
+    -----
+    Rigid parallel faces; the tilt of a face enters the mean cube of the gap as in the closed
+    form. Tip and flank gaps stay closed: a parallel or curved gap is the exact solution there.
+    """
+    if description.shared_faces is not None:
+        wider = with_shared_films(description, solved_covers(description, condition))
+        return replace(wider, journals=tuple(_solved(journal) for journal in wider.journals))
+    journals = tuple(_solved(journal) for journal in description.journals)
+    if any(film.face is None for film in description.laterals):
+        raise CaseError("run.fidelity: found 'films', allowed 'ideal' or 'lumped' for this machine")
+    laterals = tuple(_Face(description, film) for film in description.laterals)
+    replaced = {path.name for face in laterals for path in (face.across, face.inwards)}
+    kept = [path for path in description.paths if path.name not in replaced]
+    return replace(
+        description,
+        paths=(*kept, *(path for face in laterals for path in face.paths())),
+        journals=journals,
+        laterals=tuple(face.film() for face in laterals),
+    )
+
+
+def _solved(journal: JournalBearing) -> JournalBearing:
+    if journal.solved is not None or journal.end_condition == "no_flow":
+        return journal
+    rough = journal.roughness > 0.0
+    ratio = journal.radial_clearance / journal.roughness if rough else np.inf
+    slenderness = round(journal.length / journal.diameter, 9)
+    solved = solved_journal(slenderness, round(float(ratio), 3))
+    return replace(journal, solved=solved)
+
+
+class _Face:
+    """Both faces of one body with their solved conductances."""
+
+    def __init__(self, description: MachineDescription, film: LateralFilm) -> None:
+        assert film.face is not None
+        self.lateral, self.face = film, film.face
+        self.across = _path(description, "lateral", film.face.nodes)
+        self.inwards = _path(description, "drain", film.face.nodes)
+        self.solved: FaceConductance = face_conductance(film)
+
+    def film(self) -> LateralFilm:
+        """Film with the solved torque; a tilt shears as in the closed form."""
+        closed = replace(self.lateral, tilt=0.0)
+        tilted = lateral_face_torque(self.lateral) / lateral_face_torque(closed)
+        return replace(self.lateral, drag=self.solved.drag / self.lateral.height * tilted)
+
+    def paths(self) -> list[FlowPath]:
+        """Paths between chambers, from them to recesses and shaft, and from those to the shaft."""
+        count = self.face.nodes.size
+        spaces = np.arange(count)
+        behind = self._over_turn(self.across, np.roll(spaces, -1), spaces)
+        inwards = self._over_turn(self.inwards, spaces, np.full(count, -1))
+        found = [
+            replace(
+                self.across,
+                geometry=self._teeth(np.maximum(behind, _LEAST)),
+                drag_speed=_resampled(self.across.drag_speed, behind.size),
+            ),
+            replace(self.inwards, geometry=_gap(self.inwards, inwards)),
+        ]
+        for k, (node, _) in enumerate(self.face.recesses):
+            found.append(self._from_spaces(node, count + k))
+            found.append(self._to_shaft(node, count + k))
+        return found
+
+    def _over_turn(self, path: FlowPath, first: IntArray, second: IntArray) -> Array:
+        """Conductance between pairs of edges on uniform nodes of the table angle of a path. [-]."""
+        values = -self.solved.matrix[:, first, second]
+        angle = path.phases + self.solved.turn[:, None]
+        order = np.argsort(np.mod(angle, _FULL_TURN), axis=None)
+        nodes = np.arange(angle.size) * _FULL_TURN / angle.size
+        known = np.mod(angle, _FULL_TURN).ravel()[order]
+        found = np.interp(nodes, known, values.ravel()[order], period=_FULL_TURN)
+        return np.clip(found, 0.0, _LARGEST)
+
+    def _teeth(self, conductance: Array) -> PeriodicTable:
+        """Gap over the teeth: its width drags fluid along and stays, the length conducts."""
+        height, width = self.across.geometry.values[0, :2]
+        columns = np.tile([height, width, 0.0], (conductance.size, 1))
+        columns[:, 2] = width / conductance
+        return monotone_table(_FULL_TURN, columns)
+
+    def _from_spaces(self, node: int, place: int) -> FlowPath:
+        spaces = np.arange(self.face.nodes.size)
+        shape = self._over_turn(self.inwards, spaces, np.full(spaces.size, place))
+        return replace(
+            self.inwards,
+            name=f"{self.across.name}_recess_{node}",
+            category="lateral",
+            nodes_b=np.full(spaces.size, node),
+            geometry=_gap(self.inwards, shape),
+        )
+
+    def _to_shaft(self, node: int, place: int) -> FlowPath:
+        one_pitch = -self.solved.matrix[:, place, -1]
+        return replace(
+            self.inwards,
+            name=f"{self.inwards.name}_recess_{node}",
+            nodes_a=np.array([node]),
+            nodes_b=self.inwards.nodes_b[:1],
+            phases=np.zeros(1),
+            geometry=_gap(self.inwards, np.tile(one_pitch, self.face.nodes.size)),
+        )
+
+
+def _path(description: MachineDescription, category: str, nodes: IntArray) -> FlowPath:
+    """Closed-form paths of a face: those that begin at its chambers."""
+    for path in description.paths:
+        if path.category == category and np.isin(path.nodes_a, nodes).all():
+            return path
+    raise CaseError(f"run.fidelity: found 'films' without {category} paths, allowed are faces")
+
+
+def _resampled(table: PeriodicTable | None, nodes: int) -> PeriodicTable | None:
+    if table is None:
+        return None
+    return monotone_table(_FULL_TURN, table(np.arange(nodes) * _FULL_TURN / nodes))
+
+
+def _gap(path: FlowPath, conductance: Array) -> PeriodicTable:
+    """Parallel gap of a path's height with a shape conductance, width over length. [-]."""
+    columns = np.tile([path.geometry.values[0, 0], 0.0, _LENGTH], (conductance.size, 1))
+    columns[:, 1] = _LENGTH * conductance
+    return monotone_table(_FULL_TURN, columns)

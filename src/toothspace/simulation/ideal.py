@@ -1,0 +1,174 @@
+"""The ideal machine: rigid fluid, no leakage, no friction."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from toothspace.closures.density import mixture_density
+from toothspace.closures.fluid_law import FluidLaw
+from toothspace.core.status import Status
+from toothspace.core.types import Array, BoolArray
+from toothspace.model.description import FlowPath, MachineDescription
+from toothspace.model.operating_point import OperatingCondition
+from toothspace.results.ledger import ledger_from
+from toothspace.results.solution import Solution
+from toothspace.results.variables import dataset_from
+from toothspace.simulation.setup import Progress, Setup, fluid_temperature, provenance_of
+
+_JOINING_GAP = 5e-6
+
+
+def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
+    """Kinematic flow and torque of a case; done at once, so progress is not reported."""
+    del progress
+    return ideal_solution(
+        setup.description,
+        setup.fluid,
+        setup.condition,
+        samples=setup.case.run.samples_per_revolution,
+        dual_flank=setup.case.run.flank_sealing == "dual",
+        provenance=provenance_of(setup.case),
+        extra={"fluid_temperature": np.asarray(fluid_temperature(setup.case))},
+    )
+
+
+def ideal_solution(
+    description: MachineDescription,
+    fluid: FluidLaw,
+    condition: OperatingCondition,
+    *,
+    samples: int,
+    dual_flank: bool,
+    provenance: Mapping[str, str],
+    extra: Mapping[str, Any],
+) -> Solution:
+    """Kinematic flow and torque over one revolution.
+
+    Parameters
+    ----------
+    description, fluid, condition
+        Machine, fluid and operating condition.
+    samples : int
+        Samples per revolution.
+    dual_flank : bool
+        Whether both flanks seal; otherwise meshing chambers share one pressure.
+    provenance, extra
+        As in :func:`toothspace.solver.outcome.solution_from`.
+    """
+    shaft_angle = np.linspace(0.0, 2.0 * np.pi, samples + 1)
+    to_outlet = outlet_members(description, shaft_angle, dual_flank=dual_flank)
+    rate = _volume_rates(description, shaft_angle)
+    outflow = -np.sum(np.where(to_outlet, rate, 0.0), axis=1)
+    density = float(mixture_density(condition.inlet_pressure, fluid.feed_gas_mass_fraction, fluid))
+    span = condition.outlet_pressure - condition.inlet_pressure
+    speed = condition.shaft_speed
+    motor = description.mode == "motor"
+    pressure = np.where(to_outlet, condition.outlet_pressure, condition.inlet_pressure)
+    torque = span * outflow
+    values = {
+        "shaft_angle": shaft_angle,
+        "time": shaft_angle / speed,
+        "shaft_speed": np.full_like(shaft_angle, speed),
+        "shaft_torque": -torque if motor else torque,
+        "inlet_flow_rate": outflow * speed,
+        "outlet_flow_rate": outflow * speed,
+        "inlet_pressure": np.full_like(shaft_angle, condition.inlet_pressure),
+        "outlet_pressure": np.full_like(shaft_angle, condition.outlet_pressure),
+        "chamber_pressure": pressure,
+        "chamber_volume": _volumes(description, shaft_angle),
+        "displacement": np.asarray(description.displacement),
+        "inlet_density": np.asarray(density),
+        "outlet_density": np.asarray(density),
+        "specific_heat_capacity": np.asarray(fluid.specific_heat_capacity),
+        **extra,
+    }
+    data = dataset_from(
+        values,
+        {"chamber": description.chamber_labels, "body": [b.name for b in description.bodies]},
+        attributes={
+            "title": provenance.get("title", ""),
+            "machine": description.name,
+            "mode": description.mode,
+        },
+    )
+    volume = float(np.trapezoid(outflow, shaft_angle))
+    ledger = ledger_from(
+        {
+            "mass_inlet": density * volume,
+            "mass_outlet": density * volume,
+            "shaft": volume * span,
+            "port_inlet": volume * condition.inlet_pressure,
+            "port_outlet": volume * condition.outlet_pressure,
+        },
+        2.0 * np.pi / speed,
+        2.0 * np.pi,
+    )
+    return Solution(Status.DONE, data, ledger, {"revolutions": 1.0}, provenance)
+
+
+def outlet_members(
+    description: MachineDescription, shaft_angle: Array, *, dual_flank: bool
+) -> BoolArray:
+    """Which chambers deliver to the outlet; shape (angles, chambers).
+
+    Each group of joined chambers belongs to the port to which it is wider open; a group
+    between two contacts, open to none, belongs to the outlet while it shrinks: relief grooves
+    are taken as perfectly timed.
+    """
+    preference = _opening_preference(description, shaft_angle)
+    rate = _volume_rates(description, shaft_angle)
+    group = np.tile(np.arange(description.chamber_count), (shaft_angle.size, 1))
+    if not dual_flank:
+        for path in description.paths:
+            if path.category == "flank":
+                _join(group, path, shaft_angle)
+    total = np.zeros_like(preference)
+    shrinking = np.zeros_like(preference)
+    rows = np.arange(shaft_angle.size)[:, None]
+    np.add.at(total, (rows, group), preference)
+    np.add.at(shrinking, (rows, group), -rate)
+    total, shrinking = total[rows, group], shrinking[rows, group]
+    return np.where(np.abs(total) > 1e-15, total, shrinking) > 0.0
+
+
+def _join(group: Any, path: FlowPath, shaft_angle: Array) -> None:
+    geometry = path.geometry(path.phases + path.angle_ratio * shaft_angle[:, None])
+    open_gap = (geometry[..., 0] > _JOINING_GAP) & (geometry[..., 1] > 0.0)
+    turns = np.floor(
+        (path.phases + path.angle_ratio * shaft_angle[:, None]) / path.geometry.period
+    ).astype(int)
+    first, count = int(path.nodes_b.min()), int(path.nodes_b.max() - path.nodes_b.min()) + 1
+    partner = first + (path.nodes_b - first + turns * path.partner_shift) % count
+    for row, column in zip(*np.nonzero(open_gap), strict=True):
+        a, b = group[row, path.nodes_a[column]], group[row, partner[row, column]]
+        group[row][group[row] == max(a, b)] = min(a, b)
+
+
+def _opening_preference(description: MachineDescription, shaft_angle: Array) -> Array:
+    result = np.zeros((shaft_angle.size, description.chamber_count))
+    sign = {description.inlet_node: -1.0, description.outlet_node: 1.0}
+    for path in description.paths:
+        if path.category not in ("inlet_port", "outlet_port"):
+            continue
+        angles = path.phases + path.angle_ratio * shaft_angle[:, None]
+        area = np.maximum(path.geometry(angles)[..., 0], 0.0)
+        result[:, path.nodes_a] += sign[int(path.nodes_b[0])] * area
+    return result
+
+
+def _volume_rates(description: MachineDescription, shaft_angle: Array) -> Array:
+    parts = [
+        f.angle_ratio * f.volume.derivative(f.phases + f.angle_ratio * shaft_angle[:, None])
+        for f in description.families
+    ]
+    return np.concatenate([part[..., 0] for part in parts], axis=1)
+
+
+def _volumes(description: MachineDescription, shaft_angle: Array) -> Array:
+    parts = [
+        f.volume(f.phases + f.angle_ratio * shaft_angle[:, None]) for f in description.families
+    ]
+    return np.concatenate([part[..., 0] for part in parts], axis=1)

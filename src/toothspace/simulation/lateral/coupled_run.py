@@ -1,0 +1,190 @@
+"""Chambers and lateral films in agreement over one revolution, added to a solution."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from toothspace.closures.fluid_law import FluidLaw
+from toothspace.core.status import Status
+from toothspace.films.lateral.stops import leaning
+from toothspace.model.description import MachineDescription
+from toothspace.model.lateral_table import axial_load
+from toothspace.results.solution import Solution, warned
+from toothspace.results.variables import VARIABLES
+from toothspace.simulation.lateral.coupling import (
+    CoupledPoint,
+    LumpedRun,
+    PointRequest,
+    couple_point,
+)
+from toothspace.simulation.lateral.loads import face_deflection
+from toothspace.simulation.lateral.problem import (
+    LateralNumbers,
+    LateralProblem,
+    film_fields,
+    film_places,
+)
+from toothspace.solver.cyclic import Progress
+
+
+def coupled_solution(
+    asked: tuple[MachineDescription, FluidLaw, PointRequest],
+    run: LumpedRun,
+    steps: int,
+    progress: Progress | None = None,
+) -> Solution:
+    """Operating point with its lateral films over one revolution.
+
+    Parameters
+    ----------
+    asked : tuple
+        Machine, fluid and what is asked of them, as for :func:`couple_point`.
+    run : callable
+        Lumped solution at the operating point, of a changed machine.
+    steps : int
+        Steps of the march over the revolution. [-]
+    progress : callable, optional
+        Called with a fraction and a text.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        If interrupted before there was a lumped solution; a later interrupt keeps what is done.
+    """
+    done: list[Solution] = []
+
+    def lumped(changed: MachineDescription) -> Solution:
+        done.append(run(changed))
+        if done[-1].status is Status.INTERRUPTED:
+            raise KeyboardInterrupt
+        if progress:
+            progress(1.0, "lateral films come to rest")
+        return done[-1]
+
+    try:
+        description, fluid, request = asked
+        point = couple_point(description, fluid, lumped, request)
+        return elastic_solution(point, steps, progress)
+    except KeyboardInterrupt:
+        if not done:
+            raise
+        return replace(done[-1], status=Status.INTERRUPTED)
+
+
+def elastic_solution(point: CoupledPoint, steps: int, progress: Progress | None = None) -> Solution:
+    """Solution of an operating point with its lateral films over one revolution.
+
+    Parameters
+    ----------
+    point : CoupledPoint
+        Chambers and films in agreement.
+    steps : int
+        Steps of the march over the revolution. [-]
+    progress : callable, optional
+        Called after every step with a fraction and a text.
+
+    Returns
+    -------
+    Solution
+        The lumped solution with film fields at the end of the revolution and the position of
+        the bearing at every sample; of an interrupted march as far as it came.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        If interrupted before the first step.
+    """
+    march = point.problem.march(point.equilibrium.balance, steps, progress=progress)
+    stack = point.problem.stack
+    data = point.solution.data
+    angle = np.mod(data["shaft_angle"].values, 2.0 * np.pi)
+    position = np.interp(angle, march.shaft_angle, march.positions, period=2.0 * np.pi)
+    values: dict[str, tuple[tuple[str, ...], object, dict[str, str]]] = {}
+    fields = {**film_fields(march.last), **film_places(stack)}
+    fields["film_wear_power"] = march.wear
+    if point.temperatures is not None:
+        fields["film_temperature"] = point.temperatures
+    for name, field in fields.items():
+        values[name] = _entry(name, field)
+    values["bearing_position"] = (("shaft_angle",), position, _entry("bearing_position", 0)[2])
+    data = data.assign(values).assign_coords(
+        film=("film", [grid.interface.name for grid in stack.grids])
+    )
+    data = data.set_coords(list(film_places(stack)))
+    status = point.status if march.converged else Status.NOT_CONVERGED
+    status = Status.INTERRUPTED if march.interrupted else status
+    statistics = {
+        **point.solution.statistics,
+        **_statistics(point),
+        **_axial_load(point.problem),
+        **_warmth(point),
+        "pressed_bearing_preload": stack.balance.floating.preload.size,
+        "lateral_iterations": float(sum(march.iterations)),
+        "lateral_rest_residual": point.equilibrium.balance.residual,
+        "lateral_residual": float(max(march.residuals)),
+        **face_deflection(march.last.states[0]),
+    }
+    warnings = filter(None, [seat_warning(point.numbers), rest_warning(point)])
+    provenance = warned(point.solution.provenance, "\n".join(warnings))
+    return replace(
+        point.solution, status=status, data=data, statistics=statistics, provenance=provenance
+    )
+
+
+def seat_warning(numbers: LateralNumbers) -> str:
+    """Tell what is wrong with the seat of the solid bearing, nothing if it sits on its cover."""
+    if numbers.seat_force <= 0.0:
+        return (
+            f"The solid bearing lifts off its cover: {-numbers.seat_force:.4g} N are missing "
+            "at one shaft angle at least."
+        )
+    if numbers.seat_margin < 0.0:
+        return (
+            "The solid bearing tips on its cover: it is pressed "
+            f"{-numbers.seat_margin * 1e3:.3g} mm beyond its rim at one shaft angle at least."
+        )
+    return ""
+
+
+def rest_warning(point: CoupledPoint) -> str:
+    """Tell why bearing and gears do not rest, or on what they lean; nothing if films carry all."""
+    found = point.equilibrium
+    if not found.rests:
+        return f"Bearing and gears do not come to rest: {found.reason}."
+    held = leaning(point.problem.stack, found.balance.position)
+    return f"At rest {'; '.join(held)}." if held else ""
+
+
+def _entry(name: str, value: object) -> tuple[tuple[str, ...], object, dict[str, str]]:
+    entry = VARIABLES[name]
+    return entry.dimensions, value, {"long_name": entry.long_name, "units": entry.units}
+
+
+def _axial_load(problem: LateralProblem) -> dict[str, float]:
+    force, moment = axial_load(problem.stack.balance, problem.node_pressure)
+    return {"lateral_axial_force": force, "lateral_axial_moment": moment}
+
+
+def _warmth(point: CoupledPoint) -> dict[str, float]:
+    rise = point.temperature_rise
+    return {} if rise is None else {"lateral_temperature_rise": rise}
+
+
+def _statistics(point: CoupledPoint) -> dict[str, float]:
+    numbers = point.numbers
+    return {
+        "lateral_leakage": numbers.leakage,
+        "lateral_leakage_mismatch": point.leakage_mismatch,
+        "lateral_torque_mismatch": point.torque_mismatch,
+        "lateral_torque": numbers.viscous_torque + numbers.asperity_torque,
+        "lateral_smallest_gap": numbers.smallest_gap,
+        "lateral_contact_force": numbers.contact_force,
+        "lateral_real_contact_area": numbers.real_contact_area,
+        "lateral_contact_share": numbers.contact_share,
+        "lateral_wear_power": numbers.wear_power,
+        "lateral_housing_friction": numbers.friction_force,
+        "solid_bearing_seat_force": numbers.seat_force,
+        "solid_bearing_seat_margin": numbers.seat_margin,
+    }

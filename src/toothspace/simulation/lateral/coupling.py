@@ -1,0 +1,318 @@
+"""Chamber pressures and lateral films brought to agreement."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+
+from toothspace.closures.fluid_law import FluidLaw
+from toothspace.core.status import Status
+from toothspace.core.types import Array
+from toothspace.films.lateral.equilibrium import Equilibrium
+from toothspace.films.lateral.motion import Balance
+from toothspace.model.description import MachineDescription
+from toothspace.model.lateral_table import LATERAL_PATHS, with_lateral_leakage
+from toothspace.results.solution import Solution
+from toothspace.simulation.lateral.heat import settle_heated
+from toothspace.simulation.lateral.interpolation import Between, Rest, Trial
+from toothspace.simulation.lateral.problem import (
+    LateralNumbers,
+    LateralProblem,
+    LateralSettings,
+    lateral_problem,
+    numbers_of,
+)
+from toothspace.simulation.lateral.torque import lumped_torque, with_film_torque
+
+LumpedRun = Callable[[MachineDescription], Solution]
+"""Lumped solution of a machine at the operating point."""
+
+_AGREEMENT = 0.02
+"""Difference of leakage or torque at which films and chambers agree. [-]"""
+NEGLIGIBLE = 5e-4
+"""Difference of leakage over displaced flow at which films and chambers agree. [-]"""
+_NEGLIGIBLE_TORQUE = 5e-5
+"""Difference of torque over that of the displaced volume at which both agree. [-]"""
+_TOLERATED = 20.0
+"""Part of a negligible difference above which a point has failed. [-]"""
+_LONGEST_CHANGE = 3.0
+"""Largest change of the logarithm of the leakage of the paths in one round. [-]"""
+_STILL = 1e-10
+"""Lift of a bearing that counts as none. [m]"""
+_NARROW = 0.1
+"""Difference of two runs between which a bearing that friction holds breaks away. [-]"""
+_STEEP = 2.0
+"""Slope of the logarithm of film over path leakage from which single runs lead nowhere. [-]"""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class PointRequest:
+    """What is asked of one operating point.
+
+    Parameters
+    ----------
+    settings : LateralSettings
+        Grids and laws of the films.
+    start : ndarray or float
+        Positions and rotations of all bodies, or a gap everywhere, to begin with. [m, rad]
+    nose_pressure : float or None
+        Absolute pressure on the nose; None: the low pressure. [Pa]
+    rounds : int
+        Most lumped runs at this point; one leaves the paths of the network as they are.
+    """
+
+    settings: LateralSettings
+    start: Array | float
+    nose_pressure: float | None = None
+    rounds: int = 12
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class CoupledPoint:
+    """Films, bearing and chambers at one operating point.
+
+    Parameters
+    ----------
+    solution : Solution
+        Last lumped solution.
+    description : MachineDescription
+        The machine with the lateral gaps that were found.
+    problem : LateralProblem
+        Films and loads.
+    equilibrium : Equilibrium
+        Where the bearing came to rest.
+    numbers : LateralNumbers
+        Mean numbers of the films.
+    leakage_mismatch : float
+        Leakage of films less that of the lumped paths, over the displaced flow. [-]
+    torque_mismatch : float
+        Torque of films less that of the lumped faces, over that of the displaced volume. [-]
+    agreed : bool
+        Whether films and paths were brought to agree, or were not meant to be, and temperatures
+        with the power dissipated.
+    temperatures : ndarray or None
+        Mean temperature of every film; None at the temperature of the fluid. [K]
+    """
+
+    solution: Solution
+    description: MachineDescription
+    problem: LateralProblem
+    equilibrium: Equilibrium
+    numbers: LateralNumbers
+    leakage_mismatch: float
+    torque_mismatch: float = 0.0
+    agreed: bool = True
+    temperatures: Array | None = None
+
+    @property
+    def temperature_rise(self) -> float | None:
+        """Temperature of the hottest film above the fluid; None where none warms up. [K]."""
+        heating = self.problem.settings.heating
+        if self.temperatures is None or heating is None:
+            return None
+        return float(self.temperatures.max()) - heating.balance.supply_temperature
+
+    @property
+    def status(self) -> Status:
+        """Outcome of the lumped run, or failure of the force balance or of the agreement."""
+        settled = self.equilibrium.rests and self.agreed
+        return self.solution.status if settled else Status.NOT_CONVERGED
+
+
+def agree(films: float, paths: float, negligible: float) -> bool:
+    """Whether leakage or torque of films and of the lumped network agree."""
+    return abs(films - paths) <= max(_AGREEMENT * abs(films), negligible)
+
+
+def path_leakage(solution: Solution) -> float:
+    """Leakage beside the gears in a lumped run, mean over its samples. [m3/s]."""
+    return float(solution.data["leakage"].sel(path=list(LATERAL_PATHS)).sum("path").mean())
+
+
+def couple_point(
+    description: MachineDescription, fluid: FluidLaw, run: LumpedRun, request: PointRequest
+) -> CoupledPoint:
+    """Find gaps and chamber pressures that agree about lateral leakage and torque.
+
+    Parameters
+    ----------
+    description : MachineDescription
+        The machine after running-in.
+    fluid : FluidLaw
+        Fluid.
+    run : callable
+        Lumped solution at the operating point, of a changed machine.
+    request : PointRequest
+        Start and settings.
+
+    Notes
+    -----
+    Secant method on the logarithm of the factor by which the lumped lateral and drain paths leak
+    more. Where rests at the pressures of single runs jump from one side to the other, the rest is
+    sought at pressures between two runs, see :class:`~.lateral_between.Between`. The faces of
+    every run drag like the films of the run before.
+    """
+    search = _Search(replace(description, lateral_table=None), fluid, run, request)
+    point, close = search.advance()
+    for _ in range(request.rounds - 1):
+        if close:
+            break
+        point, close = search.advance()
+    return point
+
+
+@final
+class _Search:
+    """Lumped runs and rests of the bearing in turn."""
+
+    def __init__(
+        self, description: MachineDescription, fluid: FluidLaw, run: LumpedRun, asked: PointRequest
+    ) -> None:
+        self._dragged, self._fluid, self._run, self._asked = description, fluid, run, asked
+        self._widened = 0.0
+        self._known: list[Trial] = []
+        self._ends: tuple[Trial, Trial] | None = None
+        self._position: Array | None = None
+        self._stiffness = 0.0
+
+    def advance(self) -> tuple[CoupledPoint, bool]:
+        """Make one more lumped run and let the bearing come to rest; tell whether both agree."""
+        machine = with_lateral_leakage(self._dragged, float(np.exp(self._widened)))
+        solution = self._run(machine)
+        settings, nose = self._asked.settings, self._asked.nose_pressure
+        problem = lateral_problem(machine, self._fluid, solution.data, settings, nose)
+        leakage = path_leakage(solution)
+        solve = self._free if self._ends is None else self._held
+        found = solve(problem, leakage)
+        viscosity = self._fluid.dynamic_viscosity
+        self._dragged = with_film_torque(
+            self._dragged, viscosity, solution.data, found.equilibrium.balance
+        )
+        return self._judged(machine, solution, leakage, found)
+
+    def _free(self, problem: LateralProblem, leakage: float) -> Rest:
+        """Rest at the pressures of the run; sets how the paths leak in the next one."""
+        start = self._asked.start
+        begun = problem.started(start) if isinstance(start, float) else problem.continued(start)
+        found = _settle(problem, begun)
+        if leakage <= 0.0 or found.numbers.leakage <= 0.0:
+            return found
+        trial = _trial(self._widened, leakage, problem, begun, found)
+        self._known.append(trial)
+        self._ends = _ends(self._known)
+        if self._ends is None:
+            self._widened += next_change([(t.widened, t.excess) for t in self._known])
+        else:
+            self._position = self._ends[1].position
+            self._between()
+        return found
+
+    def _held(self, problem: LateralProblem, leakage: float) -> Rest:
+        """Rest at pressures between those of this run and of the one beyond the rest."""
+        assert self._ends is not None
+        assert self._position is not None
+        low, high = self._ends
+        trial = Trial(self._widened, leakage, problem, self._position, 0.0, high.sense)
+        held = Between(trial, trial, _settle).at(0.0, self._position)
+        trial = replace(trial, position=held.balance.position, excess=held.excess, held=held)
+        self._ends = (trial, high) if held.excess > 0.0 else (low, trial)
+        return self._between()
+
+    def _between(self) -> Rest:
+        """Rest between the ends; the next run leaks as much."""
+        assert self._ends is not None
+        assert self._position is not None
+        low, high = self._ends
+        known = Between(low, high, _settle, self._stiffness)
+        share, found = known.rest(self._position)
+        guide = found.problem.stack.guide
+        self._stiffness = guide.stiffness if guide else 0.0
+        self._position = found.balance.position
+        self._widened = (1.0 - share) * low.widened + share * high.widened
+        return found
+
+    def _judged(
+        self, machine: MachineDescription, solution: Solution, leakage: float, found: Rest
+    ) -> tuple[CoupledPoint, bool]:
+        numbers, back = found.numbers, found.problem.loads.back
+        flow = machine.displacement * found.problem.stack.shaft_speed
+        ideal = machine.displacement * (back.high - back.low)
+        torque = numbers.viscous_torque + numbers.asperity_torque
+        dragged = lumped_torque(solution.data)
+        pairs = (
+            (numbers.leakage, leakage, NEGLIGIBLE * flow),
+            (torque, dragged, _NEGLIGIBLE_TORQUE * ideal),
+        )
+        close = all(agree(a, b, least) for a, b, least in pairs)
+        agreed = all(agree(a, b, _TOLERATED * least) for a, b, least in pairs)
+        point = CoupledPoint(
+            solution=solution,
+            description=machine,
+            problem=found.problem,
+            equilibrium=found.equilibrium,
+            numbers=numbers,
+            leakage_mismatch=(numbers.leakage - leakage) / flow,
+            torque_mismatch=(torque - dragged) / ideal,
+            agreed=found.warm and (agreed or self._asked.rounds == 1),
+            temperatures=found.temperatures,
+        )
+        return point, close
+
+
+def _settle(problem: LateralProblem, begun: Balance, temperatures: Array | None = None) -> Rest:
+    """Bearing at rest, with films that warm up where they are meant to."""
+    if problem.settings.heating is None:
+        found = problem.settle(begun)
+        return Rest(problem, found, numbers_of(problem, found.balance))
+    warm = settle_heated(problem, begun, problem.settings.heating, temperatures)
+    numbers = numbers_of(warm.problem, warm.equilibrium.balance)
+    return Rest(warm.problem, warm.equilibrium, numbers, warm.temperatures, warm.agreed)
+
+
+def _trial(
+    widened: float, leakage: float, problem: LateralProblem, begun: Balance, found: Rest
+) -> Trial:
+    moved = problem.stack.opening @ (found.balance.position - begun.position)
+    excess = float(np.log(found.numbers.leakage / leakage))
+    sense = int(np.sign(moved)) if abs(moved) > _STILL else 0
+    return Trial(widened, leakage, problem, found.balance.position, excess, sense)
+
+
+def _ends(trials: list[Trial]) -> tuple[Trial, Trial] | None:
+    """Nearest trials with opposite errors between which the bearing jumps, None without.
+
+    A bearing that friction holds where it began is followed until it breaks away.
+    """
+    last = trials[-1]
+    opposite = [t for t in trials if t.excess * last.excess < 0.0]
+    if not opposite:
+        return None
+    other = min(opposite, key=lambda t: abs(t.widened - last.widened))
+    apart = abs(last.widened - other.widened)
+    if last.sense * other.sense == 0 and apart > _NARROW:
+        return None
+    if abs(last.excess - other.excess) <= _STEEP * apart:
+        return None
+    return (last, other) if last.excess > 0.0 else (other, last)
+
+
+def next_change(known: list[tuple[float, float]]) -> float:
+    """Change of the logarithm of the paths' leakage; secant between opposite errors.
+
+    Parameters
+    ----------
+    known : list of tuple
+        Logarithms that were tried, and by how much the leakage asked for differs. [-]
+    """
+    place, error = known[-1]
+    opposite = [(s, e) for s, e in known if e * error < 0.0]
+    if opposite:
+        other, before = min(opposite, key=lambda pair: abs(pair[0] - place))
+        share = float(np.clip(error / (error - before), 0.2, 0.8))
+        return share * (other - place)
+    return float(np.clip(error, -_LONGEST_CHANGE, _LONGEST_CHANGE))

@@ -1,0 +1,113 @@
+"""Lateral films whose viscosity follows the heat that they dissipate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+
+from toothspace.core.types import Array
+from toothspace.films.lateral.equilibrium import Equilibrium
+from toothspace.films.lateral.motion import Balance
+from toothspace.films.thermal import FilmHeating
+from toothspace.simulation.lateral.problem import LateralProblem
+
+_AGREEMENT = 0.2
+"""Difference of temperatures at which heat and viscosity agree. [K]"""
+_MOST_ROUNDS = 20
+_RELAXATION = 0.7
+"""Part of a change of temperature that one round takes over. [-]"""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class HeatedEquilibrium:
+    """Bearing at rest between films at their own temperatures.
+
+    Parameters
+    ----------
+    problem : LateralProblem
+        Films with the viscosity of their temperature.
+    equilibrium : Equilibrium
+        Where the bearing came to rest.
+    temperatures : ndarray
+        Mean temperature of every film. [K]
+    agreed : bool
+        Whether temperature and dissipated power agree within what the fluid is known for.
+    """
+
+    problem: LateralProblem
+    equilibrium: Equilibrium
+    temperatures: Array
+    agreed: bool
+
+
+def settle_heated(
+    problem: LateralProblem, start: Balance, heating: FilmHeating, begin: Array | None = None
+) -> HeatedEquilibrium:
+    """Let the bearing come to rest with the viscosity that the heat of every film gives.
+
+    Parameters
+    ----------
+    problem : LateralProblem
+        Films at the temperature of the supply.
+    start : Balance
+        Where bearings and gears start, in every round.
+    heating : FilmHeating
+        Oil, and part of the heat that it carries away.
+    begin : ndarray, optional
+        Temperatures that the films begin with; default that of the supply. [K]
+
+    Notes
+    -----
+    Every film has one temperature, from its own power and its own flow, means over a tooth pitch.
+    Oil that teeth drag from one tooth space to the next counts as flow through the film. The
+    temperatures are found round by round; a film at rest of which they ask more than the fluid is
+    known for keeps the highest known one, and the point counts as not agreed.
+    """
+    supply = heating.balance.supply_temperature
+    now = np.full(len(problem.stack.grids), supply) if begin is None else begin
+    for _ in range(_MOST_ROUNDS):
+        heated = _at(problem, now, heating)
+        found = heated.settle(start)
+        asked = film_temperatures(found.balance, heating)
+        within = np.minimum(asked, heating.balance.highest_temperature)
+        if float(np.abs(within - now).max()) <= _AGREEMENT:
+            return HeatedEquilibrium(heated, found, now, bool(np.all(within == asked)))
+        now = now + _RELAXATION * (within - now)
+    return HeatedEquilibrium(heated, found, now, False)
+
+
+def film_temperatures(balance: Balance, heating: FilmHeating) -> Array:
+    """Mean temperature of every film from its dissipated power and its flow. [K].
+
+    Parameters
+    ----------
+    balance : Balance
+        Solved films, a state for every shaft angle.
+    heating : FilmHeating
+        Oil and share of the heat.
+    """
+    own, count = heating.balance, len(balance.states)
+    power, flow = np.zeros((2, len(balance.states[0].films)))
+    for state in balance.states:
+        for k, film in enumerate(state.films):
+            lost = film.friction()
+            power[k] += (lost.dissipation + lost.asperity) / count
+            flow[k] += film.plane.exchange.outflow / count
+    carried = own.density * own.heat_capacity * flow
+    rise = np.divide(
+        own.oil_share * power, carried, out=np.full_like(power, np.inf), where=carried > 0.0
+    )
+    return np.asarray(own.supply_temperature + 0.5 * np.where(power > 0.0, rise, 0.0))
+
+
+def _at(problem: LateralProblem, temperatures: Array, heating: FilmHeating) -> LateralProblem:
+    cold = heating.viscosity(heating.balance.supply_temperature)
+    laws = []
+    for law, temperature in zip(problem.stack.laws, temperatures, strict=True):
+        ratio = heating.viscosity(float(temperature)) / cold
+        thinned = replace(law.fluid, dynamic_viscosity=law.fluid.dynamic_viscosity * ratio)
+        laws.append(law._replace(fluid=thinned))
+    return replace(problem, stack=replace(problem.stack, laws=tuple(laws)))

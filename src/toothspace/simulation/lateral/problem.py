@@ -1,0 +1,455 @@
+"""Lateral films and pressed bearings of a machine whose chamber pressures are known."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, final
+
+import numpy as np
+
+from toothspace.closures.fluid_law import FluidLaw
+from toothspace.closures.real_contact import real_contact_share
+from toothspace.closures.viscosity import HIGHEST_PRESSURE
+from toothspace.core.errors import CaseError
+from toothspace.core.types import Array
+from toothspace.films.lateral.deformation import Fineness
+from toothspace.films.lateral.equilibrium import (
+    Equilibrium,
+    SearchSettings,
+    find_equilibrium,
+    march_angles,
+    scenes_over_pitch,
+)
+from toothspace.films.lateral.face_film import FaceFilm, FilmLaw, film_law
+from toothspace.films.lateral.face_grid import FaceGrid
+from toothspace.films.lateral.housing_friction import (
+    HousingFriction,
+    housing_friction,
+    normal_force,
+)
+from toothspace.films.lateral.local_deformation import Accuracy
+from toothspace.films.lateral.motion import Balance, Loads, StepSettings, rest_at
+from toothspace.films.lateral.stack import BackPressure, Columns, Compliance, Scene, Stack
+from toothspace.films.reynolds.fluid import FilmFluid
+from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
+from toothspace.films.thermal import FilmHeating
+from toothspace.model.description import MachineDescription
+from toothspace.model.lateral_balance import FilmInterface, LateralBalance
+from toothspace.numerics.side_by_side import cores_for_fields
+from toothspace.simulation.lateral.history import LateralTrack
+from toothspace.simulation.lateral.loads import loaded_bodies, node_pressures
+from toothspace.solver.cyclic import Progress
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+NO_BEARING = (
+    "machine.floating_bearing: found no high_pressure_area, allowed a pressed bearing "
+    "with the area that balances it"
+)
+"""Message about a machine whose lateral gaps are not those of a pressed bearing."""
+_TOUCH = 1e-4
+"""Asperity pressure over hardness that counts as contact. [-]"""
+_MARCHED = Accuracy(settled=1e-3, linear=5e-2)
+"""Accuracy of films within one step of the march, whose force balance repeats them."""
+_JACOBIAN_AGE = 60
+"""Iterations of the march that one Jacobian serves. [-]"""
+_FINENESS = Fineness(waves=16, degree=2, phases=6)
+"""Patterns of widening that are foreseen: those of the teeth are the finest. [-]"""
+_IN_MARCH = Fineness(waves=12, degree=2, phases=2)
+"""The same in a march: a step begins so near its end that fewer and older responses do."""
+_MEMORY = 2
+"""Iterations from which finer patterns are foreseen. [-]"""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class LateralSettings:
+    """Grids and laws of the lateral films.
+
+    Parameters
+    ----------
+    grid : tuple of int
+        Cells of each film round the circumference and along the radius. [-]
+    angles : int
+        Shaft angles of one tooth pitch over which forces are averaged. [-]
+    deformation : {"columns", "bodies", "none"}
+        How faces give way.
+    cavitation : str
+        Cavitation model of the films.
+    heating : FilmHeating or None
+        How the films warm up; None: at the temperature of the fluid.
+    dwell : float
+        Longest time at one operating point; the smooth friction law creeps that long. [s]
+    """
+
+    grid: tuple[int, int] = (126, 18)
+    angles: int = 2
+    deformation: str = "columns"
+    cavitation: str = "jfo"
+    heating: FilmHeating | None = None
+    dwell: float = 1e3
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class LateralProblem:
+    """One operating point of the lateral gaps.
+
+    Parameters
+    ----------
+    stack : Stack
+        Bodies and films.
+    scenes : tuple of Scene
+        Shaft angles over which forces are averaged.
+    loads : Loads
+        Pressures behind the bearing and friction in the housing.
+    node_pressure : callable
+        Pressures of all nodes at a shaft angle. [Pa]
+    settings : LateralSettings
+        Grids and laws.
+    """
+
+    stack: Stack
+    scenes: tuple[Scene, ...]
+    loads: Loads
+    node_pressure: Callable[[float], Array]
+    settings: LateralSettings
+
+    def started(self, gap: float) -> Balance:
+        """State at rest with one gap everywhere. [m]."""
+        return rest_at(self.stack, self.scenes, self.stack.start(gap))
+
+    def continued(self, position: Array) -> Balance:
+        """State at rest at the positions of another operating point. [m, rad]."""
+        return rest_at(self.stack, self.scenes, position)
+
+    def settle(self, start: Balance) -> Equilibrium:
+        """Let bearings and gears move until they rest, forces averaged over a pitch."""
+        search = SearchSettings(longest_time=self.settings.dwell)
+        with cores_for_fields():
+            return find_equilibrium(
+                self.stack, self.scenes, self.loads, start, search, self._step(1e-6)
+            )
+
+    def march(
+        self,
+        start: Balance,
+        steps: int,
+        revolutions: float = 1.0,
+        progress: Progress | None = None,
+    ) -> LateralTrack:
+        """March over the shaft angle with transient squeeze.
+
+        An interrupt by the user after the first step keeps the steps that are done.
+
+        Raises
+        ------
+        KeyboardInterrupt
+            If interrupted before.
+        """
+        angles = np.arange(1, round(steps * revolutions) + 1) * 2.0 * np.pi / steps
+        step = replace(self._step(9e-5), jacobian_age=_JACOBIAN_AGE, passes=1)
+        if step.fineness is not None:
+            step = replace(step, fineness=_IN_MARCH)
+        laws = tuple(law._replace(accuracy=_MARCHED) for law in self.stack.laws)
+        stack = replace(self.stack, laws=laws)
+        track = LateralTrack(angles)
+
+        def keep(number: int, balance: Balance) -> None:
+            track.take(balance, wear_map([balance]))
+            if progress:
+                progress((number + 1) / angles.size, f"film step {number + 1} of {angles.size}")
+
+        try:
+            with cores_for_fields():
+                march_angles(stack, self.node_pressure, self.loads, start, angles, step, keep=keep)
+        except KeyboardInterrupt:
+            if not track.positions:
+                raise
+            track.interrupted = True
+        return track
+
+    def _step(self, tolerance: float) -> StepSettings:
+        bends = self.settings.deformation == "bodies"
+        return StepSettings(
+            force_tolerance=tolerance,
+            max_iterations=40 if bends else 25,
+            memory=_MEMORY if bends else 0,
+            jacobian_age=_JACOBIAN_AGE if bends else 1,
+            fineness=_FINENESS if bends else None,
+        )
+
+
+@final
+@dataclass(frozen=True)
+class LateralNumbers:
+    """Numbers of lateral films in one state, all sides together.
+
+    Parameters
+    ----------
+    position : float
+        Position of the pressed bearing at its gauge point, away from the gears. [m]
+    gaps : ndarray
+        Mean gap of every film. [m]
+    smallest_gap : float
+        Smallest gap. [m]
+    leakage : float
+        Flow from high to low pressure that would lose the same power. [m3/s]
+    bore_flow : float
+        Flow into the shaft bores. [m3/s]
+    viscous_torque, asperity_torque : float
+        Friction at the shaft. [N m]
+    contact_force : float
+        Load that asperities carry. [N]
+    real_contact_area : float
+        Area of touching asperities by ``toothspace.closures.real_contact``. [m2]
+    contact_share : float
+        Part of the film area with asperity pressure above 1e-4 of the hardness. [-]
+    wear_power : float
+        Largest asperity pressure times sliding speed. [W/m2]
+    friction_force : float
+        Friction of the housing on the pressed bearing. [N]
+    seat_force : float
+        Force that holds the solid bearing on its cover, negative if it lifts off; with two
+        pressed bearings not a number. [N]
+    seat_margin : float
+        How far inside its rim the solid bearing is pressed on its cover, negative if it tips;
+        with two pressed bearings not a number. [m]
+    positions : ndarray
+        Positions of all pressed bearings or their parts, along z. [m]
+    tilt : float
+        Largest tilt of a pressed bearing or part. [rad]
+    """
+
+    position: float
+    gaps: Array
+    smallest_gap: float
+    leakage: float
+    bore_flow: float
+    viscous_torque: float
+    asperity_torque: float
+    contact_force: float
+    real_contact_area: float
+    contact_share: float
+    wear_power: float
+    friction_force: float
+    seat_force: float
+    seat_margin: float
+    positions: Array
+    tilt: float
+
+
+def lateral_problem(
+    description: MachineDescription,
+    fluid: FluidLaw,
+    data: xr.Dataset,
+    settings: LateralSettings,
+    nose_pressure: float | None = None,
+) -> LateralProblem:
+    """Lateral films at the operating point of a lumped solution.
+
+    Parameters
+    ----------
+    description : MachineDescription
+        The machine, with its lateral balance.
+    fluid : FluidLaw
+        Fluid.
+    data : xarray.Dataset
+        Samples of one revolution: chamber and port pressures, journal forces.
+    settings : LateralSettings
+        Grids and laws.
+    nose_pressure : float, optional
+        Absolute pressure on the nose; default the low pressure. [Pa]
+
+    Raises
+    ------
+    CaseError
+        If the machine has no pressed bearing.
+    """
+    balance = balance_of(description)
+    shaft_speed = float(data["shaft_speed"].mean())
+    pressures = node_pressures(description, data)
+    mean = pressures(0.0)
+    high, low = float(mean[balance.high_node]), float(mean[balance.low_node])
+    back = BackPressure(high, low, low if nose_pressure is None else nose_pressure)
+    film_fluid = FilmFluid(
+        fluid.dynamic_viscosity, fluid.pressure_viscosity, limit_pressure=HIGHEST_PRESSURE
+    )
+    grids = tuple(FaceGrid(i, *settings.grid) for i in balance.interfaces)
+    stack = Stack(
+        balance,
+        grids,
+        tuple(_law(i, film_fluid, settings) for i in balance.interfaces),
+        _compliance(balance, grids, settings, (back, data)),
+        shaft_speed,
+    )
+    scenes = scenes_over_pitch(stack, pressures, settings.angles)
+    loads = Loads(back, *_frictions(description, balance, data, high - low))
+    return LateralProblem(stack, scenes, loads, pressures, settings)
+
+
+def _frictions(
+    description: MachineDescription, balance: LateralBalance, data: xr.Dataset, difference: float
+) -> tuple[HousingFriction, tuple[HousingFriction, ...]]:
+    """Housing friction of the pressed bearing, and of its parts beside every body."""
+    # two blocks share the force of every shaft
+    shafts = -0.5 * data["journal_force"].values.mean(axis=0)[:, :2]
+    toward_low = np.array([1.0 if description.mode == "pump" else -1.0, 1.0])
+    whole = balance.floating.housing
+    if not balance.halves:
+        normal = normal_force(whole, difference, shafts.sum(axis=0) * toward_low)
+        return housing_friction(whole, normal), ()
+    normals = [
+        normal_force(half.housing, difference, shaft * toward_low)
+        for half, shaft in zip(balance.halves, shafts, strict=True)
+    ]
+    parts = tuple(
+        housing_friction(half.housing, normal)
+        for half, normal in zip(balance.halves, normals, strict=True)
+    )
+    return housing_friction(whole, sum(normals)), parts
+
+
+def balance_of(description: MachineDescription) -> LateralBalance:
+    """Lateral balance of a machine.
+
+    Raises
+    ------
+    CaseError
+        If it has none.
+    """
+    if description.lateral_balance is None:
+        raise CaseError(NO_BEARING)
+    return description.lateral_balance
+
+
+def _law(interface: FilmInterface, fluid: FilmFluid, settings: LateralSettings) -> FilmLaw:
+    rough = max(interface.moving_roughness, interface.resting_roughness) > 0.0
+    surfaces = (
+        RoughSurfaces(
+            moving_roughness=interface.moving_roughness,
+            resting_roughness=interface.resting_roughness,
+            correlation_length=interface.correlation_length,
+            effective_modulus=interface.effective_modulus,
+            hardness=interface.hardness,
+            boundary_friction=interface.boundary_friction,
+        )
+        if rough
+        else None
+    )
+    return film_law(surfaces, fluid, settings.cavitation)
+
+
+def _compliance(
+    balance: LateralBalance,
+    grids: tuple[FaceGrid, ...],
+    settings: LateralSettings,
+    state: tuple[BackPressure, xr.Dataset],
+) -> Compliance:
+    if settings.deformation == "bodies":
+        return loaded_bodies(balance, grids, *state)
+    yields = settings.deformation == "columns"
+    return Columns(tuple(i.column_compliance * yields for i in balance.interfaces))
+
+
+def numbers_of(problem: LateralProblem, balance: Balance) -> LateralNumbers:
+    """Mean numbers of a state over its scenes."""
+    stack, back = problem.stack, problem.loads.back
+    speed, count = stack.shaft_speed, len(balance.states)
+    films = [film for state in balance.states for film in state.films]
+    lost = [film.friction() for film in films]
+    seats = [float(s.solid_seat(back.low)[0]) for s in balance.states]
+    margins = [s.seat_margin(back.low) for s in balance.states]
+    span = max(back.high - back.low, 1.0)
+    return LateralNumbers(
+        position=stack.gauge(balance.position),
+        gaps=np.mean([s.mean_gaps() for s in balance.states], axis=0),
+        smallest_gap=min(s.smallest_gap() for s in balance.states),
+        leakage=sum(x.pressure for x in lost) / count / span,
+        bore_flow=sum(x.bore_flow for x in lost) / count,
+        viscous_torque=sum(x.shear for x in lost) / count / speed,
+        asperity_torque=sum(x.asperity for x in lost) / count / speed,
+        contact_force=sum(float((f.contact * f.grid.area).sum()) for f in films) / count,
+        real_contact_area=sum(_real_area(f) for f in films) / count,
+        contact_share=float(np.mean([_contact_share(f) for f in films])),
+        wear_power=max(float(wear_power(f, speed).max()) for f in films),
+        friction_force=float(balance.friction[: max(len(stack.balance.halves), 1)].sum()),
+        seat_force=float("nan") if stack.two_pressed else min(seats),
+        seat_margin=float("nan") if stack.two_pressed else min(margins),
+        positions=stack.positions(balance.position),
+        tilt=max(stack.tilts(balance.position)),
+    )
+
+
+def wear_power(film: FaceFilm, shaft_speed: float) -> Array:
+    """Asperity pressure times sliding speed, the indicator of wear. [W/m2]."""
+    speed = abs(film.grid.interface.speed_ratio) * shaft_speed * film.grid.radius
+    return film.contact * speed
+
+
+def _real_area(film: FaceFilm) -> float:
+    own = film.grid.interface
+    roughness = float(np.hypot(own.moving_roughness, own.resting_roughness))
+    if roughness <= 0.0:
+        return 0.0
+    share = real_contact_share(
+        film.contact, roughness, own.correlation_length, own.effective_modulus, own.hardness
+    )
+    return float((share * film.grid.area).sum())
+
+
+def _contact_share(film: FaceFilm) -> float:
+    area = np.where(film.around.mask.film, film.grid.area, 0.0)
+    touching = film.contact > _TOUCH * film.grid.interface.hardness
+    return float((area * touching).sum() / area.sum())
+
+
+def wear_map(balances: Sequence[Balance]) -> Array:
+    """Wear indicator at the places of the bearings, mean over all shaft angles. [W/m2].
+
+    Parameters
+    ----------
+    balances : sequence of Balance
+        States, with one or several shaft angles each.
+
+    Returns
+    -------
+    ndarray, shape (films, rows, columns)
+        Asperity pressure times sliding speed; zero where no asperity ever touches.
+    """
+    states = [state for balance in balances for state in balance.states]
+    total = np.zeros((len(states[0].films), *states[0].films[0].grid.area.shape))
+    for state in states:
+        for k, film in enumerate(state.films):
+            total[k] += wear_power(film, film.around.shaft_speed)
+    return total / len(states)
+
+
+def film_places(stack: Stack) -> Mapping[str, Array]:
+    """Places of the cells of all films, by the names of results."""
+    return {
+        "film_angle": stack.grids[0].angle,
+        "film_radius": np.array([grid.radius for grid in stack.grids]),
+        "film_center_x": np.array([grid.interface.center[0] for grid in stack.grids]),
+        "film_center_y": np.array([grid.interface.center[1] for grid in stack.grids]),
+    }
+
+
+def film_fields(balance: Balance) -> Mapping[str, Array]:
+    """Fields of all films by the names of results: at the last shaft angle, wear over all."""
+    films = balance.states[-1].films
+    low = films[0].around.low_pressure
+    widened = [
+        f.compliance * np.where(f.around.mask.film, f.total - low, 0.0) + d
+        for f, d in zip(films, balance.states[-1].distant, strict=True)
+    ]
+    return {
+        "film_pressure": np.stack([f.pressure for f in films]),
+        "film_height": np.stack([np.where(f.around.mask.film, f.gap, np.nan) for f in films]),
+        "film_contact_pressure": np.stack([f.contact for f in films]),
+        "film_wear_power": wear_map([balance]),
+        "film_deformation": np.stack(widened),
+        "film_fraction": np.stack([f.plane.fields.saturation for f in films]),
+    }

@@ -1,0 +1,133 @@
+"""The ``lumped`` preset: chambers with closed-form films, marched until the run is cyclic."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, final
+
+import numpy as np
+
+from toothspace.case import Case
+from toothspace.closures.fluid_law import FluidLaw
+from toothspace.core.types import Array
+from toothspace.model.assembly import assemble
+from toothspace.model.description import MachineDescription
+from toothspace.model.operating_point import OperatingCondition
+from toothspace.results.solution import Solution
+from toothspace.simulation.film_tables import with_film_tables
+from toothspace.simulation.lateral.table_lookup import run_with_table
+from toothspace.simulation.running_in import CUT_SHORT, WornMachine, run_in
+from toothspace.simulation.setup import Progress, Setup, fluid_temperature, provenance_of
+from toothspace.solver.cyclic import History, RunPlan, first_turn_state, march_revolutions
+from toothspace.solver.observe import observe
+from toothspace.solver.outcome import solution_from
+
+_LOAD_ROUNDS = 4
+_LOAD_MATCH = 2e-3
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class RunInMachine:
+    """Machine of a case after running-in, for several lumped runs.
+
+    Parameters
+    ----------
+    case : Case
+        Its case.
+    worn : WornMachine
+        The machine after running-in.
+    description : MachineDescription
+        The same with the film tables of the case.
+    fluid : FluidLaw
+        Fluid.
+    extra : mapping
+        Values that go into every result.
+    """
+
+    case: Case
+    worn: WornMachine
+    description: MachineDescription
+    fluid: FluidLaw
+    extra: dict[str, Any]
+
+    def solve(
+        self,
+        condition: OperatingCondition,
+        description: MachineDescription | None = None,
+        progress: Progress | None = None,
+    ) -> Solution:
+        """Lumped solution at a condition, of the machine or a changed one."""
+
+        def run(changed: MachineDescription) -> Solution:
+            history = _march(self.case, changed, self.fluid, condition, progress)
+            return solution_from(history, provenance_of(self.case), self.extra, self.case.title)
+
+        slide = float(self.fluid.dynamic_viscosity) * condition.shaft_speed
+        return run_with_table(description or self.description, run, slide)
+
+
+def run_in_machine(setup: Setup) -> RunInMachine:
+    """Run in the machine of a case and give it the film tables of the case."""
+    worn, tables = run_in(setup), setup.case.run.film_tables
+    description = worn.description
+    if tables is not None:
+        description = with_film_tables(description, tables)
+    extra = {"fluid_temperature": np.asarray(fluid_temperature(setup.case)), **worn.values}
+    return RunInMachine(setup.case, worn, description, setup.fluid, extra)
+
+
+def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
+    """Cyclic state of a case at its operating point."""
+    machine = run_in_machine(setup)
+    return machine.worn.marked(machine.solve(setup.condition, progress=progress))
+
+
+def _march(
+    case: Case,
+    description: MachineDescription,
+    fluid: FluidLaw,
+    condition: OperatingCondition,
+    progress: Progress | None,
+) -> History:
+    plan = RunPlan(
+        revolutions=case.run.revolutions,
+        max_revolutions=case.run.max_revolutions,
+        samples_per_revolution=case.run.samples_per_revolution,
+        max_steps=case.run.max_steps,
+    )
+    assert case.operating_point is not None
+    if case.operating_point.outlet_load == "fixed_pressure":
+        return march_revolutions(assemble(description, fluid, condition), plan, progress)
+    return _march_against_orifice(description, fluid, condition, plan, progress)
+
+
+def _march_against_orifice(
+    description: MachineDescription,
+    fluid: FluidLaw,
+    condition: OperatingCondition,
+    plan: RunPlan,
+    progress: Progress | None,
+) -> History:
+    """Size the load orifice until the mean outlet pressure is the one asked for."""
+    wanted = condition.outlet_pressure - condition.load_pressure
+    flow = description.displacement * condition.shaft_speed
+    area = flow / (0.7 * np.sqrt(2.0 * wanted / fluid.reference_density))
+    state: Array | None = None
+    for _ in range(_LOAD_ROUNDS):
+        system = assemble(description, fluid, replace(condition, load_area=area))
+        history = march_revolutions(system, plan, progress, state)
+        if history.status in CUT_SHORT:
+            break
+        found = mean_outlet_pressure(history) - condition.load_pressure
+        if abs(found / wanted - 1.0) < _LOAD_MATCH:
+            break
+        area *= np.sqrt(found / wanted)
+        state = first_turn_state(history)
+    return history
+
+
+def mean_outlet_pressure(history: History) -> float:
+    """Mean pressure of the outlet volume over the last revolution. [Pa]."""
+    seen = observe(history.system.arrays, history.states[:-1])
+    return float(seen.pressure[:, history.system.description.outlet_node].mean())

@@ -1,0 +1,143 @@
+"""Running-in: how deep the gears cut into the casing at a break-in condition."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, final
+
+import numpy as np
+
+from toothspace.case.fingerprint import fingerprint
+from toothspace.core.constants import ATMOSPHERIC_PRESSURE
+from toothspace.core.status import Status
+from toothspace.core.types import Array
+from toothspace.model.assembly import assemble
+from toothspace.model.description import FlowPath, MachineDescription
+from toothspace.model.operating_point import OperatingCondition
+from toothspace.model.paths import by_kind
+from toothspace.results.solution import Solution, warned
+from toothspace.simulation import running_in_store
+from toothspace.simulation.setup import Setup, fluid_of
+from toothspace.solver.cyclic import History, RunPlan, march_revolutions
+from toothspace.solver.observe import observe
+
+_PLAN = RunPlan(max_revolutions=20, samples_per_revolution=720)
+_TOLERANCE = 1e-5
+CUT_SHORT = (Status.INTERRUPTED, Status.STEP_TOO_SMALL, Status.MAX_STEPS)
+"""How a march ends before its time."""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class WornMachine:
+    """A machine after running-in.
+
+    Parameters
+    ----------
+    description : MachineDescription
+        The machine with the tracks in its casing.
+    depths : dict of str to ndarray
+        Depth of each track over the casing angle, by the path that wears. [m]
+    status : Status
+        Whether the running-in came to its end.
+    """
+
+    description: MachineDescription
+    depths: dict[str, Array]
+    status: Status = Status.DONE
+
+    def marked(self, solution: Solution) -> Solution:
+        """Solution on this machine: not done on a casing that was cut only in part."""
+        if self.status is Status.DONE or solution.status is Status.INTERRUPTED:
+            return solution
+        provenance = warned(solution.provenance, "Running-in ended before its time.")
+        return replace(solution, status=self.status, provenance=provenance)
+
+    @property
+    def values(self) -> dict[str, Any]:
+        """Depths by the names of results, one row per body."""
+        if not self.depths:
+            return {}
+        nodes = next(iter(self.depths.values())).size
+        names = [body.name for body in self.description.bodies]
+        table = np.zeros((len(names), nodes))
+        for name, depth in self.depths.items():
+            body = next(b for b in names if name.endswith(b.split("_")[0]))
+            table[names.index(body)] = depth
+        return {
+            "running_in_depth": table,
+            "casing_angle": np.arange(nodes) * 2.0 * np.pi / nodes,
+        }
+
+
+def run_in(setup: Setup) -> WornMachine:
+    """Cut the casing at the break-in condition; taken from disk if it was computed before.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        If interrupted.
+    """
+    case, description = setup.case, setup.description
+    state = description.running_in
+    if state is None:
+        return WornMachine(description, {})
+    high, low = state.pressure, ATMOSPHERIC_PRESSURE
+    motor = description.mode == "motor"
+    condition = OperatingCondition(
+        shaft_speed=state.shaft_speed,
+        inlet_pressure=high if motor else low,
+        outlet_pressure=low if motor else high,
+        drain_pressure=description.drain_pressure,
+        relative_tolerance=_TOLERANCE,
+    )
+    fluid = fluid_of(case, state.temperature)
+    key = fingerprint(case.machine_type, case.machine_spec, fluid, condition, _PLAN)
+    depths = running_in_store.load(key)
+    if depths is None:
+        plan = replace(_PLAN, max_steps=case.run.max_steps)
+        history = march_revolutions(assemble(description, fluid, condition), plan)
+        if history.status is Status.INTERRUPTED:
+            raise KeyboardInterrupt
+        depths = running_in_depths(history)
+        if history.status in CUT_SHORT:
+            return WornMachine(description.with_running_in(depths), depths, history.status)
+        running_in_store.save(key, depths)
+    return WornMachine(description.with_running_in(depths), depths)
+
+
+def running_in_depths(history: History) -> dict[str, Array]:
+    """Depths at the table nodes of every wearing gap, from one revolution at break-in. [m].
+
+    The casing is cut until no gap of the revolution is smaller than its residual height.
+    """
+    system = history.system
+    heights = observe(system.arrays, history.states).raw_height
+    angles = history.states[:, 0]
+    depths = {}
+    first = 0
+    for path in by_kind(system.description.paths):
+        members = slice(first, first + path.count)
+        if path.wears:
+            depths[path.name] = _depth(path, angles, heights[:, members])
+        first += path.count
+    return depths
+
+
+def _depth(path: FlowPath, shaft_angles: Array, heights: Array) -> Array:
+    period, nodes = path.geometry.period, path.geometry.values.shape[0]
+    step = period / nodes
+    depth = np.zeros(nodes)
+    closed = path.geometry.values[:, 1] <= 0.0
+    for k in range(path.count):
+        angle = np.mod(path.phases[k] + path.angle_ratio * shaft_angles, period)
+        index = np.round(angle / step).astype(int) % nodes
+        np.maximum.at(depth, index, path.minimum_height - heights[:, k])
+    depth[closed] = 0.0
+    return _smoothed(depth)
+
+
+def _smoothed(depth: Array) -> Array:
+    """Widen and round the track by a few nodes: a tip land has a width."""
+    widened = np.max([np.roll(depth, k) for k in range(-3, 4)], axis=0)
+    return np.mean([np.roll(widened, k) for k in range(-3, 4)], axis=0)

@@ -1,0 +1,167 @@
+"""A case with its machine and fluid, and the conditions at which it is run."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib.metadata import version
+from typing import final
+
+import numpy as np
+
+import toothspace
+from toothspace.case import Case
+from toothspace.case.circuit import ReliefValve
+from toothspace.case.plumbing import plumb, shaft_of, speed_of
+from toothspace.closures.fluid_law import FluidLaw
+from toothspace.core.errors import CaseError
+from toothspace.model.description import MachineDescription
+from toothspace.model.fluid import fluid_law
+from toothspace.model.operating_point import OperatingCondition
+
+Progress = Callable[[float, str], None]
+"""Called with the finished share of a run and a short text."""
+
+_EXPECTED_PRESSURE = 50e5
+_BEYOND_BREAKAWAY = 1.5
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Setup:
+    """What a preset simulates.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    description : MachineDescription
+        Its machine, as designed.
+    fluid : FluidLaw
+        Its fluid at its temperature.
+    """
+
+    case: Case
+    description: MachineDescription
+    fluid: FluidLaw
+
+    @property
+    def condition(self) -> OperatingCondition:
+        """Condition of the case, with an operating point or with a circuit."""
+        if self.case.circuit is not None:
+            return circuit_condition(self.case, self.description, self.fluid)
+        return condition_of(self.case, self.description)
+
+
+def require_condition(case: Case) -> None:
+    """Refuse a case that has neither an operating point nor a circuit.
+
+    Raises
+    ------
+    CaseError
+        In one line.
+    """
+    if case.operating_point is None and case.circuit is None:
+        allowed = "a case with an [operating_point] or a [circuit]"
+        raise CaseError(f"operating_point: found none, allowed {allowed}")
+
+
+def fluid_of(case: Case, temperature: float | None = None) -> FluidLaw:
+    """Constants of the fluid of a case.
+
+    Parameters
+    ----------
+    case : Case
+        Case with a fluid.
+    temperature : float, optional
+        Temperature; that of the case if not given. [K]
+    """
+    choice = case.fluid
+    if choice is None:
+        raise CaseError("fluid: found none, allowed a case with a [fluid] table")
+    return fluid_law(
+        choice.source,
+        choice.temperature if temperature is None else temperature,
+        choice.free_air_fraction,
+        choice.dissolved_air_fraction,
+        choice.gas_law,
+        choice.saturation_pressure,
+        choice.release_time,
+        choice.absorption_time,
+    )
+
+
+def fluid_temperature(case: Case) -> float:
+    """Temperature of the fluid of a case. [K]."""
+    assert case.fluid is not None
+    return case.fluid.temperature
+
+
+def condition_of(case: Case, description: MachineDescription) -> OperatingCondition:
+    """Operating condition of a case, before a load orifice is sized."""
+    point = case.operating_point
+    assert point is not None
+    return OperatingCondition(
+        shaft_speed=point.shaft_speed,
+        inlet_pressure=point.inlet_pressure,
+        outlet_pressure=point.outlet_pressure,
+        drain_pressure=description.drain_pressure,
+        radial_load=point.shaft_radial_load,
+        compliant_mesh=case.run.mesh == "elastic",
+        relative_tolerance=case.run.relative_tolerance,
+    )
+
+
+def circuit_condition(
+    case: Case, description: MachineDescription, fluid: FluidLaw
+) -> OperatingCondition:
+    """Condition of a case with a circuit, at the pressure that it is expected to reach."""
+    keys = case.circuit
+    assert keys is not None
+    circuit, shaft, speed = plumb(keys, description, fluid), shaft_of(keys, description), None
+    if shaft is None:
+        speed = speed_of(keys)
+        assert speed is not None
+    low = circuit.supply_pressure
+    high = low + _expected_pressure(case, description)
+    motor = description.mode == "motor"
+    return OperatingCondition(
+        shaft_speed=keys.initial_shaft_speed if speed is None else float(speed[0, 1]),
+        inlet_pressure=high if motor else low,
+        outlet_pressure=low if motor else high,
+        drain_pressure=description.drain_pressure,
+        compliant_mesh=case.run.mesh == "elastic",
+        relative_tolerance=case.run.relative_tolerance,
+        circuit=circuit,
+        free_shaft=shaft,
+        speed_schedule=np.zeros((0, 2)) if speed is None else speed,
+        shaft_angle=keys.initial_shaft_angle,
+    )
+
+
+def _expected_pressure(case: Case, description: MachineDescription) -> float:
+    """Pressure difference that seats the bearing blocks and scales the tolerance. [Pa]."""
+    assert case.circuit is not None
+    elements = case.circuit.elements.values()
+    relief = [e.opening_pressure for e in elements if isinstance(e, ReliefValve)]
+    expected = max(relief, default=_EXPECTED_PRESSURE)
+    if description.startup is None or speed_of(case.circuit) is not None:
+        return expected
+    return min(expected, _BEYOND_BREAKAWAY * description.startup.torque / description.displacement)
+
+
+def provenance_of(case: Case) -> dict[str, str]:
+    """Where a result comes from, as text."""
+    return {
+        "title": case.title,
+        "package_version": toothspace.__version__,
+        "case_toml": case.to_toml(),
+        "case_hash": case.hash,
+        "case_file": str(case.source or ""),
+        "preset": case.run.fidelity,
+        "overrides": "\n".join(case.overrides),
+        "python_version": platform.python_version(),
+        "numba_version": version("numba"),
+        "numpy_version": np.__version__,
+    }
