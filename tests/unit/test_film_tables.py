@@ -51,7 +51,7 @@ def motor() -> tuple[Case, MachineDescription]:
 def test_curve_goes_through_the_sweep(tables: Path) -> None:
     """Within the error of the five-term fit to a mixed film: 15 % at the load of the case."""
     _, machine = motor()
-    machine = with_film_tables(machine, tables)
+    machine, _ = with_film_tables(machine, tables)
     found = xr.load_dataset(tables, engine="h5netcdf")
     for journal in machine.journals:
         row = found.sel(journal=journal.body)
@@ -143,7 +143,7 @@ def test_run_with_tables(tables: Path) -> None:
     solution = api.simulate(case)
     lost = solution.data["torque_loss"].sel(mechanism="journal_viscous").values
     force = solution.data["journal_force"]
-    machine = with_film_tables(motor()[1], tables)
+    machine, _ = with_film_tables(motor()[1], tables)
     radius = 0.5 * machine.journals[0].diameter
     load = sum(np.hypot(force[..., k, 0], force[..., k, 1]) for k in range(2)).values
     friction = lost / (load * radius)

@@ -198,4 +198,4 @@ def test_loop_asks_for_as_many_rounds_as_its_case(
 
 def _machine_with_bearing(setup: Setup) -> RunInMachine:
     worn = WornMachine(setup.description, {})
-    return RunInMachine(setup.case, worn, worn.description, setup.fluid, {})
+    return RunInMachine(setup.case, worn, worn.description, setup.fluid, {}, {})

@@ -131,7 +131,7 @@ def _file(machine: MachineDescription, path: Path, **changed: float) -> Path:
 
 
 def test_file_is_read(motor: tuple[Case, MachineDescription], tmp_path: Path) -> None:
-    machine = with_film_tables(motor[1], _file(motor[1], tmp_path / "a.nc"))
+    machine, _ = with_film_tables(motor[1], _file(motor[1], tmp_path / "a.nc"))
     assert machine.lateral_table is not None
     assert machine.lateral_table.extra_share == pytest.approx(0.25)
     assert machine.lateral_table.pressure_share == pytest.approx(-0.5)

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from toothspace.simulation.solved_films import with_solved_films
 
 from toothspace import api
 from toothspace.closures.bearing_map import build_journal_map, journal_force
@@ -19,6 +18,7 @@ from toothspace.films.journal.map import solved_journal
 from toothspace.films.lateral.conductance import FaceConductance, face_conductance
 from toothspace.model.description import LateralFilm
 from toothspace.model.film_shapes import FaceOutline
+from toothspace.simulation.films import with_solved_films
 
 PUMP = Path(__file__).parents[2] / "cases" / "egm12_pump.toml"
 SHAFT, ROOT, TIP, TEETH = 9e-3, 13e-3, 20e-3, 8

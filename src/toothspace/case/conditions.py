@@ -21,6 +21,7 @@ from toothspace.core.keys import (
     number,
     quantity,
     require,
+    table,
     text,
 )
 from toothspace.results.variables import CHANNELS
@@ -96,11 +97,36 @@ class OperatingPoint:
 
 @final
 @dataclass(frozen=True, kw_only=True)
+class InterfaceChoice:
+    """``[run.interfaces]``: models of single interfaces in place of those of the preset."""
+
+    journal: str | None = choice("Journal bearings.", "closed_form", "reynolds", default=None)
+    lateral: str | None = choice(
+        "Faces of gears and rotors, and the film round an outer rotor.",
+        "closed_form",
+        "reynolds",
+        "elastic",
+        default=None,
+    )
+
+    @property
+    def given(self) -> dict[str, str]:
+        """Interfaces for which a model is chosen."""
+        return {name: model for name, model in vars(self).items() if model is not None}
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
 class RunSettings:
     """``[run]``: fidelity and numerical settings."""
 
     fidelity: str = choice(
         "Named set of models.", "ideal", "lumped", "films", "elastic", default="lumped"
+    )
+    interfaces: InterfaceChoice | None = table(
+        InterfaceChoice,
+        "Models of single interfaces; those of the preset where none is chosen.",
+        default=None,
     )
     until: str | None = choice(
         "Stop when two successive revolutions agree.", "cyclic", default=None

@@ -17,6 +17,7 @@ from toothspace.report.verdict import verdict, warnings_of
 from toothspace.report.wording import Quantity, format_value, quantity
 from toothspace.results.ledger import NOTE_ENTRIES, power_ledger
 from toothspace.results.solution import Solution
+from toothspace.simulation.presets import INTERFACES, MODELS, models_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -182,7 +183,9 @@ def _check_value(name: str, value: float, unit: str) -> Quantity:
 def _background(solution: Solution) -> dict[str, Any]:
     provenance = solution.provenance
     rows = {k: v for k, v in provenance.items() if k not in _PROVENANCE_TEXTS}
+    models = models_of(provenance.get("interfaces", ""))
     return {
+        "models": [(INTERFACES[name], model, MODELS[model]) for name, model in models.items()],
         "provenance": [(k.replace("_", " "), v or "none") for k, v in rows.items()],
         "case_toml": provenance.get("case_toml", ""),
         "statistics": [

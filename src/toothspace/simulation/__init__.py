@@ -6,8 +6,9 @@ module           responsibility
 presets          the named sets of models and what each interface of a machine uses
 setup            a case with its machine and fluid; operating conditions; provenance
 ideal            kinematic flow and torque
-lumped           chamber pressures with closed-form films, until the run is cyclic
-films            journal and lateral films solved on grids
+run              which module simulates a case
+lumped           chamber pressures until the run is cyclic, with closed-form or solved films
+films            journal and lateral films of a machine solved on grids
 elastic          lateral films coupled with chambers, floating bearings in balance
 circuit          runs over time with a free shaft in a hydraulic circuit
 running_in       how deep the gears cut into the casing, computed once and kept

@@ -7,7 +7,7 @@ from toothspace.model.assembly import assemble
 from toothspace.results.solution import Solution
 from toothspace.simulation.lateral.table_lookup import told_over_time
 from toothspace.simulation.lumped import run_in_machine
-from toothspace.simulation.setup import Progress, Setup, provenance_of
+from toothspace.simulation.setup import Progress, Setup
 from toothspace.solver.transient import TimePlan, TransientMarch
 from toothspace.solver.transient_outcome import transient_solution
 
@@ -34,5 +34,5 @@ def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
         channels=run.channels,
     )
     march = TransientMarch(assemble(machine.description, setup.fluid, condition), plan)
-    ended = transient_solution(march, provenance_of(case), machine.extra, case.title, progress)
+    ended = transient_solution(march, machine.provenance, machine.extra, case.title, progress)
     return machine.worn.marked(told_over_time(machine.description, condition, ended))

@@ -40,7 +40,9 @@ _NEEDED = {
 """Variables of every kind of film, without the name of the kind."""
 
 
-def with_film_tables(description: MachineDescription, path: str | Path) -> MachineDescription:
+def with_film_tables(
+    description: MachineDescription, path: str | Path
+) -> tuple[MachineDescription, tuple[str, ...]]:
     """Machine that takes its films from tables.
 
     Parameters
@@ -54,6 +56,8 @@ def with_film_tables(description: MachineDescription, path: str | Path) -> Machi
     -------
     MachineDescription
         The machine with every kind of film in the file replaced.
+    tuple of str
+        Interfaces that were replaced.
 
     Raises
     ------
@@ -77,7 +81,7 @@ def with_film_tables(description: MachineDescription, path: str | Path) -> Machi
             found = f"run.film_tables: found {path} without {kind}_{missing[0]}"
             raise CaseError(f"{found}, allowed a file that this version's 'toothspace reduce' made")
         description = APPLIED[kind](description, tables)
-    return description
+    return description, tuple(kinds)
 
 
 def with_journal_friction(

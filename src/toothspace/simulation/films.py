@@ -1,7 +1,8 @@
-"""The ``films`` preset: journal and lateral films of a machine solved on grids."""
+"""Journal and lateral films of a machine solved on grids, as in the ``films`` preset."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -19,11 +20,10 @@ from toothspace.model.description import (
 from toothspace.model.films import lateral_face_torque
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
-from toothspace.results.solution import Solution
-from toothspace.simulation import lumped
-from toothspace.simulation.setup import Progress, Setup
 from toothspace.simulation.shared_covers import solved_covers, with_shared_films
 
+SOLVED: Mapping[str, str] = {"journal": "reynolds", "lateral": "reynolds"}
+"""Films of both interfaces that can be solved for a machine."""
 _FULL_TURN = 2.0 * np.pi
 _LENGTH = 1e-3
 _LEAST = 1e-3
@@ -32,14 +32,10 @@ _LARGEST = 10.0
 """Largest shape conductance: chambers over a recess are joined by its opening anyway. [-]"""
 
 
-def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
-    """Cyclic state of a case with solved films."""
-    machine = with_solved_films(setup.description, setup.condition)
-    return lumped.simulate(replace(setup, description=machine), progress)
-
-
 def with_solved_films(
-    description: MachineDescription, condition: OperatingCondition | None = None
+    description: MachineDescription,
+    condition: OperatingCondition | None = None,
+    models: Mapping[str, str] = SOLVED,
 ) -> MachineDescription:
     """Machine whose journal and lateral films follow from solved Reynolds equations.
 
@@ -49,6 +45,8 @@ def with_solved_films(
         Machine with closed-form films.
     condition : OperatingCondition, optional
         Condition at which bodies that float between covers find their place.
+    models : mapping of str to str
+        Model of each interface; those with ``reynolds`` are solved, the others stay.
 
     Returns
     -------
@@ -66,19 +64,28 @@ def with_solved_films(
     Rigid parallel faces; the tilt of a face enters the mean cube of the gap as in the closed
     form. Tip and flank gaps stay closed: a parallel or curved gap is the exact solution there.
     """
+    if models["lateral"] == "reynolds":
+        description = _with_solved_faces(description, condition)
+    if models["journal"] == "reynolds":
+        journals = tuple(_solved(journal) for journal in description.journals)
+        description = replace(description, journals=journals)
+    return description
+
+
+def _with_solved_faces(
+    description: MachineDescription, condition: OperatingCondition | None
+) -> MachineDescription:
     if description.shared_faces is not None:
-        wider = with_shared_films(description, solved_covers(description, condition))
-        return replace(wider, journals=tuple(_solved(journal) for journal in wider.journals))
-    journals = tuple(_solved(journal) for journal in description.journals)
+        return with_shared_films(description, solved_covers(description, condition))
     if any(film.face is None for film in description.laterals):
-        raise CaseError("run.fidelity: found 'films', allowed 'ideal' or 'lumped' for this machine")
+        found = "'reynolds' for a machine that does not give the outlines of its faces"
+        raise CaseError(f"run.interfaces.lateral: found {found}, allowed 'closed_form'")
     laterals = tuple(_Face(description, film) for film in description.laterals)
     replaced = {path.name for face in laterals for path in (face.across, face.inwards)}
     kept = [path for path in description.paths if path.name not in replaced]
     return replace(
         description,
         paths=(*kept, *(path for face in laterals for path in face.paths())),
-        journals=journals,
         laterals=tuple(face.film() for face in laterals),
     )
 

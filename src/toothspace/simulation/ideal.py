@@ -16,6 +16,7 @@ from toothspace.model.operating_point import OperatingCondition
 from toothspace.results.ledger import ledger_from
 from toothspace.results.solution import Solution
 from toothspace.results.variables import dataset_from
+from toothspace.simulation.presets import interface_models, interface_text
 from toothspace.simulation.setup import Progress, Setup, fluid_temperature, provenance_of
 
 _JOINING_GAP = 5e-6
@@ -30,7 +31,10 @@ def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
         setup.condition,
         samples=setup.case.run.samples_per_revolution,
         dual_flank=setup.case.run.flank_sealing == "dual",
-        provenance=provenance_of(setup.case),
+        provenance={
+            **provenance_of(setup.case),
+            "interfaces": interface_text(interface_models(setup.case)),
+        },
         extra={"fluid_temperature": np.asarray(fluid_temperature(setup.case))},
     )
 

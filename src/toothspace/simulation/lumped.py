@@ -1,4 +1,4 @@
-"""The ``lumped`` preset: chambers with closed-form films, marched until the run is cyclic."""
+"""The ``lumped`` and ``films`` presets: a machine whose chambers are marched until it is cyclic."""
 
 from __future__ import annotations
 
@@ -15,7 +15,9 @@ from toothspace.model.description import MachineDescription
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.results.solution import Solution
 from toothspace.simulation.film_tables import with_film_tables
+from toothspace.simulation.films import with_solved_films
 from toothspace.simulation.lateral.table_lookup import run_with_table
+from toothspace.simulation.presets import interface_models, interface_text
 from toothspace.simulation.running_in import CUT_SHORT, WornMachine, run_in
 from toothspace.simulation.setup import Progress, Setup, fluid_temperature, provenance_of
 from toothspace.solver.cyclic import History, RunPlan, first_turn_state, march_revolutions
@@ -38,11 +40,13 @@ class RunInMachine:
     worn : WornMachine
         The machine after running-in.
     description : MachineDescription
-        The same with the film tables of the case.
+        The same with the film tables and the solved films of the case.
     fluid : FluidLaw
         Fluid.
     extra : mapping
         Values that go into every result.
+    provenance : mapping
+        Where every result comes from.
     """
 
     case: Case
@@ -50,6 +54,7 @@ class RunInMachine:
     description: MachineDescription
     fluid: FluidLaw
     extra: dict[str, Any]
+    provenance: dict[str, str]
 
     def solve(
         self,
@@ -61,20 +66,24 @@ class RunInMachine:
 
         def run(changed: MachineDescription) -> Solution:
             history = _march(self.case, changed, self.fluid, condition, progress)
-            return solution_from(history, provenance_of(self.case), self.extra, self.case.title)
+            return solution_from(history, self.provenance, self.extra, self.case.title)
 
         slide = float(self.fluid.dynamic_viscosity) * condition.shaft_speed
         return run_with_table(description or self.description, run, slide)
 
 
 def run_in_machine(setup: Setup) -> RunInMachine:
-    """Run in the machine of a case and give it the film tables of the case."""
+    """Run in the machine of a case, then give it its film tables and solved films."""
     worn, tables = run_in(setup), setup.case.run.film_tables
-    description = worn.description
+    description, tabulated = worn.description, tuple[str, ...]()
     if tables is not None:
-        description = with_film_tables(description, tables)
+        description, tabulated = with_film_tables(description, tables)
+    models = interface_models(setup.case, tabulated)
+    if "reynolds" in models.values():
+        description = with_solved_films(description, setup.condition, models)
     extra = {"fluid_temperature": np.asarray(fluid_temperature(setup.case)), **worn.values}
-    return RunInMachine(setup.case, worn, description, setup.fluid, extra)
+    provenance = {**provenance_of(setup.case), "interfaces": interface_text(models)}
+    return RunInMachine(setup.case, worn, description, setup.fluid, extra, provenance)
 
 
 def simulate(setup: Setup, progress: Progress | None = None) -> Solution:

@@ -1,12 +1,41 @@
-"""Fidelity presets: named, tested sets of models."""
+"""Fidelity presets: named, tested sets of models, and the model of each interface.
+
+An interface is where two surfaces run on each other with a film between them. A preset names the
+models that it offers for each interface, the one that it uses first; ``[run.interfaces]`` of a
+case chooses another.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal, final
+from types import MappingProxyType
+from typing import final
 
+from toothspace.case import Case
 from toothspace.core.errors import CaseError
+
+INTERFACES: Mapping[str, str] = MappingProxyType(
+    {
+        "journal": "Journal bearings",
+        "lateral": "Faces of gears and rotors, and the film round an outer rotor",
+        "tip": "Tooth tips on the casing, tips on each other, gaps of the flanks",
+        "contact": "Contacts of teeth, lobes and tips",
+    }
+)
+"""Interfaces of a machine and what they are."""
+
+MODELS: Mapping[str, str] = MappingProxyType(
+    {
+        "closed_form": "formula of a gap, a bearing or a contact",
+        "table": "table of films that `toothspace reduce` solved",
+        "reynolds": "Reynolds equation on a grid, rigid walls",
+        "elastic": "Reynolds equation on a grid with deformation and asperity contact, in balance",
+        "rigid": "kinematic contact, force from the balance of moments",
+        "compliant": "force over the overlap of elastic teeth",
+    }
+)
+"""Models of interfaces and what they solve."""
 
 
 @final
@@ -20,46 +49,16 @@ class Preset:
         Value of ``run.fidelity``.
     content : str
         The set in one sentence, for reports.
-    compressible : bool
-        Whether chambers have a pressure state of their own; otherwise the flow is kinematic.
-    leakage : bool
-        Whether gaps leak.
-    body_motion : bool
-        Whether bodies move in their bearings.
-    friction : bool
-        Whether films, meshes and seals resist.
-    films : str
-        ``none``, ``closed_form`` or ``reynolds``.
-    deformation : bool
-        Whether film surfaces deform.
-    solved : bool
-        Whether this version can run it; otherwise its keys are only checked.
+    interfaces : mapping of str to tuple of str
+        Models that it offers for each interface, its own choice first; empty without films.
     unused_tables : tuple of str
         Optional tables of a case that this set does not use.
     """
 
     name: str
     content: str
-    compressible: bool
-    leakage: bool
-    body_motion: bool
-    friction: bool
-    films: Literal["none", "closed_form", "reynolds"]
-    deformation: bool
-    solved: bool = False
+    interfaces: Mapping[str, tuple[str, ...]]
     unused_tables: tuple[str, ...] = ()
-
-    def require_solved(self) -> None:
-        """Refuse a set that this version cannot run.
-
-        Raises
-        ------
-        CaseError
-            With the sets that can be run.
-        """
-        if not self.solved:
-            allowed = " or ".join(repr(p.name) for p in _PRESETS if p.solved)
-            raise CaseError(f"run.fidelity: found {self.name!r}, allowed {allowed} in this version")
 
 
 _BALANCE_TABLES = (
@@ -68,57 +67,141 @@ _BALANCE_TABLES = (
     "machine.startup",
     "study",
 )
+_CONTACTS = {"tip": ("closed_form",), "contact": ("rigid", "compliant")}
 _PRESETS = (
     Preset(
         name="ideal",
         content="Kinematic flow and torque, no leakage, rigid fluid.",
-        compressible=False,
-        leakage=False,
-        body_motion=False,
-        friction=False,
-        films="none",
-        deformation=False,
-        solved=True,
+        interfaces={},
         unused_tables=("machine.casing.wear_in", *_BALANCE_TABLES),
     ),
     Preset(
         name="lumped",
         content="Chamber pressures with cavitation, all flow paths, body motion, contacts, "
         "closed-form films and friction.",
-        compressible=True,
-        leakage=True,
-        body_motion=True,
-        friction=True,
-        films="closed_form",
-        deformation=False,
-        solved=True,
+        interfaces={
+            "journal": ("closed_form", "reynolds", "table"),
+            "lateral": ("closed_form", "reynolds", "table"),
+            **_CONTACTS,
+        },
         unused_tables=_BALANCE_TABLES,
     ),
     Preset(
         name="films",
         content="Lumped, with journal and lateral films solved on grids.",
-        compressible=True,
-        leakage=True,
-        body_motion=True,
-        friction=True,
-        films="reynolds",
-        deformation=False,
-        solved=True,
+        interfaces={
+            "journal": ("reynolds", "closed_form"),
+            "lateral": ("reynolds", "closed_form"),
+            **_CONTACTS,
+        },
         unused_tables=_BALANCE_TABLES,
     ),
     Preset(
         name="elastic",
         content="Films, with elastic surfaces, asperity contact and floating parts in balance.",
-        compressible=True,
-        leakage=True,
-        body_motion=True,
-        friction=True,
-        films="reynolds",
-        deformation=True,
-        solved=True,
+        interfaces={
+            "journal": ("reynolds", "closed_form"),
+            "lateral": ("elastic",),
+            **_CONTACTS,
+        },
         unused_tables=("machine.startup",),
     ),
 )
 
 PRESETS: Mapping[str, Preset] = {preset.name: preset for preset in _PRESETS}
 """Fidelity presets by name."""
+
+
+def interface_models(case: Case, tables: tuple[str, ...] = ()) -> dict[str, str]:
+    """Model of each interface in a run of a case.
+
+    Parameters
+    ----------
+    case : Case
+        Case with its preset and its choices.
+    tables : tuple of str
+        Interfaces whose films come from the tables of the case.
+
+    Raises
+    ------
+    CaseError
+        If the case chooses a model that its preset does not offer.
+    """
+    preset = PRESETS[case.run.fidelity]
+    models = {name: offered[0] for name, offered in preset.interfaces.items()}
+    if models and case.run.mesh == "elastic":
+        models["contact"] = "compliant"
+    for name in tables:
+        models[name] = "table"
+    chosen = case.run.interfaces
+    for name, model in {} if chosen is None else chosen.given.items():
+        offered = [m for m in preset.interfaces.get(name, ()) if m != "table"]
+        if name in tables or model not in offered:
+            found = f"{model!r} with {'tables of these films' if name in tables else preset.name!r}"
+            allowed = "no choice" if name in tables else " or ".join(map(repr, offered)) or "none"
+            raise CaseError(f"run.interfaces.{name}: found {found}, allowed {allowed}")
+        models[name] = model
+    return models
+
+
+def models_of(text: str) -> dict[str, str]:
+    """Models of interfaces from the text of :func:`interface_text`."""
+    pairs = (item.partition(": ") for item in text.split(", "))
+    return {name: model for name, separator, model in pairs if separator}
+
+
+def interface_text(models: Mapping[str, str]) -> str:
+    """Models of interfaces as one line of text, ``interface: model`` with commas between."""
+    return ", ".join(f"{name}: {model}" for name, model in models.items()) or "none"
+
+
+def preset_page() -> str:
+    """Markdown of the page ``docs/reference/presets.md``."""
+    columns = [preset.name for preset in _PRESETS]
+    lines = [
+        "# Fidelity presets",
+        "",
+        "Generated by `python -m toothspace.simulation.presets docs/reference/presets.md`.",
+        "",
+        "A preset is a tested set of models, chosen by `run.fidelity`. An interface is where two",
+        "surfaces run on each other. The first model of an entry is that of the preset; another",
+        "one is chosen by `[run.interfaces]`, by `run.film_tables` (tables) or by",
+        "`run.mesh` (compliant contacts).",
+        "",
+        "| preset | content |",
+        "|---|---|",
+        *(f"| `{preset.name}` | {preset.content} |" for preset in _PRESETS),
+        "",
+        f"| interface | {' | '.join(f'`{name}`' for name in columns)} |",
+        f"|---|{'---|' * len(columns)}",
+    ]
+    for name, meaning in INTERFACES.items():
+        offered = [", ".join(preset.interfaces.get(name, ())) or "none" for preset in _PRESETS]
+        lines.append(f"| `{name}`: {meaning} | {' | '.join(offered)} |")
+    lines += ["", "| model | what it solves |", "|---|---|"]
+    lines += [f"| {name} | {meaning} |" for name, meaning in MODELS.items()]
+    lines += [
+        "",
+        "Gaps at tooth tips and flanks are closed forms in every preset: in a parallel or curved",
+        "gap these are the exact solution. The film round the outer rotor of a gerotor exchanges",
+        "oil with the films on its faces and is solved together with them.",
+        "",
+        "```toml",
+        "[run]",
+        'fidelity = "films"',
+        "[run.interfaces]",
+        'lateral = "closed_form"     # solved journals, closed-form faces',
+        "```",
+        "",
+        "Every result says in its provenance which model each interface used, and the report shows",
+        "it under Models.",
+        "",
+    ]
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    import sys
+    from pathlib import Path
+
+    Path(sys.argv[1]).write_text(preset_page(), encoding="utf-8")

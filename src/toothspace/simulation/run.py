@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from toothspace.results.solution import Solution
-from toothspace.simulation import circuit, elastic, films, ideal, lumped
+from toothspace.simulation import circuit, elastic, ideal, lumped
 from toothspace.simulation.setup import Progress, Setup
 
 Simulate = Callable[[Setup, Progress | None], Solution]
@@ -13,7 +13,7 @@ Simulate = Callable[[Setup, Progress | None], Solution]
 STEADY: Mapping[str, Simulate] = {
     "ideal": ideal.simulate,
     "lumped": lumped.simulate,
-    "films": films.simulate,
+    "films": lumped.simulate,
     "elastic": elastic.simulate,
 }
 """How a case with an operating point is simulated, by the name of its preset."""
