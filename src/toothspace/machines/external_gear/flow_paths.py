@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from toothspace.core.types import Array, IntArray
+from toothspace.gearing.mesh_split import Throats
+from toothspace.gearing.spaces import Spaces
 from toothspace.machines.external_gear.assembly import Assembly, driven_lever
 from toothspace.machines.external_gear.casing import bore
-from toothspace.machines.external_gear.chambers import Spaces
 from toothspace.machines.external_gear.loads import BODIES
-from toothspace.machines.external_gear.mesh_split import Throats
 from toothspace.machines.external_gear.numbering import FULL_TURN, Numbering
 from toothspace.machines.external_gear.openings import groove_openings, port_lengths
 from toothspace.model.description import FlowPath
