@@ -40,7 +40,7 @@ def contact_machine(**pair: Any) -> MachineDescription:
     )
     return replace(
         toy,
-        bodies=(*toy.bodies, Body("ring", (0.0, 0.0), RATIO, MASS, INERTIA)),
+        bodies=(*toy.bodies, Body("ring", (0.0, 0.0), RATIO, MASS, INERTIA, "driven")),
         motions=(Motion("ring", "x"), Motion("ring", "y"), Motion("ring", "rotation")),
         families=(replace(family, volume_by_motion=smooth_table(TURN, volume_by_motion)),),
         paths=paths,

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from toothspace.gearing.spaces import Spaces, drive_spaces, driven_spaces
 from toothspace.geometry.involute import InvoluteGear
 from toothspace.machines.external_gear.assembly import Assembly
-from toothspace.machines.external_gear.chambers import Spaces, drive_spaces, driven_spaces
 from toothspace.machines.external_gear.numbering import number
 from toothspace.machines.external_gear.spec import (
     Casing,

@@ -15,6 +15,15 @@ from toothspace.model.description import (
     MachineDescription,
     Motion,
 )
+from toothspace.model.path_category import (
+    DRAIN,
+    INLET_GROOVE,
+    INLET_PORT,
+    LATERAL,
+    OUTLET_GROOVE,
+    OUTLET_PORT,
+    PathCategory,
+)
 from toothspace.numerics.periodic_table import monotone_table, smooth_table
 from toothspace.results.ledger import Ledger, ledger_from
 from toothspace.results.solution import Event, Solution
@@ -31,7 +40,13 @@ HIGH, LOW = 200e5, 1e5
 DENSITY_HIGH, DENSITY_LOW = 870.0, 860.0
 MECHANISMS = ["journal_viscous", "lateral_viscous", "tip_shear", "mesh_friction", "shaft_seal"]
 TORQUE_LOSSES = [0.35, 0.28, 0.05, 0.22, 0.15]
-PATHS = ["tooth_tip", "flank", "lateral", "drain"]
+CATEGORIES = (
+    PathCategory("tooth_tip", "tooth tips", "#0072B2", "gap"),
+    PathCategory("flank", "flanks", "#56B4E9", "mesh"),
+    LATERAL,
+    DRAIN,
+)
+PATHS = [category.name for category in CATEGORIES]
 LEAKAGES = [0.9e-6, 0.15e-6, 0.8e-6, 1.1e-6]
 
 
@@ -48,13 +63,13 @@ def fake_description() -> MachineDescription:
         ChamberFamily(name, 1.0, phases, smooth_table(TURN, volume), no_motion) for name in names
     )
     paths = tuple(
-        _port(f"{kind}_{name}", kind, window, k, node)
+        _port(f"{kind.name}_{name}", kind, window, k, node)
         for k, name in enumerate(names)
         for kind, window, node in (
-            ("inlet_port", window_in, 2 * TEETH),
-            ("outlet_port", window_out, 2 * TEETH + 1),
-            ("inlet_groove", np.roll(window_in, 20) * 0.1, 2 * TEETH),
-            ("outlet_groove", np.roll(window_out, -20) * 0.1, 2 * TEETH + 1),
+            (INLET_PORT, window_in, 2 * TEETH),
+            (OUTLET_PORT, window_out, 2 * TEETH + 1),
+            (INLET_GROOVE, np.roll(window_in, 20) * 0.1, 2 * TEETH),
+            (OUTLET_GROOVE, np.roll(window_out, -20) * 0.1, 2 * TEETH + 1),
         )
     )
     return MachineDescription(
@@ -62,8 +77,8 @@ def fake_description() -> MachineDescription:
         mode="motor",
         displacement=DISPLACEMENT,
         bodies=(
-            Body("drive_gear", (0.0, 0.0), 1.0, 0.12, 1.5e-5),
-            Body("driven_gear", (0.0, CENTER_DISTANCE), -1.0, 0.12, 1.5e-5),
+            Body("drive_gear", (0.0, 0.0), 1.0, 0.12, 1.5e-5, "shaft"),
+            Body("driven_gear", (0.0, CENTER_DISTANCE), -1.0, 0.12, 1.5e-5, "driven"),
         ),
         motions=tuple(Motion(n, a) for n in names for a in ("x", "y")),
         families=families,
@@ -93,7 +108,7 @@ def fake_description() -> MachineDescription:
     )
 
 
-def _port(name: str, category: str, area: Array, family: int, node: int) -> FlowPath:
+def _port(name: str, category: PathCategory, area: Array, family: int, node: int) -> FlowPath:
     chambers = np.arange(TEETH) + family * TEETH
     return FlowPath(
         name,
@@ -152,7 +167,9 @@ def fake_ledger(duration: float, turned: float) -> Ledger:
         "port_outlet": 0.0,
         **energies,
     }
-    return ledger_from(quantities, duration, turned)
+    accounts = (*CATEGORIES, INLET_PORT, OUTLET_PORT, OUTLET_GROOVE)
+    labels = {category.account: category.account_label for category in accounts}
+    return ledger_from(quantities, duration, turned, labels)
 
 
 def fake_solution(samples: int = 360) -> Solution:

@@ -10,6 +10,7 @@ from toothspace.model.description import (
     FlowPath,
     MachineDescription,
 )
+from toothspace.model.path_category import INLET_PORT, LATERAL, OUTLET_PORT, PathCategory
 from toothspace.numerics.periodic_table import (
     PeriodicTable,
     monotone_table,
@@ -42,15 +43,15 @@ def toy_machine(nodes: int = 720) -> MachineDescription:
         name="toy",
         mode="pump",
         displacement=2.0 * AMPLITUDE * COUNT / TURN,
-        bodies=(Body("rotor", (0.0, 0.0), 1.0, 0.1, 1e-5),),
+        bodies=(Body("rotor", (0.0, 0.0), 1.0, 0.1, 1e-5, "shaft"),),
         motions=(),
         families=(family,),
         paths=(
-            _port("inlet_port", COUNT, phases, angle, np.sin(angle)),
-            _port("outlet_port", COUNT + 1, phases, angle, -np.sin(angle)),
+            _port(INLET_PORT, COUNT, phases, angle, np.sin(angle)),
+            _port(OUTLET_PORT, COUNT + 1, phases, angle, -np.sin(angle)),
             FlowPath(
                 name="leak",
-                category="lateral",
+                category=LATERAL,
                 kind="parallel_gap",
                 nodes_a=chambers,
                 nodes_b=np.roll(chambers, -1),
@@ -67,12 +68,12 @@ def toy_machine(nodes: int = 720) -> MachineDescription:
 
 
 def _port(
-    category: str, node: int, phases: np.ndarray, angle: np.ndarray, opening: np.ndarray
+    category: PathCategory, node: int, phases: np.ndarray, angle: np.ndarray, opening: np.ndarray
 ) -> FlowPath:
     area = 4e-5 * np.maximum(opening, 0.0)
     geometry = np.stack([area, np.sqrt(area) + 1e-5], axis=1)
     return FlowPath(
-        name=category,
+        name=category.name,
         category=category,
         kind="orifice",
         nodes_a=np.arange(COUNT),

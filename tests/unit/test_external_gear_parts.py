@@ -9,21 +9,21 @@ import pytest
 
 from tests.external_gear_designs import ALL, TWELVE, egm12, fuel14, unequal
 from toothspace.core.errors import GeometryError
-from toothspace.geometry.involute import generate_profile
-from toothspace.machines.external_gear import MACHINE
-from toothspace.machines.external_gear.assembly import assemble
-from toothspace.machines.external_gear.casing import bore
-from toothspace.machines.external_gear.closest_points import Placement, project
-from toothspace.machines.external_gear.flow_paths import bore_cover
-from toothspace.machines.external_gear.loads import polar_moment, reduced_modulus, tooth_fraction
-from toothspace.machines.external_gear.numbering import number
-from toothspace.machines.external_gear.openings import port_lengths
-from toothspace.machines.external_gear.profile import (
+from toothspace.gearing.closest_points import Placement, project
+from toothspace.gearing.tooth import (
     flank_curvature,
     flank_point,
     flank_swept_area,
     tooth_curves,
 )
+from toothspace.geometry.involute import generate_profile
+from toothspace.machines.external_gear import MACHINE
+from toothspace.machines.external_gear.assembly import assemble
+from toothspace.machines.external_gear.casing import bore
+from toothspace.machines.external_gear.flow_paths import bore_cover
+from toothspace.machines.external_gear.loads import polar_moment, reduced_modulus, tooth_fraction
+from toothspace.machines.external_gear.numbering import number
+from toothspace.machines.external_gear.openings import port_lengths
 from toothspace.machines.external_gear.spec import CARBURISED_STEEL, Casing, Gear, WearIn
 from toothspace.model.description import MachineDescription
 

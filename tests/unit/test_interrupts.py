@@ -92,7 +92,7 @@ def motor(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Case:
     monkeypatch.setattr(running_in_store, "folder", lambda: tmp_path / "store")
     monkeypatch.setattr(running_in, "assemble", lambda *_: None)
     monkeypatch.setattr(
-        running_in, "running_in_depths", lambda _: {"tooth_tip_drive": np.arange(3.0)}
+        running_in, "running_in_depths", lambda _: {"drive_gear": np.arange(3.0)}
     )
     return api.load_case(MOTOR)
 
@@ -127,7 +127,7 @@ def test_running_in_is_computed_once(motor: Case, monkeypatch: pytest.MonkeyPatc
     other_speed = api.load_case(MOTOR, ["operating_point.shaft_speed=900 rpm"])
     again = run_in(other_speed)
     assert len(asked) == 1
-    np.testing.assert_array_equal(first.depths["tooth_tip_drive"], again.depths["tooth_tip_drive"])
+    np.testing.assert_array_equal(first.depths["drive_gear"], again.depths["drive_gear"])
     run_in(api.load_case(MOTOR, ["machine.gears.face_width=8 mm"]))
     run_in(api.load_case(MOTOR, ["fluid.name=iso_vg_32"]))
     assert len(asked) == 3

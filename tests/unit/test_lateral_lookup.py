@@ -16,12 +16,12 @@ from toothspace.core.status import Status
 from toothspace.model.description import MachineDescription
 from toothspace.model.films import lateral_torque_coefficient
 from toothspace.model.lateral_table import (
-    LATERAL_PATHS,
     LateralTable,
     axial_load,
     chamber_pressures,
 )
 from toothspace.model.operating_point import OperatingCondition
+from toothspace.model.path_category import LATERAL_PATHS
 from toothspace.results.ledger import Ledger
 from toothspace.results.solution import Solution
 from toothspace.simulation.lateral.table_lookup import load_of_run, run_with_table, told_over_time
@@ -78,7 +78,7 @@ class _Carrying:
                 "shaft_speed": ("shaft_angle", np.full(5, 157.0)),
                 "leakage": (over, np.full((2, 5), 4e-7 * factor)),
             },
-            {"shaft_angle": angle, "path": list(LATERAL_PATHS)},
+            {"shaft_angle": angle, "path": [c.name for c in LATERAL_PATHS]},
         )
         return Solution(Status.DONE, data, Ledger(1.0, 1.0, {}, {}))
 

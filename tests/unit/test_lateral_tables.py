@@ -21,6 +21,7 @@ from toothspace.model.lateral_table import (
     chamber_pressures,
     with_lateral_table,
 )
+from toothspace.model.path_category import LATERAL_PATHS
 from toothspace.simulation.film_tables import lateral_sizes, with_film_tables
 from toothspace.simulation.setup import condition_of
 
@@ -103,7 +104,7 @@ def test_machine_takes_drag_and_leakage(motor: tuple[Case, MachineDescription]) 
     changed = with_lateral_table(replace(machine, lateral_table=table), condition)
     assert lateral_torque_coefficient(changed) == pytest.approx(1.5 * plain)
     for before, after in zip(machine.paths, changed.paths, strict=True):
-        share = 2.0 if before.category in ("lateral", "drain") else 1.0
+        share = 2.0 if before.category in LATERAL_PATHS else 1.0
         assert after.geometry.values[:, 0] == pytest.approx(share * before.geometry.values[:, 0])
     assert with_lateral_table(machine, condition) is machine
 

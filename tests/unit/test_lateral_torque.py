@@ -32,7 +32,10 @@ def _problem(**changes: Any) -> LateralProblem:
 def _machine() -> Any:
     film = LateralFilm("ring", 2, 3e-6, 10e-3, 25e-3, 25e-3, 1.0)
     other = replace(film, body="other")
-    bodies = (Body("ring", (0.0, 0.0), 1.0, 0.5, 1e-4), Body("other", (0.0, 0.0), -1.0, 0.5, 1e-4))
+    bodies = (
+        Body("ring", (0.0, 0.0), 1.0, 0.5, 1e-4, "shaft"),
+        Body("other", (0.0, 0.0), -1.0, 0.5, 1e-4, "driven"),
+    )
     return SimpleDescription(bodies=bodies, laterals=(film, other))
 
 

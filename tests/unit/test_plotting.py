@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.fake_solution import TEETH, TIP_RADIUS, fake_description, fake_solution
+from toothspace.model.path_category import OUTLET_PORT
 from toothspace.plotting.catalogue import FIGURES, FigureEntry, available_figures
 from toothspace.plotting.geometry import geometry_overview
 from toothspace.plotting.section import fluid_cells, turned_outline
@@ -131,8 +132,8 @@ def test_cells_turn_with_their_gear() -> None:
 def test_opening_windows_enclose_the_open_area() -> None:
     description = fake_description()
     family = description.families[0]
-    ((start, end),) = opening_windows(description, family, "outlet_port")
+    ((start, end),) = opening_windows(description, family, OUTLET_PORT)
     outside = np.array([start - 0.05, end + 0.05])
-    assert np.all(opening_area(description, family, "outlet_port", outside) < 1e-8)
+    assert np.all(opening_area(description, family, OUTLET_PORT, outside) < 1e-8)
     middle = np.array([0.5 * (start + end)])
-    assert opening_area(description, family, "outlet_port", middle)[0] > 1e-5
+    assert opening_area(description, family, OUTLET_PORT, middle)[0] > 1e-5

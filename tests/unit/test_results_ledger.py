@@ -13,12 +13,18 @@ def pump(remainder: float = 0.0) -> Ledger:
         "port_inlet": 5.0,
         "port_outlet": 94.0,
         "port_drain": 1.0,
-        "drain": 3.0,
+        "rotor_gap": 3.0,
         "journal_viscous": 5.0,
         "stored_change": 2.0,
         "load_orifice": 94.0,
     }
-    return Ledger(2.0, TURN, {"inlet": 1.0, "outlet": 0.9, "drain": 0.1}, energy)
+    mass = {"inlet": 1.0, "outlet": 0.9, "drain": 0.1}
+    return Ledger(2.0, TURN, mass, energy, {"rotor_gap": "leakage, gap of the rotor"})
+
+
+def test_losses_of_paths_have_the_labels_of_their_machine() -> None:
+    rows = {row.name: row.label for row in power_ledger(pump())}
+    assert rows["rotor_gap"] == "leakage, gap of the rotor"
 
 
 def test_balance_closes_by_hand() -> None:

@@ -62,8 +62,8 @@ def test_unknown_name_is_refused() -> None:
 
 
 def test_unknown_label_is_refused() -> None:
-    with pytest.raises(ValueError, match="unknown path label"):
-        dataset_from({"leakage": np.zeros((5, 1))}, {"path": ["magic"]})
+    with pytest.raises(ValueError, match="unknown mechanism label"):
+        dataset_from({"torque_loss": np.zeros((5, 1))}, {"mechanism": ["magic"]})
 
 
 def test_wrong_number_of_axes_is_refused() -> None:

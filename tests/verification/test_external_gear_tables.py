@@ -7,17 +7,17 @@ import pytest
 import shapely
 
 from tests.external_gear_designs import ALL, FOURTEEN, TWELVE, spaces_at
-from toothspace.geometry.gear_pair import ideal_flow_per_radian, pair_from_backlash
-from toothspace.machines.external_gear import MACHINE
-from toothspace.machines.external_gear.assembly import Assembly, assemble, facing_throats
-from toothspace.machines.external_gear.chambers import (
+from toothspace.gearing.outlines import space_outline
+from toothspace.gearing.spaces import (
     Spaces,
     drive_spaces,
     driven_spaces,
     section_area_rates,
     section_areas,
 )
-from toothspace.machines.external_gear.outlines import space_outline
+from toothspace.geometry.gear_pair import ideal_flow_per_radian, pair_from_backlash
+from toothspace.machines.external_gear import MACHINE
+from toothspace.machines.external_gear.assembly import Assembly, assemble, facing_throats
 from toothspace.model.description import MachineDescription
 
 DESIGNS = list(ALL)

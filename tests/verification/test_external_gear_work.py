@@ -10,10 +10,8 @@ import shapely
 from shapely.ops import polygonize, unary_union
 
 from tests.external_gear_designs import ALL, TWELVE, egm12, spaces_at, unequal
-from toothspace.geometry.involute import generate_profile
-from toothspace.machines.external_gear import MACHINE
-from toothspace.machines.external_gear.assembly import Assembly, assemble
-from toothspace.machines.external_gear.chambers import (
+from toothspace.gearing.mesh_split import Throats
+from toothspace.gearing.spaces import (
     Spaces,
     area_by_motion,
     drive_spaces,
@@ -22,9 +20,11 @@ from toothspace.machines.external_gear.chambers import (
     section_areas,
     wall_ends,
 )
+from toothspace.geometry.involute import generate_profile
+from toothspace.machines.external_gear import MACHINE
+from toothspace.machines.external_gear.assembly import Assembly, assemble
 from toothspace.machines.external_gear.contacts import load_share
 from toothspace.machines.external_gear.flow_paths import throat_drag
-from toothspace.machines.external_gear.mesh_split import Throats
 from toothspace.model.description import MachineDescription
 
 TWO_PI = 2.0 * np.pi

@@ -23,7 +23,7 @@ from toothspace.model.arrays import CATEGORY
 from toothspace.model.assembly import System, assemble
 from toothspace.model.description import MachineDescription
 from toothspace.model.fluid import fluid_law
-from toothspace.model.ledger import LEDGER_NAMES, PATH_CATEGORIES
+from toothspace.model.ledger import LEDGER_NAMES
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.numerics.periodic_table import PeriodicTable
 from toothspace.solver.cyclic import History, RunPlan, march_revolutions
@@ -125,7 +125,7 @@ def package_run() -> History:
 
 
 def total_flow(system: System, seen: Observation, *categories: str) -> Array:
-    kinds = np.array(PATH_CATEGORIES)[system.arrays.path_index[:, CATEGORY]]
+    kinds = np.array([c.name for c in system.categories])[system.arrays.path_index[:, CATEGORY]]
     return np.asarray(seen.path_flow[:, np.isin(kinds, categories)].sum(axis=1))
 
 
@@ -133,7 +133,8 @@ def ledger_rates(history: History) -> dict[str, float]:
     core = history.system.arrays.size.core
     change = history.states[SAMPLES, core:] - history.states[0, core:]
     duration = oracle.PITCH / oracle.SPEED
-    return dict(zip(LEDGER_NAMES, change / duration, strict=True))
+    names = (*LEDGER_NAMES, *(c.account for c in history.system.categories))
+    return dict(zip(names, change / duration, strict=True))
 
 
 @pytest.fixture(scope="module")

@@ -58,7 +58,7 @@ def tip_flows(system: System, shift: float) -> tuple[np.ndarray, np.ndarray]:
 
 def is_tip(system: System, row: int) -> bool:
     rows = np.concatenate(
-        [np.full(p.count, p.category == "tooth_tip") for p in system.description.paths]
+        [np.full(p.count, p.category.name == "tooth_tip") for p in system.description.paths]
     )
     return bool(rows[row])
 

@@ -313,11 +313,11 @@ def _plot(description: Any, path: Path) -> None:
 
 
 def _export(case: Case, suffix: str) -> None:
-    module = f"{machine_modules()[case.machine_type]}.export"
+    exports = {name: f"{package}.export" for name, package in machine_modules().items()}
+    module = exports[case.machine_type]
     if find_spec(module) is None:
-        raise CaseError(
-            f"--export: found machine type {case.machine_type!r}, allowed external_gear, gerotor"
-        )
+        allowed = ", ".join(sorted(name for name, one in exports.items() if find_spec(one)))
+        raise CaseError(f"--export: found machine type {case.machine_type!r}, allowed {allowed}")
     for path in import_module(module).export_profiles(case.machine_spec, Path(case.name), suffix):
         output.message(f"Profile: {path}")
 

@@ -133,7 +133,7 @@ def _path_table(path: FlowPath, motions: Sequence[Motion]) -> AngleTable:
             columns.append(Column(name, "m/rad", table(nodes)[:, 0]))
     if path.height_by_motion is not None:
         columns += _motion_columns("height", path.height_by_motion(nodes), motions, ("1", "m/rad"))
-    return _angle_table(f"{path.kind} path ({path.category})", path, nodes, columns)
+    return _angle_table(f"{path.kind} path ({path.category.name})", path, nodes, columns)
 
 
 def _contact_table(contact: ContactPair, motions: Sequence[Motion]) -> AngleTable:

@@ -151,8 +151,9 @@ MOTION_COLUMNS = 8
     FILM_X,
     FILM_Y,
     CURVES,  # loads with a friction curve, zero without
-) = range(15)
-JOURNAL_COLUMNS = 15
+    DRIVEN_SENSE,  # sense of rotation of a driven body, zero of any other
+) = range(16)
+JOURNAL_COLUMNS = 16
 
 # Columns of ``friction_curves``, one row per bearing and load
 (

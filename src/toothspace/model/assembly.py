@@ -59,7 +59,7 @@ from toothspace.model.contact_data import (
     motion_rows,
     rigid_mesh,
 )
-from toothspace.model.description import FlowPath, MachineDescription
+from toothspace.model.description import FlowPath, MachineDescription, categories_of
 from toothspace.model.films import (
     JournalData,
     journal_data,
@@ -70,8 +70,9 @@ from toothspace.model.films import (
 from toothspace.model.fluid_column import FLUID_COLUMN
 from toothspace.model.inlet_volume import inlet_gas_fraction
 from toothspace.model.lateral_table import with_lateral_table
-from toothspace.model.ledger import FRICTION_MECHANISMS, GAS_MASS, LEDGER_SIZE, MASS, PORT_NODES
+from toothspace.model.ledger import FRICTION_MECHANISMS, GAS_MASS, MASS, PORT_NODES, THROTTLING
 from toothspace.model.operating_point import OperatingCondition
+from toothspace.model.path_category import PathCategory
 from toothspace.model.paths import (
     by_kind,
     circuit_orifices,
@@ -110,6 +111,8 @@ class System:
         Positions of the free micro-motions in ``description.motions``.
     motion_map : ndarray, shape (motions, free)
         All micro-motions from the free ones (the rigid mesh ties one rotation).
+    categories : tuple of PathCategory
+        What the flow paths are booked under, in the order of the ledger.
     """
 
     description: MachineDescription
@@ -119,6 +122,7 @@ class System:
     basis: BoolArray
     free_motions: tuple[int, ...]
     motion_map: Array
+    categories: tuple[PathCategory, ...]
 
     @property
     def contact_labels(self) -> list[str]:
@@ -140,6 +144,7 @@ def assemble(
     places = node_places(description, condition)
     if condition.circuit:
         paths = (*paths, *circuit_orifices(condition.circuit, places))
+    categories = categories_of(paths)
     paths = by_kind(paths)
     families = description.families
     contacts = contact_parts(description, condition, motion_map, len(families))
@@ -164,7 +169,7 @@ def assemble(
         contacts=make_members(bank, contacts.reading),
         paths=make_members(bank, path_readings(paths, len(families) + len(contacts.tables))),
         dynamic_index=_dynamic_index(description, condition),
-        **path_arrays(description, paths),
+        **path_arrays(description, paths, categories),
         journal=journals.rows,
         asperity=journals.asperity,
         friction_curves=journals.curves,
@@ -178,7 +183,9 @@ def assemble(
     arrays.contact[:, CONTACT_STATE:] = contacts.data
     pattern, basis = _pattern(arrays), _basis(arrays)
     _join_circuit(arrays, pattern)
-    return System(description, condition, arrays, pattern, basis, tuple(free), motion_map)
+    return System(
+        description, condition, arrays, pattern, basis, tuple(free), motion_map, categories
+    )
 
 
 def _free_motions(description: MachineDescription, condition: OperatingCondition) -> list[int]:
@@ -234,7 +241,7 @@ def _sizes(
         column=column,
         load=load,
         core=core,
-        total=core + LEDGER_SIZE,
+        total=core + THROTTLING + len(categories_of(paths)),
     )
 
 
@@ -321,9 +328,9 @@ def _drive(
         condition.free_shaft, condition.shaft_speed, float(description.seal_torque), inertia
     )
     drag = lateral_drag(description)
-    driven = [body for body in description.bodies if body.speed_ratio < 0.0]
-    row[DRIVEN_INERTIA] = sum(b.inertia * abs(b.speed_ratio) for b in driven)
-    row[DRIVEN_LATERAL] = sum(drag[b.name] * abs(b.speed_ratio) for b in driven)
+    driven = [body for body in description.bodies if body.role == "driven"]
+    row[DRIVEN_INERTIA] = -sum(b.inertia * b.speed_ratio for b in driven)
+    row[DRIVEN_LATERAL] = -sum(drag[b.name] * b.speed_ratio for b in driven)
     return row
 
 
@@ -383,7 +390,7 @@ def _work(sizes: Sizes) -> dict[str, Any]:
         "film_slopes": np.zeros((2, sizes.motions, sizes.motions)),
         "torque": np.zeros(len(FRICTION_MECHANISMS) + 1),
         "table_angle": np.array([np.nan]),
-        "scratch": np.zeros(LEDGER_SIZE),
+        "scratch": np.zeros(sizes.total - sizes.core),
     }
 
 

@@ -35,6 +35,7 @@ from toothspace.model.arrays import (
     CURVES,
     DIRECTION,
     DRIVEN_FRICTION,
+    DRIVEN_SENSE,
     FADE,
     FILM_FORCE,
     FILM_MAP,
@@ -317,6 +318,5 @@ def book_journal_friction(s: SystemArrays, state: Array, ledger: Array) -> float
         ledger[FRICTION + JOURNAL_VISCOUS] += viscous * turning - squeeze
         ledger[FRICTION + JOURNAL_ASPERITY] += asperity * turning
         total += ratio * (viscous + asperity)
-        if journal[j, SPEED_RATIO] < 0.0:
-            s.drive[DRIVEN_FRICTION] += viscous + asperity
+        s.drive[DRIVEN_FRICTION] -= journal[j, DRIVEN_SENSE] * (viscous + asperity)
     return total

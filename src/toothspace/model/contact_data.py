@@ -206,7 +206,7 @@ def motion_rows(
             row[MOTION_MASS], row[MOTION_RATIO] = body.inertia, body.speed_ratio
             row[LATERAL_DRAG] = drag[motion.body]
             row[CLEARANCE] /= _lever(description, k)
-        elif motion.body == description.bodies[0].name:
+        elif body.role == "shaft" and motion.axis in ("x", "y"):
             row[EXTERNAL_FORCE] = condition.radial_load["xy".index(motion.axis)]
     return rows
 

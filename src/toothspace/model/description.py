@@ -12,7 +12,7 @@ Nodes of the network are numbered: chambers of the families in their order, then
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal, final
 
@@ -23,6 +23,7 @@ from toothspace.core.types import Array, IntArray
 from toothspace.model.contact_pair import CONTACT_CHANNELS, ContactPair, RigidMesh
 from toothspace.model.film_shapes import FaceOutline, SharedFaces, SolvedJournal
 from toothspace.model.lateral_balance import LateralBalance
+from toothspace.model.path_category import PathCategory
 from toothspace.numerics.periodic_table import PeriodicTable
 
 if TYPE_CHECKING:
@@ -34,6 +35,7 @@ __all__ = [
     "CONTACT_CHANNELS",
     "PATH_CHANNELS",
     "Body",
+    "BodyRole",
     "ChamberFamily",
     "ContactPair",
     "DesignCheck",
@@ -46,6 +48,8 @@ __all__ = [
     "RigidMesh",
     "RunningIn",
 ]
+
+BodyRole = Literal["shaft", "driven", "floating"]
 
 PathKind = Literal["orifice", "parallel_gap", "curved_gap"]
 
@@ -60,7 +64,7 @@ PATH_CHANNELS: Mapping[PathKind, tuple[str, ...]] = {
 @final
 @dataclass(frozen=True)
 class Body:
-    """A rigid body that turns with the shaft and may move by micrometres.
+    """A rigid body that may move by micrometres about its kinematic place.
 
     Parameters
     ----------
@@ -74,6 +78,9 @@ class Body:
         Mass. [kg]
     inertia : float
         Moment of inertia about its axis. [kg m2]
+    role : str
+        ``shaft``: the body that sits on the drive shaft; ``driven``: turned by it through the
+        teeth, whichever way; ``floating``: does not turn.
     """
 
     name: str
@@ -81,6 +88,7 @@ class Body:
     speed_ratio: float
     mass: float
     inertia: float
+    role: BodyRole
 
 
 @final
@@ -143,9 +151,8 @@ class FlowPath:
     ----------
     name : str
         Label, unique in the machine, for example ``tooth_tip_drive``.
-    category : str
-        What the ledger books it under: ``inlet_port``, ``outlet_port``, ``inlet_groove``,
-        ``outlet_groove``, ``tooth_tip``, ``flank``, ``lateral``, ``drain``, ``tip``, ``radial``.
+    category : PathCategory
+        What the ledger books it under, and what it does in the network.
     kind : str
         ``orifice``, ``parallel_gap`` or ``curved_gap``.
     nodes_a, nodes_b : ndarray of int, shape (count,)
@@ -176,14 +183,14 @@ class FlowPath:
     partner_shift : int
         Shift of node b (within its family) each time the table angle passes a full period:
         tooth pairing of gears with unequal tooth counts.
-    wears : bool
-        Whether the gap is cut deeper by running-in where bodies would touch the casing.
+    worn_by : str or None
+        Body that cuts the gap deeper by running-in where it would touch the casing.
     minimum_height : float
         Residual height that the gap keeps, level of the roughness. [m]
     """
 
     name: str
-    category: str
+    category: PathCategory
     kind: PathKind
     nodes_a: IntArray
     nodes_b: IntArray
@@ -197,13 +204,18 @@ class FlowPath:
     drags_opening_only: bool = False
     multiplicity: float = 1.0
     partner_shift: int = 0
-    wears: bool = False
+    worn_by: str | None = None
     minimum_height: float = 1e-6
 
     @property
     def count(self) -> int:
         """Number of paths."""
         return int(self.phases.size)
+
+
+def categories_of(paths: Iterable[FlowPath]) -> tuple[PathCategory, ...]:
+    """Categories of paths, in the order in which they appear."""
+    return tuple(dict.fromkeys(path.category for path in paths))
 
 
 @final
@@ -439,6 +451,11 @@ class MachineDescription:
         return self.chamber_count + 2
 
     @property
+    def path_categories(self) -> tuple[PathCategory, ...]:
+        """What its flow paths are booked under, in the order in which they appear."""
+        return categories_of(self.paths)
+
+    @property
     def chamber_labels(self) -> list[str]:
         """Labels of the chambers, family and number."""
         return [f"{family.name}_{k}" for family in self.families for k in range(family.count)]
@@ -458,8 +475,11 @@ class MachineDescription:
         return tables_dataset(self)
 
     def with_running_in(self, depths: Mapping[str, Array]) -> MachineDescription:
-        """Deepen wearing gaps by running-in depths given at their table nodes. [m]."""
-        paths = tuple(_deepened(p, depths[p.name]) if p.name in depths else p for p in self.paths)
+        """Deepen wearing gaps by running-in depths of each body at their table nodes. [m]."""
+        paths = tuple(
+            _deepened(p, depths[p.worn_by]) if p.worn_by and p.worn_by in depths else p
+            for p in self.paths
+        )
         return replace(self, paths=paths)
 
 

@@ -42,7 +42,7 @@ def journal_data(
     """Collect the data of the bearings whose bodies are free to move."""
     journals = [j for j in description.journals if j.body in bush]
     maps, places = _film_maps(journals)
-    speeds = {body.name: body.speed_ratio for body in description.bodies}
+    bodies = {body.name: body for body in description.bodies}
     span = max((1.0 + 4.0 * j.roughness / j.radial_clearance for j in journals), default=1.0)
     rows = [
         (
@@ -52,7 +52,7 @@ def journal_data(
             0.5 * j.diameter,
             j.length,
             j.radial_clearance,
-            speeds[j.body],
+            bodies[j.body].speed_ratio,
             *bush[j.body],
             j.boundary_friction,
             _rotation(description, free, j.body),
@@ -60,6 +60,7 @@ def journal_data(
             0.0,
             0.0,
             0 if j.friction is None else len(j.friction.loads),
+            np.sign(bodies[j.body].speed_ratio) if bodies[j.body].role == "driven" else 0.0,
         )
         for j, place in zip(journals, places, strict=True)
     ]

@@ -287,6 +287,8 @@ class LateralBalance:
         Force on every turning body from its teeth, along z, its place from the axis of the body.
     body_masses : tuple of float
         Masses of the turning bodies. [kg]
+    design_height : float
+        Film height on the floating side as designed, where the search for balance begins. [m]
     elastic_bodies : callable or None
         Elastic bodies of the machine, where bearings and turning bodies can deform.
     halves : tuple of FloatingBearing
@@ -306,6 +308,7 @@ class LateralBalance:
     low_node: int
     body_forces: tuple[AxialForce, ...]
     body_masses: tuple[float, ...]
+    design_height: float
     elastic_bodies: ElasticBodies | None = None
     halves: tuple[FloatingBearing, ...] = ()
     body_tilts: tuple[float, ...] = ()

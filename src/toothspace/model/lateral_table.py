@@ -14,11 +14,10 @@ from toothspace.model.description import MachineDescription
 from toothspace.model.films import lateral_face_torque
 from toothspace.model.lateral_balance import LAND, FilmInterface, LateralBalance
 from toothspace.model.operating_point import OperatingCondition
+from toothspace.model.path_category import LATERAL_PATHS
 from toothspace.model.quasi_static import quasi_static_pressures
 from toothspace.numerics.periodic_table import PeriodicTable
 
-LATERAL_PATHS = ("lateral", "drain")
-"""Categories of the flow paths beside the gears."""
 _ROWS, _LANES, _ANGLES = 144, 24, 4
 _MARGIN = 0.1
 """Part of the range of a table by which a load may lie outside and takes the edge. [-]"""

@@ -1,30 +1,14 @@
 """Names and order of the integrated quantities (ledger states) of every run.
 
 Mass and undissolved gas *into* each port node, the work of the shaft on the machine, and one
-entry for every way in which mechanical energy is lost. At a fixed port the energy follows from
-the masses, which close to round-off.
+entry for every way in which mechanical energy is lost, flow paths by their categories last. At
+a fixed port the energy follows from the masses, which close to round-off.
 """
 
 from __future__ import annotations
 
 PORT_NODES = ("inlet", "outlet", "drain", "load", "supply")
 """Nodes after the chambers: three ports, the far side of a load, the tank of a supply pump."""
-
-PATH_CATEGORIES = (
-    "inlet_port",
-    "outlet_port",
-    "inlet_groove",
-    "outlet_groove",
-    "tooth_tip",
-    "flank",
-    "lateral",
-    "drain",
-    "tip",
-    "radial",
-    "load_orifice",
-    "circuit_orifice",
-)
-"""Categories of flow paths; their throttling loss is a ledger entry each."""
 
 FRICTION_MECHANISMS = (
     "journal_viscous",
@@ -43,7 +27,6 @@ LEDGER_NAMES = (
     *(f"mass_{name}" for name in PORT_NODES),
     *(f"gas_{name}" for name in PORT_NODES),
     "shaft",
-    *(f"throttling_{name}" for name in PATH_CATEGORIES),
     *FRICTION_MECHANISMS,
     "gas_relaxation",
     "radial_load",
@@ -53,13 +36,12 @@ LEDGER_NAMES = (
     "shaft_load",
     "coupling",
 )
-"""Order of the ledger states."""
+"""Order of the ledger states that every machine has; the losses of its flow paths follow."""
 
 MASS = 0
 GAS_MASS = len(PORT_NODES)
 SHAFT = 2 * len(PORT_NODES)
-THROTTLING = SHAFT + 1
-FRICTION = THROTTLING + len(PATH_CATEGORIES)
+FRICTION = SHAFT + 1
 GAS_RELAXATION = FRICTION + len(FRICTION_MECHANISMS)
 RADIAL_LOAD = GAS_RELAXATION + 1
 CONTACT_LOSS = RADIAL_LOAD + 1
@@ -67,7 +49,8 @@ SUPPLY = CONTACT_LOSS + 1
 CIRCUIT = SUPPLY + 1
 SHAFT_LOAD = CIRCUIT + 1
 COUPLING = SHAFT_LOAD + 1
-LEDGER_SIZE = len(LEDGER_NAMES)
+THROTTLING = COUPLING + 1
+"""First of the losses of flow paths, one for each category of the system."""
 
 (
     JOURNAL_VISCOUS,

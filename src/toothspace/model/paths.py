@@ -11,7 +11,11 @@ from toothspace.core.types import Array, IntArray
 from toothspace.model.arrays import CURVED_GAP, ORIFICE, PARALLEL_GAP
 from toothspace.model.circuit_description import Circuit
 from toothspace.model.description import FlowPath, MachineDescription
-from toothspace.model.ledger import PATH_CATEGORIES
+from toothspace.model.path_category import (
+    CIRCUIT_ORIFICE,
+    LOAD_ORIFICE,
+    PathCategory,
+)
 from toothspace.model.tables import Reading
 from toothspace.numerics.periodic_table import PeriodicTable
 
@@ -22,7 +26,7 @@ def load_orifice(description: MachineDescription, area: float) -> FlowPath:
     """Return the orifice between the outlet volume and the load. ``area``: [m2]."""
     return FlowPath(
         name="load_orifice",
-        category="load_orifice",
+        category=LOAD_ORIFICE,
         kind="orifice",
         nodes_a=np.array([description.outlet_node]),
         nodes_b=np.array([description.chamber_count + 3]),
@@ -37,7 +41,7 @@ def circuit_orifices(circuit: Circuit, places: Mapping[str, int]) -> tuple[FlowP
     return tuple(
         FlowPath(
             name=f"circuit_orifice_{k}",
-            category="circuit_orifice",
+            category=CIRCUIT_ORIFICE,
             kind="orifice",
             nodes_a=np.array([places[orifice.node_a]]),
             nodes_b=np.array([places[orifice.node_b]]),
@@ -92,7 +96,11 @@ def path_readings(paths: Sequence[FlowPath], first_table: int) -> Reading:
     )
 
 
-def path_arrays(description: MachineDescription, paths: Sequence[FlowPath]) -> dict[str, Any]:
+def path_arrays(
+    description: MachineDescription,
+    paths: Sequence[FlowPath],
+    categories: Sequence[PathCategory],
+) -> dict[str, Any]:
     """Integer and real columns of every path as compiled code reads them, first of each kind."""
     counts = [path.count for path in paths]
     node_a = _drain_joined(description, np.concatenate([path.nodes_a for path in paths]))
@@ -100,7 +108,7 @@ def path_arrays(description: MachineDescription, paths: Sequence[FlowPath]) -> d
     index = np.column_stack(
         [
             np.repeat([_KINDS[path.kind] for path in paths], counts),
-            np.repeat([PATH_CATEGORIES.index(path.category) for path in paths], counts),
+            np.repeat([categories.index(path.category) for path in paths], counts),
             node_a,
             node_b,
             node_b,

@@ -13,13 +13,12 @@ from toothspace.plotting.style import (
     GREY,
     INK,
     METAL,
-    PORT_COLOURS,
     angle_axis,
     new_figure,
     readable,
     styled,
 )
-from toothspace.plotting.windows import opening_area
+from toothspace.plotting.windows import opening_area, openings_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -57,13 +56,13 @@ def openings(description: MachineDescription) -> Figure:
     all_axes = np.ravel(figure.subplots(len(families), 1))
     for axes, family in zip(all_axes, families, strict=True):
         angle = np.linspace(0.0, family.volume.period, 721)
-        for category, color in PORT_COLOURS.items():
+        for category in openings_of(description):
             area = opening_area(description, family, category, angle) * 1e6
             if float(area.max()) > 0.0:
                 area[area == 0.0] = np.nan
                 degrees = np.degrees(angle)
-                axes.fill_between(degrees, area, color=color, alpha=0.15, linewidth=0.0)
-                axes.plot(degrees, area, color=color, label=readable(category))
+                axes.fill_between(degrees, area, color=category.colour, alpha=0.15, linewidth=0.0)
+                axes.plot(degrees, area, color=category.colour, label=readable(category.label))
         axes.set_ylabel("Open area (mm²)")
         axes.set_ylim(bottom=0.0)
         axes.set_title(f"Openings: {readable(family.name).lower()}")
@@ -77,7 +76,7 @@ def _has_ports(description: MachineDescription, family: ChamberFamily) -> bool:
     angle = np.linspace(0.0, family.volume.period, 61)
     return any(
         float(opening_area(description, family, category, angle).max()) > 0.0
-        for category in PORT_COLOURS
+        for category in openings_of(description)
     )
 
 
@@ -93,10 +92,11 @@ def geometry_overview(description: MachineDescription) -> Figure:
     upper.plot(np.degrees(angle), family.volume(angle)[:, 0] * 1e9)
     upper.set_title(f"{readable(family.name)}: volume and openings of a chamber")
     upper.set_ylabel("Volume (mm³)")
-    for category, color in PORT_COLOURS.items():
+    for category in openings_of(description):
         area = opening_area(description, family, category, angle) * 1e6
         if float(area.max()) > 0.0:
-            lower.plot(np.degrees(angle), area, color=color, label=readable(category))
+            label = readable(category.label)
+            lower.plot(np.degrees(angle), area, color=category.colour, label=label)
     lower.set_ylabel("Open area (mm²)")
     lower.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, borderaxespad=0.2)
     span = float(np.degrees(family.volume.period))

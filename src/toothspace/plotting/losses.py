@@ -41,8 +41,21 @@ def torque_breakdown(solution: Solution, description: MachineDescription | None 
 def leakage_by_path(solution: Solution, description: MachineDescription | None = None) -> Figure:
     """Mean leakage by kind of path."""
     leakages = means_by_label(solution.data, "leakage")
-    flows = {name: value * _LITRE_PER_MINUTE for name, value in leakages.items()}
-    return _bar_figure(flows, "Leakage by path", "Mean leakage (L/min)", BLUE)
+    names = list(leakages)
+    labels = _of_paths(solution, "path_label", names)
+    flows = {labels[name]: value * _LITRE_PER_MINUTE for name, value in leakages.items()}
+    colours = _of_paths(solution, "path_colour", [BLUE] * len(names))
+    by_label = {readable(labels[name]): colours[name] for name in names}
+    return _bar_figure(flows, "Leakage by path", "Mean leakage (L/min)", by_label)
+
+
+def _of_paths(solution: Solution, name: str, otherwise: Sequence[str]) -> dict[str, str]:
+    """Text that the machine gives each leakage path, by the name of the path."""
+    if "path" not in solution.data:
+        return {}
+    found = solution.data[name].values if name in solution.data else otherwise
+    paths = solution.data["path"].values
+    return {str(path): str(text) for path, text in zip(paths, found, strict=True)}
 
 
 @styled
@@ -52,12 +65,15 @@ def loss_bars(solution: Solution, description: MachineDescription | None = None)
     return _bar_figure(losses, "Power losses", "Power (W)", PURPLE)
 
 
-def _bar_figure(values: Mapping[str, float], title: str, label: str, color: str) -> Figure:
+def _bar_figure(
+    values: Mapping[str, float], title: str, label: str, color: str | Mapping[str, str]
+) -> Figure:
     shown = {readable(name): value for name, value in values.items() if value != 0.0}
     ordered = dict(sorted(shown.items(), key=lambda item: item[1]))
     figure = new_figure(7.2, 1.1 + 0.27 * max(len(ordered), 2))
     axes = figure.subplots()
-    bars = axes.barh(list(ordered), list(ordered.values()), color=color, height=0.62)
+    colours = [color if isinstance(color, str) else color[name] for name in ordered]
+    bars = axes.barh(list(ordered), list(ordered.values()), color=colours, height=0.62)
     axes.bar_label(bars, fmt="{:.3g}", padding=4, fontsize=8, color=INK)
     axes.grid(visible=False, axis="y")
     axes.tick_params(axis="y", length=0)

@@ -33,14 +33,6 @@ CYCLE = (BLUE, ORANGE, GREEN, PURPLE, YELLOW, SKY, BROWN, GREY)
 PRESSURE_COLOURS = "YlGnBu"
 """Name of the colour map of pressures: light is low, dark is high."""
 
-PORT_COLOURS: Mapping[str, str] = {
-    "inlet_port": BLUE,
-    "outlet_port": ORANGE,
-    "inlet_groove": SKY,
-    "outlet_groove": YELLOW,
-}
-"""Colours of openings, by category of the flow path."""
-
 _RC: Mapping[str, object] = {
     "font.family": "sans-serif",
     "font.size": 9.0,

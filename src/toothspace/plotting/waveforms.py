@@ -14,13 +14,12 @@ from toothspace.plotting.style import (
     GREY,
     LIGHT,
     ORANGE,
-    PORT_COLOURS,
     angle_axis,
     new_figure,
     readable,
     styled,
 )
-from toothspace.plotting.windows import opening_windows
+from toothspace.plotting.windows import opening_windows, openings_of
 from toothspace.results.ripple import (
     pulsating_side,
     ripple_percent,
@@ -95,20 +94,20 @@ def _gas_axis(axes: Axes, angle: Array, gas: Array) -> None:
 
 def _mark_windows(axes: Axes, description: MachineDescription, family: ChamberFamily) -> None:
     low, high = axes.get_ylim()
-    shown = [c for c in PORT_COLOURS if opening_windows(description, family, c)]
+    shown = [c for c in openings_of(description) if opening_windows(description, family, c)]
     step = 0.055 * (high - low)
     for k, category in enumerate(shown):
         level = low - (k + 1) * step
         for start, end in opening_windows(description, family, category):
-            color = PORT_COLOURS[category]
             axes.plot(
                 np.degrees([start, end]),
                 [level, level],
-                color=color,
+                color=category.colour,
                 linewidth=4.0,
                 solid_capstyle="butt",
             )
-        axes.plot([], [], color=PORT_COLOURS[category], linewidth=4.0, label=readable(category))
+        label = readable(category.label)
+        axes.plot([], [], color=category.colour, linewidth=4.0, label=label)
     axes.set_yticks([tick for tick in axes.get_yticks() if 0.0 <= tick <= high])
     axes.set_ylim(low - (len(shown) + 1) * step, high)
     if shown:

@@ -6,10 +6,17 @@ import numpy as np
 
 from toothspace.core.types import Array
 from toothspace.model.description import ChamberFamily, FlowPath, MachineDescription
+from toothspace.model.path_category import OPENINGS, PathCategory
+
+
+def openings_of(description: MachineDescription) -> list[PathCategory]:
+    """Categories of the paths that open chambers to ports and grooves: inlet, outlet, grooves."""
+    found = [c for c in description.path_categories if c.role in OPENINGS]
+    return sorted(found, key=lambda category: OPENINGS.index(category.role))
 
 
 def opening_area(
-    description: MachineDescription, family: ChamberFamily, category: str, angle: Array
+    description: MachineDescription, family: ChamberFamily, category: PathCategory, angle: Array
 ) -> Array:
     """Open area between one chamber and all paths of a category.
 
@@ -19,8 +26,8 @@ def opening_area(
         The machine.
     family : ChamberFamily
         Family of the chamber.
-    category : str
-        Category of the flow paths, for example ``inlet_port``.
+    category : PathCategory
+        Category of the flow paths.
     angle : ndarray
         Table angle of the chamber. [rad]
 
@@ -42,7 +49,7 @@ def opening_area(
 
 
 def opening_windows(
-    description: MachineDescription, family: ChamberFamily, category: str
+    description: MachineDescription, family: ChamberFamily, category: PathCategory
 ) -> list[tuple[float, float]]:
     """Intervals of the chamber's table angle in which a category is open. [rad]."""
     angle = np.linspace(0.0, family.volume.period, 721)

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
-from toothspace.results.ledger import Ledger
+from toothspace.results.ledger import ENERGY_ENTRIES, Ledger
 from toothspace.results.solution import Event, Solution
 from toothspace.results.variables import dataset_from
 
@@ -23,7 +23,13 @@ DATA_ATTRIBUTES = ("title", "machine", "mode")
 _STATISTICS = "statistics_"
 _PROVENANCE = "provenance"  # attribute that lists the names of those that make the provenance
 _EVENT_FIELDS = {"event_shaft_angle": 0, "event_time": 1, "event_kind": 2, "event_label": 3}
-_LEDGER_FIELDS = ("ledger_mass", "ledger_energy", "window_duration", "window_shaft_angle")
+_LEDGER_FIELDS = (
+    "ledger_mass",
+    "ledger_energy",
+    "ledger_label",
+    "window_duration",
+    "window_shaft_angle",
+)
 
 
 def save_solution(solution: Solution, path: str | Path) -> Path:
@@ -149,22 +155,28 @@ def read_dataset(path: str | Path) -> xr.Dataset:
 
 
 def _ledger_dataset(ledger: Ledger) -> xr.Dataset:
+    labels = {**ENERGY_ENTRIES, **ledger.path_losses}
     values: dict[str, ArrayLike] = {
         "ledger_mass": list(ledger.mass.values()),
         "ledger_energy": list(ledger.energy.values()),
+        "ledger_label": [labels.get(name, name) for name in ledger.energy],
         "window_duration": ledger.duration,
         "window_shaft_angle": ledger.shaft_angle,
     }
-    labels = {"mass_entry": list(ledger.mass), "energy_entry": list(ledger.energy)}
-    return dataset_from(values, labels)
+    entries = {"mass_entry": list(ledger.mass), "energy_entry": list(ledger.energy)}
+    return dataset_from(values, entries)
 
 
 def _read_ledger(dataset: xr.Dataset) -> Ledger:
+    energy = _by_label(dataset, "ledger_energy")
+    names = dataset["ledger_label"].values if "ledger_label" in dataset else list(energy)
+    labels = {name: str(label) for name, label in zip(energy, names, strict=True)}
     return Ledger(
         duration=float(dataset["window_duration"]),
         shaft_angle=float(dataset["window_shaft_angle"]),
         mass=_by_label(dataset, "ledger_mass"),
-        energy=_by_label(dataset, "ledger_energy"),
+        energy=energy,
+        path_losses={k: v for k, v in labels.items() if k not in ENERGY_ENTRIES},
     )
 
 

@@ -10,7 +10,7 @@ reference; a loss is positive when it dissipates, a change when the machine stor
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal, final
 
 MASS_ENTRIES: Mapping[str, str] = {
@@ -32,21 +32,11 @@ BOUNDARY_ENTRIES: Mapping[str, str] = {
 """Energies that cross the boundary of the machine. [J]"""
 
 LOSS_ENTRIES: Mapping[str, str] = {
-    "throttle_inlet_port": "throttling, inlet port",
-    "throttle_outlet_port": "throttling, outlet port",
-    "throttle_inlet_groove": "throttling, inlet groove",
-    "throttle_outlet_groove": "throttling, outlet groove",
-    "tooth_tip": "leakage, tooth tips",
-    "lateral": "leakage, lateral gaps",
-    "flank": "leakage, flanks",
-    "drain": "leakage, drain",
-    "tip": "leakage, rotor tips",
-    "radial": "leakage, outer journal",
     "journal_viscous": "journal bearings, viscous",
     "journal_asperity": "journal bearings, asperities",
     "lateral_viscous": "lateral films, viscous",
     "lateral_asperity": "lateral films, asperities",
-    "tip_shear": "tooth tips, shear",
+    "tip_shear": "sealing gaps, shear",
     "mesh_friction": "mesh friction",
     "contact_friction": "contact friction",
     "contact_damping": "contact and structure damping",
@@ -56,7 +46,7 @@ LOSS_ENTRIES: Mapping[str, str] = {
     "circuit": "valves, orifices and lines of the circuit",
     "coupling": "elastic coupling",
 }
-"""Dissipated energies. [J]"""
+"""Energies dissipated besides those in the flow paths, which each machine names. [J]"""
 
 CHANGE_ENTRIES: Mapping[str, str] = {
     "stored_change": "increase of stored energy",
@@ -67,7 +57,7 @@ CHANGE_ENTRIES: Mapping[str, str] = {
 
 NOTE_ENTRIES: Mapping[str, str] = {
     "load_orifice": "dissipated in the load, after the outlet",
-    "trapped_volume": "part of groove and flank throttling while a chamber is sealed",
+    "trapped_volume": "part of groove and mesh throttling while a chamber is sealed",
 }
 """Reported beside the balance, not further entries of it. [J]"""
 
@@ -94,7 +84,9 @@ class Ledger:
     mass : mapping
         Masses named as in :data:`MASS_ENTRIES`. [kg]
     energy : mapping
-        Energies named as in :data:`ENERGY_ENTRIES`. [J]
+        Energies named as in :data:`ENERGY_ENTRIES` or by ``path_losses``. [J]
+    path_losses : mapping
+        Accounts of the losses in the machine's flow paths, with readable names.
 
     Raises
     ------
@@ -106,15 +98,22 @@ class Ledger:
     shaft_angle: float
     mass: Mapping[str, float]
     energy: Mapping[str, float]
+    path_losses: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        unknown = (set(self.mass) - set(MASS_ENTRIES)) | (set(self.energy) - set(ENERGY_ENTRIES))
+        known = {*ENERGY_ENTRIES, *self.path_losses}
+        unknown = (set(self.mass) - set(MASS_ENTRIES)) | (set(self.energy) - known)
         if unknown:
             raise KeyError(f"unknown ledger entries {sorted(unknown)}")
 
     def with_note(self, name: str, energy: float) -> Ledger:
         """Return the ledger with an energy reported beside the balance. [J]."""
         return replace(self, energy={**self.energy, name: energy})
+
+    @property
+    def losses(self) -> Mapping[str, str]:
+        """Accounts of all dissipated energies with readable names."""
+        return {**self.path_losses, **LOSS_ENTRIES}
 
     @property
     def port_energy(self) -> float:
@@ -130,7 +129,7 @@ class Ledger:
     @property
     def loss_energy(self) -> float:
         """Sum of all dissipated energies. [J]."""
-        return sum(self.energy.get(name, 0.0) for name in LOSS_ENTRIES)
+        return sum(self.energy.get(name, 0.0) for name in self.losses)
 
     @property
     def energy_remainder(self) -> float:
@@ -160,7 +159,12 @@ class Ledger:
         return abs(self.energy_remainder) / scale if scale > 0.0 else 0.0
 
 
-def ledger_from(quantities: Mapping[str, float], duration: float, shaft_angle: float) -> Ledger:
+def ledger_from(
+    quantities: Mapping[str, float],
+    duration: float,
+    shaft_angle: float,
+    path_losses: Mapping[str, str] | None = None,
+) -> Ledger:
     """Build a ledger from one flat mapping, where masses start with ``mass_``.
 
     Parameters
@@ -171,10 +175,12 @@ def ledger_from(quantities: Mapping[str, float], duration: float, shaft_angle: f
         Length of the window. [s]
     shaft_angle : float
         Angle that the shaft turns in the window. [rad]
+    path_losses : mapping, optional
+        Accounts of the losses in the machine's flow paths, with readable names.
     """
     mass = {k[5:]: float(v) for k, v in quantities.items() if k.startswith("mass_")}
     energy = {k: float(v) for k, v in quantities.items() if not k.startswith("mass_")}
-    return Ledger(duration, shaft_angle, mass, energy)
+    return Ledger(duration, shaft_angle, mass, energy, path_losses or {})
 
 
 @final
@@ -221,7 +227,7 @@ def power_ledger(ledger: Ledger) -> list[LedgerRow]:
 
     rows = [row(*supplied[:2], "supplied", supplied[2])]
     rows.append(row(*delivered[:2], "delivered", delivered[2]))
-    losses = [(n, s, ledger.energy.get(n, 0.0)) for n, s in LOSS_ENTRIES.items()]
+    losses = [(n, s, ledger.energy.get(n, 0.0)) for n, s in ledger.losses.items()]
     losses.sort(key=lambda entry: -entry[2])
     rows += [row(n, s, "loss", e) for n, s, e in losses if e != 0.0]
     changes = [(n, s, ledger.energy.get(n, 0.0)) for n, s in CHANGE_ENTRIES.items()]

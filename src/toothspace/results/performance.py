@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from toothspace.core.constants import ZERO_CELSIUS
+from toothspace.model.path_category import DRAIN
 from toothspace.results import ripple
 from toothspace.results.ledger import Ledger
 
@@ -23,7 +24,7 @@ _BAR = 1e5
 _TURN = 2.0 * np.pi
 
 DRAIN_HEAT = (
-    "drain",
+    DRAIN.account,
     "journal_viscous",
     "journal_asperity",
     "shaft_seal",
@@ -205,7 +206,7 @@ def means_by_label(data: xr.Dataset, name: str) -> Mapping[str, float]:
 
 
 def _internal_drain_mass(data: xr.Dataset, ledger: Ledger) -> float:
-    flow_rate = means_by_label(data, "leakage").get("drain", 0.0)
+    flow_rate = means_by_label(data, "leakage").get(DRAIN.name, 0.0)
     return flow_rate * float(data["inlet_density"]) * ledger.duration
 
 

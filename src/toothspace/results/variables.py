@@ -96,6 +96,8 @@ _ROWS: tuple[tuple[str, str, str, str], ...] = (
         "N m",
         "Torque at the shaft of walls that drag fluid against pressure, part of the path losses",
     ),
+    ("path_label", "path", "", "Readable name of a leakage path"),
+    ("path_colour", "path", "", "Colour of a leakage path in figures"),
     ("torque_loss", "sample mechanism", "N m", "Friction torque, at the shaft, by mechanism"),
     ("power_loss", "sample mechanism", "W", "Friction power by mechanism"),
     ("film_pressure", "film film_row film_column", "Pa", "Absolute pressure in a film"),
@@ -128,6 +130,7 @@ _ROWS: tuple[tuple[str, str, str, str], ...] = (
     ("event_label", "event", "", "Where an event happened"),
     ("ledger_mass", "mass_entry", "kg", "Mass over the evaluation window"),
     ("ledger_energy", "energy_entry", "J", "Energy over the evaluation window"),
+    ("ledger_label", "energy_entry", "", "Readable name of an energy account"),
     ("window_duration", "", "s", "Duration of the evaluation window"),
     ("window_shaft_angle", "", "rad", "Angle turned by the shaft in the evaluation window"),
     ("displacement", "", "m3/rad", "Geometric volume per shaft radian, single flank"),
@@ -203,16 +206,15 @@ LABELS: Mapping[str, tuple[str, ...]] = {
         "startup",
         "contact_friction",
     ),
-    "path": ("tooth_tip", "flank", "lateral", "drain", "tip", "radial"),
 }
 """Labels allowed along dimensions with fixed labels; other labels come from the machine."""
 
 LABEL_DIMENSIONS: Mapping[str, str] = {
     "chamber": "chamber, named by family and number",
-    "body": "body (drive_gear driven_gear floating_bearing; inner_rotor outer_rotor)",
+    "body": "body, named by the machine",
     "axis": "direction in the frame of the machine",
     "contact": "contact, named by pair and number",
-    "path": "kind of leakage path",
+    "path": "kind of leakage path, named by the machine",
     "mechanism": "cause of a loss",
     "port": "port or relief groove",
     "node": "node of the circuit",

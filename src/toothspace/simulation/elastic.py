@@ -16,9 +16,8 @@ def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
     """Chambers and lateral films in agreement, then one revolution of the films."""
     case, condition = setup.case, setup.condition
     machine = run_in_machine(setup)
-    balance_of(machine.description)
-    gap = float(case.machine_spec.lateral.side_gap_floating)
-    request = PointRequest(settings=lateral_settings(case), start=gap)
+    balance = balance_of(machine.description)
+    request = PointRequest(settings=lateral_settings(case), start=balance.design_height)
     return coupled_solution(
         (machine.description, machine.fluid, request),
         lambda changed: machine.solve(condition, changed, progress),

@@ -19,6 +19,7 @@ from toothspace.model.description import (
 )
 from toothspace.model.films import lateral_face_torque
 from toothspace.model.operating_point import OperatingCondition
+from toothspace.model.path_category import DRAIN, LATERAL, PathCategory
 from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
 from toothspace.simulation.shared_covers import solved_covers, with_shared_films
 
@@ -106,8 +107,8 @@ class _Face:
     def __init__(self, description: MachineDescription, film: LateralFilm) -> None:
         assert film.face is not None
         self.lateral, self.face = film, film.face
-        self.across = _path(description, "lateral", film.face.nodes)
-        self.inwards = _path(description, "drain", film.face.nodes)
+        self.across = _path(description, LATERAL, film.face.nodes)
+        self.inwards = _path(description, DRAIN, film.face.nodes)
         self.solved: FaceConductance = face_conductance(film)
 
     def film(self) -> LateralFilm:
@@ -158,7 +159,7 @@ class _Face:
         return replace(
             self.inwards,
             name=f"{self.across.name}_recess_{node}",
-            category="lateral",
+            category=LATERAL,
             nodes_b=np.full(spaces.size, node),
             geometry=_gap(self.inwards, shape),
         )
@@ -175,12 +176,12 @@ class _Face:
         )
 
 
-def _path(description: MachineDescription, category: str, nodes: IntArray) -> FlowPath:
+def _path(description: MachineDescription, category: PathCategory, nodes: IntArray) -> FlowPath:
     """Closed-form paths of a face: those that begin at its chambers."""
     for path in description.paths:
         if path.category == category and np.isin(path.nodes_a, nodes).all():
             return path
-    raise CaseError(f"run.fidelity: found 'films' without {category} paths, allowed are faces")
+    raise CaseError(f"run.fidelity: found 'films' without {category.name} paths, allowed are faces")
 
 
 def _resampled(table: PeriodicTable | None, nodes: int) -> PeriodicTable | None:

@@ -127,7 +127,7 @@ def outlet_members(
     group = np.tile(np.arange(description.chamber_count), (shaft_angle.size, 1))
     if not dual_flank:
         for path in description.paths:
-            if path.category == "flank":
+            if path.category.role == "mesh":
                 _join(group, path, shaft_angle)
     total = np.zeros_like(preference)
     shrinking = np.zeros_like(preference)
@@ -155,7 +155,7 @@ def _opening_preference(description: MachineDescription, shaft_angle: Array) -> 
     result = np.zeros((shaft_angle.size, description.chamber_count))
     sign = {description.inlet_node: -1.0, description.outlet_node: 1.0}
     for path in description.paths:
-        if path.category not in ("inlet_port", "outlet_port"):
+        if path.category.role not in ("inlet_port", "outlet_port"):
             continue
         angles = path.phases + path.angle_ratio * shaft_angle[:, None]
         area = np.maximum(path.geometry(angles)[..., 0], 0.0)

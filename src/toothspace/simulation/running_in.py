@@ -61,8 +61,7 @@ class WornMachine:
         nodes = next(iter(self.depths.values())).size
         names = [body.name for body in self.description.bodies]
         table = np.zeros((len(names), nodes))
-        for name, depth in self.depths.items():
-            body = next(b for b in names if name.endswith(b.split("_")[0]))
+        for body, depth in self.depths.items():
             table[names.index(body)] = depth
         return {
             "running_in_depth": table,
@@ -107,7 +106,7 @@ def run_in(setup: Setup) -> WornMachine:
 
 
 def running_in_depths(history: History) -> dict[str, Array]:
-    """Depths at the table nodes of every wearing gap, from one revolution at break-in. [m].
+    """Depths that every body cuts, at the table nodes of its gap, from one revolution. [m].
 
     The casing is cut until no gap of the revolution is smaller than its residual height.
     """
@@ -118,8 +117,8 @@ def running_in_depths(history: History) -> dict[str, Array]:
     first = 0
     for path in by_kind(system.description.paths):
         members = slice(first, first + path.count)
-        if path.wears:
-            depths[path.name] = _depth(path, angles, heights[:, members])
+        if path.worn_by is not None:
+            depths[path.worn_by] = _depth(path, angles, heights[:, members])
         first += path.count
     return depths
 

@@ -37,8 +37,14 @@ from toothspace.model.fluid_column import column_energy
 from toothspace.model.ledger import (
     FRICTION_MECHANISMS,
     LEDGER_NAMES,
-    PATH_CATEGORIES,
     PORT_NODES,
+)
+from toothspace.model.path_category import (
+    CIRCUIT_ORIFICE,
+    LEAKAGES,
+    LOAD_ORIFICE,
+    PathCategory,
+    PathRole,
 )
 from toothspace.model.system import evaluate
 from toothspace.model.walls import wall_energy
@@ -48,15 +54,17 @@ from toothspace.results.variables import dataset_from
 from toothspace.solver.cyclic import History
 from toothspace.solver.observe import Observation, observe
 
-_LEAKAGE_PATHS = ("tooth_tip", "flank", "lateral", "drain", "tip", "radial")
-_TRAPPED_PATHS = ("inlet_groove", "outlet_groove", "flank")
-_RENAMED = {
-    "throttling_inlet_port": "throttle_inlet_port",
-    "throttling_outlet_port": "throttle_outlet_port",
-    "throttling_inlet_groove": "throttle_inlet_groove",
-    "throttling_outlet_groove": "throttle_outlet_groove",
-    **{f"throttling_{name}": name for name in (*_LEAKAGE_PATHS, "load_orifice")},
-}
+_TRAPPED: tuple[PathRole, ...] = ("inlet_groove", "outlet_groove", "mesh")
+"""Roles of the paths through which a chamber that is sealed from both ports still flows."""
+
+_PORTS: tuple[PathRole, ...] = (
+    "inlet_port",
+    "outlet_port",
+    "drain",
+    "inlet_groove",
+    "outlet_groove",
+)
+"""Roles of openings in the order of the dimension ``port``."""
 
 
 def solution_from(
@@ -85,6 +93,7 @@ def solution_from(
         **_chamber_values(history, seen),
         **body_values(history, seen),
         **loss_values(history, seen),
+        **_path_values(system),
         "leakage": _leakage(system, seen),
         "drag_torque": _drag_torque(system, seen),
         **extra,
@@ -114,8 +123,8 @@ def trapped_loss(history: History, seen: Observation) -> float:
     ports = _openings(system.description, history.states[:, 0])[..., :2]
     sealed = np.zeros((history.times.size, size.nodes), dtype=bool)
     sealed[:, : size.chambers] = ports.max(axis=2) <= 0.0
-    categories = np.array(PATH_CATEGORIES)[system.arrays.path_index[:, CATEGORY]]
-    inside = np.isin(categories, _TRAPPED_PATHS)
+    trapped = np.array([category.role in _TRAPPED for category in system.categories])
+    inside = trapped[system.arrays.path_index[:, CATEGORY]]
     first = sealed[:, system.arrays.path_index[:, NODE_A]]
     second = np.take_along_axis(sealed, seen.path_partner, axis=1)
     flows = inside & (first | second) & (seen.path_flow != 0.0)
@@ -127,14 +136,15 @@ def window_ledger(history: History) -> Ledger:
     """Masses and energies between the first and the last state."""
     system, size = history.system, history.system.arrays.size
     first, last = history.states[0], history.states[-1]
-    change = dict(zip(LEDGER_NAMES, last[size.core :] - first[size.core :], strict=True))
-    entries = {_RENAMED.get(name, name): value for name, value in change.items()}
+    names = (*LEDGER_NAMES, *(category.account for category in system.categories))
+    change = dict(zip(names, last[size.core :] - first[size.core :], strict=True))
+    entries = dict(change)
     load_work = entries.pop("shaft_load")
-    valves = entries.pop("circuit") + entries.pop("throttling_circuit_orifice")
+    valves = entries.pop("circuit") + entries.pop(CIRCUIT_ORIFICE.account, 0.0)
     for name in ("mass_load", "mass_supply", *(f"gas_{port}" for port in PORT_NODES)):
         entries.pop(name)
     energy = {port: _port_energy(system, port, change) for port in PORT_NODES}
-    load = energy["load"] + change["throttling_load_orifice"]
+    load = energy["load"] + change.get(LOAD_ORIFICE.account, 0.0)
     entries |= {
         "mass_inlet": -change["mass_inlet"] - change["mass_supply"],
         "mass_outlet": change["mass_outlet"] + change["mass_load"],
@@ -153,6 +163,7 @@ def window_ledger(history: History) -> Ledger:
         entries,
         float(history.times[-1] - history.times[0]),
         float(last[0] - first[0]),
+        {c.account: c.account_label for c in system.description.path_categories},
     )
 
 
@@ -256,14 +267,14 @@ def _chamber_values(history: History, seen: Observation) -> dict[str, Array]:
 
 
 def _openings(description: MachineDescription, shaft_angle: Array) -> Array:
-    ports = {"inlet_port": 0, "outlet_port": 1, "drain": 2, "inlet_groove": 3, "outlet_groove": 4}
-    area = np.zeros((shaft_angle.size, description.chamber_count, len(ports)))
+    area = np.zeros((shaft_angle.size, description.chamber_count, len(_PORTS)))
     for path in description.paths:
-        if path.kind != "orifice" or path.category not in ports:
+        if path.kind != "orifice" or path.category.role not in _PORTS:
             continue
         angles = path.phases + path.angle_ratio * shaft_angle[:, None]
         open_area = path.multiplicity * path.geometry(angles)[..., 0]
-        area[:, path.nodes_a, ports[path.category]] += np.maximum(open_area, 0.0)
+        port = _PORTS.index(path.category.role)
+        area[:, path.nodes_a, port] += np.maximum(open_area, 0.0)
     return area
 
 
@@ -359,9 +370,23 @@ def _drag_torque(system: System, seen: Observation) -> Array:
 
 def _by_path(system: System, values: Array) -> Array:
     """Sum over all paths of the same kind, shape (samples, kinds)."""
-    kinds = [PATH_CATEGORIES.index(name) for name in _LEAKAGE_PATHS]
+    kinds = [system.categories.index(category) for category in leakage_categories(system)]
     members = system.arrays.path_index[:, [CATEGORY]] == np.array(kinds)
     return np.asarray(values @ members)
+
+
+def leakage_categories(system: System) -> list[PathCategory]:
+    """Categories of the paths of a machine that leak, in the order of the dimension ``path``."""
+    return [category for category in system.categories if category.role in LEAKAGES]
+
+
+def _path_values(system: System) -> dict[str, Array]:
+    """How reports name and colour the leakage paths."""
+    kinds = leakage_categories(system)
+    return {
+        "path_label": np.array([category.label for category in kinds], dtype=str),
+        "path_colour": np.array([category.colour for category in kinds], dtype=str),
+    }
 
 
 def labels_of(system: System) -> dict[str, list[str]]:
@@ -372,7 +397,7 @@ def labels_of(system: System) -> dict[str, list[str]]:
         "body": [body.name for body in description.bodies],
         "axis": ["x", "y", "z"],
         "contact": system.contact_labels,
-        "path": list(_LEAKAGE_PATHS),
+        "path": [category.name for category in leakage_categories(system)],
         "mechanism": list(FRICTION_MECHANISMS),
         "port": ["inlet", "outlet", "drain", "inlet_groove", "outlet_groove"],
     }

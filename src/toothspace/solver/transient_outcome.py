@@ -19,7 +19,7 @@ from toothspace.model.arrays import (
     NODE_B,
 )
 from toothspace.model.assembly import System, node_places
-from toothspace.model.ledger import LEDGER_NAMES, PATH_CATEGORIES
+from toothspace.model.ledger import LEDGER_NAMES
 from toothspace.results.solution import Event, Solution
 from toothspace.results.stream import SampleStream
 from toothspace.results.variables import WITH_EXTREMES, dataset_from
@@ -189,7 +189,7 @@ def _into_port(history: History, seen: Observation, port: str) -> Array:
         flow += seen.element_flow[:, j] * (element[ELEMENT_A] == node)
         flow -= seen.element_flow[:, j] * (element[ELEMENT_B] == node)
     for j, index in enumerate(arrays.path_index):
-        if PATH_CATEGORIES[index[CATEGORY]] == "circuit_orifice":
+        if system.categories[index[CATEGORY]].role == "circuit":
             flow += seen.path_flow[:, j] * (index[NODE_A] == node)
             flow -= seen.path_flow[:, j] * (index[NODE_B] == node)
     return flow

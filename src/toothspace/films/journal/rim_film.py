@@ -26,6 +26,7 @@ from toothspace.model.description import (
 )
 from toothspace.model.film_shapes import RimFilm, SharedFaces, SolvedJournal
 from toothspace.model.films import LONG
+from toothspace.model.path_category import RIM
 from toothspace.numerics.periodic_table import monotone_table, smooth_table
 
 _FULL_TURN = 2.0 * np.pi
@@ -70,7 +71,7 @@ def rim_paths(
     angle = _angles(faces)
     round_it = FlowPath(
         name="rim_film",
-        category="radial",
+        category=RIM,
         kind="parallel_gap",
         nodes_a=nodes,
         nodes_b=np.roll(nodes, -1),

@@ -11,6 +11,7 @@ from toothspace.core.types import Array, IntArray
 from toothspace.films.lateral.shared_face import SharedFilm, sector_phases
 from toothspace.model.description import FlowPath
 from toothspace.model.film_shapes import SharedFaces
+from toothspace.model.path_category import DRAIN, LATERAL, RIM, PathCategory
 from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
 
 _FULL_TURN = 2.0 * np.pi
@@ -71,14 +72,14 @@ class _Paths:
         chambers, ahead = self.chambers, np.roll(np.arange(self.count), -1)
         next_ones = _Edges(ahead, chambers.node[ahead])
         found = [
-            self._turning(("lateral", "lateral"), chambers, next_ones),
-            self._turning(("drain", "drain"), chambers, self.inner),
+            self._turning(("lateral", LATERAL), chambers, next_ones),
+            self._turning(("drain", DRAIN), chambers, self.inner),
         ]
         for k, recess in enumerate(self.recesses):
-            found.append(self._turning((f"lateral_recess_{k}", "lateral"), chambers, recess))
-            found.append(self._resting((f"drain_recess_{k}", "drain"), recess, self.inner))
+            found.append(self._turning((f"lateral_recess_{k}", LATERAL), chambers, recess))
+            found.append(self._resting((f"drain_recess_{k}", DRAIN), recess, self.inner))
             found += [
-                self._resting((f"lateral_recesses_{j}_{k}", "lateral"), self.recesses[j], recess)
+                self._resting((f"lateral_recesses_{j}_{k}", LATERAL), self.recesses[j], recess)
                 for j in range(k)
             ]
         return [*found, *self._to_rim()]
@@ -92,10 +93,10 @@ class _Paths:
         for j in range(-per_pitch, 2 * per_pitch):
             sector = np.mod(np.arange(self.count) * per_pitch + j, phases.size)
             rim = _Edges(edges + sector, self._rim_nodes(first, sector))
-            found.append(self._turning((f"rim_{j}", "radial"), self.chambers, rim))
+            found.append(self._turning((f"rim_{j}", RIM), self.chambers, rim))
             if 0 <= j < per_pitch:
                 found += [
-                    self._turning((f"rim_{j}_recess_{k}", "radial"), rim, recess, phases[sector])
+                    self._turning((f"rim_{j}_recess_{k}", RIM), rim, recess, phases[sector])
                     for k, recess in enumerate(self.recesses)
                 ]
         largest = max(_shape(path).max() for path in found)
@@ -110,7 +111,7 @@ class _Paths:
         return _Edges(np.full(self.count, number), np.full(self.count, node))
 
     def _turning(
-        self, label: tuple[str, str], a: _Edges, b: _Edges, phases: Array | None = None
+        self, label: tuple[str, PathCategory], a: _Edges, b: _Edges, phases: Array | None = None
     ) -> FlowPath:
         """Path for every chamber, over its table angle."""
         phases = self.faces.phases if phases is None else phases
@@ -121,13 +122,17 @@ class _Paths:
         shape = np.interp(nodes, place[order], values.ravel()[order], period=_FULL_TURN)
         return self._path(label, (a.node, b.node), phases, shape)
 
-    def _resting(self, label: tuple[str, str], a: _Edges, b: _Edges) -> FlowPath:
+    def _resting(self, label: tuple[str, PathCategory], a: _Edges, b: _Edges) -> FlowPath:
         """Path between edges that rest: the same after every pitch."""
         shape = np.tile(self.shape[:, a.number[0], b.number[0]], self.count)
         return self._path(label, (a.node[:1], b.node[:1]), np.zeros(1), shape)
 
     def _path(
-        self, label: tuple[str, str], nodes: tuple[IntArray, IntArray], phases: Array, shape: Array
+        self,
+        label: tuple[str, PathCategory],
+        nodes: tuple[IntArray, IntArray],
+        phases: Array,
+        shape: Array,
     ) -> FlowPath:
         columns = np.tile([self.height, 0.0, _LENGTH], (shape.size, 1))
         columns[:, 1] = _LENGTH * np.clip(shape, 0.0, _LARGEST)

@@ -9,6 +9,9 @@ import numpy as np
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
+from toothspace.gearing.mesh_split import Mesh, Throats, throats
+from toothspace.gearing.spaces import Spaces, drive_spaces, driven_spaces
+from toothspace.gearing.tooth import Tooth, tooth_curves
 from toothspace.geometry.gear_pair import (
     GearPair,
     flank_clearance,
@@ -17,9 +20,6 @@ from toothspace.geometry.gear_pair import (
 )
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear, generate_profile
-from toothspace.machines.external_gear.chambers import Spaces, drive_spaces, driven_spaces
-from toothspace.machines.external_gear.mesh_split import Mesh, Throats, throats
-from toothspace.machines.external_gear.profile import Tooth, tooth_curves
 from toothspace.machines.external_gear.spec import ExternalGearSpec, Gear
 
 POINTS_PER_TOOTH = 200

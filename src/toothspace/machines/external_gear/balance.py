@@ -64,6 +64,7 @@ def lateral_balance(assembly: Assembly, numbering: Numbering) -> LateralBalance 
         low_node=ports[drain],
         body_forces=_tooth_forces(assembly, pressed),
         body_masses=tuple(body.mass for body in bodies(assembly)),
+        design_height=assembly.spec.lateral.side_gap_floating,
         elastic_bodies=_elastic_bodies(assembly, numbering, pressed),
         halves=_halves(assembly, pressed) if pressed.split else (),
         body_tilts=_shaft_tilts(assembly),

@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from toothspace.core.types import Array
+from toothspace.gearing.mesh_split import Throats
+from toothspace.gearing.spaces import Spaces
 from toothspace.geometry.gear_pair import displacement_per_radian
 from toothspace.machines.external_gear.assembly import (
     Assembly,
     driven_lever,
     facing_throats,
 )
-from toothspace.machines.external_gear.chambers import Spaces
 from toothspace.machines.external_gear.loads import MOTIONS
-from toothspace.machines.external_gear.mesh_split import Throats
 from toothspace.model.description import RigidMesh
 
 CONTACT_TOLERANCE = 1e-6

@@ -6,14 +6,14 @@ from dataclasses import dataclass
 from typing import final
 
 from toothspace.core.types import Array
-from toothspace.machines.external_gear.assembly import Assembly, assemble
-from toothspace.machines.external_gear.balance import lateral_balance
-from toothspace.machines.external_gear.chambers import (
+from toothspace.gearing.spaces import (
     Spaces,
     area_by_motion,
     section_area_rates,
     section_areas,
 )
+from toothspace.machines.external_gear.assembly import Assembly, assemble
+from toothspace.machines.external_gear.balance import lateral_balance
 from toothspace.machines.external_gear.contacts import displacement, rigid_mesh
 from toothspace.machines.external_gear.flank_contacts import flank_contacts
 from toothspace.machines.external_gear.flow_paths import flow_paths

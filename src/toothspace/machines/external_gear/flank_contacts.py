@@ -6,13 +6,13 @@ import numpy as np
 
 from toothspace.closures.contact_law import hertz_scale, logarithmic_law
 from toothspace.core.types import Array
+from toothspace.gearing.mesh_split import Throats
+from toothspace.gearing.spaces import Spaces
 from toothspace.geometry.involute import InvoluteGear
 from toothspace.machines.external_gear.assembly import Assembly, driven_lever
-from toothspace.machines.external_gear.chambers import Spaces
 from toothspace.machines.external_gear.contacts import load_share, loaded_throats
 from toothspace.machines.external_gear.flow_paths import gap_by_motion
 from toothspace.machines.external_gear.loads import BODIES, reduced_modulus
-from toothspace.machines.external_gear.mesh_split import Throats
 from toothspace.machines.external_gear.numbering import FULL_TURN, Numbering
 from toothspace.model.description import ContactPair
 from toothspace.numerics.periodic_table import PeriodicTable, monotone_table

@@ -5,14 +5,30 @@ from __future__ import annotations
 import numpy as np
 
 from toothspace.core.types import Array, IntArray
+from toothspace.gearing.mesh_split import Throats
+from toothspace.gearing.spaces import Spaces
 from toothspace.machines.external_gear.assembly import Assembly, driven_lever
 from toothspace.machines.external_gear.casing import bore
-from toothspace.machines.external_gear.chambers import Spaces
-from toothspace.machines.external_gear.mesh_split import Throats
+from toothspace.machines.external_gear.loads import BODIES
 from toothspace.machines.external_gear.numbering import FULL_TURN, Numbering
 from toothspace.machines.external_gear.openings import groove_openings, port_lengths
 from toothspace.model.description import FlowPath
+from toothspace.model.path_category import (
+    DRAIN,
+    INLET_GROOVE,
+    INLET_PORT,
+    LATERAL,
+    OUTLET_GROOVE,
+    OUTLET_PORT,
+    PathCategory,
+)
 from toothspace.numerics.periodic_table import monotone_table, smooth_table
+
+FLANK = PathCategory("flank", "flanks", "#56B4E9", "mesh")
+TOOTH_TIP = PathCategory("tooth_tip", "tooth tips", "#0072B2", "gap")
+
+_PORTS = {"inlet": INLET_PORT, "outlet": OUTLET_PORT}
+_GROOVES = {"inlet": INLET_GROOVE, "outlet": OUTLET_GROOVE}
 
 GEARS = ("drive", "driven")
 MOTIONS = 5
@@ -70,7 +86,7 @@ def _flank_path(
     geometry = np.column_stack([side.gap, width, relative_radius(assembly, side)])
     return FlowPath(
         name="flank_leading" if leading else "flank_trailing",
-        category="flank",
+        category=FLANK,
         kind="curved_gap",
         nodes_a=numbering.nodes[0],
         nodes_b=nodes_b,
@@ -127,7 +143,7 @@ def tip_path(assembly: Assembly, numbering: Numbering, gear: int, nodes: int) ->
     speed = tooth.tip_radius * numbering.ratios[gear]
     return FlowPath(
         name=f"tooth_tip_{GEARS[gear]}",
-        category="tooth_tip",
+        category=TOOTH_TIP,
         kind="parallel_gap",
         nodes_a=np.roll(own, -1),
         nodes_b=own,
@@ -138,7 +154,7 @@ def tip_path(assembly: Assembly, numbering: Numbering, gear: int, nodes: int) ->
         drag_speed=monotone_table(FULL_TURN, np.full(places.size, 0.5 * speed)),
         shear_speed=monotone_table(FULL_TURN, np.full(places.size, speed)),
         throat_speed=speed,
-        wears=True,
+        worn_by=BODIES[gear],
     )
 
 
@@ -177,7 +193,7 @@ def port_paths(
         table = np.column_stack([width * length, diameter])
         node = numbering.inlet if port == "inlet" else numbering.outlet
         name = f"port_{port}_{GEARS[gear]}"
-        found.append(_to_node(name, f"{port}_port", node, table, (numbering, gear)))
+        found.append(_to_node(name, _PORTS[port], node, table, (numbering, gear)))
     return found
 
 
@@ -189,13 +205,13 @@ def groove_paths(
     for port, table in groove_openings(assembly, spaces).items():
         node = numbering.inlet if port == "inlet" else numbering.outlet
         name = f"groove_{port}_{GEARS[gear]}"
-        found.append(_to_node(name, f"{port}_groove", node, table, (numbering, gear), 2.0))
+        found.append(_to_node(name, _GROOVES[port], node, table, (numbering, gear), 2.0))
     return found
 
 
 def _to_node(
     name: str,
-    category: str,
+    category: PathCategory,
     node: int,
     table: Array,
     place: tuple[Numbering, int],
@@ -227,7 +243,7 @@ def lateral_path(assembly: Assembly, numbering: Numbering, gear: int) -> FlowPat
     speed = middle * numbering.ratios[gear]
     return FlowPath(
         name=f"lateral_{GEARS[gear]}",
-        category="lateral",
+        category=LATERAL,
         kind="parallel_gap",
         nodes_a=np.roll(own, -1),
         nodes_b=own,
@@ -254,7 +270,7 @@ def drain_path(assembly: Assembly, numbering: Numbering, gear: int) -> FlowPath:
     row = np.array([height, width, middle * np.log(outer / inner)])
     return FlowPath(
         name=f"drain_{GEARS[gear]}",
-        category="drain",
+        category=DRAIN,
         kind="parallel_gap",
         nodes_a=own,
         nodes_b=_repeated(numbering.drain, own),

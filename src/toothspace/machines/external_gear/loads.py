@@ -45,6 +45,7 @@ def _body(assembly: Assembly, index: int) -> Body:
         speed_ratio=1.0 if index == 0 else -assembly.mesh.ratio,
         mass=float(mass),
         inertia=float(polar + 0.5 * shaft_mass * shaft_radius**2),
+        role="shaft" if index == 0 else "driven",
     )
 
 

@@ -7,12 +7,12 @@ import shapely
 from numpy.typing import NDArray
 
 from toothspace.core.types import Array
+from toothspace.gearing.mesh_split import Throats
+from toothspace.gearing.outlines import space_outline
+from toothspace.gearing.spaces import Spaces
 from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.external_gear.casing import bore
-from toothspace.machines.external_gear.chambers import Spaces
 from toothspace.machines.external_gear.loads import groove_polygons
-from toothspace.machines.external_gear.mesh_split import Throats
-from toothspace.machines.external_gear.outlines import space_outline
 
 _LEAST_AREA = 1e-12
 

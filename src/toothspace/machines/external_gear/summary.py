@@ -6,13 +6,13 @@ import math
 
 import numpy as np
 
+from toothspace.gearing.spaces import Spaces, section_areas
 from toothspace.geometry.design_rules import design_findings
 from toothspace.geometry.gear_pair import flow_ripple
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import tooth_form
 from toothspace.geometry.involute_fit import deviation_from_best_involute
 from toothspace.machines.external_gear.assembly import Assembly
-from toothspace.machines.external_gear.chambers import Spaces, section_areas
 from toothspace.machines.external_gear.contacts import (
     contact_range,
     displacement,

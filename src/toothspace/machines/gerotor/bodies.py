@@ -80,8 +80,16 @@ def bodies(parameters: GerotorParameters, pocket: Pockets) -> tuple[Body, Body]:
             1.0,
             float(inner),
             density * width * polar_moment(rotors.inner),
+            "shaft",
         ),
-        Body("outer_rotor", (0.0, 0.0), pocket.angle_ratio, float(rim), density * width * polar),
+        Body(
+            "outer_rotor",
+            (0.0, 0.0),
+            pocket.angle_ratio,
+            float(rim),
+            density * width * polar,
+            "driven",
+        ),
     )
 
 

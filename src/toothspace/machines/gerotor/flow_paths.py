@@ -16,7 +16,17 @@ from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.pockets import FULL_TURN, Pockets
 from toothspace.machines.gerotor.timing import Timing
 from toothspace.model.description import FlowPath
+from toothspace.model.path_category import (
+    DRAIN,
+    INLET_PORT,
+    LATERAL,
+    OUTLET_PORT,
+    RIM,
+    PathCategory,
+)
 from toothspace.numerics.periodic_table import monotone_table, smooth_table
+
+TIP = PathCategory("tip", "rotor tips", "#0072B2", "gap")
 
 _FACES = 2.0
 
@@ -77,7 +87,7 @@ def _port_path(pocket: Pockets, table: Array, port: Literal["inlet", "outlet"]) 
     node = own.size + (1 if port == "inlet" else 2)
     return FlowPath(
         name=f"port_{port}",
-        category=f"{port}_port",
+        category=INLET_PORT if port == "inlet" else OUTLET_PORT,
         kind="orifice",
         nodes_a=own,
         nodes_b=np.full(own.size, node, dtype=np.int64),
@@ -97,7 +107,7 @@ def tip_path(parameters: GerotorParameters, pocket: Pockets, motions: tuple[int,
     width = np.full(path.place.size, parameters.rotors.face_width)
     return FlowPath(
         name="tip",
-        category="tip",
+        category=TIP,
         kind="curved_gap",
         nodes_a=own,
         nodes_b=np.roll(own, -1),
@@ -184,7 +194,7 @@ def lateral_path(parameters: GerotorParameters, pocket: Pockets) -> FlowPath:
     row = np.array([side_gap(parameters), height + float(np.ptp(inner)), thickness])
     return FlowPath(
         name="lateral",
-        category="lateral",
+        category=LATERAL,
         kind="parallel_gap",
         nodes_a=own,
         nodes_b=np.roll(own, -1),
@@ -200,21 +210,21 @@ def drain_path(parameters: GerotorParameters, pocket: Pockets) -> FlowPath:
     root = float(np.hypot(*pocket.rotors.inner.T).min())
     radii = shaft_radius(parameters, pocket), root
     drain = pocket.rotors.outer_tooth_count + 3
-    return _ring_path(parameters, pocket, radii, ("drain", "drain", drain))
+    return _ring_path(parameters, pocket, radii, ("drain", DRAIN, drain))
 
 
 def rim_path(parameters: GerotorParameters, pocket: Pockets) -> FlowPath:
     """Gaps over the faces of the outer rotor's rim, to the film round it."""
     floor = float(np.hypot(*pocket.rotors.outer.T).max())
     radii = floor, 0.5 * parameters.housing.outer_rotor_diameter
-    return _ring_path(parameters, pocket, radii, ("rim", "radial", _film_node(pocket)))
+    return _ring_path(parameters, pocket, radii, ("rim", RIM, _film_node(pocket)))
 
 
 def _ring_path(
     parameters: GerotorParameters,
     pocket: Pockets,
     radii: tuple[float, float],
-    label: tuple[str, str, int],
+    label: tuple[str, PathCategory, int],
 ) -> FlowPath:
     # a ring sector leaks like a parallel gap of its mean radius and logarithmic length
     own = _nodes(pocket)
@@ -253,7 +263,7 @@ def _film_ends(parameters: GerotorParameters, pocket: Pockets) -> list[FlowPath]
     return [
         FlowPath(
             name="film_end",
-            category="radial",
+            category=RIM,
             kind="parallel_gap",
             nodes_a=np.array([_film_node(pocket)]),
             nodes_b=np.array([pocket.rotors.outer_tooth_count + 3]),

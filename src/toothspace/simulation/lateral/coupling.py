@@ -14,7 +14,8 @@ from toothspace.core.types import Array
 from toothspace.films.lateral.equilibrium import Equilibrium
 from toothspace.films.lateral.motion import Balance
 from toothspace.model.description import MachineDescription
-from toothspace.model.lateral_table import LATERAL_PATHS, with_lateral_leakage
+from toothspace.model.lateral_table import with_lateral_leakage
+from toothspace.model.path_category import LATERAL_PATHS
 from toothspace.results.solution import Solution
 from toothspace.simulation.lateral.heat import settle_heated
 from toothspace.simulation.lateral.interpolation import Between, Rest, Trial
@@ -131,7 +132,9 @@ def agree(films: float, paths: float, negligible: float) -> bool:
 
 def path_leakage(solution: Solution) -> float:
     """Leakage beside the gears in a lumped run, mean over its samples. [m3/s]."""
-    return float(solution.data["leakage"].sel(path=list(LATERAL_PATHS)).sum("path").mean())
+    return float(
+        solution.data["leakage"].sel(path=[c.name for c in LATERAL_PATHS]).sum("path").mean()
+    )
 
 
 def couple_point(

@@ -10,7 +10,7 @@ import numpy as np
 from toothspace.core.types import Array
 from toothspace.films.lateral.motion import Balance
 from toothspace.model.description import LateralFilm, MachineDescription
-from toothspace.model.lateral_table import LATERAL_PATHS
+from toothspace.model.path_category import LATERAL_PATHS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -91,4 +91,4 @@ def _powers(balance: Balance) -> dict[str, Array]:
 
 def _drag_torque(data: xr.Dataset) -> float:
     """Torque at the shaft of the drag of all lateral paths against pressure. [N m]."""
-    return float(data["drag_torque"].sel(path=list(LATERAL_PATHS)).sum("path").mean())
+    return float(data["drag_torque"].sel(path=[c.name for c in LATERAL_PATHS]).sum("path").mean())

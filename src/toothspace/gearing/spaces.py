@@ -9,8 +9,8 @@ from typing import final
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.machines.external_gear.mesh_split import Mesh, Throats, throats
-from toothspace.machines.external_gear.profile import Tooth
+from toothspace.gearing.mesh_split import Mesh, Throats, throats
+from toothspace.gearing.tooth import Tooth
 
 
 @final

@@ -8,9 +8,9 @@ from typing import final
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.machines.external_gear.chambers import Spaces
-from toothspace.machines.external_gear.mesh_split import Throats
-from toothspace.machines.external_gear.profile import Flank, Tooth
+from toothspace.gearing.mesh_split import Throats
+from toothspace.gearing.spaces import Spaces
+from toothspace.gearing.tooth import Flank, Tooth
 
 _ARC_STEP = np.deg2rad(1.0)
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from toothspace.core.compiled import inlined, njit
 from toothspace.core.types import Array
-from toothspace.machines.external_gear.closest_points import (
+from toothspace.gearing.closest_points import (
     FIRST_AT_CORNER,
     FREE,
     Closest,
@@ -30,7 +30,7 @@ from toothspace.machines.external_gear.closest_points import (
     project,
     refined,
 )
-from toothspace.machines.external_gear.profile import (
+from toothspace.gearing.tooth import (
     Flank,
     flank_curvature,
     flank_length,

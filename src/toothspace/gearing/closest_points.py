@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toothspace.core.compiled import inlined
-from toothspace.machines.external_gear.profile import (
+from toothspace.gearing.tooth import (
     Flank,
     flank_length,
     flank_point,
