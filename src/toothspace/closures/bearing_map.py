@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from toothspace.core.compiled import inlined, njit
+from toothspace.core.compiled import inlined, njit, passed_by_address
 from toothspace.core.types import Array
 
 _SATURATION_START = 0.997
@@ -24,6 +24,7 @@ _TINY_SPEED = 1e-12
 """Speed that rounds the force at rest. [m/s]"""
 
 
+@passed_by_address
 class JournalMap(NamedTuple):
     r"""Dimensionless journal force over eccentricity and direction of motion.
 

@@ -50,37 +50,33 @@ CACHE_FOLDER = _cache_folder()
 os.environ.setdefault("NUMBA_CACHE_DIR", str(CACHE_FOLDER))
 
 import numba  # noqa: E402  (the cache folder must be set first)
-from numba.extending import register_jitable  # noqa: E402
 
 # Numba reads the variable once, perhaps before this module was imported.
 numba.config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"]
 
-njit = numba.njit
+
+from toothspace.core.compilation.parts import Formula, Kernel
+from toothspace.core.compilation.records import passed_by_address
+
+def njit(*args, **options):
+    if options.get("parallel"):
+        return numba.njit(**options)
+    options.pop("cache", None)
+    options.pop("no_cpython_wrapper", None)
+    options.pop("no_cfunc_wrapper", None)
+    if args:
+        return Kernel(args[0], None, {})
+    return lambda function: Kernel(function, None, options)
+
 prange = numba.prange
-kernel = numba.njit(cache=True, error_model="numpy", _nrt=False, nogil=True)
-"""Compiles a function that allocates nothing: arrays pass without reference counting."""
+kernel = njit(error_model="numpy", _nrt=False, nogil=True)
+merged = njit(error_model="numpy", _nrt=False, forceinline=True)
 
-merged = numba.njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
-"""A kernel that becomes part of its callers: handing on all arrays costs more than its work."""
+_formulas = []
 
-inlined = register_jitable
-"""Marks a formula that stays plain Python and is compiled where compiled code calls it."""
-
+def inlined(function):
+    _formulas.append(Formula(function))
+    return function
 
 def announce_first_compilation() -> None:
-    """Tell the user once that compiled code is being built and will be kept."""
-    if not CACHE_FOLDER.exists():
-        sys.stderr.write(
-            "First use on this machine: compiling (a minute or two, kept for later).\n"
-        )
-
-
-__all__ = [
-    "CACHE_FOLDER",
-    "announce_first_compilation",
-    "inlined",
-    "kernel",
-    "merged",
-    "njit",
-    "prange",
-]
+    pass

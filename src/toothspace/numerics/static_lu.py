@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from toothspace.core.compiled import njit
+from toothspace.core.compiled import njit, passed_by_address
 from toothspace.core.types import Array, BoolArray, IntArray
 
 SPARSE_FACTORS = 0
@@ -45,6 +45,7 @@ summing_kernel = njit(
 """For sums, whose terms may then be added in any order."""
 
 
+@passed_by_address
 class LuProgram(NamedTuple):
     """List of operations of one pattern, made by :func:`analyse`.
 

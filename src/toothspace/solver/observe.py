@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toothspace.core.compiled import njit
+from toothspace.core.compiled import njit, passed_by_address
 from toothspace.core.types import Array, IntArray
 from toothspace.model.arrays import (
     CONTACT_FORCE,
@@ -31,6 +31,7 @@ from toothspace.model.arrays import (
 from toothspace.model.system import full_rates
 
 
+@passed_by_address
 class Observation(NamedTuple):
     """Samples of everything that results are made of; first axis is the sample."""
 
