@@ -18,7 +18,7 @@ from toothspace.case.circuit import ReliefValve
 from toothspace.case.fingerprint import fingerprint
 from toothspace.case.plumbing import plumb, shaft_of, speed_of
 from toothspace.closures.fluid_law import FluidLaw
-from toothspace.core.compiled import announce_first_compilation
+from toothspace.core.compiled import compile_seconds
 from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.core.errors import CaseError
 from toothspace.core.registry import machine_type
@@ -93,13 +93,11 @@ def simulate(case: Case, progress: Progress | None = None) -> Solution:
         allowed = "a case with an [operating_point] or a [circuit]"
         raise CaseError(f"operating_point: found none, allowed {allowed}")
     PRESETS[case.run.fidelity].require_solved()
-    started = time.perf_counter()
-    announce_first_compilation()
+    started, compiled = time.perf_counter(), compile_seconds()
     description, fluid = describe(case), fluid_of(case)
     if case.circuit is not None:
         solution = _simulate_circuit(case, description, fluid, progress)
-        wall = time.perf_counter() - started
-        return replace(solution, statistics={**solution.statistics, "wall_time": wall})
+        return _timed(solution, started, compiled)
     condition = condition_of(case, description)
     if case.run.fidelity == "ideal":
         solution = ideal_solution(
@@ -116,8 +114,15 @@ def simulate(case: Case, progress: Progress | None = None) -> Solution:
     else:
         machine = _solved_films(case, description, condition)
         solution = _simulate_lumped(case, machine, fluid, condition, progress)
-    wall = time.perf_counter() - started
-    return replace(solution, statistics={**solution.statistics, "wall_time": wall})
+    return _timed(solution, started, compiled)
+
+
+def _timed(solution: Solution, started: float, compiled: float) -> Solution:
+    """Solution with the wall time since the start, without that of compilation. [s]."""
+    compiling = compile_seconds() - compiled
+    wall = time.perf_counter() - started - compiling
+    times = {"wall_time": wall, "compile_time": compiling}
+    return replace(solution, statistics={**solution.statistics, **times})
 
 
 def _solved_films(
@@ -434,7 +439,7 @@ def _march_against_orifice(
 
 def mean_outlet_pressure(history: History) -> float:
     """Mean pressure of the outlet volume over the last revolution. [Pa]."""
-    from toothspace.solver.observe import observe
+    from toothspace.solver.compiled_model import observe
 
     seen = observe(history.system.arrays, history.states[:-1])
     return float(seen.pressure[:, history.system.description.outlet_node].mean())

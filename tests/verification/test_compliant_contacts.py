@@ -19,7 +19,7 @@ from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.system import right_hand_side
 from toothspace.solver.cyclic import History, RunPlan, march_revolutions
 from toothspace.solver.initial import start_state
-from toothspace.solver.observe import observe
+from toothspace.solver.compiled_model import observe
 from toothspace.solver.outcome import window_ledger
 
 PLAN = RunPlan(revolutions=3, samples_per_revolution=360)

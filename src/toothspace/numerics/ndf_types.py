@@ -15,8 +15,8 @@ from toothspace.core.compiled import njit, passed_by_address
 from toothspace.core.types import Array, IntArray
 from toothspace.numerics.static_lu import LuProgram
 
-kernel = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False)
-"""Compiles a function that only compiled code calls; leaving out the wrappers saves seconds."""
+kernel = njit(error_model="numpy", _nrt=False)
+"""Compiles a function that allocates nothing."""
 
 MAX_ORDER = 5
 DONE = 0

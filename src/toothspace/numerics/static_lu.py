@@ -33,12 +33,10 @@ _SMALL_PIVOT = 1e-8
 
 Index = NDArray[np.uint32]
 
-_kernel = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False)
+_kernel = njit(error_model="numpy", _nrt=False)
 
 summing_kernel = njit(
     error_model="numpy",
-    no_cpython_wrapper=True,
-    no_cfunc_wrapper=True,
     _nrt=False,
     fastmath={"reassoc", "contract"},
 )

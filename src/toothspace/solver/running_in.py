@@ -7,8 +7,8 @@ import numpy as np
 from toothspace.core.types import Array
 from toothspace.model.description import FlowPath
 from toothspace.model.paths import by_kind
+from toothspace.solver.compiled_model import observe
 from toothspace.solver.cyclic import History
-from toothspace.solver.observe import observe
 
 
 def running_in_depths(history: History) -> dict[str, Array]:

@@ -5,8 +5,8 @@ what they call and do that again. Here a function that compiled code calls stays
 code as it comes from Numba's lowering. What Python calls is an entry: it links each part that
 it reaches once, and the whole is optimised and translated once.
 
-This module alone uses private interfaces of Numba (code libraries, compiler flags); see
-:data:`TESTED` for the versions it is known to work with.
+This module alone changes how Numba works inside (code libraries, compiler flags); see
+``TESTED`` in :mod:`toothspace.core.compilation.decorators` for the versions that it works with.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterator
 from typing import Any, final
 
 import llvmlite.binding as llvm
-from numba.core import compiler, cpu, sigutils, types
+from numba.core import compiler, sigutils
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler_lock import global_compiler_lock, require_global_compiler_lock
 from numba.core.environment import lookup_environment
@@ -24,9 +24,6 @@ from numba.core.targetconfig import ConfigStack
 
 from toothspace.core.compilation.cache import EntryCache
 from toothspace.core.compilation.notice import NOTICE
-
-TESTED = ("0.68",)
-"""Numba releases that the parts are tested with; others compile every function on its own."""
 
 _ENVIRONMENT = "_ZN08NumbaEnv"
 _INHERITED = ("fastmath", "error_model", "nrt")
