@@ -29,9 +29,9 @@ from toothspace.model.jacobian import jacobian
 from toothspace.model.system import error_weights, right_hand_side
 from toothspace.simulation.running_in import run_in
 from toothspace.simulation.setup import condition_of
+from toothspace.solver.compiled_model import observe
 from toothspace.solver.cyclic import RunPlan, march_revolutions
 from toothspace.solver.integrator import start_march
-from toothspace.solver.observe import observe
 
 CASE = Path(__file__).resolve().parents[1] / "cases" / "egm12_motor.toml"
 SAMPLES = 720

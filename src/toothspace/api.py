@@ -10,7 +10,7 @@ from typing import Any
 
 from toothspace.case import Case
 from toothspace.case.fingerprint import fingerprint
-from toothspace.core.compiled import announce_first_compilation
+from toothspace.core.compiled import compile_seconds
 from toothspace.core.errors import CaseError
 from toothspace.core.registry import machine_type
 from toothspace.model.description import MachineDescription
@@ -70,11 +70,12 @@ def simulate(case: Case, progress: Progress | None = None) -> Solution:
     progress : callable, optional
         Called with the finished share and a short text.
     """
-    started = time.perf_counter()
-    announce_first_compilation()
+    started, compiled = time.perf_counter(), compile_seconds()
     solution = run.simulate(set_up(case), progress)
-    wall = time.perf_counter() - started
-    return replace(solution, statistics={**solution.statistics, "wall_time": wall})
+    compiling = compile_seconds() - compiled
+    wall = time.perf_counter() - started - compiling
+    times = {"wall_time": wall, "compile_time": compiling}
+    return replace(solution, statistics={**solution.statistics, **times})
 
 
 def simulate_all(cases: Iterable[Case], workers: int = 1) -> list[Solution | Exception]:

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from toothspace.core.compiled import inlined, njit
+from toothspace.core.compiled import inlined, njit, passed_by_address
 from toothspace.core.types import Array
 
 _SATURATION_START = 0.997
@@ -24,6 +24,7 @@ _TINY_SPEED = 1e-12
 """Speed that rounds the force at rest. [m/s]"""
 
 
+@passed_by_address
 class JournalMap(NamedTuple):
     r"""Dimensionless journal force over eccentricity and direction of motion.
 
@@ -42,7 +43,7 @@ class JournalMap(NamedTuple):
     """Bearing length over diameter. [-]"""
 
 
-@njit(cache=True)
+@njit
 def _axial_integral(short: float, long: float) -> tuple[float, float, float]:
     """Integrate a (1-y2) b / (a (1-y2) + b) over -1..1; also its derivatives by a and b."""
     u = short / (short + long)
@@ -69,7 +70,7 @@ def _clustered_angle(angle: float, cluster: float) -> float:
     return 2.0 * (half if half >= 0.0 else half + 2.0 * np.pi)
 
 
-@njit(cache=True)
+@njit
 def _film_pressure(ecc: float, co: float, si: float, heading: Any, slenderness: float) -> Any:
     """Axial integral of the pressure at unit speed, and its change with the direction."""
     cos_dir, sin_dir = heading
@@ -86,7 +87,7 @@ def _film_pressure(ecc: float, co: float, si: float, heading: Any, slenderness: 
     return value, turned + by_long * (cos_dir * wedge - sin_dir * squeeze)
 
 
-@njit(cache=True)
+@njit
 def _direction_force(ecc: float, direction: float, slenderness: float, count: int) -> Any:
     """Force along and across the eccentricity at unit speed, and its change with direction.
 
@@ -112,7 +113,7 @@ def _direction_force(ecc: float, direction: float, slenderness: float, count: in
     return factor * along, factor * across, factor * along_slope, factor * across_slope
 
 
-@njit(cache=True)
+@njit
 def _sampled(slenderness: float, step: float, counts: tuple[int, int, int]) -> Any:
     """Scaled force and direction slope on the grid, with two extra rows at both ends."""
     rows, columns, points = counts

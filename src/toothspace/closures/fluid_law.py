@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from toothspace.core.compiled import passed_by_address
 
+
+@passed_by_address
 class FluidLaw(NamedTuple):
     r"""Constants of one fluid at one temperature.
 

@@ -212,7 +212,7 @@ def _assemble(
     front.loads[np.searchsorted(part.columns, mine.col), mine.row] = mine.data
 
 
-@njit(cache=True)
+@njit
 def _gather(
     own: IntArray, matrix: tuple[Array, Array, Array], place: IntArray, inner: Array, below: Array
 ) -> None:
@@ -243,7 +243,7 @@ def _extend_by(
     _extend_loads(left[1], rows, columns, front.loads, front.passed)
 
 
-@njit(cache=True)
+@njit
 def _extend(child: Array, rows: IntArray, inner: Array, below: Array, rest: Array) -> None:
     """Add the lower part of a child's matrix."""
     count = inner.shape[0]
@@ -258,7 +258,7 @@ def _extend(child: Array, rows: IntArray, inner: Array, below: Array, rest: Arra
                 rest[r - count, c - count] += child[i, j]
 
 
-@njit(cache=True)
+@njit
 def _extend_loads(
     child: Array, rows: IntArray, columns: IntArray, loads: Array, passed: Array
 ) -> None:

@@ -88,7 +88,7 @@ def _halves(
     return part[below & ~between], part[~below & ~between], part[between]
 
 
-@njit(cache=True)
+@njit
 def _reach(
     part: IntArray,
     graph: tuple[Array, Array],

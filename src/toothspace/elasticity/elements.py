@@ -110,7 +110,7 @@ def _strains(gradient: Array, strain: Array, first: int) -> None:
         strain[5, k], strain[5, k + 1] = y, x
 
 
-@njit(cache=True, parallel=True)
+@njit(parallel=True)
 def _hexahedra(
     nodes: Array, elements: IntArray, law: Array, slopes: Array, bubbles: Array
 ) -> Array:
@@ -137,7 +137,7 @@ def _hexahedra(
     return out
 
 
-@njit(cache=True, parallel=True)
+@njit(parallel=True)
 def _tetrahedra(nodes: Array, elements: IntArray, law: Array, slopes: Array) -> Array:
     count = elements.shape[0]
     out = np.empty((count, 30, 30))
@@ -193,7 +193,7 @@ def _pattern(elements: IntArray, count: int) -> tuple[IntArray, IntArray, IntArr
     return place.astype(np.int64), start.astype(np.int64), (keys % count).astype(np.int64)
 
 
-@njit(cache=True)
+@njit
 def _sum_blocks(matrices: Array, place: IntArray, values: Array) -> None:
     """Add blocks of 3 x 3 of element matrices at their places."""
     count, width, _ = place.shape

@@ -165,7 +165,7 @@ def _barycentric(plane: Triangulation, finder: _Finder, points: Array) -> sp.csr
     return _rows(plane.triangles[chosen], weight, len(plane.points))
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _place(
     points: Array,
     wanted: IntArray,

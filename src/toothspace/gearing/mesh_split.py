@@ -315,7 +315,7 @@ def _signed_gap(
     return sign * reach, sign * gx / reach, sign * gy / reach
 
 
-@njit(cache=True)
+@njit
 def _throat_rows(drive: Flank, driven: Flank, mesh: Mesh, angles: Array) -> Array:
     window = throat_window(drive, driven, mesh)
     rows = np.zeros((angles.size, _COLUMNS))

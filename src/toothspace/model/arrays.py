@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 from toothspace.closures.bearing_map import JournalMap
 from toothspace.closures.fluid_law import FluidLaw
+from toothspace.core.compiled import passed_by_address
 from toothspace.core.types import Array, IntArray
 from toothspace.model.tables import Members, TableBank
 
@@ -219,6 +220,7 @@ ELEMENT_COLUMNS = 12
 ELEMENT_PARAMETERS = 4
 
 
+@passed_by_address
 class Sizes(NamedTuple):
     """Counts and positions in the state vector."""
 
@@ -240,6 +242,7 @@ class Sizes(NamedTuple):
     total: int
 
 
+@passed_by_address
 class ContactSurface(NamedTuple):
     """Flanks in contact; the first four fields are those of a flank surface."""
 
@@ -251,6 +254,7 @@ class ContactSurface(NamedTuple):
     lever: float
 
 
+@passed_by_address
 class Constants(NamedTuple):
     """Constants of one run."""
 
@@ -262,6 +266,7 @@ class Constants(NamedTuple):
     asperity_range: float
 
 
+@passed_by_address
 class SystemArrays(NamedTuple):
     """Everything that the compiled right-hand side reads and writes.
 

@@ -153,7 +153,7 @@ def _asperity_tables(journal: JournalBearing, span: float) -> tuple[Array, Array
     return _spline(area * force), _spline(area * load), _spline(shear)
 
 
-@njit(cache=True)
+@njit
 def _asperity_integrals(
     ratios: Array,
     clearance: float,

@@ -7,13 +7,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toothspace.core.compiled import kernel
+from toothspace.core.compiled import kernel, passed_by_address
 from toothspace.core.types import Array, IntArray
 from toothspace.numerics.periodic_table import PeriodicTable
 
 OFFSET, NODES, CHANNELS = range(3)
 
 
+@passed_by_address
 class TableBank(NamedTuple):
     """Several periodic tables in one block of polynomial coefficients.
 
@@ -39,6 +40,7 @@ class Reading(NamedTuple):
     gate: IntArray
 
 
+@passed_by_address
 class Members(NamedTuple):
     """Things that read one row of a table each, and where in their tables they stand.
 

@@ -13,7 +13,7 @@ from toothspace.core.types import Array
 from toothspace.numerics.vectors import dot
 
 
-@njit(cache=True)
+@njit
 def fill_band(stencil: Array, rows: int, lanes: int, cut: int, band: Array) -> None:
     """Fill the band storage of a five-point matrix, rows counted from the cut.
 
@@ -42,7 +42,7 @@ PANEL = 4
 """Pivots that are eliminated together, so that a row is read and written once for all of them."""
 
 
-@njit(cache=True, fastmath={"contract"})
+@njit(fastmath={"contract"})
 def _factor_panel(flat: Array, columns: int, first: int, count: int, inverse: Array) -> None:
     """Eliminate among the rows of one panel; keep the inverse pivots."""
     width = columns // 2
@@ -61,7 +61,7 @@ def _factor_panel(flat: Array, columns: int, first: int, count: int, inverse: Ar
                     flat[start + c] -= factor * flat[base + c]
 
 
-@njit(cache=True, fastmath={"contract"})
+@njit(fastmath={"contract"})
 def _multiplier(flat: Array, columns: int, first: int, row: int, m: int) -> float:
     """Multiplier of pivot m of a panel for one row below it, stored in place; zero off the band."""
     width = columns // 2
@@ -92,7 +92,7 @@ def _beyond(flat: Array, columns: int, first: int, entry: int, factors: tuple[fl
         flat[entry + c] -= total
 
 
-@njit(cache=True, fastmath={"contract"})
+@njit(fastmath={"contract"})
 def _update_rows(flat: Array, columns: int, first: int, inverse: Array) -> int:
     """Eliminate the columns of a panel from the rows that hold all four; return the next row."""
     width = columns // 2
@@ -124,7 +124,7 @@ def _update_rows(flat: Array, columns: int, first: int, inverse: Array) -> int:
     return max(first + 4, last)
 
 
-@njit(cache=True, fastmath={"contract"})
+@njit(fastmath={"contract"})
 def _update_row(flat: Array, columns: int, first: int, row: int) -> None:
     """Eliminate the columns of a panel from a row that begins within it."""
     width = columns // 2
@@ -142,7 +142,7 @@ def _update_row(flat: Array, columns: int, first: int, row: int) -> None:
     _beyond(flat, columns, first, entry, (f0, f1, f2, f3))
 
 
-@njit(cache=True, fastmath={"contract"})
+@njit(fastmath={"contract"})
 def factor_band(band: Array) -> None:
     """Triangular factors in place, without exchange of rows.
 
@@ -162,7 +162,7 @@ def factor_band(band: Array) -> None:
                 _update_row(flat, columns, first, row)
 
 
-@njit(cache=True)
+@njit
 def _substitute(band: Array, x: Array) -> None:
     """Forward and backward substitution for one right-hand side, in place."""
     n, columns = band.shape
@@ -176,7 +176,7 @@ def _substitute(band: Array, x: Array) -> None:
         x[r] = (x[r] - total) / band[r, width]
 
 
-@njit(cache=True)
+@njit
 def _substitute_together(band: Array, x: Array) -> None:
     """The same for several right-hand sides: a row of the band serves all while in cache."""
     n, columns = band.shape
@@ -193,7 +193,7 @@ def _substitute_together(band: Array, x: Array) -> None:
             x[k, r] = (x[k, r] - dot(row, x[k, r + 1 : last])) / band[r, width]
 
 
-@njit(cache=True)
+@njit
 def solve_bands(band: Array, rhs: Array, lanes: int, cut: int) -> Array:
     """Solutions for several right-hand sides in grid order, in one pass over the factors.
 
@@ -214,7 +214,7 @@ def solve_bands(band: Array, rhs: Array, lanes: int, cut: int) -> Array:
     return result
 
 
-@njit(cache=True, nogil=True, fastmath={"contract"})
+@njit(nogil=True, fastmath={"contract"})
 def stencil_products(stencil: Array, x: Array, rows: int, lanes: int) -> Array:
     """Products of a five-point matrix on a ring and several vectors in grid order, one per row."""
     y = np.empty(x.shape)

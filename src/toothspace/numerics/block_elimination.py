@@ -54,7 +54,7 @@ class Blocks(NamedTuple):
     cut: int
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@njit(nogil=True, fastmath=True, error_model="numpy")
 def _invert_pivot(block: Single, k: int, pivot: Single) -> None:
     """Inverse of the four rows and columns from the k-th on."""
     for a in range(4):
@@ -72,7 +72,7 @@ def _invert_pivot(block: Single, k: int, pivot: Single) -> None:
                     pivot[c, b] -= factor * pivot[a, b]
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@njit(nogil=True, fastmath=True, error_model="numpy")
 def _replace_pivot(block: Single, k: int, pivot: Single, lead: Single) -> None:
     """Multiply four rows by the inverse of their pivot, in place and into ``lead``."""
     for a in range(4):
@@ -88,7 +88,7 @@ def _replace_pivot(block: Single, k: int, pivot: Single, lead: Single) -> None:
             block[k + a, j] = lead[a, j]
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@njit(nogil=True, fastmath=True, error_model="numpy")
 def _clear_two(first: Single, second: Single, lead: Single, k: int) -> None:
     """Take four leading rows out of two rows at once: half the loads of one by one."""
     x0, x1, x2, x3 = first[k], first[k + 1], first[k + 2], first[k + 3]
@@ -102,7 +102,7 @@ def _clear_two(first: Single, second: Single, lead: Single, k: int) -> None:
         second[j] -= y0 * a + y1 * b + y2 * c + y3 * d
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@njit(nogil=True, fastmath=True, error_model="numpy")
 def _invert(block: Single, lead: Single, pivot: Single) -> None:
     """Inverse in place by Gauss and Jordan, four columns at a time, without exchange of rows.
 
@@ -131,7 +131,7 @@ def _invert(block: Single, lead: Single, pivot: Single) -> None:
                     row[j] -= factor * last[j]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(nogil=True, error_model="numpy")
 def _scaled(stencil: Array, rows: int, lanes: int) -> tuple[Single, Array]:
     """Coefficients of the neighbours over that of the centre, and the inverse of the latter."""
     coupling = np.empty((4, rows, lanes), dtype=np.float32)
@@ -145,7 +145,7 @@ def _scaled(stencil: Array, rows: int, lanes: int) -> tuple[Single, Array]:
     return coupling, inverse
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(nogil=True, error_model="numpy")
 def _units(inverse: Array, stencil: Array) -> Array:
     """Scales of cells that hold another unknown than in the blocks; none if there is no such."""
     other = 0
@@ -160,7 +160,7 @@ def _units(inverse: Array, stencil: Array) -> Array:
     return out
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _spans(kind: IntArray) -> IntArray:
     """First lane, number of lanes, padded width and place in store of the block of every row."""
     rows, lanes = kind.shape
@@ -178,7 +178,7 @@ def _spans(kind: IntArray) -> IntArray:
     return out
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@njit(nogil=True, fastmath=True, error_model="numpy")
 def _eliminate(coupling: Single, span: IntArray, cut: int, store: Single) -> None:
     """Inverses of the blocks of all rows, each less what the rows before it took over."""
     _, rows, lanes = coupling.shape
@@ -210,7 +210,7 @@ def _eliminate(coupling: Single, span: IntArray, cut: int, store: Single) -> Non
         _invert(block, lead, pivot)
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@njit(nogil=True, fastmath=True, error_model="numpy")
 def _apply(block: Single, x: Single, out: Single) -> None:
     for i in range(block.shape[0]):
         row = block[i]
@@ -220,7 +220,7 @@ def _apply(block: Single, x: Single, out: Single) -> None:
         out[i] = total
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@njit(nogil=True, fastmath=True, error_model="numpy")
 def _over_centre(inverse: Array, rhs: Array) -> tuple[Array, float]:
     """Right-hand side over the coefficients of the centre, and its largest value."""
     x, size = np.empty(rhs.size), 0.0
@@ -230,7 +230,7 @@ def _over_centre(inverse: Array, rhs: Array) -> tuple[Array, float]:
     return x, size
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@njit(nogil=True, fastmath=True, error_model="numpy")
 def _substitute(blocks: Blocks, unit: Array, rhs: Array) -> Array:
     """Approximate solution: forward through the ring and back. ``unit`` scales the unknowns."""
     coupling, span, store = blocks.coupling, blocks.span, blocks.store

@@ -46,7 +46,7 @@ ROUNDING = 1e-10
 """Part of its scale by which an unknown may break a bound before its cell changes kind. [-]"""
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def bordered(b: CellBalance, potential: Array, saturation: Array) -> tuple[Array, Array]:
     """Fields with one more cell on every side: given potentials at full saturation, or the ring."""
     rows, lanes = potential.shape
@@ -65,7 +65,7 @@ def bordered(b: CellBalance, potential: Array, saturation: Array) -> tuple[Array
     return u, s
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _bordered_kind(kind: IntArray, ring: bool) -> IntArray:
     rows, lanes = kind.shape
     out = np.full((rows + 2, lanes + 2), 2)
@@ -89,7 +89,7 @@ def _face_terms(
     return 0.0, max(outflow, 0.0), conductance * known + entering
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def assemble(b: CellBalance, kind: IntArray) -> tuple[Array, Array]:
     """Five-point matrix and right-hand side for given kinds of the cells."""
     rows, lanes = kind.shape
@@ -130,7 +130,7 @@ def assemble(b: CellBalance, kind: IntArray) -> tuple[Array, Array]:
     return stencil, rhs
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def face_flows(
     b: CellBalance, change: CellBalance, potential: Array, saturation: Array
 ) -> tuple[Array, Array]:
@@ -155,7 +155,7 @@ def face_flows(
     return flow_x, flow_y
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def residual(b: CellBalance, change: CellBalance, potential: Array, saturation: Array) -> Array:
     """Net flow out of every cell less its source, prescribed cells included.
 
@@ -170,7 +170,7 @@ def residual(b: CellBalance, change: CellBalance, potential: Array, saturation: 
     return out
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _settle(b: CellBalance, kind: IntArray, unknown: Array, sweeps: int, empty: int) -> None:
     """Revise the kinds by sweeps along the flow, each cell solved on its own.
 
@@ -190,7 +190,7 @@ def _settle(b: CellBalance, kind: IntArray, unknown: Array, sweeps: int, empty: 
             _settle_row(b, kind, u, s, rows - 1 - step if sweeps < 0 else step, empty)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _settle_row(b: CellBalance, kind: IntArray, u: Array, s: Array, i: int, empty: int) -> None:
     gx, gy, cx, cy = b.conductance_x, b.conductance_y, b.advection_x, b.advection_y
     p = i + 1
@@ -213,7 +213,7 @@ def _settle_row(b: CellBalance, kind: IntArray, u: Array, s: Array, i: int, empt
             kind[i, j] = empty
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _revise_conserving(kind: IntArray, unknown: Array, scale: float) -> int:
     """Exchange the kind of cells that break a bound; return how many did."""
     changed = 0
@@ -230,7 +230,7 @@ def _revise_conserving(kind: IntArray, unknown: Array, scale: float) -> int:
     return changed
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _revise_obstacle(b: CellBalance, kind: IntArray, unknown: Array, scale: float) -> int:
     """Exchange cells on the obstacle that the balance pushes off, and the reverse."""
     changed = 0

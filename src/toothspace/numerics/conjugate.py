@@ -48,7 +48,7 @@ def _conduct_colour(
     return total
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "reassoc"})
+@njit(nogil=True, error_model="numpy", fastmath={"contract", "reassoc"})
 def _conduct_part(
     board: Board, operator: Operator, p: Array, q: Array, part: int, sums: Array
 ) -> None:
@@ -63,19 +63,19 @@ def _conduct_part(
                 sums[side, part] += _conduct_colour(board, operator, p[side], q[side], colour, rows)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _conduct(board: Board, operator: Operator, p: Array, q: Array, sums: Array) -> None:
     for part in range(sums.shape[1]):
         _conduct_part(board, operator, p, q, part, sums)
 
 
-@njit(cache=True, parallel=True)
+@njit(parallel=True)
 def _conduct_parts(board: Board, operator: Operator, p: Array, q: Array, sums: Array) -> None:
     for part in prange(sums.shape[1]):
         _conduct_part(board, operator, p, q, part, sums)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _close(board: Board, fields: Array) -> None:
     for side in range(fields.shape[0]):
         close_ring(board, fields[side])
@@ -115,7 +115,7 @@ def _parts(size: int) -> int:
     return 1 if size < LONG else -(-size // PART)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def load(target: Single, source: Array, factors: Array) -> None:
     """Multiples of fields in single precision."""
     for side in range(factors.size):
@@ -124,7 +124,7 @@ def load(target: Single, source: Array, factors: Array) -> None:
             flat[k] = given[k] * factor
 
 
-@njit(cache=True, parallel=True)
+@njit(parallel=True)
 def _dot_parts(r: Array, z: Single, sums: Array) -> None:
     for part in prange(sums.size):
         low = part * PART
@@ -141,13 +141,13 @@ def mixed_dot(r: Array, z: Single) -> float:
     return float(sums.sum())
 
 
-@njit(cache=True, nogil=True, fastmath={"contract"})
+@njit(nogil=True, fastmath={"contract"})
 def _turn(p: Array, z: Single, factor: float) -> None:
     for k in range(p.size):
         p[k] = z[k] + factor * p[k]
 
 
-@njit(cache=True, parallel=True)
+@njit(parallel=True)
 def _turn_parts(p: Array, z: Single, factor: float, parts: int) -> None:
     for part in prange(parts):
         low = part * PART
@@ -163,7 +163,7 @@ def turn(p: Array, z: Single, factor: float) -> None:
         _turn_parts(p, z, factor, _parts(p.size))
 
 
-@njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
+@njit(nogil=True, fastmath={"contract", "reassoc"})
 def _reduce(r: Array, step: float, q: Array) -> float:
     total = 0.0
     for k in range(r.size):
@@ -172,7 +172,7 @@ def _reduce(r: Array, step: float, q: Array) -> float:
     return total
 
 
-@njit(cache=True, parallel=True)
+@njit(parallel=True)
 def _advance_parts(x: Array, r: Array, p: Array, q: Array, step: float, sums: Array) -> None:
     for part in prange(sums.size):
         low = part * PART

@@ -5,7 +5,7 @@ from __future__ import annotations
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array
 
-_kernel = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False)
+_kernel = njit(error_model="numpy", _nrt=False)
 
 
 @_kernel

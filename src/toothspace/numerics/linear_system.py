@@ -140,7 +140,7 @@ def _refine(
     return x
 
 
-@njit(cache=True)
+@njit
 def _sweep(
     stencil: Array, kind: IntArray, rhs: Array, x: Array, first: int, backward: bool
 ) -> None:

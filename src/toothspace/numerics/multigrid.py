@@ -46,7 +46,7 @@ FLOATING = 1e-5
 """Share of the diagonal that holds a coarsest grid without given potentials. [-]"""
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _known(free: BoolArray, ring: bool) -> Array:
     """One where free, zero elsewhere, with a border of one cell."""
     rows, lanes = free.shape
@@ -57,7 +57,7 @@ def _known(free: BoolArray, ring: bool) -> Array:
     return known
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def finest_grid(b: CellBalance, free: BoolArray, scale: float) -> Conductances:
     """Conductances of the finest grid over a scale."""
     rows, lanes = free.shape
@@ -100,7 +100,7 @@ def _add_merged(given: Array, factor: float, merge: int, out: Array) -> None:
         out[out.size - 1] += factor * given[given.size - 1]
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _merge(fine: Conductances, merge_x: int, merge_y: int) -> Conductances:
     """Conductances of merged cells: longer paths in series, faces side by side in parallel."""
     rows, lanes = fine.outer_x.shape
@@ -122,7 +122,7 @@ def _merge(fine: Conductances, merge_x: int, merge_y: int) -> Conductances:
     return Conductances(gx, gy, outer_x, outer_y)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def diagonal_of(c: Conductances) -> Array:
     """Sum of the conductances of every free cell, zero where not free."""
     rows, lanes = c.outer_x.shape
@@ -202,7 +202,7 @@ def _space(board: Board, sides: int) -> tuple[Single, Single, Single]:
     return x, b, np.zeros((sides, places), dtype=np.float32)
 
 
-@njit(cache=True)
+@njit
 def _matrix(c: Conductances, ring: bool) -> Array:
     """Operator of a small grid as a dense matrix, unity where not free."""
     rows, lanes = c.outer_x.shape

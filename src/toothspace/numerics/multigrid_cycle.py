@@ -266,13 +266,13 @@ def _seam(fine: Level, coarse: Level, down: bool, tile: int, tiles: int) -> None
             _close(fine, stage)
 
 
-@njit(cache=True, parallel=True)
+@njit(parallel=True)
 def _tiles(fine: Level, coarse: Level, down: bool, tiles: int) -> None:
     for tile in prange(tiles):
         _tile(fine, coarse, down, tile, tiles)
 
 
-@njit(cache=True, parallel=True)
+@njit(parallel=True)
 def _seams(fine: Level, coarse: Level, down: bool, tiles: int) -> None:
     """Apart from :func:`_tiles`, because two parallel loops in one function may be merged."""
     for tile in prange(tiles):

@@ -11,12 +11,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from toothspace.core.compiled import njit
+from toothspace.core.compiled import njit, passed_by_address
 from toothspace.core.types import Array, IntArray
 from toothspace.numerics.static_lu import LuProgram
 
-kernel = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False)
-"""Compiles a function that only compiled code calls; leaving out the wrappers saves seconds."""
+kernel = njit(error_model="numpy", _nrt=False)
+"""Compiles a function that allocates nothing."""
 
 MAX_ORDER = 5
 DONE = 0
@@ -121,6 +121,7 @@ class NdfFunctions(NamedTuple):
     advance: Compiled
 
 
+@passed_by_address
 class NdfSettings(NamedTuple):
     """Choices that hold for a whole integration.
 
@@ -149,6 +150,7 @@ class NdfSettings(NamedTuple):
     event_actions: IntArray
 
 
+@passed_by_address
 class NdfRecord(NamedTuple):
     """Where samples and events are written.
 
@@ -174,6 +176,7 @@ class NdfRecord(NamedTuple):
     counts: IntArray
 
 
+@passed_by_address
 class NdfState(NamedTuple):
     """Everything the integrator remembers between calls.
 

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from toothspace.core.compiled import njit
+from toothspace.core.compiled import njit, passed_by_address
 from toothspace.core.types import Array, BoolArray, IntArray
 
 SPARSE_FACTORS = 0
@@ -33,18 +33,17 @@ _SMALL_PIVOT = 1e-8
 
 Index = NDArray[np.uint32]
 
-_kernel = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False)
+_kernel = njit(error_model="numpy", _nrt=False)
 
 summing_kernel = njit(
     error_model="numpy",
-    no_cpython_wrapper=True,
-    no_cfunc_wrapper=True,
     _nrt=False,
     fastmath={"reassoc", "contract"},
 )
 """For sums, whose terms may then be added in any order."""
 
 
+@passed_by_address
 class LuProgram(NamedTuple):
     """List of operations of one pattern, made by :func:`analyse`.
 

@@ -86,7 +86,7 @@ def empty_balance(rows: int, lanes: int, *, ring: bool) -> CellBalance:
     )
 
 
-@njit(cache=True)
+@njit
 def _coarsen_faces(fine: CellBalance, coarse: CellBalance) -> None:
     """Merge cells two by two: series along, parallel across each face."""
     rows, lanes = fine.storage.shape
@@ -103,7 +103,7 @@ def _coarsen_faces(fine: CellBalance, coarse: CellBalance) -> None:
             coarse.advection_y[i // 2, j] += fine.advection_y[i, k]
 
 
-@njit(cache=True)
+@njit
 def _coarsen_cells(fine: CellBalance, coarse: CellBalance) -> None:
     rows, lanes = fine.storage.shape
     merged_rows, merged_lanes = coarse.storage.shape

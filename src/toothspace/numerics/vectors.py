@@ -10,7 +10,7 @@ from toothspace.core.compiled import njit
 from toothspace.core.types import Array
 
 
-@njit(cache=True, nogil=True, fastmath={"contract", "reassoc"})
+@njit(nogil=True, fastmath={"contract", "reassoc"})
 def dot(a: Array, b: NDArray[Any]) -> float:
     """Inner product of two vectors; the second may be in single precision."""
     total = 0.0
@@ -19,13 +19,13 @@ def dot(a: Array, b: NDArray[Any]) -> float:
     return total
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def norm(a: Array) -> float:
     """Euclidean length of a vector."""
     return float(dot(a, a) ** 0.5)
 
 
-@njit(cache=True, nogil=True, fastmath={"contract"})
+@njit(nogil=True, fastmath={"contract"})
 def add_scaled(a: Array, factor: float, b: Array) -> None:
     """Add a multiple of the second vector to the first, in place."""
     for k in range(a.size):

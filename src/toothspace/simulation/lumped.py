@@ -20,8 +20,8 @@ from toothspace.simulation.lateral.table_lookup import run_with_table
 from toothspace.simulation.presets import interface_models, interface_text
 from toothspace.simulation.running_in import CUT_SHORT, WornMachine, run_in
 from toothspace.simulation.setup import Progress, Setup, fluid_temperature, provenance_of
+from toothspace.solver.compiled_model import observe
 from toothspace.solver.cyclic import History, RunPlan, first_turn_state, march_revolutions
-from toothspace.solver.observe import observe
 from toothspace.solver.outcome import solution_from
 
 _LOAD_ROUNDS = 4

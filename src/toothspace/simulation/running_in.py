@@ -18,8 +18,8 @@ from toothspace.model.paths import by_kind
 from toothspace.results.solution import Solution, warned
 from toothspace.simulation import running_in_store
 from toothspace.simulation.setup import Setup, fluid_of
+from toothspace.solver.compiled_model import observe
 from toothspace.solver.cyclic import History, RunPlan, march_revolutions
-from toothspace.solver.observe import observe
 
 _PLAN = RunPlan(max_revolutions=20, samples_per_revolution=720)
 _TOLERANCE = 1e-5

@@ -166,7 +166,7 @@ def first_turn_state(history: History) -> Array:
 
 
 def _repeats(system: System, before: Piece, after: Piece) -> bool:
-    from toothspace.solver.observe import observe
+    from toothspace.solver.compiled_model import observe
 
     every = slice(None, None, 8)
     old = observe(system.arrays, before.states[every]).pressure

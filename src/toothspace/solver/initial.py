@@ -18,10 +18,8 @@ from toothspace.model.arrays import (
     VOLUME,
 )
 from toothspace.model.assembly import System, node_places
-from toothspace.model.chambers import update_volumes
-from toothspace.model.contacts import update_contacts
 from toothspace.model.quasi_static import mean_force, quasi_static_pressures
-from toothspace.model.system import update_tables
+from toothspace.solver.compiled_model import find_contacts, place
 
 _START_ECCENTRICITY = 0.9
 _SEARCH_STEP = 0.5
@@ -37,8 +35,7 @@ def start_state(system: System) -> Array:
     if size.core > size.load:
         state[size.load + 1] = state[1]
     _place_bodies(system, state)
-    update_tables(arrays, state[0])
-    update_volumes(arrays, state)
+    place(arrays, state)
     pressure = np.full(size.nodes, system.condition.outlet_pressure)
     if system.condition.circuit:
         _set_circuit_pressures(system, pressure)
@@ -46,7 +43,7 @@ def start_state(system: System) -> Array:
         chambers = quasi_static_pressures(system.description, system.condition, float(state[0]))
         pressure[: size.chambers] = chambers
     _turn_into_contact(system, state, pressure)
-    update_volumes(arrays, state)
+    place(arrays, state)
     gas = arrays.fluid.feed_gas_mass_fraction
     for node in range(size.nodes):
         d = int(arrays.dynamic_index[node])
@@ -122,5 +119,5 @@ def _bracket(
 def _contact_torque(system: System, state: Array, place: int) -> float:
     standing = state.copy()
     standing[1] = 0.0
-    update_contacts(system.arrays, standing)
+    find_contacts(system.arrays, standing)
     return float(system.arrays.motion[place - system.arrays.size.position, CONTACT_LOAD])

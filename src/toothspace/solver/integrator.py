@@ -3,26 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, final
+from typing import final
 
 import numpy as np
 
-from toothspace.core.compiled import njit
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.model.arrays import DIRECTION
 from toothspace.model.assembly import System
 from toothspace.model.contact_data import loaded_contacts
-from toothspace.model.jacobian import fill_jacobian
-from toothspace.model.system import error_weights, event_values, finish_step, right_hand_side
-from toothspace.numerics.ndf import bind
 from toothspace.numerics.ndf_types import (
     DONE,
     MAX_ORDER,
     MAX_STEPS,
     STOP_AT_EVENT,
     TERMINAL_EVENT,
-    NdfCallbacks,
     NdfRecord,
     NdfSettings,
     NdfState,
@@ -32,6 +27,7 @@ from toothspace.numerics.ndf_types import (
 )
 from toothspace.numerics.static_lu import LuProgram, analyse
 from toothspace.results.solution import Event
+from toothspace.solver.compiled_model import NO_RECORD, Integration, advance, begin
 
 _EVENT_CAPACITY = 20_000
 _STEPS_PER_RADIAN = 40.0
@@ -46,21 +42,6 @@ _COUNTERS = {
     "jac": "jacobian_calls",
     "lu": "factorisations",
 }
-
-
-_start, _continue = bind(
-    NdfCallbacks(right_hand_side, finish_step, fill_jacobian, error_weights, event_values)
-)
-
-
-@njit(cache=True)
-def _begin(params: Any, program: Any, settings: Any, state: Any, t: float, y: Array) -> None:
-    _start(params, program, settings, state, t, y)
-
-
-@njit(cache=True)
-def _advance(params: Any, program: Any, settings: Any, state: Any, record: Any, end: float) -> int:
-    return _continue(params, program, settings, state, record, end)
 
 
 @final
@@ -85,7 +66,8 @@ class March:
         """Integrate to the last sample time [s] and return the samples on the way."""
         record = make_record(sample_times, self.system.arrays.size.total, _EVENT_CAPACITY)
         end = float(sample_times[-1])
-        code = _advance(self.system.arrays, self.program, self.settings, self.state, record, end)
+        integration = Integration(self.program, self.settings, self.state, record)
+        code = advance(self.system.arrays, integration, end)
         written = int(record.counts[0])
         return Piece(
             status=_status(code),
@@ -98,7 +80,8 @@ class March:
     def restart(self, time: float, state: Array) -> None:
         """Go on from a state at a time [s] after a terminal event, at first order."""
         before = self.state.control.copy()
-        _begin(self.system.arrays, self.program, self.settings, self.state, time, state)
+        integration = Integration(self.program, self.settings, self.state, NO_RECORD)
+        begin(self.system.arrays, integration, time, state)
         for name in _COUNTERS.values():
             self.state.control[name] += before[name]
 
@@ -170,7 +153,7 @@ def start_march(system: System, state: Array, max_steps: int = 50_000_000) -> Ma
     highest = _DAMPED_ORDER if system.description.rings_on_films else MAX_ORDER
     settings = make_settings(actions, longest, shortest, max_steps, (1, highest))
     memory = make_state(program, size.total, actions.size)
-    _begin(system.arrays, program, settings, memory, 0.0, state)
+    begin(system.arrays, Integration(program, settings, memory, NO_RECORD), 0.0, state)
     return March(system, program, settings, memory)
 
 

@@ -32,8 +32,6 @@ from toothspace.model.arrays import (
 from toothspace.model.assembly import System
 from toothspace.model.contact_data import loaded_contacts
 from toothspace.model.description import MachineDescription
-from toothspace.model.drive import load_energy
-from toothspace.model.fluid_column import column_energy
 from toothspace.model.ledger import (
     FRICTION_MECHANISMS,
     LEDGER_NAMES,
@@ -46,13 +44,18 @@ from toothspace.model.path_category import (
     PathCategory,
     PathRole,
 )
-from toothspace.model.system import evaluate
-from toothspace.model.walls import wall_energy
 from toothspace.results.ledger import Ledger, ledger_from
 from toothspace.results.solution import Solution
 from toothspace.results.variables import dataset_from
+from toothspace.solver.compiled_model import (
+    Observation,
+    column_energy_of,
+    evaluate_state,
+    load_energy_of,
+    observe,
+    wall_energy_of,
+)
 from toothspace.solver.cyclic import History
-from toothspace.solver.observe import Observation, observe
 
 _TRAPPED: tuple[PathRole, ...] = ("inlet_groove", "outlet_groove", "mesh")
 """Roles of the paths through which a chamber that is sealed from both ports still flows."""
@@ -193,7 +196,7 @@ def stored_energy(system: System, state: Array) -> float:
     volume = seen.volume[0, dynamic]
     pressure, _, _ = mixture_pressure(volume / mass, gas / mass, arrays.fluid)
     of_liquid, of_gas = partial_enthalpies(pressure, gas / mass, arrays.fluid)
-    wall = sum(wall_energy(n, p) for n, p in zip(arrays.node[dynamic], pressure, strict=True))
+    wall = wall_energy_of(arrays, pressure)
     return float(np.sum((mass - gas) * of_liquid + gas * of_gas - pressure * volume) + wall)
 
 
@@ -203,12 +206,13 @@ def kinetic_energy(system: System, state: Array) -> float:
     velocity = state[size.velocity : size.column] + motion[:, MOTION_RATIO] * state[1]
     shaft = system.arrays.drive[FREE] * system.arrays.drive[INERTIA] * state[1] ** 2
     bodies = 0.5 * (np.sum(motion[:, MOTION_MASS] * velocity**2) + shaft)
-    return float(bodies + column_energy(system.arrays, state) + load_energy(system.arrays, state))
+    moving = bodies + column_energy_of(system.arrays, state)
+    return float(moving + load_energy_of(system.arrays, state))
 
 
 def elastic_energy(system: System, state: Array) -> float:
     """Energy stored in compliant contacts. [J]."""
-    evaluate(system.arrays, state)
+    evaluate_state(system.arrays, state)
     return float(np.sum(system.arrays.contact[:, CONTACT_ENERGY]))
 
 

@@ -13,9 +13,8 @@ from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.model.arrays import BREAKAWAY, DIRECTION, DRIVING_TORQUE, FREE, HOLDING_TORQUE
 from toothspace.model.assembly import System
-from toothspace.model.drive import update_load
-from toothspace.model.system import evaluate, held_torque
 from toothspace.results.solution import Event
+from toothspace.solver.compiled_model import hold_shaft
 from toothspace.solver.cyclic import Progress
 from toothspace.solver.initial import start_state
 from toothspace.solver.integrator import March, start_march
@@ -172,8 +171,6 @@ def settle(system: System, state: Array, time: float) -> None:
         return
     if state[1] != 0.0:
         return
-    evaluate(system.arrays, state)
-    update_load(system.arrays, time)
-    held_torque(system.arrays, state)
+    hold_shaft(system.arrays, state, time)
     holding = drive[HOLDING_TORQUE] if drive[BREAKAWAY] > 0.0 else 0.0
     drive[DIRECTION] = next_direction(0.0, drive[DRIVING_TORQUE], holding)

@@ -23,8 +23,8 @@ from toothspace.model.ledger import LEDGER_NAMES
 from toothspace.results.solution import Event, Solution
 from toothspace.results.stream import SampleStream
 from toothspace.results.variables import WITH_EXTREMES, dataset_from
+from toothspace.solver.compiled_model import Observation, observe
 from toothspace.solver.cyclic import History, Progress
-from toothspace.solver.observe import Observation, observe
 from toothspace.solver.outcome import body_values, labels_of, loss_values, window_ledger
 from toothspace.solver.transient import TimePlan, TransientMarch
 

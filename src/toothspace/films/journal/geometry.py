@@ -205,7 +205,7 @@ def _inside(distance: Array, half_extent: float, step: float) -> np.ndarray:
     return inside
 
 
-@njit(cache=True)
+@njit
 def _plane_waves(mesh: JournalMesh, place: Array, base: float, shift: float, axial: Array) -> Array:
     """Gap height on lines of constant angle, shifted by a part of the angle step."""
     out = np.empty((mesh.angle.size, axial.size))
@@ -219,7 +219,7 @@ def _plane_waves(mesh: JournalMesh, place: Array, base: float, shift: float, axi
     return out
 
 
-@njit(cache=True)
+@njit
 def _gap(mesh: JournalMesh, clearance: float, place: Array, speed: Array) -> GapField:
     rows, lanes = mesh.angle.size, mesh.axial.size
     centre = _plane_waves(mesh, place, clearance, 0.0, mesh.axial)
@@ -247,7 +247,7 @@ def lobed(gap: GapField, mesh: JournalMesh, lobes: Lobes, clearance: float) -> G
     )
 
 
-@njit(cache=True)
+@njit
 def journal_load(mesh: JournalMesh, pressure: Array, area: Array) -> Array:
     """Force x, y [N] and moment about x, y [N m] on the shaft by the film pressure."""
     rows, lanes = pressure.shape
@@ -296,7 +296,7 @@ def _pressure_stress(gap: float, law: FlowLaw) -> float:
     return 0.5 * max(gap, 0.0) * factor
 
 
-@njit(cache=True)
+@njit
 def wall_stress(gap: Array, law: FlowLaw) -> tuple[Array, Array, Array]:
     """Parts of the shear stress on both walls of every cell: sliding, pattern, pressure.
 
@@ -312,7 +312,7 @@ def wall_stress(gap: Array, law: FlowLaw) -> tuple[Array, Array, Array]:
     return mean, difference, half
 
 
-@njit(cache=True)
+@njit
 def journal_shear(
     gap: GapField, pressure: Array, sheared: Array, mesh: JournalMesh, law: FlowLaw
 ) -> Array:

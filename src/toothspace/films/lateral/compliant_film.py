@@ -173,7 +173,7 @@ def _store(kind: IntArray, held: Array, height: Array, law: FlowLaw, stencil: Ar
                 stencil[i * lanes + j, 2] += held[i, j] * squeeze_law(height[i, j], law)[0]
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _parted(kind: IntArray, unknown: Array) -> tuple[Array, Array]:
     """Potential and saturation of every cell."""
     potential, saturation = np.zeros(kind.shape), np.ones(kind.shape)
@@ -426,7 +426,7 @@ def _linearise(
     return _Pass(height, rate, touch, give, found, system, right)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _widen(gap: GapField, deformation: Array, sweep: Array) -> tuple[Array, Array, Array]:
     rows, lanes = deformation.shape
     centre = gap.centre + deformation

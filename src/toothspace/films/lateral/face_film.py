@@ -384,7 +384,7 @@ def _height(motion: Array, x: float, y: float) -> float:
     return float(motion[0] + motion[1] * y - motion[2] * x)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _overstep(change: Array, film: BoolArray, gap: Array, roughness: float) -> float:
     most = 0.0
     for i in range(gap.shape[0]):
@@ -430,7 +430,7 @@ def _gap_field(grid: FaceGrid, place: Place, approach: Approach) -> GapField:
     return opened(rigid, distant, np.full_like(along, grid.interface.speed_ratio))
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _plane(x: Array, y: Array, motion: Array) -> Array:
     """Heights of a plane at given places. [m]."""
     out = np.empty(x.shape)

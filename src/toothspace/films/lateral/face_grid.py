@@ -144,7 +144,7 @@ def _edges(film: BoolArray) -> tuple[BoolArray, BoolArray]:
     return np.asarray(ring[1:] != ring[:-1]), across
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _moments(pressure: Array, cells: BoolArray, x: Array, y: Array, area: Array) -> Array:
     out = np.zeros(3)
     for i in range(pressure.shape[0]):

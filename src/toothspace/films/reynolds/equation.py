@@ -249,7 +249,7 @@ def film_balance(
     return b
 
 
-@njit(cache=True)
+@njit
 def vary_storage(
     grid: FilmGrid, gap: GapField, fluid: FluidField, law: FlowLaw, change: GapField
 ) -> Array:

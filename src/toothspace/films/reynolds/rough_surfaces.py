@@ -100,7 +100,7 @@ def carried_law(gap: float, law: FlowLaw) -> tuple[float, float]:
     return law.roughness * (mean + shear), open_part + slope
 
 
-@njit(cache=True)
+@njit
 def mean_gap(gap: Array, law: FlowLaw) -> Array:
     """Mean gap of rough walls, the gap itself of smooth ones, of every cell. [m]."""
     out = np.empty_like(gap)
@@ -166,7 +166,7 @@ def contact_pressure(gap: float, roughness: float, table: ContactTable) -> tuple
     return pressure, pressure * rise / (table.step * roughness)
 
 
-@njit(cache=True)
+@njit
 def contact_field(gap: Array, roughness: float, table: ContactTable) -> tuple[Array, Array]:
     """Asperity pressure of every cell, and its derivative with the gap. [Pa, Pa/m]."""
     pressure = np.zeros_like(gap)

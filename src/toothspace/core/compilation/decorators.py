@@ -1,0 +1,68 @@
+"""What marks a function as compiled code.
+
+Where the installed Numba is not one that :mod:`toothspace.core.compilation.parts` is tested
+with, or ``TOOTHSPACE_COMPILATION=plain`` is set, Numba compiles every function on its own: the
+results are the same, the first use takes minutes.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import numba
+from numba.extending import register_jitable
+
+from toothspace.core.compilation.cache import CACHE_FOLDER
+
+_Function = TypeVar("_Function", bound=Callable[..., Any])
+
+TESTED = ("0.68",)
+"""Numba releases that the parts are tested with."""
+
+
+def _parts_wanted() -> bool:
+    if os.environ.get("TOOTHSPACE_COMPILATION") == "plain":
+        return False
+    return numba.__version__.rpartition(".")[0] in TESTED
+
+
+PARTS = _parts_wanted()
+"""Whether inner functions are compiled as parts of what Python calls."""
+
+prange = numba.prange
+
+if PARTS:
+    from toothspace.core.compilation.parts import Formula, Kernel
+
+    _formulas: dict[Callable[..., Any], Formula] = {}
+
+    def njit(function: Any = None, /, **options: Any) -> Any:
+        """Compile a function without the interpreter; options are those of ``numba.njit``."""
+        if function is not None:
+            return Kernel(function)
+        return lambda target: Kernel(target, None, options)
+
+    def inlined(function: _Function) -> _Function:
+        """Mark a formula that stays plain Python and is compiled where compiled code calls it."""
+        _formulas[function] = Formula(function)
+        return function
+
+else:
+    os.environ.setdefault("NUMBA_CACHE_DIR", str(CACHE_FOLDER))
+    # Numba reads the variable once, perhaps before this module was imported
+    numba.config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"]
+
+    def njit(function: Any = None, /, **options: Any) -> Any:
+        """Compile a function without the interpreter; options are those of ``numba.njit``."""
+        return numba.njit(function, cache=True, **options)
+
+    inlined = register_jitable
+
+
+kernel = njit(error_model="numpy", _nrt=False, nogil=True)
+"""Compiles a function that allocates nothing: arrays pass without reference counting."""
+
+merged = njit(error_model="numpy", _nrt=False, forceinline=True)
+"""A kernel that becomes part of its callers: handing it its arguments costs more than its work."""

@@ -1,0 +1,141 @@
+"""What is shown and measured while code is compiled: a counter, the time, a sound Ctrl-C."""
+
+from __future__ import annotations
+
+import contextlib
+import gc
+import signal
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from types import FrameType
+from typing import Any, final
+
+from toothspace.core.compilation.cache import compiled_folder
+
+_SHORTEST = 0.5
+"""Compilation is shown if it takes longer than this. [s]"""
+
+_LINE_EVERY = 5.0
+"""A line is written at this distance where the counter cannot be written over. [s]"""
+
+
+@final
+class Notice:
+    """Counter on standard error, and the seconds that compilation has taken."""
+
+    def __init__(self) -> None:
+        self.seconds = 0.0
+        self._depth = 0
+        self._done = 0
+        self._expected = 0
+        self._started = 0.0
+        self._shown = 0.0
+        self._interrupted = False
+
+    @contextlib.contextmanager
+    def making_ready(self, function: Callable[..., Any]) -> Iterator[None]:
+        """Load or compile a function and what it calls; nested calls are part of the first."""
+        if self._depth:
+            self._depth += 1
+            try:
+                yield
+            finally:
+                self._depth -= 1
+            return
+        self._depth, self._done, self._interrupted = 1, 0, False
+        self._expected = len(reachable(function))
+        self._started = self._shown = time.perf_counter()
+        try:
+            with _without_collector(), self._late_interrupt():
+                yield
+        finally:
+            self._depth = 0
+            self.seconds += time.perf_counter() - self._started
+            self._clear()
+
+    def step(self) -> None:
+        """Count a function that is about to be compiled."""
+        if self._interrupted:
+            raise KeyboardInterrupt
+        self._done += 1
+        self._expected = max(self._expected, self._done)
+        now = time.perf_counter()
+        over = sys.stderr.isatty()
+        first = self._shown == self._started
+        if now - self._shown < (0.1 if over else _SHORTEST if first else _LINE_EVERY):
+            return
+        self._shown = now
+        text = f"Compiling {self._done}/{self._expected}, once, kept in {compiled_folder()}"
+        sys.stderr.write(f"\r{text}\x1b[K" if over else f"{text}\n")
+        sys.stderr.flush()
+
+    def _clear(self) -> None:
+        if sys.stderr.isatty() and self._shown > self._started:
+            sys.stderr.write("\r\x1b[K")
+            sys.stderr.flush()
+
+    @contextlib.contextmanager
+    def _late_interrupt(self) -> Iterator[None]:
+        """Raise KeyboardInterrupt where one function ends, not inside the compiler."""
+        before: Any = None
+        if threading.current_thread() is threading.main_thread():
+            before = signal.getsignal(signal.SIGINT)
+        if before is not signal.default_int_handler:
+            yield
+            return
+
+        def note(number: int, frame: FrameType | None) -> None:
+            self._interrupted = True
+
+        signal.signal(signal.SIGINT, note)
+        try:
+            yield
+        finally:
+            signal.signal(signal.SIGINT, before)
+        if self._interrupted:
+            raise KeyboardInterrupt
+
+
+NOTICE = Notice()
+"""The notice of this process."""
+
+
+def compile_seconds() -> float:
+    """Seconds that this process has spent on compiling and on loading compiled code."""
+    return NOTICE.seconds
+
+
+@contextlib.contextmanager
+def _without_collector() -> Iterator[None]:
+    """The compiler makes many objects and few cycles: searching for these takes long."""
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()
+
+
+def reachable(function: Callable[..., Any]) -> set[Callable[..., Any]]:
+    """Functions of this package that a function may call, as far as names tell."""
+    found: set[Callable[..., Any]] = set()
+    ahead = [function]
+    while ahead:
+        caller = ahead.pop()
+        for name in caller.__code__.co_names:
+            called = caller.__globals__.get(name)
+            called = getattr(called, "py_func", called)
+            inside = getattr(called, "__module__", "") or ""
+            if hasattr(called, "__code__") and inside.startswith("toothspace."):
+                if called not in found:
+                    found.add(called)
+                    ahead.append(called)
+        for cell in caller.__closure__ or ():
+            called = getattr(cell.cell_contents, "py_func", None)
+            if called is not None and called not in found:
+                found.add(called)
+                ahead.append(called)
+    return found
