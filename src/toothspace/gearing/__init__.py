@@ -1,0 +1,1 @@
+"""Teeth, mesh and tooth spaces of gear pairs, shared by all machines with such pairs."""
