@@ -9,17 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.architecture.architecture_page import layers
 from tests.architecture.sources import PACKAGE, SOURCES, Source
-
-LAYERS = {
-    "cli", "app", "fmi", "report", "plotting", "studies", "api", "simulation", "config", "case",
-    "machines", "solver", "results", "films", "elasticity", "model", "geometry", "closures",
-    "numerics", "core",
-}  # fmt: skip
-"""Parts of the package that the import contract orders."""
-
-BESIDE_THE_LAYERS = {"library"}
-"""Data files: no layer of their own."""
 
 
 def test_import_contracts_hold(repository: Path) -> None:
@@ -29,8 +20,9 @@ def test_import_contracts_hold(repository: Path) -> None:
 
 
 def test_every_part_of_the_package_has_a_layer() -> None:
+    ordered = {name for layer in layers() for name in layer}
     parts = {path.stem for path in PACKAGE.iterdir() if path.suffix == ".py" or path.is_dir()}
-    unknown = parts - LAYERS - BESIDE_THE_LAYERS - {"__init__", "__main__", "__pycache__"}
+    unknown = parts - ordered - {"__init__", "__main__", "__pycache__"}
     assert not unknown, f"not ordered by the import contract: {sorted(unknown)}"
 
 
