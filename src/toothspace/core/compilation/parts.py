@@ -64,7 +64,7 @@ class PartLibrary(_Library):
 
     def _get_module_for_linking(self) -> Any:
         """Code with all parts that it reaches, for libraries that Numba links itself."""
-        shared: Any = self._shared_module
+        shared = getattr(self, "_shared_module", None)
         if shared is None:
             module = self._final_module.clone()
             parts, others = self.linked()
