@@ -194,6 +194,12 @@ def validate(
 
 
 @application.command()
+def warmup(as_json: Json = False) -> int:
+    """Compile everything that runs need, once, so that the first run starts at once."""
+    return commands.warmup(as_json=as_json)
+
+
+@application.command()
 def schema() -> int:
     """Print the JSON Schema of the case file."""
     return commands.schema()

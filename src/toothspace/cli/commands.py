@@ -256,6 +256,16 @@ def validate(folder: Path | None, only: str, book: Path, *, as_json: bool) -> in
     return _NUMERICAL_FAILURE if summary["deviating"] else 0
 
 
+def warmup(*, as_json: bool) -> int:
+    """Compile everything that runs need and print how long it took; returns the exit code."""
+    from toothspace.core.compilation.cache import compiled_folder
+    from toothspace.warmup import warm_up
+
+    output.write(warm_up(), as_json=as_json)
+    output.message(f"Compiled code: {compiled_folder()}")
+    return 0
+
+
 def schema() -> int:
     """Print the JSON Schema of the case file; returns the exit code."""
     from toothspace.config.json_schema import case_schema

@@ -5,6 +5,7 @@ folder      responsibility
 =========== ===========================================================
 fluids      density, stiffness, viscosity, vapour and air of liquids
 materials   elasticity, hardness and boundary friction of solids
+warmup      small cases that compile what runs need
 =========== ===========================================================
 """
 

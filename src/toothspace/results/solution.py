@@ -55,7 +55,8 @@ class Solution:
         Masses and energies over the evaluation window.
     statistics : mapping
         Counts and times of the solver: ``steps``, ``rhs``, ``jac``, ``lu``, ``revolutions``,
-        ``wall_time`` [s], ...
+        ``wall_time`` without compilation [s], ``compile_time`` spent on compiling or loading
+        compiled code [s], ...
     provenance : mapping of str to str
         ``package_version``, ``case_toml``, ``case_hash``, ``preset``, ``overrides`` (one
         ``key=value`` per line), ``python_version``, ``numba_version``, ``warnings``, ...

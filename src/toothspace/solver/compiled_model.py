@@ -227,7 +227,14 @@ def _run(
         return float(_continue(s, program, settings, memory, integration.record, time))
     elif task == _OBSERVE:
         _observe(s, times, states, state, out)
-    elif task == _PLACE:
+    else:
+        return _value(task, s, time, state)
+    return 0.0
+
+
+@kernel
+def _value(task: int, s: SystemArrays, time: float, state: Array) -> float:
+    if task == _PLACE:
         update_tables(s, state[0])
         update_volumes(s, state)
     elif task == _CONTACTS:

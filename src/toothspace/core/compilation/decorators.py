@@ -8,15 +8,12 @@ results are the same, the first use takes minutes.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any
 
 import numba
 from numba.extending import register_jitable
 
 from toothspace.core.compilation.cache import CACHE_FOLDER
-
-_Function = TypeVar("_Function", bound=Callable[..., Any])
 
 TESTED = ("0.68",)
 """Numba releases that the parts are tested with."""
@@ -36,7 +33,7 @@ prange = numba.prange
 if PARTS:
     from toothspace.core.compilation.parts import Formula, Kernel
 
-    _formulas: dict[Callable[..., Any], Formula] = {}
+    _formulas: dict[Any, Formula] = {}
 
     def njit(function: Any = None, /, **options: Any) -> Any:
         """Compile a function without the interpreter; options are those of ``numba.njit``."""
@@ -44,7 +41,7 @@ if PARTS:
             return Kernel(function)
         return lambda target: Kernel(target, None, options)
 
-    def inlined(function: _Function) -> _Function:
+    def inlined(function: Any) -> Any:
         """Mark a formula that stays plain Python and is compiled where compiled code calls it."""
         _formulas[function] = Formula(function)
         return function

@@ -9,7 +9,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from types import FrameType
+from types import FrameType, FunctionType
 from typing import Any, final
 
 from toothspace.core.compilation.cache import compiled_folder
@@ -122,20 +122,15 @@ def _without_collector() -> Iterator[None]:
 def reachable(function: Callable[..., Any]) -> set[Callable[..., Any]]:
     """Functions of this package that a function may call, as far as names tell."""
     found: set[Callable[..., Any]] = set()
-    ahead = [function]
+    ahead: list[Any] = [function]
     while ahead:
         caller = ahead.pop()
-        for name in caller.__code__.co_names:
-            called = caller.__globals__.get(name)
-            called = getattr(called, "py_func", called)
-            inside = getattr(called, "__module__", "") or ""
-            if hasattr(called, "__code__") and inside.startswith("toothspace."):
-                if called not in found:
-                    found.add(called)
-                    ahead.append(called)
-        for cell in caller.__closure__ or ():
-            called = getattr(cell.cell_contents, "py_func", None)
-            if called is not None and called not in found:
+        named = [caller.__globals__.get(name) for name in caller.__code__.co_names]
+        bound = [cell.cell_contents for cell in caller.__closure__ or ()]
+        for item in (*named, *bound):
+            called = getattr(item, "py_func", item)
+            ours = str(getattr(called, "__module__", "")).startswith("toothspace.")
+            if isinstance(called, FunctionType) and ours and called not in found:
                 found.add(called)
                 ahead.append(called)
     return found

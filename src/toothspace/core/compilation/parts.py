@@ -56,6 +56,7 @@ class PartLibrary(_Library):
     """Code of a function that only compiled code calls, neither optimised nor translated."""
 
     def finalize(self) -> None:
+        """Leave the code as it is."""
         require_global_compiler_lock()
         self._raise_if_finalized()
         self._finalize_dynamic_globals()
@@ -63,15 +64,16 @@ class PartLibrary(_Library):
 
     def _get_module_for_linking(self) -> Any:
         """Code with all parts that it reaches, for libraries that Numba links itself."""
-        if self._shared_module is None:
+        shared = getattr(self, "_shared_module", None)
+        if shared is None:
             module = self._final_module.clone()
             parts, others = self.linked()
             _link(module, parts, others)
             for function in _defined(module):
                 if function.linkage == llvm.Linkage.external:
                     function.linkage = "linkonce_odr"
-            self._shared_module = module
-        return self._shared_module
+            self._shared_module = shared = module
+        return shared
 
 
 @final
@@ -79,6 +81,7 @@ class EntryLibrary(_Library):
     """Code that Python calls, with all parts that it reaches."""
 
     def finalize(self) -> None:
+        """Link all parts, optimise the whole and translate it."""
         require_global_compiler_lock()
         self._codegen._check_llvm_bugs()
         self._raise_if_finalized()
@@ -202,12 +205,15 @@ class Kernel(CPUDispatcher):  # type: ignore[misc]
         self._cache = EntryCache(py_func, options)
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
+        """Compile the part for a call in compiled code and give its type."""
         return self._parts.chosen().get_call_template(args, kws)
 
     def get_overload(self, sig: Any) -> Any:
+        """Give the part of a signature."""
         return self._parts.chosen().get_overload(sig)
 
     def compile(self, sig: Any) -> Any:
+        """Load or compile the entry of a signature."""
         with global_compiler_lock, NOTICE.making_ready(self.py_func):
             return super().compile(sig)
 
@@ -231,7 +237,9 @@ class Formula(CPUDispatcher):  # type: ignore[misc]
         self.typingctx.insert_global(function, self._type)
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
+        """Compile the part for a call in compiled code and give its type."""
         return self._parts.chosen().get_call_template(args, kws)
 
     def get_overload(self, sig: Any) -> Any:
+        """Give the part of a signature."""
         return self._parts.chosen().get_overload(sig)

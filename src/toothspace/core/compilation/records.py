@@ -39,7 +39,7 @@ _FORMATS: dict[types.Type, str] = {
 }
 
 
-class RecordAddress(types.Type):  # type: ignore[misc]
+class RecordAddress(types.Type):
     """Type of a named tuple that is passed by its address.
 
     Parameters
