@@ -24,18 +24,18 @@ setup: $(READY)  ## create the virtual environment
 
 demo: $(READY)  ## simulate the 12-tooth motor from parameters and from a CAD profile, with reports
 	mkdir -p $(DEMO)
-	$(BIN)/toothspace run cases/egm12_motor.toml -o $(DEMO)/egm12_motor.nc
-	$(BIN)/toothspace report $(DEMO)/egm12_motor.nc -o $(DEMO)/egm12_motor.html
-	$(BIN)/toothspace run cases/egm12_motor_profile.toml -o $(DEMO)/egm12_motor_profile.nc
-	$(BIN)/toothspace report $(DEMO)/egm12_motor_profile.nc -o $(DEMO)/egm12_motor_profile.html
+	$(BIN)/toothspace run cases/egm12_motor.toml -o $(DEMO)/egm12_motor.nc --force
+	$(BIN)/toothspace report $(DEMO)/egm12_motor.nc -o $(DEMO)/egm12_motor.html --force
+	$(BIN)/toothspace run cases/egm12_motor_profile.toml -o $(DEMO)/egm12_motor_profile.nc --force
+	$(BIN)/toothspace report $(DEMO)/egm12_motor_profile.nc -o $(DEMO)/egm12_motor_profile.html --force
 	@printf '%s\n' "" "Open in a browser:" "  $(CURDIR)/$(DEMO)/egm12_motor.html" \
 		"  $(CURDIR)/$(DEMO)/egm12_motor_profile.html"
 
 kernels: $(READY)  ## compile each kernel once: machines and films side by side
 	mkdir -p build
-	( $(BIN)/toothspace bearing cases/journal_bearing.toml -o build/kernels_bearing.nc && \
-	$(BIN)/toothspace film cases/egm12_lateral_film.toml -o build/kernels_film.nc ) >/dev/null & \
-	$(BIN)/toothspace run cases/egm12_motor.toml -o build/kernels_machine.nc >/dev/null && wait $$!
+	( $(BIN)/toothspace bearing cases/journal_bearing.toml -o build/kernels_bearing.nc --force && \
+	$(BIN)/toothspace film cases/egm12_lateral_film.toml -o build/kernels_film.nc --force ) >/dev/null & \
+	$(BIN)/toothspace run cases/egm12_motor.toml -o build/kernels_machine.nc --force >/dev/null && wait $$!
 
 test: kernels  ## run the test suite (without the slow validation runs)
 	$(BIN)/python -m pytest -q -n $(WORKERS) --dist worksteal

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import math
+import os
+import signal
 import subprocess
 import sys
+import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -126,7 +130,7 @@ def test_tables_that_are_not_used_are_told(
     simulated(lambda case, progress: FakeSolution())
     main(["run", str(MOTOR), "--json"])
     assert "Note: [machine.startup] is not used by a run with 'lumped'" in capsys.readouterr().err
-    main(["run", str(MOTOR), "--json", "--fidelity", "ideal"])
+    main(["run", str(MOTOR), "--json", "--force", "--fidelity", "ideal"])
     assert "[machine.casing.wear_in] is not used" in capsys.readouterr().err
 
 
@@ -134,7 +138,7 @@ def test_files_of_bodies_that_do_not_deform_are_told(
     simulated: Callable[[Simulate], None], capsys: pytest.CaptureFixture[str]
 ) -> None:
     simulated(lambda case, progress: FakeSolution())
-    edge = ["--set", "machine.elastic_bodies.edge_length=3 mm"]
+    edge = ["--force", "--set", "machine.elastic_bodies.edge_length=3 mm"]
     main(["run", str(MOTOR), "--json", *edge])
     assert "[machine.elastic_bodies] is not used by a run" in capsys.readouterr().err
     main(["run", str(MOTOR), "--json", "--fidelity", "elastic", *edge])
@@ -211,6 +215,117 @@ def test_place_of_the_result_is_checked_before_the_run(
     simulated(lambda case, progress: pytest.fail("was run"))
     assert main(["run", str(MOTOR), "-o", str(tmp_path / target)]) == 2
     assert "-o: found" in capsys.readouterr().err
+
+
+def test_results_are_replaced_only_by_force(
+    simulated: Callable[[Simulate], None], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    simulated(lambda case, progress: FakeSolution())
+    target = tmp_path / "egm12_motor.nc"
+    target.write_bytes(b"kept")
+    assert main(["run", str(MOTOR)]) == 2
+    assert "found a file that exists, allowed a new one, or --force" in capsys.readouterr().err
+    assert target.read_bytes() == b"kept"
+    assert main(["run", str(MOTOR), "--force"]) == 0
+    assert target.read_bytes() == b"result"
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["report", "result.nc", "-o", "there"],
+        ["geometry", str(MOTOR), "-o", "there"],
+        ["geometry", str(MOTOR), "--plot", "there"],
+        ["bearing", str(MOTOR.with_name("journal_bearing.toml")), "-o", "there"],
+        ["film", str(MOTOR.with_name("slider_pad.toml")), "-o", "there"],
+        ["reduce", str(MOTOR), "-o", "there"],
+        ["validate", "-o", "there"],
+        ["study", str(MOTOR.with_name("sweep_clearance.toml")), "-o", "."],
+    ],
+)
+def test_no_command_replaces_a_file_unasked(
+    arguments: list[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name in ("there", "points.jsonl"):
+        (tmp_path / name).write_bytes(b"kept")
+    assert main(arguments) == 2
+    assert "--force" in capsys.readouterr().err
+    assert [path.read_bytes() for path in tmp_path.iterdir()] == [b"kept", b"kept"]
+
+
+def test_a_result_that_its_place_refuses_is_kept_elsewhere(
+    simulated: Callable[[Simulate], None],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    refused: list[Path] = []
+
+    class Homeless(FakeSolution):
+        def save(self, path: Path) -> Path:
+            if path.parent.name != "spare":
+                refused.append(path)
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
+            return super().save(path)
+
+    simulated(lambda case, progress: Homeless())
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "spare"))
+    (tmp_path / "spare").mkdir()
+    assert main(["run", str(MOTOR), "--json"]) == 2
+    streams = capsys.readouterr()
+    assert json.loads(streams.out)["mean_flow_L_per_min"] == 7.5
+    (kept,) = (tmp_path / "spare").iterdir()
+    assert f"egm12_motor.nc: found {os.strerror(errno.ENOSPC)} on writing" in streams.err
+    assert f"Result: {kept}" in streams.err
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    assert main(["run", str(MOTOR), "--json"]) == 2
+    assert "Result: the numbers above only" in capsys.readouterr().err
+
+
+def test_an_interrupt_while_the_result_is_written_waits(
+    simulated: Callable[[Simulate], None], tmp_path: Path
+) -> None:
+    class Late(FakeSolution):
+        def save(self, path: Path) -> Path:
+            signal.raise_signal(signal.SIGTERM)
+            return super().save(path)
+
+    simulated(lambda case, progress: Late())
+    assert main(["run", str(MOTOR), "--json"]) == 130
+    assert (tmp_path / "egm12_motor.nc").read_bytes() == b"result"
+
+
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
+def test_the_end_of_a_batch_job_is_an_interrupt(
+    name: str, simulated: Callable[[Simulate], None], capsys: pytest.CaptureFixture[str]
+) -> None:
+    simulated(lambda case, progress: signal.raise_signal(getattr(signal, name)))
+    assert main(["run", str(MOTOR)]) == 130
+    assert "interrupted before there was a result" in capsys.readouterr().err
+
+
+def test_numbers_that_cannot_be_printed_are_an_error(tmp_path: Path) -> None:
+    with Path("/dev/full").open("w", encoding="utf-8") as full:
+        command = [sys.executable, "-m", "toothspace", "schema"]
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert done.returncode == 2
+    assert done.stderr == f"found {os.strerror(errno.ENOSPC)}\n"
+
+
+@pytest.mark.parametrize("content", [b"\xff\xfe\x00binary", b"a" * 200_000, b""])
+def test_measured_data_that_are_none(
+    content: bytes, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    measured = tmp_path / "measured.csv"
+    measured.write_bytes(content)
+    assert main(["report", str(tmp_path / "a.nc"), "--measured", str(measured)]) == 2
+    streams = capsys.readouterr()
+    assert f"{measured}: " in streams.err
+    assert streams.err.count("\n") == 1
 
 
 @pytest.mark.usefixtures("described")

@@ -161,7 +161,7 @@ def test_wrong_files_are_refused(tables: Path, tmp_path: Path) -> None:
     with pytest.raises(CaseError, match="no films"):
         with_film_tables(machine, bare)
     bare.write_bytes(b"text")
-    with pytest.raises(CaseError, match="no NetCDF file"):
+    with pytest.raises(CaseError, match="allowed a NetCDF file of 'toothspace reduce'"):
         with_film_tables(machine, bare)
 
 

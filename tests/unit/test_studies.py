@@ -311,8 +311,10 @@ def test_command_line_exit_codes(
         raise KeyboardInterrupt
 
     replace_simulation(monkeypatch, interrupt)
-    assert main(["study", str(path), "-o", folder]) == 130
-    assert main(["study", str(path), "-o", folder, "--set", "study.method=sobol"]) == 2
+    assert main(["study", str(path), "-o", folder]) == 2
+    assert "found results of a study, allowed another folder, --resume" in capsys.readouterr().err
+    assert main(["study", str(path), "-o", folder, "--force"]) == 130
+    assert main(["study", str(path), "-o", folder, "--force", "--set", "study.method=sobol"]) == 2
     assert "study.sample_count" in capsys.readouterr().err
     assert main(["study", str(path), "-o", str(path)]) == 2
     assert "allowed a folder" in capsys.readouterr().err

@@ -69,7 +69,7 @@ def test_command(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    given = ["validate", "--cases", str(cases), "-o", str(tmp_path / "book.html")]
+    given = ["validate", "--cases", str(cases), "-o", str(tmp_path / "book.html"), "--force"]
     assert main([*given, "--only", "newton"]) == 2
     assert "allowed a part of galilei_1638, wrong_1700" in capsys.readouterr().err
 

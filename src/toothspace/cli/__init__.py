@@ -16,6 +16,7 @@ import sys
 from collections.abc import Sequence
 
 from toothspace.core.errors import ToothspaceError
+from toothspace.core.interrupts import ending_interrupts
 
 EXIT_DONE = 0
 EXIT_BAD_INPUT = 2
@@ -40,22 +41,30 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         from toothspace.cli.application import application
 
-        given = list(sys.argv[1:] if arguments is None else arguments)
-        code = application(args=given or ["--help"], prog_name="toothspace", standalone_mode=False)
+        given = list(sys.argv[1:] if arguments is None else arguments) or ["--help"]
+        with ending_interrupts():
+            code = application(args=given, prog_name="toothspace", standalone_mode=False)
+        sys.stdout.flush()
     except ToothspaceError as error:
         return _complain(str(error), EXIT_BAD_INPUT)
     except KeyboardInterrupt:
         return _complain("Interrupted.", EXIT_INTERRUPTED)
     except BrokenPipeError:
         # the reader of a pipe has gone: nothing left to say
-        sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123, SIM115
+        _say_no_more()
         return EXIT_DONE
     except OSError as error:
+        _say_no_more()
         name = f"{error.filename}: " if error.filename else ""
         return _complain(f"{name}found {error.strerror or error}", EXIT_BAD_INPUT)
     except Exception as error:
         return _unexpected(error)
     return int(code or EXIT_DONE)
+
+
+def _say_no_more() -> None:
+    # what waits for a full disk or a closed pipe would fail again at the end of the process
+    sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123, SIM115
 
 
 def _unexpected(error: Exception) -> int:

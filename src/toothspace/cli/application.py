@@ -29,6 +29,7 @@ Grids = Annotated[
     bool,
     typer.Option("--grids", help="Also on half and twice the cells: how far the grid matters."),
 ]
+Force = Annotated[bool, typer.Option("--force", help="Replace files that exist.")]
 Overrides = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="Override a key of the case, repeatable."),
@@ -62,10 +63,11 @@ def run(
         str | None, typer.Option(metavar="P", help="ideal, lumped, films or elastic.")
     ] = None,
     overrides: Overrides = None,
+    force: Force = False,
 ) -> int:
     """Simulate a case and write the result."""
     given = [*(overrides or ()), *([f"run.fidelity={fidelity}"] if fidelity else ())]
-    return commands.run(case, output, given, as_json=as_json)
+    return commands.run(case, output, given, as_json=as_json, force=force)
 
 
 @application.command()
@@ -87,9 +89,10 @@ def geometry(
         typer.Option(metavar="FORMAT", help="Profiles as dxf, stl, step or txt, written here."),
     ] = None,
     overrides: Overrides = None,
+    force: Force = False,
 ) -> int:
     """Build the geometry tables of a machine and check its design."""
-    outputs = commands.GeometryOutputs(output, text_folder, plot, export)
+    outputs = commands.GeometryOutputs(output, text_folder, plot, export, force)
     return commands.geometry(case, outputs, overrides or [], as_json=as_json)
 
 
@@ -107,9 +110,10 @@ def report(
             "laid over a run over time.",
         ),
     ] = None,
+    force: Force = False,
 ) -> int:
     """Write a self-contained HTML report of a result."""
-    return commands.report(result, output, measured)
+    return commands.report(result, output, measured, force=force)
 
 
 @application.command()
@@ -127,9 +131,10 @@ def study(
         bool, typer.Option("--resume", help="Take finished points from the folder.")
     ] = False,
     overrides: Overrides = None,
+    force: Force = False,
 ) -> int:
     """Run the study of a case: many runs with one question."""
-    options = commands.StudyOptions(output, workers, scheduler, resume)
+    options = commands.StudyOptions(output, workers, scheduler, resume, force)
     return commands.study(case, options, overrides or [], as_json=as_json)
 
 
@@ -140,11 +145,11 @@ def bearing(
     as_json: Json = False,
     grids: Grids = False,
     overrides: Overrides = None,
+    force: Force = False,
 ) -> int:
     """Solve a stand-alone journal bearing."""
-    return commands.stand_alone_film(
-        case, "bearing", fields, overrides or [], grids=grids, as_json=as_json
-    )
+    outputs = commands.FilmOutputs(fields, grids, force)
+    return commands.stand_alone_film(case, "bearing", outputs, overrides or [], as_json=as_json)
 
 
 @application.command()
@@ -154,11 +159,11 @@ def film(
     as_json: Json = False,
     grids: Grids = False,
     overrides: Overrides = None,
+    force: Force = False,
 ) -> int:
     """Solve a stand-alone film, as a pad, a ring or the face of a machine's bearing."""
-    return commands.stand_alone_film(
-        case, "film", fields, overrides or [], grids=grids, as_json=as_json
-    )
+    outputs = commands.FilmOutputs(fields, grids, force)
+    return commands.stand_alone_film(case, "film", outputs, overrides or [], as_json=as_json)
 
 
 @application.command()
@@ -173,9 +178,11 @@ def reduce(
     ] = None,
     as_json: Json = False,
     overrides: Overrides = None,
+    force: Force = False,
 ) -> int:
     """Solve the films of a machine and reduce them to tables for the lumped preset."""
-    return commands.reduce(case, output, film or [], overrides or [], as_json=as_json)
+    target = commands.Target(output, force)
+    return commands.reduce(case, target, film or [], overrides or [], as_json=as_json)
 
 
 @application.command()
@@ -188,9 +195,10 @@ def validate(
     ] = None,
     only: Annotated[str, typer.Option(metavar="TEXT", help="Part of a name, as elrod.")] = "",
     as_json: Json = False,
+    force: Force = False,
 ) -> int:
     """Compare this version with published numbers and write the validation book."""
-    return commands.validate(folder, only, output, as_json=as_json)
+    return commands.validate(folder, only, commands.Target(output, force), as_json=as_json)
 
 
 @application.command()

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
+import tempfile
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from importlib import import_module
 from importlib.util import find_spec
@@ -13,20 +15,72 @@ from typing import TYPE_CHECKING, Any, final
 
 from toothspace.cli import output
 from toothspace.core.errors import CaseError, ToothspaceError
+from toothspace.core.files import require_writable
+from toothspace.core.interrupts import interrupts_held
 from toothspace.core.registry import machine_modules
 from toothspace.core.status import Status
 from toothspace.simulation.presets import PRESETS
 
 if TYPE_CHECKING:
     from toothspace.case import Case
+    from toothspace.results.solution import Solution
 
 EXPORT_FORMATS = ("dxf", "stl", "step", "txt")
 PICTURE_SUFFIXES = (".png", ".svg", ".pdf")
 _NUMERICAL_FAILURE = 3
 _START_TABLE = "machine.startup"  # acts on a free shaft only, in a circuit
 _BEARING_TABLE = "machine.floating_bearing"
+_STUDY_FILES = ("points.jsonl", "study.nc", "summary.json")
+_BAD_INPUT = 2
 _INTERRUPTED = 130
 _EXIT_CODES = {Status.DONE: 0, Status.INTERRUPTED: _INTERRUPTED}
+
+
+@final
+@dataclass(frozen=True)
+class Target:
+    """File that a command writes at its end.
+
+    Parameters
+    ----------
+    path : Path
+        File.
+    force : bool
+        Whether it may replace a file that exists.
+    """
+
+    path: Path
+    force: bool = False
+
+    def checked(self, option: str = "-o") -> Path:
+        """Return the path if it can be written.
+
+        Raises
+        ------
+        CaseError
+            If it cannot, or a file is there that must be kept.
+        """
+        return require_writable(self.path, option, replace=self.force)
+
+
+@final
+@dataclass(frozen=True)
+class FilmOutputs:
+    """What ``bearing`` and ``film`` write.
+
+    Parameters
+    ----------
+    fields : Path or None
+        File of the fields.
+    grids : bool
+        Whether the film is solved on other grids too.
+    force : bool
+        Whether files that exist are replaced.
+    """
+
+    fields: Path | None = None
+    grids: bool = False
+    force: bool = False
 
 
 @final
@@ -44,12 +98,15 @@ class GeometryOutputs:
         Picture.
     export : str or None
         Format of the exported profiles.
+    force : bool
+        Whether files that exist are replaced.
     """
 
     tables: Path | None = None
     text_folder: Path | None = None
     plot: Path | None = None
     export: str | None = None
+    force: bool = False
 
 
 @final
@@ -67,22 +124,32 @@ class StudyOptions:
         Address of a Dask scheduler, empty for processes.
     resume : bool
         Whether finished points are taken from the folder.
+    force : bool
+        Whether results that the folder holds are replaced.
     """
 
     folder: Path | None = None
     workers: int = 1
     scheduler: str = ""
     resume: bool = False
+    force: bool = False
 
 
-def run(case_file: Path, result: Path | None, overrides: Sequence[str], *, as_json: bool) -> int:
+def run(
+    case_file: Path,
+    result: Path | None,
+    overrides: Sequence[str],
+    *,
+    as_json: bool,
+    force: bool = False,
+) -> int:
     """Simulate a case, write the result and print its summary; returns the exit code."""
     case = _load(case_file, overrides)
     for table in ("bearing", "film"):
         if getattr(case, table) is not None:
             allowed = f"with 'toothspace {table}' only"
             raise CaseError(f"{case_file}: {table}: found a stand-alone {table}, allowed {allowed}")
-    target = _writable(result or Path(f"{case_file.stem}.nc"), "-o")
+    target = Target(result or Path(f"{case_file.stem}.nc"), force).checked()
     from toothspace import api
 
     try:
@@ -91,13 +158,33 @@ def run(case_file: Path, result: Path | None, overrides: Sequence[str], *, as_js
     except KeyboardInterrupt:
         output.message(f"{case_file}: interrupted before there was a result")
         return _INTERRUPTED
-    solution.save(target)
-    output.write(solution.summary(), as_json=as_json)
-    if solution.status is not Status.DONE:
-        output.message(f"{case_file}: {solution.status.name.lower()}: {solution.status.value}")
-    _tell_unused(case)
-    output.message(f"Result: {target}")
+    with interrupts_held():
+        kept = _keep(solution, target)
+        output.write(solution.summary(), as_json=as_json)
+        if solution.status is not Status.DONE:
+            output.message(f"{case_file}: {solution.status.name.lower()}: {solution.status.value}")
+        _tell_unused(case)
+        output.message(f"Result: {kept or 'the numbers above only'}")
+    if kept != target:
+        return _BAD_INPUT
     return _EXIT_CODES.get(solution.status, _NUMERICAL_FAILURE)
+
+
+def _keep(solution: Solution, target: Path) -> Path | None:
+    """Save a result, where its place refuses it in the temporary folder or here; return where."""
+    elsewhere = (Path(folder) / f"{target.stem}_{os.getpid()}.nc" for folder in _last_folders())
+    for place in (target, *elsewhere):
+        try:
+            return solution.save(place)
+        except OSError as error:
+            output.message(f"{place}: found {error.strerror or error} on writing")
+    return None
+
+
+def _last_folders() -> Iterator[str]:
+    with suppress(OSError):
+        yield tempfile.gettempdir()
+    yield "."
 
 
 def geometry(
@@ -108,6 +195,9 @@ def geometry(
         allowed = ", ".join(EXPORT_FORMATS)
         raise CaseError(f"{case_file}: --export: found {outputs.export!r}, allowed {allowed}")
     case = _load(case_file, overrides)
+    for path, option in ((outputs.tables, "-o"), (outputs.plot, "--plot")):
+        if path is not None:
+            Target(path, outputs.force).checked(option)
     from toothspace import api
 
     with _file_named(case_file):
@@ -121,12 +211,14 @@ def geometry(
     return 0
 
 
-def report(result: Path, page: Path | None, measured: Path | None = None) -> int:
+def report(
+    result: Path, page: Path | None, measured: Path | None = None, *, force: bool = False
+) -> int:
     """Write the HTML report of a result; returns the exit code."""
     from toothspace.report import write_report
     from toothspace.results.io import load_solution
 
-    target = _writable(page or result.with_suffix(".html"), "-o")
+    target = Target(page or result.with_suffix(".html"), force).checked()
     overlay = _measured(measured) if measured else None
     write_report(load_solution(result), target, measured=overlay)
     output.message(f"Report: {target}")
@@ -135,11 +227,10 @@ def report(result: Path, page: Path | None, measured: Path | None = None) -> int
 
 def _measured(path: Path) -> dict[str, Any]:
     """Signals of a measurement that figures can lay over results."""
-    from toothspace.core.signals import read_columns
+    from toothspace.core.signals import column_names, read_columns
 
     known = {"shaft_speed": "rpm", "pressure_difference": "bar"}
-    text = path.read_text(encoding="utf-8-sig") if path.is_file() else ""
-    given = {name: unit for name, unit in known.items() if name in text.partition("\n")[0]}
+    given = {name: unit for name, unit in known.items() if name in column_names(path)}
     return read_columns(path, {"time": "s", **(given or known)})
 
 
@@ -154,6 +245,12 @@ def study(
     folder = options.folder or Path(f"{case_file.stem}_study")
     if folder.exists() and not folder.is_dir():
         raise CaseError(f"{folder}: -o: found a file, allowed a folder")
+    if not (options.resume or options.force) and any(
+        (folder / name).exists() for name in _STUDY_FILES
+    ):
+        raise CaseError(
+            f"{folder}: -o: found results of a study, allowed another folder, --resume or --force"
+        )
     with _file_named(case_file), output.progress(f"{kind}:") as progress:
         result = run_study(
             case,
@@ -176,14 +273,14 @@ def study(
 def stand_alone_film(
     case_file: Path,
     table: str,
-    fields: Path | None,
+    outputs: FilmOutputs,
     overrides: Sequence[str],
     *,
-    grids: bool,
     as_json: bool,
 ) -> int:
     """Solve the table ``bearing`` or ``film`` of a case; returns the exit code."""
-    target = None if fields is None else _writable(fields, "-o")
+    fields, grids = outputs.fields, outputs.grids
+    target = None if fields is None else Target(fields, outputs.force).checked()
     case = _load(case_file, overrides)
     if getattr(case, table) is None:
         raise CaseError(f"{case_file}: {table}: found nothing, allowed a table [{table}]")
@@ -212,28 +309,28 @@ def stand_alone_film(
 
 def reduce(
     case_file: Path,
-    tables_file: Path,
+    tables_file: Target,
     kinds: Sequence[str],
     overrides: Sequence[str],
     *,
     as_json: bool,
 ) -> int:
     """Reduce the films of a machine to a file of tables; returns the exit code."""
-    target = _writable(tables_file, "-o")
+    target = tables_file.checked()
     case = _load(case_file, overrides)
-    from toothspace.results.io import write_atomically
+    from toothspace.core.netcdf import write_dataset
     from toothspace.studies.reduce import reduce_films, reduce_summary
 
     with _file_named(case_file), output.progress(case.title) as progress:
         tables = reduce_films(case, kinds, progress)
-    write_atomically(tables, target)
+    write_dataset(tables, target)
     summary = reduce_summary(tables)
     output.write(summary, as_json=as_json)
     output.message(f"Tables: {target}; read by [run] film_tables")
     return 0 if summary["status"] == Status.DONE.name.lower() else _NUMERICAL_FAILURE
 
 
-def validate(folder: Path | None, only: str, book: Path, *, as_json: bool) -> int:
+def validate(folder: Path | None, only: str, book: Target, *, as_json: bool) -> int:
     """Run the validation cases, write the book and print the verdicts; returns the exit code."""
     from toothspace.report.validation_book import (
         find_validation,
@@ -242,7 +339,7 @@ def validate(folder: Path | None, only: str, book: Path, *, as_json: bool) -> in
         write_book,
     )
 
-    target = _writable(book, "-o")
+    target = book.checked()
     with output.progress("validate:"):
         sources = run_validation(find_validation(folder), only)
     write_book(sources, target)
@@ -285,11 +382,11 @@ def _write_geometry(case: Case, description: Any, outputs: GeometryOutputs) -> N
         from toothspace.results.tables import save_tables, save_tables_txt
 
         if outputs.tables is not None:
-            save_tables(description, _writable(outputs.tables, "-o"))
+            save_tables(description, outputs.tables)
         if outputs.text_folder is not None:
             save_tables_txt(description, outputs.text_folder)
     if outputs.plot is not None:
-        _plot(description, _writable(outputs.plot, "--plot"))
+        _plot(description, outputs.plot)
     if outputs.export is not None:
         _export(case, outputs.export)
 
@@ -330,14 +427,6 @@ def _export(case: Case, suffix: str) -> None:
         raise CaseError(f"--export: found machine type {case.machine_type!r}, allowed {allowed}")
     for path in import_module(module).export_profiles(case.machine_spec, Path(case.name), suffix):
         output.message(f"Profile: {path}")
-
-
-def _writable(path: Path, option: str) -> Path:
-    if path.is_dir():
-        raise CaseError(f"{path}: {option}: found a directory, allowed a file name")
-    if not path.parent.is_dir():
-        raise CaseError(f"{path}: {option}: found no folder {path.parent}, allowed an existing one")
-    return path
 
 
 @contextmanager

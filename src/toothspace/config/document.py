@@ -10,8 +10,12 @@ from pathlib import Path
 from typing import Any
 
 from toothspace.core.errors import CaseError
+from toothspace.core.files import read_bytes
 
 _LARGEST_FILE = 5_000_000
+_DEEPEST = 20
+_LARGEST_INTEGER = 2**63 - 1
+_LONGEST_PLACE = 80
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 
 
@@ -34,17 +38,8 @@ def read_document(path: Path, label: str) -> dict[str, Any]:
 
 
 def _read_text(path: Path, label: str) -> str:
-    allowed = "an existing TOML file"
-    if path.is_dir():
-        raise CaseError(f"{label}: case file: found a directory, allowed {allowed}")
-    try:
-        content = path.read_bytes()
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or "no such file"
-        raise CaseError(f"{label}: case file: found {reason!r}, allowed {allowed}") from error
-    if len(content) > _LARGEST_FILE:
-        found = f"{len(content)} bytes"
-        raise CaseError(f"{label}: case file: found {found}, allowed at most {_LARGEST_FILE}")
+    place = f"{label}: case file"
+    content = read_bytes(path, place, "an existing TOML file", _LARGEST_FILE)
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -61,11 +56,59 @@ def parse_document(text: str, label: str) -> dict[str, Any]:
         If the text is no TOML.
     """
     try:
-        return tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        tables = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        # digits of an integer without end are a ValueError
         reason = " ".join(str(error).split()) or type(error).__name__
         allowed = "TOML 1.0 with every key once"
         raise CaseError(f"{label}: syntax: found {reason!r}, allowed {allowed}") from error
+    require_ordinary(tables, label)
+    return tables
+
+
+def require_ordinary(tables: Mapping[str, Any], label: str) -> None:
+    """Refuse values that no case needs and that the stages behind could not take.
+
+    Parameters
+    ----------
+    tables : mapping
+        Tables of a case.
+    label : str
+        Name of the case file in messages.
+
+    Raises
+    ------
+    CaseError
+        For tables too deep, integers beyond 64 bits, and text that is no Unicode text or holds
+        the character NUL.
+    """
+    waiting: list[tuple[str, Any, int]] = [("", tables, 0)]
+    while waiting:
+        path, value, depth = waiting.pop()
+        if depth > _DEEPEST:
+            raise CaseError(
+                f"{label}: {path[:_LONGEST_PLACE]}: found tables deeper than {_DEEPEST}, "
+                f"allowed at most {_DEEPEST}"
+            )
+        if isinstance(value, Mapping):
+            for key, item in value.items():
+                _require_text(key, label, path)
+                waiting.append((f"{path}.{key}" if path else key, item, depth + 1))
+        elif isinstance(value, list):
+            waiting += [(f"{path}[{k}]", item, depth + 1) for k, item in enumerate(value)]
+        elif isinstance(value, str):
+            _require_text(value, label, path)
+        elif isinstance(value, int) and abs(value) > _LARGEST_INTEGER:
+            found = f"an integer of {value.bit_length()} bits"
+            raise CaseError(f"{label}: {path}: found {found}, allowed at most 64")
+
+
+def _require_text(text: str, label: str, path: str) -> None:
+    place = f"{label}: {path or 'key'}"
+    if "\0" in text:
+        raise CaseError(f"{place}: found the character NUL, allowed text without it")
+    if any("\ud800" <= character <= "\udfff" for character in text):
+        raise CaseError(f"{place}: found bytes that are not UTF-8, allowed Unicode text")
 
 
 def document_text(tables: Mapping[str, Any]) -> str:

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping
 from copy import deepcopy
 from typing import Any
 
+from toothspace.config.document import require_ordinary
 from toothspace.core.errors import CaseError
 
 ALTERNATIVES = (
@@ -18,7 +19,7 @@ ALTERNATIVES = (
 )
 """Keys that exclude each other: an override of one takes the other out."""
 
-_PATH = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*")
+_PATH = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+){0,19}")
 
 
 def apply_overrides(tables: dict[str, Any], overrides: Iterable[str], label: str) -> dict[str, Any]:
@@ -42,6 +43,7 @@ def apply_overrides(tables: dict[str, Any], overrides: Iterable[str], label: str
     changed = deepcopy(tables)
     for override in overrides:
         path, value = _split(override, label)
+        require_ordinary({"--set": value}, label)
         _insert(changed, path, value, label)
         _remove_alternative(changed, ".".join(path))
     return changed
@@ -95,7 +97,7 @@ def _split(override: str, label: str) -> tuple[list[str], Any]:
 def _value(text: str) -> Any:
     try:
         parsed = tomllib.loads(f"value = {text}")
-    except tomllib.TOMLDecodeError:
+    except (ValueError, RecursionError):
         return text
     return parsed["value"] if list(parsed) == ["value"] else text
 

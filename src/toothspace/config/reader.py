@@ -155,15 +155,24 @@ def _file(reader: Reader, key: keys.FilePath, raw: Any, path: str) -> Path:
         reader.fail(path, shown(raw), allowed)
     file = reader.folder / raw
     if file.suffix.lower() not in key.suffixes:
-        reader.fail(path, f"{raw!r} with the ending {file.suffix!r}", allowed)
-    if file.is_dir():
-        reader.fail(path, f"{raw!r}, which is a directory", allowed)
-    if not file.is_file():
-        reader.fail(path, f"{raw!r}, which does not exist", allowed)
-    if file.stat().st_size == 0:
-        reader.fail(path, f"{raw!r}, which is empty", allowed)
+        reader.fail(path, f"{shown(raw)} with the ending {shown(file.suffix)}", allowed)
+    wrong = _fault_of(file)
+    if wrong:
+        reader.fail(path, f"{shown(raw)}, which {wrong}", allowed)
     reader.files.append(file)
     return file
+
+
+def _fault_of(file: Path) -> str:
+    """What is wrong with a file to be read; empty if nothing is."""
+    try:
+        if file.is_dir():
+            return "is a directory"
+        if not file.is_file():
+            return "is a device or pipe" if file.exists() else "does not exist"
+        return "" if file.stat().st_size else "is empty"
+    except OSError as error:
+        return f"cannot be read ({error.strerror})"
 
 
 def _items(reader: Reader, key: keys.Items, raw: Any, path: str) -> tuple[Any, ...]:

@@ -9,6 +9,10 @@ errors     exceptions that a user sees as one line
 status     outcome of a run, with advice
 units      quantities with units in text, converted to SI
 signals    columns of CSV files in SI units
+files      files that are complete or not there
+netcdf     datasets as NetCDF files with a checksum
+array_store named arrays kept between runs
+interrupts signals that end the program, held while files are written
 registry   machine types found by name (built in or entry points)
 compiled   numba with a cache that follows the package's sources
 ========== ===========================================================

@@ -10,9 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from toothspace.core.errors import CaseError
+from toothspace.core.files import read_bytes
 from toothspace.core.types import Array
 from toothspace.core.units import compatible, to_si
 
+_LARGEST_FILE = 50_000_000
 _HEADER = re.compile(r"\s*(\w+)\s*\[(.+)\]\s*")
 
 
@@ -36,15 +38,36 @@ def read_columns(path: Path, wanted: Mapping[str, str]) -> dict[str, Array]:
     CaseError
         If a column is missing, has another dimension, or holds something not finite.
     """
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise CaseError(f"{path}: found {error}, allowed a CSV file in UTF-8") from error
-    separator = ";" if ";" in text.partition("\n")[0] else ","
-    rows = [row for row in csv.reader(text.splitlines(), delimiter=separator) if any(row)]
-    heads = [_HEADER.fullmatch(cell) for cell in rows[0]] if rows else []
-    names = {head[1]: (k, head[2]) for k, head in enumerate(heads) if head}
+    rows = _rows(path)
+    names = _names(rows)
     return {name: _column(path, rows[1:], names, name, unit) for name, unit in wanted.items()}
+
+
+def column_names(path: Path) -> list[str]:
+    """Return the names of the columns of a CSV file that have a unit.
+
+    Raises
+    ------
+    CaseError
+        If it is no CSV file.
+    """
+    return list(_names(_rows(path)))
+
+
+def _rows(path: Path) -> list[list[str]]:
+    allowed = "a CSV file in UTF-8"
+    try:
+        text = read_bytes(path, str(path), allowed, _LARGEST_FILE).decode("utf-8-sig")
+        separator = ";" if ";" in text.partition("\n")[0] else ","
+        return [row for row in csv.reader(text.splitlines(), delimiter=separator) if any(row)]
+    except (csv.Error, UnicodeDecodeError) as error:
+        raise CaseError(f"{path}: found {error}, allowed {allowed}") from error
+
+
+def _names(rows: list[list[str]]) -> dict[str, tuple[int, str]]:
+    """Place and unit of every column that has a name and a unit."""
+    heads = [_HEADER.fullmatch(cell) for cell in rows[0]] if rows else []
+    return {head[1]: (k, head[2]) for k, head in enumerate(heads) if head}
 
 
 def _column(

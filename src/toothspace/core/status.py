@@ -21,6 +21,10 @@ class Status(Enum):
     NOT_CONVERGED = (
         "An iteration did not converge. Start from a nearby condition or refine the grid."
     )
+    NOT_STORED = (
+        "The temporary folder took no more samples; what was computed is kept. Point TMPDIR at a "
+        "folder with more space, lower run.time_samples or choose run.channels."
+    )
     RUNAWAY = (
         "The film has no solution: its viscosity grows with the pressure so fast that no finite "
         "pressure balances the flow. Lower pressure_viscosity, speed or load, or open the gap."
@@ -29,7 +33,7 @@ class Status(Enum):
         "Some points of the study failed; their rows say why. "
         "Correct the case, then go on with --resume."
     )
-    INTERRUPTED = "Interrupted by the user; what was computed is kept."
+    INTERRUPTED = "Interrupted; what was computed is kept."
 
     @property
     def succeeded(self) -> bool:

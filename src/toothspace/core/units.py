@@ -53,7 +53,13 @@ _NUMBER = re.compile(
     r"\s*([+-]?(?:(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?|nan|inf(?:inity)?))\s*(.*?)\s*",
     re.IGNORECASE | re.DOTALL,
 )
-_UNIT_TEXT = re.compile(r"[A-Za-zµμ°²³·*/^()\s\d.+-]*")
+_LONGEST_TEXT = 100
+"""Longer texts are no quantity: reading a product takes time with the number of its factors."""
+
+_EXPONENT = r"(?:\s*(?:\^|\*\*)\s*-?\d(?!\s*[\d.^]|\s*\*\*))"
+_FACTOR = rf"(?:[A-Za-zµμ°]+[²³]?{_EXPONENT}?|1(?![\d.]))"
+_UNIT_TEXT = re.compile(rf"(?:{_FACTOR}|\){_EXPONENT}?|[·*/(\s])*")
+"""Names, the number 1 and groups, each with at most one exponent of one digit."""
 _NAMES = {
     "m": "a length",
     "m ** 2": "an area",
@@ -85,8 +91,8 @@ def _registry() -> Any:
 
 @cache
 def _unit(text: str) -> Any:
-    if not _UNIT_TEXT.fullmatch(text):
-        raise CaseError(f"found an unknown unit {text!r}")
+    if len(text) > _LONGEST_TEXT or not _UNIT_TEXT.fullmatch(text):
+        raise CaseError(f"found an unknown unit {_short(text)!r}")
     try:
         return _registry().Unit(text.replace("·", "*"))
     except Exception as error:
@@ -97,8 +103,11 @@ def _unit(text: str) -> Any:
 def _scale(unit: str) -> tuple[float, float]:
     """Return factor and offset of a unit to SI base units."""
     registry = _registry()
-    zero = registry.Quantity(0.0, _unit(unit)).to_root_units().magnitude
-    one = registry.Quantity(1.0, _unit(unit)).to_root_units().magnitude
+    try:
+        zero = registry.Quantity(0.0, _unit(unit)).to_root_units().magnitude
+        one = registry.Quantity(1.0, _unit(unit)).to_root_units().magnitude
+    except ArithmeticError as error:
+        raise CaseError(f"found an unknown unit {unit!r}") from error
     return float(one - zero), float(zero)
 
 
@@ -154,11 +163,19 @@ def split_quantity(text: str) -> tuple[float, str]:
     CaseError
         If it is no finite number with a known unit.
     """
-    match = _NUMBER.fullmatch(text)
+    match = _matched(text)
     if match is None or not match[2] or not math.isfinite(float(match[1])):
         raise CaseError(f"found {text!r}, allowed a number with its unit, such as '1 mm'")
     _unit(match[2])
     return float(match[1]), match[2]
+
+
+def _matched(text: str) -> re.Match[str] | None:
+    return _NUMBER.fullmatch(text) if len(text) <= _LONGEST_TEXT else None
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= _LONGEST_TEXT else f"{text[:_LONGEST_TEXT]}..."
 
 
 def compatible(unit: str, other: str) -> bool:
@@ -190,9 +207,9 @@ def parse_quantity(text: str, unit: str, allowed: str = "") -> float:
         If the text is no finite number with a unit of that dimension.
     """
     example = allowed or f"{dimension_name(unit)} with its unit, such as '1 {unit}'"
-    match = _NUMBER.fullmatch(text)
+    match = _matched(text)
     if match is None:
-        raise CaseError(f"found {text!r}, allowed {example}")
+        raise CaseError(f"found {_short(text)!r}, allowed {example}")
     number, found = float(match[1]), match[2]
     if not math.isfinite(number):
         raise CaseError(f"found {text!r}, which is not a finite number, allowed {example}")

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import hashlib
-import os
 import sys
-import tempfile
 from functools import cache
 from pathlib import Path
-from zipfile import BadZipFile
 
 import numpy as np
 
+from toothspace.core.array_store import load_arrays, save_arrays
 from toothspace.core.compiled import CACHE_FOLDER
+from toothspace.core.types import Array
 from toothspace.elasticity.body import ElasticBody
 from toothspace.elasticity.influence import InfluenceMatrix
 
@@ -45,11 +44,8 @@ def announce(body: ElasticBody) -> None:
 
 def load(name: str, body: ElasticBody) -> InfluenceMatrix | None:
     """Stored matrix of a body, or None."""
-    path = _path(name)
-    try:
-        with np.load(path) as data:
-            stored = {key: data[key] for key in data.files}
-    except (OSError, BadZipFile, ValueError):
+    stored = load_arrays(_path(name))
+    if stored is None:
         return None
     names = [entry.name for entry in body.loads]
     return InfluenceMatrix(
@@ -64,18 +60,10 @@ def load(name: str, body: ElasticBody) -> InfluenceMatrix | None:
 
 
 def save(name: str, matrix: InfluenceMatrix) -> None:
-    """Store a matrix; a file is complete or not there."""
-    target = _path(name)
-    target.parent.mkdir(parents=True, exist_ok=True)
-    content: dict[str, object] = {key: getattr(matrix, key) for key in _ARRAYS}
+    """Store a matrix."""
+    content: dict[str, Array] = {key: getattr(matrix, key) for key in _ARRAYS}
     for key in ("load_cases", "resultants"):
         content[key] = np.array(list(getattr(matrix, key).values()))
     for key in ("mass", "element_count", "error_estimate"):
         content[key] = np.asarray(getattr(matrix, key))
-    handle, draft = tempfile.mkstemp(dir=target.parent, suffix=".npz")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            np.savez(file, **content)  # type: ignore[arg-type]
-        Path(draft).replace(target)
-    finally:
-        Path(draft).unlink(missing_ok=True)
+    save_arrays(_path(name), content)

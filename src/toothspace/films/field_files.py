@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from toothspace.core.files import write_text
+from toothspace.core.netcdf import write_dataset
 from toothspace.core.types import Array
 from toothspace.films.journal.solution import JournalBearingSolution
 from toothspace.films.plane.pad import PadSolution
@@ -57,7 +59,7 @@ def film_dataset(film: FilmSolution) -> xr.Dataset:
 
 def save_film(film: FilmSolution, path: Path) -> None:
     """Write the fields of a film to a NetCDF file."""
-    film_dataset(film).to_netcdf(path, engine="h5netcdf")
+    write_dataset(film_dataset(film), path)
 
 
 def save_film_vtk(film: FilmSolution, path: Path) -> None:
@@ -72,14 +74,14 @@ def save_film_vtk(film: FilmSolution, path: Path) -> None:
         _array(np.ascontiguousarray(values).ravel(), name, 1)
         for name, values in _fields(film).items()
     )
-    path.write_text(
+    write_text(
+        path,
         '<?xml version="1.0"?>\n'
         '<VTKFile type="StructuredGrid" version="0.1" byte_order="LittleEndian">\n'
         f'<StructuredGrid WholeExtent="{extent}">\n<Piece Extent="{extent}">\n'
         f"<CellData>\n{arrays}</CellData>\n"
         f"<Points>\n{_array(points.ravel(), 'points', 3)}</Points>\n"
         "</Piece>\n</StructuredGrid>\n</VTKFile>\n",
-        encoding="ascii",
     )
 
 

@@ -9,6 +9,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, ParamSpec
 
+from toothspace.core.files import draft_of
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -130,6 +132,7 @@ def save_figure(figure: Figure, path: str | Path) -> Path:
     """Write a figure to a file; the suffix says the format (png, svg, pdf)."""
     import matplotlib as mpl
 
-    with mpl.rc_context(_RC):  # type: ignore[arg-type]
-        figure.savefig(Path(path), dpi=160.0)
+    kind = Path(path).suffix.lstrip(".")
+    with draft_of(path) as draft, mpl.rc_context(_RC):  # type: ignore[arg-type]
+        figure.savefig(draft, format=kind, dpi=160.0)
     return Path(path)

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from toothspace.core.files import write_text
 from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
 from toothspace.plotting.catalogue import FigureEntry, available_figures
@@ -90,8 +91,7 @@ def write_report(
     note = ""
     if description is None:
         description, note = machine_of(solution)
-    target.write_text(report_html(solution, description, note, measured), encoding="utf-8")
-    return target
+    return write_text(target, report_html(solution, description, note, measured))
 
 
 def report_html(

@@ -6,10 +6,11 @@ import math
 from pathlib import Path
 from typing import Any
 
+from toothspace.core.files import write_text
 from toothspace.plotting.study_figures import study_figures
 from toothspace.plotting.style import figure_to_svg
 from toothspace.report.wording import Quantity, format_value, quantity
-from toothspace.studies.study import StudyResult, StudyTable, write_text
+from toothspace.studies.study import StudyResult, StudyTable
 
 _TEMPLATES = Path(__file__).parent / "templates"
 _LONGEST_TABLE = 400

@@ -14,7 +14,7 @@ from xml.etree import ElementTree as ET
 
 import toothspace
 from toothspace.core.errors import CaseError
-from toothspace.studies.study import write_text
+from toothspace.core.files import write_text
 
 _TEMPLATES = Path(__file__).parent / "templates"
 _FOLDER = Path("tests") / "validation"

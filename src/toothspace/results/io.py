@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -12,6 +10,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from toothspace.core.errors import CaseError
+from toothspace.core.netcdf import read_dataset, write_dataset
 from toothspace.core.status import Status
 from toothspace.results.ledger import ENERGY_ENTRIES, Ledger
 from toothspace.results.solution import Event, Solution
@@ -60,7 +59,7 @@ def save_solution(solution: Solution, path: str | Path) -> Path:
         **solution.provenance,
         _PROVENANCE: " ".join(solution.provenance),
     }
-    return write_atomically(dataset, path)
+    return write_dataset(dataset, path)
 
 
 def load_solution(path: str | Path) -> Solution:
@@ -74,11 +73,19 @@ def load_solution(path: str | Path) -> Solution:
     Raises
     ------
     CaseError
-        If the file is missing or not a result of this package.
+        If the file is missing, damaged or not a result of this package.
     """
     dataset = read_dataset(path)
     if "status" not in dataset.attrs or "ledger_energy" not in dataset:
         raise CaseError(f"{path}: not a result of toothspace; expected a file written by run -o")
+    try:
+        return _solution_of(dataset)
+    except (KeyError, ValueError, TypeError, IndexError) as error:
+        found = f"a result without a usable {error}"
+        raise CaseError(f"{path}: found {found}, allowed one that this version wrote") from error
+
+
+def _solution_of(dataset: xr.Dataset) -> Solution:
     attributes = dataset.attrs
     statistics = {k: v for k, v in attributes.items() if k.startswith(_STATISTICS)}
     extra = [*_LEDGER_FIELDS, *_EVENT_FIELDS, "mass_entry", "energy_entry"]
@@ -92,66 +99,6 @@ def load_solution(path: str | Path) -> Solution:
         provenance={key: str(attributes[key]) for key in attributes.get(_PROVENANCE, "").split()},
         events=_read_events(dataset),
     )
-
-
-def write_atomically(dataset: xr.Dataset, path: str | Path) -> Path:
-    """Write a dataset beside its target, then move it there in one step.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        What to write.
-    path : str or Path
-        File to write.
-
-    Returns
-    -------
-    Path
-        The file written.
-    """
-    target = Path(path)
-    target.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(suffix=".part", prefix=target.name, dir=target.parent)
-    os.close(handle)
-    try:
-        dataset.to_netcdf(name, engine="h5netcdf")
-        Path(name).chmod(0o644)
-        Path(name).replace(target)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
-    return target
-
-
-def read_dataset(path: str | Path) -> xr.Dataset:
-    """Read a NetCDF file into memory, labels as text.
-
-    Parameters
-    ----------
-    path : str or Path
-        File to read.
-
-    Raises
-    ------
-    CaseError
-        If the file cannot be read as NetCDF.
-    """
-    try:
-        dataset = xr.load_dataset(
-            Path(path), engine="h5netcdf", decode_times=False, decode_timedelta=False
-        )
-    except OSError as error:
-        place = Path(path)
-        kind = "a folder" if place.is_dir() else "a file that cannot be read as one"
-        found = kind if place.exists() else "nothing"
-        raise CaseError(f"{path}: found {found}, allowed a NetCDF file of results") from error
-    for name in dataset.variables:
-        if dataset[name].dtype.kind not in "fiub":
-            text = dataset[name].astype(str)
-            dataset[name] = (text.dims, text.values.astype(str), dataset[name].attrs)
-        dataset[name].encoding = {}
-    dataset.encoding = {}
-    return dataset
 
 
 def _ledger_dataset(ledger: Ledger) -> xr.Dataset:

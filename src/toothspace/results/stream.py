@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import tempfile
-import weakref
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, final
+from io import FileIO
+from typing import TYPE_CHECKING, final
 
 import numpy as np
 
+from toothspace.core.files import write_whole
 from toothspace.core.types import Array
 from toothspace.results.variables import SAMPLE, variable
 
@@ -21,18 +22,23 @@ _TIME = "time"
 
 @final
 class SampleStream:
-    """Appends rows of result variables to a file without a name, in the temporary folder.
+    """Appends rows of result variables to files without a name, in the temporary folder.
 
-    The file goes with the last dataset that reads from it, also when the process is killed.
+    The files go with the last array that reads from them, also when the process is killed.
+    Rows that the folder does not take stay in memory: none is lost.
+
+    Attributes
+    ----------
+    failure : OSError or None
+        Why rows could not be stored; nothing should be appended then.
     """
 
     def __init__(self) -> None:
-        import h5netcdf
-
-        self._file = tempfile.TemporaryFile()  # noqa: SIM115 (outlives this call)
-        self._writer = h5netcdf.File(self._file, "w")
+        self._files: dict[str, FileIO] = {}
         self._waiting: list[Mapping[str, Array]] = []
+        self._stored = 0
         self.rows = 0
+        self.failure: OSError | None = None
 
     def append(self, values: Mapping[str, Array]) -> None:
         """Append rows.
@@ -44,41 +50,45 @@ class SampleStream:
         """
         self._waiting.append(values)
         self.rows += len(values[_TIME])
-        if sum(len(part[_TIME]) for part in self._waiting) >= _ROWS_IN_MEMORY:
-            self._write()
+        if self.rows - self._stored >= _ROWS_IN_MEMORY:
+            self._store()
 
     def finish(self) -> dict[str, xr.Variable]:
         """Return all rows as variables that are read from disk where they are used."""
-        import h5netcdf
         import xarray as xr
-        from xarray.backends import H5NetCDFStore
 
-        if self._waiting:
-            self._write()
-        self._writer.close()
-        reader = h5netcdf.File(self._file, "r")
-        weakref.finalize(reader, self._file.close)
-        store: Any = H5NetCDFStore(reader)
-        data = xr.open_dataset(store, cache=False, decode_times=False)
-        return {str(name): data.variables[name] for name in data.variables}
-
-    def _write(self) -> None:
-        names = self._waiting[0]
-        rows = {name: np.concatenate([part[name] for part in self._waiting]) for name in names}
-        self._waiting.clear()
-        if not self._writer.variables:
-            self._create(rows)
-        begin = self.rows - len(rows[_TIME])
-        self._writer.resize_dimension(_TIME, self.rows)
-        for name, value in rows.items():
-            self._writer.variables[name][begin:] = value
-
-    def _create(self, rows: Mapping[str, Array]) -> None:
-        self._writer.dimensions[_TIME] = None
+        if self.failure is None:
+            self._store()
+        rows = self._merged()
+        found = {}
         for name, value in rows.items():
             dimensions = [_TIME if d == SAMPLE else d for d in variable(name).dimensions]
-            for dimension, length in zip(dimensions[1:], value.shape[1:], strict=True):
-                if dimension not in self._writer.dimensions:
-                    self._writer.dimensions[dimension] = length
-            chunks = (_ROWS_IN_MEMORY, *value.shape[1:])
-            self._writer.create_variable(name, tuple(dimensions), value.dtype, chunks=chunks)
+            found[name] = xr.Variable(dimensions, self._column(name, value))
+        for file in self._files.values():
+            file.close()
+        return found
+
+    def _column(self, name: str, value: Array) -> Array:
+        """Rows on disk and in memory as one array."""
+        if not self._stored:
+            return value
+        shape = (self._stored, *value.shape[1:])
+        stored = np.memmap(self._files[name], dtype=value.dtype, mode="r", shape=shape)
+        return stored if not len(value) else np.concatenate([stored, value])
+
+    def _store(self) -> None:
+        rows = self._merged()
+        try:
+            for name, value in rows.items():
+                if name not in self._files:
+                    self._files[name] = tempfile.TemporaryFile(buffering=0)  # noqa: SIM115
+                write_whole(self._files[name], np.ascontiguousarray(value).tobytes())
+        except OSError as error:
+            self.failure = error
+            return
+        self._stored = self.rows
+        self._waiting = [{name: value[:0] for name, value in rows.items()}]
+
+    def _merged(self) -> dict[str, Array]:
+        names = self._waiting[0]
+        return {name: np.concatenate([part[name] for part in self._waiting]) for name in names}

@@ -25,9 +25,9 @@ def save_tables(description: MachineDescription, path: str | Path) -> Path:
     Path
         The file written.
     """
-    from toothspace.results.io import write_atomically
+    from toothspace.core.netcdf import write_dataset
 
-    return write_atomically(tables_dataset(description), path)
+    return write_dataset(tables_dataset(description), path)
 
 
 def save_tables_txt(description: MachineDescription, folder: str | Path) -> list[Path]:

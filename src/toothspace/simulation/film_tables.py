@@ -11,6 +11,7 @@ import numpy as np
 
 from toothspace.closures.journal_friction import FrictionCurve, FrictionCurves
 from toothspace.core.errors import CaseError
+from toothspace.core.netcdf import read_dataset
 from toothspace.model.description import JournalBearing, MachineDescription
 from toothspace.model.lateral_table import LateralTable
 
@@ -64,13 +65,10 @@ def with_film_tables(
     CaseError
         If the file holds no film tables, or those of another machine.
     """
-    import xarray as xr
-
     try:
-        tables = xr.load_dataset(path, engine="h5netcdf")
-    except (OSError, ValueError) as error:
-        found = f"run.film_tables: found {path}, which is no NetCDF file"
-        raise CaseError(f"{found}, allowed a file of 'toothspace reduce'") from error
+        tables = read_dataset(path)
+    except CaseError as error:
+        raise CaseError(f"run.film_tables: {error} of 'toothspace reduce'") from error
     kinds = str(tables.attrs.get(KINDS, "")).split()
     if not kinds or not set(kinds) <= APPLIED.keys():
         found = f"run.film_tables: found {path} with {' '.join(kinds) or 'no films'}"

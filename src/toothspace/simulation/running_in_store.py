@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
 from pathlib import Path
-from zipfile import BadZipFile
 
-import numpy as np
-
+from toothspace.core.array_store import load_arrays, save_arrays
 from toothspace.core.compiled import CACHE_FOLDER
 from toothspace.core.types import Array
 
@@ -22,33 +18,23 @@ def folder() -> Path:
 
 def load(key: str) -> dict[str, Array] | None:
     """Return the depths stored under a key, or None. [m]."""
-    try:
-        with (folder() / f"{key}.npz").open("rb") as file, np.load(file) as data:
-            return {name: data[name] for name in data.files}
-    except (OSError, BadZipFile, ValueError, EOFError):
-        return None
+    return load_arrays(folder() / f"{key}.npz")
 
 
 def save(key: str, depths: dict[str, Array]) -> None:
-    """Store depths [m]; a file is complete or not there. A full disk is no error."""
-    target = folder() / f"{key}.npz"
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        _forget_oldest(target.parent)
-        handle, draft = tempfile.mkstemp(dir=target.parent, suffix=".part")
-        try:
-            with os.fdopen(handle, "wb") as file:
-                np.savez(file, **depths)  # type: ignore[arg-type]
-            Path(draft).replace(target)
-        finally:
-            Path(draft).unlink(missing_ok=True)
-    except OSError:
-        return
+    """Store depths. [m]."""
+    _forget_oldest(folder())
+    save_arrays(folder() / f"{key}.npz", depths)
 
 
 def _forget_oldest(place: Path) -> None:
     files = list(place.glob("*.npz"))
     if len(files) >= _MOST_FILES:
-        files.sort(key=lambda path: path.stat().st_mtime)
+        files.sort(key=_last_change)
         for path in files[: _MOST_FILES // 10]:
             path.unlink(missing_ok=True)
+
+
+def _last_change(path: Path) -> float:
+    # another process may forget the same files
+    return path.stat().st_mtime if path.exists() else 0.0

@@ -9,6 +9,7 @@ import numpy as np
 
 from toothspace.closures.aeration import gas_volume_fraction, vapour_fraction
 from toothspace.closures.density import mixture_density
+from toothspace.core.interrupts import interrupts_held
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.model.arrays import (
@@ -50,10 +51,13 @@ def transient_solution(
         Called with the finished share and a short text.
     """
     stream = SampleStream()
-    seat = _streamed(march, stream, progress)
+    _stream(march, stream, progress)
     system = march.system
     rows = stream.finish()
-    constants = {**_constants(system, rows), "seat_position": seat}
+    constants = {
+        **_constants(system, rows),
+        "seat_position": _values(march, *_start(march))["seat_position"],
+    }
     data = dataset_from(
         {**rows, **constants, **extra},
         {**labels_of(system), "node": list(_nodes(system))},
@@ -74,29 +78,33 @@ def transient_solution(
     )
 
 
-def _streamed(march: TransientMarch, stream: SampleStream, progress: Progress | None) -> Array:
-    """Append all cells to the stream; return the position of the bearing seats.
-
-    A run that fails within its first cell keeps the state at its start.
-    """
+def _stream(march: TransientMarch, stream: SampleStream, progress: Progress | None) -> None:
+    """Append all cells to the stream; a run that fails in its first cell keeps its start."""
     try:
         for times, states in march.chunks(progress):
-            seat = _append(march, stream, times, states)
+            with interrupts_held():
+                _append(march, stream, times, states)
+            if stream.failure is not None:
+                march.status = Status.NOT_STORED
+                break
     except KeyboardInterrupt:
         march.status = Status.INTERRUPTED
     if stream.rows == 0:
         if march.status is Status.INTERRUPTED:
             raise KeyboardInterrupt
-        at_start: Array = _AT_ONCE * np.arange(float(march.plan.samples_per_cell))
-        seat = _append(march, stream, at_start, np.tile(march.first, (at_start.size, 1)))
-    return seat
+        _append(march, stream, *_start(march))
 
 
-def _append(march: TransientMarch, stream: SampleStream, times: Array, states: Array) -> Array:
+def _start(march: TransientMarch) -> tuple[Array, Array]:
+    """Times and states of one cell at the start of the run."""
+    times: Array = _AT_ONCE * np.arange(float(march.plan.samples_per_cell))
+    return times, np.tile(march.first, (times.size, 1))
+
+
+def _append(march: TransientMarch, stream: SampleStream, times: Array, states: Array) -> None:
     values = _values(march, times, states)
-    seat = values.pop("seat_position")
+    del values["seat_position"]
     stream.append(_cells(_chosen(values, march.plan), march.plan.samples_per_cell))
-    return seat
 
 
 def _history(march: TransientMarch, times: Any, states: Any) -> History:

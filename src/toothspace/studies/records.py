@@ -11,6 +11,9 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, final
 
+from toothspace.core.files import write_text
+from toothspace.core.interrupts import interrupts_held
+
 DONE = "done"
 BAD_INPUT = "bad_input"
 FAILED = "failed"
@@ -107,7 +110,7 @@ class Records:
             self._begin(self.path)
         self._found[record.key] = record
         if self.path is not None:
-            with self.path.open("a", encoding="utf-8") as file:
+            with interrupts_held(), self.path.open("a", encoding="utf-8") as file:
                 file.write(_line(record))
 
     def __len__(self) -> int:
@@ -125,9 +128,7 @@ def _line(record: Record) -> str:
 
 
 def _write(path: Path, records: Any) -> None:
-    draft = path.with_suffix(".part")
-    draft.write_text("".join(_line(record) for record in records), encoding="utf-8")
-    draft.replace(path)
+    write_text(path, "".join(_line(record) for record in records))
 
 
 def _read(path: Path) -> dict[str, Record]:

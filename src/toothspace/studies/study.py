@@ -6,13 +6,12 @@ import csv
 import io
 import json
 import math
-import os
-import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
+from toothspace.core.files import write_text
 from toothspace.core.status import Status
 from toothspace.studies.records import Records
 from toothspace.studies.workers import Workers
@@ -117,32 +116,19 @@ class StudyResult:
         list of Path
             The files written.
         """
-        from toothspace.results.io import write_atomically
+        from toothspace.core.netcdf import write_dataset
 
         target = Path(folder)
         target.mkdir(parents=True, exist_ok=True)
         data = self.data.assign_attrs(
             {**self.provenance, "study": self.kind, "status": self.status.name}
         )
-        written = [write_atomically(data, target / "study.nc")]
+        written = [write_dataset(data, target / "study.nc")]
         text = json.dumps(plain(self.summary()), indent=1, allow_nan=False)
         written.append(write_text(target / "summary.json", text + "\n"))
         for table in self.tables:
             written.append(write_text(target / f"{table.name}.csv", table.to_csv()))
         return written
-
-
-def write_text(path: Path, text: str) -> Path:
-    """Write a text file that is complete or not there."""
-    handle, draft = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".part")
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write(text)
-        Path(draft).chmod(0o644)
-        Path(draft).replace(path)
-    finally:
-        Path(draft).unlink(missing_ok=True)
-    return path
 
 
 def plain(value: Any) -> Any:

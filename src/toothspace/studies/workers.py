@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import os
 import signal
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
 from typing import Any, final
 
 from toothspace.core.errors import CaseError, ToothspaceError
+from toothspace.core.interrupts import ENDING
 
 _LAST_WAIT = 5.0
 """Time that a process gets to end. [s]"""
@@ -63,7 +65,7 @@ class Workers:
         running = list((getattr(executor, "_processes", None) or {}).values())
         executor.shutdown(wait=False, cancel_futures=True)
         for process in running:
-            process.terminate()
+            process.kill()
         for process in running:
             process.join(_LAST_WAIT)
 
@@ -94,10 +96,20 @@ def _executor(count: int, scheduler: str) -> Executor:
 
 
 def _start_worker() -> None:
-    # an interrupt is the business of the first process; one thread each, they share the cores
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # what ends the program is the business of the first process; they share the cores
+    for number in ENDING:
+        signal.signal(number, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
     for name in ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         os.environ[name] = "1"
+
+
+def _end_with_parent() -> None:
+    """End this process when the first one is gone, also killed: nobody takes its results."""
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 def _result(future: Future[Any]) -> Any:

@@ -18,6 +18,7 @@ from typing import final
 import numpy as np
 
 from toothspace.core.errors import GeometryError
+from toothspace.core.files import draft_of
 from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.machines.gerotor.contact_search import (
     Branch,
@@ -297,7 +298,7 @@ def export_contacts(path: Path, contacts: tuple[LobeContact, ...]) -> None:
     contacts : tuple of LobeContact
         Contacts of two rotors.
     """
-    with path.open("w", encoding="utf-8") as file:
+    with draft_of(path) as draft, draft.open("w", encoding="utf-8") as file:
         for number, contact in enumerate(contacts):
             file.write(f"# contact {number}, {contact.copies} copies one pitch apart\n")
             file.write("# " + " ".join(COLUMNS) + "\n")

@@ -1,0 +1,153 @@
+"""Files that are complete or not there, also where a disk is full."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from io import FileIO
+from pathlib import Path
+
+from toothspace.core.errors import CaseError
+
+_LONGEST_PREFIX = 40
+"""A draft takes so much of the name of its target, so that long names fit the file system."""
+
+
+@contextmanager
+def draft_of(target: str | Path) -> Iterator[Path]:
+    """Give an empty file beside a target that becomes the target when all is written.
+
+    Parameters
+    ----------
+    target : str or Path
+        File to create or replace; its folder exists.
+
+    Yields
+    ------
+    Path
+        The draft. It is removed, and the target left as it was, where the body fails.
+    """
+    target = Path(target)
+    draft = _new_draft(target)
+    try:
+        yield draft
+        with draft.open("rb") as file:
+            # a network disk may say only now that it is full
+            os.fsync(file.fileno())
+        draft.chmod(0o644)
+        draft.replace(target)
+    except BaseException:
+        draft.unlink(missing_ok=True)
+        raise
+
+
+def _new_draft(target: Path) -> Path:
+    handle, name = tempfile.mkstemp(
+        dir=target.parent, prefix=f".{target.name[:_LONGEST_PREFIX]}.", suffix=".part"
+    )
+    os.close(handle)
+    return Path(name)
+
+
+def read_bytes(path: Path, label: str, allowed: str, most: int) -> bytes:
+    """Return the content of an ordinary file, neither a folder, a pipe nor a device.
+
+    Parameters
+    ----------
+    path : Path
+        File.
+    label : str
+        Its name in messages.
+    allowed : str
+        What it should be, for messages.
+    most : int
+        Largest size. [byte]
+
+    Raises
+    ------
+    CaseError
+        If it is missing, no ordinary file, larger or unreadable.
+    """
+    try:
+        if not path.is_file() and path.exists():
+            found = "a directory" if path.is_dir() else "a device or pipe"
+            raise CaseError(f"{label}: found {found}, allowed {allowed}")
+        size = path.stat().st_size
+        if size > most:
+            raise CaseError(f"{label}: found {size} bytes, allowed at most {most}")
+        return path.read_bytes()
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or "no such file"
+        raise CaseError(f"{label}: found {reason!r}, allowed {allowed}") from error
+
+
+def write_bytes(target: str | Path, content: bytes) -> Path:
+    """Write a file that is complete or not there."""
+    with draft_of(target) as draft:
+        draft.write_bytes(content)
+    return Path(target)
+
+
+def write_text(target: str | Path, text: str) -> Path:
+    """Write a text file in UTF-8 that is complete or not there."""
+    return write_bytes(target, text.encode("utf-8"))
+
+
+def write_whole(file: FileIO, content: memoryview | bytes) -> None:
+    """Write all of a content to an unbuffered file, which may take it in parts."""
+    rest = memoryview(content).cast("B")
+    while rest:
+        rest = rest[file.write(rest) :]
+
+
+def require_writable(target: Path, option: str, *, replace: bool) -> Path:
+    """Return a file that can be written; nothing is left behind.
+
+    Parameters
+    ----------
+    target : Path
+        File that is to be written later.
+    option : str
+        What asked for it, for the message.
+    replace : bool
+        Whether a file that exists may be replaced.
+
+    Raises
+    ------
+    CaseError
+        If it is a folder, its folder is missing or refuses files, its name is too long, or it
+        exists and must be kept.
+    """
+    try:
+        if target.is_dir():
+            raise CaseError(f"{target}: {option}: found a directory, allowed a file name")
+        if not target.parent.is_dir():
+            found = f"no folder {target.parent}"
+            raise CaseError(f"{target}: {option}: found {found}, allowed an existing one")
+        if target.exists():
+            _require_replaceable(target, option, replace=replace)
+        else:
+            _probe(target)
+        _new_draft(target).unlink()
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        found = f"{reason!r} on writing"
+        raise CaseError(f"{target}: {option}: found {found}, allowed a writable place") from error
+    return target
+
+
+def _require_replaceable(target: Path, option: str, *, replace: bool) -> None:
+    if not target.is_file():
+        raise CaseError(f"{target}: {option}: found a device or pipe, allowed a file name")
+    if not replace:
+        found = "a file that exists"
+        raise CaseError(f"{target}: {option}: found {found}, allowed a new one, or --force")
+
+
+def _probe(target: Path) -> None:
+    """Make the file and remove it: names may be too long or hold what the disk refuses."""
+    with target.open("xb"):
+        pass
+    target.unlink()

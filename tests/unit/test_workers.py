@@ -1,0 +1,54 @@
+"""Processes of a study: none outlives the first one, whatever ends it."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import psutil
+import pytest
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+
+_PROGRAM = """
+import sys, time
+from toothspace.core.interrupts import ending_interrupts
+from toothspace.studies.workers import Workers
+
+if __name__ == "__main__":
+    with ending_interrupts(), Workers(2) as workers:
+        for number, _ in workers.each(time.sleep, [0.01, 0.01, 600.0, 600.0]):
+            print(number, flush=True)
+"""
+
+
+@pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
+def test_no_worker_is_left(end: signal.Signals, tmp_path: Path) -> None:
+    program = tmp_path / "study.py"
+    program.write_text(_PROGRAM, encoding="utf-8")
+    # a test run in the background inherits that interrupts are ignored
+    first = subprocess.Popen(
+        [sys.executable, str(program)],
+        cwd=REPOSITORY,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
+    assert first.stdout is not None
+    assert {first.stdout.readline(), first.stdout.readline()} == {b"0\n", b"1\n"}
+    workers = psutil.Process(first.pid).children(recursive=True)
+    assert len(workers) >= 2
+    os.kill(first.pid, end)
+    first.wait(timeout=20.0)
+    first.stdout.close()
+    until = time.monotonic() + 10.0
+    while any(worker.is_running() for worker in workers) and time.monotonic() < until:
+        time.sleep(0.05)
+    left = [worker for worker in workers if worker.is_running()]
+    for worker in left:
+        worker.kill()
+    assert not left
