@@ -13,8 +13,8 @@ from tests.architecture.sources import PACKAGE, SOURCES, Source
 
 LAYERS = {
     "cli", "app", "fmi", "report", "plotting", "studies", "api", "simulation", "config", "case",
-    "machines", "solver", "results", "films", "elasticity", "model", "geometry", "closures",
-    "numerics", "core",
+    "machines", "solver", "gearing", "results", "films", "elasticity", "model", "geometry",
+    "closures", "numerics", "core",
 }  # fmt: skip
 """Parts of the package that the import contract orders."""
 
