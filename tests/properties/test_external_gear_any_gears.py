@@ -10,11 +10,11 @@ from hypothesis import strategies as st
 
 from tests.external_gear_designs import egm12, spaces_at
 from toothspace.core.errors import GeometryError
+from toothspace.gearing.meshing import flow_over_pitch
 from toothspace.gearing.spaces import area_by_motion, section_areas
 from toothspace.geometry.involute import InvoluteGear
 from toothspace.machines.external_gear import MACHINE
 from toothspace.machines.external_gear.assembly import Assembly, assemble
-from toothspace.machines.external_gear.contacts import flow_over_pitch
 from toothspace.machines.external_gear.spec import ExternalGearSpec, Gear
 
 

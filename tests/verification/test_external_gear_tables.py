@@ -7,6 +7,7 @@ import pytest
 import shapely
 
 from tests.external_gear_designs import ALL, FOURTEEN, TWELVE, spaces_at
+from toothspace.gearing.meshing import facing_throats
 from toothspace.gearing.outlines import space_outline
 from toothspace.gearing.spaces import (
     Spaces,
@@ -17,7 +18,7 @@ from toothspace.gearing.spaces import (
 )
 from toothspace.geometry.gear_pair import ideal_flow_per_radian, pair_from_backlash
 from toothspace.machines.external_gear import MACHINE
-from toothspace.machines.external_gear.assembly import Assembly, assemble, facing_throats
+from toothspace.machines.external_gear.assembly import Assembly, assemble
 from toothspace.model.description import MachineDescription
 
 DESIGNS = list(ALL)

@@ -11,6 +11,7 @@ from shapely.ops import polygonize, unary_union
 
 from tests.external_gear_designs import ALL, TWELVE, egm12, spaces_at, unequal
 from toothspace.gearing.mesh_split import Throats
+from toothspace.gearing.meshing import load_share, throat_drag
 from toothspace.gearing.spaces import (
     Spaces,
     area_by_motion,
@@ -23,8 +24,6 @@ from toothspace.gearing.spaces import (
 from toothspace.geometry.involute import generate_profile
 from toothspace.machines.external_gear import MACHINE
 from toothspace.machines.external_gear.assembly import Assembly, assemble
-from toothspace.machines.external_gear.contacts import load_share
-from toothspace.machines.external_gear.flow_paths import throat_drag
 from toothspace.model.description import MachineDescription
 
 TWO_PI = 2.0 * np.pi

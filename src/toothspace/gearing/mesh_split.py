@@ -42,20 +42,24 @@ _COLUMNS = 23
 
 
 class Mesh(NamedTuple):
-    """Two gears in mesh, drive gear at the origin, driven gear above it.
+    """Two gears in mesh, drive gear at the origin, the mesh above it.
+
+    A ring gear has negative radii: its centre lies below, its places are against the rotation.
 
     Parameters
     ----------
     center_distance : float
-        Distance of the centres. [m]
+        Height of the driven gear's centre, negative for a ring gear. [m]
     ratio : float
-        Speed of the driven over the speed of the drive gear, positive. [-]
+        Speed of the driven over the speed of the drive gear, positive where they turn opposite
+        ways, negative for a ring gear. [-]
     half_pitch : float
         Half of the drive gear's pitch angle. [rad]
     turn : float
         Right-handed rotation of the driven gear from centred backlash to contact. [rad]
     lens_drive, lens_driven : float
-        Half angle of the lens of the tip circles seen from each centre. [rad]
+        Half angle of the lens of the tip circles seen from each centre, negative from that of a
+        ring gear. [rad]
     """
 
     center_distance: float
@@ -236,7 +240,7 @@ def _inward(
     if excess > 0.0:
         # pause at the corner: a moving end would turn there
         if t < 0.5:
-            return -excess * flank.tip_radius * (1.0 - smooth_step(2.0 * t))
+            return -excess * (1.0 - smooth_step(2.0 * t))
         return smooth_step(2.0 * t - 1.0) * (length - closest)
     guess = nearest_knot(flank, at, cusp[0], cusp[1])
     outer = project(flank, at, cusp[0], cusp[1], guess)
@@ -263,8 +267,22 @@ def _ends(
     corner1 = first.angle - 0.5 * np.pi + drive.corner_angle
     corner2 = -(second.angle + 0.5 * np.pi) - driven.corner_angle
     cusp = (cusp_x, cusp_y)
-    in1 = _inward(drive, first, cusp, sign * corner1 - mesh.lens_drive, near.first, progress)
-    in2 = _inward(driven, second, cusp, sign * corner2 - mesh.lens_driven, near.second, progress)
+    in1 = _inward(
+        drive,
+        first,
+        cusp,
+        drive.tip_radius * (sign * corner1 - mesh.lens_drive),
+        near.first,
+        progress,
+    )
+    in2 = _inward(
+        driven,
+        second,
+        cusp,
+        driven.tip_radius * (sign * corner2 - mesh.lens_driven),
+        near.second,
+        progress,
+    )
     along1, along2 = corner1, corner2
     if in1 >= 0.0:
         x1, y1 = placed_point(drive, first, flank_length(drive) - in1)

@@ -90,7 +90,8 @@ def _placed(side: _Side, keep: Array) -> Array:
     radius, angle = side.flank.tip_radius, side.flank.corner_angle
     tip = radius * np.array([[np.cos(angle), np.sin(angle)]])
     # points between an arc and its chord would cross the chord
-    clear = np.hypot(*starts.T) < radius * np.cos(0.5 * _ARC_STEP)
+    inside = np.hypot(*starts.T) < radius * np.cos(0.5 * _ARC_STEP)
+    clear = inside if radius > 0.0 else np.hypot(*starts.T) > -radius / np.cos(0.5 * _ARC_STEP)
     points = np.vstack([starts, tip])[keep & np.append(clear, True)]
     c, s = np.cos(side.turn), np.sin(side.turn)
     return np.asarray(points @ np.array([[c, s], [-s, c]]) + side.center, dtype=float)

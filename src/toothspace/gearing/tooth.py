@@ -36,7 +36,7 @@ class Flank(NamedTuple):
     corner_angle : float
         Polar angle of the tip corner. [rad]
     tip_radius : float
-        Tip circle. [m]
+        Tip circle, negative where the tooth points to its centre. [m]
     """
 
     knots: Array
@@ -55,9 +55,9 @@ class Tooth(NamedTuple):
     left, right : Flank
         Flanks.
     tooth_count : int
-        Number of teeth.
+        Number of teeth, negative of a ring gear.
     tip_radius : float
-        Tip circle. [m]
+        Tip circle, negative of a ring gear. [m]
     """
 
     left: Flank

@@ -9,7 +9,8 @@ import numpy as np
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
-from toothspace.gearing.mesh_split import Mesh, Throats, throats
+from toothspace.gearing.mesh_split import Mesh
+from toothspace.gearing.meshing import in_contact, lens_angle, smallest_gap
 from toothspace.gearing.spaces import Spaces, drive_spaces, driven_spaces
 from toothspace.gearing.tooth import Tooth, tooth_curves
 from toothspace.geometry.gear_pair import (
@@ -23,7 +24,6 @@ from toothspace.geometry.involute import InvoluteGear, generate_profile
 from toothspace.machines.external_gear.spec import ExternalGearSpec, Gear
 
 POINTS_PER_TOOTH = 200
-_PHASE_SAMPLES = 181
 
 
 @final
@@ -123,7 +123,7 @@ def assemble(spec: ExternalGearSpec) -> Assembly:
     distance = pair.center_distance if pair is not None else _profile_distance(spec, profiles)
     teeth = tooth_curves(profiles[0]), tooth_curves(profiles[1])
     mesh = _centred_mesh(teeth, distance)
-    return Assembly(spec, profiles, teeth, _in_contact(teeth, mesh, spec.mode == "pump"), pair)
+    return Assembly(spec, profiles, teeth, in_contact(teeth, mesh, spec.mode == "pump"), pair)
 
 
 def _profile(gear: Gear) -> GearProfile:
@@ -185,7 +185,7 @@ def _distance_for_backlash(
 
 def _play(teeth: tuple[Tooth, Tooth], distance: float) -> float:
     mesh = _centred_mesh(teeth, distance)
-    left, right = (_smallest_gap(teeth, mesh, is_left)[0] for is_left in (True, False))
+    left, right = (smallest_gap(teeth, mesh, is_left)[0] for is_left in (True, False))
     return left + right
 
 
@@ -206,48 +206,6 @@ def _centred_mesh(teeth: tuple[Tooth, Tooth], distance: float) -> Mesh:
         ratio=drive.tooth_count / driven.tooth_count,
         half_pitch=np.pi / drive.tooth_count,
         turn=0.0,
-        lens_drive=_lens_angle(drive.tip_radius, driven.tip_radius, distance),
-        lens_driven=_lens_angle(driven.tip_radius, drive.tip_radius, distance),
+        lens_drive=lens_angle(drive.tip_radius, driven.tip_radius, distance),
+        lens_driven=lens_angle(driven.tip_radius, drive.tip_radius, distance),
     )
-
-
-def _lens_angle(own: float, other: float, distance: float) -> float:
-    return float(np.arccos((distance**2 + own**2 - other**2) / (2.0 * distance * own)))
-
-
-def facing_throats(teeth: tuple[Tooth, Tooth], mesh: Mesh, is_left: bool, angles: Array) -> Throats:
-    """Throats between left flanks or between right flanks at angles [rad]."""
-    drive, driven = teeth
-    if is_left:
-        return throats(drive.left, driven.left, mesh, angles)
-    return throats(drive.right, driven.right, mesh, angles)
-
-
-def _smallest_gap(teeth: tuple[Tooth, Tooth], mesh: Mesh, is_left: bool) -> tuple[float, float]:
-    # smallest gap of a flank pair over its passage, and its change with the driven gear's rotation
-    reach = mesh.lens_drive + 2.0 * mesh.half_pitch
-    passage = facing_throats(teeth, mesh, is_left, np.linspace(-reach, reach, _PHASE_SAMPLES))
-    gap = np.where(passage.weight >= 1.0, passage.gap, np.inf)
-    best = int(np.argmin(gap))
-    return float(gap[best]), float(driven_lever(passage, mesh)[best])
-
-
-def driven_lever(side: Throats, mesh: Mesh) -> Array:
-    """Derivative of the gap with respect to the driven gear's right-handed rotation. [m/rad]."""
-    x, y = side.driven_point.T
-    return np.asarray(
-        -side.normal[:, 0] * (y - mesh.center_distance) + side.normal[:, 1] * x, dtype=float
-    )
-
-
-def _in_contact(teeth: tuple[Tooth, Tooth], mesh: Mesh, is_left: bool) -> Mesh:
-    for _ in range(4):
-        gap, lever = _smallest_gap(teeth, mesh, is_left)
-        mesh = mesh._replace(turn=mesh.turn - gap / lever)
-    play, _ = _smallest_gap(teeth, mesh, not is_left)
-    if play < -1e-6:
-        raise GeometryError(
-            f"machine.gears.center_distance: found {mesh.center_distance * 1e3:.5g} mm: the flanks "
-            f"overlap by {-play * 1e3:.4g} mm, allowed a distance with backlash"
-        )
-    return mesh

@@ -7,17 +7,21 @@ import numpy as np
 from toothspace.closures.contact_law import hertz_scale, logarithmic_law
 from toothspace.core.types import Array
 from toothspace.gearing.mesh_split import Throats
+from toothspace.gearing.meshing import (
+    flank_geometry,
+    gap_by_motion,
+    load_share,
+    loaded_throats,
+    slip_by_motion,
+)
 from toothspace.gearing.spaces import Spaces
 from toothspace.geometry.involute import InvoluteGear
-from toothspace.machines.external_gear.assembly import Assembly, driven_lever
-from toothspace.machines.external_gear.contacts import load_share, loaded_throats
-from toothspace.machines.external_gear.flow_paths import gap_by_motion
+from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.external_gear.loads import BODIES, reduced_modulus
 from toothspace.machines.external_gear.numbering import FULL_TURN, Numbering
 from toothspace.model.description import ContactPair
-from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
+from toothspace.numerics.periodic_table import monotone_table
 
-_LEAST_RADIUS = 1e-4
 _STEEL_MODULUS = 206e9
 _MEASURED_OVER_THEORY = 0.8
 _HERTZ_SHARE_DEPTH = 5e-6
@@ -46,9 +50,9 @@ def _pair(
         body_b=BODIES[1],
         angle_ratio=1.0,
         phases=numbering.space_phases[0],
-        geometry=_geometry(assembly, side, share),
+        geometry=flank_geometry(assembly, side, share),
         gap_by_motion=monotone_table(FULL_TURN, gap_by_motion(assembly, side)),
-        slip_by_motion=monotone_table(FULL_TURN, _slip_by_motion(assembly, side)),
+        slip_by_motion=monotone_table(FULL_TURN, slip_by_motion(assembly, side)),
         width=assembly.face_width,
         effective_modulus=reduced_modulus(spec.drive.material, spec.driven.material),
         roughness=float(np.hypot(spec.drive.roughness, spec.driven.roughness)),
@@ -57,65 +61,6 @@ def _pair(
         depth=half_tooth(assembly),
         friction_account="mesh_friction",
     )
-
-
-def _geometry(assembly: Assembly, side: Throats, share: Array) -> PeriodicTable:
-    """Channels of a flank contact; the slope of the gap is exact, so conjugate flanks stay so."""
-    drive, driven = flank_radii(assembly, side)
-    ahead, follows = _along_normal(assembly, side)
-    ratio = assembly.mesh.ratio
-    complete = side.weight >= 1.0
-    # flanks that do not face one another in the lens are apart
-    gap = np.where(complete, side.gap, side.gap[complete].max())
-    rolling = np.abs(ahead) + ratio * np.abs(follows)
-    columns = [gap, share, drive, driven, -ratio * follows - ahead, rolling]
-    table = monotone_table(FULL_TURN, np.column_stack(columns))
-    table.slopes[:, 0] = _without_overshoot(gap, np.where(complete, _gap_rate(assembly, side), 0.0))
-    return table
-
-
-def _without_overshoot(values: Array, slopes: Array) -> Array:
-    """Exact slopes, held to three times the smaller secant where the curvature jumps."""
-    right = (np.roll(values, -1) - values) * (values.size / FULL_TURN)
-    limit = 3.0 * np.minimum(np.abs(right), np.abs(np.roll(right, 1)))
-    return np.clip(slopes, -limit, limit)
-
-
-def _gap_rate(assembly: Assembly, side: Throats) -> Array:
-    """Derivative of the gap with respect to the shaft angle, both gears turning. [m/rad]."""
-    x, y = side.drive_point.T
-    drive_lever = -side.normal[:, 0] * y + side.normal[:, 1] * x
-    driven = driven_lever(side, assembly.mesh)
-    return np.asarray(-drive_lever - assembly.mesh.ratio * driven, dtype=float)
-
-
-def _along_normal(assembly: Assembly, side: Throats) -> tuple[Array, Array]:
-    """Distances of the throat's ends from both centres along the normal, signed. [m]."""
-    center = np.array([0.0, assembly.mesh.center_distance])
-    drive = np.sum(side.drive_point * side.normal, axis=1)
-    driven = np.sum((side.driven_point - center) * side.normal, axis=1)
-    return drive, driven
-
-
-def flank_radii(assembly: Assembly, side: Throats) -> tuple[Array, Array]:
-    """Radii of curvature of touching flanks. [m].
-
-    On involutes they are the distances of the contact from both centres along the normal; at
-    a tip corner the edge counts with its rounding.
-    """
-    drive, driven = (np.abs(part) for part in _along_normal(assembly, side))
-    sharp = 1.0 / _LEAST_RADIUS
-    drive = np.where(side.drive_curvature > 0.2 * sharp, _LEAST_RADIUS, drive)
-    driven = np.where(side.driven_curvature > 0.2 * sharp, _LEAST_RADIUS, driven)
-    return np.maximum(drive, _LEAST_RADIUS), np.maximum(driven, _LEAST_RADIUS)
-
-
-def _slip_by_motion(assembly: Assembly, side: Throats) -> Array:
-    """Derivative of the tangential displacement of the driven flank by every micro-motion."""
-    tangent = np.column_stack([-side.normal[:, 1], side.normal[:, 0]])
-    _, follows = _along_normal(assembly, side)
-    weight = (side.weight > 0.0)[:, None]
-    return np.where(weight, np.column_stack([-tangent, tangent, follows]), 0.0)
 
 
 def half_tooth(assembly: Assembly) -> float:

@@ -6,8 +6,14 @@ import numpy as np
 
 from toothspace.core.types import Array, IntArray
 from toothspace.gearing.mesh_split import Throats
+from toothspace.gearing.meshing import (
+    gap_by_motion,
+    relative_radius,
+    throat_drag,
+    throat_width,
+)
 from toothspace.gearing.spaces import Spaces
-from toothspace.machines.external_gear.assembly import Assembly, driven_lever
+from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.external_gear.casing import bore
 from toothspace.machines.external_gear.loads import BODIES
 from toothspace.machines.external_gear.numbering import FULL_TURN, Numbering
@@ -32,9 +38,6 @@ _GROOVES = {"inlet": INLET_GROOVE, "outlet": OUTLET_GROOVE}
 
 GEARS = ("drive", "driven")
 MOTIONS = 5
-
-_RADIUS_RANGE = 5e-5, 5e-2
-_GROWN_THROAT = 0.05
 
 
 def flow_paths(
@@ -81,9 +84,9 @@ def _flank_path(
 ) -> FlowPath:
     met = numbering.met_spaces - (1 if leading else 0)
     nodes_b = numbering.nodes[1][np.mod(met, assembly.counts[1])]
-    grown = np.clip(side.weight / _GROWN_THROAT, 0.0, 1.0)
-    width = assembly.face_width * grown * grown * (3.0 - 2.0 * grown)
-    geometry = np.column_stack([side.gap, width, relative_radius(assembly, side)])
+    rounding = min(assembly.spec.drive.tip_rounding, assembly.spec.driven.tip_rounding)
+    radius = relative_radius(side, rounding)
+    geometry = np.column_stack([side.gap, throat_width(assembly, side), radius])
     return FlowPath(
         name="flank_leading" if leading else "flank_trailing",
         category=FLANK,
@@ -97,38 +100,6 @@ def _flank_path(
         drag_speed=monotone_table(FULL_TURN, throat_drag(assembly, side, leading=leading)),
         partner_shift=numbering.partner_shift,
     )
-
-
-def relative_radius(assembly: Assembly, side: Throats) -> Array:
-    """Relative radius of curvature of a throat; a sharp corner counts with its edge. [m]."""
-    low, high = _RADIUS_RANGE
-    edge = max(min(assembly.spec.drive.tip_rounding, assembly.spec.driven.tip_rounding), low)
-    curvature = side.drive_curvature + side.driven_curvature
-    curvature = np.where(side.at_corner, np.maximum(curvature, 1.0 / edge), curvature)
-    return np.asarray(1.0 / np.clip(curvature, 1.0 / high, 1.0 / low), dtype=float)
-
-
-def gap_by_motion(assembly: Assembly, side: Throats) -> Array:
-    """Derivative of the flank gap with respect to the five micro-motions. [-], [m/rad]."""
-    lever = driven_lever(side, assembly.mesh)
-    weight = (side.weight > 0.0)[:, None]
-    return np.where(weight, np.column_stack([-side.normal, side.normal, lever]), 0.0)
-
-
-def throat_drag(assembly: Assembly, side: Throats, *, leading: bool) -> Array:
-    """Mean speed of both walls less that of the throat, from the drive space on. [m/rad].
-
-    Half of the throat moves with each gear, as in the forces of the chamber pressures.
-    """
-    near = 0.75 * side.drive_point + 0.25 * side.driven_point
-    far = 0.25 * side.drive_point + 0.75 * side.driven_point
-    far = far - np.array([0.0, assembly.mesh.center_distance])
-    drive = np.column_stack([-near[:, 1], near[:, 0]])
-    driven = assembly.mesh.ratio * np.column_stack([far[:, 1], -far[:, 0]])
-    throat = 0.5 * (side.drive_velocity + side.driven_velocity)
-    slip = 0.5 * (drive + driven) - throat
-    along = slip[:, 0] * side.normal[:, 1] - slip[:, 1] * side.normal[:, 0]
-    return np.where(side.weight > 0.0, -along if leading else along, 0.0)
 
 
 def tip_path(assembly: Assembly, numbering: Numbering, gear: int, nodes: int) -> FlowPath:

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from toothspace.gearing.meshing import contact_range, flow_over_pitch
 from toothspace.gearing.spaces import Spaces, section_areas
 from toothspace.geometry.design_rules import design_findings
 from toothspace.geometry.gear_pair import flow_ripple
@@ -13,11 +14,7 @@ from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import tooth_form
 from toothspace.geometry.involute_fit import deviation_from_best_involute
 from toothspace.machines.external_gear.assembly import Assembly
-from toothspace.machines.external_gear.contacts import (
-    contact_range,
-    displacement,
-    flow_over_pitch,
-)
+from toothspace.machines.external_gear.contacts import displacement
 from toothspace.machines.external_gear.strength import strength_checks
 from toothspace.model.description import DesignCheck
 

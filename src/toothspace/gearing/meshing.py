@@ -1,0 +1,319 @@
+"""Two gears in mesh: throats between facing flanks, contact, ideal flow, gaps over micro-motions.
+
+A ring gear counts as a gear with negative tooth count, radii, centre distance and speed ratio, as
+in ISO 21771; every formula then holds for external and internal pairs.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+
+from toothspace.core.errors import GeometryError
+from toothspace.core.types import Array
+from toothspace.gearing.mesh_split import Mesh, Throats, throats
+from toothspace.gearing.spaces import Spaces
+from toothspace.gearing.tooth import Tooth
+from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
+
+CONTACT_TOLERANCE = 1e-6
+"""Gap above that of the touching pair up to which a second flank pair counts as touching. [m]"""
+
+FULL_TURN = 2.0 * np.pi
+_PHASE_SAMPLES = 181
+_LEAST_RATIO = 1.02
+_SAMPLES = 1441
+_NO_THROAT = 1.0
+_RADIUS_RANGE = 5e-5, 5e-2
+_GROWN_THROAT = 0.05
+_LEAST_RADIUS = 1e-4
+
+
+class MeshedGears(Protocol):
+    """What this module needs to know of two gears in mesh."""
+
+    @property
+    def teeth(self) -> tuple[Tooth, Tooth]:
+        """Drive and driven tooth."""
+
+    @property
+    def mesh(self) -> Mesh:
+        """Relative position."""
+
+    @property
+    def face_width(self) -> float:
+        """Width over which the gears mesh. [m]."""
+
+    @property
+    def loaded_is_left(self) -> bool:
+        """Whether the loaded flanks are the left ones (pump) or the right ones (motor)."""
+
+
+def lens_angle(own: float, other: float, distance: float) -> float:
+    """Half angle of the lens of two tip circles, seen from the centre of the own one. [rad]."""
+    return float(np.arccos((distance**2 + own**2 - other**2) / (2.0 * distance * own)))
+
+
+def facing_throats(teeth: tuple[Tooth, Tooth], mesh: Mesh, is_left: bool, angles: Array) -> Throats:
+    """Throats between left flanks or between right flanks at angles [rad]."""
+    drive, driven = teeth
+    if is_left:
+        return throats(drive.left, driven.left, mesh, angles)
+    return throats(drive.right, driven.right, mesh, angles)
+
+
+def driven_lever(side: Throats, mesh: Mesh) -> Array:
+    """Derivative of the gap with respect to the driven gear's right-handed rotation. [m/rad]."""
+    x, y = side.driven_point.T
+    return np.asarray(
+        -side.normal[:, 0] * (y - mesh.center_distance) + side.normal[:, 1] * x, dtype=float
+    )
+
+
+def smallest_gap(teeth: tuple[Tooth, Tooth], mesh: Mesh, is_left: bool) -> tuple[float, float]:
+    """Smallest gap of a flank pair over its passage [m], its change by the driven rotation."""
+    reach = mesh.lens_drive + 2.0 * mesh.half_pitch
+    passage = facing_throats(teeth, mesh, is_left, np.linspace(-reach, reach, _PHASE_SAMPLES))
+    gap = np.where(passage.weight >= 1.0, passage.gap, np.inf)
+    best = int(np.argmin(gap))
+    return float(gap[best]), float(driven_lever(passage, mesh)[best])
+
+
+def in_contact(teeth: tuple[Tooth, Tooth], mesh: Mesh, is_left: bool) -> Mesh:
+    """Mesh with the driven gear turned until the loaded flanks touch.
+
+    Raises
+    ------
+    GeometryError
+        If the other flanks then overlap.
+    """
+    for _ in range(4):
+        gap, lever = smallest_gap(teeth, mesh, is_left)
+        mesh = mesh._replace(turn=mesh.turn - gap / lever)
+    play, _ = smallest_gap(teeth, mesh, not is_left)
+    if play < -1e-6:
+        raise GeometryError(
+            f"machine.gears.center_distance: found {mesh.center_distance * 1e3:.5g} mm: the flanks "
+            f"overlap by {-play * 1e3:.4g} mm, allowed a distance with backlash"
+        )
+    return mesh
+
+
+def loaded_throats(gears: MeshedGears, spaces: Spaces) -> Throats:
+    """Throats of the drive spaces at the flanks that carry the load."""
+    return spaces.left if gears.loaded_is_left else spaces.right
+
+
+def contact_range(gears: MeshedGears) -> tuple[float, float]:
+    """Throat angles at which the loaded flank pair begins and ends to touch.
+
+    Parameters
+    ----------
+    gears : MeshedGears
+        Gears in mesh.
+
+    Returns
+    -------
+    tuple of float
+        Range, at least 1.02 pitches long. [rad]
+    """
+    mesh = gears.mesh
+    pitch = 2.0 * mesh.half_pitch
+    reach = mesh.lens_drive + 2.0 * pitch
+    angles = np.linspace(-reach, reach, _SAMPLES)
+    gap = _complete_gap(facing_throats(gears.teeth, mesh, gears.loaded_is_left, angles))
+    neighbours = [
+        _complete_gap(facing_throats(gears.teeth, mesh, gears.loaded_is_left, angles + shift))
+        for shift in (-pitch, pitch)
+    ]
+    least = np.minimum(gap, np.minimum(*neighbours))
+    touching = angles[(gap < _NO_THROAT) & (gap <= least + CONTACT_TOLERANCE)]
+    start, end = float(touching[0]), float(touching[-1])
+    missing = max(_LEAST_RATIO * pitch - (end - start), 0.0)
+    return start - 0.5 * missing, end + 0.5 * missing
+
+
+def _complete_gap(side: Throats) -> Array:
+    return np.where(side.weight >= 1.0, side.gap, _NO_THROAT)
+
+
+def load_share(gears: MeshedGears, angles: Array) -> Array:
+    """Share of the contact force that a flank pair carries.
+
+    Parameters
+    ----------
+    gears : MeshedGears
+        Gears in mesh.
+    angles : ndarray
+        Throat angles. [rad]
+
+    Returns
+    -------
+    ndarray
+        Share, 0 out of contact and smooth in between; the shares of pairs one pitch apart
+        sum to 1 at every angle. [-]
+    """
+    start, end = contact_range(gears)
+    pitch = 2.0 * gears.mesh.half_pitch
+    ramp = min(end - start - pitch, 0.5 * (end - start))
+    total = np.zeros_like(angles)
+    for shift in range(-3, 4):
+        total += _bump(angles + shift * pitch, start, end, ramp)
+    own = _bump(angles, start, end, ramp)
+    return np.asarray(own / np.where(own > 0.0, total, 1.0), dtype=float)
+
+
+def _bump(angles: Array, start: float, end: float, ramp: float) -> Array:
+    t = np.clip(np.minimum(angles - start, end - angles) / ramp, 0.0, 1.0)
+    return np.asarray(t * t * (3.0 - 2.0 * t), dtype=float)
+
+
+def rigid_contact(gears: MeshedGears) -> tuple[Array, float]:
+    """Normal at the middle of the path of contact, and the lever of the driven rotation. [-], [m].
+
+    The gap changes by ``-n . q_drive + n . q_driven + lever q_rotation``; the lever is signed, and
+    the contact force is the pressure torque on the driven gear over minus the lever.
+    """
+    middle = np.array([0.5 * sum(contact_range(gears))])
+    side = facing_throats(gears.teeth, gears.mesh, gears.loaded_is_left, middle)
+    return side.normal[0], float(driven_lever(side, gears.mesh)[0])
+
+
+def ideal_flow(gears: MeshedGears, angles: Array) -> Array:
+    r"""Volume delivered per radian while a throat at given angles seals inlet from outlet.
+
+    Parameters
+    ----------
+    gears : MeshedGears
+        Gears in mesh.
+    angles : ndarray
+        Throat angles of the loaded flanks. [rad]
+
+    Returns
+    -------
+    ndarray
+        Flow rate over shaft speed. [m3/rad]
+
+    Notes
+    -----
+    .. math:: \frac{Q}{\omega} = \frac{b}{2}\left[r_{a1}^2 - r_1^2
+              + \frac{z_1}{z_2} (r_{a2}^2 - r_2^2)\right]
+
+    with the distances :math:`r_1, r_2` of the throat's middle from the centres.
+    """
+    side = facing_throats(gears.teeth, gears.mesh, gears.loaded_is_left, angles)
+    drive, driven = gears.teeth
+    center = np.array([0.0, gears.mesh.center_distance])
+    near = drive.tip_radius**2 - np.sum(side.middle**2, axis=1)
+    far = driven.tip_radius**2 - np.sum((side.middle - center) ** 2, axis=1)
+    return np.asarray(0.5 * gears.face_width * (near + gears.mesh.ratio * far), dtype=float)
+
+
+def flow_over_pitch(gears: MeshedGears, samples: int = 1200) -> Array:
+    """Ideal single-flank flow over one pitch: the contact nearest to the pitch point seals."""
+    pitch = 2.0 * gears.mesh.half_pitch
+    steps = pitch * np.arange(samples) / samples
+    start, end = contact_range(gears)
+    angles = 0.5 * (start + end) + steps[:, None] + pitch * np.arange(-2, 2)[None, :]
+    flow = ideal_flow(gears, angles.ravel()).reshape(angles.shape)
+    inside = (angles >= start) & (angles <= end)
+    return np.asarray(np.max(np.where(inside, flow, 0.0), axis=1), dtype=float)
+
+
+def throat_width(gears: MeshedGears, side: Throats) -> Array:
+    """Width of the gap in a throat, which grows while the tips enter the lens. [m]."""
+    grown = np.clip(side.weight / _GROWN_THROAT, 0.0, 1.0)
+    return np.asarray(gears.face_width * grown * grown * (3.0 - 2.0 * grown), dtype=float)
+
+
+def relative_radius(side: Throats, tip_rounding: float) -> Array:
+    """Relative radius of curvature of a throat; a sharp corner counts with its edge. [m]."""
+    low, high = _RADIUS_RANGE
+    edge = max(tip_rounding, low)
+    curvature = side.drive_curvature + side.driven_curvature
+    curvature = np.where(side.at_corner, np.maximum(curvature, 1.0 / edge), curvature)
+    return np.asarray(1.0 / np.clip(curvature, 1.0 / high, 1.0 / low), dtype=float)
+
+
+def gap_by_motion(gears: MeshedGears, side: Throats) -> Array:
+    """Derivative of the flank gap with respect to the five micro-motions. [-], [m/rad]."""
+    lever = driven_lever(side, gears.mesh)
+    weight = (side.weight > 0.0)[:, None]
+    return np.where(weight, np.column_stack([-side.normal, side.normal, lever]), 0.0)
+
+
+def throat_drag(gears: MeshedGears, side: Throats, *, leading: bool) -> Array:
+    """Mean speed of both walls less that of the throat, from the drive space on. [m/rad].
+
+    Half of the throat moves with each gear, as in the forces of the chamber pressures.
+    """
+    near = 0.75 * side.drive_point + 0.25 * side.driven_point
+    far = 0.25 * side.drive_point + 0.75 * side.driven_point
+    far = far - np.array([0.0, gears.mesh.center_distance])
+    drive = np.column_stack([-near[:, 1], near[:, 0]])
+    driven = gears.mesh.ratio * np.column_stack([far[:, 1], -far[:, 0]])
+    throat = 0.5 * (side.drive_velocity + side.driven_velocity)
+    slip = 0.5 * (drive + driven) - throat
+    along = slip[:, 0] * side.normal[:, 1] - slip[:, 1] * side.normal[:, 0]
+    return np.where(side.weight > 0.0, -along if leading else along, 0.0)
+
+
+def flank_geometry(gears: MeshedGears, side: Throats, share: Array) -> PeriodicTable:
+    """Channels of a flank contact; the slope of the gap is exact, so conjugate flanks stay so."""
+    drive, driven = flank_radii(gears, side)
+    ahead, follows = _along_normal(gears, side)
+    ratio = gears.mesh.ratio
+    complete = side.weight >= 1.0
+    # flanks that do not face one another in the lens are apart
+    gap = np.where(complete, side.gap, side.gap[complete].max())
+    rolling = np.abs(ahead) + abs(ratio) * np.abs(follows)
+    columns = [gap, share, drive, driven, -ratio * follows - ahead, rolling]
+    table = monotone_table(FULL_TURN, np.column_stack(columns))
+    table.slopes[:, 0] = _without_overshoot(gap, np.where(complete, _gap_rate(gears, side), 0.0))
+    return table
+
+
+def _without_overshoot(values: Array, slopes: Array) -> Array:
+    """Exact slopes, held to three times the smaller secant where the curvature jumps."""
+    right = (np.roll(values, -1) - values) * (values.size / FULL_TURN)
+    limit = 3.0 * np.minimum(np.abs(right), np.abs(np.roll(right, 1)))
+    return np.clip(slopes, -limit, limit)
+
+
+def _gap_rate(gears: MeshedGears, side: Throats) -> Array:
+    """Derivative of the gap with respect to the shaft angle, both gears turning. [m/rad]."""
+    x, y = side.drive_point.T
+    drive_lever = -side.normal[:, 0] * y + side.normal[:, 1] * x
+    driven = driven_lever(side, gears.mesh)
+    return np.asarray(-drive_lever - gears.mesh.ratio * driven, dtype=float)
+
+
+def _along_normal(gears: MeshedGears, side: Throats) -> tuple[Array, Array]:
+    """Distances of the throat's ends from both centres along the normal, signed. [m]."""
+    center = np.array([0.0, gears.mesh.center_distance])
+    drive = np.sum(side.drive_point * side.normal, axis=1)
+    driven = np.sum((side.driven_point - center) * side.normal, axis=1)
+    return drive, driven
+
+
+def flank_radii(gears: MeshedGears, side: Throats) -> tuple[Array, Array]:
+    """Radii of curvature of touching flanks. [m].
+
+    On involutes they are the distances of the contact from both centres along the normal, negative
+    on the concave flanks of a ring gear; at a tip corner the edge counts with its rounding.
+    """
+    drive, driven = (np.abs(part) for part in _along_normal(gears, side))
+    sharp = 1.0 / _LEAST_RADIUS
+    drive = np.where(side.drive_curvature > 0.2 * sharp, _LEAST_RADIUS, drive)
+    drive, driven = np.maximum(drive, _LEAST_RADIUS), np.maximum(driven, _LEAST_RADIUS)
+    driven = np.copysign(driven, gears.mesh.ratio)
+    return drive, np.where(side.driven_curvature > 0.2 * sharp, _LEAST_RADIUS, driven)
+
+
+def slip_by_motion(gears: MeshedGears, side: Throats) -> Array:
+    """Derivative of the tangential displacement of the driven flank by every micro-motion."""
+    tangent = np.column_stack([-side.normal[:, 1], side.normal[:, 0]])
+    _, follows = _along_normal(gears, side)
+    weight = (side.weight > 0.0)[:, None]
+    return np.where(weight, np.column_stack([-tangent, tangent, follows]), 0.0)
