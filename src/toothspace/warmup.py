@@ -15,13 +15,13 @@ def warm_up() -> dict[str, float]:
     dict
         ``compile_time_s``: seconds spent on compiling, or on loading what was kept. [s]
     """
-    from toothspace import api, films
+    from toothspace import api
 
     started = compile_seconds()
     with as_file(files("toothspace.library") / "warmup") as folder:
         machine = folder / "machine.toml"
         for fidelity in ("lumped", "films"):
             api.simulate(api.load_case(machine, [f"run.fidelity={fidelity}"]))
-        films.solve_bearing(api.load_case(folder / "bearing.toml"))
-        films.solve_film(api.load_case(folder / "film.toml"))
+        api.solve_bearing(api.load_case(folder / "bearing.toml"))
+        api.solve_film(api.load_case(folder / "film.toml"))
     return {"compile_time_s": compile_seconds() - started}
