@@ -434,22 +434,15 @@ def test_values_of_numpy_become_json() -> None:
     assert output.plain(value) == {"a": [0, 1], "b": [1, None], "c": None, "d": "x"}
 
 
-def test_help_answers_at_once() -> None:
-    resource = pytest.importorskip("resource")
-
-    def processor_time() -> float:
-        usage = resource.getrusage(resource.RUSAGE_CHILDREN)
-        return float(usage.ru_utime + usage.ru_stime)
-
-    times = []
-    for _ in range(3):
-        start = processor_time()
-        command = [sys.executable, "-m", "toothspace", "--help"]
-        done = subprocess.run(command, capture_output=True, text=True, check=True)
-        times.append(processor_time() - start)
+def test_help_answers_without_what_is_heavy() -> None:
+    heavy = {"numpy", "numba", "scipy", "xarray", "pint", "matplotlib", "plotly", "shapely"}
+    program = (
+        "import sys\nfrom toothspace.cli import main\n"
+        f"assert main(['--help']) == 0\nassert not {heavy!r} & set(sys.modules)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
     assert "geometry" in done.stdout
-    # 0.3 s are promised; processor time does not depend on what else the machine does
-    assert min(times) < 0.3
 
 
 def test_long_lists_are_shown_by_their_range(capsys: pytest.CaptureFixture[str]) -> None:

@@ -19,7 +19,6 @@ from toothspace.core.files import require_writable
 from toothspace.core.interrupts import interrupts_held
 from toothspace.core.registry import machine_modules
 from toothspace.core.status import Status
-from toothspace.simulation.presets import PRESETS
 
 if TYPE_CHECKING:
     from toothspace.case import Case
@@ -392,6 +391,8 @@ def _write_geometry(case: Case, description: Any, outputs: GeometryOutputs) -> N
 
 
 def _tell_unused(case: Case) -> None:
+    from toothspace.simulation.presets import PRESETS
+
     bends = case.run.fidelity != "elastic" or case.run.deformation == "bodies"
     if not bends and getattr(case.machine, "elastic_bodies", None) is not None:
         law = f"run.deformation = {case.run.deformation!r}"
