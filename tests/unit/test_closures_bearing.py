@@ -1,26 +1,28 @@
-"""Lumped journal bearing against PHYSICS 7 and published tables."""
+"""Closed form of the journal bearing, as the simulator reads it, against published tables."""
 
 from __future__ import annotations
 
 import csv
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from toothspace.closures.bearing_lumped import (
-    JournalSize,
-    bearing_friction_number,
-    finite_bearing_force,
-    journal_friction_torque,
-    petroff_torque,
+from tests.reference_formulas.journal_bearing import (
+    friction_number,
     short_bearing_dynamic_force,
     short_bearing_force,
+)
+from toothspace.closures.bearing_map import JournalMap, build_journal_map, journal_force
+from toothspace.closures.journal_friction import (
+    PUBLISHED_CURVE,
+    journal_pressure_torque,
+    journal_shear_torque,
     sommerfeld_number,
 )
-from toothspace.closures.journal_friction import PUBLISHED_CURVE
 
-CONVERGED = {  # PHYSICS 7.1, converged Reynolds solutions: (L/D, eps): S, phi, f R/c
+CONVERGED = {  # converged Reynolds solutions: (L/D, eps): S, phi, f R/c
     (1.0, 0.2): (0.6317, 73.86, 12.82),
     (1.0, 0.4): (0.2604, 62.57, 5.785),
     (1.0, 0.6): (0.1209, 50.53, 3.215),
@@ -37,33 +39,48 @@ CONVERGED = {  # PHYSICS 7.1, converged Reynolds solutions: (L/D, eps): S, phi, 
     (0.25, 0.8): (0.2633, 31.25, 8.868),
     (0.25, 0.9): (0.07365, 21.79, 3.502),
 }
-RAIMONDI_BOYD = [  # PHYSICS 7.1: L/D, eps, S, phi, f R/c
+RAIMONDI_BOYD = [  # Trans. ASLE 1 (1958) 159-209: L/D, eps, S, phi, f R/c
     (1.0, 0.1, 1.33, 79.5, 26.4),
     (1.0, 0.6, 0.121, 50.58, 3.22),
     (1.0, 0.97, 0.00474, 15.47, 0.514),
     (0.5, 0.6, 0.319, 48.14, 8.10),
     (0.25, 0.9, 0.0736, 21.85, 3.50),
 ]
-LOAD_ERROR = {0.25: 0.012, 0.5: 0.035, 1.0: 0.065}  # PHYSICS 7.2: 1, 1-3, 3-6 %
+LOAD_ERROR = {0.25: 0.012, 0.5: 0.035, 1.0: 0.065}  # of build_journal_map: 1, 3, 6 %
 
 
-def unit_size(slenderness: float) -> JournalSize:
-    """Bearing with mu omega (R/c)^2 R L = 1 at unit viscosity and speed."""
+@cache
+def journal_map(slenderness: float) -> JournalMap:
+    return build_journal_map(slenderness)
+
+
+def force(
+    slenderness: float, eccentricity: float, speed: float, velocity: tuple[float, float] = (0, 0)
+) -> np.ndarray:
+    """Force along and across the eccentricity at unit film scale and clearance.
+
+    Over mu omega R L (R/c)^2, with speeds over that of the shaft.
+    """
+    shape = journal_map(slenderness)
+    return np.array(journal_force(eccentricity, 0.0, *velocity, speed, 1.0, 1.0, shape)[:2])
+
+
+def number_of(slenderness: float, load: float) -> float:
+    """Sommerfeld number of a dimensionless load."""
     length = 2.0 * slenderness
-    return JournalSize(1.0, length, np.sqrt(length))
+    return float(sommerfeld_number(1.0, load, 1.0, 1.0, length, np.sqrt(length)))
 
 
 @pytest.mark.parametrize(("slenderness", "eccentricity"), CONVERGED)
 def test_steady_load_and_attitude(slenderness: float, eccentricity: float) -> None:
     sommerfeld, attitude, friction = CONVERGED[slenderness, eccentricity]
-    size = unit_size(slenderness)
-    radial, cross = finite_bearing_force(eccentricity, 1.0, 0.0, 1.0, size)
-    ours = sommerfeld_number(1.0, np.hypot(radial, cross), 1.0, size)
-    angle = np.arctan2(cross, radial)
+    along, across = force(slenderness, eccentricity, 1.0)
+    ours = number_of(slenderness, np.hypot(along, across))
+    angle = np.arctan2(across, -along)
     assert ours == pytest.approx(sommerfeld, rel=LOAD_ERROR[slenderness])
     assert np.degrees(angle) == pytest.approx(attitude, abs=4.0)  # worst at 0.2
-    number = bearing_friction_number(ours, eccentricity, angle)
-    assert number == pytest.approx(friction, rel=LOAD_ERROR[slenderness])
+    found = friction_number(ours, eccentricity, angle)
+    assert found == pytest.approx(friction, rel=LOAD_ERROR[slenderness])
 
 
 @pytest.mark.parametrize(
@@ -73,24 +90,15 @@ def test_friction_reproduces_raimondi_and_boyd(
     slenderness: float, eccentricity: float, sommerfeld: float, attitude: float, friction: float
 ) -> None:
     """From their own S and attitude angle: the sheared full circumference."""
-    number = bearing_friction_number(sommerfeld, eccentricity, np.radians(attitude))
+    number = friction_number(sommerfeld, eccentricity, np.radians(attitude))
     assert number == pytest.approx(friction, rel=0.02)
 
 
-def test_closed_form_with_squeeze() -> None:
-    """PHYSICS 7.2, film from the widest gap: (.2948, .2203) and (7.157, 0) over 3 mu..."""
-    size = unit_size(0.5)
-    force = np.array(finite_bearing_force(0.5, 1.0, 0.1, 1.0, size, from_widest_gap=True))
-    assert force / 3.0 == pytest.approx([0.2948, 0.2203], abs=4e-4)
-    force = np.array(finite_bearing_force(0.8, 0.0, 0.2, 1.0, unit_size(1.0), True))
-    assert force / 3.0 == pytest.approx([7.157, 0.0], rel=4e-3, abs=1e-9)
-
-
-def test_free_film_is_closer_to_the_full_solution() -> None:
-    """PHYSICS 7.2: Reynolds solution (.2871, .2136) and 6.728."""
-    force = np.array(finite_bearing_force(0.5, 1.0, 0.1, 1.0, unit_size(0.5))) / 3.0
-    assert np.hypot(*(force - [0.2871, 0.2136])) < 0.01 * np.hypot(0.2871, 0.2136)
-    radial = finite_bearing_force(0.8, 0.0, 0.2, 1.0, unit_size(1.0))[0] / 3.0
+def test_film_with_squeeze_is_close_to_the_full_solution() -> None:
+    """Reynolds solutions (0.2871, 0.2136) and 6.728, over 3 mu omega R L (R/c)^2."""
+    found = force(0.5, 0.5, 1.0, (0.1, 0.0)) / 3.0
+    assert np.hypot(*(found - [-0.2871, 0.2136])) < 0.01 * np.hypot(0.2871, 0.2136)
+    radial = -force(1.0, 0.8, 0.0, (0.2, 0.0))[0] / 3.0
     assert radial == pytest.approx(6.728, rel=0.04)
 
 
@@ -108,8 +116,7 @@ def test_pure_squeeze_against_butenschoen() -> None:
         if abs(eccentricity) > 0.95:
             continue
         rate = -1.0 if eccentricity < 0.0 else 1.0
-        size = unit_size(slenderness)
-        radial = finite_bearing_force(abs(eccentricity), 0.0, rate, 1.0, size)[0]
+        radial = force(slenderness, abs(eccentricity), 0.0, (rate, 0.0))[0]
         errors[slenderness].append(abs(0.5 * abs(radial) / expected - 1.0))
     assert max(errors[0.25]) < 0.045
     assert max(errors[0.5]) < 0.065
@@ -117,50 +124,48 @@ def test_pure_squeeze_against_butenschoen() -> None:
 
 
 def test_short_bearing_is_the_limit_of_small_length() -> None:
-    size = unit_size(0.02)
-    force = np.array(finite_bearing_force(0.5, 1.0, 0.0, 1.0, size))
-    assert force == pytest.approx(np.array(short_bearing_force(0.5, 0.02)), rel=2e-3)
-    attitude = np.arctan2(*short_bearing_force(0.5, 0.1)[::-1])
-    assert np.tan(attitude) == pytest.approx(np.pi * np.sqrt(0.75) / 2.0)  # PHYSICS 7.3
+    along, across = short_bearing_force(0.5, 0.05)
+    assert force(0.05, 0.5, 1.0) == pytest.approx([-along, across], rel=1e-2)
+    assert across / along == pytest.approx(np.pi * np.sqrt(0.75) / 2.0)
 
 
 @pytest.mark.parametrize(("rate", "turn"), [(0.0, 0.0), (0.1, 0.0), (-0.05, 0.2), (0.2, -0.3)])
 def test_short_bearing_in_motion(rate: float, turn: float) -> None:
     """Capone's closed form at L/D = 0.05: line of centres turning and squeezing."""
     slenderness, eccentricity = 0.05, 0.6
-    size = unit_size(slenderness)
-    radial, cross = finite_bearing_force(eccentricity, 1.0 - 2.0 * turn, rate, 1.0, size)
-    # eccentricity along x: x' = squeeze, y' = eccentricity * turn
-    x, y = short_bearing_dynamic_force(eccentricity, 0.0, rate, eccentricity * turn)
-    scale = slenderness**2
-    assert np.array([-radial, cross]) / scale == pytest.approx([x, y], rel=0.03)
+    found = force(slenderness, eccentricity, 1.0, (rate, eccentricity * turn))
+    expected = short_bearing_dynamic_force(eccentricity, 0.0, rate, eccentricity * turn)
+    assert found / slenderness**2 == pytest.approx(expected, rel=0.03)
 
 
-def test_petroff_and_friction_torque() -> None:
-    """A centred journal; and the pressure term e x F / 2 of an eccentric one."""
-    size = JournalSize(9e-3, 19e-3, 8e-6)
-    viscous = petroff_torque(157.0, 0.02, size)
-    assert viscous == pytest.approx(2 * np.pi * 0.02 * 157.0 * 9e-3**3 * 19e-3 / 8e-6)
-    assert journal_friction_torque(0.0, 0.0, 10.0, -5.0, viscous, 8e-6) == pytest.approx(viscous)
-    torque = journal_friction_torque(4e-6, 0.0, 0.0, 1000.0, viscous, 8e-6)
-    assert torque == pytest.approx(viscous / np.sqrt(0.75) + 0.5 * 4e-6 * 1000.0)
-    assert np.isfinite(journal_friction_torque(9e-6, 0.0, 0.0, 1000.0, viscous, 8e-6))
+def test_centred_journal_has_the_torque_of_petroff() -> None:
+    by_hand = 2 * np.pi * 0.02 * 157.0 * 9e-3**3 * 19e-3 / 8e-6
+    assert journal_shear_torque(0.0, 157.0, 0.02, 9e-3, 19e-3, 8e-6) == pytest.approx(by_hand)
+    eccentric = journal_shear_torque(0.5, 157.0, 0.02, 9e-3, 19e-3, 8e-6)
+    assert eccentric == pytest.approx(by_hand / np.sqrt(0.75))
+    assert journal_pressure_torque(4e-6, 1e-6, 30.0, 1000.0) == pytest.approx(
+        0.5 * (4e-6 * 1000.0 - 1e-6 * 30.0)
+    )
 
 
 def test_friction_torque_is_the_friction_number_times_load() -> None:
-    size = JournalSize(9e-3, 19e-3, 8e-6)
-    radial, cross = finite_bearing_force(0.7, 157.0, 0.0, 0.02, size)
-    load = np.hypot(radial, cross)
-    number = bearing_friction_number(
-        sommerfeld_number(157.0, load, 0.02, size), 0.7, np.arctan2(cross, radial)
+    """Shear of the whole film and moment of the film force, against Raimondi and Boyd's form."""
+    radius, length, clearance = 9e-3, 19e-3, 8e-6
+    strength = 0.02 * 157.0 * radius * length * (radius / clearance) ** 2
+    along, across = strength * force(round(0.5 * length / radius, 9), 0.7, 1.0)
+    load = np.hypot(along, across)
+    number = friction_number(
+        sommerfeld_number(157.0, load, 0.02, radius, length, clearance),
+        0.7,
+        np.arctan2(across, -along),
     )
-    viscous = petroff_torque(157.0, 0.02, size)
-    torque = journal_friction_torque(0.7 * 8e-6, 0.0, -radial, cross, viscous, 8e-6)
-    assert torque == pytest.approx(number * 8e-6 / 9e-3 * load * 9e-3)
+    torque = journal_shear_torque(0.7, 157.0, 0.02, radius, length, clearance)
+    torque += journal_pressure_torque(0.7 * clearance, 0.0, along, across)
+    assert torque == pytest.approx(number * clearance / radius * load * radius)
 
 
 def test_mixed_friction_curve() -> None:
-    """PHYSICS 1.1 and 0.11: 0.0455 at rest, 0.00102 at S = 0.0184, 0.0088 at 0.5, then a line."""
+    """By hand: 0.0455 at rest, 0.00102 at S = 0.0184, 0.0088 at 0.5, then a line."""
     curve = PUBLISHED_CURVE(np.array([0.0, 0.0184, 0.5, 2.0]))
     assert curve == pytest.approx([0.0455, 0.00102, 0.0088, 2 * 0.01748], rel=5e-3)
     fine = np.linspace(0.3, 0.7, 4001)

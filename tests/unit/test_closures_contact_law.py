@@ -5,11 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from toothspace.closures.contact_cylindrical import (
-    hertz_indentation,
-    johnson_indentation,
-    pereira_force,
-)
+from tests.reference_formulas.cylinder_contact import hertz_approach, johnson_indentation
+from toothspace.closures.contact_cylindrical import pereira_force
 from toothspace.closures.contact_law import (
     hertz_scale,
     johnson_scale,
@@ -36,7 +33,7 @@ def test_law_inverts_hertz_where_bodies_are_deep(other: float) -> None:
     scale = float(hertz_scale(15e-3, other, np.inf))
     assert scale == pytest.approx(johnson_scale(15e-3, other))
     load, _, _, _ = logarithmic_law(5e-6, float(np.log(scale)), STEEL)
-    assert hertz_indentation(load, 15e-3, other, STEEL) == pytest.approx(5e-6, rel=1e-12)
+    assert hertz_approach(load, 15e-3, other, STEEL) == pytest.approx(5e-6, rel=1e-12)
 
 
 def test_structure_in_series_adds_its_deflection() -> None:

@@ -1,4 +1,4 @@
-"""Friction, traction and seals against PHYSICS 1, 5, 9, 10 and hand calculation."""
+"""Friction and traction against hand calculation and published numbers."""
 
 from __future__ import annotations
 
@@ -6,20 +6,18 @@ import numpy as np
 import pytest
 from scipy.integrate import dblquad
 
+from tests.reference_formulas.rough_contact import pan_hamrock_film
 from toothspace.closures.friction import (
     lateral_film_torque,
     running_share,
     stribeck_friction,
-    tip_shear_stress,
-    tip_shear_torque,
+    stribeck_hump,
 )
-from toothspace.closures.seal import constant_seal_torque, lip_seal_power_loss
 from toothspace.closures.traction import (
     FlankSurface,
     boundary_share,
     film_thickness_dowson_higginson,
-    film_thickness_pan_hamrock,
-    mesh_friction_coefficient,
+    mesh_friction,
     traction_coefficient,
 )
 from toothspace.core.compiled import njit
@@ -31,7 +29,7 @@ SURFACE = FlankSurface(STEEL, 0.4e-6, 0.10, 0.05)
 
 
 def numbers(force: float, slide: float) -> tuple[float, float, float, float]:
-    """Arguments of the example in PHYSICS 5.1: R 4 mm, b 7.5 mm, alpha 2e-8, mu0 0.02."""
+    """Arguments of one example: R 4 mm, b 7.5 mm, alpha 2e-8, mu0 0.02."""
     speed_sum = 8.0
     speed = 0.02 * speed_sum / (STEEL * 4e-3)
     return slide, speed, force / (7.5e-3 * STEEL * 4e-3), 2e-8 * STEEL
@@ -39,18 +37,19 @@ def numbers(force: float, slide: float) -> tuple[float, float, float, float]:
 
 @pytest.mark.parametrize(("limiting", "expected"), [(0.05, 0.061), (0.08, 0.085)])
 def test_traction_of_a_loaded_mesh_is_the_limit(limiting: float, expected: float) -> None:
-    """PHYSICS 5.1: 0.8 gamma + 0.021 for every load above 200 N."""
+    """0.8 gamma + 0.021 for every load above 200 N."""
     for force in (200.0, 1000.0):
-        traction = traction_coefficient(*numbers(force, 0.3), limiting)
+        traction, _, _, _ = traction_coefficient(*numbers(force, 0.3), limiting)
         assert traction == pytest.approx(expected, abs=5e-4)
 
 
 def test_traction_of_a_light_load_is_newtonian() -> None:
-    """PHYSICS 5.1: 0.0017 to 0.020 at 50 N; the law in its range, by hand."""
+    """0.0017 to 0.020 at 50 N; the law in its range, by hand."""
     slide, speed, load, material = numbers(50.0, 0.3)
     hand = 0.671e-6 * 0.3**0.81 * speed**0.26 * (load * material**2) ** 3.32
     assert hand < 0.04
-    assert traction_coefficient(slide, speed, load, material, 0.05) == pytest.approx(hand, rel=3e-3)
+    found, _, _, _ = traction_coefficient(slide, speed, load, material, 0.05)
+    assert found == pytest.approx(hand, rel=3e-3)
 
 
 def test_traction_is_continuous_at_the_switch() -> None:
@@ -58,70 +57,84 @@ def test_traction_is_continuous_at_the_switch() -> None:
     slide, speed, _, material = numbers(50.0, 0.3)
     rounded = (slide**2 + 1e-8) ** 0.405 - 1e-4**0.81
     load = (0.04 / (0.671e-6 * rounded * speed**0.26)) ** (1 / 3.32) / material**2
-    below = traction_coefficient(slide, speed, load * (1 - 1e-9), material, 0.05)
-    above = traction_coefficient(slide, speed, load * (1 + 1e-9), material, 0.05)
+    below, _, _, _ = traction_coefficient(slide, speed, load * (1 - 1e-9), material, 0.05)
+    above, _, _, _ = traction_coefficient(slide, speed, load * (1 + 1e-9), material, 0.05)
     assert below == pytest.approx(0.04, rel=1e-6)
     assert above == pytest.approx(0.04, rel=1e-6)
 
 
 def test_film_thickness_of_gear_flanks() -> None:
-    """PHYSICS 5.2: both formulas within 8 %, 0.02 to 0.3 um."""
+    """Two published formulas within 8 %, 0.02 to 0.3 um."""
     _, speed, load, material = numbers(660.0, 0.3)
     one = film_thickness_dowson_higginson(0.5 * speed, material, load)
-    minimum, central = film_thickness_pan_hamrock(0.5 * speed, material, load)
+    minimum, central = pan_hamrock_film(0.5 * speed, material, load)
     assert minimum == pytest.approx(one, rel=0.08)
     assert central > minimum
     assert 0.02e-6 < one * 4e-3 < 0.5e-6
 
 
 def test_boundary_share() -> None:
-    assert boundary_share(np.array([0.0, 1.0])) == pytest.approx([1.0, np.exp(-1.8)])
-    assert boundary_share(3.0) < 2e-3
+    share, exponent = boundary_share(np.array([0.0, 1.0]))
+    assert share == pytest.approx([1.0, np.exp(-1.8)])
+    assert exponent == pytest.approx([0.0, 1.8])
+    assert boundary_share(3.0)[0] < 2e-3
 
 
 def test_mesh_friction_at_rest_and_in_reverse() -> None:
-    """No NaN at rest, boundary friction at creep, odd under reversal (PHYSICS 0.10)."""
-    at = (9e4, 4e-3, 4e-3)
-    assert mesh_friction_coefficient(*at, 0.0, 0.0, OIL, SURFACE) == 0.0
-    creep = mesh_friction_coefficient(*at, 5e-3, 1e-2, OIL, SURFACE)
+    """No NaN at rest, boundary friction at creep, odd under reversal."""
+    at = (9e4, 2e-3)
+    assert mesh_friction(*at, 0.0, 0.0, OIL, SURFACE)[0] == 0.0
+    creep, _, _ = mesh_friction(*at, 5e-3, 1e-2, OIL, SURFACE)
     assert creep == pytest.approx(0.10, abs=0.01)
-    forward = mesh_friction_coefficient(*at, 1.0, 5.0, OIL, SURFACE)
-    assert mesh_friction_coefficient(*at, -1.0, 5.0, OIL, SURFACE) == -forward
+    forward, _, _ = mesh_friction(*at, 1.0, 5.0, OIL, SURFACE)
+    assert mesh_friction(*at, -1.0, 5.0, OIL, SURFACE)[0] == -forward
     assert 0.05 < forward < 0.10
-    assert np.isfinite(mesh_friction_coefficient(0.0, 4e-3, 4e-3, 1.0, 5.0, OIL, SURFACE))
+    assert np.isfinite(mesh_friction(0.0, 2e-3, 1.0, 5.0, OIL, SURFACE)).all()
+
+
+@pytest.mark.parametrize("load", [5e3, 2e4, 3e5])
+@pytest.mark.parametrize("sliding", [-2.0, 3e-3, 0.4])
+def test_mesh_friction_gives_its_derivatives(load: float, sliding: float) -> None:
+    def friction(load: float, sliding: float) -> float:
+        return mesh_friction(load, 2e-3, sliding, 5.0, OIL, SURFACE)[0]
+
+    up, down = 1.0 + 1e-6, 1.0 - 1e-6
+    _, by_load, by_sliding = mesh_friction(load, 2e-3, sliding, 5.0, OIL, SURFACE)
+    growth = (friction(load * up, sliding) - friction(load * down, sliding)) / (2e-6 * load)
+    assert growth == pytest.approx(by_load, rel=1e-4, abs=1e-12)
+    growth = (friction(load, sliding * up) - friction(load, sliding * down)) / (2e-6 * sliding)
+    assert growth == pytest.approx(by_sliding, rel=1e-4, abs=1e-9)
 
 
 def test_stribeck_peak_is_the_breakaway_value() -> None:
-    """PHYSICS 1.1; the Coulomb part is tanh(10) there."""
-    at_peak = stribeck_friction(0.006, 250.0, 100.0, 0.006)
-    assert at_peak == pytest.approx(250.0, rel=1e-6)
+    """The Coulomb part is tanh(10) there."""
+    assert stribeck_hump(0.006, 0.006)[0] == pytest.approx(1.0)
+    assert stribeck_hump(0.006, 0.006)[1] == pytest.approx(0.0, abs=1e-9)
+    assert stribeck_friction(0.006, 250.0, 100.0, 0.006)[0] == pytest.approx(250.0, rel=1e-6)
     speed = np.linspace(0.0, 0.1, 2001)
-    assert stribeck_friction(speed, 250.0, 100.0, 0.006).max() == pytest.approx(250.0, rel=1e-3)
-    assert stribeck_friction(1.0, 250.0, 100.0, 0.006, 3.0) == pytest.approx(103.0)
-    assert stribeck_friction(0.0, 250.0, 100.0, 0.006) == 0.0
+    friction, slope = stribeck_friction(speed, 250.0, 100.0, 0.006)
+    assert friction.max() == pytest.approx(250.0, rel=1e-3)
+    assert friction[-1] == pytest.approx(100.0)
+    assert friction[0] == 0.0
+    fine = np.linspace(0.0, 0.03, 30001)
+    friction, slope = stribeck_friction(fine, 250.0, 100.0, 0.006)
+    assert np.gradient(friction, fine[1])[1:-1] == pytest.approx(slope[1:-1], abs=1e-4 * slope[0])
 
 
 def test_stribeck_slope_at_rest() -> None:
-    """PHYSICS 1.2: about 1.9e5 N s/m for 100 N, F_brk 250 N and 6.45 mm/s."""
-    slope = stribeck_friction(1e-7, 250.0, 100.0, 6.45e-3) / 1e-7
+    """By hand: sqrt(2e) 150 / (sqrt(2) v) + 1000 / v with v = 6.45 mm/s."""
+    slope = stribeck_friction(0.0, 250.0, 100.0, 6.45e-3)[1]
+    assert slope == pytest.approx((np.sqrt(np.e) * 150.0 + 1000.0) / 6.45e-3)
     assert slope == pytest.approx(1.9e5, rel=0.02)
 
 
-def test_running_share() -> None:
+def test_running_share_is_the_complement_of_the_bell() -> None:
     assert running_share(0.0, 1.0) == 0.0
-    assert running_share(1.0, 1.0) == pytest.approx(1.0 - np.exp(-1.0))
-
-
-def test_tip_shear() -> None:
-    """By hand: mu u/h = 1300 Pa; h dp/(2 L) = 1e-5 * 1e6 / 1e-3 = 1e4 Pa."""
-    stress = tip_shear_stress(1.0, 1e6, 20e-6, 1e-3, 0.026)
-    assert stress == pytest.approx(1300.0 + 1e4)
-    assert tip_shear_stress(1.0, -1e6, 20e-6, 1e-3, 0.026) == pytest.approx(1300.0 - 1e4)
-    assert tip_shear_torque(stress, 1e-3, 7.5e-3, 0.020) == pytest.approx(stress * 1.5e-7)
+    assert running_share(np.sqrt(2.0), 1.0) == pytest.approx(1.0 - np.exp(-1.0))
 
 
 def test_parallel_lateral_film() -> None:
-    """pi mu omega (ro^4 - ri^4) / 2h; PHYSICS 10 example, four faces, tooth factor 0.75."""
+    """pi mu omega (ro^4 - ri^4) / 2h; four faces, three quarters of the ring covered by teeth."""
     torque = lateral_film_torque(0.0184, 157.0, 0.009, 0.0202, 8e-6)
     hand = np.pi * 0.0184 * 157.0 * (0.0202**4 - 0.009**4) / (2 * 8e-6)
     assert torque == pytest.approx(hand)
@@ -142,26 +155,12 @@ def test_tilted_lateral_film(tilt: float) -> None:
     )
 
 
-def test_lip_seal() -> None:
-    """PHYSICS 9: 6.2 W = 0.039 N m for d 18 mm, 60 degC, 1500 rpm, VG 46."""
-    speed = 1500 * np.pi / 30
-    power = lip_seal_power_loss(0.018, speed, 333.15, 46e-6)
-    assert power == pytest.approx(6.2, abs=0.05)
-    assert power / speed == pytest.approx(0.039, abs=1e-3)
-
-
-def test_constant_seal() -> None:
-    assert constant_seal_torque(100.0, 0.15) == pytest.approx(0.15)
-    assert constant_seal_torque(-100.0, 0.15) == pytest.approx(-0.15)
-    assert constant_seal_torque(0.0, 0.15) == 0.0
-
-
 @njit
 def _compiled(speed: float) -> tuple[float, float, float]:
     return (
-        mesh_friction_coefficient(9e4, 4e-3, 4e-3, speed, 5.0, OIL, SURFACE),
+        mesh_friction(9e4, 2e-3, speed, 5.0, OIL, SURFACE)[0],
         lateral_film_torque(0.02, speed, 0.01, 0.02, 1e-5, 0.3),
-        stribeck_friction(speed, 2.0, 1.0, 0.006),
+        stribeck_friction(speed, 2.0, 1.0, 0.006)[0],
     )
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from tests.reference_formulas.rough_contact import contact_factor_fit
 from toothspace.closures import flow_factors as ff
 from toothspace.closures.contact_asperities import (
     asperity_force,
@@ -89,8 +90,10 @@ def test_shear_stress_factor_is_the_mean_inverse_gap(ratio: float) -> None:
 
 def test_contact_factor_and_its_published_fit() -> None:
     for ratio in np.linspace(0.0, 3.0, 13):
-        fit = ff.contact_factor_fit(float(ratio))
+        fit = contact_factor_fit(float(ratio))
         assert fit == pytest.approx(ff.contact_factor(float(ratio)), rel=4e-3)
+        step = ff.contact_factor(ratio + 1e-6) - ff.contact_factor(ratio - 1e-6)
+        assert ff.contact_factor_slope(float(ratio)) == pytest.approx(step / 2e-6, rel=1e-6)
 
 
 @pytest.mark.parametrize("pattern", [0.05, 12.0])

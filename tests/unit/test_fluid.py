@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from toothspace.closures.density import liquid_density
+from toothspace.closures.density import liquid_specific_volume
 from toothspace.closures.viscosity import dynamic_viscosity
 from toothspace.core.errors import CaseError
 from toothspace.library import library_names, load_fluid, load_material
@@ -80,7 +80,7 @@ def rows_of(name: str, temperatures: list[float], pressures: list[float]) -> lis
     for celsius in temperatures:
         law = fluid_law(name, celsius + 273.15)
         for bar in pressures:
-            density = liquid_density(1e5 * bar, law)
+            density = 1.0 / liquid_specific_volume(1e5 * bar, law)
             viscosity = 1e3 * dynamic_viscosity(1e5 * bar, law)
             rows.append(f"{celsius},{bar},{density:.6f},{viscosity:.8f}")
     return rows
@@ -101,8 +101,8 @@ def test_a_table_reproduces_the_fluid_it_was_made_of(tmp_path: Path, rows: list[
     law = fluid_law(written(tmp_path, rows), 323.15)
     expected = fluid_law("iso_vg_46", 323.15)
     pressure = np.array([1e5, 100e5, 300e5])
-    assert liquid_density(pressure, law) == pytest.approx(
-        liquid_density(pressure, expected), rel=1e-6
+    assert liquid_specific_volume(pressure, law) == pytest.approx(
+        liquid_specific_volume(pressure, expected), rel=1e-6
     )
     assert dynamic_viscosity(pressure, law) == pytest.approx(
         dynamic_viscosity(pressure, expected), rel=1e-5

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from tests.plane_contact import lobe_in_groove
-from toothspace.closures.contact_cylindrical import hertz_half_width, pereira_force
+from tests.reference_formulas.cylinder_contact import hertz_half_width
+from toothspace.closures.contact_cylindrical import pereira_force
 from toothspace.closures.contact_law import hertz_scale, johnson_scale, logarithmic_law
 
 STEEL = 206e9 / (2.0 * (1.0 - 0.3**2))

@@ -1,4 +1,4 @@
-"""Films between elastic walls: rigid limit, agreement of film and walls, load in balance."""
+"""Films between compliant faces: rigid limit, film and faces in agreement, independent solver."""
 
 from __future__ import annotations
 
@@ -8,85 +8,76 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from toothspace.core.errors import CaseError
+from tests.lateral_stack import HIGH, LOW, pressures, ring_stack
+from tests.reference_formulas.elastic_film import ElasticWalls, solve_elastic_film
 from toothspace.core.status import Status
-from toothspace.films.elastic_film import ElasticWalls, solve_elastic_film
-from toothspace.films.plane.film import PlaneFilm, solve_plane
-from toothspace.films.plane.pad import Pad
-from toothspace.films.reynolds.equation import GapField
-from toothspace.films.reynolds.fluid import FilmFluid
+from toothspace.films.lateral.face_film import FaceFilm
+from toothspace.films.plane.film import PlaneFilm, PlaneSolution, solve_plane
 
-SPEED, ROWS, LANES = 5.0, 24, 9
-PAD = Pad(
-    length=0.02,
-    width=0.01,
-    inlet_height=12e-6,
-    outlet_height=6e-6,
-    fluid=FilmFluid(0.01),
-    grid=(ROWS, LANES),
-)
+GAP, TILT = 6e-6, (1.2e-4, -0.8e-4)
+"""Level of the ring and its tilts: the film breaks up where the gap widens. [m, rad]"""
 
 
-def _film() -> PlaneFilm:
-    return PAD.solve(speed=SPEED).plane.film
+def _film(approach: float, cells: tuple[int, int] = (36, 10)) -> FaceFilm:
+    """Film of the tilted ring as the force balance of a bearing solves it."""
+    stack = ring_stack(rough=False, motion="full", approach=approach, cells=cells)
+    q = stack.start(GAP)
+    q[1:3] = TILT
+    flat = [np.zeros((g.rows, g.lanes)) for g in stack.grids]
+    return stack.solve(
+        stack.scene(0.0, pressures(HIGH)), q, np.zeros(stack.size), None, flat
+    ).films[0]
 
 
-def _columns(film: PlaneFilm, approach: float) -> ElasticWalls:
-    """Every cell gives way under its own pressure. [m/Pa]."""
+def _undeformed(cells: tuple[int, int] = (36, 10)) -> PlaneFilm:
+    return _film(0.0, cells).plane.film
+
+
+def _independent(film: PlaneFilm, approach: float) -> PlaneSolution:
+    """Every cell gives way under its own pressure."""
     area = film.grid.area.ravel()
-    return ElasticWalls(
-        sp.identity(area.size, format="csr"), np.diag(approach / area), np.zeros(area.size)
+    walls = ElasticWalls(
+        sp.identity(area.size, format="csr"), np.diag(approach / area), np.zeros(area.size), LOW
     )
-
-
-def _lift(film: PlaneFilm) -> GapField:
-    return GapField(
-        *(np.ones_like(a) for a in film.gap[:3]), *(np.zeros_like(a) for a in film.gap[3:])
-    )
-
-
-def test_stiff_walls_leave_the_film_as_it_is() -> None:
-    film = _film()
-    found = solve_elastic_film(film, _columns(film, 1e-25))
+    found = solve_elastic_film(film, walls)
     assert found.status is Status.DONE
-    assert found.plane.pressure == pytest.approx(solve_plane(film).pressure, rel=1e-9)
+    return found.plane
 
 
-@pytest.mark.parametrize("approach", [1e-13, 1e-12, 5e-12])
+def test_stiff_faces_leave_the_film_as_it_is() -> None:
+    rigid, stiff = _film(0.0), _film(1e-25)
+    assert stiff.plane.status is Status.DONE
+    assert stiff.pressure == pytest.approx(rigid.pressure, rel=1e-7)
+
+
+@pytest.mark.parametrize("approach", [1e-14, 3e-13, 1e-12])
 def test_gap_and_pressure_agree(approach: float) -> None:
-    """Columns open by their pressure, and the film with that gap has that pressure."""
-    film = _film()
-    found = solve_elastic_film(film, _columns(film, approach))
-    assert found.status is Status.DONE
-    pressure = found.plane.pressure
-    opening = found.plane.film.gap.centre - film.gap.centre
-    assert opening == pytest.approx(approach * pressure, rel=1e-5, abs=1e-13)
-    again = solve_plane(replace(film, gap=found.plane.film.gap))
-    assert again.pressure == pytest.approx(pressure, rel=1e-9)
-    assert float(pressure.max()) < float(solve_plane(film).pressure.max())
+    """Faces open by their pressure, and a rigid film with that gap has that pressure."""
+    found = _film(approach)
+    assert found.plane.status is Status.DONE
+    opening = found.gap - _undeformed().gap.centre
+    assert opening == pytest.approx(approach * (found.pressure - LOW), rel=1e-5, abs=1e-13)
+    again = solve_plane(found.plane.film)
+    assert again.pressure == pytest.approx(found.pressure, rel=1e-5)
+    assert float(found.pressure.max()) < float(_film(0.0).pressure.max())
 
 
-def test_free_lift_carries_its_load() -> None:
-    film = _film()
-    load = 2.0 * float((solve_plane(film).pressure * film.grid.area).sum())
-    found = solve_elastic_film(
-        film, _columns(film, 1e-12), shapes=(_lift(film),), external=np.array([-load])
-    )
-    assert found.status is Status.DONE
-    assert found.load[0] == pytest.approx(load, rel=1e-6)
-    assert found.motion[0] < 0.0
+def test_an_independent_solver_finds_the_same_film() -> None:
+    """GMRES over all deformations against elimination cell by cell, each with its own faces."""
+    errors = []
+    for cells in ((36, 10), (72, 20)):
+        ours = _film(3e-13, cells)
+        other = _independent(_undeformed(cells), 3e-13)
+        span = float(np.ptp(other.pressure))
+        errors.append(float(np.abs(ours.pressure - other.pressure).max()) / span)
+    assert errors[0] < 0.05
+    assert errors[1] < 0.7 * errors[0]
 
 
-def test_start_from_the_solution_needs_few_steps() -> None:
-    film = _film()
-    walls = _columns(film, 2e-12)
-    first = solve_elastic_film(film, walls)
-    again = solve_elastic_film(film, walls, start=first)
-    assert again.steps <= 2 < first.steps
-
-
-def test_walls_that_touch_at_the_start_are_refused() -> None:
-    film = _film()
-    closed = replace(film, gap=film.gap._replace(centre=film.gap.centre - 9e-6))
-    with pytest.raises(CaseError, match="walls that touch"):
-        solve_elastic_film(closed, _columns(film, 1e-13))
+def test_independent_solver_agrees_with_its_own_gap() -> None:
+    film = _undeformed()
+    found = _independent(film, 3e-13)
+    opening = found.film.gap.centre - film.gap.centre
+    assert opening == pytest.approx(3e-13 * (found.pressure - LOW), rel=1e-5, abs=1e-13)
+    again = solve_plane(replace(film, gap=found.film.gap))
+    assert again.pressure == pytest.approx(found.pressure, rel=1e-9)

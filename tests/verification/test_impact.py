@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from tests.reference_formulas.cylinder_contact import johnson_indentation
 from tests.toy_machine import TURN, toy_machine
-from toothspace.closures.contact_cylindrical import johnson_indentation
 from toothspace.model.arrays import CONTACT_ENERGY
 from toothspace.model.assembly import System, assemble
 from toothspace.model.contact_pair import ContactPair

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from tests.reference_formulas.trapped_area import trapped_area
 from toothspace.geometry.gear_pair import (
     curvature_radii,
     displacement_per_radian,
@@ -13,7 +14,6 @@ from toothspace.geometry.gear_pair import (
     trapped_volume_change,
 )
 from toothspace.geometry.involute import InvoluteGear, generate_profile
-from toothspace.geometry.trapped import trapped_area
 
 # MAAG reports of the FZG gears; lengths in mm, tolerances 0.002 mm (radii), 0.01 (others)
 SPUR = {

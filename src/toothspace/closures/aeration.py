@@ -6,7 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from toothspace.closures.density import free_gas_fraction, mixture_specific_volume
+from toothspace.closures.density import (
+    free_gas_fraction,
+    liquid_specific_volume,
+    mixture_specific_volume,
+)
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.smooth import positive_part, positive_part_slope
 from toothspace.core.compiled import inlined
@@ -16,7 +20,7 @@ _ROUNDING = 1e-3
 
 
 @inlined
-def equilibrium_gas_fraction(pressure: Any, law: FluidLaw) -> Any:
+def equilibrium_gas_fraction(pressure: Any, law: FluidLaw) -> tuple[Any, Any]:
     r"""Mass fraction of free gas in equilibrium with the dissolved gas (Henry's law).
 
     Parameters
@@ -28,19 +32,30 @@ def equilibrium_gas_fraction(pressure: Any, law: FluidLaw) -> Any:
 
     Returns
     -------
-    float or ndarray
+    fraction : float or ndarray
         Mass of free gas per mass of mixture, positive. [-]
+    by_pressure : float or ndarray
+        Its derivative. [1/Pa]
 
     Notes
     -----
     .. math:: f_{eq} = \max\left(0,\; f_{total} - f_{dissolved}\, p / p_{sat}\right)
 
     with a rounded corner. At the saturation pressure the free gas is that of the feed; a
-    little above it all gas is dissolved in equilibrium.
+    little above it all gas is dissolved in equilibrium. Validity: a gas that dissolves in
+    proportion to its pressure, as air in oil up to some tens of megapascal.
+
+    References
+    ----------
+    .. [1] P. Atkins, J. de Paula, *Atkins' Physical Chemistry*, Oxford University Press,
+       chapter on simple mixtures (textbook law: Henry's law).
     """
-    capacity = law.dissolved_mass_fraction * pressure / law.saturation_pressure
-    width = _ROUNDING * law.total_gas_mass_fraction + law.nuclei_mass_fraction
-    return positive_part(law.total_gas_mass_fraction - capacity, width)
+    total = law.total_gas_mass_fraction
+    width = _ROUNDING * total + law.nuclei_mass_fraction
+    henry = law.dissolved_mass_fraction / law.saturation_pressure
+    undersaturation = total - henry * pressure
+    slope = -henry * positive_part_slope(undersaturation, width)
+    return positive_part(undersaturation, width), slope
 
 
 @inlined
@@ -69,15 +84,19 @@ def gas_exchange_rate(pressure: Any, gas_fraction: Any, law: FluidLaw) -> Any:
     -----
     .. math:: \dot f = k (f_{eq}(p) - f)
 
-    with the release rate where gas is missing and the (slower) absorption rate where there
-    is too much, blended smoothly about equilibrium.
+    with the equilibrium of :func:`equilibrium_gas_fraction`, the release rate where gas is
+    missing and the (slower) absorption rate where there is too much, blended smoothly about
+    equilibrium. Validity: one time constant each for all sizes of bubbles.
+
+    References
+    ----------
+    .. [1] J. Zhou, A. Vacca, B. Manhartsgruber, "A novel approach for the prediction of dynamic
+       features of air release and absorption in hydraulic oils", J. Fluids Eng. 135, 2013,
+       091305 (the idea; here with constant rates).
     """
-    total = law.total_gas_mass_fraction
-    width = _ROUNDING * total + law.nuclei_mass_fraction
-    henry = law.dissolved_mass_fraction / law.saturation_pressure
-    undersaturation = total - henry * pressure
-    missing = positive_part(undersaturation, width) - gas_fraction
-    missing_by_pressure = -henry * positive_part_slope(undersaturation, width)
+    width = _ROUNDING * law.total_gas_mass_fraction + law.nuclei_mass_fraction
+    equilibrium, missing_by_pressure = equilibrium_gas_fraction(pressure, law)
+    missing = equilibrium - gas_fraction
     step = np.minimum(np.maximum(missing / width, 0.0), 1.0)
     released = missing * step * step * (3.0 - 2.0 * step)
     released_slope = step * step * (9.0 - 8.0 * step)
@@ -104,6 +123,18 @@ def gas_volume_fraction(pressure: Any, gas_fraction: Any, law: FluidLaw) -> Any:
     -------
     float or ndarray
         Volume fraction between 0 and 1. [-]
+
+    Notes
+    -----
+    .. math:: \alpha = f R T / (p\, v)
+
+    with the mixture's :func:`~toothspace.closures.density.mixture_specific_volume` v. Validity:
+    ideal gas, isothermal, well above the vapour pressure.
+
+    References
+    ----------
+    .. [1] G. B. Wallis, *One-dimensional Two-phase Flow*, McGraw-Hill, 1969 (textbook law:
+       homogeneous mixture).
     """
     gas = free_gas_fraction(gas_fraction, law) * law.gas_specific_energy / pressure
     return gas / mixture_specific_volume(pressure, gas_fraction, law)
@@ -131,42 +162,18 @@ def vapour_fraction(specific_volume: Any, pressure: Any, gas_fraction: Any, law:
 
     Notes
     -----
+    .. math:: \alpha_v = \max\left(0,\; 1 - \frac{(1-f)\, v_l(p) + f R T / p}{v}\right)
+
     The volume that liquid and free gas do not fill at the actual pressure. It is given the
-    volume because near the vapour pressure the pressure alone no longer tells it.
+    volume because near the vapour pressure the pressure alone no longer tells it. Validity:
+    vapour of no mass.
+
+    References
+    ----------
+    .. [1] G. B. Wallis, *One-dimensional Two-phase Flow*, McGraw-Hill, 1969 (textbook law:
+       homogeneous mixture).
     """
     f = free_gas_fraction(gas_fraction, law)
-    b = law.stiffening
-    liquid = (1.0 + b * pressure) / (1.0 + (law.compliance + b) * pressure)
-    filled = (1.0 - f) * liquid / law.reference_density + f * law.gas_specific_energy / pressure
+    liquid = liquid_specific_volume(pressure, law)
+    filled = (1.0 - f) * liquid + f * law.gas_specific_energy / pressure
     return np.maximum(1.0 - filled / specific_volume, 0.0)
-
-
-@inlined
-def undissolved_share(pressure: Any, full_release_pressure: Any, saturation_pressure: Any) -> Any:
-    r"""Undissolved share of the gas in a steady, barotropic mixture (smooth Henry law).
-
-    Parameters
-    ----------
-    pressure : float or ndarray
-        Absolute pressure. [Pa]
-    full_release_pressure : float or ndarray
-        Pressure at and below which all gas is free. [Pa]
-    saturation_pressure : float or ndarray
-        Pressure at and above which all gas is dissolved. [Pa]
-
-    Returns
-    -------
-    float or ndarray
-        Share between 0 (all dissolved) and 1 (all free). [-]
-
-    Notes
-    -----
-    .. math:: \theta = (1 - x)^5 (1 + 5x + 15x^2 + 35x^3 + 70x^4), \quad
-        x = (p - p_H) / (p_{sat} - p_H)
-
-    Four times differentiable at both ends.
-    """
-    x = (pressure - full_release_pressure) / (saturation_pressure - full_release_pressure)
-    x = np.minimum(np.maximum(x, 0.0), 1.0)
-    series = 1.0 + x * (5.0 + x * (15.0 + x * (35.0 + x * 70.0)))
-    return (1.0 - x) ** 5 * series

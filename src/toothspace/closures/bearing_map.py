@@ -160,15 +160,30 @@ def build_journal_map(
 
     Notes
     -----
-    Pressure is the harmonic sum of the short and the long bearing's pressure, see
-    :func:`toothspace.closures.bearing_lumped.finite_bearing_force`; its axial integral is
-    closed. The long film's pressure is free of a starting line, so that the force of a
-    centred journal does not depend on the direction of a vanishing eccentricity and an
-    opening journal is held back.
+    At speed V in the half-speed frame, with :math:`h = 1 + \varepsilon\cos\vartheta` from
+    the widest gap, wedge :math:`A = -2 \sin\psi` and squeeze :math:`B = \cos\psi`,
+
+    .. math:: \frac{p\, c}{6 \mu (R/c)^2 |V|} &= \frac{p_s p_l}{p_s + p_l}, \qquad
+        p_s = \tfrac12 (L/D)^2 (1 - y^2) \frac{A \sin\vartheta - 2 B \cos\vartheta}{h^3}, \\
+        p_l &= \frac{A (2 + \varepsilon\cos\vartheta) \sin\vartheta}
+        {(2 + \varepsilon^2)\, h^2} + \frac{B}{\varepsilon} \left(\frac{1}{h^2} - 1\right)
+
+    where both are positive: the harmonic sum of the short and the long bearing's pressure, whose
+    axial integral is closed. The long film's pressure is free of a starting line, so that the
+    force of a centred journal does not depend on the direction of a vanishing eccentricity and
+    an opening journal is held back. Validity: laminar, one viscosity, aligned journal, cavity
+    and ends at one pressure.
 
     Accuracy: interpolation within 0.2 % of the quadrature. The closed form against the
     Reynolds equation up to 0.95: steady 1, 3 and 6 %, pure squeeze 4, 6 and 7 % for a length
     over diameter of 1/4, 1/2 and 1 (against Butenschoen's tables).
+
+    References
+    ----------
+    .. [1] B. R. Reason, I. P. Narang, "Rapid design and performance evaluation of steady-state
+       journal bearings", ASLE Trans. 25, 1982, 429-444 (harmonic sum, steady).
+    .. [2] H.-J. Butenschoen, *Das hydrodynamische, zylindrische Gleitlager endlicher Breite unter
+       instationaerer Belastung*, dissertation, Karlsruhe, 1976.
     """
     step = 7.0 / (rows - 1)
     samples = _sampled(length_over_diameter, step, (rows, columns, points))
@@ -299,8 +314,13 @@ def journal_force(
 
     Continuous with bounded derivatives everywhere, at rest and centred too. Above an
     eccentricity ratio of 0.997 the film stops growing and stays finite when the journal
-    sinks into the bush, where asperities carry. The bush does not turn; if it does, or the
-    load turns, the speed is journal + bush - 2 load.
+    sinks into the bush, where asperities carry. Validity: that of the map; the bush does not
+    turn; if it does, or the load turns, the speed is journal + bush - 2 load.
+
+    References
+    ----------
+    .. [1] D. W. Childs, H. Moes, H. van Leeuwen, "Journal bearing impedance descriptions for
+       rotordynamic applications", J. Lubr. Technol. 99, 1977, 198-210.
     """
     half = 0.5 * shaft_speed
     wx, wy = vx + half * ey, vy - half * ex

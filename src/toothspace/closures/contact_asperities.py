@@ -28,12 +28,14 @@ def exceedance_moment(order: float, gap_ratio: float) -> float:
     Returns
     -------
     float
-        :math:`F_n(x) = \frac{1}{\sqrt{2\pi}} \int_x^\infty (s - x)^n e^{-s^2/2} ds`. [-]
+        Moment. [-]
 
     Notes
     -----
-    Exact, by the parabolic cylinder function:
-    :math:`F_n = \Gamma(n+1) / \sqrt{2\pi}\; e^{-x^2/4} D_{-n-1}(x)`.
+    .. math:: F_n(x) = \frac{1}{\sqrt{2\pi}} \int_x^\infty (s - x)^n e^{-s^2/2}\, ds
+        = \frac{\Gamma(n+1)}{\sqrt{2\pi}}\, e^{-x^2/4} D_{-n-1}(x)
+
+    with the parabolic cylinder function D. Validity: exact for orders above -1.
 
     References
     ----------
@@ -116,10 +118,15 @@ def asperity_force(
 
     Notes
     -----
-    Hertz below the critical interference :math:`w_c = (\pi K H / 2 E^*)^2 R` with
-    :math:`K = 0.454 + 0.41 \nu`; multiples :math:`1.03 (w/w_c)^{1.425}` up to 6,
-    :math:`1.40 (w/w_c)^{1.263}` up to 110 of the critical force; full plasticity
-    :math:`2 \pi R w H` above.
+    With the critical interference :math:`w_c`, the critical force
+    :math:`F_c = \tfrac43 E^* R^{1/2} w_c^{3/2}` and :math:`r = w/w_c`,
+
+    .. math:: w_c = \left(\frac{\pi K H}{2 E^*}\right)^2 R, \quad K = 0.454 + 0.41 \nu, \qquad
+        \frac{F}{F_c} = r^{1.5} \ (r < 1),\; 1.03\, r^{1.425} \ (r < 6),\;
+        1.40\, r^{1.263} \ (r \le 110)
+
+    and full plasticity :math:`F = 2 \pi R w H` above. Validity: one asperity against a flat,
+    elastic and perfectly plastic, without friction.
 
     References
     ----------
@@ -168,9 +175,12 @@ def kogut_etsion_pressure(
 
     Notes
     -----
-    Summits of a surface with Gaussian autocorrelation (Nayak's parameter 3): density
-    0.1274 / l^2, radius 0.2768 l^2 / sigma, standard deviation 0.8373 sigma about a level
-    1.303 sigma above the mean plane. Validity: separate summits, gap ratio above about 1.3.
+    .. math:: p = \eta \int_H^\infty F\big((z - H)\,\sigma\big)\, \phi(z)\, dz
+
+    with :func:`asperity_force` F and summits of a surface with Gaussian autocorrelation
+    (Nayak's parameter 3): density eta of 0.1274 / l^2, radius 0.2768 l^2 / sigma, normal
+    distribution phi with standard deviation 0.8373 sigma about a level 1.303 sigma above the
+    mean plane. Validity: separate summits, gap ratio above about 1.3.
 
     References
     ----------

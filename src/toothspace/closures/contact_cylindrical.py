@@ -1,4 +1,4 @@
-"""Force, pressure and damping of contacts between cylinders (teeth, rotors).
+"""Pressure and force of contacts between cylinders (teeth, rotors).
 
 Moduli are E* = 1 / [(1 - nu1^2)/E1 + (1 - nu2^2)/E2], half of the E' of traction.
 """
@@ -13,36 +13,8 @@ from toothspace.closures.smooth import select
 from toothspace.core.compiled import inlined
 from toothspace.core.errors import CaseError
 
-ISO_MESH_STIFFNESS = 14e9
-"""Stiffness of one steel spur tooth pair per face width, ISO 6336-1 order. [N/m2]"""
-
 _INTERNAL_RANGE = (0.005e-3, 10e-3)
 """Radius differences for which the internal law of Pereira was fitted. [m]"""
-
-
-@inlined
-def hertz_half_width(line_load: Any, relative_radius: Any, contact_modulus: Any) -> Any:
-    r"""Half width of a Hertz line contact.
-
-    Parameters
-    ----------
-    line_load : float or ndarray
-        Normal force per length. [N/m]
-    relative_radius : float or ndarray
-        1 / (1/R1 + 1/R2), concave radii negative. [m]
-    contact_modulus : float or ndarray
-        E*. [Pa]
-
-    Returns
-    -------
-    float or ndarray
-        Half width. [m]
-
-    Notes
-    -----
-    .. math:: b = \sqrt{4 q R / (\pi E^*)}
-    """
-    return np.sqrt(4.0 * line_load * relative_radius / (np.pi * contact_modulus))
 
 
 @inlined
@@ -66,111 +38,14 @@ def hertz_pressure(line_load: Any, relative_radius: Any, contact_modulus: Any) -
     Notes
     -----
     .. math:: p_0 = \sqrt{q E^* / (\pi R)}
+
+    Validity: elastic, smooth, dry bodies; contact narrow against the radii.
+
+    References
+    ----------
+    .. [1] K. L. Johnson, *Contact Mechanics*, Cambridge, 1985, section 4.2 (textbook law).
     """
     return np.sqrt(line_load * contact_modulus / (np.pi * relative_radius))
-
-
-@inlined
-def hertz_indentation(line_load: Any, radius_a: Any, radius_b: Any, contact_modulus: Any) -> Any:
-    r"""Approach of the axes of two cylinders in line contact.
-
-    Parameters
-    ----------
-    line_load : float or ndarray
-        Normal force per length, positive. [N/m]
-    radius_a : float or ndarray
-        Radius of one cylinder. [m]
-    radius_b : float or ndarray
-        Radius of the other, negative if concave. [m]
-    contact_modulus : float or ndarray
-        E*, shared equally by both bodies. [Pa]
-
-    Returns
-    -------
-    float or ndarray
-        Approach of points as deep below the surface as the radii. [m]
-
-    Notes
-    -----
-    .. math:: \delta = \frac{q}{\pi E^*}
-        \left[\ln\frac{4 R_1}{b} + \ln\frac{4 |R_2|}{b} - 1\right]
-
-    with the half width b of :func:`hertz_half_width`.
-
-    References
-    ----------
-    .. [1] K. L. Johnson, *Contact Mechanics*, Cambridge, 1985, section 5.6.
-    """
-    relative = radius_a * radius_b / (radius_a + radius_b)
-    width = hertz_half_width(line_load, relative, contact_modulus)
-    depth = np.log(16.0 * np.abs(radius_a * radius_b) / (width * width))
-    return line_load / (np.pi * contact_modulus) * (depth - 1.0)
-
-
-@inlined
-def johnson_indentation(line_load: Any, radius_difference: Any, contact_modulus: Any) -> Any:
-    r"""Indentation of a line contact of cylinders by Johnson.
-
-    Parameters
-    ----------
-    line_load : float or ndarray
-        Normal force per length, positive. [N/m]
-    radius_difference : float or ndarray
-        R1 + R2 for external contact, R1 - R2 for internal contact. [m]
-    contact_modulus : float or ndarray
-        E*. [Pa]
-
-    Returns
-    -------
-    float or ndarray
-        Indentation. [m]
-
-    Notes
-    -----
-    .. math:: \delta = \frac{q}{\pi E^*}
-        \left[\ln\frac{4 \pi E^* \Delta R}{q} - 1\right]
-
-    Validity: it grows with the load only for :math:`q < 4 \pi E^* \Delta R / e^2`.
-
-    References
-    ----------
-    .. [1] K. L. Johnson, *Contact Mechanics*, Cambridge, 1985.
-    """
-    scale = np.pi * contact_modulus
-    return line_load / scale * (np.log(4.0 * scale * radius_difference / line_load) - 1.0)
-
-
-@inlined
-def johnson_line_load(indentation: Any, radius_difference: Any, contact_modulus: Any) -> Any:
-    r"""Normal force per length of a line contact by Johnson, inverse of the indentation.
-
-    Parameters
-    ----------
-    indentation : float or ndarray
-        Indentation; zero or negative is no contact. [m]
-    radius_difference : float or ndarray
-        R1 + R2 for external contact, R1 - R2 for internal contact. [m]
-    contact_modulus : float or ndarray
-        E*. [Pa]
-
-    Returns
-    -------
-    float or ndarray
-        Normal force per length. [N/m]
-
-    Notes
-    -----
-    Newton's iteration for :math:`x (\ln(1/x) - 1) = \delta / (4 \Delta R)` with
-    :math:`x = q / (4 \pi E^* \Delta R)`, started below the root where it converges from one
-    side. Validity: indentation below a tenth of the radius difference.
-    """
-    target = np.minimum(np.maximum(indentation / (4.0 * radius_difference), 1e-300), 0.025)
-    x = target / (1.0 - np.log(target))
-    for _ in range(8):
-        logarithm = np.log(x)
-        x = x - (x * (-logarithm - 1.0) - target) / (-logarithm - 2.0)
-    force = 4.0 * np.pi * contact_modulus * radius_difference * x
-    return select(indentation > 0.0, force, 0.0 * force)
 
 
 @inlined
@@ -226,7 +101,7 @@ def pereira_force(
 
 
 def check_pereira_range(radius_difference: float, internal: bool) -> None:
-    """Refuse radius differences outside the range of the internal law of Pereira.
+    r"""Refuse radius differences outside the range of the internal law of Pereira.
 
     Parameters
     ----------
@@ -244,45 +119,21 @@ def check_pereira_range(radius_difference: float, internal: bool) -> None:
     ------
     CaseError
         If the law must not be used.
+
+    Notes
+    -----
+    .. math:: 0.005\,\mathrm{mm} \le \Delta R \le 10\,\mathrm{mm} \ \text{(internal)}, \qquad
+        \Delta R > 0 \ \text{(external)}
+
+    Validity: the range for which :func:`pereira_force` was fitted.
+
+    References
+    ----------
+    .. [1] C. Pereira, A. Ramalho, J. Ambrosio, "A critical overview of internal and external
+       cylinder contact force models", Nonlinear Dynamics 63, 2011, 681-697.
     """
     low, high = _INTERNAL_RANGE if internal else (0.0, np.inf)
     if not low <= radius_difference <= high or radius_difference <= 0.0:
         allowed = f"allowed {1e3 * low:g} to {1e3 * high:g} mm; use johnson or hertz"
         found = f"found pereira with a radius difference of {1e3 * radius_difference:g} mm"
         raise CaseError(f"contact.law: {found}, {allowed}")
-
-
-@inlined
-def impact_damping_factor(
-    indentation_rate: Any, approach_speed: Any, restitution: Any, smallest_speed: Any = 1e-4
-) -> Any:
-    r"""Factor on the elastic contact force for the energy lost in an impact.
-
-    Parameters
-    ----------
-    indentation_rate : float or ndarray
-        Rate of indentation, positive while approaching. [m/s]
-    approach_speed : float or ndarray
-        Rate of indentation at first touch. [m/s]
-    restitution : float or ndarray
-        Coefficient of restitution, 0.7 to 1. [-]
-    smallest_speed : float or ndarray
-        Lower limit of the approach speed in the quotient. [m/s]
-
-    Returns
-    -------
-    float or ndarray
-        Factor, zero or positive so that the contact never pulls. [-]
-
-    Notes
-    -----
-    .. math:: 1 + \tfrac34 (1 - c_r^2)\, \dot\delta / \dot\delta^{(-)}
-
-    References
-    ----------
-    .. [1] H. M. Lankarani, P. E. Nikravesh, "A contact force model with hysteresis damping for
-       impact analysis of multibody systems", J. Mechanical Design 112, 1990, 369-376.
-    """
-    approach = np.maximum(np.abs(approach_speed), smallest_speed)
-    loss = 0.75 * (1.0 - restitution * restitution) * indentation_rate / approach
-    return np.maximum(1.0 + loss, 0.0)

@@ -43,7 +43,13 @@ def rounded_depth(overlap: float, onset: float) -> tuple[float, float, float]:
     -----
     .. math:: d = (x + w)^3 (3 w - x) / (16 w^3), \qquad -w < x < w
 
-    with two continuous derivatives. It stands for the first asperities that touch.
+    with two continuous derivatives. It stands for the first asperities that touch. Validity: a
+    regularisation; onset of the size of the roughness.
+
+    References
+    ----------
+    .. [1] C. de Boor, *A Practical Guide to Splines*, Springer, 1978 (textbook: a polynomial
+       piece that joins two lines smoothly).
     """
     if overlap <= -onset:
         return 0.0, 0.0, 0.0
@@ -88,7 +94,12 @@ def logarithmic_law(
     :math:`z - \ln(z-1) = \ln(4D/\delta)`: stiffness :math:`\pi E^*/(z-2)`, energy
     :math:`q^2 (z - 3/2)/(2\pi E^*)`. Beyond :math:`\delta = 4D/e^3` the law goes on straight.
     A compliance 1/kappa of the structure in series multiplies D by
-    :math:`\exp(\pi E^*/\kappa)`.
+    :math:`\exp(\pi E^*/\kappa)`. Validity: elastic half-spaces, contact narrow against the
+    radii; the depth of the straight branch is beyond that.
+
+    References
+    ----------
+    .. [1] K. L. Johnson, *Contact Mechanics*, Cambridge, 1985, section 5.6.
     """
     modulus = np.pi * contact_modulus
     a = level - np.log(0.25 * depth)
@@ -132,6 +143,13 @@ def power_law(
     Notes
     -----
     .. math:: q = e^{level} \delta^n, \qquad u = q \delta / (n + 1)
+
+    Validity: the range in which level and exponent were fitted.
+
+    References
+    ----------
+    .. [1] C. Pereira, A. Ramalho, J. Ambrosio, "A critical overview of internal and external
+       cylinder contact force models", Nonlinear Dynamics 63, 2011, 681-697.
     """
     logarithm = np.log(depth)
     load = np.exp(level + exponent * logarithm)
@@ -142,7 +160,7 @@ def power_law(
 
 @inlined
 def johnson_scale(radius_a: Any, radius_b: Any) -> Any:
-    """Length scale D of Johnson's law: sum of the radii, concave ones negative.
+    r"""Length scale D of Johnson's law: sum of the radii, concave ones negative.
 
     Parameters
     ----------
@@ -153,6 +171,16 @@ def johnson_scale(radius_a: Any, radius_b: Any) -> Any:
     -------
     float or ndarray
         Length scale. [m]
+
+    Notes
+    -----
+    .. math:: D = |R_1 + R_2|
+
+    Validity: as :func:`logarithmic_law`, each radius the depth of the far point.
+
+    References
+    ----------
+    .. [1] K. L. Johnson, *Contact Mechanics*, Cambridge, 1985, section 5.6.
     """
     return np.abs(radius_a + radius_b)
 
@@ -178,7 +206,12 @@ def hertz_scale(radius_a: Any, radius_b: Any, depth: Any) -> Any:
     .. math:: \delta = \frac{q}{\pi E^*}
         \left[\ln\frac{4 d_1}{b} + \ln\frac{4 d_2}{b} - 1\right], \qquad D = d_1 d_2 / R
 
-    Where both depths are the radii, this is Johnson's law.
+    Where both depths are the radii, this is Johnson's law. Validity: depths large against the
+    half width b of the contact.
+
+    References
+    ----------
+    .. [1] K. L. Johnson, *Contact Mechanics*, Cambridge, 1985, section 5.6.
     """
     first = np.minimum(np.abs(radius_a), depth)
     second = np.minimum(np.abs(radius_b), depth)
@@ -201,6 +234,77 @@ def series_level(scale: Any, contact_modulus: Any, structure_stiffness: Any) -> 
     Returns
     -------
     float or ndarray
-        :math:`\ln D + \pi E^* / \kappa`. [-]
+        Level of :func:`logarithmic_law`. [-]
+
+    Notes
+    -----
+    .. math:: \lambda = \ln D + \pi E^* / \kappa
+
+    because a deflection :math:`q/\kappa` adds to the logarithm of the contact. Validity: a
+    structure of constant stiffness.
+
+    References
+    ----------
+    .. [1] K. L. Johnson, *Contact Mechanics*, Cambridge, 1985, section 5.6.
     """
     return np.log(scale) + np.pi * contact_modulus / structure_stiffness
+
+
+@inlined
+def impact_damping(restitution: float, approach_speed: float) -> float:
+    r"""Damping of a contact over its elastic force.
+
+    Parameters
+    ----------
+    restitution : float
+        Coefficient of restitution, 0.7 to 1. [-]
+    approach_speed : float
+        Rate of indentation at first touch for which the restitution holds, positive. [m/s]
+
+    Returns
+    -------
+    float
+        Damping force over elastic force and rate of indentation. [s/m]
+
+    Notes
+    -----
+    .. math:: d = \tfrac34 (1 - c_r^2) / \dot\delta^{(-)}
+
+    Validity: central impact of elastic bodies with little loss, restitution above 0.7.
+
+    References
+    ----------
+    .. [1] H. M. Lankarani, P. E. Nikravesh, "A contact force model with hysteresis damping for
+       impact analysis of multibody systems", J. Mechanical Design 112, 1990, 369-376.
+    """
+    return 0.75 * (1.0 - restitution**2) / approach_speed
+
+
+@inlined
+def impact_factor(indentation_rate: float, damping: float) -> float:
+    r"""Factor on the elastic contact force for the energy lost in an impact.
+
+    Parameters
+    ----------
+    indentation_rate : float
+        Rate of indentation, positive while approaching. [m/s]
+    damping : float
+        Damping of :func:`impact_damping`. [s/m]
+
+    Returns
+    -------
+    float
+        Factor, zero or positive so that the contact never pulls. [-]
+
+    Notes
+    -----
+    .. math:: \max(0,\; 1 + d\, \dot\delta)
+
+    Validity: as :func:`impact_damping`.
+
+    References
+    ----------
+    .. [1] H. M. Lankarani, P. E. Nikravesh, "A contact force model with hysteresis damping for
+       impact analysis of multibody systems", J. Mechanical Design 112, 1990, 369-376.
+    """
+    return max(0.0, 1.0 + damping * indentation_rate)

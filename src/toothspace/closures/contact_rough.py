@@ -25,7 +25,8 @@ def mean_gap_ratio(nominal_gap_ratio: float) -> float:
     -----
     .. math:: X = H\,\Phi(H) + \varphi(H)
 
-    with the normal distribution :math:`\Phi` and density :math:`\varphi`.
+    with the normal distribution :math:`\Phi` and density :math:`\varphi`. Validity: Gaussian
+    heights, asperities cut off where they overlap.
 
     References
     ----------
@@ -39,7 +40,7 @@ def mean_gap_ratio(nominal_gap_ratio: float) -> float:
 
 @inlined
 def pressure_unit(roughness: float, correlation_length: float, effective_modulus: float) -> float:
-    """Pressure over which contact pressure and hardness are dimensionless.
+    r"""Pressure over which contact pressure and hardness are dimensionless.
 
     Parameters
     ----------
@@ -54,6 +55,17 @@ def pressure_unit(roughness: float, correlation_length: float, effective_modulus
     -------
     float
         Pressure. [Pa]
+
+    Notes
+    -----
+    .. math:: p_u = \frac{\pi E' \sigma}{2\, l_{50}} = \pi E^* \frac{\sigma}{l_{50}}
+
+    the scale of the pressure that flattens a wave of height sigma and length l. Validity:
+    elastic half-spaces.
+
+    References
+    ----------
+    .. [1] K. L. Johnson, *Contact Mechanics*, Cambridge, 1985, section 13.2 (wavy surface).
     """
     return math.pi * effective_modulus * roughness / (2.0 * correlation_length)
 
@@ -99,6 +111,11 @@ def asperity_pressure(
 
     Validity: 0.2 <= X <= 3 with 10 % error for H_Y of 0.1 to 0.5; continued smoothly outside
     and faded out between X = 3 and X = 4.
+
+    References
+    ----------
+    .. [1] H. M. Stanley, T. Kato, "An FFT-based method for rough surface contact", J. Tribology
+       119, 1997, 481-485 (method of the solutions; the fit is this package's own).
     """
     X = min(mean_gap_ratio(gap_height / roughness), 4.0)
     unit = pressure_unit(roughness, correlation_length, effective_modulus)

@@ -31,13 +31,25 @@ def free_gas_fraction(gas_fraction: Any, law: FluidLaw) -> Any:
     -------
     float or ndarray
         Smooth maximum of the fraction and zero, equal to the nuclei at zero. [-]
+
+    Notes
+    -----
+    .. math:: \phi = \tfrac12 \left(f + \sqrt{f^2 + 4 f_n^2}\right)
+
+    with the fraction :math:`f_n` of the nuclei. Validity: a regularisation; nuclei far below
+    the free gas of the feed.
+
+    References
+    ----------
+    .. [1] C. Kanzow, "Some noninterior continuation methods for linear complementarity
+       problems", SIAM J. Matrix Anal. Appl. 17, 1996, 851-868 (smooth maximum).
     """
     return positive_part(gas_fraction, law.nuclei_mass_fraction)
 
 
 @inlined
-def liquid_density(pressure: Any, law: FluidLaw) -> Any:
-    r"""Density of the liquid without gas.
+def liquid_specific_volume(pressure: Any, law: FluidLaw) -> Any:
+    r"""Volume per mass of the liquid without gas.
 
     Parameters
     ----------
@@ -49,17 +61,24 @@ def liquid_density(pressure: Any, law: FluidLaw) -> Any:
     Returns
     -------
     float or ndarray
-        Density. [kg/m3]
+        Specific volume. [m3/kg]
 
     Notes
     -----
-    .. math:: \rho_l = \rho_0 \left(1 + \frac{a p}{1 + b p}\right)
+    .. math:: v_l = \frac{1}{\rho_0}\, \frac{1 + b p}{1 + (a + b) p}, \qquad
+        \rho_l = \rho_0 \left(1 + \frac{a p}{1 + b p}\right)
 
     with compliance a and stiffening b. Validity: 0 to 100 MPa. The bulk modulus is
     1/a at zero pressure and rises by 1 + 2 b/a per pressure.
+
+    References
+    ----------
+    .. [1] D. Dowson, G. R. Higginson, *Elasto-Hydrodynamic Lubrication*, Pergamon, 1966 (form
+       of the law).
     """
-    p = pressure
-    return law.reference_density * (1.0 + law.compliance * p / (1.0 + law.stiffening * p))
+    b = law.stiffening
+    squeezed = (1.0 + (law.compliance + b) * pressure) * law.reference_density
+    return (1.0 + b * pressure) / squeezed
 
 
 @inlined
@@ -83,7 +102,13 @@ def unlimited_pressure(pressure: Any, law: FluidLaw) -> Any:
     .. math:: p_0 = p - \delta^2 / (p - p_v)
 
     with the width :math:`\delta` of the transition. Below the lowest pressure that the law
-    can reach (1.06 p_v with the default width) it is held at a millionth of p_v.
+    can reach (1.06 p_v with the default width) it is held at a millionth of p_v. Validity: a
+    regularisation; the width far below the pressures of interest.
+
+    References
+    ----------
+    .. [1] C. Kanzow, "Some noninterior continuation methods for linear complementarity
+       problems", SIAM J. Matrix Anal. Appl. 17, 1996, 851-868 (smooth maximum, here inverted).
     """
     excess = np.maximum(pressure - law.vapour_pressure, 1e-3 * law.vapour_smoothing)
     p0 = pressure - law.vapour_smoothing * law.vapour_smoothing / excess
@@ -110,21 +135,25 @@ def mixture_specific_volume(pressure: Any, gas_fraction: Any, law: FluidLaw) -> 
 
     Notes
     -----
-    .. math:: v = (1-f) v_0 \frac{1 + b p_0}{1 + (a+b) p_0} + f \frac{R T}{p_0}
+    .. math:: v = (1-f)\, v_l(p_0) + f \frac{R T}{p_0}
 
-    with the auxiliary pressure of :func:`unlimited_pressure`. Validity: isothermal bubbles,
-    one common velocity; inverse of :func:`mixture_pressure`.
+    with :func:`liquid_specific_volume` at the auxiliary pressure of :func:`unlimited_pressure`.
+    Validity: isothermal bubbles, one common velocity; inverse of :func:`mixture_pressure`.
+
+    References
+    ----------
+    .. [1] G. B. Wallis, *One-dimensional Two-phase Flow*, McGraw-Hill, 1969 (textbook law:
+       homogeneous mixture).
     """
     f = free_gas_fraction(gas_fraction, law)
     p0 = unlimited_pressure(pressure, law)
-    b = law.stiffening
-    liquid = (1.0 + b * p0) / ((1.0 + (law.compliance + b) * p0) * law.reference_density)
+    liquid = liquid_specific_volume(p0, law)
     return (1.0 - f) * liquid + f * law.gas_specific_energy / p0
 
 
 @inlined
 def mixture_density(pressure: Any, gas_fraction: Any, law: FluidLaw) -> Any:
-    """Density of liquid with free gas and vapour.
+    r"""Density of liquid with free gas and vapour.
 
     Parameters
     ----------
@@ -139,6 +168,17 @@ def mixture_density(pressure: Any, gas_fraction: Any, law: FluidLaw) -> Any:
     -------
     float or ndarray
         Density. [kg/m3]
+
+    Notes
+    -----
+    .. math:: \rho = 1 / v
+
+    with the specific volume v of :func:`mixture_specific_volume`. Validity: as there.
+
+    References
+    ----------
+    .. [1] G. B. Wallis, *One-dimensional Two-phase Flow*, McGraw-Hill, 1969 (textbook law:
+       homogeneous mixture).
     """
     return 1.0 / mixture_specific_volume(pressure, gas_fraction, law)
 
@@ -186,6 +226,13 @@ def mixture_pressure(specific_volume: Any, gas_fraction: Any, law: FluidLaw) -> 
 
     and :math:`p = p_v + \tfrac12 (d + \sqrt{d^2 + 4 \delta^2})`, :math:`d = p_0 - p_v`.
     Validity: isothermal bubbles; volumes above b/(a+b) of the liquid at zero pressure.
+
+    References
+    ----------
+    .. [1] G. B. Wallis, *One-dimensional Two-phase Flow*, McGraw-Hill, 1969 (textbook law:
+       homogeneous mixture).
+    .. [2] C. Kanzow, "Some noninterior continuation methods for linear complementarity
+       problems", SIAM J. Matrix Anal. Appl. 17, 1996, 851-868 (smooth maximum).
     """
     f = free_gas_fraction(gas_fraction, law)
     p0 = _auxiliary_root(specific_volume, f, law)
@@ -229,35 +276,3 @@ def dowson_higginson_density(pressure: Any, reference_density: Any) -> Any:
     .. [1] D. Dowson, G. R. Higginson, *Elasto-Hydrodynamic Lubrication*, Pergamon, 1966.
     """
     return reference_density * (0.59e9 + 1.34 * pressure) / (0.59e9 + pressure)
-
-
-@inlined
-def hlp_32_density(temperature: Any, pressure: Any) -> Any:
-    r"""Density of a measured hydraulic oil HLP 32.
-
-    Parameters
-    ----------
-    temperature : float or ndarray
-        Absolute temperature, 273 to 373 K. [K]
-    pressure : float or ndarray
-        Absolute pressure. [Pa]
-
-    Returns
-    -------
-    float or ndarray
-        Density. [kg/m3]
-
-    Notes
-    -----
-    .. math:: \rho = \frac{1047.03\,(1 - 5.761668\cdot10^{-4} T)}
-        {1 - 0.0732965 \ln[(B + p) / B]}, \quad B = 1965.02 - 2.96813\, T
-
-    with T in K and p in bar.
-
-    References
-    ----------
-    .. [1] Purdue FSTI/CASPAR, fluid HLP32.
-    """
-    stiffness = 1965.02 - 2.96813 * temperature
-    compression = 1.0 - 0.0732965 * np.log((stiffness + 1e-5 * pressure) / stiffness)
-    return 1047.03 * (1.0 - 5.761668e-4 * temperature) / compression

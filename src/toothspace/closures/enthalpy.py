@@ -48,7 +48,13 @@ def liquid_enthalpy(pressure: Any, law: FluidLaw) -> Any:
     .. math:: h = \int_{p_{ref}}^{p} v_l(p_0(p')) \, \mathrm{d}p'
 
     in closed form with :math:`v_l = v_0 [b + a / (1 + (a+b) p_0)] / (a+b)`, the smooth
-    transition to the vapour pressure included.
+    transition to the vapour pressure included. Validity: mechanical part of the enthalpy, at
+    one temperature.
+
+    References
+    ----------
+    .. [1] M. J. Moran, H. N. Shapiro, *Fundamentals of Engineering Thermodynamics*, Wiley,
+       chapter 11 (textbook law: dh = v dp at constant entropy).
     """
     a, g = law.compliance, law.compliance + law.stiffening
     excess = pressure - law.vapour_pressure
@@ -79,7 +85,13 @@ def gas_enthalpy(pressure: Any, law: FluidLaw) -> Any:
     -----
     .. math:: h = R T \int_{p_{ref}}^{p} \mathrm{d}p' / p_0(p')
 
-    which is :math:`R T \ln (p / p_{ref})` far above the vapour pressure.
+    which is :math:`R T \ln (p / p_{ref})` far above the vapour pressure. Validity: ideal gas,
+    isothermal.
+
+    References
+    ----------
+    .. [1] M. J. Moran, H. N. Shapiro, *Fundamentals of Engineering Thermodynamics*, Wiley,
+       chapter 11 (textbook law: work of isothermal compression).
     """
     excess = pressure - law.vapour_pressure
     reference = law.saturation_pressure - law.vapour_pressure
@@ -112,7 +124,13 @@ def partial_enthalpies(pressure: Any, gas_fraction: Any, law: FluidLaw) -> tuple
     .. math:: h_1 = h_l + (\phi - f \phi') (h_g - h_l), \qquad h_2 = h_1 + \phi' (h_g - h_l)
 
     so that :math:`(1-f) h_1 + f h_2 = (1-\phi) h_l + \phi h_g`: the ledger closes with the
-    volume of the nuclei too, which counts where little energy flows at low pressure.
+    volume of the nuclei too, which counts where little energy flows at low pressure. Validity:
+    ideal mixture, fixed composition.
+
+    References
+    ----------
+    .. [1] M. J. Moran, H. N. Shapiro, *Fundamentals of Engineering Thermodynamics*, Wiley,
+       chapter 11 (textbook law: partial properties of a mixture).
     """
     liquid, gas = liquid_enthalpy(pressure, law), gas_enthalpy(pressure, law)
     slope = positive_part_slope(gas_fraction, law.nuclei_mass_fraction)

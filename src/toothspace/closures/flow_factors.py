@@ -91,7 +91,7 @@ class PatternColumns(NamedTuple):
 
 
 def pattern_columns(pattern: float) -> PatternColumns:
-    """Pick the tabulated columns between which a pattern lies.
+    r"""Pick the tabulated columns between which a pattern lies.
 
     Parameters
     ----------
@@ -107,6 +107,17 @@ def pattern_columns(pattern: float) -> PatternColumns:
     ------
     CaseError
         If the pattern is outside the tables.
+
+    Notes
+    -----
+    .. math:: w = \frac{\gamma - \gamma_k}{\gamma_{k+1} - \gamma_k}
+
+    Every factor is linear in gamma between two columns. Validity: patterns of 1/9 to 9.
+
+    References
+    ----------
+    .. [1] N. Patir, H. S. Cheng, J. Lubr. Technol. 100 (1978) 12-17, table 1.
+    .. [2] N. Patir, H. S. Cheng, J. Lubr. Technol. 101 (1979) 220-230, tables 1, 3 and 4.
     """
     if not PATTERNS[0] - 1e-9 <= pattern <= PATTERNS[-1] + 1e-9:
         raise CaseError(f"roughness.pattern: found {pattern!r}, allowed are values from 1/9 to 9")
@@ -278,7 +289,14 @@ def shear_stress_correction(gap_ratio: float, columns: Array, weight: float) -> 
     Returns
     -------
     float
-        :math:`\Phi_{fs} = A_3 H^{a_4} e^{-a_5 H + a_6 H^2}`, zero from H = 7. [-]
+        Change of the friction factor. [-]
+
+    Notes
+    -----
+    .. math:: \Phi_{fs} = A_3 H^{a_4} e^{-a_5 H + a_6 H^2}
+
+    Both walls as in :func:`shear_flow_factor`. Validity: H above 0.5; used down to 0, zero from
+    H = 7.
 
     References
     ----------
@@ -311,7 +329,13 @@ def pressure_stress_factor(gap_ratio: float, columns: Array, weight: float) -> f
     Returns
     -------
     float
-        :math:`\phi_{fp} = 1 - D e^{-s H}`, held below its range of validity. [-]
+        Factor on the pressure part of the shear. [-]
+
+    Notes
+    -----
+    .. math:: \phi_{fp} = 1 - D e^{-s H}
+
+    Validity: H above 0.5 to 1 (by pattern); held there below.
 
     References
     ----------
@@ -341,7 +365,9 @@ def contact_factor(gap_ratio: float) -> float:
 
     Notes
     -----
-    :math:`\phi_c = \frac12 [1 + \mathrm{erf}(H/\sqrt2)]`, the exact form of the fit of [1].
+    .. math:: \phi_c = \tfrac12 \left[1 + \mathrm{erf}(H/\sqrt2)\right]
+
+    the exact form of the fit of [1]_. Validity: Gaussian heights.
 
     References
     ----------
@@ -352,24 +378,28 @@ def contact_factor(gap_ratio: float) -> float:
 
 
 @inlined
-def contact_factor_fit(gap_ratio: float) -> float:
-    r"""Contact factor as published, a fit of :func:`contact_factor`.
+def contact_factor_slope(gap_ratio: float) -> float:
+    r"""Derivative of :func:`contact_factor` by the gap ratio.
 
     Parameters
     ----------
     gap_ratio : float
-        Nominal gap over combined roughness H, not negative. [-]
+        Nominal gap over combined roughness H. [-]
 
     Returns
     -------
     float
-        :math:`e^{-0.6912 + 0.782 H - 0.304 H^2 + 0.0401 H^3}` below 3, else 1. [-]
+        Density of the Gaussian heights at the nominal gap. [-]
+
+    Notes
+    -----
+    .. math:: \varphi(H) = e^{-H^2/2} / \sqrt{2\pi}
+
+    Validity: Gaussian heights.
 
     References
     ----------
-    .. [1] C. Wu, L. Zheng, J. Tribol. 111 (1989) 188-191.
+    .. [1] C. Wu, L. Zheng, An average Reynolds equation for partial film lubrication with a
+       contact factor, J. Tribol. 111 (1989) 188-191.
     """
-    H = gap_ratio
-    if H >= 3.0:
-        return 1.0
-    return math.exp(-0.6912 + H * (0.782 + H * (-0.304 + 0.0401 * H)))
+    return math.exp(-0.5 * gap_ratio * gap_ratio) / math.sqrt(2.0 * math.pi)

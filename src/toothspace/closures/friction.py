@@ -1,4 +1,4 @@
-"""Friction at start, shear at tooth tips and at the faces of gears."""
+"""Friction at start and at the faces of gears."""
 
 from __future__ import annotations
 
@@ -8,11 +8,52 @@ import numpy as np
 
 from toothspace.core.compiled import inlined
 
+_ROOT_TWO = np.sqrt(2.0)
+_ROOT_TWO_E = np.sqrt(2.0 * np.e)
+
+
+@inlined
+def stribeck_hump(speed: Any, breakaway_speed: Any) -> tuple[Any, Any]:
+    r"""Part of the breakaway friction beyond Coulomb friction that is present at a speed.
+
+    Parameters
+    ----------
+    speed : float or ndarray
+        Sliding speed, or angular speed. [m/s]
+    breakaway_speed : float or ndarray
+        Speed of the largest friction. [m/s]
+
+    Returns
+    -------
+    hump : float or ndarray
+        Share, odd in the speed, 1 at the breakaway speed. [-]
+    by_speed : float or ndarray
+        Its derivative. [s/m]
+
+    Notes
+    -----
+    .. math:: g(v) = \sqrt{2e}\; e^{-(v/v_{st})^2} \frac{v}{v_{st}}, \qquad
+        v_{st} = \sqrt2\, v_{brk}
+
+    Validity: an empirical law of mixed lubrication that fades above a few breakaway speeds.
+
+    References
+    ----------
+    .. [1] MathWorks, Simscape reference, *Translational Friction*.
+    .. [2] B. Armstrong-Helouvry, P. Dupont, C. Canudas de Wit, "A survey of models, analysis
+       tools and compensation methods for the control of machines with friction", Automatica 30,
+       1994, 1083-1138.
+    """
+    stribeck_speed = _ROOT_TWO * breakaway_speed
+    ratio = speed / stribeck_speed
+    bell = _ROOT_TWO_E * np.exp(-ratio * ratio)
+    return bell * ratio, bell * (1.0 - 2.0 * ratio * ratio) / stribeck_speed
+
 
 @inlined
 def stribeck_friction(
-    speed: Any, breakaway: Any, coulomb: Any, breakaway_speed: Any, viscous: Any = 0.0
-) -> Any:
+    speed: Any, breakaway: Any, coulomb: Any, breakaway_speed: Any
+) -> tuple[Any, Any]:
     r"""Friction force or torque over speed, from breakaway to sliding.
 
     Parameters
@@ -25,43 +66,49 @@ def stribeck_friction(
         Friction that stays at higher speed. [N]
     breakaway_speed : float or ndarray
         Speed of the largest friction. [m/s]
-    viscous : float or ndarray
-        Coefficient of viscous friction. [N s/m]
 
     Returns
     -------
-    float or ndarray
+    friction : float or ndarray
         Friction with the sign of the speed (it opposes motion). [N]
+    by_speed : float or ndarray
+        Its derivative. [N s/m]
 
     Notes
     -----
-    .. math:: F = \sqrt{2e}\,(F_{brk} - F_c)\, e^{-(v/v_{st})^2} \frac{v}{v_{st}}
-        + F_c \tanh\frac{v}{v_{coul}} + f v
+    .. math:: F = (F_{brk} - F_c)\, g(v) + F_c \tanh\frac{10\, v}{v_{brk}}
 
-    with :math:`v_{st} = \sqrt2\, v_{brk}` and :math:`v_{coul} = v_{brk}/10`; odd, and equal
-    to the breakaway value at the breakaway speed. It creeps under a static load: where a
-    body must hold still, use a set-valued stick element instead. The same law holds for
-    torques, with N m for N and rad/s for m/s.
+    with the share g of :func:`stribeck_hump`; odd, and equal to the breakaway value at the
+    breakaway speed. The same law holds for torques, with N m for N and rad/s for m/s.
+    Validity: it vanishes at rest and creeps under a static load; where a body must hold still,
+    use set-valued friction.
 
     References
     ----------
     .. [1] MathWorks, Simscape reference, *Translational Friction*.
+
+    Examples
+    --------
+    >>> round(float(stribeck_friction(6e-3, 250.0, 100.0, 6e-3)[0]), 3)
+    250.0
     """
-    ratio = speed / (np.sqrt(2.0) * breakaway_speed)
-    hump = np.sqrt(2.0 * np.e) * (breakaway - coulomb) * np.exp(-ratio * ratio) * ratio
-    return hump + coulomb * np.tanh(10.0 * speed / breakaway_speed) + viscous * speed
+    hump, hump_slope = stribeck_hump(speed, breakaway_speed)
+    level = np.tanh(10.0 * speed / breakaway_speed)
+    slope = (breakaway - coulomb) * hump_slope
+    slope += coulomb * (1.0 - level * level) * 10.0 / breakaway_speed
+    return (breakaway - coulomb) * hump + coulomb * level, slope
 
 
 @inlined
-def running_share(shaft_speed: Any, stribeck_speed: Any) -> Any:
+def running_share(speed: Any, breakaway_speed: Any) -> Any:
     r"""Share of the speed-dependent friction terms that is present near standstill.
 
     Parameters
     ----------
-    shaft_speed : float or ndarray
+    speed : float or ndarray
         Angular speed. [rad/s]
-    stribeck_speed : float or ndarray
-        Square root of two times the breakaway speed. [rad/s]
+    breakaway_speed : float or ndarray
+        Speed of the largest friction at start. [rad/s]
 
     Returns
     -------
@@ -70,68 +117,19 @@ def running_share(shaft_speed: Any, stribeck_speed: Any) -> Any:
 
     Notes
     -----
-    .. math:: 1 - \exp[-(\omega/\omega_{st})^2]
+    .. math:: 1 - \exp[-(\omega/\omega_{st})^2], \qquad \omega_{st} = \sqrt2\, \omega_{brk}
 
-    Used where the breakaway torque stands for all interfaces at rest.
+    the complement of the bell of :func:`stribeck_hump`. Validity: a blend, where one breakaway
+    torque stands for all interfaces at rest, so that none counts twice.
+
+    References
+    ----------
+    .. [1] B. Armstrong-Helouvry, P. Dupont, C. Canudas de Wit, "A survey of models, analysis
+       tools and compensation methods for the control of machines with friction", Automatica 30,
+       1994, 1083-1138 (the bell of the Stribeck curve).
     """
-    ratio = shaft_speed / stribeck_speed
+    ratio = speed / (_ROOT_TWO * breakaway_speed)
     return -np.expm1(-ratio * ratio)
-
-
-@inlined
-def tip_shear_stress(
-    surface_speed: Any, pressure_rise: Any, gap_height: Any, land_length: Any, viscosity: Any
-) -> Any:
-    r"""Shear stress on the land of a tooth tip, against its motion.
-
-    Parameters
-    ----------
-    surface_speed : float or ndarray
-        Speed of the land along the wall, towards the chamber ahead. [m/s]
-    pressure_rise : float or ndarray
-        Pressure of the chamber ahead minus that behind. [Pa]
-    gap_height : float or ndarray
-        Distance from land to wall. [m]
-    land_length : float or ndarray
-        Length of the land along the motion. [m]
-    viscosity : float or ndarray
-        Dynamic viscosity. [Pa s]
-
-    Returns
-    -------
-    float or ndarray
-        Shear stress, positive where it opposes the motion. [Pa]
-
-    Notes
-    -----
-    .. math:: \tau = \frac{\mu u}{h} + \frac{h}{2} \frac{p_{ahead} - p_{behind}}{L}
-
-    The second term resists in a pump and assists in a motor.
-    """
-    return viscosity * surface_speed / gap_height + 0.5 * gap_height * pressure_rise / land_length
-
-
-@inlined
-def tip_shear_torque(shear_stress: Any, land_length: Any, face_width: Any, tip_radius: Any) -> Any:
-    r"""Torque of the shear stress on one tooth tip.
-
-    Parameters
-    ----------
-    shear_stress : float or ndarray
-        Stress of :func:`tip_shear_stress`. [Pa]
-    land_length : float or ndarray
-        Length of the land along the motion. [m]
-    face_width : float or ndarray
-        Width of the gear. [m]
-    tip_radius : float or ndarray
-        Radius of the tip. [m]
-
-    Returns
-    -------
-    float or ndarray
-        Torque, positive where it opposes the motion. [N m]
-    """
-    return shear_stress * land_length * face_width * tip_radius
 
 
 @inlined
@@ -174,7 +172,13 @@ def lateral_film_torque(
         \frac{3 + x}{2 + f(x)} \right]_{r_i}^{r_o},
 
     which is :math:`\pi \mu \omega (r_o^4 - r_i^4) / (2 h_0)` for a parallel gap. Radial pressure
-    gradients do no work on the face.
+    gradients do no work on the face. Validity: laminar shear of a film without cavity, one
+    viscosity, tilt below 1.
+
+    References
+    ----------
+    .. [1] B. J. Hamrock, S. R. Schmid, B. O. Jacobson, *Fundamentals of Fluid Film Lubrication*,
+       2nd ed., Marcel Dekker, 2004 (textbook law: Newtonian shear, integrated over the face).
     """
     slope = tilt * tilt / (outer_radius * outer_radius)
     outer = slope * outer_radius * outer_radius

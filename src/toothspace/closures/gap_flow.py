@@ -1,4 +1,4 @@
-"""Laminar flow through narrow gaps: conductances, and drag of moving walls."""
+"""Laminar flow through narrow gaps: conductances, equivalent sizes, drag and shear of walls."""
 
 from __future__ import annotations
 
@@ -38,7 +38,21 @@ def parallel_gap_conductance(
     -----
     .. math:: G = \frac{b h^3}{12 \mu L}
 
-    Validity: laminar, fully developed flow of a liquid of constant viscosity.
+    Validity: laminar, fully developed flow of a liquid of constant viscosity; gap height small
+    against width and length.
+
+    References
+    ----------
+    .. [1] B. J. Hamrock, S. R. Schmid, B. O. Jacobson, *Fundamentals of Fluid Film Lubrication*,
+       2nd ed., Marcel Dekker, 2004 (textbook law: Poiseuille flow).
+
+    Examples
+    --------
+    A tip gap of 20 um, 20 mm wide and 1 mm long at 100 bar:
+
+    >>> flow = parallel_gap_conductance(20e-6, 20e-3, 1e-3, 0.03) * 100e5
+    >>> round(flow * 6e4, 4)  # L/min
+    0.2667
     """
     return gap_width * gap_height**3 / (12.0 * dynamic_viscosity * gap_length)
 
@@ -73,158 +87,135 @@ def curved_gap_conductance(
     .. math:: G = \frac{8\, b\, h_0^{5/2}}{36 \pi \sqrt{2 R}\, \mu}
         = 0.050018\, \frac{b\, h_0^{5/2}}{\mu \sqrt{R}} .
 
-    Accuracy: 0.6 % against circular arcs of equal convex radii up to h/R = 0.1; a pair of
-    convex and concave arcs flows 8 % more at h/R = 0.03.
+    Validity: laminar flow of a liquid of constant viscosity, smallest gap small against the
+    radius. Accuracy: 0.6 % against circular arcs of equal convex radii up to h/R = 0.1; a pair
+    of convex and concave arcs flows 8 % more at h/R = 0.03.
+
+    References
+    ----------
+    .. [1] B. J. Hamrock, S. R. Schmid, B. O. Jacobson, *Fundamentals of Fluid Film Lubrication*,
+       2nd ed., Marcel Dekker, 2004 (textbook law: Reynolds equation between parabolic walls).
     """
     scaled = CURVED_GAP_CONSTANT * gap_width * gap_height * gap_height
     return scaled * np.sqrt(gap_height / relative_radius) / dynamic_viscosity
 
 
 @inlined
-def curved_gap_conductance_fitted(
-    gap_height: Any, gap_width: Any, relative_radius: Any, dynamic_viscosity: Any
-) -> Any:
-    r"""Flow rate per pressure drop of a curved gap by a published fit.
+def ring_sector_gap(inner_radius: Any, outer_radius: Any, sector_angle: Any) -> tuple[Any, Any]:
+    r"""Width and length of the parallel gap that leaks like radial flow through a ring sector.
 
     Parameters
     ----------
-    gap_height : float or ndarray
-        Smallest distance between the walls. [m]
-    gap_width : float or ndarray
-        Extent normal to the flow. [m]
-    relative_radius : float or ndarray
-        Radius of relative curvature. [m]
-    dynamic_viscosity : float or ndarray
-        Dynamic viscosity. [Pa s]
-
-    Returns
-    -------
-    float or ndarray
-        Conductance. [m3/(s Pa)]
-
-    Notes
-    -----
-    .. math:: G = 0.0456\, b\, h^{2.4836} / (\mu R^{0.4836})
-
-    Within 5 % of :func:`curved_gap_conductance` for h/R from 3e-4 to 0.1.
-
-    References
-    ----------
-    .. [1] Gerotor torque study with multiple contact points, equation 3.
-    """
-    power = gap_height**2.4836 / relative_radius**0.4836
-    return 0.0456 * gap_width * power / dynamic_viscosity
-
-
-@inlined
-def annular_land_conductance(
-    gap_height: Any, inner_radius: Any, outer_radius: Any, sector_angle: Any, dynamic_viscosity: Any
-) -> Any:
-    r"""Flow rate per pressure drop of radial flow through a flat ring sector.
-
-    Parameters
-    ----------
-    gap_height : float or ndarray
-        Distance between the walls. [m]
     inner_radius : float or ndarray
         Radius of the inner edge. [m]
     outer_radius : float or ndarray
         Radius of the outer edge. [m]
     sector_angle : float or ndarray
         Angle of the sector. [rad]
-    dynamic_viscosity : float or ndarray
-        Dynamic viscosity. [Pa s]
 
     Returns
     -------
-    float or ndarray
-        Conductance. [m3/(s Pa)]
-
-    Notes
-    -----
-    .. math:: G = \frac{\varphi h^3}{12 \mu \ln (r_o / r_i)}
-    """
-    land = 12.0 * dynamic_viscosity * np.log(outer_radius / inner_radius)
-    return sector_angle * gap_height**3 / land
-
-
-@inlined
-def tilted_gap_factor(tilt: Any, radius_ratio: Any) -> Any:
-    r"""Mean of the cube of a tilted gap's height over a circle, over that at the axis.
-
-    Parameters
-    ----------
-    tilt : float or ndarray
-        Change of height at the reference radius over the height at the axis. [-]
-    radius_ratio : float or ndarray
-        Radius of the circle over the reference radius. [-]
-
-    Returns
-    -------
-    float or ndarray
-        Factor on the flow rate. [-]
-
-    Notes
-    -----
-    Mean of :math:`(1 + k (r/R) \cos\vartheta)^3 = 1 + 1.5\, k^2 (r/R)^2`.
-    """
-    slope = tilt * radius_ratio
-    return 1.0 + 1.5 * slope * slope
-
-
-@inlined
-def couette_flow_rate(mean_wall_speed: Any, gap_height: Any, gap_width: Any) -> Any:
-    r"""Flow rate dragged through a gap by its walls.
-
-    Parameters
-    ----------
-    mean_wall_speed : float or ndarray
-        Mean speed of both walls towards downstream, in the frame of the gap. [m/s]
-    gap_height : float or ndarray
-        Distance between the walls. [m]
     gap_width : float or ndarray
-        Extent normal to the flow. [m]
-
-    Returns
-    -------
-    float or ndarray
-        Volumetric flow rate, positive towards downstream. [m3/s]
-
-    Notes
-    -----
-    .. math:: Q = b\, h\, (u_1 + u_2) / 2
-
-    A tooth tip in a bore at rest has the mean speed :math:`\omega r_a / 2`; a smooth disc
-    in a bore pumps :math:`b u h / 2` in the direction of rotation.
-    """
-    return gap_width * gap_height * mean_wall_speed
-
-
-@inlined
-def gap_flow_rate_couette_poiseuille(
-    pressure_drop: Any,
-    sliding_speed: Any,
-    gap_height: Any,
-    gap_width: Any,
-    gap_length: Any,
-    dynamic_viscosity: Any,
-) -> Any:
-    r"""Flow rate through a parallel gap driven by pressure and by one moving wall.
-
-    Parameters
-    ----------
-    pressure_drop : float or ndarray
-        Upstream minus downstream pressure. [Pa]
-    sliding_speed : float or ndarray
-        Speed of the moving wall, positive towards downstream. [m/s]
-    gap_height : float or ndarray
-        Distance between the walls. [m]
-    gap_width : float or ndarray
-        Extent normal to the flow. [m]
+        Extent normal to the flow, at the mean radius. [m]
     gap_length : float or ndarray
         Extent along the flow. [m]
-    dynamic_viscosity : float or ndarray
-        Dynamic viscosity. [Pa s]
+
+    Notes
+    -----
+    From :math:`G = \varphi h^3 / [12 \mu \ln(r_o/r_i)]` of the ring sector,
+
+    .. math:: b = \varphi\, r_m, \qquad L = r_m \ln\frac{r_o}{r_i}, \qquad
+        r_m = \tfrac12 (r_i + r_o) .
+
+    Validity: laminar radial flow between parallel faces, equal pressure along each edge.
+
+    References
+    ----------
+    .. [1] B. J. Hamrock, S. R. Schmid, B. O. Jacobson, *Fundamentals of Fluid Film Lubrication*,
+       2nd ed., Marcel Dekker, 2004 (textbook law: flat annular thrust bearing).
+    """
+    middle = 0.5 * (inner_radius + outer_radius)
+    return sector_angle * middle, middle * np.log(outer_radius / inner_radius)
+
+
+@inlined
+def tilted_gap_height(gap_height: Any, tilt: Any) -> Any:
+    r"""Height of the parallel gap that leaks like a tilted one, mean of a circle.
+
+    Parameters
+    ----------
+    gap_height : float or ndarray
+        Height of the tilted gap at the axis. [m]
+    tilt : float or ndarray
+        Largest change of height on the circle over the height at the axis. [-]
+
+    Returns
+    -------
+    float or ndarray
+        Height. [m]
+
+    Notes
+    -----
+    .. math:: h = h_0 \left(1 + \tfrac32 k^2\right)^{1/3}
+
+    the cube root of the mean of :math:`h_0^3 (1 + k \cos\vartheta)^3`. Validity: laminar flow
+    across the circle with the same pressure drop at every angle; tilt below 1.
+
+    References
+    ----------
+    .. [1] B. J. Hamrock, S. R. Schmid, B. O. Jacobson, *Fundamentals of Fluid Film Lubrication*,
+       2nd ed., Marcel Dekker, 2004 (textbook law: Poiseuille flow, integrated).
+    """
+    return gap_height * (1.0 + 1.5 * tilt**2) ** (1.0 / 3.0)
+
+
+@inlined
+def equal_leakage_height(first_height: Any, second_height: Any) -> Any:
+    r"""Height that two equal gaps must have to leak as much as two of different height.
+
+    Parameters
+    ----------
+    first_height, second_height : float or ndarray
+        Heights of the two gaps. [m]
+
+    Returns
+    -------
+    float or ndarray
+        Height. [m]
+
+    Notes
+    -----
+    .. math:: h = \left[\tfrac12 (h_1^3 + h_2^3)\right]^{1/3}
+
+    Validity: laminar flow, both gaps of the same width, length and pressure drop.
+
+    References
+    ----------
+    .. [1] B. J. Hamrock, S. R. Schmid, B. O. Jacobson, *Fundamentals of Fluid Film Lubrication*,
+       2nd ed., Marcel Dekker, 2004 (textbook law: Poiseuille flow).
+    """
+    return (0.5 * (first_height**3 + second_height**3)) ** (1.0 / 3.0)
+
+
+@inlined
+def wall_drag_flow_rate(
+    gap_height: Any, gap_width: Any, mean_wall_speed: Any, opened_height: Any, throat_speed: Any
+) -> Any:
+    r"""Flow rate dragged through a gap by its walls, as the chambers on both sides see it.
+
+    Parameters
+    ----------
+    gap_height : float or ndarray
+        Distance between the walls. [m]
+    gap_width : float or ndarray
+        Extent normal to the flow. [m]
+    mean_wall_speed : float or ndarray
+        Mean speed of both walls towards downstream, less that of the throat where the
+        chambers move with it. [m/s]
+    opened_height : float or ndarray
+        Part of the height that a displacement of the bodies opened. [m]
+    throat_speed : float or ndarray
+        Speed with which the boundary of the chambers moves through that part. [m/s]
 
     Returns
     -------
@@ -233,53 +224,71 @@ def gap_flow_rate_couette_poiseuille(
 
     Notes
     -----
-    .. math:: Q = \frac{b h^3}{12 \mu L} \Delta p + \frac{b h}{2} U
+    .. math:: Q = b\,(\bar u\, h - U\, \delta h)
 
-    Validity: laminar (:math:`\rho U h / \mu < 1000`), fully developed, no slip.
+    The first term is Couette flow between the walls. The second is fluid between the nominal
+    and the displaced wall: volumes of the chambers count it as theirs, so that it passes from
+    one to the other with the speed U of the body. Speeds may be per shaft speed, the result
+    then is too. Validity: laminar, fully developed flow.
+
+    References
+    ----------
+    .. [1] B. J. Hamrock, S. R. Schmid, B. O. Jacobson, *Fundamentals of Fluid Film Lubrication*,
+       2nd ed., Marcel Dekker, 2004 (textbook law: Couette flow).
 
     Examples
     --------
-    A 20 um tip gap, 20 mm wide, 1 mm long, 100 bar, walls at rest:
+    A smooth disc in a bore pumps half its surface speed times the gap:
 
-    >>> q = gap_flow_rate_couette_poiseuille(100e5, 0.0, 20e-6, 20e-3, 1e-3, 0.03)
-    >>> round(float(q) * 6e4, 4)  # L/min
-    0.2667
+    >>> round(wall_drag_flow_rate(20e-6, 10e-3, 0.5 * 5.0, 0.0, 5.0), 12)
+    5e-07
     """
-    conductance = parallel_gap_conductance(gap_height, gap_width, gap_length, dynamic_viscosity)
-    return conductance * pressure_drop + couette_flow_rate(
-        0.5 * sliding_speed, gap_height, gap_width
-    )
+    return gap_width * gap_height * mean_wall_speed - gap_width * throat_speed * opened_height
 
 
 @inlined
-def throat_drag_flow_rate(
-    speed_a: Any, speed_b: Any, throat_speed: Any, gap_height: Any, gap_width: Any
+def land_shear_torque(
+    shaft_speed: Any,
+    surface_lever: Any,
+    gap_height: Any,
+    gap_width: Any,
+    land_length: Any,
+    dynamic_viscosity: Any,
 ) -> Any:
-    r"""Flow rate dragged through a throat that itself moves along the walls.
+    r"""Torque of viscous shear on a land that slides along a wall, as of a tooth tip.
 
     Parameters
     ----------
-    speed_a : float or ndarray
-        Speed of one wall along the common tangent. [m/s]
-    speed_b : float or ndarray
-        Speed of the other wall along the common tangent. [m/s]
-    throat_speed : float or ndarray
-        Speed of the narrowest place along the common tangent. [m/s]
+    shaft_speed : float or ndarray
+        Angular speed of the shaft. [rad/s]
+    surface_lever : float or ndarray
+        Speed of the land along the wall per shaft speed. [m]
     gap_height : float or ndarray
-        Smallest distance between the walls. [m]
+        Distance from land to wall. [m]
     gap_width : float or ndarray
-        Extent normal to the flow. [m]
+        Extent normal to the motion. [m]
+    land_length : float or ndarray
+        Extent along the motion. [m]
+    dynamic_viscosity : float or ndarray
+        Dynamic viscosity. [Pa s]
 
     Returns
     -------
     float or ndarray
-        Volumetric flow rate relative to the throat, positive along the tangent. [m3/s]
+        Torque at the shaft, sign of the speed; it opposes the rotation. [N m]
 
     Notes
     -----
-    .. math:: Q = b\, h \left[\tfrac12 (u_a + u_b) - V_c\right]
+    .. math:: M = \mu \omega \frac{r^2 b L}{h}
 
-    The throat bounds the chambers on both sides, so its own motion is part of their change
-    of volume and must be left out of the drag flow.
+    with the lever r. The pressure drop along the land shears it by
+    :math:`\tfrac12 h\, \Delta p / L` besides: that part is the work of the dragged flow against
+    the pressure drop. Validity: laminar, fully developed flow.
+
+    References
+    ----------
+    .. [1] B. J. Hamrock, S. R. Schmid, B. O. Jacobson, *Fundamentals of Fluid Film Lubrication*,
+       2nd ed., Marcel Dekker, 2004 (textbook law: Newtonian shear).
     """
-    return couette_flow_rate(0.5 * (speed_a + speed_b) - throat_speed, gap_height, gap_width)
+    shear = surface_lever * surface_lever * gap_width * land_length / gap_height
+    return dynamic_viscosity * shaft_speed * shear

@@ -17,8 +17,142 @@ _HALF_BLEND = 0.1
 
 
 @inlined
+def sommerfeld_number(
+    shaft_speed: Any,
+    load: Any,
+    dynamic_viscosity: Any,
+    radius: Any,
+    length: Any,
+    radial_clearance: Any,
+) -> Any:
+    r"""Sommerfeld number of a plain bearing (Anglo-American definition).
+
+    Parameters
+    ----------
+    shaft_speed : float or ndarray
+        Angular speed. [rad/s]
+    load : float or ndarray
+        Radial load. [N]
+    dynamic_viscosity : float or ndarray
+        Dynamic viscosity. [Pa s]
+    radius : float or ndarray
+        Radius of the journal. [m]
+    length : float or ndarray
+        Axial length. [m]
+    radial_clearance : float or ndarray
+        Radius of the bush minus radius of the journal. [m]
+
+    Returns
+    -------
+    float or ndarray
+        Sommerfeld number. [-]
+
+    Notes
+    -----
+    .. math:: S = \frac{\mu N}{P} \left(\frac{R}{c}\right)^2, \quad
+        N = \frac{\omega}{2\pi}, \quad P = \frac{W}{2 R L}
+
+    Validity: a definition; it orders bearings of one length over diameter and one viscosity.
+
+    References
+    ----------
+    .. [1] A. A. Raimondi, J. Boyd, "A solution for the finite journal bearing and its
+       application to analysis and design", Trans. ASLE 1, 1958, 159-209.
+
+    Examples
+    --------
+    A gear shaft of 18 mm in a bush 19 mm long, clearance 8 um, 1500 rpm, 3 kN:
+
+    >>> round(sommerfeld_number(157.0, 3000.0, 0.02, 9e-3, 19e-3, 8e-6), 4)
+    0.0721
+    """
+    number = radius * length * (radius / radial_clearance) ** 2
+    return number * (dynamic_viscosity * shaft_speed / (np.pi * load))
+
+
+@inlined
+def journal_shear_torque(
+    eccentricity_ratio: Any,
+    shaft_speed: Any,
+    dynamic_viscosity: Any,
+    radius: Any,
+    length: Any,
+    radial_clearance: Any,
+) -> Any:
+    r"""Torque of viscous shear on a journal whose film is full all round.
+
+    Parameters
+    ----------
+    eccentricity_ratio : float or ndarray
+        Eccentricity over radial clearance, below 1. [-]
+    shaft_speed : float or ndarray
+        Angular speed. [rad/s]
+    dynamic_viscosity : float or ndarray
+        Dynamic viscosity. [Pa s]
+    radius : float or ndarray
+        Radius of the journal. [m]
+    length : float or ndarray
+        Axial length. [m]
+    radial_clearance : float or ndarray
+        Radius of the bush minus radius of the journal. [m]
+
+    Returns
+    -------
+    float or ndarray
+        Torque that opposes the rotation, sign of the speed. [N m]
+
+    Notes
+    -----
+    .. math:: M = \frac{2 \pi \mu \omega L R^3}{c \sqrt{1 - \varepsilon^2}}
+
+    which is Petroff's law for a centred journal. Validity: laminar, one viscosity; a film that
+    breaks up shears less. The pressure's part is :func:`journal_pressure_torque`.
+
+    References
+    ----------
+    .. [1] B. J. Hamrock, S. R. Schmid, B. O. Jacobson, *Fundamentals of Fluid Film Lubrication*,
+       2nd ed., Marcel Dekker, 2004 (textbook law: Petroff, Sommerfeld).
+    """
+    centred = 2.0 * np.pi * dynamic_viscosity * shaft_speed * length * radius**3
+    slit = radial_clearance * np.sqrt(1.0 - eccentricity_ratio * eccentricity_ratio)
+    return centred * (1.0 / slit)
+
+
+@inlined
+def journal_pressure_torque(ex: Any, ey: Any, force_x: Any, force_y: Any) -> Any:
+    r"""Torque on a journal by the shear that the pressure gradient of its film causes.
+
+    Parameters
+    ----------
+    ex, ey : float or ndarray
+        Eccentricity of the journal in its bush. [m]
+    force_x, force_y : float or ndarray
+        Force of the film on the journal. [N]
+
+    Returns
+    -------
+    float or ndarray
+        Torque, positive where it opposes a positive rotation. [N m]
+
+    Notes
+    -----
+    .. math:: M = \tfrac12 (\mathbf e \times \mathbf F)_z
+
+    the exact integral of :math:`\tfrac12 h\, \mathrm dp/\mathrm d\vartheta` round the journal.
+    Validity: clearance small against the radius; pressure that meets itself round the journal.
+
+    References
+    ----------
+    .. [1] B. J. Hamrock, S. R. Schmid, B. O. Jacobson, *Fundamentals of Fluid Film Lubrication*,
+       2nd ed., Marcel Dekker, 2004 (textbook law: friction of journal and bush differ by the
+       moment of the load).
+    """
+    return 0.5 * (ex * force_y - ey * force_x)
+
+
+@inlined
 def boundary_friction_term(sommerfeld: Any, boundary: Any, decay: Any) -> Any:
-    """Part of the friction coefficient that fades as the film opens.
+    r"""Part of the friction coefficient that fades as the film opens.
 
     Parameters
     ----------
@@ -30,14 +164,55 @@ def boundary_friction_term(sommerfeld: Any, boundary: Any, decay: Any) -> Any:
     Returns
     -------
     float or ndarray
-        a exp(-S / b). [-]
+        Friction coefficient of touching asperities. [-]
+
+    Notes
+    -----
+    .. math:: \mu_b = a\, e^{-S/b}
+
+    Validity: that of the fit of :class:`FrictionCurve`.
+
+    References
+    ----------
+    .. [1] A. Pawar, A. Vacca, M. Rigosi, "Modelling and experimental validation of the dynamic
+       startup behavior of external spur gear motor", equation 2.7.
     """
     return boundary * np.exp(-sommerfeld / decay)
 
 
 @inlined
+def film_friction_fit(sommerfeld: Any, rise: Any, transition: Any, offset: Any) -> Any:
+    r"""Part of the friction coefficient that a sheared film has, as fitted up to S = 0.5.
+
+    Parameters
+    ----------
+    sommerfeld : float or ndarray
+        Load parameter S = (eta N / P) (R / c)^2. [-]
+    rise, transition, offset : float or ndarray
+        Terms c, d and e of :class:`FrictionCurve`. [-]
+
+    Returns
+    -------
+    float or ndarray
+        Friction coefficient of the film. [-]
+
+    Notes
+    -----
+    .. math:: \mu_f = c \tanh(S/d) + e
+
+    Validity: S from 0.001 to 0.5; it saturates beyond, where a full film does not.
+
+    References
+    ----------
+    .. [1] A. Pawar, A. Vacca, M. Rigosi, "Modelling and experimental validation of the dynamic
+       startup behavior of external spur gear motor", equation 2.7.
+    """
+    return rise * np.tanh(sommerfeld / transition) + offset
+
+
+@inlined
 def film_friction_term(sommerfeld: Any, rise: Any, transition: Any, offset: Any, line: Any) -> Any:
-    """Part of the friction coefficient that a sheared film has.
+    r"""Part of the friction coefficient that a sheared film has.
 
     Parameters
     ----------
@@ -51,9 +226,21 @@ def film_friction_term(sommerfeld: Any, rise: Any, transition: Any, offset: Any,
     Returns
     -------
     float or ndarray
-        c tanh(S / d) + e, blended between S = 0.4 and 0.6 into line S. [-]
+        Friction coefficient of the film. [-]
+
+    Notes
+    -----
+    .. math:: \mu = (1 - w)\, \mu_f + w\, l S
+
+    with :func:`film_friction_fit` and a share w that rises between S = 0.4 and 0.6. Validity: the
+    fit below, a full film of one viscosity above.
+
+    References
+    ----------
+    .. [1] A. Pawar, A. Vacca, M. Rigosi, "Modelling and experimental validation of the dynamic
+       startup behavior of external spur gear motor", equation 2.7.
     """
-    fit = rise * np.tanh(sommerfeld / transition) + offset
+    fit = film_friction_fit(sommerfeld, rise, transition, offset)
     blend = smooth_step((sommerfeld - FULL_FILM_NUMBER + _HALF_BLEND) / (2.0 * _HALF_BLEND))
     return fit + blend * (line * sommerfeld - fit)
 
@@ -68,11 +255,13 @@ class FrictionCurve:
     .. math:: \mu = a\,e^{-S/b} + c \tanh(S/d) + e
 
     up to S = 0.5, about which the last two terms are blended into the line of the full film,
-    because they saturate. Petroff's law is the line :math:`2 \pi^2 (c_r / R) S`.
+    because they saturate. Petroff's law is the line :math:`2 \pi^2 (c_r / R) S`. Validity: one
+    bearing at one load, S above 0.001.
 
     References
     ----------
-    .. [1] Pawar, Vacca, Rigosi, start-up of spur gear motors, equation 2.7.
+    .. [1] A. Pawar, A. Vacca, M. Rigosi, "Modelling and experimental validation of the dynamic
+       startup behavior of external spur gear motor", equation 2.7.
 
     Examples
     --------

@@ -30,7 +30,7 @@ _POINTS = 200
 
 @inlined
 def turbulent_growth(ratio: float) -> tuple[float, float]:
-    """Friction over that of laminar flow, and its slope over the ratio of flows.
+    r"""Friction over that of laminar flow, and its slope over the ratio of flows.
 
     Parameters
     ----------
@@ -44,8 +44,15 @@ def turbulent_growth(ratio: float) -> tuple[float, float]:
 
     Notes
     -----
-    Laminar to 2000, the law of Blasius (1913) from 4000, blended between; valid for smooth
-    lines up to a Reynolds number of 1e5.
+    .. math:: \phi = 1 \ (Re < 2000), \qquad
+        \phi = \frac{0.3164\, Re^{3/4}}{64} \ (Re > 4000)
+
+    laminar flow and the law of Blasius, blended between. Validity: smooth round lines up to a
+    Reynolds number of 1e5.
+
+    References
+    ----------
+    .. [1] F. M. White, *Fluid Mechanics*, McGraw-Hill, chapter 6 (textbook law: Blasius, 1913).
     """
     if ratio <= _LAMINAR_END:
         return 1.0, 0.0
@@ -61,7 +68,7 @@ def turbulent_growth(ratio: float) -> tuple[float, float]:
 
 
 def memory_transform(rate: npt.ArrayLike) -> ComplexArray:
-    """Laplace transform of the weighting function W.
+    r"""Laplace transform of the weighting function W of unsteady laminar friction.
 
     Parameters
     ----------
@@ -75,7 +82,16 @@ def memory_transform(rate: npt.ArrayLike) -> ComplexArray:
 
     Notes
     -----
-    From the series impedance s I0(z)/I2(z) with z^2 = s r^2/nu (Zielke, 1968).
+    .. math:: \hat W = \tfrac14 \left[\frac{I_0(z)}{I_2(z)} - 1 - \frac{8}{z^2}\right], \qquad
+        z^2 = s r^2/\nu
+
+    with modified Bessel functions, from the series impedance :math:`s I_0/I_2` of the line.
+    Validity: laminar flow, radius small against the wave length.
+
+    References
+    ----------
+    .. [1] W. Zielke, "Frequency-dependent friction in transient pipe flow", J. Basic Eng. 90,
+       1968, 109-115.
     """
     from scipy.special import ive
 
@@ -86,7 +102,7 @@ def memory_transform(rate: npt.ArrayLike) -> ComplexArray:
 
 
 def memory_branches(highest_rate: float) -> Array:
-    """Decay rates and weights of few exponentials for W up to an angular frequency.
+    r"""Decay rates and weights of few exponentials for W up to an angular frequency.
 
     Parameters
     ----------
@@ -95,14 +111,24 @@ def memory_branches(highest_rate: float) -> Array:
 
     Returns
     -------
-    ndarray, shape (branches, 2)
-        Rates n [-] and weights m >= 0 [-] of W(t) = sum of m exp(-n t).
+    branches : ndarray
+        Rates n and weights m, not negative, one row each. [-]
 
     Notes
     -----
+    .. math:: W(\hat t) \approx \sum_i m_i e^{-n_i \hat t}
+
     Rates grow by a factor from the first zero of J2; the weights are a nonnegative least
     squares fit of the transform, relative to the impedance of the line, over the
-    frequencies up to the highest one. The series impedance is then within 0.6 %.
+    frequencies up to the highest one. The series impedance is then within 0.6 %. Validity:
+    angular frequencies up to the highest one.
+
+    References
+    ----------
+    .. [1] W. Zielke, "Frequency-dependent friction in transient pipe flow", J. Basic Eng. 90,
+       1968, 109-115.
+    .. [2] A. K. Trikha, "An efficient method for simulating frequency-dependent friction in
+       transient liquid flow", J. Fluids Eng. 97, 1975, 97-105 (sum of few exponentials).
     """
     from scipy.optimize import nnls
 

@@ -8,7 +8,7 @@ from toothspace.closures.contact_rough import pressure_unit
 from toothspace.core.types import Array
 
 _PLASTIC_SHARE = 0.96
-"""Mean pressure of yielding spots over the hardness. [-]"""
+"""Mean pressure of plastically deformed spots over the hardness. [-]"""
 
 
 def real_contact_share(
@@ -46,6 +46,11 @@ def real_contact_share(
     .. math:: A_r/A = P / \min(0.2346 - 0.197 \sqrt{P} + 0.895 P,\; 0.96\, H_Y)
 
     Validity: P up to 0.16.
+
+    References
+    ----------
+    .. [1] H. M. Stanley, T. Kato, "An FFT-based method for rough surface contact", J. Tribology
+       119, 1997, 481-485 (method of the solutions; the fit is this package's own).
     """
     unit = pressure_unit(roughness, correlation_length, effective_modulus)
     load = np.asarray(contact_pressure) / unit

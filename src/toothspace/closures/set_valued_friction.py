@@ -18,7 +18,7 @@ FORWARD, STUCK, BACKWARD = 1.0, 0.0, -1.0
 
 
 def next_direction(speed: float, applied: float, holding: float) -> float:
-    """State that a joint takes at a speed under an applied torque.
+    r"""State that a joint takes at a speed under an applied torque.
 
     Parameters
     ----------
@@ -33,6 +33,19 @@ def next_direction(speed: float, applied: float, holding: float) -> float:
     -------
     float
         +1 sliding forward, -1 sliding backward, 0 stuck. [-]
+
+    Notes
+    -----
+    .. math:: d = \mathrm{sign}\,\omega \ (\omega \ne 0), \qquad
+        d = 0 \ (\omega = 0,\ |M_a| \le M_s), \qquad
+        d = \mathrm{sign}\,M_a \ (\omega = 0,\ |M_a| > M_s)
+
+    Validity: dry friction of one joint; the time at which the speed reaches zero must be found.
+
+    References
+    ----------
+    .. [1] D. Karnopp, "Computer simulation of stick-slip friction in mechanical dynamic
+       systems", J. Dyn. Syst. Meas. Control 107, 1985, 100-103.
 
     Examples
     --------

@@ -14,7 +14,7 @@ from numba.extending import overload
 
 
 def select(condition: Any, if_true: Any, if_false: Any) -> Any:
-    """Choose by a condition, for scalars in compiled code and for arrays in Python.
+    r"""Choose by a condition, for scalars in compiled code and for arrays in Python.
 
     Parameters
     ----------
@@ -30,7 +30,14 @@ def select(condition: Any, if_true: Any, if_false: Any) -> Any:
 
     Notes
     -----
-    ``numpy.where`` of scalars makes an array in compiled code; this one does not.
+    .. math:: y = a \ \text{where the condition holds}, \qquad y = b \ \text{elsewhere}
+
+    ``numpy.where`` of scalars makes an array in compiled code; this one does not. Validity: both
+    values are evaluated and must exist on either side.
+
+    References
+    ----------
+    .. [1] NumPy reference, *numpy.where*.
     """
     return np.where(condition, if_true, if_false)[()]
 
@@ -62,7 +69,12 @@ def positive_part(value: Any, width: Any) -> Any:
     -----
     .. math:: s = \tfrac12 \left(x + \sqrt{x^2 + 4 w^2}\right), \qquad x = s - w^2 / s .
 
-    Derivative ``s / sqrt(x**2 + 4 w**2)``. A regularisation, not physics.
+    Validity: a regularisation, not physics; it exceeds the maximum by at most w.
+
+    References
+    ----------
+    .. [1] C. Kanzow, "Some noninterior continuation methods for linear complementarity
+       problems", SIAM J. Matrix Anal. Appl. 17, 1996, 851-868 (smooth maximum).
     """
     root = np.sqrt(value * value + 4.0 * width * width)
     return select(value > 0.0, 0.5 * (value + root), 2.0 * width * width / (root - value))
@@ -70,7 +82,7 @@ def positive_part(value: Any, width: Any) -> Any:
 
 @inlined
 def positive_part_slope(value: Any, width: Any) -> Any:
-    """Differentiate :func:`positive_part` with respect to its value.
+    r"""Differentiate :func:`positive_part` with respect to its value.
 
     Parameters
     ----------
@@ -83,6 +95,17 @@ def positive_part_slope(value: Any, width: Any) -> Any:
     -------
     float or ndarray
         Derivative, between 0 and 1. [-]
+
+    Notes
+    -----
+    .. math:: \frac{\mathrm ds}{\mathrm dx} = \frac{s}{\sqrt{x^2 + 4 w^2}}
+
+    Validity: as :func:`positive_part`.
+
+    References
+    ----------
+    .. [1] C. Kanzow, "Some noninterior continuation methods for linear complementarity
+       problems", SIAM J. Matrix Anal. Appl. 17, 1996, 851-868 (smooth maximum).
     """
     root = np.sqrt(value * value + 4.0 * width * width)
     return positive_part(value, width) / root
@@ -100,7 +123,18 @@ def smooth_step(value: Any) -> Any:
     Returns
     -------
     float or ndarray
-        :math:`3 x^2 - 2 x^3`, limited to 0..1. [-]
+        Rise, limited to 0..1. [-]
+
+    Notes
+    -----
+    .. math:: y = 3 x^2 - 2 x^3
+
+    Validity: a blend, not physics; its slope is continuous.
+
+    References
+    ----------
+    .. [1] C. de Boor, *A Practical Guide to Splines*, Springer, 1978 (textbook: cubic Hermite
+       interpolation).
     """
     x = np.minimum(np.maximum(value, 0.0), 1.0)
     return x * x * (3.0 - 2.0 * x)

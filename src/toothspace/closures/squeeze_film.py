@@ -40,7 +40,7 @@ def squeeze_damping(
 
     Notes
     -----
-    Rigid parabolic surfaces, isoviscous, full film:
+    Validity: rigid parabolic surfaces, isoviscous, full film.
 
     .. math::
 

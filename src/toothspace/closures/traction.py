@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from toothspace.closures.fluid_law import FluidLaw
-from toothspace.closures.smooth import select
 from toothspace.core.compiled import inlined
 
 _SLIDE_ROUNDING = 1e-4
@@ -35,27 +34,37 @@ class FlankSurface(NamedTuple):
 
 @inlined
 def traction_coefficient(
-    slide_ratio: Any, speed_number: Any, load_number: Any, material_number: Any, limiting_shear: Any
-) -> Any:
+    slide_ratio: float,
+    speed_number: float,
+    load_number: float,
+    material_number: float,
+    limiting_shear: float,
+) -> tuple[float, float, float, float]:
     r"""Traction coefficient of an elastohydrodynamic line contact (Jacobson and Hamrock).
 
     Parameters
     ----------
-    slide_ratio : float or ndarray
+    slide_ratio : float
         Sliding speed over sum of the surface speeds, 0 to 1. [-]
-    speed_number : float or ndarray
+    speed_number : float
         U = viscosity times SUM of surface speeds over E' R. [-]
-    load_number : float or ndarray
+    load_number : float
         W = load over width, E' and R. [-]
-    material_number : float or ndarray
+    material_number : float
         G = Barus coefficient times E'. [-]
-    limiting_shear : float or ndarray
+    limiting_shear : float
         Limiting shear strength over pressure (gamma), 0.04 to 0.09. [-]
 
     Returns
     -------
-    float or ndarray
+    traction : float
         Friction coefficient, zero in pure rolling. [-]
+    by_newtonian : float
+        Its derivative by the Newtonian coefficient :math:`\mu_1`, one below the limit. [-]
+    grip : float
+        The Newtonian coefficient over its factor of sliding. [-]
+    slide : float
+        That factor, :math:`(U^*)^{0.81}`. [-]
 
     Notes
     -----
@@ -63,20 +72,23 @@ def traction_coefficient(
 
     and :math:`\mu = \mu_1` up to :math:`0.8\gamma`, beyond it
     :math:`\mu = 0.8\gamma + 0.021 \tanh(\mu_1/\gamma - 0.8)`. The power of the slide ratio is
-    rounded below 1e-4.
+    rounded below 1e-4. Validity: full film, isothermal, rectangular contact.
 
     References
     ----------
     .. [1] B. O. Jacobson, B. J. Hamrock, "Non-Newtonian fluid model incorporated into
-       elastohydrodynamic lubrication of rectangular contacts", J. Tribology 106, 1984.
+       elastohydrodynamic lubrication of rectangular contacts", J. Tribology 106, 1984, 275-284.
     """
-    rounding = _SLIDE_ROUNDING**0.81
-    slide = (slide_ratio * slide_ratio + _SLIDE_ROUNDING * _SLIDE_ROUNDING) ** 0.405 - rounding
-    loading = (load_number * material_number * material_number) ** 3.32
-    newtonian = 0.671e-6 * slide * speed_number**0.26 * loading
+    rounded = slide_ratio * slide_ratio + _SLIDE_ROUNDING * _SLIDE_ROUNDING
+    slide = rounded**0.405 - _SLIDE_ROUNDING**0.81
+    grip = 0.671e-6 * speed_number**0.26
+    grip *= (load_number * material_number * material_number) ** 3.32
+    traction, slope = grip * slide, 1.0
     cap = 0.8 * limiting_shear
-    limited = cap + 0.021 * np.tanh(newtonian / limiting_shear - 0.8)
-    return select(newtonian <= cap, newtonian, limited)
+    if traction > cap:
+        bend = np.tanh(traction / limiting_shear - 0.8)
+        traction, slope = cap + 0.021 * bend, 0.021 * (1.0 - bend * bend) / limiting_shear
+    return traction, slope, grip, slide
 
 
 @inlined
@@ -103,52 +115,17 @@ def film_thickness_dowson_higginson(
     -----
     .. math:: H = 2.65\, U_m^{0.70} G^{0.54} W^{-0.13}
 
+    Validity: fully flooded, isothermal, smooth flanks, piezoviscous and elastic.
+
     References
     ----------
-    .. [1] D. Dowson, "Elastohydrodynamics", Proc. Instn Mech. Engrs 182, 1968.
+    .. [1] D. Dowson, "Elastohydrodynamics", Proc. Instn Mech. Engrs 182, part 3A, 1968, 151-167.
     """
     return 2.65 * mean_speed_number**0.70 * material_number**0.54 / load_number**0.13
 
 
 @inlined
-def film_thickness_pan_hamrock(
-    mean_speed_number: Any, material_number: Any, load_number: Any
-) -> Any:
-    r"""Film thickness of a line contact over the relative radius (Pan and Hamrock).
-
-    Parameters
-    ----------
-    mean_speed_number : float or ndarray
-        Viscosity times MEAN of the surface speeds over E' R. [-]
-    material_number : float or ndarray
-        Barus coefficient times E'. [-]
-    load_number : float or ndarray
-        Load over width, E' and R. [-]
-
-    Returns
-    -------
-    minimum : float or ndarray
-        Smallest film over relative radius. [-]
-    central : float or ndarray
-        Central film over relative radius. [-]
-
-    Notes
-    -----
-    .. math:: H_{min} = 1.714\, U_m^{0.694} G^{0.568} W^{-0.128}, \quad
-        H_c = 2.922\, U_m^{0.692} G^{0.470} W^{-0.166}
-
-    References
-    ----------
-    .. [1] P. Pan, B. J. Hamrock, "Simple formulas for performance parameters used in
-       elastohydrodynamically lubricated line contacts", J. Tribology 111, 1989.
-    """
-    minimum = 1.714 * mean_speed_number**0.694 * material_number**0.568 / load_number**0.128
-    central = 2.922 * mean_speed_number**0.692 * material_number**0.470 / load_number**0.166
-    return minimum, central
-
-
-@inlined
-def boundary_share(film_ratio: Any) -> Any:
+def boundary_share(film_ratio: Any) -> tuple[Any, Any]:
     r"""Share of the load that asperities carry in a mixed film.
 
     Parameters
@@ -158,37 +135,46 @@ def boundary_share(film_ratio: Any) -> Any:
 
     Returns
     -------
-    float or ndarray
+    share : float or ndarray
         Share between 0 and 1. [-]
+    exponent : float or ndarray
+        Minus its logarithm. [-]
 
     Notes
     -----
     .. math:: f = \exp(-1.8\, \lambda^{1.2})
+
+    Validity: constants of ground steel flanks after running-in; both depend on the surfaces.
+
+    References
+    ----------
+    .. [1] R. S. Zhou, M. R. Hoeprich, "Torque of tapered roller bearings", J. Tribology 113,
+       1991, 590-597, equation 29 (form of the law).
     """
-    return np.exp(-1.8 * film_ratio**1.2)
+    exponent = 1.8 * film_ratio**1.2
+    return np.exp(-exponent), exponent
 
 
 @inlined
-def mesh_friction_coefficient(
-    line_load: Any,
-    radius_a: Any,
-    radius_b: Any,
-    sliding_speed: Any,
-    rolling_speed_sum: Any,
+def mesh_friction(
+    line_load: float,
+    relative_radius: float,
+    sliding_speed: float,
+    rolling_speed_sum: float,
     fluid: FluidLaw,
     surface: FlankSurface,
-) -> Any:
+) -> tuple[float, float, float]:
     r"""Friction coefficient of tooth flanks from rest to full film, with the sign of sliding.
 
     Parameters
     ----------
-    line_load : float or ndarray
+    line_load : float
         Normal force per width, zero or positive. [N/m]
-    radius_a, radius_b : float or ndarray
-        Radii of curvature, concave negative. [m]
-    sliding_speed : float or ndarray
+    relative_radius : float
+        1 / (1/Ra + 1/Rb), concave radii negative. [m]
+    sliding_speed : float
         Difference of the surface speeds relative to the contact point. [m/s]
-    rolling_speed_sum : float or ndarray
+    rolling_speed_sum : float
         Sum of the surface speeds relative to the contact point. [m/s]
     fluid : FluidLaw
         Constants of the fluid; viscosity is that at the entry of the contact. [SI]
@@ -197,62 +183,27 @@ def mesh_friction_coefficient(
 
     Returns
     -------
-    float or ndarray
-        Friction coefficient, odd in the sliding speed, zero at rest. [-]
-
-    Notes
-    -----
-    .. math:: \mu = (1 - f)\, \mu_{EHL} + f \mu_b, \qquad f = \exp(-1.8\, \lambda^{1.2})
-
-    with the traction of :func:`traction_coefficient` and the film of Dowson and Higginson.
-    Smooth at rest and at pure rolling.
-    """
-    relative_radius = radius_a * radius_b / (radius_a + radius_b)
-    total = np.sqrt(rolling_speed_sum * rolling_speed_sum + _REST_SPEED * _REST_SPEED)
-    slide_ratio = np.minimum(np.abs(sliding_speed) / total, 1.0)
-    scale = surface.effective_modulus * relative_radius
-    speed_number = fluid.dynamic_viscosity * total / scale
-    load_number = np.maximum(line_load / scale, 1e-12)
-    material_number = fluid.pressure_viscosity * surface.effective_modulus
-    film = film_thickness_dowson_higginson(0.5 * speed_number, material_number, load_number)
-    share = boundary_share(film * relative_radius / surface.roughness)
-    traction = traction_coefficient(
-        slide_ratio, speed_number, load_number, material_number, surface.limiting_shear
-    )
-    boundary = surface.boundary_friction * np.tanh(sliding_speed / _BOUNDARY_SPEED)
-    return (1.0 - share) * traction * np.sign(sliding_speed) + share * boundary
-
-
-@inlined
-def mesh_friction_slopes(
-    line_load: float,
-    relative_radius: float,
-    sliding_speed: float,
-    rolling_speed_sum: float,
-    fluid: FluidLaw,
-    surface: FlankSurface,
-) -> tuple[float, float, float]:
-    """Friction coefficient of :func:`mesh_friction_coefficient` with its derivatives.
-
-    Parameters
-    ----------
-    line_load : float
-        Normal force per width, zero or positive. [N/m]
-    relative_radius : float
-        1 / (1/Ra + 1/Rb), concave radii negative. [m]
-    sliding_speed, rolling_speed_sum : float
-        Difference and sum of the surface speeds relative to the contact point. [m/s]
-    fluid, surface : FluidLaw, FlankSurface
-        Constants. [SI]
-
-    Returns
-    -------
     friction : float
-        Friction coefficient, odd in the sliding speed. [-]
+        Friction coefficient, odd in the sliding speed, zero at rest. [-]
     by_load : float
         Derivative by the line load. [m/N]
     by_sliding : float
         Derivative by the sliding speed. [s/m]
+
+    Notes
+    -----
+    .. math:: \mu = (1 - f)\, \mu_{EHL} + f \mu_b
+
+    with :func:`traction_coefficient` for the film, :func:`boundary_share` f of
+    :func:`film_thickness_dowson_higginson` and the boundary friction :math:`\mu_b`. Smooth at
+    rest and at pure rolling. Validity: mixed to full lubrication of gear flanks.
+
+    References
+    ----------
+    .. [1] B. O. Jacobson, B. J. Hamrock, "Non-Newtonian fluid model incorporated into
+       elastohydrodynamic lubrication of rectangular contacts", J. Tribology 106, 1984, 275-284.
+    .. [2] R. S. Zhou, M. R. Hoeprich, "Torque of tapered roller bearings", J. Tribology 113,
+       1991, 590-597 (load shared by asperities and film).
     """
     total = np.sqrt(rolling_speed_sum * rolling_speed_sum + _REST_SPEED * _REST_SPEED)
     slide_ratio = min(abs(sliding_speed) / total, 1.0)
@@ -261,25 +212,18 @@ def mesh_friction_slopes(
     load_number = max(line_load / scale, 1e-12)
     material_number = fluid.pressure_viscosity * surface.effective_modulus
     film = film_thickness_dowson_higginson(0.5 * speed_number, material_number, load_number)
-    thinning = 1.8 * (film * relative_radius / surface.roughness) ** 1.2
-    share = np.exp(-thinning)
-    rounded = slide_ratio * slide_ratio + _SLIDE_ROUNDING * _SLIDE_ROUNDING
-    slide = rounded**0.405 - _SLIDE_ROUNDING**0.81
-    grip = 0.671e-6 * speed_number**0.26
-    grip *= (load_number * material_number * material_number) ** 3.32
-    traction, slope = grip * slide, 1.0
-    cap = 0.8 * surface.limiting_shear
-    if traction > cap:
-        bend = np.tanh(traction / surface.limiting_shear - 0.8)
-        traction, slope = cap + 0.021 * bend, 0.021 * (1.0 - bend * bend) / surface.limiting_shear
+    share, exponent = boundary_share(film * relative_radius / surface.roughness)
+    traction, slope, grip, slide = traction_coefficient(
+        slide_ratio, speed_number, load_number, material_number, surface.limiting_shear
+    )
     sign = np.sign(sliding_speed)
     rise = np.tanh(sliding_speed / _BOUNDARY_SPEED)
     boundary = surface.boundary_friction * rise
     by_load = (1.0 - share) * sign * slope * 3.32 * grip * slide
-    by_load += 0.13 * 1.2 * thinning * share * (boundary - sign * traction)
+    by_load += 0.13 * 1.2 * exponent * share * (boundary - sign * traction)
     by_sliding = share * surface.boundary_friction * (1.0 - rise * rise) / _BOUNDARY_SPEED
     if slide_ratio < 1.0:
-        turned = 0.81 * slide_ratio * rounded**-0.595 / total
-        by_sliding += (1.0 - share) * slope * grip * turned
+        rounded = slide_ratio * slide_ratio + _SLIDE_ROUNDING * _SLIDE_ROUNDING
+        by_sliding += (1.0 - share) * slope * grip * (0.81 * slide_ratio * rounded**-0.595 / total)
     friction = (1.0 - share) * sign * traction + share * boundary
     return friction, by_load / (load_number * scale), by_sliding

@@ -76,6 +76,13 @@ def throttling_viscosity(upstream_pressure: Any, pressure_drop: Any, law: FluidL
         y = \left(\alpha + \frac{\beta}{\rho c_p}\right) \Delta p .
 
     Validity: passage much shorter than heat conduction across the gap (20 um: 1 ms).
+
+    References
+    ----------
+    .. [1] R. B. Bird, W. E. Stewart, E. N. Lightfoot, *Transport Phenomena*, Wiley (textbook
+       law: energy balance of a throttled liquid; the mean is derived from it).
+    .. [2] C. Barus, "Isothermals, isopiestics and isometrics relative to viscosity",
+       Am. J. Sci. 45, 1893.
     """
     heating = law.viscosity_temperature / (law.reference_density * law.specific_heat_capacity)
     y = (law.pressure_viscosity + heating) * pressure_drop + 1e-9
@@ -142,6 +149,19 @@ def walther_constants(
     slope : float
         Constant B. [-]
 
+    Notes
+    -----
+    .. math:: B = \frac{W_1 - W_2}{\log_{10}(T_2/T_1)}, \qquad A = W_1 + B \log_{10} T_1,
+        \qquad W = \log_{10} \log_{10} (\nu + c)
+
+    with the viscosity in cSt. Validity: as :func:`walther_viscosity`; the points 40 kelvin apart
+    or more.
+
+    References
+    ----------
+    .. [1] ASTM D341, *Viscosity-Temperature Equations and Charts for Liquid Petroleum or
+       Hydrocarbon Products*.
+
     Examples
     --------
     >>> a, b = walther_constants((313.15, 373.15), (46e-6, 6.8e-6))
@@ -153,78 +173,21 @@ def walther_constants(
     return float(ordinates[0] + slope * np.log10(temperatures[0])), float(slope)
 
 
-@inlined
-def roelands_viscosity(pressure: Any, viscosity: Any, exponent: Any) -> Any:
-    r"""Dynamic viscosity under high pressure by Roelands.
+def barus_viscosity(
+    pressure: Any, viscosity: Any, pressure_viscosity: Any, highest_exponent: Any
+) -> Any:
+    r"""Dynamic viscosity of a film by Barus, up to a highest ratio.
 
     Parameters
     ----------
     pressure : float or ndarray
-        Pressure above the atmosphere. [Pa]
-    viscosity : float or ndarray
-        Dynamic viscosity at zero pressure. [Pa s]
-    exponent : float or ndarray
-        Roelands' exponent Z of :func:`roelands_exponent`. [-]
-
-    Returns
-    -------
-    float or ndarray
-        Dynamic viscosity. [Pa s]
-
-    Notes
-    -----
-    .. math:: \mu = \mu_0 \exp\{(\ln \mu_0 + 9.67) [(1 + 5.1\cdot10^{-9} p)^Z - 1]\}
-
-    Validity: to about 1 GPa.
-
-    References
-    ----------
-    .. [1] C. J. A. Roelands, *Correlational aspects of the viscosity-temperature-pressure
-       relationship of lubricating oils*, thesis, TU Delft, 1966.
-    """
-    return viscosity * np.exp(
-        (np.log(viscosity) + 9.67) * ((1.0 + 5.1e-9 * pressure) ** exponent - 1.0)
-    )
-
-
-@inlined
-def roelands_exponent(viscosity: Any, pressure_viscosity: Any) -> Any:
-    r"""Roelands' exponent that has the slope of Barus' law at zero pressure.
-
-    Parameters
-    ----------
+        Absolute pressure. [Pa]
     viscosity : float or ndarray
         Dynamic viscosity at zero pressure. [Pa s]
     pressure_viscosity : float or ndarray
         Barus coefficient. [1/Pa]
-
-    Returns
-    -------
-    float or ndarray
-        Exponent Z. [-]
-
-    Notes
-    -----
-    .. math:: Z = \alpha / [5.1\cdot10^{-9} (\ln \mu_0 + 9.67)]
-
-    Examples
-    --------
-    >>> round(float(roelands_exponent(0.0385, 2e-8)), 2)
-    0.61
-    """
-    return pressure_viscosity / (5.1e-9 * (np.log(viscosity) + 9.67))
-
-
-@inlined
-def hlp_32_viscosity(temperature: Any, pressure: Any) -> Any:
-    r"""Dynamic viscosity of a measured hydraulic oil HLP 32.
-
-    Parameters
-    ----------
-    temperature : float or ndarray
-        Absolute temperature, 273 to 373 K. [K]
-    pressure : float or ndarray
-        Absolute pressure. [Pa]
+    highest_exponent : float or ndarray
+        Logarithm of the ratio beyond which the viscosity grows no further. [-]
 
     Returns
     -------
@@ -233,15 +196,13 @@ def hlp_32_viscosity(temperature: Any, pressure: Any) -> Any:
 
     Notes
     -----
-    .. math:: \mu = 0.01702 \exp\left[\frac{5.428 (50 - T)}{94.72 + T} + \alpha p\right]
+    .. math:: \mu = \mu_0 \exp[\min(\alpha p,\; E)]
 
-    with T in degC and :math:`\alpha = 2.278\cdot10^{-8} - 1.477\cdot10^{-10} T
-    + 5.127\cdot10^{-13} T^2`.
+    Validity: up to about 50 MPa, where it agrees with Roelands within 1 %.
 
     References
     ----------
-    .. [1] Purdue FSTI/CASPAR, fluid HLP32.
+    .. [1] C. Barus, "Isothermals, isopiestics and isometrics relative to viscosity",
+       Am. J. Sci. 45, 1893.
     """
-    t = temperature - 273.15
-    alpha = 2.278e-8 + t * (-1.477e-10 + 5.127e-13 * t)
-    return 1.702e-2 * np.exp(5.428 * (50.0 - t) / (94.72 + t) + alpha * pressure)
+    return viscosity * np.exp(np.minimum(pressure_viscosity * pressure, highest_exponent))

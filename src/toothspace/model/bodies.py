@@ -16,7 +16,13 @@ import math
 import numpy as np
 
 from toothspace.closures.bearing_map import JournalMap, journal_force
-from toothspace.closures.journal_friction import boundary_friction_term, film_friction_term
+from toothspace.closures.journal_friction import (
+    boundary_friction_term,
+    film_friction_term,
+    journal_pressure_torque,
+    journal_shear_torque,
+    sommerfeld_number,
+)
 from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
 from toothspace.model.arrays import (
@@ -182,7 +188,7 @@ def hold_back(
     _, by_ratio = asperity_value(s.asperity, j, LOAD, s.constant.asperity_range, ratio)
     growth = journal[j, BOUNDARY_FRICTION] * radius * by_ratio
     if ratio < HIGHEST_FILM_RATIO:
-        shear = viscous - 0.5 * turning * (ex * force[1] - ey * force[0])
+        shear = viscous - turning * journal_pressure_torque(ex, ey, force[0], force[1])
         solved, rise = asperity_value(s.asperity, j, SHEAR, s.constant.asperity_range, ratio)
         growth += shear * (ratio / (1.0 - ratio * ratio) + rise / solved)
     growth *= turning / (c * distance)
@@ -199,13 +205,9 @@ def journal_torques(s: SystemArrays, state: Array, j: int) -> tuple[float, float
 
     Notes
     -----
-    Full film all round plus the moment of the film force about the journal centre:
-
-    .. math:: T = \frac{2 \pi \mu \omega L R^3}{c \sqrt{1 - \varepsilon^2}} f_s(\varepsilon)
-        + \frac12 e F_t,
-
-    with :math:`f_s = 1`, or the shear of a solved film over that of the full one. A bearing
-    with a friction curve has :func:`curve_torques` instead.
+    :func:`journal_shear_torque` times 1, or times the shear of a solved film over that of the
+    full one, plus :func:`journal_pressure_torque`. A bearing with a friction curve has
+    :func:`curve_torques` instead.
     """
     journal, size = s.journal, s.size
     if journal[j, CURVES] > 0:
@@ -219,11 +221,12 @@ def journal_torques(s: SystemArrays, state: Array, j: int) -> tuple[float, float
     limited = min(ratio, HIGHEST_FILM_RATIO)
     speed = abs(journal[j, SPEED_RATIO] * state[1])
     turning = np.sign(journal[j, SPEED_RATIO]) * s.drive[DIRECTION]
-    shear = 2.0 * math.pi * s.fluid.dynamic_viscosity * speed * journal[j, LENGTH] * radius**3
-    shear *= journal[j, BEARINGS] / (c * math.sqrt(1.0 - limited * limited))
+    shear = journal[j, BEARINGS] * journal_shear_torque(
+        limited, speed, s.fluid.dynamic_viscosity, radius, journal[j, LENGTH], c
+    )
     solved, _ = asperity_value(s.asperity, j, SHEAR, s.constant.asperity_range, ratio)
     shear *= solved
-    moment = 0.5 * turning * (ex * journal[j, FILM_Y] - ey * journal[j, FILM_X])
+    moment = turning * journal_pressure_torque(ex, ey, journal[j, FILM_X], journal[j, FILM_Y])
     load, _ = asperity_value(s.asperity, j, LOAD, s.constant.asperity_range, ratio)
     return shear + moment, journal[j, BOUNDARY_FRICTION] * load * radius
 
@@ -234,19 +237,20 @@ def curve_torques(s: SystemArrays, state: Array, j: int, force: float) -> tuple[
 
     Notes
     -----
-    .. math:: T = \mu(S)\, F R, \qquad S = \frac{\mu_0 N}{P} \frac{R^2}{c^2}, \qquad
-        P = \frac{F}{2 n R L}
+    .. math:: T = \mu(S)\, F R
 
-    with the force of film and asperities on the journals; the coefficient is linear in the
-    logarithm of the load between two curves. The term that fades with S counts as friction of
-    asperities.
+    with the force of film and asperities on the journals and the :func:`sommerfeld_number` of
+    one bearing; the coefficient is linear in the logarithm of the load between two curves. The
+    term that fades with S counts as friction of asperities.
     """
     row = s.journal[j]
     radius = row[RADIUS]
     speed = abs(row[SPEED_RATIO] * state[1])
-    number = row[BEARINGS] * radius * row[LENGTH] * (radius / row[JOURNAL_CLEARANCE]) ** 2
-    number *= s.fluid.dynamic_viscosity * speed / (math.pi * max(force, LEAST_FORCE))
-    lower, share = _curve_place(s, j, max(force, LEAST_FORCE) / row[BEARINGS])
+    load, clearance = max(force, LEAST_FORCE) / row[BEARINGS], row[JOURNAL_CLEARANCE]
+    number = sommerfeld_number(
+        speed, load, s.fluid.dynamic_viscosity, radius, row[LENGTH], clearance
+    )
+    lower, share = _curve_place(s, j, load)
     film, boundary = 0.0, 0.0
     for k, part in ((lower, 1.0 - share), (lower + 1, share)):
         if part > 0.0:

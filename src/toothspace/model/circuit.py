@@ -8,8 +8,7 @@ nodes and fluid columns.
 
 from __future__ import annotations
 
-import math
-
+from toothspace.closures.hydraulic_resistance import resistance_flow, throttle_flow, valve_flow
 from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
 from toothspace.model.arrays import (
@@ -39,7 +38,6 @@ from toothspace.model.fluid_column import FLUID_COLUMN, column_flow, column_powe
 from toothspace.model.ledger import CIRCUIT, SUPPLY
 
 SUPPLY_PUMP, PRESSURE_VALVE, PROPORTIONAL_VALVE, RESISTANCE = range(4)
-ROUNDING = 1e3
 
 
 @kernel
@@ -70,14 +68,14 @@ def element_flow(s: SystemArrays, element: Array, drop: float, time: float) -> t
     """Volume flow of an element and its derivative with respect to the pressure drop."""
     kind = element[ELEMENT_KIND]
     if kind == PRESSURE_VALVE:
-        return valve_flow(element, drop)
+        return valve_flow(drop, element[PARAMETER_1], element[PARAMETER_2], element[PARAMETER_3])
     if kind == RESISTANCE:
-        return resistance_flow(element, drop)
+        return resistance_flow(drop, element[PARAMETER_1], element[PARAMETER_2])
     value = scheduled(s.schedule, int(element[FIRST_KNOT]), int(element[KNOTS]), time)
     if kind == SUPPLY_PUMP:
         return supply_flow(s, element, drop, value)
     density = s.node[int(element[ELEMENT_A if drop >= 0.0 else ELEMENT_B]), DENSITY]
-    return throttle_flow(element[PARAMETER_1] * value, drop, density)
+    return throttle_flow(drop, element[PARAMETER_1] * value, density)
 
 
 @kernel
@@ -128,42 +126,6 @@ def place(rows: Array, first: int, count: int, value: float) -> tuple[int, float
         k += 1
     low, high = rows[first + k, 0], rows[first + k + 1, 0]
     return k, min(max((value - low) / (high - low), 0.0), 1.0)
-
-
-@kernel
-def throttle_flow(area: float, drop: float, density: float) -> tuple[float, float]:
-    """Flow through an effective area [m2], linear below 1 kPa. [m3/s], [m3/(s Pa)]."""
-    scale = area * math.sqrt(2.0 / density)
-    square = drop * drop + ROUNDING * ROUNDING
-    root = math.sqrt(math.sqrt(square))
-    return scale * drop / root, scale * (1.0 - 0.5 * drop * drop / square) / root
-
-
-@kernel
-def resistance_flow(element: Array, drop: float) -> tuple[float, float]:
-    """Flow where the drop is R1 q + R2 q |q| (cooler, line). [m3/s], [m3/(s Pa)]."""
-    linear, square = element[PARAMETER_1], element[PARAMETER_2]
-    flow = 2.0 * drop / (linear + math.sqrt(linear * linear + 4.0 * square * abs(drop)))
-    return flow, 1.0 / (linear + 2.0 * square * abs(flow))
-
-
-@kernel
-def valve_flow(element: Array, drop: float) -> tuple[float, float]:
-    """Flow of a relief or check valve and its derivative. [m3/s], [m3/(s Pa)].
-
-    Parameters are opening pressure difference, pressure rise per flow, and the range over
-    which the slope rises; below the opening pressure nothing flows at all.
-    """
-    excess, gradient, rounding = (
-        drop - element[PARAMETER_1],
-        element[PARAMETER_2],
-        element[PARAMETER_3],
-    )
-    if excess <= 0.0:
-        return 0.0, 0.0
-    if excess < rounding:
-        return 0.5 * excess * excess / (rounding * gradient), excess / (rounding * gradient)
-    return (excess - 0.5 * rounding) / gradient, 1.0 / gradient
 
 
 @kernel

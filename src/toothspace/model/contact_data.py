@@ -8,7 +8,12 @@ from typing import final
 import numpy as np
 
 from toothspace.closures.contact_cylindrical import check_pereira_range, pereira_force
-from toothspace.closures.contact_law import hertz_scale, johnson_scale, series_level
+from toothspace.closures.contact_law import (
+    hertz_scale,
+    impact_damping,
+    johnson_scale,
+    series_level,
+)
 from toothspace.core.types import Array, BoolArray
 from toothspace.model.arrays import (
     CLEARANCE,
@@ -112,7 +117,6 @@ def _readings(contacts: list[ContactPair], first_table: int, gate: int) -> Readi
 def _constants(contact: ContactPair) -> tuple[float, ...]:
     """Constants of ``contact`` in their order."""
     onset = contact.roughness if contact.onset is None else contact.onset
-    loss = 0.75 * (1.0 - contact.restitution**2) / contact.approach_speed
     return (
         contact.effective_modulus,
         contact.roughness,
@@ -120,7 +124,7 @@ def _constants(contact: ContactPair) -> tuple[float, ...]:
         contact.limiting_shear,
         contact.width,
         onset,
-        loss,
+        impact_damping(contact.restitution, contact.approach_speed),
         float(contact.law in ("pereira", "linear")),
         FRICTION_MECHANISMS.index(contact.friction_account),
         float(contact.squeeze_film),

@@ -17,9 +17,14 @@ and losses then balance to round-off.
 
 from __future__ import annotations
 
-from toothspace.closures.contact_law import logarithmic_law, power_law, rounded_depth
+from toothspace.closures.contact_law import (
+    impact_factor,
+    logarithmic_law,
+    power_law,
+    rounded_depth,
+)
 from toothspace.closures.squeeze_film import REACH, squeeze_damping
-from toothspace.closures.traction import FlankSurface, mesh_friction_slopes
+from toothspace.closures.traction import FlankSurface, mesh_friction
 from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
 from toothspace.model.arrays import (
@@ -160,7 +165,7 @@ def press(s: SystemArrays, j: int, overlap: float, rate: float) -> None:
         by_exponent = 0.0
     width = contact[PAIR_WIDTH]
     elastic = width * load * slope
-    factor = max(0.0, 1.0 + contact[PAIR_DAMPING] * rate)
+    factor = impact_factor(rate, contact[PAIR_DAMPING])
     contact[CONTACT_FORCE] = elastic * factor
     contact[CONTACT_ENERGY] = width * energy
     contact[CONTACT_DAMPING] = elastic * (factor - 1.0) * rate
@@ -178,7 +183,7 @@ def rub(s: SystemArrays, j: int, slip: float, rolling: float) -> None:
         contact[PAIR_MODULUS], contact[PAIR_ROUGHNESS], contact[PAIR_BOUNDARY], contact[PAIR_LIMIT]
     )
     force, width = contact[CONTACT_FORCE], contact[PAIR_WIDTH]
-    friction, by_load, by_slip = mesh_friction_slopes(
+    friction, by_load, by_slip = mesh_friction(
         force / width, 1.0 / values[j, CURVATURE], slip, rolling, s.fluid, surface
     )
     contact[CONTACT_SLIP] = slip

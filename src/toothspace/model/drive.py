@@ -11,8 +11,7 @@ and stays at the breakaway torque below it, where the printed law only regularis
 
 from __future__ import annotations
 
-import math
-
+from toothspace.closures.friction import running_share, stribeck_hump
 from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
 from toothspace.model.arrays import (
@@ -38,9 +37,6 @@ from toothspace.model.arrays import (
     SPEED_KNOTS,
     SystemArrays,
 )
-
-ROOT_TWO = math.sqrt(2.0)
-ROOT_TWO_E = math.sqrt(2.0 * math.e)
 
 
 @kernel
@@ -163,8 +159,7 @@ def update_fade(s: SystemArrays, speed: float) -> None:
     drive = s.drive
     drive[FADE] = 1.0
     if drive[BREAKAWAY] > 0.0 and drive[ADDED_FRICTION] == 0.0:
-        ratio = speed / (ROOT_TWO * drive[BREAKAWAY_SPEED])
-        drive[FADE] = -math.expm1(-ratio * ratio)
+        drive[FADE] = running_share(speed, drive[BREAKAWAY_SPEED])
 
 
 @kernel
@@ -174,8 +169,7 @@ def startup_torque(s: SystemArrays, speed: float) -> float:
     if drive[BREAKAWAY] == 0.0:
         return 0.0
     sliding = max(drive[DIRECTION] * speed, drive[BREAKAWAY_SPEED])
-    ratio = sliding / (ROOT_TWO * drive[BREAKAWAY_SPEED])
-    hump = ROOT_TWO_E * math.exp(-ratio * ratio) * ratio
+    hump, _ = stribeck_hump(sliding, drive[BREAKAWAY_SPEED])
     return drive[DIRECTION] * (drive[BREAKAWAY] - drive[RUNNING_FRICTION]) * hump
 
 

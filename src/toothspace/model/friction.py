@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from toothspace.closures.traction import mesh_friction_coefficient
+from toothspace.closures.traction import mesh_friction
 from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
 from toothspace.model.arrays import (
@@ -73,10 +73,10 @@ def mesh_torque(s: SystemArrays, speed: float) -> float:
             continue
         force = abs(total) * share
         sliding = abs(values[j, SLIDING])
-        friction = mesh_friction_coefficient(
+        radius_a, radius_b = values[j, RADIUS_A], values[j, RADIUS_B]
+        friction, _, _ = mesh_friction(
             force / surface.width,
-            values[j, RADIUS_A],
-            values[j, RADIUS_B],
+            radius_a * radius_b / (radius_a + radius_b),
             sliding * speed,
             values[j, ROLLING] * speed,
             fluid,

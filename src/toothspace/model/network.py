@@ -23,8 +23,17 @@ from __future__ import annotations
 
 import math
 
-from toothspace.closures.gap_flow import curved_gap_conductance, parallel_gap_conductance
-from toothspace.closures.orifice import inertial_laminar_flow, orifice_conductance
+from toothspace.closures.gap_flow import (
+    curved_gap_conductance,
+    land_shear_torque,
+    parallel_gap_conductance,
+    wall_drag_flow_rate,
+)
+from toothspace.closures.orifice import (
+    DISCHARGE_COEFFICIENT,
+    inertial_laminar_flow,
+    orifice_conductance,
+)
 from toothspace.closures.viscosity import dynamic_viscosity, throttling_viscosity
 from toothspace.core.compiled import kernel, merged
 from toothspace.core.types import Array
@@ -77,7 +86,6 @@ from toothspace.model.arrays import (
 from toothspace.model.ledger import THROTTLING
 from toothspace.model.tables import CLOSED
 
-SHARP_EDGE = 0.7
 SMOOTH_THROAT = 1.0
 HEIGHT_SMOOTHING = 1e-7
 CLOSED_ORIFICE = 1e-12
@@ -179,7 +187,7 @@ def update_gap_conductances(s: SystemArrays) -> None:
         length = values[j, 2] if width > CLOSED_GAP else 1.0
         found = parallel_gap_conductance(height, width, length, path[j, MEAN_VISCOSITY])
         path[j, CONDUCTANCE] = found if width > CLOSED_GAP else 0.0
-        path[j, OPENING] = SHARP_EDGE * width * height
+        path[j, OPENING] = DISCHARGE_COEFFICIENT * width * height
         path[j, BY_HEIGHT] = 3.0 * path[j, CONDUCTANCE] / height * path[j, HEIGHT_FACTOR]
 
 
@@ -191,7 +199,7 @@ def update_orifice_conductances(s: SystemArrays) -> None:
         area = values[j, 0]
         found = orifice_conductance(area, values[j, 1], path[j, MEAN_VISCOSITY])
         path[j, CONDUCTANCE] = found if area > CLOSED_ORIFICE else 0.0
-        path[j, OPENING] = SHARP_EDGE * area
+        path[j, OPENING] = DISCHARGE_COEFFICIENT * area
 
 
 @kernel
@@ -202,12 +210,14 @@ def drag_walls(s: SystemArrays, speed: float) -> None:
         many, wall = data[j, MULTIPLICITY], values[j, DRAG_SPEED]
         width = values[j, 1] if values[j, 1] > CLOSED_GAP else 0.0
         nominal, height = values[j, 0], path[j, RUNNING_HEIGHT]
-        carried = width * data[j, THROAT_SPEED]
-        dragged = width * (height - data[j, CARRIED_SHARE] * nominal)
-        path[j, DRAG] = many * (dragged * wall - carried * (path[j, HEIGHT] - nominal))
-        path[j, DRAG_BY_HEIGHT] = (width * wall * path[j, HEIGHT_FACTOR] - carried) * speed
-        shear = values[j, SHEAR_SPEED] * values[j, SHEAR_SPEED] * width * values[j, 2] / height
-        path[j, SHEAR] = many * path[j, MEAN_VISCOSITY] * speed * shear
+        dragged, throat = height - data[j, CARRIED_SHARE] * nominal, data[j, THROAT_SPEED]
+        opened = path[j, HEIGHT] - nominal
+        path[j, DRAG] = many * wall_drag_flow_rate(dragged, width, wall, opened, throat)
+        by_height = width * wall * path[j, HEIGHT_FACTOR] - width * throat
+        path[j, DRAG_BY_HEIGHT] = by_height * speed
+        path[j, SHEAR] = many * land_shear_torque(
+            speed, values[j, SHEAR_SPEED], height, width, values[j, 2], path[j, MEAN_VISCOSITY]
+        )
 
 
 @kernel

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from toothspace.closures.gap_flow import parallel_gap_conductance
 from toothspace.core.types import Array
 from toothspace.model.description import FlowPath, MachineDescription
 from toothspace.model.operating_point import OperatingCondition
@@ -91,5 +92,7 @@ def _conductance(path: FlowPath, geometry: Array) -> Array:
     height = np.maximum(geometry[:, 0], path.minimum_height)
     width = np.maximum(geometry[:, 1], 0.0)
     if path.kind == "parallel_gap":
-        return width * height**3 / (12.0 * np.maximum(geometry[:, 2], 1e-9))
+        return np.asarray(
+            parallel_gap_conductance(height, width, np.maximum(geometry[:, 2], 1e-9), 1.0)
+        )
     return 0.05 * width * height**2.5 / np.sqrt(np.maximum(geometry[:, 2], 1e-9))

@@ -2,14 +2,15 @@ r"""Volumes with walls that yield: hoses, and accumulators with a gas charge.
 
 .. math::
 
-    V(p) = V_0 + C p + V_g \left[1 - (p_0/p)^{1/n}\right]_{p > p_0}
+    V(p) = V_0 + C p + \Delta V_g(p)
 
-with the wall compliance C of a line and the gas volume :math:`V_g` of an accumulator, charged
-to :math:`p_0`, whose gas follows the polytropic exponent n.
+with the wall compliance C of a line and the volume :math:`\Delta V_g` by which the gas charge of
+an accumulator gives way, :func:`toothspace.closures.accumulator.gas_charge_volume`.
 """
 
 from __future__ import annotations
 
+from toothspace.closures.accumulator import gas_charge_energy, gas_charge_volume
 from toothspace.closures.density import mixture_pressure
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.compiled import kernel
@@ -34,10 +35,11 @@ def wall_volume(node: Array, pressure: float) -> tuple[float, float]:
     volume = node[REST_VOLUME] + node[WALL_COMPLIANCE] * pressure
     slope = node[WALL_COMPLIANCE]
     if pressure > node[PRECHARGE] and node[GAS_VOLUME] > 0.0:
-        power = 1.0 / node[GAS_EXPONENT]
-        gas = node[GAS_VOLUME] * (node[PRECHARGE] / pressure) ** power
-        volume += node[GAS_VOLUME] - gas
-        slope += power * gas / pressure
+        taken, by_pressure = gas_charge_volume(
+            pressure, node[GAS_VOLUME], node[PRECHARGE], node[GAS_EXPONENT]
+        )
+        volume += taken
+        slope += by_pressure
     return volume, slope
 
 
@@ -72,8 +74,5 @@ def wall_energy(node: Array, pressure: float) -> float:
     """Energy kept in the wall and in the gas charge of a node. [J]."""
     energy = 0.5 * node[WALL_COMPLIANCE] * pressure * pressure
     if pressure > node[PRECHARGE] and node[GAS_VOLUME] > 0.0:
-        power = 1.0 - 1.0 / node[GAS_EXPONENT]
-        ratio = pressure / node[PRECHARGE]
-        scale = node[GAS_VOLUME] * node[PRECHARGE] / (node[GAS_EXPONENT] - 1.0)
-        energy += scale * (ratio**power - 1.0)
+        energy += gas_charge_energy(pressure, node[GAS_VOLUME], node[PRECHARGE], node[GAS_EXPONENT])
     return energy

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import shapely
 
+from tests.reference_formulas.elastic_film import elastic_walls, solve_elastic_film
 from toothspace.core.status import Status
 from toothspace.elasticity import (
     CylinderSurface,
@@ -22,7 +23,6 @@ from toothspace.elasticity import (
     influence_matrix,
 )
 from toothspace.films import Groove, JournalBearing
-from toothspace.films.elastic_film import elastic_walls, solve_elastic_film
 from toothspace.films.journal.solution import JournalBearingSolution
 from toothspace.films.plane.film import PlaneFilm, PlanePoints
 from toothspace.films.reynolds.cavitation import CAVITATION

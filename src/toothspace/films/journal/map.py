@@ -15,6 +15,7 @@ import numpy as np
 from scipy.interpolate import RectBivariateSpline
 
 from toothspace.closures.bearing_map import build_journal_map
+from toothspace.closures.journal_friction import journal_pressure_torque, journal_shear_torque
 from toothspace.core.types import Array
 from toothspace.films.journal.bearing import JournalBearing
 from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
@@ -160,7 +161,8 @@ def _shear(bearing: JournalBearing, ratio: float) -> float:
     """Viscous shear of the steadily turning journal over that of a full film."""
     conserving = replace(bearing, cavitation="jfo")
     film = conserving.solve(eccentricity=(float(ratio), 0.0), shaft_speed=1.0)
-    pull = 0.5 * ratio * bearing.radial_clearance * float(film.force[1])
-    full = 2.0 * np.pi * bearing.length * (0.5 * bearing.diameter) ** 3
-    full *= 1.0 / (bearing.radial_clearance * math.sqrt(1.0 - ratio**2))
+    pull = journal_pressure_torque(ratio * bearing.radial_clearance, 0.0, *film.force)
+    full = journal_shear_torque(
+        ratio, 1.0, 1.0, 0.5 * bearing.diameter, bearing.length, bearing.radial_clearance
+    )
     return float((-film.friction_torque - pull) / full)

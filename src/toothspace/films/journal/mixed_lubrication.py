@@ -10,7 +10,13 @@ from typing import TYPE_CHECKING, final
 import numpy as np
 from scipy.optimize import least_squares
 
-from toothspace.closures.journal_friction import FULL_FILM_NUMBER, FrictionCurve
+from toothspace.closures.journal_friction import (
+    FULL_FILM_NUMBER,
+    FrictionCurve,
+    boundary_friction_term,
+    film_friction_fit,
+    sommerfeld_number,
+)
 from toothspace.core.types import Array
 from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
 
@@ -128,10 +134,15 @@ def save_friction_table(sweep: FrictionSweep, path: Path) -> FrictionCurve:
 
 def shaft_speeds(bearing: JournalBearing, load: float, sommerfeld_numbers: Array) -> Array:
     """Rotation at which a loaded bearing has given Sommerfeld numbers. [rad/s]."""
-    mean = load / (bearing.diameter * bearing.length)
-    ratio = 2.0 * bearing.radial_clearance / bearing.diameter
-    factor = 2.0 * np.pi * mean * ratio**2 / bearing.dynamic_viscosity
-    return np.asarray(factor * sommerfeld_numbers)
+    at_unit_speed = sommerfeld_number(
+        1.0,
+        load,
+        bearing.dynamic_viscosity,
+        0.5 * bearing.diameter,
+        bearing.length,
+        bearing.radial_clearance,
+    )
+    return np.asarray(sommerfeld_numbers / at_unit_speed)
 
 
 def fit_friction_curve(sommerfeld_number: Array, friction_coefficient: Array) -> FrictionCurve:
@@ -155,14 +166,15 @@ def fit_friction_curve(sommerfeld_number: Array, friction_coefficient: Array) ->
 
     def mismatch(logarithms: Array) -> Array:
         boundary, decay, rise, transition, offset = np.exp(logarithms)
-        fit = boundary * np.exp(-numbers / decay) + rise * np.tanh(numbers / transition) + offset
+        fit = boundary_friction_term(numbers, boundary, decay)
+        fit = fit + film_friction_fit(numbers, rise, transition, offset)
         return np.asarray(np.log(fit) - target)
 
     first = np.log([float(friction_coefficient[fitted].max()), 0.003, 0.02, 1.0, 5e-4])
     bounds = (np.log([1e-4, 1e-5, 1e-4, 0.05, 1e-7]), np.log([1.0, 0.1, 10.0, 100.0, 0.1]))
     found = least_squares(mismatch, first, bounds=bounds, x_scale=1.0, max_nfev=2000)
     boundary, decay, rise, transition, offset = (float(value) for value in np.exp(found.x))
-    line = (rise * np.tanh(FULL_FILM_NUMBER / transition) + offset) / FULL_FILM_NUMBER
+    line = film_friction_fit(FULL_FILM_NUMBER, rise, transition, offset) / FULL_FILM_NUMBER
     if not fitted.all():
         line = (friction_coefficient[~fitted] / sommerfeld_number[~fitted]).mean()
     return FrictionCurve(boundary, decay, rise, transition, offset, float(line))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, final
 
 import numpy as np
 
+from toothspace.closures.journal_friction import sommerfeld_number
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.films.journal.geometry import JournalMesh, MotionState, journal_gap, journal_load
@@ -119,17 +120,20 @@ class JournalBearingSolution:
     @property
     def sommerfeld_number(self) -> float:
         r"""Load parameter :math:`S = (\eta N / P) (R / c)^2`, N in 1/s. [-]."""
-        return 1.0 / (2.0 * np.pi * self.sommerfeld_number_din) if self.load > 0.0 else np.inf
+        if self.load == 0.0:
+            return np.inf
+        b = self.bearing
+        speed = abs(self.speed.shaft + self.speed.bush)
+        number = sommerfeld_number(
+            speed, self.load, b.dynamic_viscosity, 0.5 * b.diameter, b.length, b.radial_clearance
+        )
+        return float(number)
 
     @property
     def sommerfeld_number_din(self) -> float:
         r"""Load parameter :math:`So = P \psi^2 / (\eta \omega)`. [-]."""
-        b = self.bearing
-        ratio = 2.0 * b.radial_clearance / b.diameter
-        speed = abs(self.speed.shaft + self.speed.bush)
-        if speed == 0.0:
-            return np.inf
-        return self.load / (b.diameter * b.length) * ratio**2 / (b.dynamic_viscosity * speed)
+        number = self.sommerfeld_number
+        return 1.0 / (2.0 * np.pi * number) if number > 0.0 else np.inf
 
     @property
     def side_flow(self) -> float:

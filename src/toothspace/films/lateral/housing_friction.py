@@ -1,23 +1,18 @@
 r"""Friction of a pressed bearing in its housing.
 
-Two laws stand to choice. The smooth one,
-
-.. math::
-
-    F = \sqrt{2e}\,(F_b - F_c)\,e^{-(v/v_s)^2}\,\frac{v}{v_s} + F_c \tanh\frac{v}{v_c},
-
+Two laws stand to choice. The smooth one, :func:`toothspace.closures.friction.stribeck_friction`,
 vanishes at rest, so a bearing under load creeps. The set-valued one holds any load up to the
 breakaway force at rest and resists motion with the Coulomb force.
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import final
 
 import numpy as np
 
+from toothspace.closures.friction import stribeck_friction
 from toothspace.core.types import Array
 from toothspace.model.lateral_balance import HousingContact
 
@@ -63,15 +58,10 @@ class HousingFriction:
         velocity : float
             Velocity of the bearing. [m/s]
         """
-        stribeck = math.sqrt(2.0) * self.breakaway_speed
-        coulomb = 0.1 * self.breakaway_speed
-        peak = math.sqrt(2.0 * math.e) * (self.breakaway_force - self.coulomb_force)
-        ratio = velocity / stribeck
-        bell = math.exp(-ratio * ratio)
-        level = math.tanh(velocity / coulomb)
-        slope = peak * bell * (1.0 - 2.0 * ratio * ratio) / stribeck
-        slope += self.coulomb_force * (1.0 - level * level) / coulomb
-        return peak * bell * ratio + self.coulomb_force * level, slope
+        force, slope = stribeck_friction(
+            velocity, self.breakaway_force, self.coulomb_force, self.breakaway_speed
+        )
+        return float(force), float(slope)
 
 
 def normal_force(

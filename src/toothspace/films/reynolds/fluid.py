@@ -7,6 +7,8 @@ from typing import final
 
 import numpy as np
 
+from toothspace.closures.density import dowson_higginson_density
+from toothspace.closures.viscosity import barus_viscosity
 from toothspace.core.types import Array
 from toothspace.films.reynolds.equation import FilmGrid, FluidField
 
@@ -24,10 +26,10 @@ class FilmFluid:
     dynamic_viscosity : float
         Dynamic viscosity at zero pressure. [Pa s]
     pressure_viscosity : float
-        Coefficient :math:`\alpha` of :math:`\mu = \mu_0 e^{\alpha p}`. [1/Pa]
+        Coefficient :math:`\alpha` of :func:`~toothspace.closures.viscosity.barus_viscosity`. [1/Pa]
     compressible : bool
-        Whether the density follows Dowson and Higginson,
-        :math:`\rho/\rho_0 = (0.59 + 1.34 p) / (0.59 + p)` with p in GPa.
+        Whether the density follows
+        :func:`~toothspace.closures.density.dowson_higginson_density`.
     limit_pressure : float
         Pressure beyond which the viscosity grows no further. [Pa]
 
@@ -54,8 +56,11 @@ class FilmFluid:
         """Dynamic viscosity at absolute pressures. [Pa s]."""
         if self.pressure_viscosity == 0.0:
             return np.full_like(pressure, self.dynamic_viscosity)
-        exponent = np.minimum(self.pressure_viscosity * pressure, self._highest_exponent)
-        return np.asarray(self.dynamic_viscosity * np.exp(exponent))
+        return np.asarray(
+            barus_viscosity(
+                pressure, self.dynamic_viscosity, self.pressure_viscosity, self._highest_exponent
+            )
+        )
 
     @property
     def _highest_exponent(self) -> float:
@@ -65,7 +70,7 @@ class FilmFluid:
         """Density over that of zero pressure at absolute pressures. [-]."""
         if not self.compressible:
             return np.ones_like(pressure)
-        return np.asarray((0.59e9 + 1.34 * pressure) / (0.59e9 + pressure))
+        return np.asarray(dowson_higginson_density(pressure, 1.0))
 
     def fields(self, pressure: Array) -> FluidField:
         """Fluid state of every cell at absolute pressures."""

@@ -12,10 +12,11 @@ from typing import NamedTuple, final
 import numpy as np
 
 from toothspace.closures.contact_asperities import greenwood_tripp_pressure, kogut_etsion_pressure
-from toothspace.closures.contact_rough import asperity_pressure
+from toothspace.closures.contact_rough import asperity_pressure, mean_gap_ratio
 from toothspace.closures.flow_factors import (
     PatternColumns,
     contact_factor,
+    contact_factor_slope,
     pattern_columns,
     pressure_flow_factor,
     shear_flow_factor,
@@ -89,15 +90,12 @@ def carried_law(gap: float, law: FlowLaw) -> tuple[float, float]:
     if law.roughness == 0.0:
         return gap, 1.0
     ratio = gap / law.roughness
-    open_part = contact_factor(ratio)
-    density = math.exp(-0.5 * ratio * ratio) / math.sqrt(2.0 * math.pi)
-    mean = ratio * open_part + density
     moving, moving_slope = shear_flow_factor(ratio, law.moving.shear, law.moving.weight)
     resting, resting_slope = shear_flow_factor(ratio, law.resting.shear, law.resting.weight)
     share = law.moving_share
     shear = law.slide_ratio * (share * moving - (1.0 - share) * resting)
     slope = law.slide_ratio * (share * moving_slope - (1.0 - share) * resting_slope)
-    return law.roughness * (mean + shear), open_part + slope
+    return law.roughness * (mean_gap_ratio(ratio) + shear), contact_factor(ratio) + slope
 
 
 @njit
@@ -109,9 +107,7 @@ def mean_gap(gap: Array, law: FlowLaw) -> Array:
             h = gap[i, j]
             out[i, j] = h
             if law.roughness > 0.0:
-                ratio = h / law.roughness
-                density = math.exp(-0.5 * ratio * ratio) / math.sqrt(2.0 * math.pi)
-                out[i, j] = law.roughness * (ratio * contact_factor(ratio) + density)
+                out[i, j] = law.roughness * mean_gap_ratio(h / law.roughness)
     return out
 
 
@@ -139,8 +135,7 @@ def squeeze_law(gap: float, law: FlowLaw) -> tuple[float, float]:
     if law.roughness == 0.0:
         return 1.0, 0.0
     ratio = gap / law.roughness
-    density = math.exp(-0.5 * ratio * ratio) / math.sqrt(2.0 * math.pi)
-    return contact_factor(ratio), density / law.roughness
+    return contact_factor(ratio), contact_factor_slope(ratio) / law.roughness
 
 
 @inlined

@@ -4,6 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from toothspace.closures.gap_flow import (
+    equal_leakage_height,
+    ring_sector_gap,
+    tilted_gap_height,
+)
 from toothspace.core.types import Array, IntArray
 from toothspace.gearing.mesh_split import Throats
 from toothspace.gearing.meshing import (
@@ -229,16 +234,15 @@ def lateral_path(assembly: Assembly, numbering: Numbering, gear: int) -> FlowPat
 def drain_path(assembly: Assembly, numbering: Numbering, gear: int) -> FlowPath:
     """Gaps over the land between tooth root and shaft, to the drain.
 
-    A ring sector leaks like a parallel gap of its mean radius: width ``2 pi/z r`` and length
-    ``r ln(r_o/r_i)``; a tilt lets the cube of the height pass 1 + 1.5 (r/r_a tilt)^2 times more.
+    A ring sector leaks like a parallel gap, :func:`~toothspace.closures.gap_flow.ring_sector_gap`,
+    of a height that the tilt raises, :func:`~toothspace.closures.gap_flow.tilted_gap_height`.
     """
     profile, own = assembly.profiles[gear], numbering.nodes[gear]
     inner, outer = 0.5 * assembly.spec.journals.diameter, profile.root_radius
     middle = 0.5 * (inner + outer)
     tilt = assembly.spec.lateral.tilt * middle / profile.tip_radius
-    height = side_gap(assembly) * (1.0 + 1.5 * tilt**2) ** (1.0 / 3.0)
-    width = FULL_TURN / profile.tooth_count * middle
-    row = np.array([height, width, middle * np.log(outer / inner)])
+    height = tilted_gap_height(side_gap(assembly), tilt)
+    row = np.array([height, *ring_sector_gap(inner, outer, FULL_TURN / profile.tooth_count)])
     return FlowPath(
         name=f"drain_{GEARS[gear]}",
         category=DRAIN,
@@ -255,8 +259,7 @@ def drain_path(assembly: Assembly, numbering: Numbering, gear: int) -> FlowPath:
 def side_gap(assembly: Assembly) -> float:
     """Height that lets the same leakage through as the gaps of both faces. [m]."""
     lateral = assembly.spec.lateral
-    cubes = 0.5 * (lateral.side_gap_floating**3 + lateral.side_gap_solid**3)
-    return float(cubes ** (1.0 / 3.0))
+    return float(equal_leakage_height(lateral.side_gap_floating, lateral.side_gap_solid))
 
 
 def _repeated(node: int, like: IntArray) -> IntArray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from toothspace.closures.contact_cylindrical import hertz_pressure
 from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.core.types import Array
 from toothspace.geometry.gear_profile import GearProfile
@@ -37,9 +38,10 @@ def strength_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
     Notes
     -----
     Radial load :math:`0.85\,\Delta p\,b\,d_a`; contact force from half of the mean torque over
-    the base radius; Hertzian pressure :math:`\sqrt{F' E'/(2 \pi R)}` at the pitch point; root
-    stress of a cantilever loaded at its tip. Limits of flank and root: endurance of case-hardened
-    steel, quality MQ. Limits of the bearings: guide values for lubricated steel-backed bushes.
+    the base radius; :func:`~toothspace.closures.contact_cylindrical.hertz_pressure` at the pitch
+    point; root stress of a cantilever loaded at its tip. Limits of flank and root: endurance of
+    case-hardened steel, quality MQ. Limits of the bearings: guide values for lubricated
+    steel-backed bushes.
 
     References
     ----------
@@ -95,7 +97,7 @@ def flank_pressure(assembly: Assembly, force: float) -> float:
     sine = np.sqrt(max(1.0 - (lever / driven_pitch) ** 2, 1e-4))
     radius = sine / (1.0 / drive_pitch + 1.0 / driven_pitch)
     modulus = reduced_modulus(spec.drive.material, spec.driven.material)
-    return float(np.sqrt(force / assembly.face_width * modulus / (2.0 * np.pi * radius)))
+    return float(hertz_pressure(force / assembly.face_width, radius, 0.5 * modulus))
 
 
 def root_stress(assembly: Assembly, force: float) -> float:

@@ -10,6 +10,7 @@ from typing import Literal
 
 import numpy as np
 
+from toothspace.closures.gap_flow import equal_leakage_height, ring_sector_gap
 from toothspace.core.types import Array, IntArray
 from toothspace.geometry.curve import signed_area
 from toothspace.machines.gerotor.parameters import GerotorParameters
@@ -168,8 +169,7 @@ def side_gap(parameters: GerotorParameters) -> float:
     lateral = parameters.lateral
     if lateral.side_gap is not None:
         return lateral.side_gap
-    gaps = np.array([lateral.side_gap_a or 0.0, lateral.side_gap_b or 0.0])
-    return float(np.mean(gaps**3) ** (1.0 / 3.0))
+    return float(equal_leakage_height(lateral.side_gap_a or 0.0, lateral.side_gap_b or 0.0))
 
 
 def shaft_radius(parameters: GerotorParameters, pocket: Pockets) -> float:
@@ -226,14 +226,8 @@ def _ring_path(
     radii: tuple[float, float],
     label: tuple[str, PathCategory, int],
 ) -> FlowPath:
-    # a ring sector leaks like a parallel gap of its mean radius and logarithmic length
     own = _nodes(pocket)
-    middle = 0.5 * (radii[0] + radii[1])
-    row = [
-        side_gap(parameters),
-        FULL_TURN / own.size * middle,
-        middle * float(np.log(radii[1] / radii[0])),
-    ]
+    row = [side_gap(parameters), *ring_sector_gap(*radii, FULL_TURN / own.size)]
     return FlowPath(
         name=label[0],
         category=label[1],
