@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from toothspace.gearing.numbering import number
 from toothspace.gearing.spaces import Spaces, drive_spaces, driven_spaces
 from toothspace.geometry.involute import InvoluteGear
 from toothspace.machines.external_gear.assembly import Assembly
-from toothspace.machines.external_gear.numbering import number
 from toothspace.machines.external_gear.spec import (
     Casing,
     ExternalGearSpec,
@@ -105,7 +105,7 @@ ALL = {
 
 def spaces_at(assembly: Assembly, shaft_angle: float) -> tuple[Spaces, Spaces]:
     """All tooth spaces of both gears at one shaft angle."""
-    numbering = number(assembly)
+    numbering = number(assembly.counts)
     places = [
         np.mod(phases + ratio * shaft_angle, 2.0 * np.pi) - np.pi
         for phases, ratio in zip(numbering.space_phases, numbering.ratios, strict=True)

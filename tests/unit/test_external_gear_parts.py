@@ -10,6 +10,8 @@ import pytest
 from tests.external_gear_designs import ALL, TWELVE, egm12, fuel14, unequal
 from toothspace.core.errors import GeometryError
 from toothspace.gearing.closest_points import Placement, project
+from toothspace.gearing.numbering import number
+from toothspace.gearing.openings import port_lengths
 from toothspace.gearing.tooth import (
     flank_curvature,
     flank_point,
@@ -22,8 +24,6 @@ from toothspace.machines.external_gear.assembly import assemble
 from toothspace.machines.external_gear.casing import bore
 from toothspace.machines.external_gear.flow_paths import bore_cover
 from toothspace.machines.external_gear.loads import polar_moment, reduced_modulus, tooth_fraction
-from toothspace.machines.external_gear.numbering import number
-from toothspace.machines.external_gear.openings import port_lengths
 from toothspace.machines.external_gear.spec import CARBURISED_STEEL, Casing, Gear, WearIn
 from toothspace.model.description import MachineDescription
 
@@ -103,7 +103,7 @@ def test_angle_zero_is_the_documented_one(pump: MachineDescription) -> None:
     assert phases[0] == pytest.approx(np.pi)
     assert np.mod(phases[0] - phases[1], 2.0 * np.pi) == pytest.approx(np.pi / 6.0)
     assert np.argmin(pump.families[0].volume(phases)[:, 0]) == 0
-    numbering = number(assemble(egm12("pump")))
+    numbering = number(assemble(egm12("pump")).counts)
     assert numbering.met_spaces[0] == 0
     assert numbering.met_spaces[1] == 1
     assert numbering.met_spaces[11] == 11
@@ -158,7 +158,7 @@ def test_ports_open_and_close_at_their_edges() -> None:
     assembly = assemble(egm12("pump"))
     half_mouth = np.pi / 12 - 0.5 * assembly.teeth[0].land_angle
     for spaces in assembly.spaces(3600):
-        inlet, outlet = port_lengths(assembly, spaces)
+        inlet, outlet = port_lengths(spaces, (np.deg2rad(70.0), np.deg2rad(55.0)))
         last = spaces.angles[inlet > 0.0].max()
         assert last == pytest.approx(np.deg2rad(70.0) + half_mouth, abs=2e-3)
         first = spaces.angles[outlet > 0.0].min()

@@ -40,10 +40,10 @@ from toothspace.films.lateral.elastic_faces import ElasticFaces, elastic_faces
 from toothspace.films.lateral.equilibrium import Equilibrium, SearchSettings, find_equilibrium
 from toothspace.films.lateral.motion import StepSettings, rest_at
 from toothspace.films.lateral.stack import Stack
+from toothspace.gearing.numbering import number
 from toothspace.machines.external_gear.assembly import assemble
 from toothspace.machines.external_gear.balance import lateral_balance
 from toothspace.machines.external_gear.elastic_bodies import MeshSize
-from toothspace.machines.external_gear.numbering import number
 from toothspace.machines.external_gear.pressed_bodies import PressedBodies
 from toothspace.machines.external_gear.spec import BodyFiles, Material, PressedBearing, Spring
 from toothspace.model.lateral_balance import LateralBalance
@@ -76,7 +76,7 @@ def _balance(**changes: object) -> LateralBalance:
     )
     pressed = replace(given, **changes)  # type: ignore[arg-type]
     assembly = assemble(egm12("pump", pressed=pressed))
-    found = lateral_balance(assembly, number(assembly))
+    found = lateral_balance(assembly, number(assembly.counts))
     assert found is not None
     return found
 

@@ -20,6 +20,7 @@ from toothspace.core.types import Array
 from toothspace.elasticity import AreaPressure, InfluenceMatrix, influence_matrix
 from toothspace.films.lateral.elastic_faces import ElasticFaces
 from toothspace.films.lateral.stack import BackPressure, Scene
+from toothspace.gearing.numbering import number
 from toothspace.machines.external_gear.assembly import Assembly, assemble
 from toothspace.machines.external_gear.balance import lateral_balance
 from toothspace.machines.external_gear.describe import describe
@@ -32,7 +33,6 @@ from toothspace.machines.external_gear.elastic_bodies import (
 )
 from toothspace.machines.external_gear.films import FaceOfGear
 from toothspace.machines.external_gear.loads import BODIES
-from toothspace.machines.external_gear.numbering import number
 from toothspace.machines.external_gear.pressed_bodies import PressedBodies, seal_line
 from toothspace.machines.external_gear.spec import BodyFiles, Material, PressedBearing, Spring
 from toothspace.model.lateral_balance import LAND, BodyLoad, LateralBalance
@@ -72,7 +72,7 @@ def _assembly(mode: str = "pump", /, **changes: object) -> Assembly:
 
 def _balance(mode: str = "pump", /, **changes: object) -> LateralBalance:
     assembly = _assembly(mode, **changes)
-    found = lateral_balance(assembly, number(assembly))
+    found = lateral_balance(assembly, number(assembly.counts))
     assert found is not None
     return found
 
@@ -109,7 +109,7 @@ def test_flanks_of_a_gear_have_the_nodes_of_the_chambers_beside_them(
 ) -> None:
     """Away from the mesh the film sees the same chamber there, at every shaft angle."""
     assembly = _assembly()
-    face = FaceOfGear(assembly, number(assembly), wheel)
+    face = FaceOfGear(assembly, number(assembly.counts), wheel)
     profile = assembly.profiles[wheel]
     first = face.tooth_angle(wheel, turn)
     angle = first + profile.pitch_angle * (np.arange(profile.tooth_count) + 0.5)

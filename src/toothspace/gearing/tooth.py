@@ -91,13 +91,26 @@ def tooth_curves(profile: GearProfile) -> Tooth:
     """
     radius = profile.tip_radius
     breaks = np.asarray(profile.breaks, dtype=int)
-    right = _flank(profile.right_flank, breaks, RIGHT, radius)
+    right = flank_spline(profile.right_flank, breaks, RIGHT, radius)
     last = len(profile.points) - 1
-    left = _flank(profile.left_flank[::-1], last - breaks, LEFT, radius)
+    left = flank_spline(profile.left_flank[::-1], last - breaks, LEFT, radius)
     return Tooth(left, right, profile.tooth_count, radius)
 
 
-def _flank(points: Array, breaks: Array, side: float, tip_radius: float) -> Flank:
+def flank_spline(points: Array, breaks: Array, side: float, tip_radius: float) -> Flank:
+    """Spline through the points of a flank.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 2)
+        From the root middle to the tip corner; the tooth points to +x. [m]
+    breaks : ndarray of int
+        Where curvature or tangent may jump.
+    side : float
+        ``LEFT`` or ``RIGHT``.
+    tip_radius : float
+        Tip circle, negative of a ring gear, whose centre lies ahead of the tooth. [m]
+    """
     knots = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
     cuts = [0, *_corners(points, breaks), len(points) - 1]
     pieces = [
@@ -105,7 +118,8 @@ def _flank(points: Array, breaks: Array, side: float, tip_radius: float) -> Flan
     ]
     coefficients = np.ascontiguousarray(np.vstack(pieces))
     area = np.concatenate([[0.0], np.cumsum(_segment_areas(knots, coefficients))])
-    corner = float(np.arctan2(points[-1, 1], points[-1, 0]))
+    x, y = np.sign(tip_radius) * points[-1]
+    corner = float(np.arctan2(y, x))
     return Flank(knots, coefficients, area, side, corner, tip_radius)
 
 

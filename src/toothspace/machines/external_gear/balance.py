@@ -11,11 +11,11 @@ import shapely
 import shapely.affinity
 
 from toothspace.core.errors import GeometryError
+from toothspace.gearing.numbering import Numbering
 from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.external_gear.elastic_bodies import beside_cut
 from toothspace.machines.external_gear.films import FaceOfGear
 from toothspace.machines.external_gear.loads import BODIES, bodies, reduced_modulus
-from toothspace.machines.external_gear.numbering import Numbering
 from toothspace.machines.external_gear.pressed_bodies import (
     PressedBodies,
     half_names,

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import final
 
 from toothspace.core.types import Array
+from toothspace.gearing.numbering import FULL_TURN, Numbering, number
 from toothspace.gearing.spaces import (
     Spaces,
     area_by_motion,
@@ -25,7 +26,6 @@ from toothspace.machines.external_gear.loads import (
     lateral_films,
     outlines,
 )
-from toothspace.machines.external_gear.numbering import FULL_TURN, Numbering, number
 from toothspace.machines.external_gear.spec import ExternalGearSpec
 from toothspace.machines.external_gear.summary import design_checks, geometry_summary
 from toothspace.model.description import ChamberFamily, MachineDescription, RunningIn
@@ -67,7 +67,7 @@ class ExternalGearMachine:
 def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescription:
     """Tables and data of a machine; see :meth:`ExternalGearMachine.describe`."""
     assembly = assemble(spec)
-    numbering = number(assembly)
+    numbering = number(assembly.counts)
     spaces = assembly.spaces(nodes)
     families = tuple(_family(assembly, numbering, spaces[gear], gear) for gear in (0, 1))
     return MachineDescription(

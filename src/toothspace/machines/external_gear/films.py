@@ -9,12 +9,12 @@ import numpy as np
 import shapely
 
 from toothspace.core.types import Array, BoolArray, IntArray
+from toothspace.gearing.numbering import Numbering
 from toothspace.gearing.outlines import space_outline
 from toothspace.gearing.spaces import Spaces, drive_spaces, driven_spaces
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.external_gear.loads import groove_polygons
-from toothspace.machines.external_gear.numbering import Numbering
 from toothspace.model.lateral_balance import LAND, FaceCells
 
 _FULL_TURN = 2.0 * np.pi

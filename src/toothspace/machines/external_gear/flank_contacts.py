@@ -14,11 +14,11 @@ from toothspace.gearing.meshing import (
     loaded_throats,
     slip_by_motion,
 )
+from toothspace.gearing.numbering import FULL_TURN, Numbering
 from toothspace.gearing.spaces import Spaces
 from toothspace.geometry.involute import InvoluteGear
 from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.external_gear.loads import BODIES, reduced_modulus
-from toothspace.machines.external_gear.numbering import FULL_TURN, Numbering
 from toothspace.model.description import ContactPair
 from toothspace.numerics.periodic_table import monotone_table
 

@@ -17,12 +17,12 @@ from toothspace.gearing.meshing import (
     throat_drag,
     throat_width,
 )
+from toothspace.gearing.numbering import FULL_TURN, Numbering
+from toothspace.gearing.openings import groove_openings, port_lengths
 from toothspace.gearing.spaces import Spaces
 from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.external_gear.casing import bore
-from toothspace.machines.external_gear.loads import BODIES
-from toothspace.machines.external_gear.numbering import FULL_TURN, Numbering
-from toothspace.machines.external_gear.openings import groove_openings, port_lengths
+from toothspace.machines.external_gear.loads import BODIES, groove_polygons
 from toothspace.model.description import FlowPath
 from toothspace.model.path_category import (
     DRAIN,
@@ -163,8 +163,10 @@ def port_paths(
 ) -> list[FlowPath]:
     """Openings of the tooth spaces along the bore to inlet and outlet."""
     width = (assembly.spec.drive, assembly.spec.driven)[gear].face_width
+    casing = bore(assembly, gear)
+    edges = casing.inlet_angle, casing.outlet_angle
     found = []
-    for port, length in zip(("inlet", "outlet"), port_lengths(assembly, spaces), strict=True):
+    for port, length in zip(("inlet", "outlet"), port_lengths(spaces, edges), strict=True):
         diameter = 2.0 * width * length / (width + length)
         table = np.column_stack([width * length, diameter])
         node = numbering.inlet if port == "inlet" else numbering.outlet
@@ -177,11 +179,15 @@ def groove_paths(
     assembly: Assembly, numbering: Numbering, spaces: Spaces, gear: int
 ) -> list[FlowPath]:
     """Openings of the tooth spaces into the relief grooves of both faces."""
+    grooves = assembly.spec.grooves
+    if grooves is None:
+        return []
     found = []
-    for port, table in groove_openings(assembly, spaces).items():
+    for name, table in groove_openings(spaces, groove_polygons(assembly), grooves.depth).items():
+        port = name.removeprefix("groove_")
         node = numbering.inlet if port == "inlet" else numbering.outlet
-        name = f"groove_{port}_{GEARS[gear]}"
-        found.append(_to_node(name, _GROOVES[port], node, table, (numbering, gear), 2.0))
+        label = f"groove_{port}_{GEARS[gear]}"
+        found.append(_to_node(label, _GROOVES[port], node, table, (numbering, gear), 2.0))
     return found
 
 

@@ -14,12 +14,12 @@ import shapely
 from toothspace.core.types import Array
 from toothspace.elasticity.loads import AxialTraction, LateralFaces, LateralPressure, Load
 from toothspace.gearing.meshing import loaded_throats
+from toothspace.gearing.numbering import FULL_TURN
 from toothspace.gearing.spaces import drive_spaces
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.external_gear.films import FaceOfGear
 from toothspace.machines.external_gear.loads import BODIES
-from toothspace.machines.external_gear.numbering import FULL_TURN
 from toothspace.model.lateral_balance import BodyLoad
 
 _PATTERNS = 3

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from toothspace.core.types import Array
+from toothspace.gearing.numbering import Numbering
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.machines.external_gear.assembly import Assembly
-from toothspace.machines.external_gear.numbering import Numbering
 from toothspace.machines.external_gear.spec import Material
 from toothspace.model.description import Body, JournalBearing, LateralFilm, Motion
 from toothspace.model.film_shapes import FaceOutline

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import final
-
 import numpy as np
 
 from toothspace.core.types import Array
+from toothspace.gearing.materials import reduced_modulus, solid
 from toothspace.geometry.curve import signed_area
-from toothspace.library import load_material
 from toothspace.machines.gerotor.flow_paths import shaft_radius
 from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.pockets import Pockets
@@ -23,33 +20,6 @@ HOUSING_MATERIAL = "cast_iron"
 CORRELATION_LENGTH = 10e-6
 _BEARINGS = 2
 _CIRCLE_POINTS = 361
-
-
-@final
-@dataclass(frozen=True)
-class Solid:
-    """Elastic data of a material: modulus [Pa], Poisson ratio [-], hardness [Pa], density."""
-
-    elastic_modulus: float
-    poisson_ratio: float
-    hardness: float
-    density: float
-
-
-def solid(name: str, key: str) -> Solid:
-    """Return a material of the library, or raise ``CaseError`` naming the key."""
-    data = load_material(name, key)
-    return Solid(
-        float(data["elastic_modulus"]),
-        float(data["poisson_ratio"]),
-        float(data["hardness"]),
-        float(data["density"]),
-    )
-
-
-def reduced_modulus(first: Solid, second: Solid) -> float:
-    """Effective modulus E' = 2 / [(1 - nu1^2)/E1 + (1 - nu2^2)/E2]. [Pa]."""
-    return 2.0 / sum((1.0 - m.poisson_ratio**2) / m.elastic_modulus for m in (first, second))
 
 
 def motions(parameters: GerotorParameters) -> tuple[Motion, ...]:

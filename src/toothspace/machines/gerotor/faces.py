@@ -9,12 +9,11 @@ import numpy as np
 import shapely
 
 from toothspace.core.types import Array, BoolArray, IntArray
+from toothspace.gearing.materials import reduced_modulus, solid
 from toothspace.machines.gerotor.bodies import (
     BODIES,
     CORRELATION_LENGTH,
     HOUSING_MATERIAL,
-    reduced_modulus,
-    solid,
 )
 from toothspace.machines.gerotor.flow_paths import (
     lobe_phases,

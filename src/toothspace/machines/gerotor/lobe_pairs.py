@@ -9,7 +9,8 @@ import numpy as np
 from scipy.ndimage import minimum_filter1d
 
 from toothspace.core.types import Array
-from toothspace.machines.gerotor.bodies import BODIES, motions, reduced_modulus, solid
+from toothspace.gearing.materials import reduced_modulus, solid
+from toothspace.machines.gerotor.bodies import BODIES, motions
 from toothspace.machines.gerotor.contact_search import placed_rotors
 from toothspace.machines.gerotor.contact_table import APART, LobeContact, fading, lobe_contacts
 from toothspace.machines.gerotor.parameters import ContactParameters, GerotorParameters

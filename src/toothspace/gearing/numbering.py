@@ -16,7 +16,6 @@ from typing import final
 import numpy as np
 
 from toothspace.core.types import Array, IntArray
-from toothspace.machines.external_gear.assembly import Assembly
 
 FULL_TURN = 2.0 * np.pi
 
@@ -64,9 +63,9 @@ class Numbering:
         return self.inlet + 2
 
 
-def number(assembly: Assembly) -> Numbering:
-    """Number the chambers of two gears in mesh."""
-    first, second = assembly.counts
+def number(counts: tuple[int, int]) -> Numbering:
+    """Number the chambers of two gears in mesh with given tooth counts, both positive."""
+    first, second = counts
     index_1, index_2 = np.arange(first), np.arange(second)
     drive = np.pi - FULL_TURN * index_1 / first
     late = drive < -1e-9

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 import shapely
 from numpy.typing import NDArray
@@ -10,49 +12,48 @@ from toothspace.core.types import Array
 from toothspace.gearing.mesh_split import Throats
 from toothspace.gearing.outlines import space_outline
 from toothspace.gearing.spaces import Spaces
-from toothspace.machines.external_gear.assembly import Assembly
-from toothspace.machines.external_gear.casing import bore
-from toothspace.machines.external_gear.loads import groove_polygons
+from toothspace.gearing.tooth import Tooth
 
 _LEAST_AREA = 1e-12
 
 
-def port_lengths(assembly: Assembly, spaces: Spaces) -> tuple[Array, Array]:
+def port_lengths(spaces: Spaces, edges: tuple[float, float]) -> tuple[Array, Array]:
     """Length of a tooth space's mouth that opens to inlet and outlet.
 
     Parameters
     ----------
-    assembly : Assembly
-        Gears in mesh and port edges.
     spaces : Spaces
         Tooth spaces of one gear at the table nodes.
+    edges : tuple of float
+        Angle from the mesh side of the centre line to the edges of inlet and outlet port. [rad]
 
     Returns
     -------
     tuple of ndarray
         Arc length on the tip circles between lens and port edge, to inlet and outlet. [m]
     """
-    casing, tip = bore(assembly, 0 if spaces.is_drive else 1), spaces.own.tip_radius
+    (inlet_edge, outlet_edge), tip = edges, abs(spaces.own.tip_radius)
     lens = _lens(spaces, own=True)
     # the left flank of a drive space is on the tooth behind, that of a driven space ahead
     sides = (spaces.left, spaces.right) if spaces.is_drive else (spaces.right, spaces.left)
     behind, ahead = (_corner(spaces, side) for side in sides)
     last, first = (_along(spaces, side) for side in sides)
     turn = 2.0 * np.pi
-    inlet = _overlap(np.maximum(first, behind), ahead, lens, casing.inlet_angle)
-    inlet += _overlap(behind + turn, ahead + turn, lens, casing.inlet_angle)
-    outlet = _overlap(behind, np.minimum(last, ahead), -casing.outlet_angle, -lens)
-    outlet += _overlap(behind - turn, ahead - turn, -casing.outlet_angle, -lens)
+    inlet = _overlap(np.maximum(first, behind), ahead, lens, inlet_edge)
+    inlet += _overlap(behind + turn, ahead + turn, lens, inlet_edge)
+    outlet = _overlap(behind, np.minimum(last, ahead), -outlet_edge, -lens)
+    outlet += _overlap(behind - turn, ahead - turn, -outlet_edge, -lens)
     beyond_in, beyond_out = _beyond_lens(spaces)
     return tip * inlet + beyond_in, tip * outlet + beyond_out
 
 
 def _beyond_lens(spaces: Spaces) -> tuple[Array, Array]:
     # a throat that ends on the other gear's tip circle leaves its arc up to the lens to this space
-    lens, radius = _lens(spaces, own=False), spaces.other.tip_radius
+    lens, radius = _lens(spaces, own=False), abs(spaces.other.tip_radius)
     inlet, outlet = np.zeros(spaces.angles.size), np.zeros(spaces.angles.size)
     for side in (spaces.left, spaces.right):
-        along = side.driven_along if spaces.is_drive else side.drive_along
+        place = side.driven_along if spaces.is_drive else side.drive_along
+        along = _with_rotation(spaces.other, place)
         there = side.weight > 0.0
         inlet += np.where(there, np.maximum(along - lens, 0.0), 0.0)
         outlet += np.where(there, np.maximum(-lens - along, 0.0), 0.0)
@@ -60,36 +61,46 @@ def _beyond_lens(spaces: Spaces) -> tuple[Array, Array]:
 
 
 def _lens(spaces: Spaces, *, own: bool) -> float:
-    return spaces.mesh.lens_drive if spaces.is_drive == own else spaces.mesh.lens_driven
+    return abs(spaces.mesh.lens_drive if spaces.is_drive == own else spaces.mesh.lens_driven)
 
 
 def _corner(spaces: Spaces, side: Throats) -> Array:
-    return side.drive_corner if spaces.is_drive else side.driven_corner
+    place = side.drive_corner if spaces.is_drive else side.driven_corner
+    return _with_rotation(spaces.own, place)
 
 
 def _along(spaces: Spaces, side: Throats) -> Array:
-    return side.drive_along if spaces.is_drive else side.driven_along
+    place = side.drive_along if spaces.is_drive else side.driven_along
+    return _with_rotation(spaces.own, place)
+
+
+def _with_rotation(tooth: Tooth, place: Array) -> Array:
+    """Place in the sense of rotation: on a ring gear those of the mesh count against it."""
+    return np.asarray(np.sign(tooth.tip_radius) * place, dtype=float)
 
 
 def _overlap(start: Array, end: Array, low: float, high: float) -> Array:
     return np.maximum(np.minimum(end, high) - np.maximum(start, low), 0.0)
 
 
-def groove_openings(assembly: Assembly, spaces: Spaces) -> dict[str, Array]:
-    r"""Openings of the tooth spaces into the relief grooves of one face.
+def groove_openings(
+    spaces: Spaces, polygons: Mapping[str, Array], depth: float
+) -> dict[str, Array]:
+    r"""Openings of the tooth spaces into the recesses of one face.
 
     Parameters
     ----------
-    assembly : Assembly
-        Gears in mesh and grooves.
     spaces : Spaces
         Tooth spaces of one gear at the table nodes.
+    polygons : mapping of name to ndarray, shape (n, 2)
+        Outlines of the recesses. [m]
+    depth : float
+        Their depth. [m]
 
     Returns
     -------
     dict
-        For each port with a groove, an array of shape (nodes, 2): area [m2] and hydraulic
-        diameter [m].
+        For each recess an array of shape (nodes, 2): area [m2] and hydraulic diameter [m].
 
     Notes
     -----
@@ -101,10 +112,8 @@ def groove_openings(assembly: Assembly, spaces: Spaces) -> dict[str, Array]:
     with the overlap :math:`A_o`, its extent :math:`w` along y and the groove depth :math:`t`.
     The hydraulic diameter is that of the overlap, four times its area over its perimeter.
     """
-    grooves = assembly.spec.grooves
-    if grooves is None:
+    if not polygons:
         return {}
-    polygons = groove_polygons(assembly)
     reach = max(_reach(spaces, groove) for groove in polygons.values())
     near = np.flatnonzero(np.abs(spaces.angles) < reach)
     shapes = _valid(np.array([shapely.Polygon(space_outline(spaces, int(k))) for k in near]))
@@ -112,8 +121,8 @@ def groove_openings(assembly: Assembly, spaces: Spaces) -> dict[str, Array]:
     for name, groove in polygons.items():
         table = np.zeros((spaces.angles.size, 2))
         overlap = shapely.intersection(shapes, shapely.Polygon(groove))
-        table[near] = _opening(overlap, grooves.depth)
-        found[name.removeprefix("groove_")] = table
+        table[near] = _opening(overlap, depth)
+        found[name] = table
     return found
 
 
@@ -133,8 +142,8 @@ def _reach(spaces: Spaces, groove: Array) -> float:
     if shapely.Polygon(groove).buffer(1e-6).contains(shapely.Point(*spaces.center)):
         return float(np.pi)
     x, y = (groove - spaces.center).T
-    rise = y if spaces.is_drive else -y
-    return float(np.max(np.abs(np.arctan2(x, rise))) + spaces.own.pitch_angle)
+    rise = y if spaces.is_drive or spaces.own.tip_radius < 0.0 else -y
+    return float(np.max(np.abs(np.arctan2(x, rise))) + abs(spaces.own.pitch_angle))
 
 
 def _valid(shapes: NDArray[np.object_]) -> NDArray[np.object_]:

@@ -1,0 +1,396 @@
+"""Involute teeth of a ring gear, and the pair that it makes with a pinion.
+
+The tooth spaces of a ring gear are the teeth of an external gear of equal data: its tip circle is
+the ring's root circle, and the rounding of its tip is the ring's root fillet.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import final
+
+import numpy as np
+from scipy.optimize import brentq
+
+from toothspace.core.errors import GeometryError
+from toothspace.core.types import Array, FloatOrArray
+from toothspace.gearing.tooth import LEFT, RIGHT, Tooth, flank_spline
+from toothspace.geometry.curve import CurveSegment, sample_segments
+from toothspace.geometry.involute import InvoluteGear, ToothForm, involute_function, tooth_form
+
+_LEAST_TIP = 1.0 + 1e-6
+
+
+@final
+@dataclass(frozen=True)
+class RingGear:
+    """Ring gear with involute teeth inside.
+
+    Parameters
+    ----------
+    space : InvoluteGear
+        External gear whose teeth are the ring's tooth spaces, up to the ring's root circle.
+    tip_radius : float
+        Radius of the circle inside the teeth. [m]
+
+    Raises
+    ------
+    GeometryError
+        If the tip circle lies below the base circle, or no involute is left.
+    """
+
+    space: InvoluteGear
+    tip_radius: float
+
+    def __post_init__(self) -> None:
+        base = _LEAST_TIP * self.space.base_radius
+        top = self.form.tip_form_radius
+        if not base <= self.tip_radius < top:
+            raise GeometryError(
+                f"tip_diameter: found {self.tip_radius * 2e3:.5g} mm, allowed from the base "
+                f"diameter of {base * 2e3:.5g} mm to the end of the involute at {top * 2e3:.5g} mm"
+            )
+
+    @cached_property
+    def form(self) -> ToothForm:
+        """Junctions of involute and root fillet, seen as those of the space."""
+        return tooth_form(self.space)
+
+    @property
+    def tooth_count(self) -> int:
+        """Number of teeth."""
+        return self.space.tooth_count
+
+    @property
+    def root_radius(self) -> float:
+        """Radius of the root circle, outside the teeth. [m]."""
+        return self.space.tip_radius
+
+    @property
+    def base_radius(self) -> float:
+        """Radius of the base circle. [m]."""
+        return self.space.base_radius
+
+    def half_angle(self, radius: FloatOrArray) -> FloatOrArray:
+        """Half of the angular thickness of a tooth at a radius [m]. [rad]."""
+        return np.pi / self.tooth_count - self.space.half_angle(radius)
+
+    def half_pitch(self, points: int) -> tuple[Array, tuple[int, ...]]:
+        """Half a tooth and half a space, from the middle of the tip land to that of the root.
+
+        Parameters
+        ----------
+        points : int
+            Number of intervals.
+
+        Returns
+        -------
+        points : ndarray, shape (points + 1, 2)
+            Tooth on the +x axis of the ring's centre, counter-clockwise side. [m]
+        breaks : tuple of int
+            Indices at which curvature or tangent jumps.
+        """
+        form, pitch = self.form, np.pi / self.tooth_count
+        corner = float(self.half_angle(self.tip_radius))
+        rounding, land = self.space.tip_rounding, pitch - form.tip_half_angle
+        rounded = float(rounding > 0.0)
+        segments = [
+            CurveSegment(lambda u: _polar(self.tip_radius, corner * u), (0.0, 0.0)),
+            CurveSegment(self._flank, (0.0, rounded)),
+        ]
+        if rounded:
+            segments.append(CurveSegment(self._fillet, (1.0, 0.7)))
+        segments.append(
+            CurveSegment(
+                lambda u: _polar(self.root_radius, land + (pitch - land) * u), (0.7 * rounded, 0.0)
+            )
+        )
+        return sample_segments(segments, points)
+
+    def _flank(self, u: Array) -> Array:
+        base = self.base_radius
+        lower, upper = (
+            np.sqrt(r**2 - base**2) for r in (self.tip_radius, self.form.tip_form_radius)
+        )
+        radius = np.hypot(base, lower + (upper - lower) * u)
+        return _polar(radius, np.asarray(self.half_angle(radius)))
+
+    def _fillet(self, u: Array) -> Array:
+        form, rounding = self.form, self.space.tip_rounding
+        start = _polar(
+            np.array([form.tip_form_radius]), np.asarray(self.half_angle(form.tip_form_radius))
+        )[0]
+        turn = np.pi / self.tooth_count - form.tip_half_angle
+        center = _polar(self.root_radius - rounding, np.array([turn]))[0]
+        first = float(np.arctan2(*(start - center)[::-1]))
+        return np.asarray(center + _polar(rounding, first + (turn - first) * u), dtype=float)
+
+
+def _polar(radius: FloatOrArray, angle: Array) -> Array:
+    return np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])
+
+
+def ring_outline(ring: RingGear, points: int, rotation: float) -> Array:
+    """Teeth of a ring as one closed curve about its centre.
+
+    Parameters
+    ----------
+    ring : RingGear
+        Ring.
+    points : int
+        Intervals on one pitch.
+    rotation : float
+        Angle of a tooth from the x axis. [rad]
+
+    Returns
+    -------
+    ndarray, shape (n, 2)
+        Counter-clockwise. [m]
+    """
+    half, _ = ring.half_pitch(points // 2)
+    pitch = np.vstack([half[:0:-1] * (1.0, -1.0), half])[:-1]
+    turns = rotation + 2.0 * np.pi / ring.tooth_count * np.arange(ring.tooth_count)
+    phasors = np.exp(1j * turns)[:, None] * (pitch @ np.array([1.0, 1j]))[None, :]
+    return np.column_stack([phasors.real.ravel(), phasors.imag.ravel()])
+
+
+def ring_tooth(ring: RingGear, points: int = 200) -> Tooth:
+    """Splines through both flanks of a ring gear, whose count and radii are negative.
+
+    The tooth points to +x: it stands on the -x side of the ring's centre.
+    """
+    half, breaks = ring.half_pitch(points // 2)
+    corner = breaks[0]
+    # seen along the tooth, its left side lies clockwise round the centre of the ring
+    clockwise = half[: corner - 1 : -1] * (-1.0, 1.0) if corner else half[::-1] * (-1.0, 1.0)
+    last = len(half) - 1
+    cuts = np.array([last - k for k in breaks], dtype=int)
+    left = flank_spline(clockwise, cuts, LEFT, -ring.tip_radius)
+    right = flank_spline(clockwise * (1.0, -1.0), cuts, RIGHT, -ring.tip_radius)
+    return Tooth(left, right, -ring.tooth_count, -ring.tip_radius)
+
+
+@final
+@dataclass(frozen=True)
+class InternalPair:
+    r"""Pinion in a ring gear.
+
+    Parameters
+    ----------
+    pinion : InvoluteGear
+        Gear on the shaft.
+    ring : RingGear
+        Ring gear.
+    center_distance : float
+        Distance of the centres. [m]
+    """
+
+    pinion: InvoluteGear
+    ring: RingGear
+    center_distance: float
+
+    @property
+    def ratio(self) -> float:
+        """Speed of the ring over that of the pinion. [-]."""
+        return self.pinion.tooth_count / self.ring.tooth_count
+
+    @property
+    def base_difference(self) -> float:
+        """Radius of the ring's base circle less that of the pinion. [m]."""
+        return self.ring.base_radius - self.pinion.base_radius
+
+    @property
+    def operating_pressure_angle(self) -> float:
+        """Angle of the line of action to the pitch line. [rad]."""
+        return float(np.arccos(self.base_difference / self.center_distance))
+
+    @property
+    def pitch_radii(self) -> tuple[float, float]:
+        """Radii of the operating pitch circles. [m]."""
+        pinion = self.center_distance * self.ratio / (1.0 - self.ratio)
+        return pinion, pinion + self.center_distance
+
+    @property
+    def normal_backlash(self) -> float:
+        """Play between the flanks out of contact, along their normal. [m]."""
+        tight = _tight_involute(self.pinion, self.ring)
+        operating = involute_function(self.operating_pressure_angle)
+        return float(2.0 * self.base_difference * (tight - operating))
+
+    @property
+    def roll_offset(self) -> float:
+        """Distance of the tangent points on both base circles along the line of action. [m]."""
+        return float(self.center_distance * np.sin(self.operating_pressure_angle))
+
+    @property
+    def contact_rolls(self) -> tuple[float, float]:
+        """Roll lengths of the pinion's flank at which contact ends, at ring tip and own tip. [m].
+
+        A fillet that reaches into the involute shortens the path.
+        """
+        ring_tip = _roll(self.ring.base_radius, self.ring.tip_radius) - self.roll_offset
+        fillet = _roll(self.pinion.base_radius, self.pinion_form.form_radius)
+        own_tip = _roll(self.pinion.base_radius, self.pinion_form.tip_form_radius)
+        return max(ring_tip, fillet), min(own_tip, self._ring_form_roll - self.roll_offset)
+
+    @cached_property
+    def pinion_form(self) -> ToothForm:
+        """Junctions of the pinion's tooth."""
+        return tooth_form(self.pinion)
+
+    @property
+    def _ring_form_roll(self) -> float:
+        return _roll(self.ring.base_radius, self.ring.form.tip_form_radius)
+
+    @property
+    def path_of_contact(self) -> tuple[float, float]:
+        """Both ends of contact from the pitch point, positive towards the pinion's tip. [m]."""
+        start, end = self.contact_rolls
+        pitch = self.pitch_radii[0] * float(np.sin(self.operating_pressure_angle))
+        return start - pitch, end - pitch
+
+    @property
+    def contact_ratio(self) -> float:
+        """Mean number of tooth pairs in contact. [-]."""
+        start, end = self.path_of_contact
+        return (end - start) / self.pinion.base_pitch
+
+    @property
+    def involute_margins(self) -> tuple[float, float]:
+        """Roll length between fillet and deepest contact, on pinion and ring. [m].
+
+        Negative where the mating tip would run on the fillet.
+        """
+        ring_tip = _roll(self.ring.base_radius, self.ring.tip_radius) - self.roll_offset
+        pinion_tip = _roll(self.pinion.base_radius, self.pinion_form.tip_form_radius)
+        fillet = _roll(self.pinion.base_radius, self.pinion_form.form_radius)
+        return ring_tip - fillet, self._ring_form_roll - self.roll_offset - pinion_tip
+
+    @property
+    def root_clearances(self) -> tuple[float, float]:
+        """Radial play of the mating tip in the roots of pinion and ring. [m]."""
+        return (
+            self.ring.tip_radius - self.center_distance - self.pinion.root_radius,
+            self.ring.root_radius - self.center_distance - self.pinion.tip_radius,
+        )
+
+    @property
+    def sealing_window(self) -> tuple[float, float]:
+        """Positions of the sealing contact over one base pitch, as near the pitch point as can be.
+
+        With two pairs in contact the one nearer to the pitch point gives more flow. [m]
+        """
+        start, end = self.path_of_contact
+        pitch = self.pinion.base_pitch
+        first = min(max(start, -0.5 * pitch), end - pitch)
+        return first, first + pitch
+
+    def flow_per_radian(self, face_width: float, position: FloatOrArray) -> FloatOrArray:
+        r"""Volume delivered per radian of the shaft while the sealing contact is at a position.
+
+        Parameters
+        ----------
+        face_width : float
+            Tooth length. [m]
+        position : float or ndarray
+            Distance of the sealing contact from the pitch point. [m]
+
+        Returns
+        -------
+        float or ndarray
+            Flow rate over shaft speed. [m3/rad]
+
+        Notes
+        -----
+        .. math:: \frac{Q}{\omega} = \frac{b}{2}\left[r_{a1}^2 - r_{w1}^2 + \frac{z_1}{z_2}
+            (r_{w2}^2 - r_{a2}^2) - \left(1 - \frac{z_1}{z_2}\right) u^2\right]
+
+        Validity: rigid fluid, no leakage, single flank.
+
+        References
+        ----------
+        .. [1] J. R. Colbourne, Gear shape and theoretical flow rate in internal gear pumps,
+           Trans. Can. Soc. Mech. Eng. 3 (1975) 215-223.
+        """
+        (first, second), ratio = self.pitch_radii, self.ratio
+        swept = self.pinion.tip_radius**2 - first**2
+        swept += ratio * (second**2 - self.ring.tip_radius**2)
+        return 0.5 * face_width * (swept - (1.0 - ratio) * np.asarray(position) ** 2)
+
+    def displacement_per_radian(self, face_width: float) -> float:
+        """Mean of :meth:`flow_per_radian` over a base pitch. [m3/rad]."""
+        first, last = self.sealing_window
+        mean_square = (last**3 - first**3) / (3.0 * (last - first))
+        return float(self.flow_per_radian(face_width, np.sqrt(mean_square)))
+
+    @property
+    def flow_ripple(self) -> float:
+        """Largest less smallest kinematic flow over its mean. [-]."""
+        ends = np.array(self.sealing_window)
+        least = 0.0 if ends[0] < 0.0 < ends[1] else np.abs(ends).min()
+        flow = np.asarray(self.flow_per_radian(1.0, np.array([least, np.abs(ends).max()])))
+        return float((flow[0] - flow[1]) / self.displacement_per_radian(1.0))
+
+
+def _roll(base: float, radius: float) -> float:
+    return float(np.sqrt(max(radius**2 - base**2, 0.0)))
+
+
+def _tight_involute(pinion: InvoluteGear, ring: RingGear) -> float:
+    """Involute function of the pressure angle without backlash. [-]."""
+    shifts = ring.space.profile_shift - pinion.profile_shift
+    counts = ring.tooth_count - pinion.tooth_count
+    tangent = np.tan(pinion.pressure_angle)
+    return float(involute_function(pinion.pressure_angle) + 2.0 * tangent * shifts / counts)
+
+
+def pair_from_backlash(
+    pinion: InvoluteGear, ring: RingGear, normal_backlash: float
+) -> InternalPair:
+    r"""Pinion in a ring at the centre distance that leaves a given normal backlash.
+
+    Parameters
+    ----------
+    pinion : InvoluteGear
+        Gear on the shaft.
+    ring : RingGear
+        Ring gear of equal module and pressure angle, with more teeth.
+    normal_backlash : float
+        Play between the flanks out of contact, along their normal, not negative. [m]
+
+    Returns
+    -------
+    InternalPair
+        The pair.
+
+    Raises
+    ------
+    GeometryError
+        If no operating pressure angle exists.
+
+    Notes
+    -----
+    .. math:: j_n = 2 (r_{b2} - r_{b1}) \left(\mathrm{inv}\,\alpha
+              + 2 \tan\alpha \frac{x_2 - x_1}{z_2 - z_1} - \mathrm{inv}\,\alpha_w\right)
+
+    References
+    ----------
+    .. [1] ISO 21771:2007, Gears: cylindrical involute gears and gear pairs, section 5, with
+       negative tooth count and profile shift of the ring.
+    """
+    difference = ring.base_radius - pinion.base_radius
+    if difference <= 0.0:
+        raise GeometryError(
+            f"ring.tooth_count: found {ring.tooth_count}, allowed more than the "
+            f"{pinion.tooth_count} teeth of the pinion"
+        )
+    target = _tight_involute(pinion, ring) - 0.5 * normal_backlash / difference
+    if target <= 0.0:
+        raise GeometryError(
+            f"ring.profile_shift: found {ring.space.profile_shift:g} with a pinion shift of "
+            f"{pinion.profile_shift:g} and a normal backlash of {normal_backlash * 1e3:.4g} mm, "
+            "allowed a larger one (no operating pressure angle exists)"
+        )
+    angle = brentq(lambda a: float(involute_function(a)) - target, 1e-9, 1.4, xtol=1e-15)
+    return InternalPair(pinion, ring, float(difference / np.cos(angle)))

@@ -1,0 +1,48 @@
+"""Sections of pinion, ring and filler as CAD or text files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from toothspace.geometry.cad_export import export_gear
+from toothspace.geometry.section_export import Section, export_section
+from toothspace.machines.crescent.assembly import assemble
+from toothspace.machines.crescent.filler import filler_outline
+from toothspace.machines.crescent.parameters import CrescentParameters
+
+_CIRCLE_POINTS = 720
+
+
+def export_profiles(spec: CrescentParameters, stem: Path, suffix: str) -> list[Path]:
+    """Write the sections of both gears and of the filler.
+
+    Parameters
+    ----------
+    spec : CrescentParameters
+        Machine.
+    stem : Path
+        Folder and begin of the file names; ``_pinion``, ``_ring`` and ``_filler`` follow.
+    suffix : str
+        ``txt``, ``dxf``, ``stl`` or ``step``.
+
+    Returns
+    -------
+    list of Path
+        Files written.
+
+    Raises
+    ------
+    GeometryError
+        If a gear cannot be built or the format needs a package that is missing.
+    """
+    assembly, width = assemble(spec), spec.pinion.face_width
+    names = ("pinion", "ring", "filler")
+    paths = [stem.with_name(f"{stem.name}_{name}.{suffix}") for name in names]
+    export_gear(assembly.pinion, paths[0], width)
+    turns = 2.0 * np.pi * np.arange(_CIRCLE_POINTS) / _CIRCLE_POINTS
+    circle = 0.5 * spec.ring.outer_diameter * np.column_stack([np.cos(turns), np.sin(turns)])
+    export_section(Section(circle, (assembly.ring_curve,)), paths[1], width)
+    export_section(Section(filler_outline(assembly)), paths[2], width)
+    return paths

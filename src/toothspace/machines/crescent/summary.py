@@ -1,0 +1,268 @@
+"""Numbers and verdicts of the geometry report."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+
+from toothspace.core.types import Array
+from toothspace.gearing.meshing import contact_range, flow_over_pitch
+from toothspace.gearing.ring_gear import InternalPair
+from toothspace.gearing.spaces import Spaces, section_areas
+from toothspace.geometry.involute import involute_function
+from toothspace.machines.crescent.assembly import Assembly
+from toothspace.machines.crescent.contacts import displacement
+from toothspace.machines.crescent.filler import filler_edges, filler_thickness
+from toothspace.model.description import DesignCheck
+
+_LEAST_LAND = 0.2
+_LEAST_ROOT_CLEARANCE = 0.05
+_LEAST_FILLER = 0.2e-3
+_TRIMMING_STEPS = 24
+_OVERLAP = 1e-10
+_ANGLES = 6
+
+
+def geometry_summary(
+    assembly: Assembly, spaces: tuple[Spaces, Spaces], checks: tuple[DesignCheck, ...]
+) -> dict[str, object]:
+    """Numbers of the geometry report, names with their unit.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        Gears in mesh.
+    spaces : tuple of Spaces
+        Tooth spaces of both gears at the table nodes.
+    checks : tuple of DesignCheck
+        Design-rule report.
+    """
+    pair = assembly.pair
+    flow = flow_over_pitch(assembly)
+    ripple = float((flow.max() - flow.min()) / flow.mean())
+    sealed = [sealed_teeth(assembly, gear) for gear in (0, 1)]
+    dead = assembly.face_width * sum(float(section_areas(s).min()) for s in spaces)
+    angle = None if pair is None else float(np.rad2deg(pair.operating_pressure_angle))
+    return {
+        "displacement_cm3_per_rev": displacement(assembly) * 2.0 * np.pi * 1e6,
+        "contact_ratio": contact_ratio(assembly),
+        "center_distance_mm": -assembly.mesh.center_distance * 1e3,
+        "operating_pressure_angle_deg": angle,
+        "flow_ripple_percent": 100.0 * (ripple if pair is None else pair.flow_ripple),
+        "tip_land_mm": min(abs(t.land_angle * t.tip_radius) for t in assembly.teeth) * 1e3,
+        "root_clearance_mm": min(root_clearances(assembly)) * 1e3,
+        "filler_thickness_mm": filler_thickness(assembly) * 1e3,
+        "sealed_pinion_teeth": sealed[0],
+        "sealed_ring_teeth": sealed[1],
+        "smallest_chamber_volumes_mm3": dead * 1e9,
+        "warnings": [
+            f"{check.name}: {check.value:.4g} {check.unit}, allowed {check.allowed}"
+            for check in checks
+            if not check.passed
+        ],
+    }
+
+
+def contact_ratio(assembly: Assembly) -> float:
+    """Mean number of tooth pairs in contact. [-]."""
+    if assembly.pair is not None:
+        return assembly.pair.contact_ratio
+    start, end = contact_range(assembly)
+    return (end - start) / (2.0 * assembly.mesh.half_pitch)
+
+
+def root_clearances(assembly: Assembly) -> tuple[float, float]:
+    """Radial play of the mating tip in the roots of pinion and ring. [m]."""
+    (pinion, ring), distance = assembly.tip_radii, -assembly.mesh.center_distance
+    return ring - distance - assembly.pinion.root_radius, assembly.root_radius - distance - pinion
+
+
+def sealed_teeth(assembly: Assembly, gear: int) -> float:
+    """Mean number of teeth of a gear that seal at the filler at a time. [-]."""
+    span = filler_edges(assembly, gear).span - abs(assembly.teeth[gear].land_angle)
+    return span * assembly.counts[gear] / (2.0 * np.pi)
+
+
+def tip_clearance(pair: InternalPair) -> float:
+    r"""Arc by which the tips of pinion and ring miss each other where their circles cross. [m].
+
+    Negative where the teeth foul outside the path of contact (tip interference).
+
+    Notes
+    -----
+    .. math:: r_{a1}\left[\theta_1 + \mathrm{inv}\,\alpha_{a1} - \mathrm{inv}\,\alpha_w
+        - \frac{z_2}{z_1}(\theta_2 + \mathrm{inv}\,\alpha_{a2} - \mathrm{inv}\,\alpha_w)\right]
+
+    with the polar angles :math:`\theta` of the crossing from both centres.
+
+    References
+    ----------
+    .. [1] J. R. Colbourne, The Geometry of Involute Gears, Springer 1987, chapter 8.
+    """
+    first, second = pair.pinion.tip_radius, pair.ring.tip_radius
+    distance, squares = pair.center_distance, second**2 - first**2
+    theta_1 = np.arccos((squares - pair.center_distance**2) / (2.0 * distance * first))
+    theta_2 = np.arccos((squares + pair.center_distance**2) / (2.0 * distance * second))
+    operating = involute_function(pair.operating_pressure_angle)
+    tip_1 = involute_function(np.arccos(pair.pinion.base_radius / first))
+    tip_2 = involute_function(np.arccos(pair.ring.base_radius / second))
+    lead = theta_1 + tip_1 - operating - (theta_2 + tip_2 - operating) / pair.ratio
+    return float(first * lead)
+
+
+def trimming_distance(assembly: Assembly) -> float:
+    """Part of the way along the centre line on which the pinion fouls the ring. [m].
+
+    Where it is not zero, the pinion cannot be slid radially into the ring.
+    """
+    pinion = _pinion(assembly, 0.0)
+    ring = assembly.ring_curve
+    steps = np.linspace(0.0, 1.0, _TRIMMING_STEPS, endpoint=False) * assembly.mesh.center_distance
+    fouls = 0
+    for rise in steps:
+        bore = shapely.Polygon(ring + np.array([0.0, rise]))
+        fouls += int(pinion.difference(bore).area > _OVERLAP)
+    return fouls / _TRIMMING_STEPS * -assembly.mesh.center_distance
+
+
+def overlap(assembly: Assembly) -> float:
+    """Largest area in which the teeth overlap while they turn through a pitch. [m2]."""
+    found = []
+    for angle in 2.0 * assembly.mesh.half_pitch * np.arange(_ANGLES) / _ANGLES:
+        turn = assembly.ratio * angle + assembly.mesh.turn
+        bore = shapely.Polygon(_turned(assembly.ring_curve, turn) + assembly.ring_center)
+        found.append(float(_pinion(assembly, angle).difference(bore).area))
+    return max(found)
+
+
+def _pinion(assembly: Assembly, angle: float) -> shapely.Polygon:
+    start = 0.5 * np.pi + assembly.mesh.half_pitch
+    return shapely.Polygon(assembly.pinion.closed_polygon(start + angle))
+
+
+def _turned(points: Array, angle: float) -> Array:
+    c, s = np.cos(angle), np.sin(angle)
+    return np.asarray(points @ np.array([[c, s], [-s, c]]), dtype=float)
+
+
+def design_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
+    """Design-rule report of gears and filler."""
+    return (*_mesh_checks(assembly), *_involute_checks(assembly), *_filler_checks(assembly))
+
+
+def _mesh_checks(assembly: Assembly) -> list[DesignCheck]:
+    ratio, fouled = contact_ratio(assembly), overlap(assembly)
+    pitch = 2.0 * assembly.mesh.half_pitch * assembly.mesh.pitch_radii[0]
+    module = pitch / np.pi
+    checks = [
+        DesignCheck(
+            "contact ratio", ratio, "1", "1.05 to 2.5", 1.05 <= ratio <= 2.5,
+            "Below 1 the drive is handed over with a shock and the outlet opens to the inlet "
+            "through the mesh.",
+        ),
+        DesignCheck(
+            "overlap of the teeth", fouled * 1e6, "mm2", "0 mm2", fouled <= _OVERLAP,
+            "Teeth that overlap anywhere in a pitch cannot turn.",
+        ),
+    ]  # fmt: skip
+    for name, clearance in zip(("pinion", "ring"), root_clearances(assembly), strict=True):
+        least = _LEAST_ROOT_CLEARANCE * module
+        checks.append(
+            DesignCheck(
+                f"root clearance, {name}",
+                clearance * 1e3,
+                "mm",
+                f"at least {least * 1e3:.3g} mm",
+                clearance >= least,
+                "Bearing play moves the pinion towards the ring, so the mating tip needs room.",
+            )
+        )
+    for name, tooth in zip(("pinion", "ring"), assembly.teeth, strict=True):
+        land, least = abs(tooth.land_angle * tooth.tip_radius), _LEAST_LAND * module
+        checks.append(
+            DesignCheck(
+                f"tip land, {name}",
+                land * 1e3,
+                "mm",
+                f"at least {least * 1e3:.3g} mm",
+                land >= least,
+                "The land is the seal between neighbouring tooth spaces at the filler.",
+            )
+        )
+    return checks
+
+
+def _involute_checks(assembly: Assembly) -> list[DesignCheck]:
+    pair = assembly.pair
+    if pair is None:
+        return []
+    tip, trimmed = tip_clearance(pair), trimming_distance(assembly)
+    backlash = pair.normal_backlash
+    checks = [
+        DesignCheck(
+            f"involute interference, {name}", margin * 1e3, "mm",
+            "at least 0 mm of roll length between fillet and deepest contact", margin >= 0.0,
+            "A mating tip that reaches below the involute runs on the root fillet.",
+        )
+        for name, margin in zip(("pinion", "ring"), pair.involute_margins, strict=True)
+    ]  # fmt: skip
+    return [
+        *checks,
+        DesignCheck(
+            "undercut, pinion", pair.pinion_form.undercut_depth * 1e3, "mm", "0 mm",
+            not pair.pinion_form.undercut,
+            "Undercut shortens the contact and weakens the tooth root.",
+        ),
+        DesignCheck(
+            "tip clearance in passing", tip * 1e3, "mm", "above 0 mm", tip > 0.0,
+            "Where the tip circles cross, the tips of both gears pass each other; with few teeth "
+            "between them they foul.",
+        ),
+        DesignCheck(
+            "trimming", trimmed * 1e3, "mm", "0 mm of fouling on the way in", trimmed == 0.0,
+            "A pinion that fouls on the way cannot be slid radially into the ring; it must be "
+            "pushed in along the axis.",
+        ),
+        DesignCheck(
+            "normal backlash", backlash * 1e3, "mm", "above 0 mm", backlash > 0.0,
+            "Without backlash thermal growth jams the flanks.",
+        ),
+    ]  # fmt: skip
+
+
+def _filler_checks(assembly: Assembly) -> list[DesignCheck]:
+    spec = assembly.spec
+    thickness = filler_thickness(assembly)
+    checks = [
+        DesignCheck(
+            "filler thickness", thickness * 1e3, "mm", f"at least {_LEAST_FILLER * 1e3:g} mm",
+            thickness >= _LEAST_FILLER,
+            "The ends of the crescent taper; a thin one bends into the gears.",
+        )
+    ]  # fmt: skip
+    plays = spec.journal_bearings.radial_clearance, spec.ring.radial_clearance
+    gaps = spec.filler.pinion_clearance, spec.filler.ring_clearance
+    for gear, name in enumerate(("pinion", "ring")):
+        sealed = sealed_teeth(assembly, gear)
+        checks.append(
+            DesignCheck(
+                f"teeth at the filler, {name}",
+                sealed,
+                "1",
+                "at least 1",
+                sealed >= 1.0,
+                "One tooth at least must seal at any time, or inlet and outlet are joined.",
+            )
+        )
+        if spec.filler.compensation == "none":
+            checks.append(
+                DesignCheck(
+                    f"tip clearance to the filler, {name}",
+                    gaps[gear] * 1e6,
+                    "um",
+                    f"above the bearing play of {plays[gear] * 1e6:.4g} um",
+                    gaps[gear] > plays[gear],
+                    "A gear that moves through its bearing play must not cut the filler.",
+                )
+            )
+    return checks
