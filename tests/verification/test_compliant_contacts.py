@@ -17,9 +17,9 @@ from toothspace.model.fluid import fluid_law
 from toothspace.model.jacobian import jacobian
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.system import right_hand_side
+from toothspace.solver.compiled_model import observe
 from toothspace.solver.cyclic import History, RunPlan, march_revolutions
 from toothspace.solver.initial import start_state
-from toothspace.solver.compiled_model import observe
 from toothspace.solver.outcome import window_ledger
 
 PLAN = RunPlan(revolutions=3, samples_per_revolution=360)

@@ -15,8 +15,8 @@ from toothspace.model.assembly import assemble
 from toothspace.model.description import MachineDescription
 from toothspace.model.fluid import fluid_law
 from toothspace.model.operating_point import OperatingCondition
-from toothspace.solver.cyclic import History, RunPlan, march_revolutions
 from toothspace.solver.compiled_model import Observation, observe
+from toothspace.solver.cyclic import History, RunPlan, march_revolutions
 from toothspace.solver.outcome import window_ledger
 
 HIGH, LOW = 150e5, 5e5

@@ -19,9 +19,9 @@ from toothspace.model.fluid import fluid_law
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.system import evaluate
 from toothspace.numerics.periodic_table import PeriodicTable
+from toothspace.solver.compiled_model import observe
 from toothspace.solver.initial import start_state
 from toothspace.solver.integrator import Piece, start_march
-from toothspace.solver.compiled_model import observe
 
 MASS = 0.1  # of the toy's rotor
 GAP = 20e-6

@@ -26,8 +26,8 @@ from toothspace.model.fluid import fluid_law
 from toothspace.model.ledger import LEDGER_NAMES, PATH_CATEGORIES
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.numerics.periodic_table import PeriodicTable
-from toothspace.solver.cyclic import History, RunPlan, march_revolutions
 from toothspace.solver.compiled_model import Observation, observe
+from toothspace.solver.cyclic import History, RunPlan, march_revolutions
 
 NODES = 2880
 SAMPLES = 360  # of one pitch
