@@ -61,12 +61,3 @@ def test_step_file_without_its_package_is_refused_in_one_line(repository: Path) 
     assert done.returncode == 0, done.stderr
     assert "cadquery-ocp-novtk" in done.stdout or "toothspace[step]" in done.stdout
     assert len(done.stdout.splitlines()) == 1
-
-
-def test_compiled_code_is_kept_by_source_hash_even_if_numba_came_first() -> None:
-    done = run(
-        "import os\nos.environ.pop('NUMBA_CACHE_DIR', None)\n"
-        "import numba\nfrom toothspace.core.compiled import CACHE_FOLDER\n"
-        "print(numba.config.CACHE_DIR == str(CACHE_FOLDER))\n"
-    )
-    assert done.stdout.strip() == "True", done.stderr

@@ -104,7 +104,7 @@ class EntryCache:
         self._kept = module == "toothspace" and "<locals>" not in function.__qualname__
         self._module = rest
         self._name = f"{rest}.{function.__qualname__}"
-        self._options = repr(sorted((key, str(value)) for key, value in options.items()))
+        self._options = repr(sorted((key, _stable(value)) for key, value in options.items()))
 
     @property
     def cache_path(self) -> str | None:
@@ -154,6 +154,11 @@ class EntryCache:
 
     def flush(self) -> None:
         """Numba's own cache can be emptied; entries here are left to age."""
+
+
+def _stable(option: Any) -> str:
+    """Text of an option; the order of a set changes from process to process."""
+    return repr(sorted(option) if isinstance(option, (set, frozenset)) else option)
 
 
 def _write(path: Path, data: bytes) -> None:
