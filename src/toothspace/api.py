@@ -14,9 +14,10 @@ from toothspace.core.compiled import announce_first_compilation
 from toothspace.core.errors import CaseError
 from toothspace.core.registry import machine_type
 from toothspace.model.description import MachineDescription
+from toothspace.results.credibility import with_warnings
 from toothspace.results.solution import Solution
 from toothspace.simulation import run, stand_alone
-from toothspace.simulation.setup import Progress, Setup, fluid_of, require_condition
+from toothspace.simulation.setup import Progress, Setup, fluid_of, known_pressure, require_condition
 
 _KEPT_MACHINES = 4
 
@@ -72,7 +73,8 @@ def simulate(case: Case, progress: Progress | None = None) -> Solution:
     """
     started = time.perf_counter()
     announce_first_compilation()
-    solution = run.simulate(set_up(case), progress)
+    setup = set_up(case)
+    solution = with_warnings(run.simulate(setup, progress), known_pressure(setup))
     wall = time.perf_counter() - started
     return replace(solution, statistics={**solution.statistics, "wall_time": wall})
 

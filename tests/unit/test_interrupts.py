@@ -91,9 +91,7 @@ def motor(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Case:
     """The motor with running-in replaced by stand-ins, and an empty store."""
     monkeypatch.setattr(running_in_store, "folder", lambda: tmp_path / "store")
     monkeypatch.setattr(running_in, "assemble", lambda *_: None)
-    monkeypatch.setattr(
-        running_in, "running_in_depths", lambda _: {"drive_gear": np.arange(3.0)}
-    )
+    monkeypatch.setattr(running_in, "running_in_depths", lambda _: {"drive_gear": np.arange(3.0)})
     return api.load_case(MOTOR)
 
 
