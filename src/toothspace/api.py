@@ -14,9 +14,10 @@ from toothspace.core.compiled import compile_seconds
 from toothspace.core.errors import CaseError
 from toothspace.core.registry import machine_type
 from toothspace.model.description import MachineDescription
+from toothspace.results.credibility import with_warnings
 from toothspace.results.solution import Solution
 from toothspace.simulation import run, stand_alone
-from toothspace.simulation.setup import Progress, Setup, fluid_of, require_condition
+from toothspace.simulation.setup import Progress, Setup, fluid_of, known_pressure, require_condition
 
 _KEPT_MACHINES = 4
 
@@ -71,7 +72,8 @@ def simulate(case: Case, progress: Progress | None = None) -> Solution:
         Called with the finished share and a short text.
     """
     started, compiled = time.perf_counter(), compile_seconds()
-    solution = run.simulate(set_up(case), progress)
+    setup = set_up(case)
+    solution = with_warnings(run.simulate(setup, progress), known_pressure(setup))
     compiling = compile_seconds() - compiled
     wall = time.perf_counter() - started - compiling
     times = {"wall_time": wall, "compile_time": compiling}

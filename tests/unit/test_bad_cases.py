@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import os
 import struct
 import tomllib
 from collections.abc import Callable
@@ -460,3 +461,68 @@ def test_refused_study_leaves_no_folder(
     lines = capsys.readouterr().err.strip().splitlines()
     assert found in lines[-1]
     assert not (tmp_path / "out").exists()
+
+
+def run_text(text: str, tmp_path: Path, *options: str) -> int:
+    """Exit code of a run of a case with this text."""
+    file = tmp_path / "bad.toml"
+    file.write_text(text, encoding="utf-8")
+    return main(["run", str(file), "-o", str(tmp_path / "out.nc"), *options])
+
+
+@pytest.mark.parametrize(
+    ("text", "part"),
+    [
+        ("a." * 499 + "a = 1", "found tables deeper than 20, allowed at most 20"),
+        ("a = " + "[" * 400 + "]" * 400, "found tables deeper than 20"),
+        ("a = " + "[" * 5000 + "]" * 5000, "syntax: found"),
+        ("a = " + "9" * 4301, "syntax: found 'Exceeds the limit"),
+        ("a = " + "9" * 4299, "a: found an integer of 14281 bits, allowed at most 64"),
+        ("a = 0x" + "f" * 6000, "a: found an integer of 24000 bits"),
+        ('title = "a\\u0000b"', "title: found the character NUL, allowed text without it"),
+        ('"a\\u0000b" = 1', "found the character NUL"),
+    ],
+)
+def test_values_that_no_case_needs_are_refused(
+    text: str, part: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_text(text, tmp_path) == 2
+    line = capsys.readouterr().err
+    assert line.count("\n") == 1
+    assert part in line
+
+
+@pytest.mark.parametrize(
+    ("override", "part"),
+    [
+        ("a." * 499 + "a=1", "allowed key.path=value"),
+        ("run.max_steps=" + "9" * 4301, "run.max_steps: found '999"),
+        ("run.max_steps=" + "9" * 4000, "--set: found an integer of"),
+        ("run.max_steps=" + "[" * 3000 + "]" * 3000, "max_steps: found '[[["),
+        ("title=" + "[" * 300 + "]" * 300, "--set[0]"),
+        ("title=a\udcffb", "found bytes that are not UTF-8, allowed Unicode text"),
+        ("machine.gears.face_width=7.5 m**9**9**9", "unknown unit 'm**9**9**9'"),
+        ("machine.gears.face_width=2**2**2**2**2**2 m", "found an unknown unit"),
+        ("machine.gears.face_width=1 " + "m" * 100_000, "machine.gears.face_width: found '1 mmm"),
+        ("machine.gears.profile=" + "n" * 300 + ".dxf", "cannot be read (File name too long)"),
+    ],
+)
+def test_overrides_that_no_case_needs_are_refused(
+    override: str, part: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_text(GEAR_CASE.read_text(encoding="utf-8"), tmp_path, "--set", override) == 2
+    line = capsys.readouterr().err
+    assert line.count("\n") == 1
+    assert part in line
+
+
+@pytest.mark.parametrize("kind", ["pipe", "zero", "long"])
+def test_a_case_that_is_no_file(
+    kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    place = {"pipe": str(tmp_path / "pipe"), "zero": "/dev/zero", "long": "n" * 300 + ".toml"}
+    assert main(["run", place[kind], "-o", str(tmp_path / "out.nc")]) == 2
+    line = capsys.readouterr().err
+    assert line.count("\n") == 1
+    assert "case file: found" in line

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from dataclasses import replace
 from html.parser import HTMLParser
@@ -16,6 +17,7 @@ from toothspace.report import report_html, write_report
 from toothspace.report.machine import machine_of
 from toothspace.report.verdict import verdict, warnings_of
 from toothspace.report.wording import format_value, quantity
+from toothspace.results.credibility import with_warnings
 from toothspace.results.io import load_solution
 
 
@@ -140,6 +142,7 @@ def test_warnings_name_status_balances_and_failed_rules() -> None:
     broken = replace(
         solution, status=Status.NOT_CYCLIC, ledger=replace(solution.ledger, energy=energy)
     )
+    broken = with_warnings(broken, math.inf)
     found = " ".join(warnings_of(broken, fake_description()))
     assert "Status not_cyclic" in found
     assert "Energy balance error" in found

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 
 import pytest
 
@@ -79,6 +80,36 @@ def test_other_text_is_refused(text: str, unit: str, part: str) -> None:
         parse_quantity(text, unit)
     assert part in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "7.5 m**9**9**9",
+        "2**2**2**2**2**2 m",
+        "1 m^9^9",
+        "1 m ^ 9 ** 9",
+        "1 ((((9^9)^9)^9)^9) m",
+        "1 ((((km/m)^9)^9)^9)^9 m",
+        "1 m^99",
+        "1 m^1.5",
+        "1 " + "m " * 100_000,
+        "1 " + " " * 100_000 + "m",
+        "1" * 100_000 + " m",
+    ],
+)
+def test_a_text_that_would_take_for_ever_is_refused_at_once(text: str) -> None:
+    parse_quantity("1 m", "mm")
+    started = time.perf_counter()
+    with pytest.raises(CaseError, match="found") as caught:
+        parse_quantity(text, "mm")
+    assert time.perf_counter() - started < 0.5
+    assert len(str(caught.value)) < 300
+
+
+@pytest.mark.parametrize(("text", "expected"), [("2 (m/s)^2", 2.0), ("2 m**2/s**2", 2.0)])
+def test_an_exponent_of_one_digit_is_allowed(text: str, expected: float) -> None:
+    assert parse_quantity(text, "m^2/s^2") == expected
 
 
 def test_message_takes_the_range_of_the_key() -> None:

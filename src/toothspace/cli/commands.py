@@ -162,6 +162,8 @@ def run(
         output.write(solution.summary(), as_json=as_json)
         if solution.status is not Status.DONE:
             output.message(f"{case_file}: {solution.status.name.lower()}: {solution.status.value}")
+        for warning in filter(None, solution.provenance.get("warnings", "").splitlines()):
+            output.message(f"Warning: {warning}")
         _tell_unused(case)
         output.message(f"Result: {kept or 'the numbers above only'}")
     if kept != target:

@@ -224,6 +224,21 @@ def table_liquid(path: Path, temperature: float) -> LiquidState:
     )
 
 
+def highest_pressure(source: str | Path, temperature: float) -> float:
+    """Return the absolute pressure up to which the properties of a fluid are known. [Pa].
+
+    Parameters
+    ----------
+    source : str or Path
+        Name of a library fluid, or path of a table (CSV). [-]
+    temperature : float
+        Absolute temperature. [K]
+    """
+    if isinstance(source, Path) or source.endswith(".csv"):
+        return fit_table(Path(source), temperature).highest_pressure
+    return float(load_fluid(source)["pressure_range_Pa"][1])
+
+
 def fluid_law(
     source: str | Path,
     temperature: float,

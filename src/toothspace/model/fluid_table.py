@@ -65,6 +65,8 @@ class TableFit:
         Specific heat capacity. [J/(kg K)]
     density_error, viscosity_error : float
         Largest relative error of the fit at the points of the isotherms used. [-]
+    highest_pressure : float
+        Pressure up to which these isotherms reach. [Pa]
     """
 
     density: float
@@ -76,6 +78,7 @@ class TableFit:
     specific_heat_capacity: float
     density_error: float
     viscosity_error: float
+    highest_pressure: float
 
 
 def _fail(path: Path, place: str, found: object, allowed: str) -> NoReturn:
@@ -126,7 +129,7 @@ def _read(path: Path) -> tuple[dict[str, Array], list[int]]:
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
             lines = [(k, line) for k, line in enumerate(csv.reader(file), start=1) if any(line)]
-    except (OSError, UnicodeDecodeError) as error:
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise CaseError(
             f"fluid.table: found {path} unreadable ({error}), allowed a CSV file"
         ) from error
@@ -245,4 +248,5 @@ def _between(lines: list[dict[str, Array]], share: float) -> TableFit:
         specific_heat_capacity=level("specific_heat_capacity", DEFAULT_HEAT_CAPACITY),
         density_error=max(fits[0][1], fits[1][1]),
         viscosity_error=max(fits[0][2], fits[1][2]),
+        highest_pressure=min(float(line["pressure"].max()) for line in lines),
     )

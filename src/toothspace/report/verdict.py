@@ -9,9 +9,6 @@ from toothspace.model.description import DesignCheck, MachineDescription
 from toothspace.results.ledger import power_ledger
 from toothspace.results.solution import Solution
 
-BALANCE_LIMITS: Mapping[str, float] = {"mass_balance_error": 1e-6, "energy_balance_error": 1e-4}
-"""Balance errors above which the report warns. [-]"""
-
 
 def verdict(solution: Solution) -> str:
     """Return one or two sentences on what the machine does and where power is lost."""
@@ -77,12 +74,6 @@ def warnings_of(solution: Solution, description: MachineDescription | None) -> l
     found = [line for line in solution.provenance.get("warnings", "").splitlines() if line]
     if not solution.status.succeeded:
         found.insert(0, f"Status {solution.status.name.lower()}: {solution.status.value}")
-    numbers = solution.summary()
-    for name, limit in BALANCE_LIMITS.items():
-        value = _number(numbers, name)
-        if value > limit:
-            text = f"{name.replace('_', ' ').capitalize()} is {value:.1e}, above {limit:.0e}; "
-            found.append(text + "tighten run.relative_tolerance.")
     cavitating = sum(event.kind == "cavitation_onset" for event in solution.events)
     if cavitating:
         times = "once" if cavitating == 1 else f"{cavitating} times"

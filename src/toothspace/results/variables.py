@@ -78,7 +78,7 @@ _ROWS: tuple[tuple[str, str, str, str], ...] = (
     ("body_moment", "sample body", "N m", "Moment of the fluid pressure about the axis of a body"),
     ("journal_force", "sample body axis", "N", "Force of the journal bearings on a body"),
     ("journal_eccentricity_ratio", "sample body", "1", "Eccentricity over journal clearance"),
-    ("journal_film_height", "sample body", "m", "Smallest film height in the journal bearings"),
+    ("journal_film_height", "sample journal", "m", "Smallest film height in a journal bearing"),
     ("seat_position", "body axis", "m", "Displacement of the bearing blocks in the housing"),
     ("lateral_gap_height", "sample body", "m", "Film height on the faces of a body"),
     ("tip_gap_height", "sample chamber", "m", "Gap at the tooth tip ahead of a chamber"),
@@ -212,6 +212,7 @@ LABELS: Mapping[str, tuple[str, ...]] = {
 LABEL_DIMENSIONS: Mapping[str, str] = {
     "chamber": "chamber, named by family and number",
     "body": "body, named by the machine",
+    "journal": "body in a journal bearing, named by the machine",
     "axis": "direction in the frame of the machine",
     "contact": "contact, named by pair and number",
     "path": "kind of leakage path, named by the machine",
@@ -254,8 +255,8 @@ def dataset_from(
         ``shaft_angle`` and ``time`` belong to them. Variables stay where they are, on disk for
         those of :class:`toothspace.results.stream.SampleStream`.
     labels : mapping of dimension to labels
-        Labels of the dimensions ``chamber``, ``body``, ``axis``, ``contact``, ``path``,
-        ``mechanism``, ``port``.
+        Labels of the dimensions ``chamber``, ``body``, ``journal``, ``axis``, ``contact``,
+        ``path``, ``mechanism``, ``port``.
     sample : str
         Dimension of the samples, ``shaft_angle`` or ``time``.
     attributes : mapping, optional

@@ -17,7 +17,7 @@ from toothspace.case.plumbing import plumb, shaft_of, speed_of
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.errors import CaseError
 from toothspace.model.description import MachineDescription
-from toothspace.model.fluid import fluid_law
+from toothspace.model.fluid import fluid_law, highest_pressure
 from toothspace.model.operating_point import OperatingCondition
 
 Progress = Callable[[float, str], None]
@@ -96,6 +96,12 @@ def fluid_temperature(case: Case) -> float:
     """Temperature of the fluid of a case. [K]."""
     assert case.fluid is not None
     return case.fluid.temperature
+
+
+def known_pressure(setup: Setup) -> float:
+    """Pressure up to which the properties of the fluid of a case are known. [Pa]."""
+    assert setup.case.fluid is not None
+    return highest_pressure(setup.case.fluid.source, fluid_temperature(setup.case))
 
 
 def condition_of(case: Case, description: MachineDescription) -> OperatingCondition:

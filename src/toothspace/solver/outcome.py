@@ -322,20 +322,22 @@ def _rotation_values(history: History, seen: Observation, names: list[str]) -> d
 
 def _journal_values(system: System, position: Array, names: list[str]) -> dict[str, Array]:
     ratio = np.zeros(position.shape[:2])
-    height = np.full(position.shape[:2], np.nan)
+    heights = []
     seat = np.zeros((len(names), 3))
-    for journal in system.arrays.journal:
-        body = system.description.motions[system.free_motions[int(journal[MOTION_X])]].body
+    for body, journal in zip(journal_bodies(system), system.arrays.journal, strict=True):
         b, clearance = names.index(body), journal[JOURNAL_CLEARANCE]
         seat[b, :2] = journal[BUSH_X], journal[BUSH_Y]
         eccentricity = np.hypot(*(position[:, b, :2] - seat[b, :2]).T)
         ratio[:, b] = eccentricity / clearance
-        height[:, b] = clearance - eccentricity
-    return {
-        "journal_eccentricity_ratio": ratio,
-        "journal_film_height": height,
-        "seat_position": seat,
-    }
+        heights.append(clearance - eccentricity)
+    values = {"journal_eccentricity_ratio": ratio, "seat_position": seat}
+    return values | ({"journal_film_height": np.stack(heights, axis=1)} if heights else {})
+
+
+def journal_bodies(system: System) -> list[str]:
+    """Bodies in journal bearings, in the order of the bearings."""
+    motions = (system.free_motions[int(row[MOTION_X])] for row in system.arrays.journal)
+    return [system.description.motions[motion].body for motion in motions]
 
 
 def _contact_gaps(history: History) -> Array:
@@ -399,6 +401,7 @@ def labels_of(system: System) -> dict[str, list[str]]:
     return {
         "chamber": description.chamber_labels,
         "body": [body.name for body in description.bodies],
+        "journal": journal_bodies(system),
         "axis": ["x", "y", "z"],
         "contact": system.contact_labels,
         "path": [category.name for category in leakage_categories(system)],

@@ -115,9 +115,10 @@ def design_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
 
 def _geometry_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
     if assembly.pair is not None:
+        vented = assembly.spec.grooves is not None
+        findings = design_findings(assembly.pair, assembly.face_width, vented=vented)
         return tuple(
-            DesignCheck(f.name, f.value, f.unit, f.allowed, f.passed, f.reason)
-            for f in design_findings(assembly.pair, assembly.face_width)
+            DesignCheck(f.name, f.value, f.unit, f.allowed, f.passed, f.reason) for f in findings
         )
     start, end = contact_range(assembly)
     ratio = (end - start) / (2.0 * assembly.mesh.half_pitch)

@@ -1,0 +1,262 @@
+"""Random machines at random conditions: how many runs finish, how well they balance.
+
+``python -m benchmarks.random_designs --count 1000 --workers 2 -o designs.csv`` draws external
+gear machines and gerotors, pumps and motors, with and without relief grooves, 1 to 350 bar, 1 to
+8 000 rpm, -20 to 120 degC and clearances from 5 to 100 um, runs each in a process of its own,
+writes one row per design and prints a table. ``--only SEED`` writes the case of one design
+instead, to be run and looked at alone. Designs whose geometry is refused are drawn again.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import math
+import random
+import time
+import tomllib
+from collections import Counter
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from toothspace.api import simulate
+from toothspace.config import case_from_text
+from toothspace.config.document import document_text
+from toothspace.core.errors import CaseError
+from toothspace.results.solution import Solution
+from toothspace.studies.workers import Workers
+
+CASES = Path(__file__).resolve().parent.parent / "cases"
+FLUIDS = ("iso_vg_32", "iso_vg_46")
+MASS_LIMIT, ENERGY_LIMIT = 1e-7, 1e-5
+FAMILIES = ("external_gear", "trochoidal", "cycloidal")
+_TRIES = 200
+_NUMBERS = (
+    "status",
+    "mass_balance_error",
+    "energy_balance_error",
+    "volumetric_efficiency",
+    "overall_efficiency",
+    "max_chamber_pressure_bar",
+    "min_chamber_pressure_bar",
+    "shaft_speed_rpm",
+)
+_UNPHYSICAL: dict[str, Callable[[dict[str, Any]], bool]] = {
+    "volumetric efficiency above 1": lambda row: row["volumetric_efficiency"] > 1.0 + 1e-3,
+    "overall efficiency above 1": lambda row: row["overall_efficiency"] > 1.0,
+    "pressure not positive": lambda row: row["min_chamber_pressure_bar"] <= 0.0,
+    "pressure above 1000 bar": lambda row: row["max_chamber_pressure_bar"] > 1000.0,
+}
+
+
+def tables_of(name: str) -> dict[str, Any]:
+    return tomllib.loads((CASES / f"{name}.toml").read_text(encoding="utf-8"))
+
+
+def log_uniform(draw: random.Random, low: float, high: float) -> float:
+    return math.exp(draw.uniform(math.log(low), math.log(high)))
+
+
+def clearance(draw: random.Random, low: float = 5.0, high: float = 100.0) -> str:
+    return f"{log_uniform(draw, low, high):.3g} um"
+
+
+def external_gear(draw: random.Random) -> dict[str, Any]:
+    """Gears of 8 to 20 teeth with the casing, bearings and grooves of the 12-tooth design."""
+    tables = tables_of("egm12_pump")
+    machine = tables["machine"]
+    module = draw.uniform(1.5, 4.5)
+    teeth = draw.randint(8, 20)
+    shift = draw.uniform(0.0, 0.5)
+    machine["gears"] |= {
+        "tooth_count": teeth,
+        "module": f"{module:.3f} mm",
+        "pressure_angle": f"{draw.uniform(18.0, 28.0):.2f} deg",
+        "profile_shift": round(shift, 3),
+        "tip_diameter": f"{module * (teeth + 2.0 * (1.0 + shift)):.3f} mm",
+        "face_width": f"{module * draw.uniform(2.0, 9.0):.2f} mm",
+        "normal_backlash": f"{draw.uniform(0.01, 0.1) * module:.3f} mm",
+        "tip_rounding": f"{0.03 * module:.3f} mm",
+    }
+    machine["casing"]["radial_clearance"] = clearance(draw)
+    if draw.random() < 0.5:
+        del machine["casing"]["wear_in"]
+    machine["journal_bearings"] |= {
+        "diameter": f"{module * teeth * draw.uniform(0.4, 0.6):.2f} mm",
+        "length": f"{module * teeth * draw.uniform(0.4, 0.7):.2f} mm",
+        "radial_clearance": clearance(draw, 5.0, 50.0),
+    }
+    machine["bearing_blocks"]["radial_clearance"] = clearance(draw)
+    machine["lateral"]["side_gap"] = clearance(draw, 5.0, 40.0)
+    offset = module * math.pi * math.cos(math.radians(20.0)) ** 2 / 2.0
+    groove = f"{offset * draw.uniform(0.95, 1.1):.3f} mm"
+    machine["relief_grooves"] |= {"closing_side_offset": groove, "opening_side_offset": groove}
+    if draw.random() < 0.3:
+        del machine["relief_grooves"]
+    return tables
+
+
+def gerotor(kind: str, draw: random.Random) -> dict[str, Any]:
+    """Rotors of 4 to 9 inner teeth, their ports and housing in proportion."""
+    tables = tables_of(f"gerotor_{kind}")
+    machine = tables["machine"]
+    size = draw.uniform(0.6, 2.0)
+    lengths = {
+        "rotors": ("eccentricity", "generating_radius", "lobe_radius", "face_width"),
+        "housing": ("outer_rotor_diameter",),
+        "ports": ("inner_radius", "outer_radius"),
+    }
+    for table, names in lengths.items():
+        for name in names:
+            if name in machine.get(table, {}):
+                value = float(machine[table][name].split()[0])
+                machine[table][name] = f"{value * size * draw.uniform(0.97, 1.03):.4f} mm"
+    if kind == "cycloidal":
+        machine["rotors"]["inner_tooth_count"] = draw.randint(4, 9)
+    machine["rotors"]["tip_clearance"] = clearance(draw)
+    machine["housing"]["radial_clearance"] = clearance(draw, 20.0, 100.0)
+    machine["lateral"]["side_gap"] = clearance(draw)
+    return tables
+
+
+def condition(draw: random.Random, tables: dict[str, Any]) -> None:
+    """Mode, fluid and operating point."""
+    mode = draw.choice(("pump", "motor"))
+    tables["machine"]["mode"] = mode
+    tables["fluid"] |= {
+        "name": draw.choice(FLUIDS),
+        "temperature": f"{draw.uniform(-20.0, 120.0):.1f} degC",
+        "free_air_fraction": round(draw.uniform(0.0, 0.02), 4),
+    }
+    high, low = f"{log_uniform(draw, 5.0, 350.0):.4g} bar", f"{draw.uniform(1.0, 5.0):.3g} bar"
+    inlet, outlet = (high, low) if mode == "motor" else (low, high)
+    speed = log_uniform(draw, 1.0, 8000.0)
+    tables["operating_point"] = {
+        "shaft_speed": f"{speed:.4g} rpm",
+        "inlet_pressure": inlet,
+        "outlet_pressure": outlet,
+    }
+
+
+def designs(seed: int) -> Iterator[str]:
+    """Case texts of a seed: each is another draw, for where the one before is refused."""
+    draw = random.Random(seed)
+    family = FAMILIES[seed % len(FAMILIES)]
+    for _ in range(_TRIES):
+        tables = external_gear(draw) if family == "external_gear" else gerotor(family, draw)
+        condition(draw, tables)
+        tables["title"] = f"random design {seed}, {family}"
+        yield document_text(tables)
+
+
+def first_run(seed: int) -> tuple[str, Solution | Exception, float]:
+    """Text of the first draw that is not refused, what it gives, and its time. [s]."""
+    for text in designs(seed):
+        started = time.perf_counter()
+        try:
+            return text, simulate(case_from_text(text, CASES)), time.perf_counter() - started
+        except CaseError:
+            continue
+        except Exception as error:  # what a design may never do is a row of its own
+            return text, error, time.perf_counter() - started
+    raise CaseError(f"design {seed}: found none that can be built in {_TRIES} draws")
+
+
+def row_of(seed: int) -> dict[str, Any]:
+    """Run one design; what came out as one row."""
+    text, found, seconds = first_run(seed)
+    tables = tomllib.loads(text)
+    row: dict[str, Any] = {
+        "seed": seed,
+        "family": tables["title"].split(", ")[1],
+        "mode": tables["machine"]["mode"],
+        "run_s": seconds,
+    }
+    if isinstance(found, Exception):
+        return row | {"status": f"{type(found).__name__}: {found}"}
+    numbers = found.summary()
+    row |= {name: numbers[name] for name in _NUMBERS}
+    row["revolutions"] = found.statistics.get("revolutions", math.nan)
+    row["warnings"] = warnings_in(found)
+    row["not_finite"] = " ".join(not_finite(found))
+    return row
+
+
+def warnings_in(solution: Solution) -> str:
+    return solution.provenance.get("warnings", "").replace("\n", " | ")
+
+
+def not_finite(solution: Solution) -> Iterator[str]:
+    """Names of variables that hold a number that is none."""
+    for name, values in solution.data.data_vars.items():
+        if values.dtype.kind == "f" and not np.isfinite(values.values).all():
+            yield str(name)
+
+
+def good(row: dict[str, Any]) -> bool:
+    """Whether a design did all that is asked."""
+    return (
+        row["status"] == "done"
+        and row["mass_balance_error"] <= MASS_LIMIT
+        and row["energy_balance_error"] <= ENERGY_LIMIT
+    )
+
+
+def report(rows: list[dict[str, Any]]) -> None:
+    """Print the table of all rows, and the seeds of those to look at."""
+    finished = [row for row in rows if "mass_balance_error" in row]
+    if not finished:
+        print("no design finished")
+        return
+    times = np.sort([row["run_s"] for row in finished])
+    energy = np.array([row["energy_balance_error"] for row in finished])
+    print(f"{len(rows)} designs; statuses {dict(Counter(row['status'] for row in rows))}")
+    print(f"all that is asked: {100.0 * np.mean([good(row) for row in finished]):.1f} %")
+    print(f"mass error, worst:   {max(row['mass_balance_error'] for row in finished):.1e}")
+    print(
+        f"energy error: worst {energy.max():.1e}, above 1e-5 {100 * np.mean(energy > 1e-5):.1f} %"
+    )
+    print(f"revolutions: most {max(row['revolutions'] for row in finished):.0f}")
+    slowest = np.quantile(times, 0.99) / np.median(times)
+    print(f"run time: median {np.median(times):.2f} s, 99th percentile {slowest:.1f} times as long")
+    for name, wrong in _UNPHYSICAL.items():
+        found = [row for row in finished if wrong(row)]
+        unsaid = [row["seed"] for row in found if not row["warnings"]]
+        print(f"{name}: {len(found)}, of them without a warning {unsaid}")
+    print(f"variables not finite: {dict(Counter(row['not_finite'] for row in finished))}")
+    print(f"to look at: {[row['seed'] for row in rows if row not in finished or not good(row)]}")
+
+
+def write(rows: list[dict[str, Any]], path: Path) -> None:
+    names = list(dict.fromkeys(name for row in rows for name in row))
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, names)
+        writer.writeheader()
+        writer.writerows(sorted(rows, key=lambda row: row["seed"]))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser("python -m benchmarks.random_designs", description=__doc__)
+    parser.add_argument("--count", type=int, default=30)
+    parser.add_argument("--first", type=int, default=0, help="first seed")
+    parser.add_argument("--workers", type=int, default=1)
+    parser.add_argument("--only", type=int, metavar="SEED", help="print the case of this seed")
+    parser.add_argument("-o", "--output", type=Path, default=Path("random_designs.csv"))
+    given = parser.parse_args()
+    if given.only is not None:
+        print(first_run(given.only)[0])
+        return
+    rows: list[dict[str, Any]] = []
+    seeds = range(given.first, given.first + given.count)
+    with Workers(given.workers) as workers:
+        for _, row in workers.each(row_of, list(seeds)):
+            rows.append(row)
+            write(rows, given.output)
+    report(rows)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,67 @@
+"""What of a result lies outside the range of its models, in words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+from toothspace.results.solution import Solution, warned
+
+BALANCE_LIMITS = {"mass_balance_error": 1e-6, "energy_balance_error": 1e-4}
+"""Balance errors above which a result is not to be trusted. [-]"""
+
+VOLUMETRIC_LIMIT = 1.005
+"""Walls that drag fluid forwards lift the volumetric efficiency above 1 by some thousandths."""
+
+_BAR = 1e5
+_PRESSURES = ("chamber_pressure_highest", "chamber_pressure", "inlet_pressure", "outlet_pressure")
+
+
+def with_warnings(solution: Solution, highest_pressure: float) -> Solution:
+    """Solution whose provenance says what is outside the range of the models.
+
+    Parameters
+    ----------
+    solution : Solution
+        Result, complete or not.
+    highest_pressure : float
+        Pressure up to which the properties of the fluid are known. [Pa]
+    """
+    found = "\n".join([*_pressure(solution, highest_pressure), *_numbers(solution)])
+    return replace(solution, provenance=warned(solution.provenance, found))
+
+
+def _pressure(solution: Solution, highest: float) -> Iterator[str]:
+    data = solution.data
+    present = [name for name in _PRESSURES if name in data]
+    largest = max((float(data[name].max()) for name in present), default=0.0)
+    if largest > highest:
+        yield (
+            f"Pressures reach {largest / _BAR:.4g} bar; the properties of the fluid are known to "
+            f"{highest / _BAR:.4g} bar only. Look where fluid is enclosed: relief grooves, "
+            "backlash and the timing of the ports."
+        )
+
+
+def _numbers(solution: Solution) -> Iterator[str]:
+    numbers = {k: v for k, v in solution.summary().items() if isinstance(v, int | float)}
+    volumetric = numbers.get("volumetric_efficiency", math.nan)
+    if volumetric > VOLUMETRIC_LIMIT:
+        yield (
+            f"Volumetric efficiency is {volumetric:.4f}, above 1: fluid enclosed in the chambers "
+            "expands in them or is drawn past the ports. Look at the timing of the ports."
+        )
+    overall = numbers.get("overall_efficiency", math.nan)
+    if overall > 1.0:
+        yield (
+            f"Overall efficiency is {overall:.4f}, above 1, which no machine has. "
+            "Tighten run.relative_tolerance."
+        )
+    for name, limit in BALANCE_LIMITS.items():
+        value = numbers.get(name, math.nan)
+        if value > limit:
+            yield (
+                f"{name.replace('_', ' ').capitalize()} is {value:.1e}, above {limit:.0e}; "
+                "tighten run.relative_tolerance."
+            )

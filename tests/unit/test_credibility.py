@@ -1,0 +1,79 @@
+"""A result outside the range of its models says so."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from tests.external_gear_designs import egm12
+from tests.fake_solution import fake_solution
+from toothspace.api import load_case, set_up, simulate
+from toothspace.machines.external_gear.assembly import assemble
+from toothspace.machines.external_gear.summary import design_checks
+from toothspace.model.fluid import highest_pressure
+from toothspace.results.credibility import with_warnings
+from toothspace.results.solution import Solution
+from toothspace.simulation import run
+
+CASES = Path(__file__).resolve().parents[2] / "cases"
+
+
+def warnings(solution: Solution, highest: float = 1e8) -> str:
+    return with_warnings(solution, highest).provenance.get("warnings", "")
+
+
+def test_a_plausible_result_has_no_warning() -> None:
+    assert warnings(fake_solution()) == ""
+
+
+def test_pressures_beyond_the_fluid_are_told() -> None:
+    found = warnings(fake_solution(), 100e5)
+    assert "the properties of the fluid are known to 100 bar only" in found
+    assert "relief grooves" in found
+
+
+@pytest.mark.parametrize(
+    ("name", "factor", "part"),
+    [("mass", 0.9, "Volumetric efficiency is"), ("energy", 1.5, "Overall efficiency is")],
+)
+def test_an_efficiency_above_one_is_told(name: str, factor: float, part: str) -> None:
+    solution = fake_solution()
+    entry = {"mass": "inlet", "energy": "shaft"}[name]
+    accounts = dict(getattr(solution.ledger, name))
+    accounts[entry] *= factor
+    ledger = replace(solution.ledger, **{name: accounts})
+    assert part in warnings(replace(solution, ledger=ledger))
+
+
+def test_range_of_fluids(tmp_path: Path) -> None:
+    assert highest_pressure("iso_vg_46", 323.15) == 1e8
+    assert highest_pressure("jet_a1", 323.15) == 5e7
+    rows = [f"{t},{p},{800.0 + 0.1 * p},2.0" for t in (20, 60) for p in (1, 100, 200 + t)]
+    table = tmp_path / "fluid.csv"
+    header = "temperature [degC],pressure [bar],density [kg/m3],dynamic_viscosity [mPa s]"
+    table.write_text("\n".join([header, *rows]), encoding="utf-8")
+    assert highest_pressure(table, 313.15) == pytest.approx(220e5)
+
+
+def test_every_simulated_case_is_checked(monkeypatch: pytest.MonkeyPatch) -> None:
+    case = load_case(CASES / "egm12_motor.toml")
+    set_up(case)
+    monkeypatch.setattr(run, "simulate", lambda *_: fake_solution(), raising=True)
+    assert "warnings" not in simulate(case).provenance
+    monkeypatch.setattr("toothspace.api.known_pressure", lambda _: 100e5)
+    assert "known to 100 bar" in simulate(case).provenance["warnings"]
+
+
+def test_enclosed_fluid_without_relief_grooves_fails_the_design_rule() -> None:
+    def verdict(spec: object) -> tuple[bool, str]:
+        checks = {check.name: check for check in design_checks(assemble(spec))}
+        return checks["trapped volume change"].passed, checks["trapped volume change"].allowed
+
+    passed, allowed = verdict(egm12())
+    assert passed
+    assert "vented by relief grooves at most" in allowed
+    passed, allowed = verdict(egm12(grooves=None))
+    assert not passed
+    assert allowed.startswith("below 0.002 face_width module^2, without relief grooves; below 0.5")
