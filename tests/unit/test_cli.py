@@ -31,6 +31,7 @@ GEROTOR = REPOSITORY / "cases" / "gerotor_trochoidal.toml"
 @dataclass
 class FakeSolution:
     status: Status = Status.DONE
+    provenance: Mapping[str, str] = field(default_factory=dict)
 
     def summary(self) -> dict[str, Any]:
         return {"mean_flow_L_per_min": np.float64(7.5), "flow_ripple_percent": math.nan}
