@@ -30,6 +30,10 @@ PARTS = _parts_wanted()
 
 prange = numba.prange
 
+# where Numba keeps what it compiles its own way; it reads the variable once, perhaps before
+os.environ.setdefault("NUMBA_CACHE_DIR", str(CACHE_FOLDER))
+numba.config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"]
+
 if PARTS:
     from toothspace.core.compilation.parts import Formula, Kernel
 
@@ -39,6 +43,9 @@ if PARTS:
         """Compile a function without the interpreter; options are those of ``numba.njit``."""
         if function is not None:
             return Kernel(function)
+        if options.get("parallel"):
+            # threads run functions that Numba makes on its own, outside of entries and parts
+            return numba.njit(cache=True, **options)
         return lambda target: Kernel(target, None, options)
 
     def inlined(function: Any) -> Any:
@@ -47,9 +54,6 @@ if PARTS:
         return function
 
 else:
-    os.environ.setdefault("NUMBA_CACHE_DIR", str(CACHE_FOLDER))
-    # Numba reads the variable once, perhaps before this module was imported
-    numba.config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"]
 
     def njit(function: Any = None, /, **options: Any) -> Any:
         """Compile a function without the interpreter; options are those of ``numba.njit``."""
