@@ -9,7 +9,7 @@ By default the first steps and those of a tooth pitch after them stand for the r
 time is extrapolated, as the heading says; ``--whole`` marches all of it on the finest grid,
 with ``--bodies`` between bending bodies. Processor seconds stand beside wall time. ``--condense``
 condenses the bearing and a gear of the pump with 150 000 elements, each in a process of its own
-whose memory is told; OMP_NUM_THREADS sets its cores.
+whose memory is reported; OMP_NUM_THREADS sets its cores.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ CASE = Path(__file__).parents[1] / "cases" / "hysteresis_055.toml"
 GRIDS = ((280, 26), (560, 52), (812, 74))
 """Cells round the circumference and along the radius of each gear; an interface has two gears."""
 START = 1e-6
-"""Gap at which the search for rest begins, as in the study of the case. [m]"""
+"""Gap at which the search for equilibrium begins, as in the study of the case. [m]"""
 STEPS, SAMPLED = 360, 26
 WARM = {"columns": 3, "bodies": 26}
 """Steps before the sampled ones; between bodies those in which the films' response is found."""
@@ -52,12 +52,12 @@ TARGET = 300.0
 
 @dataclass(frozen=True)
 class Setting:
-    """Machine of the case with its chamber pressures, and where its bearing rests."""
+    """Machine of the case with its chamber pressures, and the equilibrium of its bearing."""
 
     case: Case
     machine: RunInMachine
     data: object
-    rest: Balance
+    settled: Balance
 
     def problem(self, grid: tuple[int, int], deformation: str) -> LateralProblem:
         settings = replace(
@@ -67,7 +67,7 @@ class Setting:
 
 
 def prepare() -> Setting:
-    """Chamber pressures and rest of the bearing that agree, on the grid of the case."""
+    """Chamber pressures and equilibrium of the bearing that agree, on the grid of the case."""
     case = load_case(CASE, ["run.max_revolutions=3"])
     machine = run_in_machine(set_up(case))
     condition = condition_of(case, machine.description)
@@ -77,7 +77,7 @@ def prepare() -> Setting:
         lambda changed: machine.solve(condition, changed),
         PointRequest(settings=lateral_settings(case), start=START),
     )
-    if not (point.equilibrium.rests and point.agreed):
+    if not (point.equilibrium.settled and point.agreed):
         raise RuntimeError("films and chambers do not agree where the benchmark begins")
     return Setting(case, machine, point.solution.data, point.equilibrium.balance)
 
@@ -92,9 +92,9 @@ class Times:
     before: float
 
 
-def timed(problem: LateralProblem, rest: Balance, warm: int, steps: int) -> Times:
+def timed(problem: LateralProblem, settled: Balance, warm: int, steps: int) -> Times:
     """Difference of two marches from the same start, the longer one by the steps."""
-    start = problem.continued(rest.position)
+    start = problem.continued(settled.position)
     clocks = [(0.0, 0.0)]
     for count in (warm, warm + steps) if warm else (steps,):
         begun = time.perf_counter(), time.process_time()
@@ -108,7 +108,7 @@ def row(setting: Setting, grid: tuple[int, int], deformation: str, steps: int) -
     """Print the numbers of one grid."""
     problem = setting.problem(grid, deformation)
     warm = WARM[deformation] if steps < STEPS else 0
-    found = timed(problem, setting.rest, warm, steps)
+    found = timed(problem, setting.settled, warm, steps)
     march, wall = found.march, found.wall
     cells = 4 * grid[0] * grid[1]
     iterations = float(np.mean(march.iterations[warm:]))
@@ -124,7 +124,7 @@ def row(setting: Setting, grid: tuple[int, int], deformation: str, steps: int) -
 
 
 def head(source: str) -> Setting:
-    """Print the head of the table and find where the bearing rests."""
+    """Print the head of the table and find the equilibrium of the bearing."""
     print(f"Elastic lateral films, one revolution in {STEPS} steps; target {TARGET:.0f} s")
     print(f"s/revol. is {source}")
     print(

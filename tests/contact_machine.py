@@ -11,8 +11,8 @@ from tests.toy_machine import TURN, toy_machine
 from toothspace.model.contact_pair import ContactPair
 from toothspace.model.description import (
     Body,
-    JournalBearing,
-    LateralFilm,
+    LumpedJournalBearing,
+    LumpedLateralFilm,
     MachineDescription,
     Motion,
 )
@@ -45,7 +45,7 @@ def contact_machine(**pair: Any) -> MachineDescription:
         families=(replace(family, volume_by_motion=smooth_table(TURN, volume_by_motion)),),
         paths=paths,
         journals=(
-            JournalBearing(
+            LumpedJournalBearing(
                 body="ring",
                 count=1,
                 diameter=60e-3,
@@ -59,7 +59,7 @@ def contact_machine(**pair: Any) -> MachineDescription:
                 end_condition="no_flow",
             ),
         ),
-        laterals=(LateralFilm("ring", 2, 20e-6, 15e-3, 25e-3, 30e-3, 1.0),),
+        laterals=(LumpedLateralFilm("ring", 2, 20e-6, 15e-3, 25e-3, 30e-3, 1.0),),
         contacts=(lobes(angle, **pair),),
     )
 

@@ -11,7 +11,7 @@ from toothspace.model.description import (
     ChamberFamily,
     DesignCheck,
     FlowPath,
-    JournalBearing,
+    LumpedJournalBearing,
     MachineDescription,
     Motion,
 )
@@ -84,7 +84,8 @@ def fake_description() -> MachineDescription:
         families=families,
         paths=paths,
         journals=tuple(
-            JournalBearing(n, 2, 18e-3, 19e-3, 8e-6, 3e-7, 1e-5, 2e11, 1e9, 0.05) for n in names
+            LumpedJournalBearing(n, 2, 18e-3, 19e-3, 8e-6, 3e-7, 1e-5, 2e11, 1e9, 0.05)
+            for n in names
         ),
         drain="outlet",
         outlines={

@@ -8,7 +8,7 @@ from typing import Any
 from toothspace.machines.gerotor.parameters import (
     GerotorParameters,
     HousingParameters,
-    LateralParameters,
+    FaceGapParameters,
     RotorParameters,
 )
 
@@ -39,6 +39,6 @@ def machine(rotors: RotorParameters, **changes: Any) -> GerotorParameters:
         mode="pump",
         rotors=rotors,
         housing=HousingParameters(outer_rotor_diameter=52e-3, radial_clearance=50e-6),
-        lateral=LateralParameters(side_gap=20e-6),
+        lateral=FaceGapParameters(side_gap=20e-6),
     )
     return replace(parameters, **changes)

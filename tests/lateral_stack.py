@@ -11,7 +11,7 @@ from toothspace.films.lateral.face_film import film_law
 from toothspace.films.lateral.face_grid import FaceGrid
 from toothspace.films.lateral.housing_friction import housing_friction
 from toothspace.films.lateral.motion import Loads
-from toothspace.films.lateral.stack import BackPressure, Columns, Stack
+from toothspace.films.lateral.stack import BackPressure, Stack, WinklerFoundation
 from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
 from toothspace.model.lateral_balance import (
     LAND,
@@ -105,7 +105,7 @@ def ring_stack(
     )
     law = film_law(ROUGH if rough else None, FilmFluid(VISCOSITY))
     grids = tuple(FaceGrid(i, *cells) for i in interfaces)
-    return Stack(balance, grids, (law, law), Columns((approach, approach)), speed)
+    return Stack(balance, grids, (law, law), WinklerFoundation((approach, approach)), speed)
 
 
 @dataclass(frozen=True)
@@ -156,7 +156,9 @@ def split_stack(shares: tuple[float, float], **changes: object) -> Stack:
     )
     cells = one.grids[0]
     grids = tuple(FaceGrid(i, cells.rows, cells.lanes) for i in interfaces)
-    return Stack(split, grids, one.laws[:1] * 4, Columns(one.compliance.local * 2), one.shaft_speed)
+    return Stack(
+        split, grids, one.laws[:1] * 4, WinklerFoundation(one.compliance.local * 2), one.shaft_speed
+    )
 
 
 def loads(high: float, coulomb: float = 0.0, law: str = "stick") -> Loads:

@@ -1,4 +1,4 @@
-"""Pictures of the studies of the pressed bearing.
+"""Pictures of the studies of the floating bearing.
 
 Run ``python docs/pictures/bearing_studies.py`` where ``toothspace study`` has left the folders
 ``hysteresis_055_study``, ``hysteresis_overlay_study`` and ``bearing_map_study`` of the cases.

@@ -252,7 +252,7 @@ def solve_elastic_film(
     Returns
     -------
     ElasticFilmSolution
-        Fields; ``status`` tells whether the iteration settled.
+        Fields; ``status`` says whether the iteration settled.
 
     Raises
     ------

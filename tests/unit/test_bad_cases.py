@@ -19,7 +19,7 @@ from toothspace.config.document import document_text
 REPOSITORY = Path(__file__).resolve().parents[2]
 GEAR_CASE = REPOSITORY / "cases" / "egm12_motor.toml"
 GEROTOR_CASE = REPOSITORY / "cases" / "gerotor_trochoidal.toml"
-PRESSED_CASE = REPOSITORY / "cases" / "hysteresis_055.toml"
+FLOATING_CASE = REPOSITORY / "cases" / "hysteresis_055.toml"
 NOSE_CASE = REPOSITORY / "cases" / "nose_pressure.toml"
 
 DELETE = object()
@@ -206,20 +206,20 @@ MUTATIONS = [
     Bad("machine.rotors.inner_tooth_count", 2, allowed="from 3", case=GEROTOR_CASE),
     Bad("machine.ports.land_max_half_angle", "31 deg", allowed="leave this key", case=GEROTOR_CASE),
     Bad("machine.gearbox", {}, allowed="rotors", case=GEROTOR_CASE),
-    # pressed bearing
-    Bad(f"{B}.high_pressure_area.area", "9 mm^2", allowed="seal_line_x", case=PRESSED_CASE),
-    Bad(f"{B}.high_pressure_area.seal_line_x", "90 mm", allowed="below 36", case=PRESSED_CASE),
-    Bad(f"{B}.nose.center", ["-90 mm", "31 mm"], allowed="within the bearing", case=PRESSED_CASE),
-    Bad(f"{B}.nose.center", ["12 mm", "31 mm"], allowed="beside it", case=PRESSED_CASE),
+    # floating bearing
+    Bad(f"{B}.high_pressure_area.area", "9 mm^2", allowed="seal_line_x", case=FLOATING_CASE),
+    Bad(f"{B}.high_pressure_area.seal_line_x", "90 mm", allowed="below 36", case=FLOATING_CASE),
+    Bad(f"{B}.nose.center", ["-90 mm", "31 mm"], allowed="within the bearing", case=FLOATING_CASE),
+    Bad(f"{B}.nose.center", ["12 mm", "31 mm"], allowed="beside it", case=FLOATING_CASE),
     Bad(f"{B}.nose.area", "4000 mm^2", key=f"{B}.high_pressure_area", allowed="5442.7",
-        case=PRESSED_CASE),
+        case=FLOATING_CASE),
     Bad(f"{B}.springs", [{"force": "70 N", "x": "90 mm", "y": "0 mm"}], key=f"{B}.springs[0]",
-        allowed="within the bearing", case=PRESSED_CASE),
+        allowed="within the bearing", case=FLOATING_CASE),
     Bad(f"{B}.high_pressure_area", {"area": "9 mm^2", "center": ["90 mm", "0 mm"]},
-        key=f"{B}.high_pressure_area.center", allowed="within the bearing", case=PRESSED_CASE),
-    Bad("study.sensor_deflection", "1 um/bar", allowed="measured positions", case=PRESSED_CASE),
+        key=f"{B}.high_pressure_area.center", allowed="within the bearing", case=FLOATING_CASE),
+    Bad("study.sensor_deflection", "1 um/bar", allowed="measured positions", case=FLOATING_CASE),
     Bad("study.outlet_pressures", ["20 bar", "2 bar"], key="study.outlet_pressures[1]",
-        allowed="7.2 bar", case=PRESSED_CASE),
+        allowed="7.2 bar", case=FLOATING_CASE),
     Bad("study.conditions", [CONDITION, CONDITION], allowed="name of its own", case=NOSE_CASE),
     Bad("study.conditions", [CONDITION | {"inlet_pressure": "30 bar"}],
         key="study.conditions[0].outlet_pressure", allowed="30 bar", case=NOSE_CASE),
@@ -300,7 +300,7 @@ def test_bad_fidelity_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[s
     assert "run.fidelity: found 'cfd'" in line
 
 
-def test_elastic_preset_asks_for_a_pressed_bearing(
+def test_elastic_preset_asks_for_a_floating_bearing(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     line = complaint(capsys, GEAR_CASE, tmp_path / "out.nc", "--fidelity", "elastic")

@@ -73,7 +73,7 @@ def test_gmres_of_nothing_is_nothing() -> None:
 
 @pytest.mark.parametrize("factor", [0.0, np.inf])
 @pytest.mark.filterwarnings("error")
-def test_gmres_tells_that_a_singular_or_lost_matrix_has_no_solution(factor: float) -> None:
+def test_gmres_reports_that_a_singular_or_lost_matrix_has_no_solution(factor: float) -> None:
     x, _ = gmres(lambda v: np.full(4, factor), lambda v: v.copy(), np.ones(4))
     assert np.isnan(x).all()
 

@@ -1,4 +1,4 @@
-"""Studies of a pressed bearing over balanced area, speed and pressure, and measured positions."""
+"""Studies of a floating bearing over balanced area, speed and pressure, and measured positions."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ from toothspace.simulation.lateral.problem import (
 )
 from toothspace.studies import balance_sweep, bearing_map, hysteresis
 from toothspace.studies.balance_sweep import GAPS, FilmTable, claims, follow
-from toothspace.studies.found_point import found_point
 from toothspace.studies.friction_curves import friction_curves
+from toothspace.studies.stored_point import stored_point
 from toothspace.studies.study import StudyContext
 
 CASES = Path(__file__).parents[2] / "cases"
@@ -137,9 +137,9 @@ def test_bearing_map_numbers_and_figure(monkeypatch: pytest.MonkeyPatch) -> None
 
 def _coupled() -> CoupledPoint:
     stack = ring_stack(approach=3e-13, high_share=0.68, preload=400.0, cells=(12, 8))
-    scenes = tuple(stack.scene(angle, pressures(20e5)) for angle in (0.0, 0.3))
+    snapshots = tuple(stack.snapshot(angle, pressures(20e5)) for angle in (0.0, 0.3))
     problem = LateralProblem(
-        stack, scenes, loads(20e5), lambda _: pressures(20e5), LateralSettings()
+        stack, snapshots, loads(20e5), lambda _: pressures(20e5), LateralSettings()
     )
     settled = problem.settle(problem.started(0.8e-6))
     solution = cast(Any, SimpleNamespace(status=Status.DONE))
@@ -158,7 +158,7 @@ def test_wear_map_is_the_mean_of_asperity_pressure_times_speed() -> None:
 
 
 def test_films_of_a_run_are_drawn_on_both_sides() -> None:
-    study = hysteresis.LateralStudy("hysteresis", ("a",), (found_point(_coupled()),), (20e5,))
+    study = hysteresis.LateralStudy("hysteresis", ("a",), (stored_point(_coupled()),), (20e5,))
     one = study.dataset().isel(point=0)
     figure = lateral_films(cast(Any, SimpleNamespace(data=one)))
     maps = [axes for axes in figure.axes if axes.collections and axes.get_xlabel() == ""]
@@ -221,7 +221,7 @@ def test_loop_shows_measured_positions(monkeypatch: pytest.MonkeyPatch, tmp_path
     path = tmp_path / "bench.csv"
     rows = "\n".join(f"{p}, {x}" for p, x in zip((20, 40, 20), (0, 1, 0.5), strict=True))
     path.write_text(f"operating_point.outlet_pressure [bar], relative_position_um [um]\n{rows}\n")
-    point = found_point(_coupled())
+    point = stored_point(_coupled())
     study = hysteresis.LateralStudy("hysteresis", ("a", "b", "c"), (point,) * 3, (20e5, 40e5, 20e5))
     monkeypatch.setattr(hysteresis, "follow_pressures", lambda *_: study)
     case = replace(case, study=replace(case.study, measured=path))
@@ -245,7 +245,7 @@ def test_friction_curves_peak_at_their_breakaway_speed() -> None:
     peaks = curves["friction_curve_breakaway_speed_mm_per_s"].values
     assert velocity[np.argmax(force, axis=1)] == pytest.approx(peaks, rel=0.06)
     assert force == pytest.approx(-force[:, ::-1], rel=1e-12, abs=1e-9)
-    study = hysteresis.LateralStudy("hysteresis", ("a",), (found_point(_coupled()),), (20e5,))
+    study = hysteresis.LateralStudy("hysteresis", ("a",), (stored_point(_coupled()),), (20e5,))
     figures = study_figures("hysteresis", study.dataset().merge(curves))
     assert "friction_law" in [figure.name for figure in figures]
     assert not friction_curves(replace(contact, friction_coefficient=0.0), 0.0).data_vars

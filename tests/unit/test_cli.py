@@ -125,7 +125,7 @@ def test_run_passes_overrides_and_fidelity(
     assert seen[0].overrides == ("operating_point.shaft_speed=2000 rpm", "run.fidelity=ideal")
 
 
-def test_tables_that_are_not_used_are_told(
+def test_tables_that_are_not_used_are_reported(
     simulated: Callable[[Simulate], None], capsys: pytest.CaptureFixture[str]
 ) -> None:
     simulated(lambda case, progress: FakeSolution())
@@ -135,7 +135,7 @@ def test_tables_that_are_not_used_are_told(
     assert "[machine.casing.wear_in] is not used" in capsys.readouterr().err
 
 
-def test_files_of_bodies_that_do_not_deform_are_told(
+def test_files_of_bodies_that_do_not_deform_are_reported(
     simulated: Callable[[Simulate], None], capsys: pytest.CaptureFixture[str]
 ) -> None:
     simulated(lambda case, progress: FakeSolution())

@@ -13,7 +13,7 @@ import xarray as xr
 from tests.lateral_stack import HIGH, loads, pressures, ring_stack
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.status import Status
-from toothspace.films.lateral.equilibrium import scenes_over_pitch
+from toothspace.films.lateral.equilibrium import snapshots_over_pitch
 from toothspace.simulation.lateral.coupling import PointRequest, couple_point
 from toothspace.simulation.lateral.problem import LateralProblem, LateralSettings
 
@@ -27,9 +27,9 @@ def _problem(factor: float, coulomb: float) -> LateralProblem:
     """Spaces round the ring keep 75 bar until the paths leak some thirty times as much."""
     rim = 30e5 + 45e5 / (1.0 + factor / 30.0)
     stack = ring_stack(high_share=0.45, approach=5e-13, cells=(12, 6), speed=SPEED)
-    scenes = scenes_over_pitch(stack, lambda _: pressures(rim), 1)
+    snapshots = snapshots_over_pitch(stack, lambda _: pressures(rim), 1)
     return LateralProblem(
-        stack, scenes, loads(HIGH, coulomb), lambda _: pressures(rim), LateralSettings(angles=1)
+        stack, snapshots, loads(HIGH, coulomb), lambda _: pressures(rim), LateralSettings(angles=1)
     )
 
 
@@ -47,7 +47,7 @@ class _Chambers:
         self.machine = cast(Any, _Machine())
         self.torque = 0.0
         stand_ins: dict[str, Any] = {
-            "with_lateral_leakage": self._widened,
+            "with_lateral_leakage": self._log_leakage_factor,
             "lateral_problem": lambda *args: _problem(self.factors[-1], coulomb),
             "with_film_torque": self._dragged,
             "lumped_torque": lambda data: self.torque,
@@ -55,7 +55,7 @@ class _Chambers:
         for name, stand_in in stand_ins.items():
             monkeypatch.setattr(f"{MODULE}.{name}", stand_in)
 
-    def _widened(self, machine: Any, factor: float) -> Any:
+    def _log_leakage_factor(self, machine: Any, factor: float) -> Any:
         self.factors.append(factor)
         return machine
 
@@ -88,7 +88,7 @@ def test_bearing_that_jumps_between_single_runs_is_found(monkeypatch: pytest.Mon
     assert point.status is Status.DONE
     assert 3 < len(chambers.factors) < 9
     assert abs(point.leakage_mismatch) * FLOW < 0.02 * point.numbers.leakage
-    assert point.problem.stack.guide is not None
+    assert point.problem.stack.holding_spring is not None
     assert point.equilibrium.balance.residual < 5e-6
 
 

@@ -28,8 +28,10 @@ def _heating(share: float, **changes: float) -> FilmHeating:
 def problem() -> LateralProblem:
     """Ring between low pressure on one side and high on the other, so that oil flows through."""
     stack = ring_stack(approach=3e-13, high_share=0.4, limit=0.0, preload=400.0, cells=(24, 8))
-    scenes = (stack.scene(0.0, pressures(60e5)),)
-    return LateralProblem(stack, scenes, loads(60e5), lambda _: pressures(60e5), LateralSettings())
+    snapshots = (stack.snapshot(0.0, pressures(60e5)),)
+    return LateralProblem(
+        stack, snapshots, loads(60e5), lambda _: pressures(60e5), LateralSettings()
+    )
 
 
 def test_isothermal_films_keep_the_temperature_of_the_supply(problem: LateralProblem) -> None:
@@ -46,7 +48,7 @@ def test_heat_of_the_films_agrees_with_their_viscosity(problem: LateralProblem) 
     heating = _heating(1.0)
     found = settle_heated(problem, problem.started(2e-6), heating)
     assert found.agreed
-    assert found.equilibrium.rests
+    assert found.equilibrium.settled
     for film, law, temperature in zip(
         found.equilibrium.balance.states[0].films,
         found.problem.stack.laws,

@@ -24,7 +24,7 @@ from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.path_category import LATERAL_PATHS
 from toothspace.results.ledger import Ledger
 from toothspace.results.solution import Solution
-from toothspace.simulation.lateral.table_lookup import load_of_run, run_with_table, told_over_time
+from toothspace.simulation.lateral.table_lookup import load_of_run, run_with_table, with_table_load
 
 CASES = Path(__file__).resolve().parents[2] / "cases"
 FORCES = np.array([-12000.0, -6000.0, 0.0, 6000.0])
@@ -108,18 +108,18 @@ def test_run_that_never_agrees_is_not_converged(motor: MachineDescription) -> No
     assert "differs from that of the run" in solution.provenance["warnings"]
 
 
-def test_run_over_time_tells_its_one_load(motor: MachineDescription) -> None:
+def test_run_over_time_reports_its_one_load(motor: MachineDescription) -> None:
     done = Solution(Status.DONE, xr.Dataset(), Ledger(1.0, 1.0, {}, {}))
     condition = OperatingCondition(shaft_speed=157.0, inlet_pressure=200e5, outlet_pressure=1e5)
     plain = replace(motor, lateral_table=None)
-    assert told_over_time(plain, condition, done) is done
-    told = told_over_time(_with_table(motor, -3000.0), condition, done)
-    force = told.statistics["lateral_axial_force"]
+    assert with_table_load(plain, condition, done) is done
+    reported = with_table_load(_with_table(motor, -3000.0), condition, done)
+    force = reported.statistics["lateral_axial_force"]
     balance = plain.lateral_balance
     assert balance is not None
     assert force == axial_load(balance, chamber_pressures(plain, condition))[0]
-    assert f"at one load, {force:.4g} N" in told.provenance["warnings"]
-    assert "199 bar" in told.provenance["warnings"]
+    assert f"at one load, {force:.4g} N" in reported.provenance["warnings"]
+    assert "199 bar" in reported.provenance["warnings"]
 
 
 def test_load_beyond_the_table_is_refused(motor: MachineDescription) -> None:

@@ -10,7 +10,7 @@ import pytest
 from tests.fake_solution import fake_solution
 from tests.lateral_stack import HIGH, loads, pressures, ring_stack
 from toothspace.core.status import Status
-from toothspace.films.lateral.equilibrium import scenes_over_pitch
+from toothspace.films.lateral.equilibrium import snapshots_over_pitch
 from toothspace.results.solution import Solution
 from toothspace.simulation.lateral.coupled_run import coupled_solution
 from toothspace.simulation.lateral.problem import LateralProblem, LateralSettings
@@ -19,19 +19,19 @@ from toothspace.simulation.lateral.problem import LateralProblem, LateralSetting
 @pytest.fixture(scope="module")
 def problem() -> LateralProblem:
     stack = ring_stack(high_share=0.7)
-    scenes = scenes_over_pitch(stack, lambda _: pressures(HIGH), 1)
+    snapshots = snapshots_over_pitch(stack, lambda _: pressures(HIGH), 1)
     return LateralProblem(
-        stack, scenes, loads(HIGH), lambda _: pressures(HIGH), LateralSettings(angles=1)
+        stack, snapshots, loads(HIGH), lambda _: pressures(HIGH), LateralSettings(angles=1)
     )
 
 
-def test_march_tells_how_far_it_is(problem: LateralProblem) -> None:
-    told: list[tuple[float, str]] = []
+def test_march_reports_its_progress(problem: LateralProblem) -> None:
+    reported: list[tuple[float, str]] = []
     track = problem.march(
-        problem.started(3e-6), 4, progress=lambda share, text: told.append((share, text))
+        problem.started(3e-6), 4, progress=lambda share, text: reported.append((share, text))
     )
-    assert [share for share, _ in told] == [0.25, 0.5, 0.75, 1.0]
-    assert told[0][1] == "film step 1 of 4"
+    assert [share for share, _ in reported] == [0.25, 0.5, 0.75, 1.0]
+    assert reported[0][1] == "film step 1 of 4"
     assert len(track.shaft_angle) == 4
     assert not track.interrupted
 
@@ -67,7 +67,7 @@ def _asked() -> Any:
 def test_interrupt_beside_the_films_keeps_the_lumped_solution(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    told: list[str] = []
+    reported: list[str] = []
 
     def couple(description: Any, fluid: Any, run: Any, request: Any) -> Any:
         run(description)
@@ -75,10 +75,10 @@ def test_interrupt_beside_the_films_keeps_the_lumped_solution(
 
     monkeypatch.setattr("toothspace.simulation.lateral.coupled_run.couple_point", couple)
     lumped = fake_solution()
-    found = coupled_solution(_asked(), lambda _: lumped, 12, lambda _, text: told.append(text))
+    found = coupled_solution(_asked(), lambda _: lumped, 12, lambda _, text: reported.append(text))
     assert found.status is Status.INTERRUPTED
     assert found.data is lumped.data
-    assert told == ["lateral films come to rest"]
+    assert reported == ["lateral films settle"]
 
 
 def test_interrupted_lumped_run_ends_the_point(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,4 +1,4 @@
-"""Studies of a pressed bearing: numbers, figures and page from points of a plain ring."""
+"""Studies of a floating bearing: numbers, figures and page from points of a plain ring."""
 
 from __future__ import annotations
 
@@ -26,22 +26,22 @@ from toothspace.simulation.lumped import RunInMachine
 from toothspace.simulation.running_in import WornMachine
 from toothspace.simulation.setup import Setup
 from toothspace.studies import STUDY_MODULES, hysteresis, lateral_points, run_study
-from toothspace.studies.found_point import FoundPoint, found_point, record_of, recorded_point
 from toothspace.studies.lateral_points import LateralStudy, PointCondition
 from toothspace.studies.records import Record, Records
+from toothspace.studies.stored_point import StoredPoint, record_of, recorded_point, stored_point
 from toothspace.studies.study import StudyContext
 
 CASES = Path(__file__).parents[2] / "cases"
 UP_AND_DOWN = (20e5, 40e5, 60e5, 40e5, 20e5)
 
 
-def _points(pressure: tuple[float, ...], coulomb: float) -> tuple[FoundPoint, ...]:
+def _points(pressure: tuple[float, ...], coulomb: float) -> tuple[StoredPoint, ...]:
     stack = ring_stack(approach=3e-13, high_share=0.68, preload=400.0, cells=(12, 8))
     now, found = None, []
     for high in pressure:
         problem = LateralProblem(
             stack,
-            (stack.scene(0.0, pressures(high)),),
+            (stack.snapshot(0.0, pressures(high)),),
             loads(high, coulomb * high / 60e5),
             lambda _, high=high: pressures(high),
             LateralSettings(),
@@ -52,7 +52,7 @@ def _points(pressure: tuple[float, ...], coulomb: float) -> tuple[FoundPoint, ..
         numbers = numbers_of(problem, now)
         solution = cast(Any, SimpleNamespace(status=Status.DONE))
         one = CoupledPoint(solution, cast(Any, None), problem, settled, numbers, 0.0)
-        found.append(found_point(one))
+        found.append(stored_point(one))
     return tuple(found)
 
 
@@ -127,10 +127,10 @@ def test_record_of_a_point_gives_the_same_point(study: LateralStudy) -> None:
 class _Chain:
     """Points whose gap grows by one micrometre each, interrupted before one of them."""
 
-    def __init__(self, points: tuple[FoundPoint, ...], last: int) -> None:
+    def __init__(self, points: tuple[StoredPoint, ...], last: int) -> None:
         self.points, self.last, self.asked = points, last, []
 
-    def solve(self, condition: PointCondition, start: Any) -> FoundPoint:
+    def solve(self, condition: PointCondition, start: Any) -> StoredPoint:
         if len(self.asked) == self.last:
             raise KeyboardInterrupt
         self.asked.append((condition.label, start))
@@ -139,9 +139,9 @@ class _Chain:
 
 @pytest.fixture
 def loop(study: LateralStudy, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Any]:
-    def run(records: Records, last: int = 99) -> tuple[_Chain, tuple[FoundPoint, ...]]:
+    def run(records: Records, last: int = 99) -> tuple[_Chain, tuple[StoredPoint, ...]]:
         chain = _Chain(study.points, last)
-        monkeypatch.setattr(lateral_points, "found_point", lambda point: point)
+        monkeypatch.setattr(lateral_points, "stored_point", lambda point: point)
         conditions = [
             PointCondition(label=str(k), outlet_pressure=p, inlet_pressure=1e5, shaft_speed=1.0)
             for k, p in enumerate(UP_AND_DOWN)
@@ -181,7 +181,7 @@ def test_loop_asks_for_as_many_rounds_as_its_case(
 ) -> None:
     asked: list[tuple[int, str]] = []
 
-    def follow(points: Any, *rest: Any) -> tuple[FoundPoint, ...]:
+    def follow(points: Any, *rest: Any) -> tuple[StoredPoint, ...]:
         asked.append((points.rounds, rest[-1][0]))
         return study.points[:1]
 

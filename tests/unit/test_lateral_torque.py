@@ -11,8 +11,8 @@ import pytest
 import xarray as xr
 
 from tests.lateral_stack import HIGH, VISCOSITY, loads, pressures, ring_stack
-from toothspace.films.lateral.equilibrium import scenes_over_pitch
-from toothspace.model.description import Body, LateralFilm
+from toothspace.films.lateral.equilibrium import snapshots_over_pitch
+from toothspace.model.description import Body, LumpedLateralFilm
 from toothspace.model.films import lateral_asperity_share, lateral_torque_coefficient
 from toothspace.model.lateral_balance import AxialForce
 from toothspace.simulation.lateral.problem import LateralProblem, LateralSettings, numbers_of
@@ -24,13 +24,13 @@ WALL = 2e-3
 
 def _problem(**changes: Any) -> LateralProblem:
     stack = ring_stack(approach=5e-13, cells=(12, 6), **changes)
-    scenes = scenes_over_pitch(stack, lambda _: pressures(HIGH), 1)
+    snapshots = snapshots_over_pitch(stack, lambda _: pressures(HIGH), 1)
     settings = LateralSettings(angles=1)
-    return LateralProblem(stack, scenes, loads(HIGH), lambda _: pressures(HIGH), settings)
+    return LateralProblem(stack, snapshots, loads(HIGH), lambda _: pressures(HIGH), settings)
 
 
 def _machine() -> Any:
-    film = LateralFilm("ring", 2, 3e-6, 10e-3, 25e-3, 25e-3, 1.0)
+    film = LumpedLateralFilm("ring", 2, 3e-6, 10e-3, 25e-3, 25e-3, 1.0)
     other = replace(film, body="other")
     bodies = (
         Body("ring", (0.0, 0.0), 1.0, 0.5, 1e-4, "shaft"),
@@ -87,7 +87,9 @@ def _replaced(thing: Any, **changes: Any) -> Any:
 
 
 def test_half_of_the_faces_touch() -> None:
-    film = LateralFilm("ring", 2, 3e-6, 10e-3, 25e-3, 25e-3, 1.0, drag=1e-5, asperity_share=0.6)
+    film = LumpedLateralFilm(
+        "ring", 2, 3e-6, 10e-3, 25e-3, 25e-3, 1.0, drag=1e-5, asperity_share=0.6
+    )
     dry = replace(film, body="other", asperity_share=0.0)
     machine = SimpleDescription(bodies=_machine().bodies, laterals=(film, dry))
     assert lateral_asperity_share(cast(Any, machine)) == pytest.approx(0.3)
@@ -95,12 +97,12 @@ def test_half_of_the_faces_touch() -> None:
 
 @pytest.mark.parametrize("motion", ["axial", "full"])
 def test_force_of_helical_teeth_lifts_the_gear_off_the_solid_bearing(motion: str) -> None:
-    """Positive along z: the film there opens, the pressed bearing follows with the same gap."""
+    """Positive along z: the film there opens, the floating bearing follows with the same gap."""
     problem = _problem(high_share=0.8, motion=motion)
     pushed = replace(problem.stack.balance, body_forces=(AxialForce(80.0),))
     helical = replace(problem, stack=replace(problem.stack, balance=pushed))
     still, found = (p.settle(p.started(2e-6)) for p in (problem, helical))
-    assert found.rests
+    assert found.settled
     before, after = numbers_of(problem, still.balance), numbers_of(helical, found.balance)
     assert after.gaps[0] == pytest.approx(before.gaps[0], rel=1e-4)
     assert after.gaps[1] > 1.05 * before.gaps[1]

@@ -1,4 +1,4 @@
-"""A pressed bearing that is split: its halves move as bearings of their own."""
+"""A floating bearing that is split: its halves move as bearings of their own."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from tests.lateral_stack import HIGH, LOW, loads, pressures, ring_stack, split_s
 from toothspace.core.errors import GeometryError
 from toothspace.films.lateral.equilibrium import Equilibrium, SearchSettings, find_equilibrium
 from toothspace.films.lateral.housing_friction import HousingFriction
-from toothspace.films.lateral.motion import Loads, StepSettings, rest_at
+from toothspace.films.lateral.motion import Loads, StepSettings, state_at
 from toothspace.films.lateral.stack import Stack
 from toothspace.machines.external_gear.describe import describe
-from toothspace.machines.external_gear.spec import Material, PressedBearing, Spring
+from toothspace.machines.external_gear.spec import FloatingBlock, Material, Spring
 
 APPROACH = 3e-13
 
@@ -25,23 +25,23 @@ def _pair(shares: tuple[float, float], **changes: object) -> Stack:
 
 
 def _settled(stack: Stack, acting: Loads) -> Equilibrium:
-    scenes = (stack.scene(0.0, pressures(HIGH)),)
-    start = rest_at(stack, scenes, stack.start(2e-6))
+    snapshots = (stack.snapshot(0.0, pressures(HIGH)),)
+    start = state_at(stack, snapshots, stack.start(2e-6))
     step = StepSettings(force_tolerance=1e-9)
-    return find_equilibrium(stack, scenes, acting, start, SearchSettings(), step)
+    return find_equilibrium(stack, snapshots, acting, start, SearchSettings(), step)
 
 
 @pytest.mark.parametrize("motion", ["axial", "full"])
-def test_halves_rest_where_two_bearings_would(motion: str) -> None:
+def test_halves_settle_where_two_bearings_would(motion: str) -> None:
     """Every half against the same half computed alone."""
     shares = (0.70, 0.74)
     both = _settled(_pair(shares, motion=motion, preload_x=1e-3), loads(HIGH))
-    assert both.rests
+    assert both.settled
     found = both.balance.states[0].stack.positions(both.balance.position)
     for k, share in enumerate(shares):
         alone = ring_stack(approach=APPROACH, high_share=share, motion=motion, preload_x=1e-3)
         single = _settled(alone, loads(HIGH))
-        assert single.rests
+        assert single.settled
         assert found[k] == pytest.approx(alone.gauge(single.balance.position), rel=1e-4)
     assert found[0] > found[1] * 1.01
 
@@ -64,15 +64,15 @@ def test_gears_stay_between_two_split_bearings() -> None:
     assert stack.size == 18
     assert list(stack.free) == [0, 3, 12, 15]
     found = _settled(stack, loads(HIGH))
-    assert found.rests
+    assert found.settled
     q = found.balance.position
     assert q[0] - q[6] == pytest.approx(q[6] - q[12], rel=1e-4)
 
 
-def _machine(**changes: object) -> PressedBearing:
+def _machine(**changes: object) -> FloatingBlock:
     metal = Material(elastic_modulus=1e11, poisson_ratio=0.3, hardness=1e9, density=8800.0)
     springs = tuple(Spring(force=70.0, x=x, y=y) for x in (-12e-3, 9e-3) for y in (0.0, 31.53e-3))
-    bearing = PressedBearing(
+    bearing = FloatingBlock(
         material=metal,
         length=38e-3,
         roughness=0.4e-6,
@@ -88,7 +88,7 @@ def _machine(**changes: object) -> PressedBearing:
 
 
 def test_halves_of_a_machine_add_up_to_the_whole() -> None:
-    balance = describe(fuel14(pressed=_machine())).lateral_balance
+    balance = describe(fuel14(floating_block=_machine())).lateral_balance
     assert balance is not None
     whole, halves = balance.floating, balance.halves
     assert [half.gauge_point[1] for half in halves] == pytest.approx(
@@ -109,14 +109,14 @@ def test_halves_of_a_machine_add_up_to_the_whole() -> None:
 def test_split_needs_an_outline_of_the_balanced_area() -> None:
     bearing = _machine(seal_line=None, high_pressure_area=2000e-6)
     with pytest.raises(GeometryError, match=r"floating_bearing\.split: found"):
-        describe(fuel14(pressed=bearing))
+        describe(fuel14(floating_block=bearing))
 
 
 def test_low_pressure_everywhere_leaves_the_springs() -> None:
     stack = _pair((0.5, 0.6))
     low = pressures(LOW)
     state = stack.solve(
-        stack.scene(0.0, low),
+        stack.snapshot(0.0, low),
         stack.start(4e-6),
         np.zeros(stack.size),
         None,

@@ -23,7 +23,7 @@ from toothspace.elasticity import (
 )
 from toothspace.elasticity.elements import stiffness_matrix
 from toothspace.elasticity.loads import AreaPressure
-from toothspace.elasticity.mesh import Mesh
+from toothspace.elasticity.mesh import SolidMesh
 
 MODULUS, POISSON, HEIGHT, PRESSURE = 100e9, 0.33, 12e-3, 10e6
 SECTION = annulus(10e-3, 25e-3)
@@ -48,7 +48,7 @@ def _body(edge: float) -> ElasticBody:
     )
 
 
-def _deck(mesh: Mesh, forces: np.ndarray) -> str:
+def _deck(mesh: SolidMesh, forces: np.ndarray) -> str:
     """Input file: elements with incompatible modes, held below, nodal forces above."""
     nodes = [f"{k + 1},{x:.12e},{y:.12e},{z:.12e}" for k, (x, y, z) in enumerate(mesh.nodes)]
     cells = [",".join(map(str, [k + 1, *(e + 1)])) for k, e in enumerate(mesh.elements)]

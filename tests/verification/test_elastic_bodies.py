@@ -175,7 +175,7 @@ def test_floating_bar_is_strained_by_its_own_inertia() -> None:
     assert found[bar.of("free")].mean() == pytest.approx(unit / 6.0, rel=0.02)
 
 
-def test_error_estimate_tells_the_difference_to_a_finer_mesh() -> None:
+def test_error_estimate_is_the_difference_to_a_finer_mesh() -> None:
     section = disc(10e-3)
     film = PlaneSurface("face", "top", section, 4e-3)
     base = Support("bottom", section)

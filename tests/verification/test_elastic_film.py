@@ -25,7 +25,7 @@ def _film(approach: float, cells: tuple[int, int] = (36, 10)) -> FaceFilm:
     q[1:3] = TILT
     flat = [np.zeros((g.rows, g.lanes)) for g in stack.grids]
     return stack.solve(
-        stack.scene(0.0, pressures(HIGH)), q, np.zeros(stack.size), None, flat
+        stack.snapshot(0.0, pressures(HIGH)), q, np.zeros(stack.size), None, flat
     ).films[0]
 
 
@@ -34,7 +34,7 @@ def _undeformed(cells: tuple[int, int] = (36, 10)) -> PlaneFilm:
 
 
 def _independent(film: PlaneFilm, approach: float) -> PlaneSolution:
-    """Every cell gives way under its own pressure."""
+    """Every cell deforms under its own pressure."""
     area = film.grid.area.ravel()
     walls = ElasticWalls(
         sp.identity(area.size, format="csr"), np.diag(approach / area), np.zeros(area.size), LOW

@@ -38,14 +38,14 @@ from toothspace.elasticity import (
 from toothspace.films.lateral.deformation import Fineness
 from toothspace.films.lateral.elastic_faces import ElasticFaces, elastic_faces
 from toothspace.films.lateral.equilibrium import Equilibrium, SearchSettings, find_equilibrium
-from toothspace.films.lateral.motion import StepSettings, rest_at
+from toothspace.films.lateral.motion import StepSettings, state_at
 from toothspace.films.lateral.stack import Stack
 from toothspace.gearing.numbering import number
 from toothspace.machines.external_gear.assembly import assemble
 from toothspace.machines.external_gear.balance import lateral_balance
+from toothspace.machines.external_gear.elastic_assembly import ElasticAssembly
 from toothspace.machines.external_gear.elastic_bodies import MeshSize
-from toothspace.machines.external_gear.pressed_bodies import PressedBodies
-from toothspace.machines.external_gear.spec import BodyFiles, Material, PressedBearing, Spring
+from toothspace.machines.external_gear.spec import BodyFiles, FloatingBlock, Material, Spring
 from toothspace.model.lateral_balance import LateralBalance
 from toothspace.simulation.elastic import lateral_settings
 from toothspace.simulation.lateral.problem import LateralProblem, lateral_problem
@@ -63,7 +63,7 @@ CELLS = (24, 8)
 
 
 def _balance(**changes: object) -> LateralBalance:
-    given = PressedBearing(
+    given = FloatingBlock(
         material=BRONZE,
         length=LENGTH,
         roughness=0.4e-6,
@@ -75,14 +75,14 @@ def _balance(**changes: object) -> LateralBalance:
         split=True,
     )
     pressed = replace(given, **changes)  # type: ignore[arg-type]
-    assembly = assemble(egm12("pump", pressed=pressed))
+    assembly = assemble(egm12("pump", floating_block=pressed))
     found = lateral_balance(assembly, number(assembly.counts))
     assert found is not None
     return found
 
 
-def _bodies(balance: LateralBalance) -> PressedBodies:
-    assert isinstance(balance.elastic_bodies, PressedBodies)
+def _bodies(balance: LateralBalance) -> ElasticAssembly:
+    assert isinstance(balance.elastic_bodies, ElasticAssembly)
     return replace(balance.elastic_bodies, size=SIZE)
 
 
@@ -207,11 +207,11 @@ class _Rings:
 
 def _settled(stack: Stack, faces: ElasticFaces | None) -> Equilibrium:
     bending = stack if faces is None else replace(stack, compliance=faces)
-    scenes = (bending.scene(0.0, pressures(HIGH)),)
-    start = rest_at(bending, scenes, bending.start(2e-6))
+    snapshots = (bending.snapshot(0.0, pressures(HIGH)),)
+    start = state_at(bending, snapshots, bending.start(2e-6))
     step = StepSettings(film_tolerance=1e-4, memory=2, fineness=Fineness(4, 2), jacobian_age=60)
     return find_equilibrium(
-        bending, scenes, loads(HIGH), start, SearchSettings(first_step=10.0), step
+        bending, snapshots, loads(HIGH), start, SearchSettings(first_step=10.0), step
     )
 
 
@@ -223,19 +223,19 @@ def _single(share: float) -> Stack:
     return ring_stack(high_share=share, arrangement="symmetric", cells=CELLS)
 
 
-def test_elastic_halves_rest_where_two_elastic_bearings_would() -> None:
+def test_elastic_halves_settle_where_two_elastic_bearings_would() -> None:
     """A half against the same bearing computed alone; all loads meet on every body."""
     stack, rings, single = _pair(), _Rings(MODULUS), _single(SHARES[0])
     faces = elastic_faces(stack.grids, rings.of_pair())
     both = _settled(stack, faces)
     alone = _settled(single, elastic_faces(single.grids, rings.alone()))
-    assert both.rests
-    assert alone.rests
+    assert both.settled
+    assert alone.settled
     first, second = both.balance.states[0].mean_gaps()[:2]
     assert first == pytest.approx(alone.balance.states[0].mean_gaps()[0], rel=2e-3)
     assert second < 0.99 * first
     state = both.balance.states[0]
-    left = faces.resultants(state.face_pressures(LOW), state.scene)
+    left = faces.resultants(state.face_pressures(LOW), state.snapshot)
     back = loads(HIGH).back
     behind = [s * AREA * (back.high - back.low) + 100.0 for s in SHARES]
     for k in range(2):
@@ -245,12 +245,12 @@ def test_elastic_halves_rest_where_two_elastic_bearings_would() -> None:
         assert abs(left[f"ring_{k}"][2]) < 1e-3 * behind[k]
 
 
-def test_stiff_halves_rest_where_rigid_ones_do() -> None:
+def test_stiff_halves_settle_where_rigid_ones_do() -> None:
     stack = _pair()
     stiff = _settled(stack, elastic_faces(stack.grids, _Rings(1e6 * MODULUS).of_pair()))
     rigid = _settled(_pair(), None)
-    assert stiff.rests
-    assert rigid.rests
+    assert stiff.settled
+    assert rigid.settled
     assert stiff.balance.position == pytest.approx(rigid.balance.position, rel=1e-3, abs=1e-12)
 
 
@@ -281,14 +281,14 @@ def test_split_fuel_pump_floats_between_bodies_that_bend() -> None:
     found = {split: _fuel_pump(split) for split in ("false", "true")}
     gaps = {}
     for split, (problem, rest) in found.items():
-        assert rest.rests
+        assert rest.settled
         state, back = rest.balance.states[0], problem.loads.back
         faces = state.stack.compliance
         assert isinstance(faces, ElasticFaces)
-        left = faces.resultants(state.face_pressures(back.low), state.scene)
+        left = faces.resultants(state.face_pressures(back.low), state.snapshot)
         push = (back.high - back.low) * state.stack.balance.floating.high_pressure.area
-        pieces = HALVES if split == "true" else ("floating",)
-        for name in pieces:
+        moving_bearings = HALVES if split == "true" else ("floating",)
+        for name in moving_bearings:
             assert np.abs(left[name][:3]).max() < 0.01 * push
         gaps[split] = state.mean_gaps()
     assert gaps["true"] == pytest.approx(gaps["false"], rel=0.08)

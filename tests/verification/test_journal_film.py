@@ -192,7 +192,7 @@ def test_contact_is_refused_with_one_line() -> None:
 
 
 @pytest.mark.parametrize("turn", [1.0, -1.0])
-def test_light_load_against_the_pressure_of_grooves_comes_to_rest(turn: float) -> None:
+def test_light_load_against_the_pressure_of_grooves_finds_its_equilibrium(turn: float) -> None:
     """Two grooves push forty times harder than the load: Newton's method alone jumps about."""
     bearing = JournalBearing(
         diameter=0.02,

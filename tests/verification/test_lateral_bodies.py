@@ -1,4 +1,4 @@
-"""Pressed bearing and ring as elastic bodies: Hooke's law, shares of the bodies, balance."""
+"""Floating bearing and ring as elastic bodies: Hooke's law, shares of the bodies, balance."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ from toothspace.films.lateral.elastic_faces import (
 )
 from toothspace.films.lateral.equilibrium import (
     Equilibrium,
-    March,
+    LateralMarch,
     SearchSettings,
     find_equilibrium,
     march_angles,
 )
 from toothspace.films.lateral.local_deformation import Accuracy
-from toothspace.films.lateral.motion import StepSettings, rest_at
-from toothspace.films.lateral.stack import Past, Scene, Stack, StackState
+from toothspace.films.lateral.motion import StepSettings, state_at
+from toothspace.films.lateral.stack import PreviousStep, Snapshot, Stack, StackState
 from toothspace.numerics.acceleration import Mixing
 from toothspace.simulation.elastic import lateral_settings
 from toothspace.simulation.lateral.loads import face_deflection
@@ -52,7 +52,7 @@ SECTION = annulus(INNER, OUTER)
 SIZE = (5e-3, 5e-3)
 CELLS = (36, 10)
 MEMORY = 8
-FORESEEN = StepSettings(film_tolerance=1e-4, memory=2, fineness=Fineness(4, 2), jacobian_age=60)
+PREDICTED = StepSettings(film_tolerance=1e-4, memory=2, fineness=Fineness(4, 2), jacobian_age=60)
 
 
 def _face(name: str, side: str) -> PlaneSurface:
@@ -92,9 +92,9 @@ def test_even_pressure_gives_hookes_law(faces: ElasticFaces) -> None:
     """Ring pressed on both sides: p b / (2 E); a bearing held by its inertia alone: p L / (3 E);
     a bearing on its foundation: p L / E, without lateral strain."""
     stack = _stack(faces)
-    scene = stack.scene(0.0, pressures(HIGH))
+    snapshot = stack.snapshot(0.0, pressures(HIGH))
     p = [np.full_like(grid.area, 1e7) for grid in stack.grids]
-    floating, solid = faces.widening(p, scene)
+    floating, solid = faces.deformation(p, snapshot)
     ring = 1e7 * WIDTH / (2.0 * MODULUS)
     free, held = 1e7 * LENGTH / (3.0 * MODULUS), 1e7 * LENGTH / MODULUS
     for found, wanted in ((floating, ring + free), (solid, ring + held)):
@@ -103,14 +103,14 @@ def test_even_pressure_gives_hookes_law(faces: ElasticFaces) -> None:
         assert np.abs(found - wanted).max() < 0.15 * wanted
 
 
-def test_turned_pressure_gives_turned_widening(faces: ElasticFaces) -> None:
-    """A pressure that turns with the grid: round bodies give way alike in all directions."""
+def test_turned_pressure_gives_turned_deformation(faces: ElasticFaces) -> None:
+    """A pressure that turns with the grid: round bodies deform alike in all directions."""
     stack = _stack(faces)
-    scene = stack.scene(0.0, pressures(HIGH))
+    snapshot = stack.snapshot(0.0, pressures(HIGH))
     wave = 1e7 * (1.0 + np.cos(stack.grids[0].angle))[:, None] * np.ones(stack.grids[0].lanes)
     zero = np.zeros_like(wave)
-    first = faces.widening([wave, zero], scene)[0]
-    turned = faces.widening([np.roll(wave, 9, axis=0), zero], scene)[0]
+    first = faces.deformation([wave, zero], snapshot)[0]
+    turned = faces.deformation([np.roll(wave, 9, axis=0), zero], snapshot)[0]
     assert np.abs(np.roll(first, 9, axis=0) - turned).max() < 0.05 * np.ptp(first)
 
 
@@ -118,7 +118,8 @@ def test_rings_frame_turns_with_the_shaft(faces: ElasticFaces) -> None:
     stack = _stack(faces)
     wave = 1e7 * (1.0 + np.cos(2 * stack.grids[0].angle))[:, None] * np.ones(stack.grids[0].lanes)
     found = [
-        faces.widening([wave, wave], stack.scene(turn, pressures(HIGH)))[0] for turn in (0.0, 1.0)
+        faces.deformation([wave, wave], stack.snapshot(turn, pressures(HIGH)))[0]
+        for turn in (0.0, 1.0)
     ]
     assert np.abs(found[0] - found[1]).max() < 0.05 * np.ptp(found[0])
 
@@ -129,8 +130,8 @@ def _round_the_ring(faces: ElasticFaces) -> ElasticFaces:
     round_it = LateralPressure("round", LateralFaces(annulus(0.5 * INNER, 1.5 * OUTER)))
     ring = replace(ring, poisson_ratio=0.3, loads=(round_it,))
 
-    def named(scene: Scene) -> dict[str, dict[str, float]]:
-        return {"ring": {"round": float(scene.node_pressure[HIGH_NODE]) - LOW}}
+    def named(snapshot: Snapshot) -> dict[str, dict[str, float]]:
+        return {"ring": {"round": float(snapshot.node_pressure[HIGH_NODE]) - LOW}}
 
     bodies = {**_bodies(), "ring": ring}
     return elastic_faces(faces.grids, bodies, named)
@@ -139,27 +140,27 @@ def _round_the_ring(faces: ElasticFaces) -> ElasticFaces:
 def test_pressure_all_round_shrinks_the_ring_as_hydrostatic_pressure_does(
     faces: ElasticFaces, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    """A named load follows the node pressure of the scene: round the ring alone it swells by
+    """A named load follows the node pressure of the snapshot: round the ring alone it swells by
     nu p b / E, with both faces pressed as well it shrinks by (1 - 2 nu) p b / (2 E)."""
     monkeypatch.setattr(storage, "folder", lambda: tmp_path)
     loaded = _round_the_ring(faces)
     stack = _stack(loaded)
     rise, poisson = 1e7, 0.3
-    quiet, scene = (stack.scene(0.0, pressures(LOW + rise * k)) for k in (0, 1))
+    quiet, snapshot = (stack.snapshot(0.0, pressures(LOW + rise * k)) for k in (0, 1))
     none = [np.zeros_like(grid.area) for grid in stack.grids]
     even = [np.full_like(grid.area, rise) for grid in stack.grids]
     hooke = rise * WIDTH / (2.0 * MODULUS)
-    assert loaded.widening(none, quiet)[0] == pytest.approx(none[0], abs=1e-15)
-    swelling = loaded.widening(none, scene)
-    films = loaded.widening(even, quiet)
-    both = loaded.widening(even, scene)
+    assert loaded.deformation(none, quiet)[0] == pytest.approx(none[0], abs=1e-15)
+    swelling = loaded.deformation(none, snapshot)
+    films = loaded.deformation(even, quiet)
+    both = loaded.deformation(even, snapshot)
     bearings = (rise * LENGTH / (3.0 * MODULUS), rise * LENGTH / MODULUS)
     for k, bearing in enumerate(bearings):
         assert swelling[k].mean() == pytest.approx(-2.0 * poisson * hooke, rel=0.02)
         assert films[k].mean() == pytest.approx(hooke + bearing, rel=0.02)
         shrinking = both[k].mean() - bearing
         assert shrinking == pytest.approx((1.0 - 2.0 * poisson) * hooke, rel=0.05)
-    left = loaded.resultants(even, scene)["ring"]
+    left = loaded.resultants(even, snapshot)["ring"]
     assert np.abs(left).max() < 1e-6 * rise * np.pi * OUTER**2
 
 
@@ -170,74 +171,80 @@ def test_mesh_error_is_the_difference_to_finer_bodies(
     """Richardson from elements 1.5 times as small covers what a mesh of half the size changes."""
     monkeypatch.setattr(storage, "folder", lambda: tmp_path)
     stack = _stack(faces)
-    scene = stack.scene(0.0, pressures(HIGH))
+    snapshot = stack.snapshot(0.0, pressures(HIGH))
     wave = 1e7 * (1.0 + np.cos(2 * stack.grids[0].angle))[:, None] * np.ones(stack.grids[0].lanes)
-    told = faces.mesh_error([wave, wave], scene)[0]
+    reported = faces.mesh_error([wave, wave], snapshot)[0]
     finer = {
         name: influence_matrix(body.body, estimate_error=False, scale=0.5)
         for name, body in faces.bodies.items()
     }
-    found = faces.widening([wave, wave], scene)[0]
-    change = found - replace(faces, bodies=finer).widening([wave, wave], scene)[0]
-    assert 0.0 < np.abs(change).max() < 1.3 * np.abs(told).max()
-    assert np.abs(told).max() < 0.1 * np.ptp(found)
+    found = faces.deformation([wave, wave], snapshot)[0]
+    change = found - replace(faces, bodies=finer).deformation([wave, wave], snapshot)[0]
+    assert 0.0 < np.abs(change).max() < 1.3 * np.abs(reported).max()
+    assert np.abs(reported).max() < 0.1 * np.ptp(found)
 
 
-def test_run_tells_the_largest_widening_and_its_error(
+def test_run_reports_the_largest_deformation_and_its_error(
     faces: ElasticFaces, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Over the films; nothing where faces give way as columns."""
+    """Over the films; nothing where faces are Winkler foundations."""
     stack = _stack(faces)
-    scene = stack.scene(0.0, pressures(HIGH))
+    snapshot = stack.snapshot(0.0, pressures(HIGH))
     zero = np.zeros(stack.size)
     distant = [np.zeros_like(grid.area) for grid in stack.grids]
-    state = stack.solve(scene, stack.start(3e-6), zero, None, distant)
-    wide = faces.widening(state.face_pressures(LOW), scene)
+    state = stack.solve(snapshot, stack.start(3e-6), zero, None, distant)
+    wide = faces.deformation(state.face_pressures(LOW), snapshot)
     monkeypatch.setattr(ElasticFaces, "mesh_error", lambda self, p, s: [-0.1 * w for w in wide])
-    told = face_deflection(state)
+    reported = face_deflection(state)
     largest = max(np.abs(w).max() for w in wide)
-    assert told["film_deformation_largest"] == pytest.approx(largest)
-    assert told["film_deformation_error"] == pytest.approx(0.1 * largest)
+    assert reported["film_deformation_largest"] == pytest.approx(largest)
+    assert reported["film_deformation_error"] == pytest.approx(0.1 * largest)
     columns = replace(state, stack=ring_stack(cells=CELLS))
     assert face_deflection(columns) == {}
 
 
-def test_bearing_rests_between_elastic_bodies(faces: ElasticFaces) -> None:
+def test_equilibrium_between_elastic_bodies(faces: ElasticFaces) -> None:
     """Forces balance to 1e-6, and the gap is the rigid gap widened by the pressures found."""
     stack = _stack(faces)
-    scenes = (stack.scene(0.0, pressures(HIGH)),)
-    first = rest_at(stack, scenes, stack.start(2e-6))
+    snapshots = (stack.snapshot(0.0, pressures(HIGH)),)
+    first = state_at(stack, snapshots, stack.start(2e-6))
     found = find_equilibrium(
         stack,
-        scenes,
+        snapshots,
         loads(HIGH),
         first,
         SearchSettings(first_step=10.0),
-        FORESEEN,
+        PREDICTED,
     )
-    assert found.rests
+    assert found.settled
     assert found.balance.residual < 1e-6
     state = found.balance.states[0]
-    wanted = faces.widening(state.face_pressures(LOW), scenes[0])
+    wanted = faces.deformation(state.face_pressures(LOW), snapshots[0])
     for k, film in enumerate(state.films):
-        rigid = stack.film_place(k, found.balance.position, found.balance.velocity).position[0]
+        rigid = stack.film_face_motion(k, found.balance.position, found.balance.velocity).position[
+            0
+        ]
         assert film.gap - rigid == pytest.approx(wanted[k], abs=2e-3 * float(film.gap.mean()))
 
 
-def test_rest_over_several_scenes_is_that_of_the_plain_iteration(faces: ElasticFaces) -> None:
-    """Every scene has a response of its own, the coordinates are common to all."""
+def test_equilibrium_over_several_snapshots_is_that_of_the_plain_iteration(
+    faces: ElasticFaces,
+) -> None:
+    """Every snapshot has a response of its own, the coordinates are common to all."""
     stack = _stack(faces)
-    scenes = tuple(
-        stack.scene(k * np.pi, pressures(share * HIGH)) for k, share in enumerate((0.9, 1.1))
+    snapshots = tuple(
+        stack.snapshot(k * np.pi, pressures(share * HIGH)) for k, share in enumerate((0.9, 1.1))
     )
-    first = rest_at(stack, scenes, stack.start(2e-6))
+    first = state_at(stack, snapshots, stack.start(2e-6))
     plain = StepSettings(film_tolerance=1e-4, memory=MEMORY)
-    foreseen = replace(FORESEEN, fineness=Fineness(4, 2, 2))
+    predicted = replace(PREDICTED, fineness=Fineness(4, 2, 2))
     found = [
-        find_equilibrium(stack, scenes, loads(HIGH), first, SearchSettings(first_step=10.0), step)
-        for step in (foreseen, plain)
+        find_equilibrium(
+            stack, snapshots, loads(HIGH), first, SearchSettings(first_step=10.0), step
+        )
+        for step in (predicted, plain)
     ]
-    assert all(own.rests for own in found)
+    assert all(own.settled for own in found)
     assert found[0].balance.position == pytest.approx(found[1].balance.position, rel=1e-4)
     assert sorted(found[0].balance.responses) == [0, 1]
 
@@ -245,17 +252,17 @@ def test_rest_over_several_scenes_is_that_of_the_plain_iteration(faces: ElasticF
 def test_stiffness_and_damping_are_those_of_small_motions_of_bending_bodies(
     faces: ElasticFaces,
 ) -> None:
-    """Differences of films that are solved anew, their widening settled."""
+    """Differences of films that are solved anew, their deformation settled."""
     stack = _stack(faces)
-    scene = stack.scene(0.0, pressures(HIGH))
+    snapshot = stack.snapshot(0.0, pressures(HIGH))
     q, step = np.array([4.2, 0.0, 0.0, 2.1, 0.0, 0.0]) * 1e-6, 2e-9
 
     def settled(place: Array, rate: Array) -> StackState:
         mixing, shape = Mixing(MEMORY, 0.2), (len(stack.grids), *CELLS)
         used, state = np.zeros(shape), None
         for _ in range(30):
-            state = stack.solve(scene, place, rate, state, list(used))
-            new = np.array(faces.distant(state.face_pressures(LOW), scene))
+            state = stack.solve(snapshot, place, rate, state, list(used))
+            new = np.array(faces.distant(state.face_pressures(LOW), snapshot))
             if np.abs(new - used).max() < 1e-13:
                 break
             used = mixing.following(used.ravel(), (new - used).ravel()).reshape(shape)
@@ -263,15 +270,15 @@ def test_stiffness_and_damping_are_those_of_small_motions_of_bending_bodies(
         return state
 
     still = np.zeros(stack.size)
-    told = film_coefficients([settled(q, still)], Fineness(8, 3))
+    reported = film_coefficients([settled(q, still)], Fineness(8, 3))
     for k in (0, 3):
         unit = np.eye(stack.size)[k]
         sides = [settled(q + s * step * unit, still).film_force() for s in (-1.0, 1.0)]
         stiffness = (sides[0] - sides[1]) / (2.0 * step)
-        assert told[0][::3, k] == pytest.approx(stiffness[::3], rel=0.02)
+        assert reported[0][::3, k] == pytest.approx(stiffness[::3], rel=0.02)
         sides = [settled(q, s * 1e-5 * unit).film_force() for s in (-1.0, 1.0)]
         damping = (sides[0] - sides[1]) / 2e-5
-        assert told[1][::3, k] == pytest.approx(damping[::3], rel=0.02)
+        assert reported[1][::3, k] == pytest.approx(damping[::3], rel=0.02)
 
 
 def _fuel_pump(*changes: str) -> tuple[LateralProblem, Equilibrium]:
@@ -290,10 +297,10 @@ def _fuel_pump(*changes: str) -> tuple[LateralProblem, Equilibrium]:
 
 
 @pytest.mark.slow
-def test_fuel_pump_rests_at_its_highest_pressure() -> None:
+def test_fuel_pump_settles_at_its_highest_pressure() -> None:
     """155 bar: faces bend by as much as the films are thick."""
     problem, found = _fuel_pump("operating_point.outlet_pressure=155.2 bar")
-    assert found.rests
+    assert found.settled
     assert found.steps <= 12
     assert found.balance.residual < 1e-6
     numbers = numbers_of(problem, found.balance)
@@ -302,28 +309,30 @@ def test_fuel_pump_rests_at_its_highest_pressure() -> None:
 
 
 @pytest.mark.slow
-def test_plates_rest_between_bending_bodies() -> None:
+def test_plates_settle_between_bending_bodies() -> None:
     """Plates of 15 mm at 58 bar, one on each side of the gears: both rest alike."""
     plates = "machine.lateral.arrangement=plates", "machine.floating_bearing.length=15 mm"
     problem, found = _fuel_pump(*plates)
-    assert found.rests
+    assert found.settled
     assert found.balance.residual < 1e-6
     gaps = numbers_of(problem, found.balance).gaps
     assert gaps[:2] == pytest.approx(gaps[2:], rel=1e-3)
 
 
-def _march(stack: Stack, settings: StepSettings) -> March:
+def _march(stack: Stack, settings: StepSettings) -> LateralMarch:
     """Six steps of half a degree while the pressure of the chambers and behind rises and falls."""
     angles = np.arange(1, 7) * np.pi / 360.0
 
     def beats(angle: float) -> np.ndarray:
         return pressures(HIGH * (1.0 + 0.05 * np.sin(60.0 * angle)))
 
-    rest = rest_at(stack, (stack.scene(0.0, beats(0.0)),), stack.start(2e-6))
+    rest = state_at(stack, (stack.snapshot(0.0, beats(0.0)),), stack.start(2e-6))
     return march_angles(stack, beats, loads(HIGH), rest, angles, settings)
 
 
-def test_films_and_forces_respond_to_patterns_as_to_small_changes(faces: ElasticFaces) -> None:
+def test_films_and_forces_respond_to_basis_functions_as_to_small_changes(
+    faces: ElasticFaces,
+) -> None:
     """Derivatives beside differences of films that are solved anew."""
     stack = _stack(faces)
     march = _march(stack, StepSettings(memory=MEMORY))
@@ -333,26 +342,26 @@ def test_films_and_forces_respond_to_patterns_as_to_small_changes(faces: Elastic
     for k in (0, 3, 13):
         change = found.fields(1e-10 * np.eye(len(found.gain))[k])
         moved = [d + c for d, c in zip(last.distant, change, strict=True)]
-        past = Past(before, duration)
+        previous = PreviousStep(before, duration)
         place = last.position, last.velocity
-        base = stack.solve(last.scene, *place, last, last.distant, past)
-        near = stack.solve(last.scene, *place, last, moved, past)
+        base = stack.solve(last.snapshot, *place, last, last.distant, previous)
+        near = stack.solve(last.snapshot, *place, last, moved, previous)
         gain = [
             b - a
             for a, b in zip(
-                faces.distant(base.face_pressures(LOW), last.scene),
-                faces.distant(near.face_pressures(LOW), last.scene),
+                faces.distant(base.face_pressures(LOW), last.snapshot),
+                faces.distant(near.face_pressures(LOW), last.snapshot),
                 strict=True,
             )
         ]
         size = np.abs(found.gain[:, k]).max()
-        assert found.sizes(gain) / 1e-10 == pytest.approx(found.gain[:, k], abs=0.02 * size)
+        assert found.fit(gain) / 1e-10 == pytest.approx(found.gain[:, k], abs=0.02 * size)
         force = (near.film_force() - base.film_force()) / 1e-10
         size = np.abs(found.force[:, k]).max()
         assert force == pytest.approx(found.force[:, k], abs=0.02 * size)
 
 
-def test_march_that_foresees_the_widening_takes_the_same_way(faces: ElasticFaces) -> None:
+def test_march_that_predicts_the_deformation_takes_the_same_way(faces: ElasticFaces) -> None:
     """To the accuracy that a step asks for, in fewer passes."""
     stack, settings = _stack(faces), StepSettings(force_tolerance=5e-5, memory=MEMORY, passes=1)
     marched = Accuracy(settled=1e-3, linear=5e-2)

@@ -1,4 +1,4 @@
-"""Pressed bearing between two films: rigid limit, exact derivatives, balance and friction."""
+"""Floating bearing between two films: rigid limit, exact derivatives, balance and friction."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from toothspace.films.lateral.equilibrium import (
 )
 from toothspace.films.lateral.face_grid import FaceGrid
 from toothspace.films.lateral.housing_friction import HousingFriction, normal_force
-from toothspace.films.lateral.motion import StepSettings, balance_force, rest_at
+from toothspace.films.lateral.motion import StepSettings, balance_force, state_at
 from toothspace.films.lateral.stack import BackPressure, Stack, StackState
 from toothspace.films.lateral.stops import leaning, stop_forces
 from toothspace.model.lateral_balance import LAND, AxialForce, FaceCells, HousingContact
@@ -45,8 +45,8 @@ def _solved(
     stack: Stack, q: np.ndarray, high: float = HIGH, v: np.ndarray | None = None
 ) -> StackState:
     flat = [np.zeros((g.rows, g.lanes)) for g in stack.grids]
-    scene = stack.scene(0.0, pressures(high))
-    return stack.solve(scene, q, np.zeros(stack.size) if v is None else v, None, flat)
+    snapshot = stack.snapshot(0.0, pressures(high))
+    return stack.solve(snapshot, q, np.zeros(stack.size) if v is None else v, None, flat)
 
 
 def _settled(
@@ -57,11 +57,13 @@ def _settled(
     law: str = "stick",
     stable: bool = True,
 ) -> Equilibrium:
-    scenes = (stack.scene(0.0, pressures(high)),)
+    snapshots = (stack.snapshot(0.0, pressures(high)),)
     begin = stack.start(start) if isinstance(start, float) else start
     search = SearchSettings(longest_time=1e3 if law == "stick" else 0.01, stable=stable)
-    first = rest_at(stack, scenes, begin)
-    return find_equilibrium(stack, scenes, loads(high, coulomb, law), first, search, StepSettings())
+    first = state_at(stack, snapshots, begin)
+    return find_equilibrium(
+        stack, snapshots, loads(high, coulomb, law), first, search, StepSettings()
+    )
 
 
 def _of(stack: Stack, fluid: FilmFluid) -> Stack:
@@ -150,11 +152,11 @@ def test_stiffness_and_damping_are_derivatives(
             assert error.max() < 2e-3 * size, (k, rate)
 
 
-def test_bearing_rests_where_forces_balance() -> None:
+def test_equilibrium_is_where_forces_balance() -> None:
     """Residual below 1e-6 of the balance force, told by an independent sum of pressures."""
     stack = ring_stack(approach=APPROACH, high_share=SHARE)
     found = _settled(stack, HIGH, 2e-6)
-    assert found.rests
+    assert found.settled
     state = found.balance.states[0]
     film = state.films[0]
     push = float((film.total * film.grid.area).sum())
@@ -167,7 +169,7 @@ def test_bearing_rests_where_forces_balance() -> None:
     assert gaps[0] == pytest.approx(gaps[1], rel=1e-6)
 
 
-def test_yielding_faces_carry_more_the_closer_they_are() -> None:
+def test_compliant_faces_carry_more_the_closer_they_are() -> None:
     """Pressure widens the gap where it enters, so a thin film carries more than a plane one."""
     loads_over_gap = [
         _solved(s := ring_stack(approach=APPROACH, rough=False), s.start(gap)).film_force()[0]
@@ -177,10 +179,10 @@ def test_yielding_faces_carry_more_the_closer_they_are() -> None:
     assert loads_over_gap[0] > loads_over_gap[1] > loads_over_gap[2] > plane
 
 
-def test_two_pressed_bearings_move_alike() -> None:
+def test_two_floating_bearings_move_alike() -> None:
     stack = ring_stack(approach=APPROACH, high_share=SHARE, arrangement="symmetric")
     found = _settled(stack, HIGH, 2e-6)
-    assert found.rests
+    assert found.settled
     q = found.balance.position
     gaps = found.balance.states[0].mean_gaps()
     assert gaps[0] == pytest.approx(gaps[1], rel=1e-5)
@@ -190,7 +192,7 @@ def test_two_pressed_bearings_move_alike() -> None:
 def test_springs_beside_the_middle_tilt_the_bearing_until_moments_balance() -> None:
     stack = ring_stack(approach=APPROACH, high_share=SHARE, motion="full", preload_x=4e-3)
     found = _settled(stack, HIGH, 3e-6)
-    assert found.rests
+    assert found.settled
     assert found.balance.residual < 1e-6
     assert np.abs(found.balance.position[1:3]).max() > 1e-7
     moment = found.balance.states[0].films[0].covered_load()[2]
@@ -271,7 +273,7 @@ def _loop(coulomb: float) -> np.ndarray:
     positions = []
     for high in (20e5, 40e5, 60e5, 40e5, 20e5):
         found = _settled(stack, high, now, coulomb * high / 60e5)
-        assert found.rests
+        assert found.settled
         now = found.balance.position
         positions.append(now[0])
     return np.array(positions)
@@ -285,7 +287,7 @@ def test_loop_of_positions_opens_with_friction_and_closes_without() -> None:
     assert np.all(rubbed[3:] > rubbed[1::-1] + 1e-8)
 
 
-def test_march_over_the_revolution_keeps_its_rest() -> None:
+def test_march_over_the_revolution_keeps_its_equilibrium() -> None:
     """Steady pressures: implicit steps stay where the search came to rest."""
     stack = ring_stack(approach=APPROACH, high_share=SHARE)
     rest = _settled(stack, HIGH, 2e-6).balance
@@ -363,11 +365,11 @@ def test_seat_of_the_solid_bearing_is_where_the_film_presses() -> None:
     assert place > 1e-3
 
 
-def test_solid_bearing_that_lifts_off_or_tips_is_told() -> None:
+def test_solid_bearing_that_lifts_off_or_tips_is_reported() -> None:
     stack = ring_stack(limit=0.0, rough=False)
     problem = LateralProblem(
         stack,
-        (stack.scene(0.0, pressures(HIGH)),),
+        (stack.snapshot(0.0, pressures(HIGH)),),
         loads(HIGH),
         lambda _: pressures(HIGH),
         LateralSettings(),
@@ -397,7 +399,7 @@ def test_axial_force_of_helical_teeth_presses_the_gear_to_the_floating_side() ->
 
 
 def test_axial_force_of_the_teeth_tilts_the_gear_until_films_take_its_moment() -> None:
-    """The pressed bearing follows, so that the film on the solid side takes all of it."""
+    """The floating bearing follows, so that the film on the solid side takes all of it."""
     push, arm = 100.0, 15e-3
     stack = ring_stack(approach=APPROACH, high_share=SHARE, motion="full")
     forces = (AxialForce(push, (0.0, arm)),)
@@ -411,7 +413,7 @@ def test_axial_force_of_the_teeth_tilts_the_gear_until_films_take_its_moment() -
 
 
 @pytest.mark.parametrize("push", [-150.0, 150.0])
-def test_thrust_between_two_pressed_bearings_holds_one_of_them_on_its_cover(push: float) -> None:
+def test_thrust_between_two_floating_bearings_holds_one_of_them_on_its_cover(push: float) -> None:
     """That one is then a solid bearing: films are those of one pressed and one solid."""
     both, one = (
         ring_stack(approach=APPROACH, high_share=SHARE, arrangement=arrangement)
@@ -422,7 +424,7 @@ def test_thrust_between_two_pressed_bearings_holds_one_of_them_on_its_cover(push
         balance = replace(stack.balance, body_forces=(AxialForce(size),))
         thrust = replace(stack, balance=balance)
         found = _settled(thrust, HIGH, 2e-6)
-        assert found.rests
+        assert found.settled
         assert leaning(thrust, found.balance.position) == []
         gaps.append(found.balance.states[0].mean_gaps())
         if stack is both:
@@ -438,12 +440,12 @@ def test_films_scale_with_viscosity_and_speed_over_pressure() -> None:
     one = ring_stack(rough=False, limit=0.0, speed=300.0)
     two = ring_stack(rough=False, limit=0.0, speed=600.0)
     place = one.start(4e-6)
-    scenes = [s.scene(0.0, k * pressures(HIGH)) for s, k in ((one, 1.0), (two, 2.0))]
+    snapshots = [s.snapshot(0.0, k * pressures(HIGH)) for s, k in ((one, 1.0), (two, 2.0))]
     flat = [np.zeros((g.rows, g.lanes)) for g in one.grids]
     still = np.zeros(one.size)
     films = [
-        s.solve(scene, place, still, None, flat).films[0]
-        for s, scene in zip((one, two), scenes, strict=True)
+        s.solve(snapshot, place, still, None, flat).films[0]
+        for s, snapshot in zip((one, two), snapshots, strict=True)
     ]
     np.testing.assert_allclose(films[1].pressure, 2.0 * films[0].pressure, rtol=1e-7)
     lost = [film.friction() for film in films]

@@ -21,7 +21,7 @@ from tests.lateral_stack import (
 )
 from toothspace.films.lateral.equilibrium import march_angles
 from toothspace.films.lateral.face_grid import FaceGrid
-from toothspace.films.lateral.motion import StepSettings, rest_at
+from toothspace.films.lateral.motion import StepSettings, state_at
 from toothspace.films.lateral.stack import BackPressure, Stack
 from toothspace.model.lateral_balance import LAND, FaceCells
 from toothspace.numerics.complementarity import face_flows
@@ -56,10 +56,10 @@ def _ring(radius: float, lanes: int, root_radius: float) -> Stack:
 def _errors(radius: float, lanes: int, root_radius: float = 0.0) -> tuple[float, float]:
     """Relative errors of leakage Q = pi h^3 dp / (6 mu ln r/ri) and load."""
     stack = _ring(radius, lanes, root_radius)
-    scene = stack.scene(0.0, pressures(HIGH))
+    snapshot = stack.snapshot(0.0, pressures(HIGH))
     flat = [np.zeros((grid.rows, grid.lanes)) for grid in stack.grids]
     still = np.zeros(stack.size)
-    film = stack.solve(scene, stack.start(GAP), still, None, flat).films[0]
+    film = stack.solve(snapshot, stack.start(GAP), still, None, flat).films[0]
     fall, logarithm = HIGH - LOW, np.log(radius / INNER)
     leakage = np.pi * GAP**3 * fall / (6.0 * VISCOSITY * logarithm)
     ring = radius**2 - (radius**2 - INNER**2) / (2.0 * logarithm)
@@ -93,7 +93,7 @@ def test_film_whose_edge_lies_between_lanes_converges_with_second_order() -> Non
 def _closed(stack: Stack, start: np.ndarray, steps: int) -> float:
     """Position after a step of the pressure behind the bearing, half a radian later. [m]."""
     closing = loads(HIGH)._replace(back=BackPressure(1.05 * HIGH, LOW, LOW))
-    rest = rest_at(stack, (stack.scene(0.0, pressures(HIGH)),), start)
+    rest = state_at(stack, (stack.snapshot(0.0, pressures(HIGH)),), start)
     angles = np.arange(1, steps + 1) / steps
     settings = StepSettings(force_tolerance=1e-9, film_tolerance=1e-7)
     march = march_angles(stack, lambda _: pressures(HIGH), closing, rest, angles, settings)
@@ -113,14 +113,14 @@ def test_march_converges_with_first_order_in_time() -> None:
 
 
 def test_what_flows_into_a_film_widens_it() -> None:
-    """Pressure of the chambers rises and falls: faces move, give way and store the liquid."""
+    """Pressure of the chambers rises and falls: faces move, deform and store the liquid."""
     stack = ring_stack(approach=3e-13, rough=False, high_share=0.72)
     angles = np.linspace(0.1, 1.0, 8)
 
     def beats(angle: float) -> np.ndarray:
         return pressures(HIGH * (1.0 + 0.2 * np.sin(3.0 * angle)))
 
-    rest = rest_at(stack, (stack.scene(0.0, beats(0.0)),), stack.start(3.2e-6))
+    rest = state_at(stack, (stack.snapshot(0.0, beats(0.0)),), stack.start(3.2e-6))
     settings = StepSettings(force_tolerance=1e-9, film_tolerance=1e-7)
     march = march_angles(stack, beats, loads(HIGH), rest, angles, settings)
     assert march.converged
@@ -129,7 +129,7 @@ def test_what_flows_into_a_film_widens_it() -> None:
         b, fields = now.plane.balance, now.plane.fields
         along, across = face_flows(b, b, fields.potential, fields.saturation)
         net = np.diff(along, axis=0) + np.diff(across, axis=1)
-        film = now.around.mask.film
+        film = now.boundary.mask.film
         filled = float((now.grid.area * (now.gap - before.gap))[film].sum()) / duration
         rate = float((now.grid.area * now.plane.film.gap.rate)[film].sum())
         assert -float(net[film].sum()) == pytest.approx(filled, rel=1e-5)

@@ -12,9 +12,9 @@ from toothspace.films.lateral.equilibrium import (
     Equilibrium,
     SearchSettings,
     find_equilibrium,
-    scenes_over_pitch,
+    snapshots_over_pitch,
 )
-from toothspace.films.lateral.motion import StepSettings, rest_at
+from toothspace.films.lateral.motion import StepSettings, state_at
 from toothspace.films.lateral.stack import Stack
 from toothspace.films.lateral.stops import leaning, rim_levers, stop_forces
 
@@ -36,10 +36,10 @@ def _stack(shaft_stiffness: float = 1e5, **changes: float) -> Stack:
 
 
 def _settled(stack: Stack, gap: float) -> Equilibrium:
-    scenes = scenes_over_pitch(stack, lambda _: pressures(HIGH), 1)
-    start = rest_at(stack, scenes, stack.start(gap))
+    snapshots = snapshots_over_pitch(stack, lambda _: pressures(HIGH), 1)
+    start = state_at(stack, snapshots, stack.start(gap))
     step = StepSettings(max_iterations=25)
-    return find_equilibrium(stack, scenes, loads(HIGH), start, SearchSettings(), step)
+    return find_equilibrium(stack, snapshots, loads(HIGH), start, SearchSettings(), step)
 
 
 def test_bearing_pushed_off_on_one_side_leans_on_its_cover() -> None:
@@ -47,13 +47,13 @@ def test_bearing_pushed_off_on_one_side_leans_on_its_cover() -> None:
     stack = _stack(limit=0.0)
     found = _settled(stack, 45e-6)
     q = found.balance.position
-    assert found.rests
+    assert found.settled
     assert found.balance.residual < 1e-6
-    lift = rim_levers(stack, stack.pieces[0]) @ q[:3]
+    lift = rim_levers(stack, stack.moving_bearings[0]) @ q[:3]
     # the cover gives way by the force on it over 1e9 N/m, less than a tenth of the play
     assert PLAY < lift.max() < 1.1 * PLAY
     assert lift.min() < 0.5 * PLAY
-    assert leaning(stack, q) == ["the pressed bearing has lifted to its cover"]
+    assert leaning(stack, q) == ["the floating bearing has lifted to its cover"]
     state = found.balance.states[0]
     force = state.film_force() + state.back_force(loads(HIGH).back)
     over = lift - PLAY
@@ -63,9 +63,9 @@ def test_bearing_pushed_off_on_one_side_leans_on_its_cover() -> None:
 def test_ring_between_wide_films_tips_unless_its_shaft_is_held() -> None:
     """Wide films give way to any tilt: forces balance upright, but no rest is there."""
     held, free = (_settled(_stack(k, preload_x=4e-3), 49e-6) for k in (1e5, 0.0))
-    assert held.rests
+    assert held.settled
     assert held.balance.position[4:6] == pytest.approx([0.0, 0.0], abs=1e-6)
-    assert not free.rests
+    assert not free.settled
     assert "grows" in free.reason or "journal" in free.reason
 
 

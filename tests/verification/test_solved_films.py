@@ -16,7 +16,7 @@ from toothspace.core.types import Array
 from toothspace.films.journal.bearing import JournalBearing
 from toothspace.films.journal.map import solved_journal
 from toothspace.films.lateral.conductance import FaceConductance, face_conductance
-from toothspace.model.description import LateralFilm
+from toothspace.model.description import LumpedLateralFilm
 from toothspace.model.film_shapes import FaceOutline
 from toothspace.simulation.films import with_solved_films
 
@@ -48,7 +48,7 @@ def solved(
         phases=2.0 * math.pi * np.arange(TEETH) / TEETH,
         recesses=recesses,
     )
-    film = LateralFilm("gear", 2, 10e-6, SHAFT, ROOT, tip, 0.5, face=face)
+    film = LumpedLateralFilm("gear", 2, 10e-6, SHAFT, ROOT, tip, 0.5, face=face)
     return face_conductance(film, rows_per_pitch=48, lanes=lanes, angles=2)
 
 

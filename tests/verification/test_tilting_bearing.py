@@ -1,4 +1,4 @@
-"""Bearing and gears of the fuel pump that lift and tilt freely and come to rest."""
+"""Bearing and gears of the fuel pump that lift and tilt freely and find their equilibrium."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def test_bearing_leans_on_the_wall_and_gears_stand_between_equal_films() -> None
     problem = _problem()
     found = problem.settle(problem.started(2e-6))
     q = found.balance.position
-    assert found.rests
+    assert found.settled
     assert found.balance.residual < 1e-6
     bearing, drive, driven = q[:3], q[3:6], q[6:9]
     assert drive == pytest.approx(0.5 * bearing, rel=1e-3)
@@ -77,23 +77,23 @@ def test_gears_stay_in_the_middle_between_two_tilting_bearings(changes: list[str
     problem = _problem(*changes)
     found = problem.settle(problem.started(2e-6))
     q = found.balance.position
-    assert found.rests
+    assert found.settled
     middle, other = 2e-6, q[9:12]
     assert q[3:9] == pytest.approx([middle, 0.0, 0.0] * 2, abs=1e-9)
     assert other[0] - middle == pytest.approx(middle - q[0], rel=1e-3)
     assert other[1:] == pytest.approx(-q[1:3], rel=1e-3)
 
 
-def test_bearing_that_trapped_pressure_pushes_off_rests_on_its_cover() -> None:
+def test_bearing_that_trapped_pressure_pushes_off_settles_on_its_cover() -> None:
     """Spaces that are shut first (some 700 bar) lift it; gears stand between wide films."""
     stiff = 'machine.floating_bearing.shaft_stiffness="1e6 N m/rad"'
     problem = _problem(stiff, file=CASE.parent / "fuel14_pump.toml")
     found = problem.settle(problem.started(2e-6))
     q, play = found.balance.position, problem.stack.balance.floating.axial_play
-    assert found.rests
+    assert found.settled
     assert found.balance.residual < 1e-6
-    assert leaning(problem.stack, q) == ["the pressed bearing has lifted to its cover"]
-    lift = rim_levers(problem.stack, problem.stack.pieces[0]) @ q[:3]
+    assert leaning(problem.stack, q) == ["the floating bearing has lifted to its cover"]
+    lift = rim_levers(problem.stack, problem.stack.moving_bearings[0]) @ q[:3]
     # flat on the cover, the gears upright and midway
     assert lift == pytest.approx(play, rel=0.02)
     assert q[[4, 5, 7, 8]] == pytest.approx(np.zeros(4), abs=1e-5)

@@ -18,12 +18,12 @@ from toothspace.core.errors import CaseError
 from toothspace.core.signals import read_columns, read_signal
 from toothspace.core.types import Array
 from toothspace.model.circuit_description import (
-    Circuit,
     CircuitElement,
+    CircuitNetwork,
     CircuitNode,
     CircuitOrifice,
-    Coupling,
     FreeShaft,
+    ShaftCoupling,
 )
 from toothspace.model.description import MachineDescription
 from toothspace.model.ledger import PORT_NODES
@@ -44,12 +44,14 @@ Place = tuple[str, int]
 """Element and which of its ends; elements of one end have end 0."""
 
 
-def plumb(circuit: keys.Circuit, description: MachineDescription, fluid: FluidLaw) -> Circuit:
+def plumb(
+    circuit: keys.Circuit, description: MachineDescription, fluid: FluidLaw
+) -> CircuitNetwork:
     """Join the elements of a case to nodes of one pressure each.
 
     Parameters
     ----------
-    circuit : Circuit
+    circuit : CircuitNetwork
         Keys of ``[circuit]``.
     description : MachineDescription
         The machine, with the volumes at its ports.
@@ -81,7 +83,7 @@ def plumb(circuit: keys.Circuit, description: MachineDescription, fluid: FluidLa
     nodes = [
         _node(name, parts, ports.get(name, 0.0), start, fluid) for name, parts in members.items()
     ]
-    return Circuit(
+    return CircuitNetwork(
         nodes=(*nodes, *(node for line in lines for node in line.nodes)),
         elements=(
             *_elements(circuit, names, fluid),
@@ -302,7 +304,7 @@ def shaft_of(circuit: keys.Circuit, description: MachineDescription) -> FreeShaf
     )
 
 
-def _coupling(circuit: keys.Circuit, load_inertia: float) -> Coupling | None:
+def _coupling(circuit: keys.Circuit, load_inertia: float) -> ShaftCoupling | None:
     parts = [part for part in circuit.elements.values() if isinstance(part, keys.Coupling)]
     if len(parts) > 1:
         raise CaseError("circuit: found two couplings, allowed one")
@@ -311,7 +313,7 @@ def _coupling(circuit: keys.Circuit, load_inertia: float) -> Coupling | None:
             "circuit: found a coupling without inertia beyond it, allowed one with a fan or "
             "an inertia above 0 kg m^2"
         )
-    return Coupling(parts[0].stiffness, parts[0].damping) if parts else None
+    return ShaftCoupling(parts[0].stiffness, parts[0].damping) if parts else None
 
 
 def speed_of(circuit: keys.Circuit) -> Array | None:

@@ -107,7 +107,7 @@ class HysteresisStudy:
 @final
 @dataclass(frozen=True, kw_only=True)
 class BearingMapStudy:
-    """``kind = "bearing_map"``: films of a pressed bearing at rest over speed and pressure."""
+    """``kind = "bearing_map"``: equilibrium of a floating bearing over speed and pressure."""
 
     shaft_speed: tuple[float, ...] = declare(Grid(item=_SPEED, doc="Shaft speeds."))
     outlet_pressure: tuple[float, ...] = declare(

@@ -123,7 +123,7 @@ def _check_pressure_order(case: Case, reader: Reader) -> None:
 
 
 def _check_study_pressures(case: Case, reader: Reader) -> None:
-    """Refuse at once what a study of a pressed bearing would meet after hours."""
+    """Refuse at once what a study of a floating bearing would meet after hours."""
     mode = getattr(case.machine, "mode", "")
     for path, inlet, outlet in _study_pressures(case):
         if mode == "pump" and outlet < inlet:
@@ -135,7 +135,7 @@ def _check_study_pressures(case: Case, reader: Reader) -> None:
 
 
 def _study_pressures(case: Case) -> Iterator[tuple[str, float, float]]:
-    """Key path, inlet and outlet pressure of the points of a pressed bearing. [Pa]."""
+    """Key path, inlet and outlet pressure of the points of a floating bearing. [Pa]."""
     study, base = case.study, case.operating_point
     assert base is not None
     if isinstance(study, HysteresisStudy | BalanceSweepStudy):

@@ -12,7 +12,7 @@ import shapely
 
 from toothspace.core.types import BoolArray, IntArray
 from toothspace.elasticity.loads import Load, face_points
-from toothspace.elasticity.mesh import Mesh, Prism, sweep
+from toothspace.elasticity.mesh import Prism, SolidMesh, sweep
 from toothspace.elasticity.surfaces import FilmSurface, Side, looks
 
 
@@ -24,7 +24,7 @@ class Shape(Protocol):
         """What the body is called in messages."""
         ...
 
-    def mesh(self, scale: float) -> Mesh:
+    def mesh(self, scale: float) -> SolidMesh:
         """Mesh whose elements are larger by a factor."""
         ...
 
@@ -57,7 +57,7 @@ class SweptShape:
         """What the body is called in messages."""
         return "elastic body"
 
-    def mesh(self, scale: float = 1.0) -> Mesh:
+    def mesh(self, scale: float = 1.0) -> SolidMesh:
         """Hexahedra; elements larger by a factor."""
         return sweep(self.parts, scale * self.edge_length, scale * self.layer_height)
 
@@ -94,12 +94,12 @@ class Support:
         stiffness = (self.normal_stiffness, self.tangential_stiffness)
         return ("support", self.side, shapely.to_wkb(self.region), stiffness)
 
-    def faces(self, mesh: Mesh) -> BoolArray:
+    def faces(self, mesh: SolidMesh) -> BoolArray:
         """Faces of a mesh that rest on the foundation."""
         centre, _ = mesh.face_frames()
         return looks(mesh, self.side) & shapely.contains_xy(self.region, *centre[:, :2].T)
 
-    def springs(self, mesh: Mesh) -> sp.csr_matrix:
+    def springs(self, mesh: SolidMesh) -> sp.csr_matrix:
         """Stiffness of the foundation, without held directions. [N/m]."""
         points = face_points(mesh, self.faces(mesh))
         area = np.linalg.norm(points.push, axis=1)
@@ -115,7 +115,7 @@ class Support:
         entries = (block.ravel(), (rows.ravel(), columns.ravel()))
         return sp.csr_matrix(entries, shape=(mesh.unknowns, mesh.unknowns))
 
-    def held(self, mesh: Mesh) -> IntArray:
+    def held(self, mesh: SolidMesh) -> IntArray:
         """Unknowns that the foundation holds; on inclined faces all directions are held."""
         nodes = np.unique(mesh.faces[self.faces(mesh)])
         normal, across = np.isinf(self.normal_stiffness), np.isinf(self.tangential_stiffness)

@@ -7,7 +7,7 @@ import scipy.sparse as sp
 
 from toothspace.core.compiled import inlined, njit, prange
 from toothspace.core.types import Array, IntArray
-from toothspace.elasticity.mesh import Mesh
+from toothspace.elasticity.mesh import SolidMesh
 
 _G = 1.0 / np.sqrt(3.0)
 _HEX_POINTS = np.array([(x, y, z) for z in (-_G, _G) for y in (-_G, _G) for x in (-_G, _G)])
@@ -157,7 +157,9 @@ def _tetrahedra(nodes: Array, elements: IntArray, law: Array, slopes: Array) -> 
     return out
 
 
-def stiffness_matrix(mesh: Mesh, elastic_modulus: float, poisson_ratio: float) -> sp.csr_matrix:
+def stiffness_matrix(
+    mesh: SolidMesh, elastic_modulus: float, poisson_ratio: float
+) -> sp.csr_matrix:
     """Stiffness of a mesh; three unknowns x, y, z per node. [N/m].
 
     References
@@ -206,7 +208,7 @@ def _sum_blocks(matrices: Array, place: IntArray, values: Array) -> None:
                         target[i, j] += matrices[e, 3 * a + i, 3 * b + j]
 
 
-def nodal_masses(mesh: Mesh, density: float) -> Array:
+def nodal_masses(mesh: SolidMesh, density: float) -> Array:
     """Mass of every node: the integral of its shape function times the density. [kg]."""
     slopes, values = HEX_SLOPES, HEX_VALUES
     weight = 1.0

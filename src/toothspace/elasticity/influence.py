@@ -16,7 +16,7 @@ from toothspace.elasticity.body import ElasticBody
 from toothspace.elasticity.condensation import flexibility
 from toothspace.elasticity.elements import nodal_masses, stiffness_matrix
 from toothspace.elasticity.loads import face_points, load_columns
-from toothspace.elasticity.mesh import Mesh
+from toothspace.elasticity.mesh import SolidMesh
 from toothspace.elasticity.surfaces import FilmSurface, PlaneSurface
 
 COARSER = 1.5
@@ -198,13 +198,13 @@ def _condensed(body: ElasticBody, scale: float) -> InfluenceMatrix:
     return _evaluated(body, columns, work, rigid, (mass, center, len(mesh.elements)))
 
 
-def _check_face(film: FilmSurface, mesh: Mesh) -> None:
+def _check_face(film: FilmSurface, mesh: SolidMesh) -> None:
     wrong = film.mismatch(mesh) if isinstance(film, PlaneSurface) else ""
     if wrong:
         raise GeometryError(f"elastic body: found {wrong}, allowed the face of the case there")
 
 
-def _columns(body: ElasticBody, mesh: Mesh) -> _Columns:
+def _columns(body: ElasticBody, mesh: SolidMesh) -> _Columns:
     films, gram = [], []
     for film in body.films:
         forces, matrix = _film_columns(film, mesh)
@@ -213,7 +213,7 @@ def _columns(body: ElasticBody, mesh: Mesh) -> _Columns:
     return _Columns(sp.hstack(films).tocsc(), load_columns(mesh, body.loads), gram)
 
 
-def _film_columns(film: FilmSurface, mesh: Mesh) -> tuple[sp.csc_matrix, Array]:
+def _film_columns(film: FilmSurface, mesh: SolidMesh) -> tuple[sp.csc_matrix, Array]:
     """Nodal forces of the hat pressures of a film, and the integrals of their products."""
     points = face_points(mesh, film.select(mesh), _FILM_ORDER)
     hats = film.interpolation(points.place)
@@ -249,7 +249,7 @@ def _rigid_motions(place: Array) -> Array:
 
 
 def _relieved(
-    stiffness: sp.csr_matrix, mesh: Mesh, loads: sp.csc_matrix, inertia: tuple[Array, Array]
+    stiffness: sp.csr_matrix, mesh: SolidMesh, loads: sp.csc_matrix, inertia: tuple[Array, Array]
 ) -> Array:
     """Flexibility of a floating body; see :func:`influence_matrix`."""
     masses, rigid = inertia
@@ -280,7 +280,7 @@ def _three_pins(nodes: Array) -> IntArray:
 
 
 def _supported(
-    body: ElasticBody, mesh: Mesh, stiffness: sp.csr_matrix
+    body: ElasticBody, mesh: SolidMesh, stiffness: sp.csr_matrix
 ) -> tuple[sp.csr_matrix, IntArray]:
     held: list[IntArray] = []
     for support in body.supports:

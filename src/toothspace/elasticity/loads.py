@@ -12,7 +12,7 @@ import shapely
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array, BoolArray, IntArray
-from toothspace.elasticity.mesh import Mesh
+from toothspace.elasticity.mesh import SolidMesh
 from toothspace.elasticity.surfaces import Side, looks
 
 _TRI_POINTS = np.array([(1 / 6, 1 / 6), (2 / 3, 1 / 6), (1 / 6, 2 / 3)])
@@ -57,12 +57,12 @@ def _tri(point: Array) -> tuple[Array, Array]:
     return values, np.array([along, across])
 
 
-def face_points(mesh: Mesh, chosen: BoolArray, order: int = 2) -> FacePoints:
+def face_points(mesh: SolidMesh, chosen: BoolArray, order: int = 2) -> FacePoints:
     """Quadrature points on chosen outer faces of a mesh.
 
     Parameters
     ----------
-    mesh : Mesh
+    mesh : SolidMesh
         Mesh. [m]
     chosen : ndarray of bool
         Faces.
@@ -133,7 +133,7 @@ class AreaPressure:
         """Everything that defines the load."""
         return ("area", self.name, self.side, shapely.to_wkb(self.region), self.per_area)
 
-    def forces(self, mesh: Mesh) -> Array:
+    def forces(self, mesh: SolidMesh) -> Array:
         """Nodal forces. [N/Pa] or [N/N]."""
         chosen = np.flatnonzero(looks(mesh, self.side))
         faces = mesh.faces[chosen]
@@ -204,7 +204,7 @@ class LateralFaces:
         """Everything that defines them."""
         return (shapely.to_wkb(self.region), self.bottom, self.top)
 
-    def points(self, mesh: Mesh, name: str) -> FacePoints:
+    def points(self, mesh: SolidMesh, name: str) -> FacePoints:
         """Quadrature points of a load of that name."""
         centre, _ = mesh.face_frames()
         chosen = looks(mesh, "lateral") & (centre[:, 2] > self.bottom) & (centre[:, 2] < self.top)
@@ -228,7 +228,7 @@ class LateralPressure:
     pattern : callable, optional
         Pressure at places x, y, z [m] in place of one pascal.
     label : str
-        Tells patterns apart in the cache.
+        Name of the distribution in the cache.
     """
 
     name: str
@@ -240,7 +240,7 @@ class LateralPressure:
         """Everything that defines the load."""
         return ("lateral", self.name, self.faces.key(), self.label)
 
-    def forces(self, mesh: Mesh) -> Array:
+    def forces(self, mesh: SolidMesh) -> Array:
         """Nodal forces. [N/Pa]."""
         points = self.faces.points(mesh, self.name)
         values = np.ones(len(points.place)) if self.pattern is None else self.pattern(points.place)
@@ -267,7 +267,7 @@ class AxialTraction:
         """Everything that defines the load."""
         return ("axial", self.name, self.faces.key())
 
-    def forces(self, mesh: Mesh) -> Array:
+    def forces(self, mesh: SolidMesh) -> Array:
         """Nodal forces. [N/N]."""
         points = self.faces.points(mesh, self.name)
         area = np.linalg.norm(points.push, axis=1)
@@ -324,7 +324,7 @@ def journal_load(
     return LateralPressure(name, LateralFaces(ring, bottom, top), pattern, label)
 
 
-def load_columns(mesh: Mesh, loads: tuple[Load, ...]) -> sp.csc_matrix:
+def load_columns(mesh: SolidMesh, loads: tuple[Load, ...]) -> sp.csc_matrix:
     """Nodal forces of all loads, one column each."""
     if not loads:
         return sp.csc_matrix((mesh.unknowns, 0))

@@ -18,7 +18,7 @@ _LEVEL_STEP = 1e-9
 
 @final
 @dataclass(frozen=True)
-class Mesh:
+class SolidMesh:
     """Solid mesh with its outer surface.
 
     ``elements`` has 8 columns (bottom then top corners, counter-clockwise seen from above) or
@@ -80,7 +80,7 @@ def annulus(
     return disc(outer_radius, center).difference(disc(inner_radius, center))
 
 
-def sweep(parts: tuple[Prism, ...], edge_length: float, layer_height: float) -> Mesh:
+def sweep(parts: tuple[Prism, ...], edge_length: float, layer_height: float) -> SolidMesh:
     """Hexahedra of a body made of prisms.
 
     Parameters
@@ -115,7 +115,7 @@ def sweep(parts: tuple[Prism, ...], edge_length: float, layer_height: float) -> 
     nodes = np.column_stack([np.tile(points, (len(levels), 1)), np.repeat(levels, count)])
     used, index = np.unique(elements, return_inverse=True)
     elements = index.reshape(-1, 8).astype(np.int64)
-    return Mesh(nodes[used], elements, outer_faces(elements, _HEX_FACES))
+    return SolidMesh(nodes[used], elements, outer_faces(elements, _HEX_FACES))
 
 
 def _quadrilaterals(plane: Triangulation) -> tuple[Array, IntArray]:
@@ -166,6 +166,6 @@ def outer_faces(elements: IntArray, local: tuple[tuple[int, ...], ...]) -> IntAr
     return np.asarray(faces[np.sort(first[counts == 1])], dtype=np.int64)
 
 
-def tetrahedral_mesh(nodes: Array, elements: IntArray) -> Mesh:
+def tetrahedral_mesh(nodes: Array, elements: IntArray) -> SolidMesh:
     """Mesh of ten-node tetrahedra, as read from a file; corners right-handed."""
-    return Mesh(nodes, elements, outer_faces(elements, _TET_FACES))
+    return SolidMesh(nodes, elements, outer_faces(elements, _TET_FACES))

@@ -14,7 +14,7 @@ import numpy as np
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array, IntArray
-from toothspace.elasticity.mesh import Mesh, tetrahedral_mesh
+from toothspace.elasticity.mesh import SolidMesh, tetrahedral_mesh
 
 _STEP_UNIT = 1e-3
 _TETRAHEDRON, _NODES = 11, 10
@@ -52,7 +52,7 @@ class SolidFile:
         """What the body is called in messages."""
         return f"{self.named_by}: {self.path.name}" if self.named_by else str(self.path)
 
-    def mesh(self, scale: float = 1.0) -> Mesh:
+    def mesh(self, scale: float = 1.0) -> SolidMesh:
         """Tetrahedra; elements larger by a factor.
 
         Raises
@@ -100,7 +100,7 @@ class SolidFile:
         return ("solid", hashlib.sha256(content).hexdigest(), self.edge_length)
 
 
-def _read(label: str, text: str) -> Mesh:
+def _read(label: str, text: str) -> SolidMesh:
     """Nodes and tetrahedra of a mesh file of version 2."""
     lines = text.splitlines()
     nodes = np.array([line.split() for line in _block(lines, "Nodes")], dtype=float)
@@ -120,7 +120,7 @@ def _block(lines: list[str], name: str) -> list[str]:
     return lines[start : lines.index(f"$End{name}")]
 
 
-def _used(nodes: Array, elements: IntArray) -> Mesh:
+def _used(nodes: Array, elements: IntArray) -> SolidMesh:
     """Mesh without nodes that belong to no element."""
     used, index = np.unique(elements, return_inverse=True)
     return tetrahedral_mesh(nodes[used], index.reshape(elements.shape).astype(np.int64))

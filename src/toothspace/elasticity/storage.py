@@ -36,7 +36,7 @@ def _path(name: str) -> Path:
 
 
 def announce(body: ElasticBody) -> None:
-    """Tell the user on a terminal that a body is being condensed and will be kept."""
+    """Announce on a terminal that a body is being condensed and will be kept."""
     if sys.stderr.isatty():
         names = ", ".join(film.name for film in body.films)
         sys.stderr.write(f"Condensing an elastic body ({names}); kept for later.\n")

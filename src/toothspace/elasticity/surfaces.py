@@ -18,7 +18,7 @@ from scipy.spatial import cKDTree
 
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array, BoolArray, IntArray
-from toothspace.elasticity.mesh import Mesh
+from toothspace.elasticity.mesh import SolidMesh
 from toothspace.elasticity.triangulation import Triangulation, triangulate
 
 Side = Literal["top", "bottom", "lateral"]
@@ -39,7 +39,7 @@ _NEAREST = 12
 """Triangles that are tried for a point."""
 
 
-def looks(mesh: Mesh, side: Side) -> BoolArray:
+def looks(mesh: SolidMesh, side: Side) -> BoolArray:
     """Which outer faces look up, down or to the side."""
     _, normal = mesh.face_frames()
     up = normal[:, 2] / np.linalg.norm(normal, axis=1)
@@ -95,14 +95,14 @@ class PlaneSurface:
         """Everything that defines the surface."""
         return ("plane", self.name, self.side, shapely.to_wkb(self.region), self.node_spacing)
 
-    def select(self, mesh: Mesh) -> BoolArray:
+    def select(self, mesh: SolidMesh) -> BoolArray:
         """Faces of a mesh that belong to the surface."""
         centre, _ = mesh.face_frames()
         inside = shapely.contains_xy(self.region, centre[:, 0], centre[:, 1])
         return np.asarray(inside & looks(mesh, self.side))
 
-    def mismatch(self, mesh: Mesh) -> str:
-        """Tell how the faces of a mesh differ from a surface with a level; empty if they match."""
+    def mismatch(self, mesh: SolidMesh) -> str:
+        """How the faces of a mesh differ from a surface with a level; empty if they match."""
         if self.level is None:
             return ""
         centre, normal = mesh.face_frames()
@@ -238,7 +238,7 @@ class CylinderSurface:
         """Everything that defines the surface."""
         return ("cylinder", self.name, self.radius, self.bottom, self.top, self.grid, self.center)
 
-    def select(self, mesh: Mesh) -> BoolArray:
+    def select(self, mesh: SolidMesh) -> BoolArray:
         """Faces of a mesh that belong to the surface."""
         centre, normal = mesh.face_frames()
         p = mesh.nodes[mesh.faces]

@@ -46,7 +46,7 @@ from toothspace.model.arrays import (
     SystemArrays,
 )
 from toothspace.model.circuit_description import (
-    Circuit,
+    CircuitNetwork,
     circuit_rows,
     column_states,
     coupling_states,
@@ -363,7 +363,7 @@ def _nodes(
 
 
 def _fill_circuit_nodes(
-    node: Array, fluid: FluidLaw, circuit: Circuit, places: dict[str, int]
+    node: Array, fluid: FluidLaw, circuit: CircuitNetwork, places: dict[str, int]
 ) -> None:
     for place in circuit.nodes:
         row = node[places[place.name]]

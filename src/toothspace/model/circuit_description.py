@@ -148,7 +148,7 @@ class CircuitOrifice:
 
 @final
 @dataclass(frozen=True)
-class Circuit:
+class CircuitNetwork:
     """Nodes, elements and orifices round a machine.
 
     Parameters
@@ -173,7 +173,7 @@ class Circuit:
 
 @final
 @dataclass(frozen=True)
-class Coupling:
+class ShaftCoupling:
     """Elastic coupling: torque over twist [N m/rad] and over slip [N m s/rad]."""
 
     stiffness: float
@@ -203,7 +203,7 @@ class FreeShaft:
         Time [s] and further torque of the load [N m], joined by straight lines.
     square : float
         Torque of the load per speed squared. [N m s2]
-    coupling : Coupling or None
+    coupling : ShaftCoupling or None
         Elastic coupling between the machine and its load; None joins them rigidly.
     """
 
@@ -216,10 +216,10 @@ class FreeShaft:
     additive: bool = False
     load_schedule: Array = field(default_factory=lambda: _NO_KNOTS)
     square: float = 0.0
-    coupling: Coupling | None = None
+    coupling: ShaftCoupling | None = None
 
 
-def column_states(circuit: Circuit | None) -> int:
+def column_states(circuit: CircuitNetwork | None) -> int:
     """States of all fluid columns of a circuit."""
     return sum(element.states for element in circuit.elements) if circuit else 0
 
@@ -253,7 +253,10 @@ def drive_row(
 
 
 def circuit_rows(
-    circuit: Circuit | None, places: dict[str, int], drive: Array, schedules: tuple[Array, Array]
+    circuit: CircuitNetwork | None,
+    places: dict[str, int],
+    drive: Array,
+    schedules: tuple[Array, Array],
 ) -> tuple[Array, Array]:
     """Rows of the elements and all schedules; tells the drive row where its own ones are.
 

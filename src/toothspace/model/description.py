@@ -40,8 +40,8 @@ __all__ = [
     "ContactPair",
     "DesignCheck",
     "FlowPath",
-    "JournalBearing",
-    "LateralFilm",
+    "LumpedJournalBearing",
+    "LumpedLateralFilm",
     "MachineDescription",
     "Motion",
     "PathKind",
@@ -220,7 +220,7 @@ def categories_of(paths: Iterable[FlowPath]) -> tuple[PathCategory, ...]:
 
 @final
 @dataclass(frozen=True)
-class JournalBearing:
+class LumpedJournalBearing:
     """Equal journal bearings of one body, sharing its radial load.
 
     Parameters
@@ -271,7 +271,7 @@ class JournalBearing:
 
 @final
 @dataclass(frozen=True)
-class LateralFilm:
+class LumpedLateralFilm:
     """Film on the faces of one body, with a closed form for its friction.
 
     Parameters
@@ -389,7 +389,7 @@ class MachineDescription:
     running_in : RunningIn or None
         Condition of running-in; None leaves the casing as made.
     lateral_balance : LateralBalance or None
-        Films beside the gears and the bearing pressed against them; None without.
+        Films beside the gears and the floating bearing; None without.
     lateral_table : LateralTable or None
         Drag and leakage beside the gears over the load on that bearing, for closed-form films.
     shared_faces : SharedFaces or None
@@ -412,8 +412,8 @@ class MachineDescription:
     motions: tuple[Motion, ...]
     families: tuple[ChamberFamily, ...]
     paths: tuple[FlowPath, ...]
-    journals: tuple[JournalBearing, ...] = ()
-    laterals: tuple[LateralFilm, ...] = ()
+    journals: tuple[LumpedJournalBearing, ...] = ()
+    laterals: tuple[LumpedLateralFilm, ...] = ()
     contacts: tuple[ContactPair, ...] = ()
     mesh: RigidMesh | None = None
     seal_torque: float = 0.0

@@ -14,7 +14,7 @@ from toothspace.closures.friction import lateral_film_torque
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array
 from toothspace.model.arrays import CURVE_COLUMNS, JOURNAL_COLUMNS
-from toothspace.model.description import JournalBearing, LateralFilm, MachineDescription
+from toothspace.model.description import LumpedJournalBearing, LumpedLateralFilm, MachineDescription
 
 _INTERVALS = 240
 _CIRCUMFERENCE_POINTS = 720
@@ -75,7 +75,7 @@ def journal_data(
     )
 
 
-def _friction_curves(journals: list[JournalBearing]) -> Array:
+def _friction_curves(journals: list[LumpedJournalBearing]) -> Array:
     """Friction curves over the load, one block per bearing, unused rows empty."""
     rows = [
         np.empty((0, CURVE_COLUMNS)) if j.friction is None else j.friction.rows for j in journals
@@ -87,7 +87,7 @@ def _friction_curves(journals: list[JournalBearing]) -> Array:
     return curves
 
 
-def _film_maps(journals: list[JournalBearing]) -> tuple[list[JournalMap], list[int]]:
+def _film_maps(journals: list[LumpedJournalBearing]) -> tuple[list[JournalMap], list[int]]:
     """Different film maps, and which of them each bearing uses."""
     maps: dict[Any, JournalMap] = {}
     for journal in journals:
@@ -104,12 +104,12 @@ def _film_maps(journals: list[JournalBearing]) -> tuple[list[JournalMap], list[i
     ]
 
 
-def _map_key(journal: JournalBearing) -> Any:
+def _map_key(journal: LumpedJournalBearing) -> Any:
     """Bearings with one key have one film map."""
     return _slenderness(journal) if journal.solved is None else id(journal.solved.force_nodes)
 
 
-def _slenderness(journal: JournalBearing) -> float:
+def _slenderness(journal: LumpedJournalBearing) -> float:
     """Length over diameter that the film map is made for; walls at the ends make it long."""
     if journal.end_condition == "no_flow":
         return LONG
@@ -130,7 +130,7 @@ def _rotation(description: MachineDescription, free: list[int], body: str) -> in
     return -1
 
 
-def _asperity_tables(journal: JournalBearing, span: float) -> tuple[Array, Array, Array]:
+def _asperity_tables(journal: LumpedJournalBearing, span: float) -> tuple[Array, Array, Array]:
     """Tables over the eccentricity ratio: radial force and load of asperities, viscous shear.
 
     The shear is that over the closed form. [N, N, -]
@@ -217,7 +217,7 @@ def lateral_drag(description: MachineDescription) -> dict[str, float]:
     return drag
 
 
-def lateral_face_torque(film: LateralFilm) -> float:
+def lateral_face_torque(film: LumpedLateralFilm) -> float:
     """Torque of the film on one face per viscosity and speed of the body. [m3]."""
     if film.drag is not None:
         return film.drag

@@ -1,4 +1,4 @@
-"""Faces, films and pressed bearings beside the gears: what the axial force balance needs.
+"""Faces, films and floating bearings beside the gears: what the axial force balance needs.
 
 Axial positions are positive from the solid towards the floating side.
 """
@@ -118,8 +118,9 @@ class FilmInterface:
         Half-height correlation length of the combined roughness. [m]
     boundary_friction : float
         Friction coefficient of touching asperities. [-]
-    column_compliance : float
-        Approach of the faces over the film pressure if body and bearing were columns. [m/Pa]
+    winkler_compliance : float
+        Compliance of the Winkler foundation that stands for body and bearing: approach of the
+        faces over the film pressure. [m/Pa]
     body_angle : float
         Angle of the body's own frame at shaft angle zero. [rad]
     root_radius : float
@@ -144,7 +145,7 @@ class FilmInterface:
     hardness: float
     correlation_length: float = 15e-6
     boundary_friction: float = 0.1
-    column_compliance: float = 0.0
+    winkler_compliance: float = 0.0
     body_angle: float = 0.0
     root_radius: float = 0.0
     part: str = ""
@@ -208,7 +209,7 @@ def _moments(size: float, place: tuple[float, float]) -> tuple[float, float, flo
 @final
 @dataclass(frozen=True)
 class HousingContact:
-    """Friction of a pressed bearing in its housing.
+    """Friction of a floating bearing in its housing.
 
     Parameters
     ----------
@@ -248,7 +249,7 @@ class FloatingBearing:
     housing : HousingContact
         Friction in the housing.
     gauge_point : tuple of float
-        Where the position is told. [m]
+        Where the position is measured. [m]
     axial_play : float
         Travel away from the gears until the bearing meets its cover. [m]
     wall_stiffness : float
@@ -269,18 +270,18 @@ class FloatingBearing:
 @final
 @dataclass(frozen=True)
 class LateralBalance:
-    """Interfaces and pressed bearings of a machine.
+    """Interfaces and floating bearings of a machine.
 
     Parameters
     ----------
     arrangement : {"symmetric", "asymmetric", "plates"}
-        Pressed bearings on both sides, on the floating side only, or plates on both sides.
+        Floating bearings on both sides, on the floating side only, or plates on both sides.
     motion : {"full", "axial"}
         Whether bearings and bodies tilt.
     interfaces : tuple of FilmInterface
         Films of both sides.
     floating : FloatingBearing
-        The pressed bearing, or each of both.
+        The floating bearing, or each of both.
     high_node, low_node : int
         Nodes of the high-pressure port and of the low pressure behind the bearing.
     body_forces : tuple of AxialForce
@@ -292,8 +293,8 @@ class LateralBalance:
     elastic_bodies : callable or None
         Elastic bodies of the machine, where bearings and turning bodies can deform.
     halves : tuple of FloatingBearing
-        Parts of the pressed bearing, one beside every turning body, where it is split; they move
-        and tilt on their own. Empty: one piece.
+        Parts of the floating bearing, one beside every turning body, where it is split; they move
+        and tilt on their own. Empty where it is not split.
     body_tilts : tuple of float
         Largest tilt of every turning body in its journal bearings. Empty: any. [rad]
     shaft_stiffness : float

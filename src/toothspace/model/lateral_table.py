@@ -1,4 +1,4 @@
-"""Lateral films reduced to tables over the axial load on the pressed bearing."""
+"""Lateral films reduced to tables over the axial load on the floating bearing."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _MARGIN = 0.1
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LateralTable:
-    """Friction and leakage beside the gears over force and moment on the pressed bearing.
+    """Friction and leakage beside the gears over force and moment on the floating bearing.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ class LateralTable:
         """Extra torque over the closed form and leakage factor at a force [N] and moment [N m].
 
         ``slide`` is viscosity times shaft speed [Pa], by default that of the condition. A load
-        outside the table counts as its edge; :meth:`check` tells.
+        outside the table counts as its edge; :meth:`check` refuses it.
         """
         places = (_place(self.force, force), _place(self.moment, moment))
         leakage = float(np.exp(_bilinear(np.log(self.leakage_factor), *places)))
@@ -201,7 +201,7 @@ def chamber_pressures(
 
 
 def axial_load(balance: LateralBalance, pressures: Callable[[float], Array]) -> tuple[float, float]:
-    """Unbalanced force and moment on the pressed bearing as the chamber pressures tell.
+    """Unbalanced force and moment on the floating bearing from the chamber pressures.
 
     Parameters
     ----------

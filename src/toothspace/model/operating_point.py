@@ -8,7 +8,7 @@ from typing import final
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.model.circuit_description import Circuit, FreeShaft
+from toothspace.model.circuit_description import CircuitNetwork, FreeShaft
 
 
 @final
@@ -35,7 +35,7 @@ class OperatingCondition:
         Whether contacts are compliant even where the machine offers a rigid mesh.
     relative_tolerance : float
         Relative tolerance of pressures. [-]
-    circuit : Circuit or None
+    circuit : CircuitNetwork or None
         Circuit round the machine. Ports in it take their pressures from it; the pressures
         above stay those at which the bearing blocks seat and tolerances are scaled.
     free_shaft : FreeShaft or None
@@ -57,7 +57,7 @@ class OperatingCondition:
     radial_motion: bool = True
     compliant_mesh: bool = False
     relative_tolerance: float = 1e-6
-    circuit: Circuit | None = None
+    circuit: CircuitNetwork | None = None
     free_shaft: FreeShaft | None = None
     speed_schedule: Array = field(default_factory=lambda: np.zeros((0, 2)))
     shaft_angle: float = 0.0

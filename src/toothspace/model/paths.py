@@ -9,7 +9,7 @@ import numpy as np
 
 from toothspace.core.types import Array, IntArray
 from toothspace.model.arrays import CURVED_GAP, ORIFICE, PARALLEL_GAP
-from toothspace.model.circuit_description import Circuit
+from toothspace.model.circuit_description import CircuitNetwork
 from toothspace.model.description import FlowPath, MachineDescription
 from toothspace.model.path_category import (
     CIRCUIT_ORIFICE,
@@ -36,7 +36,7 @@ def load_orifice(description: MachineDescription, area: float) -> FlowPath:
     )
 
 
-def circuit_orifices(circuit: Circuit, places: Mapping[str, int]) -> tuple[FlowPath, ...]:
+def circuit_orifices(circuit: CircuitNetwork, places: Mapping[str, int]) -> tuple[FlowPath, ...]:
     """Return the orifices of a circuit as flow paths."""
     return tuple(
         FlowPath(

@@ -39,7 +39,7 @@ class Mixing:
         self._count = 0
 
     def following(self, value: Array, residual: Array) -> Array:
-        """Value to try next: that whose residual the former ones foretell as least.
+        """Value to try next: that whose residual the former ones predict as least.
 
         Parameters
         ----------
@@ -73,30 +73,30 @@ class Mixing:
 
 def mixed(
     mixing: Mixing,
-    widened: tuple[list[list[Array]], list[list[Array]]],
+    deformation: tuple[list[list[Array]], list[list[Array]]],
     places: tuple[Array, Array],
     arms: Array,
 ) -> tuple[list[list[Array]], Array]:
-    """Widening of gaps and step of the coordinates to try next.
+    """Deformation of gaps and step of the coordinates to try next.
 
     Parameters
     ----------
     mixing : Mixing
         Memory of former iterations.
-    widened : tuple of list
-        Widening of every scene and film that was used, and that found with it. [m]
+    deformation : tuple of list
+        Deformation of every snapshot and film that was used, and that found with it. [m]
     places : tuple of ndarray
         Coordinates, lifts and rotations in turn, and the step that balances forces. [m, rad]
     arms : ndarray
         Distance at which every coordinate counts as a lift. [-, m]
     """
-    used, new = (np.concatenate([a.ravel() for s in w for a in s]) for w in widened)
+    used, new = (np.concatenate([a.ravel() for s in w for a in s]) for w in deformation)
     q, step = places
-    # the coordinates count as much as the widening of all cells
+    # the coordinates count as much as the deformation of all cells
     weight = arms * np.sqrt(used.size)
     residual = np.concatenate([new - used, weight * step])
     found = mixing.following(np.concatenate([used, weight * q]), residual)
-    ends = np.cumsum([a.size for s in widened[0] for a in s])
+    ends = np.cumsum([a.size for s in deformation[0] for a in s])
     parts = iter(np.split(found, ends))
-    fields = [[next(parts).reshape(a.shape) for a in s] for s in widened[0]]
+    fields = [[next(parts).reshape(a.shape) for a in s] for s in deformation[0]]
     return fields, next(parts) / weight - q

@@ -11,10 +11,10 @@ from typing import final
 import numpy as np
 
 from toothspace.core.types import Array, BoolArray
-from toothspace.numerics.chequerboard import fetch, store, stored, stored_field
+from toothspace.numerics.colouring import fetch, store, stored, stored_field
 from toothspace.numerics.conjugate import advance, conduct, load, mixed_dot, turn
 from toothspace.numerics.multigrid import diagonal_of, finest_grid, for_sides, hierarchy, power_near
-from toothspace.numerics.multigrid_cycle import Level, board_in, cycle
+from toothspace.numerics.multigrid_cycle import Level, cycle, grid_of
 from toothspace.numerics.structured_grid import CellBalance
 from toothspace.numerics.vectors import norm
 
@@ -39,8 +39,8 @@ class ConductionSolver:
         c = finest_grid(balance, free, self._scale)
         self._free = free
         self._levels, self._coarsest = hierarchy(c, bool(balance.ring))
-        self._board = board_in(self._levels[0])
-        gx, gy, diagonal = (stored_field(self._board, f) for f in (c.gx, c.gy, diagonal_of(c)))
+        self._grid = grid_of(self._levels[0])
+        gx, gy, diagonal = (stored_field(self._grid, f) for f in (c.gx, c.gy, diagonal_of(c)))
         self._operator = gx, gy, diagonal
 
     @property
@@ -58,11 +58,11 @@ class ConductionSolver:
         units = 1.0 / np.where(sizes > 0.0, sizes, 1.0)
         levels = self._levels_for(len(sides))
         for side, unit, level in zip(sides, units, levels[0].b, strict=True):
-            store(self._board, side * unit, level)
+            store(self._grid, side * unit, level)
         cycle(levels, self._coarsest)
         x = np.empty(sides.shape)
         for field, out in zip(levels[0].x, x, strict=True):
-            fetch(self._board, field, out)
+            fetch(self._grid, field, out)
         x *= (sizes / self._scale)[:, None, None]
         return x.reshape(rhs.shape)
 
@@ -100,15 +100,15 @@ class ConductionSolver:
         count = self._iterate(x, r, relative_tolerance, max_iterations)
         out = np.empty((len(x), *self._free.shape))
         for field, rows in zip(x, out, strict=True):
-            fetch(self._board, field, rows)
+            fetch(self._grid, field, rows)
         return out.reshape(rhs.shape), count
 
     def _stored(self, values: Array) -> Array:
         """Fields stored by colours, zero where not free."""
         given = np.where(self._free, values, 0.0).reshape(-1, *self._free.shape)
-        out = np.zeros((len(given), *stored(self._board)))
+        out = np.zeros((len(given), *stored(self._grid)))
         for rows, field in zip(given, out, strict=True):
-            store(self._board, rows, field)
+            store(self._grid, rows, field)
         return out
 
     def _iterate(self, x: Array, r: Array, tolerance: float, max_iterations: int) -> int:
@@ -116,7 +116,7 @@ class ConductionSolver:
         limits = [tolerance * norm(side.ravel()) for side in r]
         p, q = np.zeros_like(r), np.zeros_like(r)
         if x.any():
-            conduct(self._board, self._operator, x, q)
+            conduct(self._grid, self._operator, x, q)
             r -= q
         sizes = [norm(side.ravel()) for side in r]
         # one factor for all cycles, so that single precision neither overflows nor vanishes
@@ -134,7 +134,7 @@ class ConductionSolver:
                 product = mixed_dot(r[k].ravel(), z)
                 turn(p[k].ravel(), z, product / former[k] if count else 0.0)
                 former[k] = product
-            curvature = conduct(self._board, self._operator, p, q)
+            curvature = conduct(self._grid, self._operator, p, q)
             for k in poor:
                 step = former[k] / curvature[k]
                 sizes[k] = advance(x[k].ravel(), r[k].ravel(), p[k].ravel(), q[k].ravel(), step)

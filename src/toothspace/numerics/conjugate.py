@@ -10,7 +10,7 @@ import numpy as np
 
 from toothspace.core.compiled import inlined, njit, prange
 from toothspace.core.types import Array
-from toothspace.numerics.chequerboard import Board, close_ring, neighbours, span
+from toothspace.numerics.colouring import ColouredGrid, close_ring, neighbours, span
 from toothspace.numerics.multigrid_cycle import Single, parallel_loops
 from toothspace.numerics.vectors import add_scaled, dot
 
@@ -26,12 +26,12 @@ LONG = 300000
 
 @inlined
 def _conduct_colour(
-    board: Board, operator: Operator, p: Array, q: Array, colour: int, rows: tuple[int, int]
+    grid: ColouredGrid, operator: Operator, p: Array, q: Array, colour: int, rows: tuple[int, int]
 ) -> float:
     """Product on the cells of one colour in a block of rows, and its inner product with ``p``."""
     gx, gy, diagonal = operator
-    low, high = span(board, rows[0], rows[1], colour)
-    west, south, east = neighbours(board, colour, low)
+    low, high = span(grid, rows[0], rows[1], colour)
+    west, south, east = neighbours(grid, colour, low)
     count, other = high - low, 1 - colour
     g_west, g_east = gx[colour, low:high], gx[other, east : east + count]
     p_west, p_east = p[other, west : west + count], p[other, east : east + count]
@@ -50,43 +50,43 @@ def _conduct_colour(
 
 @njit(nogil=True, error_model="numpy", fastmath={"contract", "reassoc"})
 def _conduct_part(
-    board: Board, operator: Operator, p: Array, q: Array, part: int, sums: Array
+    grid: ColouredGrid, operator: Operator, p: Array, q: Array, part: int, sums: Array
 ) -> None:
     """Products in one part of the rows, every field in turn while a block is in cache."""
-    parts, size = sums.shape[1], max(1, BLOCK // board.stride)
-    first, last = part * board.rows // parts, (part + 1) * board.rows // parts
+    parts, size = sums.shape[1], max(1, BLOCK // grid.stride)
+    first, last = part * grid.rows // parts, (part + 1) * grid.rows // parts
     sums[:, part] = 0.0
     for row in range(first, last, size):
         rows = row, min(row + size, last)
         for side in range(p.shape[0]):
             for colour in range(2):
-                sums[side, part] += _conduct_colour(board, operator, p[side], q[side], colour, rows)
+                sums[side, part] += _conduct_colour(grid, operator, p[side], q[side], colour, rows)
 
 
 @njit(nogil=True)
-def _conduct(board: Board, operator: Operator, p: Array, q: Array, sums: Array) -> None:
+def _conduct(grid: ColouredGrid, operator: Operator, p: Array, q: Array, sums: Array) -> None:
     for part in range(sums.shape[1]):
-        _conduct_part(board, operator, p, q, part, sums)
+        _conduct_part(grid, operator, p, q, part, sums)
 
 
 @njit(parallel=True)
-def _conduct_parts(board: Board, operator: Operator, p: Array, q: Array, sums: Array) -> None:
+def _conduct_parts(grid: ColouredGrid, operator: Operator, p: Array, q: Array, sums: Array) -> None:
     for part in prange(sums.shape[1]):
-        _conduct_part(board, operator, p, q, part, sums)
+        _conduct_part(grid, operator, p, q, part, sums)
 
 
 @njit(nogil=True)
-def _close(board: Board, fields: Array) -> None:
+def _close(grid: ColouredGrid, fields: Array) -> None:
     for side in range(fields.shape[0]):
-        close_ring(board, fields[side])
+        close_ring(grid, fields[side])
 
 
-def conduct(board: Board, operator: Operator, p: Array, q: Array) -> Array:
+def conduct(grid: ColouredGrid, operator: Operator, p: Array, q: Array) -> Array:
     """Products of the conductive operator of the free cells and fields.
 
     Parameters
     ----------
-    board : Board
+    grid : ColouredGrid
         Storage of the fields.
     operator : tuple of ndarray
         Conductances to the western and southern neighbours, and their sums. [any]
@@ -100,14 +100,14 @@ def conduct(board: Board, operator: Operator, p: Array, q: Array) -> Array:
     ndarray, shape (sides,)
         Inner products of each field with its product. [any]
     """
-    _close(board, p)
+    _close(grid, p)
     parts = _parts(2 * p.shape[-1])
     sums = np.empty((len(p), parts))
     if parts == 1:
-        _conduct(board, operator, p, q, sums)
+        _conduct(grid, operator, p, q, sums)
     else:
         with parallel_loops():
-            _conduct_parts(board, operator, p, q, sums)
+            _conduct_parts(grid, operator, p, q, sums)
     return np.asarray(sums.sum(axis=1))
 
 

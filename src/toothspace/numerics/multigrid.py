@@ -15,8 +15,8 @@ import numpy as np
 
 from toothspace.core.compiled import inlined, njit
 from toothspace.core.types import Array, BoolArray
-from toothspace.numerics.chequerboard import Board, board_of, store, stored
-from toothspace.numerics.multigrid_cycle import CHUNK, THREADS, Level, Single, board_in
+from toothspace.numerics.colouring import ColouredGrid, coloured_grid, store, stored
+from toothspace.numerics.multigrid_cycle import CHUNK, THREADS, Level, Single, grid_of
 from toothspace.numerics.structured_grid import CellBalance
 
 
@@ -173,7 +173,7 @@ def hierarchy(c: Conductances, ring: bool) -> Hierarchy:
         merges = _merges(c)
         rows, lanes = c.outer_x.shape
         finest = not levels and merges != (1, 1)
-        levels.append(_level(c, board_of(rows, lanes, ring=ring), merges, plain=not finest))
+        levels.append(_level(c, coloured_grid(rows, lanes, ring=ring), merges, plain=not finest))
         if merges == (1, 1):
             inverse = np.linalg.inv(_matrix(c, ring))
             inverse *= diagonal_of(c).ravel()[:, None] > 0.0
@@ -181,22 +181,22 @@ def hierarchy(c: Conductances, ring: bool) -> Hierarchy:
         c = _merge(c, *merges)
 
 
-def _level(c: Conductances, board: Board, merges: tuple[int, int], *, plain: bool) -> Level:
-    gx, gy, inverse = (np.zeros(stored(board), dtype=np.float32) for _ in range(3))
-    store(board, c.gx, gx)
-    store(board, c.gy, gy)
+def _level(c: Conductances, grid: ColouredGrid, merges: tuple[int, int], *, plain: bool) -> Level:
+    gx, gy, inverse = (np.zeros(stored(grid), dtype=np.float32) for _ in range(3))
+    store(grid, c.gx, gx)
+    store(grid, c.gy, gy)
     diagonal = diagonal_of(c)
     np.divide(1.0, diagonal, out=diagonal, where=diagonal > 0.0)
-    store(board, diagonal, inverse)
-    x, b, r = _space(board, 1)
-    rows = np.zeros((1, board.rows, board.lanes + 2 if plain else 0), dtype=np.float32)
-    work = np.zeros((max(1, THREADS), max(CHUNK, board.lanes + 2)), dtype=np.float32)
-    return Level(*board, gx, gy, inverse, x, b, r, rows, work, *merges)
+    store(grid, diagonal, inverse)
+    x, b, r = _space(grid, 1)
+    rows = np.zeros((1, grid.rows, grid.lanes + 2 if plain else 0), dtype=np.float32)
+    work = np.zeros((max(1, THREADS), max(CHUNK, grid.lanes + 2)), dtype=np.float32)
+    return Level(*grid, gx, gy, inverse, x, b, r, rows, work, *merges)
 
 
-def _space(board: Board, sides: int) -> tuple[Single, Single, Single]:
+def _space(grid: ColouredGrid, sides: int) -> tuple[Single, Single, Single]:
     """Work space of a level: solution, right-hand side, residual."""
-    colours, places = stored(board)
+    colours, places = stored(grid)
     shape = (sides, colours, places)
     x, b = np.zeros(shape, dtype=np.float32), np.zeros(shape, dtype=np.float32)
     return x, b, np.zeros((sides, places), dtype=np.float32)
@@ -228,6 +228,6 @@ def for_sides(levels: tuple[Level, ...], sides: int) -> tuple[Level, ...]:
 
 
 def _with_space(level: Level, sides: int) -> Level:
-    x, b, r = _space(board_in(level), sides)
+    x, b, r = _space(grid_of(level), sides)
     plain = np.zeros((sides, *level.plain.shape[1:]), dtype=np.float32)
     return level._replace(x=x, b=b, r=r, plain=plain)

@@ -1,6 +1,6 @@
 """One V-cycle of the geometric multigrid in single precision.
 
-Every level is stored by colours, see :mod:`toothspace.numerics.chequerboard`. The passes of a
+Every level is stored by colours, see :mod:`toothspace.numerics.colouring`. The passes of a
 level (two relaxations of either colour and the transfer) follow each other closely: while one
 works on a block of rows, the next works on the block before. So a level too large for the cache
 is read once on the way down and once on the way up. Several threads take tiles of blocks that
@@ -21,8 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from toothspace.core.compiled import inlined, kernel, njit, prange
-from toothspace.numerics.chequerboard import (
-    Board,
+from toothspace.numerics.colouring import (
+    ColouredGrid,
     close_ring,
     fetch,
     neighbours,
@@ -84,15 +84,15 @@ class Level(NamedTuple):
 
 
 @inlined
-def board_in(level: Level) -> Board:
+def grid_of(level: Level) -> ColouredGrid:
     """Storage of a level; parallel loops cannot take tuples in tuples."""
-    return Board(level.rows, level.lanes, level.stride, level.ring)
+    return ColouredGrid(level.rows, level.lanes, level.stride, level.ring)
 
 
 @inlined
 def _sums(level: Level, side: int, colour: int, low: int, high: int, out: Single) -> None:
     """Right-hand side plus what the neighbours conduct to the cells of one colour."""
-    west, south, east = neighbours(board_in(level), colour, low)
+    west, south, east = neighbours(grid_of(level), colour, low)
     other, count = 1 - colour, high - low
     x, b = level.x[side, other], level.b[side, colour, low:high]
     g_west, g_east = level.gx[colour, low:high], level.gx[other, east : east + count]
@@ -108,7 +108,7 @@ def _sums(level: Level, side: int, colour: int, low: int, high: int, out: Single
 @inlined
 def _relax(level: Level, side: int, colour: int, rows: tuple[int, int], work: Single) -> None:
     """Gauss-Seidel on the cells of one colour."""
-    low, end = span(board_in(level), rows[0], rows[1], colour)
+    low, end = span(grid_of(level), rows[0], rows[1], colour)
     while low < end:
         high = min(low + CHUNK, end)
         _sums(level, side, colour, low, high, work)
@@ -121,7 +121,7 @@ def _relax(level: Level, side: int, colour: int, rows: tuple[int, int], work: Si
 @inlined
 def _begin(level: Level, side: int, rows: tuple[int, int]) -> None:
     """Relax the first colour from zero everywhere."""
-    low, high = span(board_in(level), rows[0], rows[1], 0)
+    low, high = span(grid_of(level), rows[0], rows[1], 0)
     x, b = level.x[side, 0, low:high], level.b[side, 0, low:high]
     inverse = level.inverse[0, low:high]
     for n in range(high - low):
@@ -131,7 +131,7 @@ def _begin(level: Level, side: int, rows: tuple[int, int]) -> None:
 @inlined
 def _remainder(level: Level, side: int, rows: tuple[int, int], work: Single) -> None:
     """Residual of the first colour; the one relaxed last has none."""
-    low, end = span(board_in(level), rows[0], rows[1], 0)
+    low, end = span(grid_of(level), rows[0], rows[1], 0)
     while low < end:
         high = min(low + CHUNK, end)
         _sums(level, side, 0, low, high, work)
@@ -159,7 +159,7 @@ def _beyond(index: int, merge: int, count: int, ring: bool) -> int:
 @inlined
 def _prolong(fine: Level, coarse: Level, side: int, i: int, mixed: Single) -> None:
     """Add the coarse correction to the first colour of a row; the other is relaxed next."""
-    lane, place, count = row_start(board_in(fine), i, 0)
+    lane, place, count = row_start(grid_of(fine), i, 0)
     near = NEAR if fine.merge_x == 2 else ONE
     far = ONE - near
     beyond = _beyond(i, fine.merge_x, coarse.rows, fine.ring)
@@ -195,22 +195,22 @@ def _pass(
 
 
 @inlined
-def _block_rows(board: Board) -> int:
-    return max(1, BLOCK // board.stride)
+def _block_rows(grid: ColouredGrid) -> int:
+    return max(1, BLOCK // grid.stride)
 
 
 @inlined
-def _blocks(board: Board) -> int:
-    size = _block_rows(board)
-    return (board.rows + size - 1) // size
+def _blocks(grid: ColouredGrid) -> int:
+    size = _block_rows(grid)
+    return (grid.rows + size - 1) // size
 
 
 @inlined
-def _block(board: Board, q: int) -> tuple[int, int]:
+def _block(grid: ColouredGrid, q: int) -> tuple[int, int]:
     """Rows of a block, counted round the ring."""
-    size = _block_rows(board)
-    first = (q % _blocks(board)) * size
-    return first, min(first + size, board.rows)
+    size = _block_rows(grid)
+    first = (q % _blocks(grid)) * size
+    return first, min(first + size, grid.rows)
 
 
 @kernel
@@ -220,13 +220,13 @@ def _close(level: Level, stage: int) -> None:
     In a ring of an odd number of rows the ends have neighbours of their own colour; relaxed in
     turn they come so near to each other that the residual of either may be left out.
     """
-    board, last = board_in(level), level.rows - 1
+    grid, last = grid_of(level), level.rows - 1
     for side in range(level.x.shape[0]):
-        close_ring(board, level.x[side])
+        close_ring(grid, level.x[side])
         if level.ring and level.rows % 2 == 1 and 0 < stage < PASSES - 1:
             for row in (0, last, 0, last):
                 _relax(level, side, stage % 2, (row, row + 1), level.work[0])
-                close_ring(board, level.x[side])
+                close_ring(grid, level.x[side])
 
 
 @kernel
@@ -240,28 +240,28 @@ def _one_after_another(fine: Level, coarse: Level, down: bool) -> None:
 @kernel
 def _tile(fine: Level, coarse: Level, down: bool, tile: int, tiles: int) -> None:
     """Passes in a tile of blocks, one block less from pass to pass at ends with a neighbour."""
-    board, blocks = board_in(fine), _blocks(board_in(fine))
+    grid, blocks = grid_of(fine), _blocks(grid_of(fine))
     first, last = tile * blocks // tiles, (tile + 1) * blocks // tiles
-    at_first = 1 if board.ring or tile > 0 else 0
-    at_last = 1 if board.ring or tile < tiles - 1 else 0
+    at_first = 1 if grid.ring or tile > 0 else 0
+    at_last = 1 if grid.ring or tile < tiles - 1 else 0
     for time in range(first, last + PASSES - 1):
         for stage in range(PASSES):
             q = time - stage
             if first + at_first * stage <= q < last - at_last * stage:
-                _pass(fine, coarse, down, stage, _block(board, q), fine.work[tile])
+                _pass(fine, coarse, down, stage, _block(grid, q), fine.work[tile])
 
 
 @kernel
 def _seam(fine: Level, coarse: Level, down: bool, tile: int, tiles: int) -> None:
     """What the tiles left on either side of the beginning of a tile."""
-    board, begin = board_in(fine), tile * _blocks(board_in(fine)) // tiles
+    grid, begin = grid_of(fine), tile * _blocks(grid_of(fine)) // tiles
     if tile == 0:
-        if not board.ring:
+        if not grid.ring:
             return
         _close(fine, 0)
     for stage in range(1, PASSES):
         for q in range(begin - stage, begin + stage):
-            _pass(fine, coarse, down, stage, _block(board, q), fine.work[tile])
+            _pass(fine, coarse, down, stage, _block(grid, q), fine.work[tile])
         if tile == 0:
             _close(fine, stage)
 
@@ -282,7 +282,7 @@ def _seams(fine: Level, coarse: Level, down: bool, tiles: int) -> None:
 @inlined
 def _gather(fine: Level, side: int, i: int, weight: float, out: Single) -> None:
     """Add what :func:`_prolong` would take from a coarse row, its adjoint, to that row."""
-    lane, place, count = row_start(board_in(fine), i, 0)
+    lane, place, count = row_start(grid_of(fine), i, 0)
     r = fine.r[side]
     if fine.merge_y == 1:
         target = out[lane:]
@@ -330,7 +330,7 @@ def _restrict(fine: Level, coarse: Level) -> None:
             out = plain[m, 1 : lanes + 1]
             out[:] = NONE
             _gather_rows(fine, side, m, out)
-        store(board_in(coarse), plain[:, 1:], coarse.b[side])
+        store(grid_of(coarse), plain[:, 1:], coarse.b[side])
 
 
 @kernel
@@ -339,7 +339,7 @@ def _lay_out(level: Level) -> None:
     lanes = level.lanes
     for side in range(level.x.shape[0]):
         plain = level.plain[side]
-        fetch(board_in(level), level.x[side], plain[:, 1:])
+        fetch(grid_of(level), level.x[side], plain[:, 1:])
         for i in range(level.rows):
             plain[i, 0], plain[i, lanes + 1] = plain[i, 1], plain[i, lanes]
 
@@ -350,7 +350,7 @@ def _solve_coarsest(level: Level, inverse: Single) -> None:
     x = level.work[0]
     for side in range(level.x.shape[0]):
         plain = level.plain[side]
-        fetch(board_in(level), level.b[side], plain[:, 1:])
+        fetch(grid_of(level), level.b[side], plain[:, 1:])
         for k in range(rows * lanes):
             total = NONE
             for m in range(rows * lanes):
@@ -358,7 +358,7 @@ def _solve_coarsest(level: Level, inverse: Single) -> None:
             x[k] = total
         for k in range(rows * lanes):
             plain[k // lanes, k % lanes + 1] = x[k]
-        store(board_in(level), plain[:, 1:], level.x[side])
+        store(grid_of(level), plain[:, 1:], level.x[side])
 
 
 def _leg(fine: Level, coarse: Level, down: bool) -> None:

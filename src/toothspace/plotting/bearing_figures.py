@@ -1,4 +1,4 @@
-"""Figures of a pressed bearing over speed and pressure, and over its balanced area."""
+"""Figures of a floating bearing over speed and pressure, and over its balanced area."""
 
 from __future__ import annotations
 
@@ -47,8 +47,9 @@ def map_figures(data: xr.Dataset) -> list[StudyFigure]:
     if not found or min(data.sizes["shaft_speed"], data.sizes["outlet_pressure"]) < 2:
         return []
     caption = (
-        "Films of the bearing at rest over shaft speed and outlet pressure; dots are the computed "
-        "points, crosses those without rest. Few asperities should touch where the pump runs."
+        "Films of the bearing in equilibrium over shaft speed and outlet pressure; dots are the "
+        "computed points, crosses those without equilibrium. Few asperities should touch where the "
+        "pump runs."
     )
     return [StudyFigure("bearing_map", caption, film_contours(data))]
 

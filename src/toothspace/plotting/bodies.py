@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.model.description import JournalBearing, MachineDescription
+from toothspace.model.description import LumpedJournalBearing, MachineDescription
 from toothspace.plotting.style import (
     BLUE,
     CYCLE,
@@ -69,7 +69,7 @@ def _seat(solution: Solution, body: str) -> Array:
     return 1e6 * np.asarray(solution.data["seat_position"].sel(body=body, axis=["x", "y"]))
 
 
-def _journal(description: MachineDescription | None, body: str) -> JournalBearing | None:
+def _journal(description: MachineDescription | None, body: str) -> LumpedJournalBearing | None:
     journals = description.journals if description is not None else ()
     return next((journal for journal in journals if journal.body == body), None)
 

@@ -1,4 +1,4 @@
-"""Figures of a pressed bearing: positions over pressure, losses and maps of its films."""
+"""Figures of a floating bearing: positions over pressure, losses and maps of its films."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 _MARKS = ("-o", "--s", "-.^", ":v", "-D", "--x")
-"""Lines that lie on one another must be told apart."""
+"""Lines that lie on one another stay distinguishable."""
 
 
 @final

@@ -15,7 +15,7 @@ from toothspace.plotting.style import figure_to_svg
 from toothspace.report import charts
 from toothspace.report.machine import machine_of
 from toothspace.report.verdict import verdict, warnings_of
-from toothspace.report.wording import Quantity, format_value, quantity
+from toothspace.report.wording import LabelledNumber, format_value, quantity
 from toothspace.results.ledger import NOTE_ENTRIES, power_ledger
 from toothspace.results.solution import Solution
 from toothspace.simulation.presets import INTERFACES, MODELS, models_of
@@ -174,10 +174,10 @@ def _machine(solution: Solution, description: MachineDescription | None) -> dict
     }
 
 
-def _check_value(name: str, value: float, unit: str) -> Quantity:
+def _check_value(name: str, value: float, unit: str) -> LabelledNumber:
     label = name.replace("_", " ")
     shown = "" if unit in {"1", "-"} else unit.replace("mm3", "mm³").replace("mm2", "mm²")
-    return Quantity(label[:1].upper() + label[1:], format_value(value), shown)
+    return LabelledNumber(label[:1].upper() + label[1:], format_value(value), shown)
 
 
 def _background(solution: Solution) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from typing import Any
 from toothspace.core.files import write_text
 from toothspace.plotting.study_figures import study_figures
 from toothspace.plotting.style import figure_to_svg
-from toothspace.report.wording import Quantity, format_value, quantity
+from toothspace.report.wording import LabelledNumber, format_value, quantity
 from toothspace.studies.study import StudyResult, StudyTable
 
 _TEMPLATES = Path(__file__).parent / "templates"
@@ -63,7 +63,7 @@ def study_report_html(result: StudyResult) -> str:
     )
 
 
-def _numbers(result: StudyResult) -> list[Quantity]:
+def _numbers(result: StudyResult) -> list[LabelledNumber]:
     """Single numbers of the study; its lists stand in the tables."""
     return [
         quantity(name, value)

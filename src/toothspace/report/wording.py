@@ -33,7 +33,7 @@ _SUFFIXES: Mapping[str, str] = {
 """Unit suffixes of summary numbers, longest first where one ends another."""
 
 
-class Quantity(NamedTuple):
+class LabelledNumber(NamedTuple):
     """A number for a reader: label, value as text, unit."""
 
     label: str
@@ -41,14 +41,14 @@ class Quantity(NamedTuple):
     unit: str
 
 
-def quantity(name: str, value: object) -> Quantity:
+def quantity(name: str, value: object) -> LabelledNumber:
     """Split a name such as ``mean_flow_L_per_min`` into label and unit, and format its value."""
     for suffix, unit in _SUFFIXES.items():
         if name.endswith(suffix):
-            return Quantity(_label(name.removesuffix(suffix)), format_value(value), unit)
+            return LabelledNumber(_label(name.removesuffix(suffix)), format_value(value), unit)
     if name.endswith("_efficiency") and isinstance(value, float):
-        return Quantity(_label(name), format_value(100.0 * value), "%")
-    return Quantity(_label(name), format_value(value), "")
+        return LabelledNumber(_label(name), format_value(100.0 * value), "%")
+    return LabelledNumber(_label(name), format_value(value), "")
 
 
 def format_value(value: object) -> str:

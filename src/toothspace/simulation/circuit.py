@@ -5,7 +5,7 @@ from __future__ import annotations
 from toothspace.core.errors import CaseError
 from toothspace.model.assembly import assemble
 from toothspace.results.solution import Solution
-from toothspace.simulation.lateral.table_lookup import told_over_time
+from toothspace.simulation.lateral.table_lookup import with_table_load
 from toothspace.simulation.lumped import run_in_machine
 from toothspace.simulation.setup import Progress, Setup
 from toothspace.solver.transient import TimePlan, TransientMarch
@@ -35,4 +35,4 @@ def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
     )
     march = TransientMarch(assemble(machine.description, setup.fluid, condition), plan)
     ended = transient_solution(march, machine.provenance, machine.extra, case.title, progress)
-    return machine.worn.marked(told_over_time(machine.description, condition, ended))
+    return machine.worn.marked(with_table_load(machine.description, condition, ended))

@@ -12,7 +12,7 @@ import numpy as np
 from toothspace.closures.journal_friction import FrictionCurve, FrictionCurves
 from toothspace.core.errors import CaseError
 from toothspace.core.netcdf import read_dataset
-from toothspace.model.description import JournalBearing, MachineDescription
+from toothspace.model.description import LumpedJournalBearing, MachineDescription
 from toothspace.model.lateral_table import LateralTable
 
 if TYPE_CHECKING:
@@ -93,7 +93,9 @@ def with_journal_friction(
     )
 
 
-def _with_curve(journal: JournalBearing, tables: xr.Dataset, known: list[str]) -> JournalBearing:
+def _with_curve(
+    journal: LumpedJournalBearing, tables: xr.Dataset, known: list[str]
+) -> LumpedJournalBearing:
     if journal.body not in known:
         allowed = f"a table for {journal.body}"
         raise CaseError(f"run.film_tables: found bearings of {', '.join(known)}, allowed {allowed}")
@@ -123,7 +125,7 @@ def with_lateral_loads(description: MachineDescription, tables: xr.Dataset) -> M
     Raises
     ------
     CaseError
-        If the machine has no pressed bearing, or the tables are of another size.
+        If the machine has no floating bearing, or the tables are of another size.
     """
     balance = description.lateral_balance
     if balance is None:

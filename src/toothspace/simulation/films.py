@@ -13,8 +13,8 @@ from toothspace.films.journal.map import solved_journal
 from toothspace.films.lateral.conductance import FaceConductance, face_conductance
 from toothspace.model.description import (
     FlowPath,
-    JournalBearing,
-    LateralFilm,
+    LumpedJournalBearing,
+    LumpedLateralFilm,
     MachineDescription,
 )
 from toothspace.model.films import lateral_face_torque
@@ -91,7 +91,7 @@ def _with_solved_faces(
     )
 
 
-def _solved(journal: JournalBearing) -> JournalBearing:
+def _solved(journal: LumpedJournalBearing) -> LumpedJournalBearing:
     if journal.solved is not None or journal.end_condition == "no_flow":
         return journal
     rough = journal.roughness > 0.0
@@ -104,14 +104,14 @@ def _solved(journal: JournalBearing) -> JournalBearing:
 class _Face:
     """Both faces of one body with their solved conductances."""
 
-    def __init__(self, description: MachineDescription, film: LateralFilm) -> None:
+    def __init__(self, description: MachineDescription, film: LumpedLateralFilm) -> None:
         assert film.face is not None
         self.lateral, self.face = film, film.face
         self.across = _path(description, LATERAL, film.face.nodes)
         self.inwards = _path(description, DRAIN, film.face.nodes)
         self.solved: FaceConductance = face_conductance(film)
 
-    def film(self) -> LateralFilm:
+    def film(self) -> LumpedLateralFilm:
         """Film with the solved torque; a tilt shears as in the closed form."""
         closed = replace(self.lateral, tilt=0.0)
         tilted = lateral_face_torque(self.lateral) / lateral_face_torque(closed)

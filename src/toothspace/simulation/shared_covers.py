@@ -11,7 +11,7 @@ from toothspace.films.journal.rim_film import rim_paths, sector_family, without_
 from toothspace.films.lateral.axial_position import balanced_gaps
 from toothspace.films.lateral.shared_face import SharedFilm, sector_phases, shared_film
 from toothspace.films.lateral.shared_paths import shared_paths
-from toothspace.model.description import FlowPath, LateralFilm, MachineDescription
+from toothspace.model.description import FlowPath, LumpedLateralFilm, MachineDescription
 from toothspace.model.film_shapes import SharedFaces
 from toothspace.model.operating_point import OperatingCondition
 
@@ -95,7 +95,9 @@ def solved_covers(
     return films
 
 
-def _film(film: LateralFilm, faces: SharedFaces, films: tuple[SharedFilm, ...]) -> LateralFilm:
+def _film(
+    film: LumpedLateralFilm, faces: SharedFaces, films: tuple[SharedFilm, ...]
+) -> LumpedLateralFilm:
     if film.body not in faces.bodies:
         return film
     body = faces.bodies.index(film.body)

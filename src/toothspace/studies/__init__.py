@@ -11,7 +11,7 @@ workers        processes that share the points
 variation      values of varied keys: grids, samples, distributions
 sweep          many cases over varied keys
 efficiency_map steady points over speed and pressure difference
-lateral_points operating points of a pressed bearing
+lateral_points operating points of a floating bearing
 hysteresis     its position as the outlet pressure goes up and down
 nose_pressure  its position over the pressure on its nose
 bearing_map    its films over speed and pressure

@@ -1,4 +1,4 @@
-"""Loops of pressure over the balanced area of a pressed bearing and its housing friction.
+"""Loops of pressure over the balanced area of a floating bearing and its housing friction.
 
 Forces and losses of the films are tabulated over the gap for every outlet pressure; bearing and
 gears stay parallel with one gap on both sides. Any balanced area and any friction then follow
@@ -23,9 +23,9 @@ from toothspace.core.types import Array
 from toothspace.films.lateral.housing_friction import BREAKAWAY_RATIO
 from toothspace.model.lateral_balance import HousingContact
 from toothspace.simulation.lateral.problem import LateralProblem, lateral_problem, numbers_of
-from toothspace.studies.found_point import point_key
 from toothspace.studies.lateral_points import LateralPoints, PointCondition, film_numbers, prepare
 from toothspace.studies.records import DONE, Record
+from toothspace.studies.stored_point import point_key
 from toothspace.studies.study import Row, StudyContext, StudyResult, StudyTable, plain
 from toothspace.studies.tabulate import provenance, unit_of
 
@@ -92,7 +92,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     Parameters
     ----------
     case : Case
-        Case with ``kind = "balance_sweep"``, an operating point and a pressed bearing.
+        Case with ``kind = "balance_sweep"``, an operating point and a floating bearing.
     context : StudyContext
         Progress, and records of tables that are finished.
 
@@ -104,7 +104,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     Raises
     ------
     CaseError
-        If the case has no operating point or no pressed bearing.
+        If the case has no operating point or no floating bearing.
     """
     study = case.study
     if not isinstance(study, BalanceSweepStudy):
@@ -130,7 +130,7 @@ def film_tables(
     Raises
     ------
     CaseError
-        If the case has no operating point or no pressed bearing.
+        If the case has no operating point or no floating bearing.
     """
     # a coefficient of one leaves the force that presses the bearing against the wall
     points = prepare(case, HousingContact(friction_coefficient=1.0), "balance_sweep")
@@ -216,7 +216,7 @@ def follow(
 
     Notes
     -----
-    The bearing rests while the load is below the breakaway force; otherwise it slides until the
+    The bearing sticks while the load is below the breakaway force; otherwise it slides until the
     load has fallen to the Coulomb force.
     """
     area, coefficient = load
@@ -255,7 +255,7 @@ def follow_all(tables: Sequence[FilmTable], study: BalanceSweepStudy) -> Array:
 
 
 def claims(gaps: Array, lifted: float) -> tuple[bool, bool, bool]:
-    """Tell whether a loop does what the measurements show.
+    """Whether a loop does what the measurements show.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Films of a pressed bearing at rest over shaft speed and outlet pressure."""
+"""Films of a floating bearing in equilibrium over shaft speed and outlet pressure."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ if TYPE_CHECKING:
 
 
 def run(case: Case, context: StudyContext) -> StudyResult:
-    """Let the bearing rest at every shaft speed and outlet pressure, each from the start gap.
+    """Find the equilibrium at every shaft speed and outlet pressure, each from the start gap.
 
     Parameters
     ----------
     case : Case
-        Case with ``kind = "bearing_map"``, an operating point and a pressed bearing.
+        Case with ``kind = "bearing_map"``, an operating point and a floating bearing.
     context : StudyContext
         Progress, workers and records.
 
@@ -40,7 +40,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     Raises
     ------
     CaseError
-        If the case has no operating point or no pressed bearing.
+        If the case has no operating point or no floating bearing.
     """
     study = case.study
     assert isinstance(study, BearingMapStudy)
@@ -74,7 +74,7 @@ def _point(case: Case, speed: float, pressure: float) -> Point:
 @final
 @dataclass(frozen=True)
 class BearingNumbers:
-    """Evaluates a case to numbers of its bearing at rest: a function for points of a study.
+    """Evaluates a case to numbers of its bearing in equilibrium: a function for points of a study.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ class BearingNumbers:
     @property
     def label(self) -> str:
         """Says what is evaluated, for the records of points."""
-        return f"bearing at rest from {self.start_gap:.12g} m, {self.rounds} rounds"
+        return f"bearing in equilibrium from {self.start_gap:.12g} m, {self.rounds} rounds"
 
     def __call__(self, case: Case) -> Mapping[str, Any]:
         """Return numbers of the films with the status, names with unit suffix."""

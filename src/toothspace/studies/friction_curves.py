@@ -1,4 +1,4 @@
-"""Friction in the housing over the velocity of a pressed bearing, for a study of it."""
+"""Friction in the housing over the velocity of a floating bearing, for a study of it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Position of a pressed bearing as the outlet pressure goes up and down."""
+"""Position of a floating bearing as the outlet pressure goes up and down."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
 from toothspace.core.units import parse_quantity
 from toothspace.model.lateral_balance import HousingContact
-from toothspace.studies.found_point import point_key
 from toothspace.studies.friction_curves import friction_curves
 from toothspace.studies.lateral_points import (
     LateralStudy,
@@ -23,6 +22,7 @@ from toothspace.studies.lateral_points import (
     prepare,
 )
 from toothspace.studies.measured import read_measured
+from toothspace.studies.stored_point import point_key
 from toothspace.studies.study import StudyContext, StudyResult
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     Parameters
     ----------
     case : Case
-        Case with ``kind = "hysteresis"``, an operating point and a pressed bearing.
+        Case with ``kind = "hysteresis"``, an operating point and a floating bearing.
     context : StudyContext
         Progress and records; points follow from one another, so one process computes them.
 
@@ -51,7 +51,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     Raises
     ------
     CaseError
-        If the case has no operating point or no pressed bearing.
+        If the case has no operating point or no floating bearing.
     """
     spec = case.study
     assert isinstance(spec, HysteresisStudy)
@@ -96,7 +96,7 @@ def follow_pressures(case: Case, context: StudyContext | None = None) -> Lateral
     Raises
     ------
     CaseError
-        If the case has another study, no operating point or no pressed bearing.
+        If the case has another study, no operating point or no floating bearing.
 
     References
     ----------

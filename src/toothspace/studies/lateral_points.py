@@ -1,4 +1,4 @@
-"""Operating points of a pressed bearing, one after another."""
+"""Operating points of a floating bearing, one after another."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ from toothspace.simulation.lateral.problem import (
 )
 from toothspace.simulation.lumped import RunInMachine, run_in_machine
 from toothspace.simulation.setup import condition_of
-from toothspace.studies.found_point import (
+from toothspace.studies.stored_point import (
     FIELDS,
-    FoundPoint,
-    found_point,
+    StoredPoint,
     record_of,
     recorded_point,
+    stored_point,
 )
 from toothspace.studies.study import Progress, StudyContext, StudyResult, StudyTable
 from toothspace.studies.tabulate import provenance, unit_of
@@ -58,7 +58,7 @@ class LateralStudy:
         ``hysteresis`` or ``nose_pressure``.
     labels : tuple of str
         Names of the points.
-    points : tuple of FoundPoint
+    points : tuple of StoredPoint
         What was found.
     outlet_pressures : tuple of float
         Outlet pressures of the points. [Pa]
@@ -68,7 +68,7 @@ class LateralStudy:
 
     kind: str
     labels: tuple[str, ...]
-    points: tuple[FoundPoint, ...]
+    points: tuple[StoredPoint, ...]
     outlet_pressures: tuple[float, ...]
     interrupted: bool = False
 
@@ -205,7 +205,7 @@ class PointCondition:
 @final
 @dataclass(frozen=True, eq=False)
 class LateralPoints:
-    """Machine of a case, prepared for points of a pressed bearing.
+    """Machine of a case, prepared for points of a floating bearing.
 
     Parameters
     ----------
@@ -246,7 +246,7 @@ class LateralPoints:
         start_gap: float,
         context: StudyContext,
         keys: Sequence[str],
-    ) -> tuple[FoundPoint, ...]:
+    ) -> tuple[StoredPoint, ...]:
         """Points that differ in the nose pressure alone, each from one gap. [m].
 
         They share the chamber pressures of the first. After an interrupt by the user those that
@@ -308,7 +308,7 @@ class LateralPoints:
 
 
 def require_bearing(case: Case) -> None:
-    """Refuse a machine without pressed bearing before anything is computed.
+    """Refuse a machine without floating bearing before anything is computed.
 
     Raises
     ------
@@ -326,7 +326,7 @@ def prepare(case: Case, friction: HousingContact | None, kind: str) -> LateralPo
     Raises
     ------
     CaseError
-        If the case has no operating point or the machine no pressed bearing.
+        If the case has no operating point or the machine no floating bearing.
     """
     if case.operating_point is None:
         allowed = "an [operating_point] that the study starts from"
@@ -353,8 +353,8 @@ def follow(
     start_gap: float,
     context: StudyContext,
     keys: Sequence[str],
-) -> tuple[FoundPoint, ...]:
-    """Solve points one after another, each from where the one before came to rest.
+) -> tuple[StoredPoint, ...]:
+    """Solve points one after another, each from the equilibrium of the one before.
 
     Parameters
     ----------
@@ -371,10 +371,10 @@ def follow(
 
     Returns
     -------
-    tuple of FoundPoint
+    tuple of StoredPoint
         After an interrupt by the user those that are finished.
     """
-    found: list[FoundPoint] = []
+    found: list[StoredPoint] = []
     now: Array | float = start_gap
     for k, (condition, key) in enumerate(zip(conditions, keys, strict=True)):
         if context.progress:
@@ -391,13 +391,13 @@ def follow(
 
 def _kept_or_solved(
     context: StudyContext, key: str, solve: Callable[[], CoupledPoint]
-) -> FoundPoint | None:
+) -> StoredPoint | None:
     """Point of a record, or a new one with its record; None after an interrupt by the user."""
     kept = context.records.get(key)
     if kept is not None:
         return recorded_point(kept)
     try:
-        point = found_point(solve())
+        point = stored_point(solve())
     except KeyboardInterrupt:
         return None
     context.records.add(record_of(key, point))

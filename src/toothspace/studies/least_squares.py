@@ -88,7 +88,7 @@ def fit(residuals: Residuals, start: Array, budget: int) -> Fit:
     """
     from scipy.optimize import least_squares
 
-    search = _Search(residuals, budget)
+    search = _Evaluations(residuals, budget)
     inside = np.clip(start, 1e-3, 1.0 - 1e-3)
     converged = True
     if np.all(search.at(inside) == _FAR):
@@ -106,7 +106,7 @@ def fit(residuals: Residuals, start: Array, budget: int) -> Fit:
     return Fit(best, search.known(best), search.slopes_known(best), search.used, converged)
 
 
-class _Search:
+class _Evaluations:
     """Evaluates points in batches, counts them and remembers the best."""
 
     def __init__(self, residuals: Residuals, budget: int) -> None:

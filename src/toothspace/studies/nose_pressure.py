@@ -1,4 +1,4 @@
-"""Position of a pressed bearing over the pressure on its nose."""
+"""Position of a floating bearing over the pressure on its nose."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from toothspace.case import Case
 from toothspace.case.study import NoseCondition, NosePressureStudy
 from toothspace.core.errors import CaseError
 from toothspace.model.lateral_balance import HousingContact
-from toothspace.studies.found_point import FoundPoint, point_key
 from toothspace.studies.lateral_points import (
     LateralStudy,
     PointCondition,
     prepare,
 )
+from toothspace.studies.stored_point import StoredPoint, point_key
 from toothspace.studies.study import StudyContext, StudyResult
 
 
@@ -23,7 +23,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     Parameters
     ----------
     case : Case
-        Case with ``kind = "nose_pressure"``, an operating point and a pressed bearing.
+        Case with ``kind = "nose_pressure"``, an operating point and a floating bearing.
     context : StudyContext
         Progress, and records of points that are finished.
 
@@ -35,7 +35,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     Raises
     ------
     CaseError
-        If the case has no operating point, no pressed bearing or one without a nose.
+        If the case has no operating point, no floating bearing or one without a nose.
     """
     return solve_conditions(case, context).result(case, {})
 
@@ -58,7 +58,7 @@ def solve_conditions(case: Case, context: StudyContext | None = None) -> Lateral
     Raises
     ------
     CaseError
-        If the case has another study, no operating point, no pressed bearing or no nose.
+        If the case has another study, no operating point, no floating bearing or no nose.
 
     References
     ----------
@@ -82,7 +82,7 @@ def solve_conditions(case: Case, context: StudyContext | None = None) -> Lateral
         )
     context, shared = context or StudyContext(), (study.start_gap, friction)
     conditions: list[PointCondition] = []
-    found: list[FoundPoint] = []
+    found: list[StoredPoint] = []
     for k, condition in enumerate(study.conditions):
         if context.progress:
             context.progress(k / len(study.conditions), condition.name)

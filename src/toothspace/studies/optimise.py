@@ -58,7 +58,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     """
     study = case.study
     assert isinstance(study, OptimiseStudy)
-    search = _Search(case, study, context)
+    search = _TriedPoints(case, study, context)
     status = Status.DONE
     try:
         converged = search.run()
@@ -94,7 +94,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
 
 
 @final
-class _Search:
+class _TriedPoints:
     """Points tried so far, and how good they are."""
 
     def __init__(self, case: Case, study: OptimiseStudy, context: StudyContext) -> None:

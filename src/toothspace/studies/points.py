@@ -45,7 +45,7 @@ class Point:
 
 @final
 @dataclass(frozen=True)
-class _Task:
+class _PointTask:
     key: str
     case: Case
     evaluate: Evaluate = field(repr=False)
@@ -91,13 +91,13 @@ def evaluate_points(
         After an interrupt by the user; finished points are recorded.
     """
     keys = [_key(item, evaluate) for item in points]
-    open_tasks: dict[str, _Task] = {}
+    open_tasks: dict[str, _PointTask] = {}
     for key, item in zip(keys, points, strict=True):
         if context.records.get(key) is None:
             if item.case is None:
                 context.records.add(Record(key, BAD_INPUT, message=item.message))
             else:
-                open_tasks[key] = _Task(key, item.case, evaluate)
+                open_tasks[key] = _PointTask(key, item.case, evaluate)
     done = len(points) - len(open_tasks)
     _tell(context, done, len(points))
     try:
@@ -173,7 +173,7 @@ def _name(evaluate: Evaluate) -> str:
     return str(label) if label else f"{evaluate.__module__}.{evaluate.__qualname__}"
 
 
-def _evaluated(task: _Task) -> Record:
+def _evaluated(task: _PointTask) -> Record:
     started = time.perf_counter()
     try:
         numbers = dict(task.evaluate(task.case))

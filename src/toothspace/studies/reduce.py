@@ -22,7 +22,7 @@ from toothspace.films.journal.mixed_lubrication import (
     machine_bearing,
     sweep_friction,
 )
-from toothspace.model.description import JournalBearing, MachineDescription
+from toothspace.model.description import LumpedJournalBearing, MachineDescription
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.quasi_static import mean_force
 from toothspace.simulation.elastic import lateral_settings
@@ -167,7 +167,7 @@ def reduce_journals(given: ReduceInput) -> xr.Dataset:
     return _journal_tables(description, sweeps, loads)
 
 
-def _load_of(description: MachineDescription, journal: JournalBearing, force: Array) -> float:
+def _load_of(description: MachineDescription, journal: LumpedJournalBearing, force: Array) -> float:
     """Mean load on one bearing. [N]."""
     places = [description.motion_index(journal.body, axis) for axis in ("x", "y")]
     load = float(np.hypot(*force[places])) / journal.count
@@ -243,12 +243,12 @@ def _journal_summary(tables: xr.Dataset) -> dict[str, Any]:
 
 
 def reduce_lateral_films(given: ReduceInput) -> xr.Dataset:
-    """Torque and leakage beside the gears over force and moment on the pressed bearing.
+    """Torque and leakage beside the gears over force and moment on the floating bearing.
 
     Parameters
     ----------
     given : ReduceInput
-        Machine with a pressed bearing, fluid and condition.
+        Machine with a floating bearing, fluid and condition.
 
     Returns
     -------
@@ -271,7 +271,7 @@ def reduce_lateral_films(given: ReduceInput) -> xr.Dataset:
         "pressure_torque": ("N m", "Part of the torque that viscosity and speed do not change"),
         "leakage_factor": ("1", "Leakage over that of the closed form"),
         "smallest_gap": ("m", "Smallest gap"),
-        "converged": ("1", "Whether the bearing came to rest"),
+        "converged": ("1", "Whether the bearing is in equilibrium"),
     }
     values: dict[str, Any] = {
         f"lateral_{name}": (over, getattr(found, name), _about(*text))

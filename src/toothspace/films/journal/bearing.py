@@ -207,7 +207,7 @@ class JournalBearing:
         Returns
         -------
         JournalBearingSolution
-            Film in equilibrium; ``status`` tells whether it was found.
+            Film in equilibrium; ``status`` says whether it was found.
         """
         speed = SurfaceSpeed(shaft_speed, bush_speed)
         force = np.asarray(load, dtype=float)

@@ -60,10 +60,10 @@ def find_equilibrium(
     if film.status.succeeded:
         return film
     film = _sunk(bearing, load, _solve_at(bearing, _inner(film.eccentricity, bearing), speed))
-    return film if film.status.succeeded else _told_apart(bearing, load, film)
+    return film if film.status.succeeded else _separated(bearing, load, film)
 
 
-def _told_apart(
+def _separated(
     bearing: JournalBearing, load: Array, film: JournalBearingSolution
 ) -> JournalBearingSolution:
     """Say so where the load is more than the liquid carries before its pressure runs away."""

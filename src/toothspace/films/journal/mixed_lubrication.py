@@ -22,7 +22,7 @@ from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
 
 if TYPE_CHECKING:
     from toothspace.films.journal.bearing import JournalBearing
-    from toothspace.model.description import JournalBearing as MachineBearing
+    from toothspace.model.description import LumpedJournalBearing
 
 
 @final
@@ -79,7 +79,7 @@ def sweep_friction(
 
 
 def machine_bearing(
-    journal: MachineBearing, dynamic_viscosity: float, grid: tuple[int, int] = (144, 15)
+    journal: LumpedJournalBearing, dynamic_viscosity: float, grid: tuple[int, int] = (144, 15)
 ) -> JournalBearing:
     """Film of a machine's journal bearing with its roughness, hardness and boundary friction.
 

@@ -21,7 +21,7 @@ from toothspace.films.lateral.shared_face import sector_phases
 from toothspace.model.description import (
     ChamberFamily,
     FlowPath,
-    JournalBearing,
+    LumpedJournalBearing,
     MachineDescription,
 )
 from toothspace.model.film_shapes import RimFilm, SharedFaces, SolvedJournal
@@ -104,7 +104,7 @@ def _ends(
     return (ends,)
 
 
-def without_film_force(journal: JournalBearing) -> JournalBearing:
+def without_film_force(journal: LumpedJournalBearing) -> LumpedJournalBearing:
     """Bearing whose film acts through chambers: shear, asperities and clearance stay."""
     zero = np.zeros_like(build_journal_map(LONG).nodes)
     return replace(journal, solved=SolvedJournal(zero, np.ones(2)))

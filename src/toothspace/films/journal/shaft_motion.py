@@ -175,7 +175,7 @@ def shaft_orbit(
     The film force is implicit, its exact stiffness and damping serve Newton's method.
     """
     step = _OrbitStep(bearing, mass, SurfaceSpeed(shaft_speed), settings)
-    place = _Past(np.array(settings.position), np.array(settings.velocity))
+    place = _ShaftStates(np.array(settings.position), np.array(settings.velocity))
     film = step.film(place.position, place.velocity, None)
     count = int(np.ceil(settings.duration / settings.time_step - 1e-9))
     rows = [(0.0, place.position, place.velocity, film.force)]
@@ -192,12 +192,12 @@ def shaft_orbit(
 
 @final
 @dataclass(frozen=True)
-class _Past:
+class _ShaftStates:
     """State of the shaft, and the one before it."""
 
     position: Array
     velocity: Array
-    before: _Past | None = None
+    before: _ShaftStates | None = None
 
     def derivative(self, name: str) -> tuple[float, Array]:
         """Factor of the new value and what is subtracted in the rate times the step."""
@@ -225,13 +225,13 @@ class _OrbitStep:
             history = former.history(self.settings.time_step)
         return solve_motion(self.bearing, motion, self.speed, former=former, history=history)
 
-    def velocity(self, position: Array, past: _Past) -> Array:
+    def velocity(self, position: Array, past: _ShaftStates) -> Array:
         """Velocity at the end of a step that ends at a position."""
         factor, rest = past.derivative("position")
         return np.asarray((factor * position - rest) / self.settings.time_step)
 
     def trial(
-        self, position: Array, past: _Past, load: Array, former: JournalBearingSolution
+        self, position: Array, past: _ShaftStates, load: Array, former: JournalBearingSolution
     ) -> tuple[JournalBearingSolution, Array]:
         """Film at the end of a step, and the force that is out of balance."""
         velocity = self.velocity(position, past)
@@ -240,14 +240,14 @@ class _OrbitStep:
         film = self.film(position, velocity, former)
         return film, load + film.force - self.mass * acceleration
 
-    def tangent(self, film: JournalBearingSolution, past: _Past) -> Array:
+    def tangent(self, film: JournalBearingSolution, past: _ShaftStates) -> Array:
         """Minus the derivative of the force out of balance with the position."""
         rate = past.derivative("position")[0] / self.settings.time_step
         return np.asarray(self.mass * rate**2 * np.eye(2) + film.stiffness + rate * film.damping)
 
     def advance(
-        self, past: _Past, load: Array, former: JournalBearingSolution
-    ) -> tuple[_Past, JournalBearingSolution, bool]:
+        self, past: _ShaftStates, load: Array, former: JournalBearingSolution
+    ) -> tuple[_ShaftStates, JournalBearingSolution, bool]:
         position = past.position
 
         def trial(place: Array) -> tuple[JournalBearingSolution, Array]:
@@ -260,7 +260,7 @@ class _OrbitStep:
             change, film, next_error = self._damped(position, full, error, trial)
             position = position + change
             if np.hypot(*change) <= 1e-9 * self.bearing.radial_clearance:
-                return _Past(position, self.velocity(position, past)), film, True
+                return _ShaftStates(position, self.velocity(position, past)), film, True
             if self.settings.film_memory:
                 # the memory has no derivative of its own: Broyden's rank-one correction
                 missing = error - next_error - tangent @ change
@@ -268,7 +268,7 @@ class _OrbitStep:
             else:
                 tangent = self.tangent(film, past)
             error = next_error
-        return _Past(position, self.velocity(position, past)), film, False
+        return _ShaftStates(position, self.velocity(position, past)), film, False
 
     def _damped(
         self,

@@ -75,7 +75,7 @@ def _refuse_closed(bearing: JournalBearing, motion: MotionState, surface_speed: 
     if bearing.end_condition == "no_flow" and not bearing.grooves and moves:
         raise CaseError(
             "bearing.supply: found 'none' between walls and without grooves, allowed is a supply "
-            "line, a groove or open ends: nothing tells how much liquid a closed film holds"
+            "line, a groove or open ends: the liquid in a closed film is not determined"
         )
 
 

@@ -1,4 +1,4 @@
-"""Smooth patterns of the gap of one face: waves round it times polynomials of the radius."""
+"""Smooth basis functions of the gap of one face: waves round it times polynomials of the radius."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from toothspace.films.reynolds.equation import GapField
 
 @final
 @dataclass(frozen=True, eq=False)
-class Patterns:
-    """Patterns of one face.
+class BasisFunctions:
+    """Basis functions of one face.
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ class Patterns:
     waves : int
         Most waves round the circumference, at least one. [-]
     degree : int
-        Largest degree of the polynomials, at least one: then the planes are patterns too. [-]
+        Largest degree of the polynomials, at least one: then planes are among them. [-]
     """
 
     grid: FaceGrid
@@ -41,21 +41,21 @@ class Patterns:
 
     @property
     def count(self) -> int:
-        """Number of patterns. [-]."""
+        """Number of basis functions. [-]."""
         return self._round.shape[1] * self._along.shape[1]
 
-    def sizes(self, values: Array) -> Array:
-        """Sizes of the patterns that come nearest to a field. [as the field]."""
+    def fit(self, values: Array) -> Array:
+        """Coefficients of the least-squares fit of a field. [as the field]."""
         turns, powers = self._fits()
         return np.asarray((turns.T @ (values @ powers)).ravel())
 
-    def total(self, sizes: Array) -> Array:
-        """Field of patterns of given sizes. [as the sizes]."""
-        table = sizes.reshape(self._round.shape[1], self._along.shape[1])
+    def combine(self, coefficients: Array) -> Array:
+        """Field with given coefficients. [as the coefficients]."""
+        table = coefficients.reshape(self._round.shape[1], self._along.shape[1])
         return np.asarray(self._round @ table @ self._along.T)
 
-    def all_sizes(self, fields: sp.spmatrix) -> Array:
-        """Sizes for many fields, which stand in the rows of a sparse matrix, in its rows."""
+    def fit_rows(self, fields: sp.spmatrix) -> Array:
+        """Coefficients of many fields, which are the rows of a sparse matrix, row by row."""
         turns, powers = self._fits()
         cells, count = fields.tocoo(), fields.shape[0]
         row, lane = np.divmod(cells.col, self.grid.lanes)
@@ -66,7 +66,7 @@ class Patterns:
         return found.reshape(count, self.count)
 
     def planes(self) -> Array:
-        """Sizes of a unit lift and of unit rotations about x and y, shape (count, 3). [-, m]."""
+        """Coefficients of unit lift and rotations about x and y, shape (count, 3). [-, m]."""
         middle, half = self._radii()
         found = np.zeros((self._round.shape[1], self._along.shape[1], 3))
         found[0, 0, 0] = 1.0
@@ -74,8 +74,8 @@ class Patterns:
         found[1, :2, 2] = -middle, -half
         return found.reshape(self.count, 3)
 
-    def lifts(self, frequency: float) -> Iterator[GapField]:
-        """Change of the gap by every pattern that grows over a step of given frequency. [1/s]."""
+    def gap_changes(self, frequency: float) -> Iterator[GapField]:
+        """Change of the gap by every basis function that grows at a given frequency. [1/s]."""
         rows = self.grid.rows
         edges = self._turns(np.arange(rows + 1) * 2.0 * np.pi / rows)
         rims = self._powers(self.grid.rims)

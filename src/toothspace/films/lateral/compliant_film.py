@@ -1,4 +1,4 @@
-"""Film between faces that give way locally: Newton's method for pressure, cavity and gap."""
+"""Film between faces that deform locally: Newton's method for pressure, cavity and gap."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ import numpy as np
 from toothspace.core.compiled import inlined, kernel, njit
 from toothspace.core.status import Status
 from toothspace.core.types import Array, BoolArray, IntArray
-from toothspace.films.lateral.local_deformation import Yielding, settle_gap
+from toothspace.films.lateral.local_deformation import LocalCompliance, settle_gap
 from toothspace.films.plane.film import PlaneFilm, PlaneSolution
 from toothspace.films.reynolds.active_set import (
+    DeformedGap,
+    GapMotion,
     Linearised,
-    Motion,
-    YieldingGap,
     linearised_balance,
     varied_balance,
 )
@@ -53,12 +53,12 @@ _CARRIED = 16
 """Rows from which a newly covered cell takes the film that it begins with. [-]"""
 _ROUNDING = 1e-10
 _BLOCK_LANES = 200
-"""Cells along the radius up to which elimination beats multigrid of a yielding film. [-]"""
+"""Cells along the radius up to which elimination beats multigrid of a compliant film. [-]"""
 
 
 @final
 @dataclass(frozen=True)
-class YieldingSolution:
+class CompliantSolution:
     """Film with its gap.
 
     Parameters
@@ -67,20 +67,20 @@ class YieldingSolution:
         Fields; the linear system is that of the coupled problem.
     contact, contact_slope : ndarray
         Asperity pressure and its derivative with the gap. [Pa, Pa/m]
-    yielding : ndarray
+    gap_slope : ndarray
         Change of the gap over a change of its undeformed height. [-]
     kind : ndarray of int
         Kinds of the cells for a next pass; those of the fields if the film settled.
     change : float
         Largest change of the gap by the last pass over the gap. [-]
     found : Linearised, optional
-        Balance and its slopes; none between faces that do not yield.
+        Balance and its slopes; none between rigid faces.
     """
 
     plane: PlaneSolution
     contact: Array
     contact_slope: Array
-    yielding: Array
+    gap_slope: Array
     kind: IntArray
     change: float = 0.0
     found: Linearised | None = None
@@ -92,15 +92,15 @@ def _couple(
     kind: IntArray,
     potential: Array,
     saturation: Array,
-    give: Array,
+    gap_compliance: Array,
     stencil: Array,
 ) -> None:
     """Add to a matrix what the flows change with the gaps that pressures open.
 
-    ``give`` is the change of the gap with the reduced pressure of its cell.
+    ``gap_compliance`` is the change of the gap with the reduced pressure of its cell.
     """
-    _couple_along(film, kind, potential, saturation, give, stencil)
-    _couple_across(film, kind, potential, give, stencil)
+    _couple_along(film, kind, potential, saturation, gap_compliance, stencil)
+    _couple_across(film, kind, potential, gap_compliance, stencil)
 
 
 @kernel
@@ -109,7 +109,7 @@ def _couple_along(
     kind: IntArray,
     potential: Array,
     saturation: Array,
-    give: Array,
+    gap_compliance: Array,
     stencil: Array,
 ) -> None:
     """Faces of the first index, as :func:`_couple`."""
@@ -125,7 +125,7 @@ def _couple_along(
                 change = slope.west[i, j] * drop
                 if forward:
                     change += slope.carried[i, j] * saturation[w, j]
-                change *= give[w, j]
+                change *= gap_compliance[w, j]
                 stencil[other, 2] += change
                 if kind[i, j] != 2:
                     stencil[own, 0] -= change
@@ -133,7 +133,7 @@ def _couple_along(
                 change = slope.east[i, j] * drop
                 if not forward:
                     change += slope.carried[i, j] * saturation[i, j]
-                change *= give[i, j]
+                change *= gap_compliance[i, j]
                 stencil[own, 2] -= change
                 if kind[w, j] != 2:
                     stencil[other, 4] += change
@@ -141,7 +141,7 @@ def _couple_along(
 
 @kernel
 def _couple_across(
-    film: Linearised, kind: IntArray, potential: Array, give: Array, stencil: Array
+    film: Linearised, kind: IntArray, potential: Array, gap_compliance: Array, stencil: Array
 ) -> None:
     """Faces of the second index, as :func:`_couple`."""
     b, slope = film
@@ -152,12 +152,12 @@ def _couple_across(
             below = potential[i, j - 1] if j > 0 else b.south[i]
             above = potential[i, j] if j < lanes else b.north[i]
             if j > 0 and kind[i, j - 1] == 0:
-                change = slope.south[i, j] * (below - above) * give[i, j - 1]
+                change = slope.south[i, j] * (below - above) * gap_compliance[i, j - 1]
                 stencil[other, 2] += change
                 if j < lanes and kind[i, j] != 2:
                     stencil[own, 1] -= change
             if j < lanes and kind[i, j] == 0:
-                change = slope.north[i, j] * (below - above) * give[i, j]
+                change = slope.north[i, j] * (below - above) * gap_compliance[i, j]
                 stencil[own, 2] -= change
                 if j > 0 and kind[i, j - 1] != 2:
                     stencil[other, 3] += change
@@ -208,13 +208,13 @@ def _take(
     Returns the largest change of a gap over the gap that the whole step asks for. Steps that ask
     for much are taken to the part ``careful`` at most.
     """
-    gap, give, touch = walls
+    gap, gap_compliance, touch = walls
     rows, lanes = kind.shape
     largest = 0.0
     for i in range(rows):
         for j in range(lanes):
             if kind[i, j] == 0:
-                change = abs(give[i, j] * step[i * lanes + j])
+                change = abs(gap_compliance[i, j] * step[i * lanes + j])
                 largest = max(largest, change / _floored(gap[i, j], roughness))
     most = careful if largest > _MUCH else 1.0
     for i in range(rows):
@@ -224,7 +224,7 @@ def _take(
             if kind[i, j] == 2:
                 continue
             if kind[i, j] == 0:
-                change = give[i, j] * step[r]
+                change = gap_compliance[i, j] * step[r]
                 room = _LONGEST * _floored(gap[i, j], roughness)
                 part = min(part, room / max(abs(change), 1e-300))
             unknown[r] += part * step[r]
@@ -265,15 +265,15 @@ class _Pass(NamedTuple):
     gap: Array
     rate: Array  # of the whole gap [m/s]
     touch: Array  # contact, slope, share
-    give: Array  # change of the gap over that of the reduced pressure [m/Pa]
+    gap_compliance: Array  # change of the gap over that of the reduced pressure [m/Pa]
     found: Linearised
     system: LinearSystem
     right: Array
 
 
-def solve_yielding(
-    film: PlaneFilm, carrier: FluidField, how: Yielding, former: YieldingSolution | None
-) -> YieldingSolution:
+def solve_compliant(
+    film: PlaneFilm, carrier: FluidField, how: LocalCompliance, former: CompliantSolution | None
+) -> CompliantSolution:
     """Film whose gap follows its own pressure.
 
     Parameters
@@ -282,9 +282,9 @@ def solve_yielding(
         Film with the undeformed gap.
     carrier : FluidField
         Liquid for the reduced pressure.
-    how : Yielding
+    how : LocalCompliance
         Local compliance and contact.
-    former : YieldingSolution, optional
+    former : CompliantSolution, optional
         Similar film to begin with.
     """
     fluid, lowest = film.fluid, film.cavitation_pressure
@@ -302,7 +302,7 @@ def solve_yielding(
             step = np.zeros_like(step)
         contact = np.empty_like(gap)
         careful = _CAREFUL if number > _PATIENCE else 1.0
-        walls = gap, now.give, now.touch
+        walls = gap, now.gap_compliance, now.touch
         largest = _take(kind, walls, how.roughness, careful, step, unknown, contact)
         used = kind.copy()
         changed = _revise(kind, unknown)
@@ -313,7 +313,7 @@ def solve_yielding(
     fields = ComplementaritySolution(final, filled, used, now.system, number, settled)
     moved = PlaneFilm(
         film.grid,
-        opened(film.gap, gap - film.gap.centre, film.grid.sweep_x)._replace(rate=now.rate),
+        deformed_gap(film.gap, gap - film.gap.centre, film.grid.sweep_x)._replace(rate=now.rate),
         film.points,
         film.fluid,
         film.cavitation_pressure,
@@ -325,19 +325,19 @@ def solve_yielding(
     liquid = fluid.fields(gauge + lowest)
     plane = PlaneSolution(moved, liquid, now.found.balance, fields, status, gauge)
     touch = (now.touch[1].copy(), now.touch[2].copy())
-    return YieldingSolution(plane, contact, *touch, kind, largest, now.found)
+    return CompliantSolution(plane, contact, *touch, kind, largest, now.found)
 
 
-def yielding_responses(
-    solution: YieldingSolution, lifts: Sequence[GapField], linear: float
+def compliant_responses(
+    solution: CompliantSolution, lifts: Sequence[GapField], linear: float
 ) -> list[Array]:
-    """Change of the reduced pressure with motions of the undeformed gap, walls yielding.
+    """Change of the reduced pressure with motions of the undeformed gap, on compliant walls.
 
     [Pa per unit]
 
     Parameters
     ----------
-    solution : YieldingSolution
+    solution : CompliantSolution
         Settled film.
     lifts : sequence of GapField
         Changes of gap and rate per unit of a motion, ``step`` unused. [m and m/s per unit]
@@ -349,7 +349,7 @@ def yielding_responses(
     film, fields = (plane.film.grid, plane.film.gap, plane.fluid), plane.fields
     sides = np.empty((len(lifts), fields.potential.size))
     for side, lift in zip(sides, lifts, strict=True):
-        varied = varied_balance(found, film, plane.film.law, Motion(lift, solution.yielding))
+        varied = varied_balance(found, film, plane.film.law, GapMotion(lift, solution.gap_slope))
         disturbance = residual(found.balance, varied, fields.potential, fields.saturation)
         disturbance[fields.kind == PRESCRIBED] = 0.0
         side[:] = -disturbance.ravel()
@@ -358,7 +358,7 @@ def yielding_responses(
     return [np.where(held, 0.0, response.reshape(held.shape)) for response in responses]
 
 
-def _begin(film: _Reduced, former: YieldingSolution | None) -> tuple[Array, Array, IntArray]:
+def _begin(film: _Reduced, former: CompliantSolution | None) -> tuple[Array, Array, IntArray]:
     known = film.grid.mark == PRESCRIBED
     given = film.grid.prescribed - film.floor
     if former is None:
@@ -391,7 +391,7 @@ def _carry(bare: BoolArray, kind: IntArray, sweep: Array, former: Array, potenti
 def _linearise(
     film: PlaneFilm,
     reduced: _Reduced,
-    how: Yielding,
+    how: LocalCompliance,
     fields: tuple[Array, IntArray],
     gap: Array,
     former: LinearSystem | None,
@@ -403,31 +403,39 @@ def _linearise(
     inside = film.grid.mark != PRESCRIBED
     pressure = film.fluid.gauge(potential, film.cavitation_pressure)
     settle_gap(film.gap.centre, pressure, inside, how, height, touch)
-    give = how.compliance * touch[2] * film.fluid.stretch(pressure + film.cavitation_pressure)
+    gap_compliance = (
+        how.compliance * touch[2] * film.fluid.stretch(pressure + film.cavitation_pressure)
+    )
     rate = film.gap.rate + how.frequency * (height - film.gap.centre)
     rigid = film.gap._replace(rate=rate)
     b = film.grid
     rims = np.vstack([b.south, b.north]) - film.cavitation_pressure - how.reference
-    widened = YieldingGap(rigid, height - film.gap.centre, how.compliance * rims)
+    deformed = DeformedGap(rigid, height - film.gap.centre, how.compliance * rims)
     grid, floor, carrier = reduced
-    found = linearised_balance(grid, widened, carrier, floor, film.law)
+    found = linearised_balance(grid, deformed, carrier, floor, film.law)
     balance = found.balance
     stencil, rhs = assemble(balance, kind)
     rows, lanes = grid_shape(balance)
     right = stencil_product(stencil, unknown, rows, lanes) - rhs
-    _couple(found, kind, potential, saturation, give, stencil)
+    _couple(found, kind, potential, saturation, gap_compliance, stencil)
     if how.frequency > 0.0:
-        _store(kind, how.frequency * carrier.density * b.area * give, height, film.law, stencil)
+        _store(
+            kind,
+            how.frequency * carrier.density * b.area * gap_compliance,
+            height,
+            film.law,
+            stencil,
+        )
     system: LinearSystem | None = None
     if lanes <= _BLOCK_LANES:
         system = block_system(stencil, kind, former)
     if system is None:
         system = iterative_system(balance, stencil, kind)
-    return _Pass(height, rate, touch, give, found, system, right)
+    return _Pass(height, rate, touch, gap_compliance, found, system, right)
 
 
 @njit(nogil=True)
-def _widen(gap: GapField, deformation: Array, sweep: Array) -> tuple[Array, Array, Array]:
+def _deform(gap: GapField, deformation: Array, sweep: Array) -> tuple[Array, Array, Array]:
     rows, lanes = deformation.shape
     centre = gap.centre + deformation
     along, across = np.empty(gap.face_x.shape), np.empty(gap.face_y.shape)
@@ -442,7 +450,7 @@ def _widen(gap: GapField, deformation: Array, sweep: Array) -> tuple[Array, Arra
     return centre, along, across
 
 
-def opened(gap: GapField, deformation: Array, sweep: Array) -> GapField:
+def deformed_gap(gap: GapField, deformation: Array, sweep: Array) -> GapField:
     """Gap with a deformation: along the motion that of the cell upstream."""
-    centre, along, across = _widen(gap, deformation, sweep)
+    centre, along, across = _deform(gap, deformation, sweep)
     return GapField(centre, along, across, gap.rate, gap.step)

@@ -19,10 +19,10 @@ import shapely
 from scipy.sparse.linalg import splu
 
 from toothspace.core.types import Array, IntArray
-from toothspace.films.plane.ring import LateralFilm as RingFilm
+from toothspace.films.plane.ring import LateralFilm
 from toothspace.films.reynolds.equation import FluidField, film_balance
 from toothspace.films.reynolds.fluid import FilmFluid
-from toothspace.model.description import LateralFilm
+from toothspace.model.description import LumpedLateralFilm
 from toothspace.model.film_shapes import FaceOutline
 from toothspace.numerics.structured_grid import CellBalance
 
@@ -53,7 +53,7 @@ class FaceConductance:
 
 
 def face_conductance(
-    film: LateralFilm,
+    film: LumpedLateralFilm,
     rows_per_pitch: int = ROWS_PER_PITCH,
     lanes: int = LANES,
     angles: int = ANGLES_PER_PITCH,
@@ -62,7 +62,7 @@ def face_conductance(
 
     Parameters
     ----------
-    film : LateralFilm
+    film : LumpedLateralFilm
         Film with its outline.
     rows_per_pitch, lanes : int
         Cells on one pitch along the circumference, and along the radius. [-]
@@ -84,7 +84,7 @@ def face_conductance(
     turns = 2.0 * np.pi / count * np.arange(angles) / angles
     grid = (rows_per_pitch * count, lanes)
     marks = [_marks(film, grid, turn) for turn in turns]
-    ring = RingFilm(
+    ring = LateralFilm(
         inner_radius=film.inner_radius,
         outer_radius=film.outer_radius,
         side_gap=1.0,
@@ -101,7 +101,7 @@ def face_conductance(
     return FaceConductance(matrix, turns, float(drag))
 
 
-def _marks(film: LateralFilm, grid: tuple[int, int], turn: float) -> IntArray:
+def _marks(film: LumpedLateralFilm, grid: tuple[int, int], turn: float) -> IntArray:
     """Number of the edge that a cell belongs to, -1 in the film."""
     step = 2.0 * np.pi / grid[0]
     angle = np.asarray((np.arange(grid[0]) + 0.5) * step, dtype=np.float64)

@@ -1,4 +1,4 @@
-"""Widening of the gaps by distant pressures within a step, and what films and forces make of it."""
+"""Deformation of the gaps by distant pressures within a step, and the response to it."""
 
 from __future__ import annotations
 
@@ -9,40 +9,40 @@ from typing import NamedTuple, final
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.films.lateral.basis_functions import Patterns
+from toothspace.films.lateral.basis_functions import BasisFunctions
 from toothspace.films.lateral.face_film import FaceFilm
 from toothspace.films.lateral.stack import StackState, mean_coefficients
 from toothspace.numerics.acceleration import Mixing, mixed
-from toothspace.numerics.side_by_side import side_by_side
+from toothspace.numerics.parallel import in_parallel
 
 Fields = list[list[Array]]
-"""Widening of every scene and film. [m]"""
+"""Deformation of every snapshot and film. [m]"""
 
 
 @final
 @dataclass(frozen=True, eq=False)
-class Response:
-    """What films, bodies and forces make of smooth patterns that open the gaps.
+class DeformationResponse:
+    """Response of films, bodies and forces to smooth basis functions of the gaps.
 
     Parameters
     ----------
-    patterns : tuple of Patterns
-        Patterns of every film.
+    basis : tuple of BasisFunctions
+        Those of every film.
     gain : ndarray, shape (n, n)
-        Sizes of patterns of the distant widening by the pressures per size of a pattern. [-]
+        Coefficients of the distant deformation by the pressures per coefficient of the gap. [-]
     force : ndarray, shape (coordinates, n)
-        Film force on the coordinates per size. [N/m, N]
+        Film force on the coordinates per coefficient. [N/m, N]
     planes : ndarray, shape (n, coordinates)
-        Sizes per unit of the coordinates. [-, m]
+        Coefficients per unit of the coordinates. [-, m]
     squeezed : ndarray, shape (n, coordinates)
-        Sizes of patterns of the distant widening per rate of the coordinates. [s, m s]
+        Coefficients of the distant deformation per rate of the coordinates. [s, m s]
     drag : ndarray, shape (coordinates, coordinates)
-        Damping of the films where the distant widening stays. [N s/m, N s, N m s]
+        Damping of the films where the distant deformation stays. [N s/m, N s, N m s]
     frequency : float
-        Inverse of the step over which patterns grow, 0 where the widening is steady. [1/s]
+        Inverse of the step over which the gaps change, 0 where the deformation is steady. [1/s]
     """
 
-    patterns: tuple[Patterns, ...]
+    basis: tuple[BasisFunctions, ...]
     gain: Array
     force: Array
     planes: Array
@@ -50,9 +50,9 @@ class Response:
     drag: Array
     frequency: float
     settled: Array = field(init=False, repr=False)
-    """Sizes in the end, per size of what the widening misses. [-]"""
+    """Final coefficients per coefficient of what the deformation misses. [-]"""
     pull: Array = field(init=False, repr=False)
-    """Film force in the end, per size of what the widening misses. [N/m, N]"""
+    """Final film force per coefficient of what the deformation misses. [N/m, N]"""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "settled", np.linalg.inv(np.eye(len(self.gain)) - self.gain))
@@ -60,77 +60,80 @@ class Response:
 
     @property
     def coefficients(self) -> tuple[Array, Array]:
-        """Stiffness and damping of the films with the widening that follows.
+        """Stiffness and damping of the films with the deformation that follows.
 
-        Of patterns that grow over a step the first holds the damping of that step, too.
+        Where gaps change over a step the stiffness holds the damping of that step, too.
         """
         return -self.pull @ self.planes, self.drag - self.pull @ self.squeezed
 
     def follow(self, missing: Array, step: Array, rate: Array) -> Array:
-        """Sizes by which the widening changes until it misses nothing. [m].
+        """Coefficients by which the deformation changes until it misses nothing. [m].
 
         Parameters
         ----------
         missing : ndarray
-            Sizes of what it misses. [m]
+            Coefficients of what it misses. [m]
         step, rate : ndarray
             Change of the coordinates and of their rates. [m, rad, m/s, rad/s]
         """
         asked = missing + self.gain @ (self.planes @ step) + self.squeezed @ rate
         return np.asarray(self.settled @ asked)
 
-    def sizes(self, fields: Sequence[Array]) -> Array:
-        """Sizes of the patterns nearest to the fields of all films. [m]."""
-        return np.concatenate([p.sizes(f) for p, f in zip(self.patterns, fields, strict=True)])
+    def fit(self, fields: Sequence[Array]) -> Array:
+        """Coefficients that fit the fields of all films. [m]."""
+        return np.concatenate([p.fit(f) for p, f in zip(self.basis, fields, strict=True)])
 
-    def fields(self, sizes: Array) -> list[Array]:
-        """Fields of all films with patterns of given sizes. [m]."""
-        parts = np.split(sizes, np.cumsum([p.count for p in self.patterns])[:-1])
-        return [p.total(s) for p, s in zip(self.patterns, parts, strict=True)]
+    def fields(self, coefficients: Array) -> list[Array]:
+        """Fields of all films with given coefficients. [m]."""
+        parts = np.split(coefficients, np.cumsum([p.count for p in self.basis])[:-1])
+        return [p.combine(s) for p, s in zip(self.basis, parts, strict=True)]
 
 
 class Fineness(NamedTuple):
-    """Patterns of widening whose response is kept, and for how many phases of a tooth pitch."""
+    """Basis functions whose response is kept, and for how many phases of a tooth pitch."""
 
     waves: int
     degree: int
     phases: int = 1
 
 
-def response(state: StackState, fineness: Fineness, frequency: float) -> Response:
-    """Response of solved films to patterns that open the gaps.
+def response(state: StackState, fineness: Fineness, frequency: float) -> DeformationResponse:
+    """Response of solved films to basis functions of the gaps.
 
     Parameters
     ----------
     state : StackState
         Films.
     fineness : Fineness
-        Waves and degree of the patterns. [-]
+        Waves and degree of the basis functions. [-]
     frequency : float
-        Inverse of the length of a step over which patterns grow and the coordinates move; 0 where
-        the widening counts as steady and rates of the coordinates are told apart. [1/s]
+        Inverse of the length of a step over which the gaps change and the coordinates move; 0
+        where the deformation counts as steady and rates of the coordinates have a response of
+        their own. [1/s]
     """
     stack = state.stack
-    patterns = tuple(Patterns(grid, fineness.waves, fineness.degree) for grid in stack.grids)
+    basis = tuple(BasisFunctions(grid, fineness.waves, fineness.degree) for grid in stack.grids)
 
-    films, size = range(len(patterns)), stack.grids[0].area.size
+    films, size = range(len(basis)), stack.grids[0].area.size
 
     def one(k: int) -> Array:
-        film, asked = state.films[k], patterns[k].lifts(frequency)
+        film, asked = state.films[k], basis[k].gap_changes(frequency)
         return np.array([film.pressure_changes([lift])[0] for lift in asked])
 
-    changes = side_by_side(one, films, size)
+    changes = in_parallel(one, films, size)
     loads = [_loads(film, c) for film, c in zip(state.films, changes, strict=True)]
     force = [chain.T @ load for chain, load in zip(stack.chains, loads, strict=True)]
-    planes = [own.planes() @ chain for own, chain in zip(patterns, stack.chains, strict=True)]
-    gain = stack.compliance.gain(changes, state.scene, patterns)
+    planes = [own.planes() @ chain for own, chain in zip(basis, stack.chains, strict=True)]
+    gain = stack.compliance.gain(changes, state.snapshot, basis)
     squeezed, drag = np.zeros((len(gain), stack.size)), np.zeros((stack.size, stack.size))
     if frequency == 0.0:
-        rates = side_by_side(lambda k: _squeezed(state.films[k]), films, size)
-        squeezed = stack.compliance.gain(rates, state.scene, patterns) @ np.vstack(stack.chains)
+        rates = in_parallel(lambda k: _squeezed(state.films[k]), films, size)
+        squeezed = stack.compliance.gain(rates, state.snapshot, basis) @ np.vstack(stack.chains)
         for film, chain, rate in zip(state.films, stack.chains, rates, strict=True):
             drag -= chain.T @ _loads(film, rate) @ chain
-    return Response(patterns, gain, np.hstack(force), np.vstack(planes), squeezed, drag, frequency)
+    return DeformationResponse(
+        basis, gain, np.hstack(force), np.vstack(planes), squeezed, drag, frequency
+    )
 
 
 def _squeezed(film: FaceFilm) -> Array:
@@ -140,28 +143,30 @@ def _squeezed(film: FaceFilm) -> Array:
 
 def _loads(film: FaceFilm, changes: Array) -> Array:
     """Forces and moments of changes of the pressure, one column each. [N, N m]."""
-    return np.array([film.grid.moments(c, film.around.mask.film) for c in changes]).T
+    return np.array([film.grid.moments(c, film.boundary.mask.film) for c in changes]).T
 
 
-def widened(states: Sequence[StackState], used: Fields, low: float) -> tuple[Fields, float]:
-    """Widening [m] under the pressures found, and its largest change over the gap [-].
+def next_deformation(
+    states: Sequence[StackState], used: Fields, low: float
+) -> tuple[Fields, float]:
+    """Deformation [m] under the pressures found, and its largest change over the gap [-].
 
     Parameters
     ----------
     states : sequence of StackState
-        Solved films, one state per scene.
+        Solved films, one state per snapshot.
     used : list
-        Widening that they were solved with. [m]
+        Deformation that they were solved with. [m]
     low : float
-        Pressure under which nothing gives way. [Pa]
+        Pressure under which nothing deforms. [Pa]
     """
     change, found = 0.0, []
     for state, old in zip(states, used, strict=True):
-        new = state.stack.compliance.distant(state.face_pressures(low), state.scene)
+        new = state.stack.compliance.distant(state.face_pressures(low), state.snapshot)
         for film, a, b in zip(state.films, new, old, strict=True):
             if not (a.any() or b.any()):
                 continue
-            inside = film.around.mask.film
+            inside = film.boundary.mask.film
             floor = np.maximum(film.gap, max(film.law.roughness, 1e-8))
             change = max(change, float((np.abs(a - b) / floor)[inside].max()))
         found.append(new)
@@ -169,23 +174,23 @@ def widened(states: Sequence[StackState], used: Fields, low: float) -> tuple[Fie
 
 
 @final
-class Widening:
-    """Iteration of the distant widening beside that of films and positions.
+class DeformationIteration:
+    """Iteration of the distant deformation beside that of films and positions.
 
     Parameters
     ----------
     states : sequence of StackState
-        Films before the step, one state per scene.
+        Films before the step, one state per snapshot.
     angles : sequence of float
-        Shaft angles of the scenes. [rad]
+        Shaft angles of the snapshots. [rad]
     memory : int
-        Former iterations from which the next is foreseen. [-]
+        Former iterations from which the next is predicted. [-]
     fineness : Fineness, optional
-        Patterns whose response is taken along.
-    kept : mapping of int to Response
+        Basis functions whose response is taken along.
+    kept : mapping of int to DeformationResponse
         Responses that served at phases of the tooth pitch.
     frequency : float
-        Inverse of the length of the step, 0 if the widening counts as steady. [1/s]
+        Inverse of the length of the step, 0 if the deformation counts as steady. [1/s]
     """
 
     def __init__(
@@ -194,11 +199,11 @@ class Widening:
         angles: Sequence[float],
         memory: int,
         fineness: Fineness | None,
-        kept: Mapping[int, Response],
+        kept: Mapping[int, DeformationResponse],
         frequency: float,
     ) -> None:
         self.used: Fields = [list(s.distant) for s in states]
-        """Widening of the next films. [m]"""
+        """Deformation of the next films. [m]"""
         self.responses = {k: own for k, own in kept.items() if own.frequency == frequency}
         """Responses that serve the next steps, by the phase of the tooth pitch."""
         self._fineness, self._frequency = fineness, frequency
@@ -211,15 +216,15 @@ class Widening:
         self._missing: list[Array] = []
 
     @property
-    def _own(self) -> list[Response]:
-        """Responses of all scenes; none if they are not foreseen or not known yet."""
+    def _own(self) -> list[DeformationResponse]:
+        """Responses of all snapshots; none if they are not predicted or not known yet."""
         if any(phase not in self.responses for phase in self._phases):
             return []
         return [self.responses[phase] for phase in self._phases]
 
     def take(self, states: Sequence[StackState], low: float) -> float:
-        """Widening under the pressures found, and its largest change over the gap. [-]."""
-        self._new, change = widened(states, self.used, low)
+        """Deformation under the pressures found, and its largest change over the gap. [-]."""
+        self._new, change = next_deformation(states, self.used, low)
         return change
 
     def serving(
@@ -231,10 +236,10 @@ class Widening:
         return (_mean_of(self._own) if self._own else None), 0
 
     def renew(self, states: Sequence[StackState]) -> tuple[Array, Array]:
-        """Stiffness and damping of the films, with the widening that follows if it is foreseen."""
+        """Stiffness and damping of the films, with the predicted deformation if there is one."""
         if self._fineness is None:
             return mean_coefficients(states)
-        found: dict[int, Response] = {}
+        found: dict[int, DeformationResponse] = {}
         for phase, state in zip(self._phases, states, strict=True):
             if phase not in found:
                 found[phase] = response(state, self._fineness, self._frequency)
@@ -242,15 +247,15 @@ class Widening:
         return _mean_of(self._own)
 
     def pull(self) -> Array | float:
-        """Film force that the widening still missing will add. [N, N m]."""
+        """Film force that the deformation still missing will add. [N, N m]."""
         self._missing = []
         for own, used, new in zip(self._own, self.used, self._new, strict=False):
-            self._missing.append(own.sizes([b - a for a, b in zip(used, new, strict=True)]))
+            self._missing.append(own.fit([b - a for a, b in zip(used, new, strict=True)]))
         pulls = [own.pull @ m for own, m in zip(self._own, self._missing, strict=True)]
         return np.mean(pulls, axis=0) if pulls else 0.0
 
     def follow(self, states: Sequence[StackState], step: Array, rate: Array) -> Array:
-        """Set the widening to use next and return the step of the coordinates to take. [m, rad].
+        """Set the deformation to use next and return the step of the coordinates to take. [m, rad].
 
         Parameters
         ----------
@@ -276,14 +281,14 @@ class Widening:
     def beside(
         self, slides: tuple[int, ...] | None, revised: tuple[int, ...] | None
     ) -> tuple[int, ...] | None:
-        """Rest or slide of the bearings as revised; what was learnt with another is forgotten."""
+        """Stick or slip of the bearings as revised; the memory of another is cleared."""
         if revised != slides:
             self._mixing = Mixing(self._memory)
         return revised
 
 
 def _sum(fields: Fields, others: Fields, part: float = 1.0) -> Fields:
-    """Fields with a part of others added, scene by scene and film by film."""
+    """Fields with a part of others added, snapshot by snapshot and film by film."""
     pairs = zip(fields, others, strict=True)
     return [[a + part * b for a, b in zip(*pair, strict=True)] for pair in pairs]
 
@@ -291,7 +296,7 @@ def _sum(fields: Fields, others: Fields, part: float = 1.0) -> Fields:
 def film_coefficients(
     states: Sequence[StackState], fineness: Fineness | None
 ) -> tuple[Array, Array]:
-    """Stiffness and damping of films, with the widening that follows if it is foreseen."""
+    """Stiffness and damping of films, with the predicted deformation if there is one."""
     if fineness is None:
         return mean_coefficients(states)
     return _mean_of([response(state, fineness, 0.0) for state in states])
@@ -309,21 +314,21 @@ def overstep(states: Sequence[StackState], step: Array, openings: Fields) -> flo
     Parameters
     ----------
     states : sequence of StackState
-        Solved films, one state per scene.
+        Solved films, one state per snapshot.
     step : ndarray
         Step of the coordinates. [m, rad]
     openings : list
-        What the step adds to the widening of every scene and film. [m]
+        What the step adds to the deformation of every snapshot and film. [m]
     """
     still, most = np.zeros_like(step), 1.0
     for state, fields in zip(states, openings, strict=True):
         for k, (film, opening) in enumerate(zip(state.films, fields, strict=True)):
-            motion = state.stack.film_place(k, step, still).position
+            motion = state.stack.film_face_motion(k, step, still).position
             most = max(most, film.overstep(motion, opening))
     return most
 
 
-def _mean_of(responses: Sequence[Response]) -> tuple[Array, Array]:
-    """Stiffness and damping, means over scenes."""
+def _mean_of(responses: Sequence[DeformationResponse]) -> tuple[Array, Array]:
+    """Stiffness and damping, means over snapshots."""
     pairs = [own.coefficients for own in responses]
     return np.mean([k for k, _ in pairs], axis=0), np.mean([d for _, d in pairs], axis=0)

@@ -13,31 +13,31 @@ import scipy.sparse as sp
 from toothspace.core.types import Array
 from toothspace.elasticity import ElasticBody, InfluenceMatrix, influence_matrix
 from toothspace.elasticity.influence import COARSER
-from toothspace.films.lateral.basis_functions import Patterns
+from toothspace.films.lateral.basis_functions import BasisFunctions
 from toothspace.films.lateral.face_grid import FaceGrid
-from toothspace.films.lateral.stack import Scene
-from toothspace.numerics.side_by_side import side_by_side
+from toothspace.films.lateral.stack import Snapshot
+from toothspace.numerics.parallel import in_parallel
 
 _PROBE = 1e6
-"""Pressure that the local part of the deformation is told with. [Pa]"""
+"""Pressure by which the local part of the deformation is identified. [Pa]"""
 
 _PROBE_WAVES = 16
-"""Waves of that pressure round a face: about the finest patterns that are foreseen.
+"""Waves of that pressure round a face: about the finest basis functions whose response is known.
 
-Finer ones, to which faces yield less, are iterated.
+Finer ones, to which faces are stiffer, are iterated.
 """
 
 _KEPT = 4
 """Shaft angles whose interpolation is kept. [-]"""
 
-NamedLoads = Callable[[Scene], Mapping[str, Mapping[str, float]]]
-"""Named loads of every body in a scene, above the low pressure. [Pa] or [N]"""
+NamedLoads = Callable[[Snapshot], Mapping[str, Mapping[str, float]]]
+"""Named loads of every body in a snapshot, above the low pressure. [Pa] or [N]"""
 
 
 @final
 @dataclass(frozen=True, eq=False)
 class ElasticFaces:
-    """Widening of the gaps by bearings and gears that bend, compress and bulge.
+    """Deformation of the gaps by bearings and gears that bend, compress and bulge.
 
     Parameters
     ----------
@@ -48,14 +48,14 @@ class ElasticFaces:
         ``face`` in the machine frame; the turning bodies by name with the films ``floating`` and
         ``solid`` in their own frame.
     named_loads : callable
-        What acts on the bodies besides the films, by scene.
+        What acts on the bodies besides the films, by snapshot.
     local : tuple of float
-        Part of the widening that follows the pressure at the same place, by film. [m/Pa]
+        Part of the deformation that follows the pressure at the same place, by film. [m/Pa]
 
     Notes
     -----
-    The film follows the local part within its own iteration, the rest is brought to agreement
-    by the iteration of the force balance.
+    The film follows the local part within its own iteration, the distant part is
+    brought to agreement by the iteration of the force balance.
     """
 
     grids: tuple[FaceGrid, ...]
@@ -67,85 +67,85 @@ class ElasticFaces:
         init=False, repr=False, default_factory=dict
     )
 
-    def distant(self, pressures: Sequence[Array], scene: Scene) -> list[Array]:
-        """Rest of the widening of every gap [m] under pressures above the low one. [Pa]."""
-        whole = self.widening(pressures, scene)
+    def distant(self, pressures: Sequence[Array], snapshot: Snapshot) -> list[Array]:
+        """Distant deformation of every gap [m] under pressures above the low one. [Pa]."""
+        whole = self.deformation(pressures, snapshot)
         found = []
         for own, p, share in zip(whole, pressures, self.local, strict=True):
             found.append(own - share * p)
         return found
 
-    def gain(self, changes: Sequence[Array], scene: Scene, patterns: Sequence[Patterns]) -> Array:
-        """Sizes of patterns of the distant widening per change of pressure. [m/Pa].
+    def gain(
+        self, changes: Sequence[Array], snapshot: Snapshot, basis: Sequence[BasisFunctions]
+    ) -> Array:
+        """Coefficients of the distant part of the deformation per change of pressure. [m/Pa].
 
         Parameters
         ----------
         changes : sequence of ndarray
             Changes of the pressure of every film, shape (n, rows, lanes), zero beside the film.
-        scene : Scene
+        snapshot : Snapshot
             Shaft angle and masks.
-        patterns : sequence of Patterns
-            Patterns of every film.
+        basis : sequence of BasisFunctions
+            Basis functions of every film.
         """
         films, size = range(len(self.grids)), self.grids[0].area.size
         ends = np.cumsum([0, *map(len, changes)])
         spans = [slice(int(a), int(b)) for a, b in itertools.pairwise(ends)]
         loads = {name: np.zeros((len(b.nodes), ends[-1])) for name, b in self.bodies.items()}
-        nodal = side_by_side(lambda k: self._all_loads(k, changes[k], scene), films, size)
+        nodal = in_parallel(lambda k: self._all_loads(k, changes[k], snapshot), films, size)
         for k, felt in zip(films, nodal, strict=True):
-            for load, (name, nodes, _) in zip(felt, self._faces(k, scene), strict=True):
+            for load, (name, nodes, _) in zip(felt, self._faces(k, snapshot), strict=True):
                 loads[name][nodes, spans[k]] += load
         moved = {name: self.bodies[name].compliance @ load for name, load in loads.items()}
 
         def opened(k: int) -> Array:
-            own = np.zeros((patterns[k].count, int(ends[-1])))
-            for name, nodes, spread in self._faces(k, scene):
-                own += patterns[k].all_sizes(spread.T).T @ moved[name][nodes]
-            own[:, spans[k]] -= (
-                self.local[k] * np.array([patterns[k].sizes(c) for c in changes[k]]).T
-            )
+            own = np.zeros((basis[k].count, int(ends[-1])))
+            for name, nodes, spread in self._faces(k, snapshot):
+                own += basis[k].fit_rows(spread.T).T @ moved[name][nodes]
+            own[:, spans[k]] -= self.local[k] * np.array([basis[k].fit(c) for c in changes[k]]).T
             return own
 
-        return np.vstack(side_by_side(opened, films, size))
+        return np.vstack(in_parallel(opened, films, size))
 
-    def _all_loads(self, index: int, changes: Array, scene: Scene) -> tuple[Array, Array]:
+    def _all_loads(self, index: int, changes: Array, snapshot: Snapshot) -> tuple[Array, Array]:
         """Loads of many pressures of one film on the nodes of bearing and turning body. [N]."""
-        found = [self._nodal_loads(index, change, scene) for change in changes]
+        found = [self._nodal_loads(index, change, snapshot) for change in changes]
         on_bearing, on_body = zip(*found, strict=True)
         return np.array(on_bearing).T, np.array(on_body).T
 
-    def _faces(self, index: int, scene: Scene) -> list[tuple[str, slice, sp.csr_matrix]]:
+    def _faces(self, index: int, snapshot: Snapshot) -> list[tuple[str, slice, sp.csr_matrix]]:
         """Bearing and turning body at a film: name, nodes, and from the nodes to the cells."""
-        bearing, body = self._kept_spread(index, scene.shaft_angle)
+        bearing, body = self._kept_spread(index, snapshot.shaft_angle)
         own = self.grids[index].interface
         return [
             (own.bearing, self.bodies[own.bearing].of("face"), bearing),
             (own.body, self.bodies[own.body].of(own.side), body),
         ]
 
-    def widening(self, pressures: Sequence[Array], scene: Scene) -> list[Array]:
-        """Widening of every gap by all bodies. [m]."""
-        loads, named = self._film_loads(pressures, scene), self.named_loads(scene)
+    def deformation(self, pressures: Sequence[Array], snapshot: Snapshot) -> list[Array]:
+        """Deformation of every gap by all bodies. [m]."""
+        loads, named = self._film_loads(pressures, snapshot), self.named_loads(snapshot)
         moved = {
             name: body.deformation(loads[name], named.get(name))
             for name, body in self.bodies.items()
         }
         films, size = range(len(self.grids)), self.grids[0].area.size
-        return list(side_by_side(lambda k: self._opening(k, moved, scene), films, size))
+        return list(in_parallel(lambda k: self._opening(k, moved, snapshot), films, size))
 
-    def resultants(self, pressures: Sequence[Array], scene: Scene) -> dict[str, Array]:
+    def resultants(self, pressures: Sequence[Array], snapshot: Snapshot) -> dict[str, Array]:
         """Force and moment of all loads on every body about its centre of mass. [N, N m].
 
-        A body at rest on nothing but its films and its named loads has none; what is left
+        A body in equilibrium on nothing but its films and its named loads has none; what is left
         accelerates it, see :func:`~toothspace.elasticity.influence_matrix`.
         """
-        loads, named = self._film_loads(pressures, scene), self.named_loads(scene)
+        loads, named = self._film_loads(pressures, snapshot), self.named_loads(snapshot)
         return {
             name: body.resultant(loads[name], named.get(name)) for name, body in self.bodies.items()
         }
 
-    def mesh_error(self, pressures: Sequence[Array], scene: Scene) -> list[Array]:
-        """Error of the widening of every gap by the size of the elements of all bodies. [m].
+    def mesh_error(self, pressures: Sequence[Array], snapshot: Snapshot) -> list[Array]:
+        """Error of the deformation of every gap by the size of the elements of all bodies. [m].
 
         Notes
         -----
@@ -156,31 +156,33 @@ class ElasticFaces:
             name: influence_matrix(body.body, estimate_error=False, scale=1.0 / COARSER)
             for name, body in self.bodies.items()
         }
-        better = replace(self, bodies=finer).widening(pressures, scene)
+        better = replace(self, bodies=finer).deformation(pressures, snapshot)
         share = 1.0 / (1.0 - COARSER**-2)
-        here = self.widening(pressures, scene)
+        here = self.deformation(pressures, snapshot)
         return [share * (a - b) for a, b in zip(here, better, strict=True)]
 
-    def _film_loads(self, pressures: Sequence[Array], scene: Scene) -> dict[str, Array]:
+    def _film_loads(self, pressures: Sequence[Array], snapshot: Snapshot) -> dict[str, Array]:
         """Loads of all films on the nodes of all bodies. [N]."""
         films, size = range(len(self.grids)), self.grids[0].area.size
         loads = {name: np.zeros(len(body.nodes)) for name, body in self.bodies.items()}
-        nodal = side_by_side(lambda k: self._nodal_loads(k, pressures[k], scene), films, size)
+        nodal = in_parallel(lambda k: self._nodal_loads(k, pressures[k], snapshot), films, size)
         for k, felt in zip(films, nodal, strict=True):
-            for load, (name, nodes, _) in zip(felt, self._faces(k, scene), strict=True):
+            for load, (name, nodes, _) in zip(felt, self._faces(k, snapshot), strict=True):
                 loads[name][nodes] += load
         return loads
 
-    def _nodal_loads(self, index: int, pressure: Array, scene: Scene) -> tuple[Array, Array]:
+    def _nodal_loads(self, index: int, pressure: Array, snapshot: Snapshot) -> tuple[Array, Array]:
         """Loads of one film on the nodes of bearing and turning body. [N]."""
-        bearing, body = self._kept_spread(index, scene.shaft_angle)
-        cells, push = scene.masks[index].cells, pressure * self.grids[index].area
+        bearing, body = self._kept_spread(index, snapshot.shaft_angle)
+        cells, push = snapshot.masks[index].cells, pressure * self.grids[index].area
         on_bearing = np.where(cells.owned, push, 0.0).ravel()
         return bearing.T @ on_bearing, body.T @ np.where(cells.covered, push, 0.0).ravel()
 
-    def _opening(self, index: int, moved: Mapping[str, Array], scene: Scene) -> Array:
-        """Widening of one film by the displacements of the nodes of all bodies. [m]."""
-        parts = [spread @ moved[name][nodes] for name, nodes, spread in self._faces(index, scene)]
+    def _opening(self, index: int, moved: Mapping[str, Array], snapshot: Snapshot) -> Array:
+        """Deformation of one film by the displacements of the nodes of all bodies. [m]."""
+        parts = [
+            spread @ moved[name][nodes] for name, nodes, spread in self._faces(index, snapshot)
+        ]
         return np.asarray(sum(parts)).reshape(self.grids[index].area.shape)
 
     def _kept_spread(self, index: int, shaft_angle: float) -> tuple[sp.csr_matrix, sp.csr_matrix]:
@@ -239,7 +241,7 @@ def elastic_faces(
     bodies : mapping of str to ElasticBody
         Bearings and turning bodies, see :class:`ElasticFaces`.
     named_loads : callable, optional
-        What acts on the bodies besides the films, by scene; nothing if not given.
+        What acts on the bodies besides the films, by snapshot; nothing if not given.
 
     Raises
     ------
@@ -248,20 +250,20 @@ def elastic_faces(
     """
     matrices = {name: influence_matrix(body, estimate_error=False) for name, body in bodies.items()}
     faces = ElasticFaces(grids, matrices, _unloaded, (0.0,) * len(grids))
-    scene = Scene(0.0, tuple(grid.mask(0.0) for grid in grids), np.zeros(0))
-    local = tuple(_fine_give(faces, scene, k) for k in range(len(grids)))
+    snapshot = Snapshot(0.0, tuple(grid.mask(0.0) for grid in grids), np.zeros(0))
+    local = tuple(_fine_compliance(faces, snapshot, k) for k in range(len(grids)))
     return ElasticFaces(grids, matrices, named_loads or _unloaded, local)
 
 
-def _unloaded(scene: Scene) -> Mapping[str, Mapping[str, float]]:
+def _unloaded(snapshot: Snapshot) -> Mapping[str, Mapping[str, float]]:
     return {}
 
 
-def _fine_give(faces: ElasticFaces, scene: Scene, index: int) -> float:
-    """Widening over pressure, where the pressure goes up and down round the face. [m/Pa]."""
+def _fine_compliance(faces: ElasticFaces, snapshot: Snapshot, index: int) -> float:
+    """Deformation over pressure, where the pressure goes up and down round the face. [m/Pa]."""
     grid = faces.grids[index]
     probe = [np.zeros_like(g.area) for g in faces.grids]
     wave = np.cos(_PROBE_WAVES * grid.angle)[:, None] * np.ones(grid.lanes)
     probe[index] = _PROBE * wave
-    found = faces.widening(probe, scene)[index]
+    found = faces.deformation(probe, snapshot)[index]
     return float((found * wave * grid.area).sum() / (wave**2 * grid.area).sum()) / _PROBE

@@ -1,4 +1,4 @@
-"""Where bearings and gears come to rest, and how they move over the revolution."""
+"""Equilibrium of bearings and gears, and their motion over the revolution."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from toothspace.films.lateral.motion import (
     Loads,
     StepSettings,
     advance,
-    at_rest,
     balance_force,
+    stopped,
 )
 from toothspace.films.lateral.relaxation import relax
 from toothspace.films.lateral.stability import growing_motion
-from toothspace.films.lateral.stack import Scene, Stack
+from toothspace.films.lateral.stack import Snapshot, Stack
 from toothspace.films.lateral.stops import leaning
 
 _MOST_FAILURES = 6
@@ -33,7 +33,7 @@ _PUSH_TIME = 0.3
 """Length of the next step over the time in which the motion grows. [-]"""
 _UNSTABLE = "forces balance where the smallest motion grows by {:.3g} 1/s"
 _RELAXATIONS = 150
-"""Most film solutions of the way to rest without squeeze."""
+"""Most film solutions of the relaxation without squeeze."""
 NodePressure = Callable[[float], Array]
 """Pressures of all nodes at a shaft angle. [Pa]"""
 
@@ -49,7 +49,7 @@ class SearchSettings:
         First step of the time in which the search moves. [s]
     longest_time : float
         Time after which the search stops: the dwell at the operating point. [s]
-    rest : float
+    residual_motion : float
         Viscous force of the remaining motion over the balance force. [-]
     max_steps : int
         Most steps.
@@ -59,7 +59,7 @@ class SearchSettings:
 
     first_step: float = 1e-3
     longest_time: float = 1e3
-    rest: float = 1e-6
+    residual_motion: float = 1e-6
     max_steps: int = 80
     stable: bool = True
 
@@ -73,43 +73,43 @@ class Equilibrium:
     ----------
     balance : Balance
         Last state.
-    rests : bool
+    settled : bool
         Whether the remaining motion is negligible.
     time : float
         Time over which the bodies moved. [s]
     steps : int
         Steps taken.
     reason : str
-        Why it does not rest, in words.
+        Why there is no equilibrium, in words.
     """
 
     balance: Balance
-    rests: bool
+    settled: bool
     time: float
     steps: int
     reason: str = ""
 
 
-def scenes_over_pitch(stack: Stack, pressures: NodePressure, count: int) -> tuple[Scene, ...]:
+def snapshots_over_pitch(stack: Stack, pressures: NodePressure, count: int) -> tuple[Snapshot, ...]:
     """Masks and pressures at evenly spaced angles of one period of the faces."""
     period = stack.balance.interfaces[0].period
     angles = (np.arange(count) + 0.5) * period / count
-    return tuple(stack.scene(float(a), pressures(float(a))) for a in angles)
+    return tuple(stack.snapshot(float(a), pressures(float(a))) for a in angles)
 
 
 def find_equilibrium(
     stack: Stack,
-    scenes: Sequence[Scene],
+    snapshots: Sequence[Snapshot],
     loads: Loads,
     start: Balance,
     search: SearchSettings,
     step: StepSettings,
 ) -> Equilibrium:
-    """Let bearings and gears move under mean forces until they rest or the time is over.
+    """Let bearings and gears move under mean forces until they settle or the time is over.
 
     Parameters
     ----------
-    stack, scenes, loads
+    stack, snapshots, loads
         Bodies and films, shaft angles over which forces are averaged, other loads.
     start : Balance
         Where the motion starts; it begins from rest.
@@ -125,22 +125,22 @@ def find_equilibrium(
     the sixth the way is followed without squeeze, see :func:`relax`. Newton's method also ends
     where a small motion grows: such a state is pushed aside, and the search goes on.
     """
-    now, time, length = at_rest(start), 0.0, search.first_step
+    now, time, length = stopped(start), 0.0, search.first_step
     scale, failures, pushes = balance_force(stack, loads.back), 0, 0
     still = np.zeros(stack.size)
     for number in range(1, search.max_steps + 1):
         length = min(length, search.longest_time - time)
         if length <= 1e-12:
             return Equilibrium(now, False, time, number, "its time is over")
-        found = advance(stack, scenes, loads, now, length, step)
+        found = advance(stack, snapshots, loads, now, length, step)
         if not found.converged:
             length, failures = 0.1 * length, failures + 1
             if failures >= _MOST_FAILURES:
-                return _leaning(stack, scenes, loads, (now, time, number), search, step)
+                return _leaning(stack, snapshots, loads, (now, time, number), search, step)
             continue
         now, time = found, time + length
         length *= 3.0 if found.iterations <= step.max_iterations // 2 else 1.0
-        if _viscous(stack, now) > search.rest * scale or number <= 2:
+        if _viscous(stack, now) > search.residual_motion * scale or number <= 2:
             continue
         rate, motion = _growth(stack, now, loads, step) if search.stable else (0.0, still)
         if rate * search.longest_time <= 1.0:
@@ -169,28 +169,28 @@ def _pushed(balance: Balance, motion: Array) -> Balance:
 
 def _leaning(
     stack: Stack,
-    scenes: Sequence[Scene],
+    snapshots: Sequence[Snapshot],
     loads: Loads,
     reached: tuple[Balance, float, int],
     search: SearchSettings,
     step: StepSettings,
 ) -> Equilibrium:
-    """Rest of bodies whose motion in time cannot be followed, proved by one long step."""
+    """Equilibrium of bodies whose motion in time cannot be followed, proved by one long step."""
     now, time, steps = reached
     goal = (step.force_tolerance, step.film_tolerance)
-    found = relax(stack, scenes, loads, now, goal, _RELAXATIONS)
+    found = relax(stack, snapshots, loads, now, goal, _RELAXATIONS)
     steps += found.steps
     length = search.longest_time - time
     still = replace(now, states=found.states, slides=(0,) * len(now.slides), jacobian=None)
-    last = advance(stack, scenes, loads, at_rest(still), length, step)
+    last = advance(stack, snapshots, loads, stopped(still), length, step)
     if not last.converged:
         reason = "; ".join(leaning(stack, still.position)) or "films and forces do not settle"
         return Equilibrium(replace(still, residual=found.residual), False, time, steps, reason)
     rate, _ = _growth(stack, last, loads, step)
     if rate * search.longest_time > 1.0:
         return Equilibrium(last, False, time + length, steps, _UNSTABLE.format(rate))
-    rests = _viscous(stack, last) <= search.rest * balance_force(stack, loads.back)
-    return Equilibrium(last, rests, time + length, steps, "" if rests else "it still moves")
+    settled = _viscous(stack, last) <= search.residual_motion * balance_force(stack, loads.back)
+    return Equilibrium(last, settled, time + length, steps, "" if settled else "it still moves")
 
 
 def _viscous(stack: Stack, balance: Balance) -> float:
@@ -202,7 +202,7 @@ def _viscous(stack: Stack, balance: Balance) -> float:
 
 @final
 @dataclass(frozen=True, eq=False)
-class March:
+class LateralMarch:
     """Motion over the shaft angle.
 
     Parameters
@@ -228,7 +228,7 @@ def march_angles(
     angles: Array,
     step: StepSettings,
     keep: Callable[[int, Balance], None] | None = None,
-) -> March:
+) -> LateralMarch:
     """March over shaft angles with transient squeeze.
 
     Parameters
@@ -251,11 +251,11 @@ def march_angles(
     kept: list[Balance] = []
     converged = True
     for k, angle in enumerate(angles):
-        scene = stack.scene(float(angle), pressures(float(angle)))
-        now = advance(stack, (scene,), loads, now, duration, step, follows=k > 0)
+        snapshot = stack.snapshot(float(angle), pressures(float(angle)))
+        now = advance(stack, (snapshot,), loads, now, duration, step, follows=k > 0)
         converged = converged and now.converged
         if keep is None:
             kept.append(now)
         else:
             keep(k, now)
-    return March(angles, tuple(kept), converged)
+    return LateralMarch(angles, tuple(kept), converged)

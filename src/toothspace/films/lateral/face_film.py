@@ -13,13 +13,13 @@ from toothspace.core.compiled import inlined, njit
 from toothspace.core.status import Status
 from toothspace.core.types import Array, BoolArray
 from toothspace.films.lateral.compliant_film import (
-    YieldingSolution,
-    opened,
-    solve_yielding,
-    yielding_responses,
+    CompliantSolution,
+    compliant_responses,
+    deformed_gap,
+    solve_compliant,
 )
 from toothspace.films.lateral.face_grid import FaceGrid, Mask
-from toothspace.films.lateral.local_deformation import Accuracy, Yielding
+from toothspace.films.lateral.local_deformation import Accuracy, LocalCompliance
 from toothspace.films.plane.film import PlaneFilm, PlaneSolution
 from toothspace.films.reynolds.cavitation import CAVITATION
 from toothspace.films.reynolds.equation import FluidField, GapField, film_balance
@@ -38,7 +38,7 @@ from toothspace.numerics.complementarity import face_flows, solve_complementarit
 from toothspace.numerics.linear_system import PRESCRIBED
 
 _SHEARED = 1e-9
-"""Smallest mean gap that liquid is sheared in, where faces were pressed into each other. [m]"""
+"""Smallest mean gap that liquid is sheared in, where faces overlap. [m]"""
 
 
 _SHRINK = 0.3
@@ -82,20 +82,20 @@ def film_law(
     )
 
 
-class Place(NamedTuple):
+class FaceMotion(NamedTuple):
     """Position and velocity of the upper face: lift [m] and rotations about x and y [rad]."""
 
     position: Array
     velocity: Array
 
 
-class Surroundings(NamedTuple):
+class FilmBoundary(NamedTuple):
     """What a film meets at one shaft angle."""
 
     mask: Mask
     node_pressure: Array  # [Pa]
     shaft_speed: float  # [rad/s]
-    low_pressure: float  # pressure under which nothing gives way [Pa]
+    low_pressure: float  # pressure under which nothing deforms [Pa]
 
 
 @final
@@ -109,11 +109,11 @@ class FaceFilm:
         Where it is.
     law : FilmLaw
         Its laws.
-    around : Surroundings
+    boundary : FilmBoundary
         Its boundaries.
-    solution : YieldingSolution
+    solution : CompliantSolution
         Pressure, film fraction, asperity pressure and linear system.
-    place : Place
+    face_motion : FaceMotion
         Position and velocity of its upper face.
     compliance : float
         Local approach of the faces over pressure. [m/Pa]
@@ -121,9 +121,9 @@ class FaceFilm:
 
     grid: FaceGrid
     law: FilmLaw
-    around: Surroundings
-    solution: YieldingSolution
-    place: Place
+    boundary: FilmBoundary
+    solution: CompliantSolution
+    face_motion: FaceMotion
     compliance: float
 
     @property
@@ -142,10 +142,10 @@ class FaceFilm:
         return self.plane.film.gap.centre
 
     @property
-    def widening(self) -> Array:
+    def deformation(self) -> Array:
         """Gap above that between undeformed faces. [m]."""
         p = self.grid.points
-        return np.asarray(self.gap - _plane(p.x, p.y, self.place.position))
+        return np.asarray(self.gap - _plane(p.x, p.y, self.face_motion.position))
 
     @property
     def pressure(self) -> Array:
@@ -168,7 +168,7 @@ class FaceFilm:
     @cached_property
     def _loads(self) -> tuple[Array, Array]:
         """Loads on covered and on open cells."""
-        mask = self.around.mask
+        mask = self.boundary.mask
         carried = self.grid.moments(self.total, mask.cells.covered)
         return carried, self.grid.moments(self.pressure, mask.open_face)
 
@@ -178,7 +178,7 @@ class FaceFilm:
         A motion of the upper face [m, rad] and an opening of every cell. [m]
         """
         change = _plane(self.grid.points.x, self.grid.points.y, motion) + opening
-        return _overstep(change, self.around.mask.film, self.gap, self.law.roughness)
+        return _overstep(change, self.boundary.mask.film, self.gap, self.law.roughness)
 
     def coefficients(self, motions: tuple[int, ...]) -> tuple[Array, Array]:
         """Stiffness and damping 3x3 of the covered load; unasked motions have zero columns.
@@ -190,7 +190,7 @@ class FaceFilm:
         tables = np.zeros((2, 3, 3))
         for n, total in enumerate(self.pressure_changes(changes)):
             rate, k = divmod(n, len(motions))
-            tables[rate, :, motions[k]] = -self.grid.moments(total, self.around.mask.film)
+            tables[rate, :, motions[k]] = -self.grid.moments(total, self.boundary.mask.film)
         return tables[0], tables[1]
 
     def rates(self) -> list[GapField]:
@@ -204,7 +204,7 @@ class FaceFilm:
         """
         plane, accuracy, fluid = self.plane, self.law.accuracy.linear, self.law.fluid
         if self.solution.found is not None:
-            responses = yielding_responses(self.solution, changes, accuracy)
+            responses = compliant_responses(self.solution, changes, accuracy)
         else:
             film = (plane.film.grid, plane.film.gap, fluid.carrier(plane.fluid.density))
             responses = pressure_responses(
@@ -223,9 +223,9 @@ class FaceFilm:
         return found
 
     def _touch(self, opening: Array) -> Array:
-        """Change of the asperity pressure with an opening of the unyielding gap. [Pa]."""
+        """Change of the asperity pressure with an opening of the undeformed gap. [Pa]."""
         found = self.solution
-        return np.asarray(found.contact_slope * found.yielding * opening)
+        return np.asarray(found.contact_slope * found.gap_slope * opening)
 
     def friction(self) -> FilmLosses:
         """Torques of shear and asperities, and flows that the boundaries lose."""
@@ -235,8 +235,8 @@ class FaceFilm:
     def _friction(self) -> FilmLosses:
         b, fields = self.plane.balance, self.plane.fields
         potential = np.maximum(fields.potential, 0.0)
-        speed = self.grid.interface.speed_ratio * self.around.shaft_speed
-        film, radius = self.around.mask.film, self.grid.radius
+        speed = self.grid.interface.speed_ratio * self.boundary.shaft_speed
+        film, radius = self.boundary.mask.film, self.grid.radius
         height = np.maximum(mean_gap(self.gap, self.law.law), _SHEARED)
         shear = np.where(film, fields.saturation / (self.plane.fluid.fluidity * height), 0.0)
         couette = float((shear * radius**2 * self.grid.area).sum()) * speed**2
@@ -268,11 +268,11 @@ def _losses(
     # what drives the flow is the reduced pressure, what it costs is the pressure
     push_x, push_y = _drops(np.maximum(fields.potential, 0.0), b.south, b.north)
     free = b.mark != PRESCRIBED
-    live_x, live_y = _live_faces(free)
-    flow_x, flow_y = np.where(live_x, flow_x, 0.0), np.where(live_y, flow_y, 0.0)
+    film_x, film_y = _film_faces(free)
+    flow_x, flow_y = np.where(film_x, flow_x, 0.0), np.where(film_y, flow_y, 0.0)
     total = float((flow_x * drop_x).sum() + (flow_y * drop_y).sum())
-    conducted = float((np.where(live_x, b.conductance_x, 0.0) * push_x * drop_x).sum())
-    conducted += float((np.where(live_y, b.conductance_y, 0.0) * push_y * drop_y).sum())
+    conducted = float((np.where(film_x, b.conductance_x, 0.0) * push_x * drop_x).sum())
+    conducted += float((np.where(film_y, b.conductance_y, 0.0) * push_y * drop_y).sum())
     squeeze = float((np.where(free, b.storage * fields.saturation, 0.0) * film.plane.gauge).sum())
     drag = conducted - total
     return FilmLosses(
@@ -293,30 +293,30 @@ def _drops(u: Array, south: Array, north: Array) -> tuple[Array, Array]:
     return drop_x, drop_y
 
 
-def _live_faces(free: BoolArray) -> tuple[BoolArray, BoolArray]:
+def _film_faces(free: BoolArray) -> tuple[BoolArray, BoolArray]:
     """Faces that touch film; the last face of the ring, which repeats the first, is left out."""
     before = np.vstack([free[-1:], free])
-    live_x = before | np.vstack([free, free[:1]])
-    live_x[-1] = False
+    film_x = before | np.vstack([free, free[:1]])
+    film_x[-1] = False
     none = np.zeros((free.shape[0], 1), dtype=bool)
-    return live_x, np.hstack([none, free]) | np.hstack([free, none])
+    return film_x, np.hstack([none, free]) | np.hstack([free, none])
 
 
-class Approach(NamedTuple):
-    """How faces give way: a local compliance, and what other pressures do to the gap."""
+class FaceDeformation(NamedTuple):
+    """How faces deform: a local compliance, and the deformation by distant pressures."""
 
     local: float  # [m/Pa]
     distant: Array  # [m]
-    past: Array  # widening at the begin of the step [m]
+    previous: Array  # deformation at the begin of the step [m]
     frequency: float = 0.0  # inverse of the length of the step, 0 for steady faces [1/s]
 
 
 def solve_face(
     grid: FaceGrid,
     law: FilmLaw,
-    around: Surroundings,
-    place: Place,
-    approach: Approach,
+    boundary: FilmBoundary,
+    face_motion: FaceMotion,
+    deformation: FaceDeformation,
     former: FaceFilm | None = None,
 ) -> FaceFilm:
     """Film at a position and velocity of the upper face.
@@ -325,45 +325,45 @@ def solve_face(
     ----------
     grid, law, around
         Where, of what and between which boundaries.
-    place : Place
+    face_motion : FaceMotion
         Lift and rotations of the upper face about the own axis, and their rates.
-    approach : Approach
-        How the faces give way.
+    deformation : FaceDeformation
+        How the faces deform.
     former : FaceFilm, optional
         Similar film to begin with.
     """
-    node_pressure = np.maximum(around.node_pressure, law.cavitation_pressure)
+    node_pressure = np.maximum(boundary.node_pressure, law.cavitation_pressure)
     film = PlaneFilm(
-        grid.film_grid(around.mask, node_pressure, around.shaft_speed),
-        _gap_field(grid, place, approach),
+        grid.film_grid(boundary.mask, node_pressure, boundary.shaft_speed),
+        _gap_field(grid, face_motion, deformation),
         grid.points,
         law.fluid,
         law.cavitation_pressure,
         CAVITATION[law.cavitation],
         law=law.law,
     )
-    density = law.fluid.density(np.full(approach.distant.shape, law.cavitation_pressure))
+    density = law.fluid.density(np.full(deformation.distant.shape, law.cavitation_pressure))
     carrier = law.fluid.carrier(density)
     start = former.solution if former is not None else None
-    if approach.local > 0.0:
-        reference = around.low_pressure - law.cavitation_pressure
-        how = Yielding(
-            approach.local,
+    if deformation.local > 0.0:
+        reference = boundary.low_pressure - law.cavitation_pressure
+        how = LocalCompliance(
+            deformation.local,
             reference,
             law.contact,
             law.roughness,
-            approach.frequency,
+            deformation.frequency,
             law.accuracy,
         )
         start = _stiff(film, carrier, law, None) if start is None else start
-        found = solve_yielding(film, carrier, how, start)
-        return FaceFilm(grid, law, around, found, place, approach.local)
-    return FaceFilm(grid, law, around, _stiff(film, carrier, law, start), place, 0.0)
+        found = solve_compliant(film, carrier, how, start)
+        return FaceFilm(grid, law, boundary, found, face_motion, deformation.local)
+    return FaceFilm(grid, law, boundary, _stiff(film, carrier, law, start), face_motion, 0.0)
 
 
 def _stiff(
-    film: PlaneFilm, carrier: FluidField, law: FilmLaw, former: YieldingSolution | None
-) -> YieldingSolution:
+    film: PlaneFilm, carrier: FluidField, law: FilmLaw, former: CompliantSolution | None
+) -> CompliantSolution:
     start = None if former is None else former.plane.fields.kind
     fluid, lowest = law.fluid, law.cavitation_pressure
     grid = fluid.reduced_grid(film.grid)
@@ -375,7 +375,7 @@ def _stiff(
     contact, slope = contact_field(film.gap.centre, max(law.roughness, 1e-12), law.contact)
     known = film.grid.mark == PRESCRIBED
     contact[known], slope[known] = 0.0, 0.0
-    return YieldingSolution(plane, contact, slope, np.ones_like(contact), fields.kind)
+    return CompliantSolution(plane, contact, slope, np.ones_like(contact), fields.kind)
 
 
 @inlined
@@ -416,18 +416,18 @@ def _change(lever: tuple[Array, Array, Array], rate: bool) -> GapField:
     return GapField(*lever, zero, zero)
 
 
-def _gap_field(grid: FaceGrid, place: Place, approach: Approach) -> GapField:
-    """Gap that the position leaves, with its widening by distant pressures and its rate."""
-    p, distant = grid.points, approach.distant
-    centre = _plane(p.x, p.y, place.position)
-    along, across = _plane(*p.face_x, place.position), _plane(*p.face_y, place.position)
-    rate = _plane(p.x, p.y, place.velocity)
-    if approach.frequency > 0.0:
-        rate += approach.frequency * (distant - approach.past)
+def _gap_field(grid: FaceGrid, face_motion: FaceMotion, deformation: FaceDeformation) -> GapField:
+    """Gap that the position leaves, with its deformation by distant pressures and its rate."""
+    p, distant = grid.points, deformation.distant
+    centre = _plane(p.x, p.y, face_motion.position)
+    along, across = _plane(*p.face_x, face_motion.position), _plane(*p.face_y, face_motion.position)
+    rate = _plane(p.x, p.y, face_motion.velocity)
+    if deformation.frequency > 0.0:
+        rate += deformation.frequency * (distant - deformation.previous)
     rigid = GapField(centre, along, across, rate, np.zeros_like(distant))
     if not distant.any():
         return rigid
-    return opened(rigid, distant, np.full_like(along, grid.interface.speed_ratio))
+    return deformed_gap(rigid, distant, np.full_like(along, grid.interface.speed_ratio))
 
 
 @njit(nogil=True)

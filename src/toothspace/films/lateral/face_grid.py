@@ -48,7 +48,7 @@ class Mask:
 @final
 @dataclass(frozen=True, eq=False)
 class FaceGrid:
-    """Polar grid about the axis of one body, at rest with the bearing.
+    """Polar grid about the axis of one body, fixed to the bearing.
 
     Parameters
     ----------

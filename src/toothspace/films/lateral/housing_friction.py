@@ -1,4 +1,4 @@
-r"""Friction of a pressed bearing in its housing.
+r"""Friction of a floating bearing in its housing.
 
 Two laws stand to choice. The smooth one, :func:`toothspace.closures.friction.stribeck_friction`,
 vanishes at rest, so a bearing under load creeps. The set-valued one holds any load up to the
@@ -32,7 +32,7 @@ class HousingFriction:
     breakaway_speed : float
         Speed of the friction peak. [m/s]
     holds : bool
-        Whether the bearing can rest under load (set-valued law).
+        Whether the bearing can stick under load (set-valued law).
 
     References
     ----------

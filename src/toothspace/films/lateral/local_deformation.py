@@ -1,4 +1,4 @@
-"""Gap of faces that give way locally under film and asperity pressure."""
+"""Gap of faces that deform locally under film and asperity pressure."""
 
 from __future__ import annotations
 
@@ -26,19 +26,19 @@ class Accuracy(NamedTuple):
     passes: int = _MOST_PASSES  # most passes; few where the force balance repeats them [-]
 
 
-class Yielding(NamedTuple):
-    """How the faces give way."""
+class LocalCompliance(NamedTuple):
+    """How the faces deform."""
 
     compliance: float  # local approach over pressure [m/Pa]
     reference: float  # pressure without approach, above the cavitation pressure [Pa]
     contact: ContactTable
     roughness: float  # [m]
-    frequency: float = 0.0  # inverse of the time in which the faces give way, 0 for steady [1/s]
+    frequency: float = 0.0  # inverse of the time in which the faces deform, 0 for steady [1/s]
     accuracy: Accuracy = Accuracy()
 
 
 @inlined
-def _pressed_gap(base: float, start: float, how: Yielding) -> tuple[float, float, float]:
+def _contact_gap(base: float, start: float, how: LocalCompliance) -> tuple[float, float, float]:
     """Gap over which asperities hold faces apart, their pressure and its slope.
 
     Newton's method between bounds: asperities begin to carry so suddenly that its steps alone go
@@ -60,7 +60,7 @@ def _pressed_gap(base: float, start: float, how: Yielding) -> tuple[float, float
 
 @kernel
 def settle_gap(
-    rigid: Array, pressure: Array, film: Array, how: Yielding, gap: Array, out: Array
+    rigid: Array, pressure: Array, film: Array, how: LocalCompliance, gap: Array, out: Array
 ) -> None:
     """Gap of every cell under film and asperity pressure; ``out`` holds contact, slope, share."""
     rows, lanes = rigid.shape
@@ -71,5 +71,5 @@ def settle_gap(
             if not film[i, j] or how.contact.value.size == 0:
                 gap[i, j] = base
                 continue
-            gap[i, j], out[0, i, j], out[1, i, j] = _pressed_gap(base, gap[i, j], how)
+            gap[i, j], out[0, i, j], out[1, i, j] = _contact_gap(base, gap[i, j], how)
             out[2, i, j] = 1.0 / (1.0 - how.compliance * out[1, i, j])

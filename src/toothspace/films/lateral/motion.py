@@ -9,13 +9,13 @@ from typing import NamedTuple, final
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.films.lateral.deformation import Fineness, Response, Widening
+from toothspace.films.lateral.deformation import DeformationIteration, DeformationResponse, Fineness
 from toothspace.films.lateral.housing_friction import HousingFriction
 from toothspace.films.lateral.local_deformation import Accuracy
 from toothspace.films.lateral.stack import (
     BackPressure,
-    Past,
-    Scene,
+    PreviousStep,
+    Snapshot,
     Stack,
     StackState,
     mean_force,
@@ -28,13 +28,13 @@ _PATIENCE = 16
 _HEAD = 0.3
 """Part of the former velocity with which a step begins its search. [-]"""
 _STEADY = 0.02
-"""Change of gaps in one pass up to which forces tell how they vary with the positions. [-]"""
+"""Change of gaps in one pass up to which forces show their derivative with the positions. [-]"""
 _NEAR = 1e-3
-"""Residual force over the balance force up to which rest or slide is revised. [-]"""
+"""Residual force over the balance force from which on stick or slip is revised. [-]"""
 _HELPED = 0.5
 """Part of the residual above which a step left too much and asks for a fresh Jacobian. [-]"""
 _NOISE = 5.0
-"""Residual over the goal from which its change tells how forces vary. [-]"""
+"""Residual over the goal above which its change shows the derivative of the forces. [-]"""
 _MOST_FAILURES = 3
 """Films that may fail one after another before a step is given up."""
 
@@ -53,13 +53,13 @@ class StepSettings:
     max_iterations : int
         Newton iterations of one step.
     memory : int
-        Former iterations from which the next deformation and position are foreseen, 0 for none.
+        Former iterations from which the next deformation and position are predicted, 0 for none.
     jacobian_age : int
-        Iterations and steps that one Jacobian serves; corrected by what it foretold if several.
+        Iterations and steps that one Jacobian serves; corrected by what it predicted if several.
     passes : int
         Passes of the films in one iteration; with few, films and forces settle together.
     fineness : Fineness, optional
-        Patterns of the widening whose response is kept in place of a Jacobian.
+        Basis functions of the deformation whose response is kept in place of a Jacobian.
     """
 
     force_tolerance: float = 1e-6
@@ -75,12 +75,12 @@ class Loads(NamedTuple):
     """What acts on the bearings besides the films."""
 
     back: BackPressure
-    friction: HousingFriction  # of every pressed bearing
+    friction: HousingFriction  # of every floating bearing
     parts: tuple[HousingFriction, ...] = ()  # of its parts, if it is split
 
-    def law(self, piece: int) -> HousingFriction:
-        """Friction of one pressed bearing or part."""
-        return self.parts[piece % len(self.parts)] if self.parts else self.friction
+    def law(self, part: int) -> HousingFriction:
+        """Friction of one floating bearing or part."""
+        return self.parts[part % len(self.parts)] if self.parts else self.friction
 
 
 @final
@@ -91,23 +91,23 @@ class Balance:
     Parameters
     ----------
     states : tuple of StackState
-        Films, one state per scene.
+        Films, one state per snapshot.
     friction : ndarray
-        Friction force on each pressed bearing, along z. [N]
+        Friction force on each floating bearing, along z. [N]
     slides : tuple of int
-        Sense in which each pressed bearing slides, 0 at rest.
+        Sense in which each floating bearing slides, 0 at rest.
     residual : float
         Largest residual force over the balance force. [-]
     iterations : int
-        Film solutions per scene.
+        Film solutions per snapshot.
     converged : bool
         Whether forces and films settled.
     jacobian : tuple of ndarray or None
         Stiffness and damping that served last.
     age : int
         Iterations that it has served.
-    responses : mapping of int to Response
-        Responses to patterns of widening, by the phase of the tooth pitch.
+    responses : mapping of int to DeformationResponse
+        Responses to basis functions of the deformation, by the phase of the tooth pitch.
     """
 
     states: tuple[StackState, ...]
@@ -118,7 +118,7 @@ class Balance:
     converged: bool
     jacobian: tuple[Array, Array] | None = None
     age: int = 0
-    responses: Mapping[int, Response] = field(default_factory=dict)
+    responses: Mapping[int, DeformationResponse] = field(default_factory=dict)
 
     @property
     def position(self) -> Array:
@@ -131,15 +131,15 @@ class Balance:
         return self.states[0].velocity
 
 
-class _Task(NamedTuple):
+class _StepTask(NamedTuple):
     stack: Stack
-    scenes: tuple[Scene, ...]
+    snapshots: tuple[Snapshot, ...]
     loads: Loads
     settings: StepSettings
     start: Array  # coordinates at the begin of the step
     velocity: Array  # velocity before the step
     duration: float  # [s]
-    past: Past | None  # films before the step; none if the faces count as steady
+    previous: PreviousStep | None  # films before the step; none if the faces count as steady
 
 
 class _Step(NamedTuple):
@@ -152,20 +152,20 @@ class _Step(NamedTuple):
 
 def advance(
     stack: Stack,
-    scenes: Sequence[Scene],
+    snapshots: Sequence[Snapshot],
     loads: Loads,
     former: Balance,
     duration: float,
     settings: StepSettings,
     follows: bool = False,
 ) -> Balance:
-    """Move by one implicit Euler step under the mean of the forces in all scenes.
+    """Move by one implicit Euler step under the mean of the forces in all snapshots.
 
     Parameters
     ----------
     stack : Stack
         Bodies and films.
-    scenes : sequence of Scene
+    snapshots : sequence of Snapshot
         Shaft angles over which forces are averaged; one for a step in time.
     loads : Loads
         Pressures behind the bearing and friction in the housing.
@@ -176,24 +176,24 @@ def advance(
     settings : StepSettings
         When it is done.
     follows : bool
-        Whether the scene follows on that of the state before by the length of the step, so that
-        the change of the widening squeezes the films. Scenes averaged over leave that out.
+        Whether the snapshot follows on that of the state before by the length of the step, so that
+        the change of the deformation squeezes the films. Snapshots averaged over leave that out.
 
     Returns
     -------
     Balance
-        State after the step; ``converged`` tells whether it is in balance.
+        State after the step; ``converged`` says whether it is in balance.
     """
-    past = Past(former.states[0], duration) if follows else None
+    previous = PreviousStep(former.states[0], duration) if follows else None
     start = former.position, former.velocity
-    task = _Task(stack, tuple(scenes), loads, settings, *start, duration, past)
+    task = _StepTask(stack, tuple(snapshots), loads, settings, *start, duration, previous)
     if not loads.friction.holds or loads.friction.coulomb_force == 0.0:
         return _solve(task, former, None)
     return _solve(task, former, former.slides)
 
 
-def _revised(task: _Task, found: _Step, v: Array, tried: tuple[int, ...]) -> tuple[int, ...]:
-    """Rest or slide of every pressed bearing, revised by the forces or the motion foreseen."""
+def _revised(task: _StepTask, found: _Step, v: Array, tried: tuple[int, ...]) -> tuple[int, ...]:
+    """Stick or slip of every floating bearing, revised by the forces or the motion predicted."""
     revised = []
     velocity, friction = v + found.step / task.duration, _friction(task, v, tried, found.holding)
     for k, lever in enumerate(levers_of(task.stack)):
@@ -209,76 +209,78 @@ def _revised(task: _Task, found: _Step, v: Array, tried: tuple[int, ...]) -> tup
 
 
 def levers_of(stack: Stack) -> list[Array]:
-    """Velocity of the middle of every pressed bearing from the coordinates' rates."""
+    """Velocity of the middle of every floating bearing from the coordinates' rates."""
     tilts = stack.balance.motion == "full"
     found = []
-    for piece in stack.pieces:
-        x, y = piece.bearing.face.center
+    for part in stack.moving_bearings:
+        x, y = part.bearing.face.center
         lever = np.zeros(stack.size)
-        lever[piece.first : piece.first + 3] = 1.0, y * tilts, -x * tilts
+        lever[part.first : part.first + 3] = 1.0, y * tilts, -x * tilts
         found.append(lever)
     return found
 
 
-def _solve(task: _Task, former: Balance, slides: tuple[int, ...] | None) -> Balance:
+def _solve(task: _StepTask, former: Balance, slides: tuple[int, ...] | None) -> Balance:
     """Newton's method for positions, with friction of given sense or a smooth law for None."""
     settings, stack = task.settings, task.stack
     states: tuple[StackState, ...] = _matched(former, task)
-    widening = _begun(task, states, former)
+    deformation = _begun(task, states, former)
     q = task.start + _HEAD * task.duration * task.velocity
-    jacobian, age = widening.serving(former.jacobian, former.age)
+    jacobian, age = deformation.serving(former.jacobian, former.age)
     best, error, failures, number = np.inf, np.inf, 0, 0
     quick = stack.with_passes(settings.passes)
-    foretold: tuple[Array, Array] | None = None
+    predicted: tuple[Array, Array] | None = None
     for number in range(1, settings.max_iterations + 1):
         v = (q - task.start) / task.duration
         films = quick if number % _PATIENCE else stack
         states = tuple(
-            films.solve(scene, q, v, old, given, task.past)
-            for scene, old, given in zip(task.scenes, states, widening.used, strict=True)
+            films.solve(snapshot, q, v, old, given, task.previous)
+            for snapshot, old, given in zip(task.snapshots, states, deformation.used, strict=True)
         )
         settled = all(s.converged for s in states)
         failures = 0 if settled or films is not stack else failures + 1
         if failures > _MOST_FAILURES:
             break
-        change = widening.take(states, task.loads.back.low)
+        change = deformation.take(states, task.loads.back.low)
         steady = max(s.change for s in states) <= _STEADY
-        if steady and foretold is not None and jacobian is not None:
-            jacobian = _corrected(jacobian, foretold, _forces(task, states, v, slides)[0])
+        if steady and predicted is not None and jacobian is not None:
+            jacobian = _corrected(jacobian, predicted, _forces(task, states, v, slides)[0])
         if jacobian is None or age >= settings.jacobian_age or number % _PATIENCE == 0:
-            jacobian, age = widening.renew(states), 0
+            jacobian, age = deformation.renew(states), 0
         age += 1
-        known = states, jacobian, widening.pull()
+        known = states, jacobian, deformation.pull()
         found, revised, firm = _decided(task, known, v, slides, steady)
-        if foretold is not None and age > 1 and found.error > _HELPED * error:
-            jacobian, age = widening.renew(states), 1
+        if predicted is not None and age > 1 and found.error > _HELPED * error:
+            jacobian, age = deformation.renew(states), 1
             found, revised, firm = _decided(task, (states, jacobian, 0.0), v, slides, steady)
-        slides = widening.beside(slides, revised)
+        slides = deformation.beside(slides, revised)
         error, best = found.error, found.error / _scale(task)
         balanced = best <= settings.force_tolerance and change <= settings.film_tolerance
         if balanced and settled and firm:
-            lasting = jacobian, age, widening.responses
+            lasting = jacobian, age, deformation.responses
             return _outcome(task, states, (found, v, slides), (best, number), lasting)
         step = found.step
         if not np.isfinite(step).all():
             break
-        step = widening.follow(states, step, step / task.duration)
+        step = deformation.follow(states, step, step / task.duration)
         ahead = found.force - _matrix(task, jacobian, found.drag) @ step
-        foretold = (step, ahead) if _tells(settings, steady, best) else None
+        predicted = (step, ahead) if _informative(settings, steady, best) else None
         q = q + step
     return _outcome(task, states, (found, v, slides), (best, number), None)
 
 
-def _begun(task: _Task, states: tuple[StackState, ...], former: Balance) -> Widening:
-    """Widening before the step."""
-    settings, angles = task.settings, [scene.shaft_angle for scene in task.scenes]
-    frequency = 0.0 if task.past is None else 1.0 / task.duration
+def _begun(
+    task: _StepTask, states: tuple[StackState, ...], former: Balance
+) -> DeformationIteration:
+    """Deformation before the step."""
+    settings, angles = task.settings, [snapshot.shaft_angle for snapshot in task.snapshots]
+    frequency = 0.0 if task.previous is None else 1.0 / task.duration
     kept = settings.fineness, former.responses
-    return Widening(states, angles, settings.memory, *kept, frequency)
+    return DeformationIteration(states, angles, settings.memory, *kept, frequency)
 
 
-def _tells(settings: StepSettings, steady: bool, residual: float) -> bool:
-    """Whether forces of the next pass tell how they vary with the positions.
+def _informative(settings: StepSettings, steady: bool, residual: float) -> bool:
+    """Whether forces of the next pass show their derivative with the positions.
 
     What is left near the goal is the noise of films that are solved no closer.
     """
@@ -287,15 +289,15 @@ def _tells(settings: StepSettings, steady: bool, residual: float) -> bool:
 
 
 def _decided(
-    task: _Task,
+    task: _StepTask,
     known: tuple[tuple[StackState, ...], tuple[Array, Array], Array | float],
     v: Array,
     slides: tuple[int, ...] | None,
     steady: bool,
 ) -> tuple[_Step, tuple[int, ...] | None, bool]:
-    """Newton step with the rest or slide that it leads to, and whether that is settled.
+    """Newton step with the stick or slip that it leads to, and whether that is settled.
 
-    Rest or slide is revised near the balance only, as what once rests needs more to break away.
+    Stick or slip is revised near the balance only: what once sticks needs more to break away.
     """
     (states, jacobian, pull), near = known, False
     for _ in range(_STATUS_ROUNDS):
@@ -309,18 +311,18 @@ def _decided(
     return found, slides, False
 
 
-def _held(task: _Task, slides: tuple[int, ...] | None) -> list[Array]:
-    """Motions of the bearings that rest."""
+def _held(task: _StepTask, slides: tuple[int, ...] | None) -> list[Array]:
+    """Motions of the bearings that stick."""
     levers = levers_of(task.stack)
     return [lever for k, lever in enumerate(levers) if slides is not None and slides[k] == 0]
 
 
 def _outcome(
-    task: _Task,
+    task: _StepTask,
     states: tuple[StackState, ...],
     last: tuple[_Step, Array, tuple[int, ...] | None],
     reached: tuple[float, int],
-    jacobian: tuple[tuple[Array, Array], int, Mapping[int, Response]] | None,
+    jacobian: tuple[tuple[Array, Array], int, Mapping[int, DeformationResponse]] | None,
 ) -> Balance:
     """State after a step; without a Jacobian it is not in balance."""
     found, v, slides = last
@@ -334,15 +336,15 @@ def _outcome(
     )
 
 
-def _matched(former: Balance, task: _Task) -> tuple[StackState, ...]:
-    """Former states, one for every scene."""
-    if len(former.states) == len(task.scenes):
+def _matched(former: Balance, task: _StepTask) -> tuple[StackState, ...]:
+    """Former states, one for every snapshot."""
+    if len(former.states) == len(task.snapshots):
         return former.states
-    return tuple(former.states[0] for _ in task.scenes)
+    return tuple(former.states[0] for _ in task.snapshots)
 
 
 def _forces(
-    task: _Task, states: tuple[StackState, ...], v: Array, slides: tuple[int, ...] | None
+    task: _StepTask, states: tuple[StackState, ...], v: Array, slides: tuple[int, ...] | None
 ) -> tuple[Array, Array]:
     """Force on the coordinates without held friction, and minus its derivative with velocity."""
     stack = task.stack
@@ -365,24 +367,24 @@ def _forces(
 def _masses(stack: Stack) -> Array:
     """Masses of the lifts; rotary inertia is negligible beside the films' damping."""
     masses = np.zeros(stack.size)
-    for piece in stack.pieces:
-        masses[piece.first] = piece.bearing.mass
+    for part in stack.moving_bearings:
+        masses[part.first] = part.bearing.mass
     for k, mass in enumerate(stack.balance.body_masses):
         masses[stack.first_body + 3 * k] = mass
     return masses
 
 
-def _matrix(task: _Task, jacobian: tuple[Array, Array], drag: Array) -> Array:
+def _matrix(task: _StepTask, jacobian: tuple[Array, Array], drag: Array) -> Array:
     """Minus the derivative of the forces with the coordinates at the end of the step."""
     stiffness, damping = jacobian
     return np.asarray(stiffness + (damping + drag) / task.duration)
 
 
 def _corrected(
-    jacobian: tuple[Array, Array], foretold: tuple[Array, Array], force: Array
+    jacobian: tuple[Array, Array], predicted: tuple[Array, Array], force: Array
 ) -> tuple[Array, Array]:
-    """Stiffness that would have foretold the force found after a step (Broyden 1965)."""
-    step, expected = foretold
+    """Stiffness that would have predicted the force found after a step (Broyden 1965)."""
+    step, expected = predicted
     size = float(step @ step)
     if size == 0.0:
         return jacobian
@@ -390,13 +392,13 @@ def _corrected(
 
 
 def _newton_step(
-    task: _Task,
+    task: _StepTask,
     jacobian: tuple[Array, Array],
     forces: tuple[Array, Array, Array | float],
     held: list[Array],
     v: Array,
 ) -> _Step:
-    """Step of the coordinates that balances the forces with what the widening will add."""
+    """Step of the coordinates that balances the forces with what the deformation will add."""
     force, drag, pull = forces
     free = task.stack.free
     matrix = _matrix(task, jacobian, drag)[np.ix_(free, free)]
@@ -429,40 +431,40 @@ def _solved(matrix: Array, right: Array) -> Array:
         return np.asarray(np.linalg.lstsq(matrix, right, rcond=None)[0], dtype=np.float64)
 
 
-def _friction(task: _Task, v: Array, slides: tuple[int, ...] | None, holding: Array) -> Array:
-    """Friction force on every pressed bearing. [N]."""
+def _friction(task: _StepTask, v: Array, slides: tuple[int, ...] | None, holding: Array) -> Array:
+    """Friction force on every floating bearing. [N]."""
     levers = levers_of(task.stack)
     if slides is None:
         laws = [task.loads.law(k) for k in range(len(levers))]
         return np.array([-f.force(float(w @ v))[0] for w, f in zip(levers, laws, strict=True)])
-    found, rest = np.zeros(len(levers)), iter(holding)
+    found, stuck = np.zeros(len(levers)), iter(holding)
     for k, sense in enumerate(slides):
-        found[k] = next(rest) if sense == 0 else -sense * task.loads.law(k).coulomb_force
+        found[k] = next(stuck) if sense == 0 else -sense * task.loads.law(k).coulomb_force
     return found
 
 
 def balance_force(stack: Stack, back: BackPressure) -> float:
-    """Force behind the pressed bearing, the scale of all residuals. [N]."""
+    """Force behind the floating bearing, the scale of all residuals. [N]."""
     bearing = stack.balance.floating
     rest = bearing.face.area - bearing.high_pressure.area - bearing.nose.area
     push = back.high * bearing.high_pressure.area + back.nose * bearing.nose.area
     return push + back.low * rest + bearing.preload.size
 
 
-def _scale(task: _Task) -> float:
+def _scale(task: _StepTask) -> float:
     return balance_force(task.stack, task.loads.back)
 
 
-def rest_at(stack: Stack, scenes: Sequence[Scene], position: Array) -> Balance:
+def state_at(stack: Stack, snapshots: Sequence[Snapshot], position: Array) -> Balance:
     """State without motion at given coordinates, not in balance; where a search begins."""
     still = np.zeros(stack.size)
     flat = [np.zeros((g.rows, g.lanes)) for g in stack.grids]
-    states = tuple(stack.solve(scene, position, still, None, flat) for scene in scenes)
-    bearings = len(stack.pieces)
+    states = tuple(stack.solve(snapshot, position, still, None, flat) for snapshot in snapshots)
+    bearings = len(stack.moving_bearings)
     return Balance(states, np.zeros(bearings), (0,) * bearings, np.inf, 1, False)
 
 
-def at_rest(balance: Balance) -> Balance:
+def stopped(balance: Balance) -> Balance:
     """Forget the motion of a state: the next step begins from rest."""
     states = tuple(replace(s, velocity=np.zeros_like(s.velocity)) for s in balance.states)
     return replace(balance, states=states, slides=(0,) * len(balance.slides))

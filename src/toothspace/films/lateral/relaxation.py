@@ -1,4 +1,4 @@
-"""Way to rest for bodies that lean: their squeeze in time is left out."""
+"""Relaxation to equilibrium of bodies that lean: squeeze in time is left out."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import NamedTuple, final
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.films.lateral.deformation import Fields, limited, widened
+from toothspace.films.lateral.deformation import Fields, limited, next_deformation
 from toothspace.films.lateral.motion import (
     Balance,
     Loads,
@@ -16,7 +16,7 @@ from toothspace.films.lateral.motion import (
     levers_of,
 )
 from toothspace.films.lateral.stack import (
-    Scene,
+    Snapshot,
     Stack,
     StackState,
     mean_coefficients,
@@ -24,17 +24,17 @@ from toothspace.films.lateral.stack import (
 )
 from toothspace.films.lateral.stops import stop_forces
 
-_FIRST_YIELD = 1e-7
-"""Way that the force behind the bearing pushes a body in the first step. [m]"""
-_LONGEST_YIELD = 1e3
-_SHORTEST_YIELD = 1e-14
-_FORETOLD, _GOOD = 0.5, 0.1
-"""Force that a step foretells wrongly, over the force: above it is repeated, below it grows. [-]"""
+_FIRST_STEP = 1e-7
+"""Displacement of a body by the force behind the bearing in the first step. [m]"""
+_LONGEST_STEP = 1e3
+_SHORTEST_STEP = 1e-14
+_PREDICTED, _GOOD = 0.5, 0.1
+"""Error of the predicted force over the force: above it a step is repeated, below it grows. [-]"""
 _SMALL = 1e-3
 """Force over the force behind the bearing below which no step is repeated for its error. [-]"""
 _GROWTH, _SHRINK = 3.0, 0.25
-_WIDENING = 0.4
-"""Part of the distant widening that is taken over by a step. [-]"""
+_DEFORMATION_PART = 0.4
+"""Part of the distant deformation that is taken over by a step. [-]"""
 
 
 class Relaxed(NamedTuple):
@@ -51,27 +51,27 @@ class _Point(NamedTuple):
     force: Array
     stiffness: Array
     wanted: Fields
-    change: float  # of the distant widening over the gap [-]
+    change: float  # of the distant deformation over the gap [-]
 
 
 def relax(
     stack: Stack,
-    scenes: Sequence[Scene],
+    snapshots: Sequence[Snapshot],
     loads: Loads,
     start: Balance,
     tolerance: tuple[float, float],
     most_steps: int,
 ) -> Relaxed:
-    """Follow the forces of films at rest to where they balance.
+    """Follow the forces of films without squeeze to where they balance.
 
     Parameters
     ----------
-    stack, scenes, loads
+    stack, snapshots, loads
         Bodies and films, shaft angles over which forces are averaged, other loads.
     start : Balance
         Where it begins; a bearing that slides there is held back by friction.
     tolerance : tuple of float
-        Residual over the force behind the bearing, and change of a widening over the gap. [-]
+        Residual over the force behind the bearing, and change of a deformation over the gap. [-]
     most_steps : int
         Most film solutions.
 
@@ -80,24 +80,24 @@ def relax(
     Linearly implicit steps of bodies that a made-up damping holds back, the same for lifts and
     tilts at the rim. Squeeze between faces that nearly touch pushes in one sense only, since films
     cannot pull, and keeps implicit steps in time from settling; here it is left out. Steps grow as
-    long as the stiffness foretells the forces found, so that a contact is met slowly.
+    long as the stiffness predicts the forces found, so that a contact is met slowly.
     """
     scale = balance_force(stack, loads.back)
-    task = (stack, tuple(scenes), loads, start)
+    task = (stack, tuple(snapshots), loads, start)
     now = _point(task, start.position, start.states, [list(s.distant) for s in start.states])
-    far, taken = _FIRST_YIELD, 0
+    far, taken = _FIRST_STEP, 0
     while taken < most_steps and not _settled(stack, now, scale, tolerance):
         taken += 1
         step = limited(now.states, _step(stack, now, scale / far))
         found = _point(task, now.states[0].position + step, now.states, _followed(now))
         error = _size(stack, found.force - (now.force - now.stiffness @ step))
         size = _size(stack, now.force)
-        good = error <= _FORETOLD * max(size, _SMALL * scale)  # false where films are lost
-        if not good and far > _SHORTEST_YIELD:
+        good = error <= _PREDICTED * max(size, _SMALL * scale)  # false where films are lost
+        if not good and far > _SHORTEST_STEP:
             far *= _SHRINK
             continue
         now = found
-        far = min(far * _GROWTH, _LONGEST_YIELD) if error <= _GOOD * size else far
+        far = min(far * _GROWTH, _LONGEST_STEP) if error <= _GOOD * size else far
     return Relaxed(now.states, _size(stack, now.force) / scale, taken)
 
 
@@ -117,9 +117,9 @@ def _step(stack: Stack, now: _Point, holding: float) -> Array:
 
 
 def _followed(now: _Point) -> Fields:
-    """Widening for the next films: that of the last ones on its way to what they ask for."""
+    """Deformation for the next films: that of the last ones on its way to what they ask for."""
     return [
-        [a + _WIDENING * (b - a) for a, b in zip(state.distant, new, strict=True)]
+        [a + _DEFORMATION_PART * (b - a) for a, b in zip(state.distant, new, strict=True)]
         for state, new in zip(now.states, now.wanted, strict=True)
     ]
 
@@ -129,15 +129,17 @@ def _size(stack: Stack, force: Array) -> float:
     return float(np.abs(force / stack.arms)[stack.free].max())
 
 
-_Task = tuple[Stack, tuple[Scene, ...], Loads, Balance]
+_RelaxationTask = tuple[Stack, tuple[Snapshot, ...], Loads, Balance]
 
 
-def _point(task: _Task, q: Array, former: Sequence[StackState], distant: Fields) -> _Point:
-    stack, scenes, loads, start = task
+def _point(
+    task: _RelaxationTask, q: Array, former: Sequence[StackState], distant: Fields
+) -> _Point:
+    stack, snapshots, loads, start = task
     still = np.zeros(stack.size)
     states = tuple(
-        stack.solve(scene, q, still, old, given)
-        for scene, old, given in zip(scenes, former, distant, strict=True)
+        stack.solve(snapshot, q, still, old, given)
+        for snapshot, old, given in zip(snapshots, former, distant, strict=True)
     )
     force, stiffness = stop_forces(stack, q)
     if loads.friction.holds:
@@ -145,5 +147,5 @@ def _point(task: _Task, q: Array, former: Sequence[StackState], distant: Fields)
             force -= sense * loads.law(k).coulomb_force * lever
     force += mean_force(states, loads.back)
     stiffness += mean_coefficients(states)[0]
-    wanted, change = widened(states, distant, loads.back.low)
+    wanted, change = next_deformation(states, distant, loads.back.low)
     return _Point(states, force, stiffness, wanted, change)

@@ -11,11 +11,10 @@ from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.films.lateral.conductance import edge_marks
-from toothspace.films.plane.ring import LateralFilm as RingFilm
-from toothspace.films.plane.ring import LateralSolution
+from toothspace.films.plane.ring import LateralFilm, LateralSolution
 from toothspace.films.reynolds.fluid import FilmFluid
 from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
-from toothspace.model.description import LateralFilm, MachineDescription
+from toothspace.model.description import LumpedLateralFilm, MachineDescription
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.quasi_static import quasi_static_pressures
 
@@ -142,13 +141,15 @@ def solve_faces(
     return FaceFilms(tuple(film.body for film in known), centers, tuple(found))
 
 
-def _ring(film: LateralFilm, speed_ratio: float, pressure: Array, setting: FaceSetting) -> RingFilm:
-    """Film about one body; the gap rests with the opposite face while its edges turn."""
+def _ring(
+    film: LumpedLateralFilm, speed_ratio: float, pressure: Array, setting: FaceSetting
+) -> LateralFilm:
+    """Film about one body; the gap is fixed to the opposite face while its edges turn."""
     face = film.face
     assert face is not None
     about_x, about_y = setting.tilt
     x, y = face.center
-    return RingFilm(
+    return LateralFilm(
         inner_radius=film.inner_radius,
         outer_radius=film.outer_radius,
         side_gap=setting.side_gap + about_x * y - about_y * x,
@@ -163,7 +164,9 @@ def _ring(film: LateralFilm, speed_ratio: float, pressure: Array, setting: FaceS
     )
 
 
-def _given(film: LateralFilm, speed_ratio: float, pressure: Array, setting: FaceSetting) -> Array:
+def _given(
+    film: LumpedLateralFilm, speed_ratio: float, pressure: Array, setting: FaceSetting
+) -> Array:
     """Pressure of the cells over chambers and recesses, NaN in the film. [Pa]."""
     face = film.face
     assert face is not None

@@ -1,4 +1,4 @@
-"""Motions that tip bearings and gears away from a rest."""
+"""Small motions that grow from an equilibrium of bearings and gears."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from toothspace.films.lateral.stack import Stack
 from toothspace.films.lateral.stops import stop_forces
 
 _ROUNDING = 1e-5
-"""Growth over the fastest decay below which it is not told from none. [-]"""
+"""Growth over the fastest decay below which it counts as none. [-]"""
 _UNDAMPED = 1e-12
 """Damping over the largest from which it is rounding. [-]"""
 
 
 def growing_motion(stack: Stack, balance: Balance, loads: Loads) -> tuple[float, Array]:
-    """Fastest growth of a motion that tips bodies at rest, and how the coordinates share in it.
+    """Fastest growth of a motion that tips bodies in equilibrium, and its shape.
 
     Parameters
     ----------
     stack : Stack
         Bodies and films.
     balance : Balance
-        State at rest with its Jacobian; bearings that friction holds take no part.
+        Equilibrium with its Jacobian; bearings that friction holds take no part.
     loads : Loads
         Friction in the housing.
 
@@ -60,7 +60,7 @@ def _modes(stiffness: Array, damping: Array) -> tuple[ComplexArray, ComplexArray
 
 
 def _moving(stack: Stack, balance: Balance, loads: Loads) -> Array:
-    """Motions of the free coordinates that leave bearings at rest where friction holds them."""
+    """Motions of the free coordinates that leave bearings where friction holds them."""
     every = np.eye(stack.size)[:, stack.free]
     if not loads.friction.holds or loads.friction.coulomb_force == 0.0:
         return every

@@ -9,13 +9,13 @@ from typing import NamedTuple, Protocol, final
 import numpy as np
 
 from toothspace.core.types import Array, IntArray
-from toothspace.films.lateral.basis_functions import Patterns
+from toothspace.films.lateral.basis_functions import BasisFunctions
 from toothspace.films.lateral.face_film import (
-    Approach,
+    FaceDeformation,
     FaceFilm,
+    FaceMotion,
+    FilmBoundary,
     FilmLaw,
-    Place,
-    Surroundings,
     solve_face,
 )
 from toothspace.films.lateral.face_grid import FaceGrid, Mask
@@ -25,7 +25,7 @@ from toothspace.model.lateral_balance import (
     LateralBalance,
     Side,
 )
-from toothspace.numerics.side_by_side import side_by_side
+from toothspace.numerics.parallel import in_parallel
 
 _MOTIONS = 3
 
@@ -38,19 +38,21 @@ class Compliance(Protocol):
         """Part of the approach that follows the pressure at the same place, by film. [m/Pa]."""
         ...  # pragma: no cover
 
-    def distant(self, pressures: Sequence[Array], scene: Scene) -> list[Array]:
-        """Rest of the widening of every gap [m] under pressures above the low one. [Pa]."""
+    def distant(self, pressures: Sequence[Array], snapshot: Snapshot) -> list[Array]:
+        """Distant deformation of every gap [m] under pressures above the low one. [Pa]."""
         ...  # pragma: no cover
 
-    def gain(self, changes: Sequence[Array], scene: Scene, patterns: Sequence[Patterns]) -> Array:
-        """Sizes of patterns of that rest per change of pressure, film by film. [m/Pa]."""
+    def gain(
+        self, changes: Sequence[Array], snapshot: Snapshot, basis: Sequence[BasisFunctions]
+    ) -> Array:
+        """Coefficients of that part per change of pressure, film by film. [m/Pa]."""
         ...  # pragma: no cover
 
 
 @final
 @dataclass(frozen=True)
-class Columns:
-    """Every point gives way like a column under its own pressure; zero for rigid faces.
+class WinklerFoundation:
+    """Every point deforms under its own pressure alone; zero for rigid faces.
 
     Parameters
     ----------
@@ -60,24 +62,26 @@ class Columns:
 
     local: tuple[float, ...]
 
-    def distant(self, pressures: Sequence[Array], scene: Scene) -> list[Array]:
-        """Return no further widening. [m]."""
+    def distant(self, pressures: Sequence[Array], snapshot: Snapshot) -> list[Array]:
+        """Return none: all of the deformation is local. [m]."""
         return [np.zeros_like(p) for p in pressures]
 
-    def gain(self, changes: Sequence[Array], scene: Scene, patterns: Sequence[Patterns]) -> Array:
-        """Return no further widening. [m/Pa]."""
-        return np.zeros((sum(p.count for p in patterns), sum(map(len, changes))))
+    def gain(
+        self, changes: Sequence[Array], snapshot: Snapshot, basis: Sequence[BasisFunctions]
+    ) -> Array:
+        """Return none: all of the deformation is local. [m/Pa]."""
+        return np.zeros((sum(p.count for p in basis), sum(map(len, changes))))
 
 
 class BackPressure(NamedTuple):
-    """Pressures behind the pressed bearing. [Pa]."""
+    """Pressures behind the floating bearing. [Pa]."""
 
     high: float
     low: float
     nose: float
 
 
-class Scene(NamedTuple):
+class Snapshot(NamedTuple):
     """Masks and node pressures at one shaft angle."""
 
     shaft_angle: float  # [rad]
@@ -85,8 +89,8 @@ class Scene(NamedTuple):
     node_pressure: Array  # [Pa]
 
 
-class Guide(NamedTuple):
-    """Spring that holds the mean opening of all pressed bearings at a place.
+class HoldingSpring(NamedTuple):
+    """Spring that holds the mean lift of all floating bearings at a given value.
 
     It stands in for what else answers a lift, such as chambers that wider gaps drain.
     """
@@ -95,27 +99,27 @@ class Guide(NamedTuple):
     stiffness: float  # [N/m]
 
 
-class Past(NamedTuple):
+class PreviousStep(NamedTuple):
     """State of the films at the begin of a step, and its length."""
 
     state: StackState
     duration: float  # [s]
 
 
-class Piece(NamedTuple):
-    """One pressed bearing, or one of its parts that move on their own."""
+class MovingBearing(NamedTuple):
+    """One floating bearing, or one of its parts that move on their own."""
 
     first: int  # first of its three coordinates
     side: Side
     sign: float  # sense in which its back is pushed, along z
     bearing: FloatingBearing
     bodies: tuple[str, ...]  # that it runs against
-    pushed: bool  # whether the teeth push these towards it, so that its cover holds all
+    thrust_to_cover: bool  # whether the teeth push these towards it, so that its cover holds all
 
     @property
     def play(self) -> float:
         """Travel from the gears up to its cover. [m]."""
-        return 0.0 if self.pushed else self.bearing.axial_play
+        return 0.0 if self.thrust_to_cover else self.bearing.axial_play
 
 
 @final
@@ -135,16 +139,16 @@ class Stack:
         Elastic approach.
     shaft_speed : float
         Shaft speed. [rad/s]
-    guide : Guide, optional
-        Spring on the mean opening of the pressed bearings; none in a machine.
+    holding_spring : HoldingSpring, optional
+        Spring on the mean lift of the floating bearings; none in a machine.
 
     Notes
     -----
-    Coordinates, three each (lift and rotations about x and y): pressed bearing, gears, and the
-    second pressed bearing if there is one; then the drive gear stays where it is. A bearing that
+    Coordinates, three each (lift and rotations about x and y): floating bearing, gears, and the
+    second floating bearing if there is one; then the drive gear stays where it is. A bearing that
     is split has three for every part; between two split ones all gears stay where they are.
-    Forces of the teeth that do not cancel push what is between two pressed bearings to the cover
-    of one of them, which takes the rest. Bearings turn about the x and y axes of the machine
+    Forces of the teeth that do not cancel push what is between two floating bearings to the cover
+    of one of them, which carries them. Bearings turn about the x and y axes of the machine
     frame, gears about their own.
     """
 
@@ -153,18 +157,18 @@ class Stack:
     laws: tuple[FilmLaw, ...]
     compliance: Compliance
     shaft_speed: float
-    guide: Guide | None = None
-    pieces: tuple[Piece, ...] = field(init=False, repr=False)
+    holding_spring: HoldingSpring | None = None
+    moving_bearings: tuple[MovingBearing, ...] = field(init=False, repr=False)
     _maps: tuple[tuple[Array, Array], ...] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "pieces", _pieces(self.balance))
+        object.__setattr__(self, "moving_bearings", _moving_bearings(self.balance))
         object.__setattr__(self, "_maps", tuple(map(self._lift_maps, self.balance.interfaces)))
 
     @property
     def size(self) -> int:
         """Number of coordinates."""
-        return _MOTIONS * (len(self.pieces) + len(self.balance.bodies))
+        return _MOTIONS * (len(self.moving_bearings) + len(self.balance.bodies))
 
     @property
     def first_body(self) -> int:
@@ -172,8 +176,8 @@ class Stack:
         return _MOTIONS * max(len(self.balance.halves), 1)
 
     @property
-    def two_pressed(self) -> bool:
-        """Whether a second bearing is pressed from the other side."""
+    def two_floating(self) -> bool:
+        """Whether there is a floating bearing on both sides."""
         return self.balance.arrangement != "asymmetric"
 
     @property
@@ -187,9 +191,9 @@ class Stack:
     def _references(self) -> list[int]:
         """First coordinates of bodies that stay where they are.
 
-        Nothing changes when all that is between two pressed bearings moves with them.
+        Nothing changes when all that is between two floating bearings moves with them.
         """
-        groups = {piece.bodies: 0 for piece in self.pieces} if self.two_pressed else {}
+        groups = {part.bodies: 0 for part in self.moving_bearings} if self.two_floating else {}
         return [self._body(own[0]) for own in groups if self.balance.thrust(own) == 0.0]
 
     def _body(self, name: str) -> int:
@@ -212,13 +216,15 @@ class Stack:
         """Motions of the film faces that occur."""
         return (0,) if self.balance.motion == "axial" else (0, 1, 2)
 
-    def scene(self, shaft_angle: float, node_pressure: Array) -> Scene:
+    def snapshot(self, shaft_angle: float, node_pressure: Array) -> Snapshot:
         """Masks at a shaft angle [rad] with the pressures of all nodes there. [Pa]."""
         first = {grid.interface.body: grid for grid in reversed(self.grids)}
         size = self.grids[0].area.size
-        found = side_by_side(lambda body: first[body].mask(shaft_angle), first, size)
+        found = in_parallel(lambda body: first[body].mask(shaft_angle), first, size)
         masks = dict(zip(first, found, strict=True))
-        return Scene(shaft_angle, tuple(masks[g.interface.body] for g in self.grids), node_pressure)
+        return Snapshot(
+            shaft_angle, tuple(masks[g.interface.body] for g in self.grids), node_pressure
+        )
 
     def start(self, gap: float) -> Array:
         """Coordinates with one gap everywhere. [m]."""
@@ -226,74 +232,80 @@ class Stack:
         first = self.first_body
         q[:first:_MOTIONS] = 2.0 * gap
         q[first : first + _MOTIONS * len(self.balance.bodies) : _MOTIONS] = gap
-        for held in self.pieces:
-            if held.pushed:  # it begins on its cover
-                beside = [piece.first for piece in self.pieces if piece.bodies == held.bodies]
+        for held in self.moving_bearings:
+            if held.thrust_to_cover:  # it begins on its cover
+                beside = [part.first for part in self.moving_bearings if part.bodies == held.bodies]
                 q[beside + [self._body(body) for body in held.bodies]] -= q[held.first]
         return q
 
     def gauge(self, q: Array) -> float:
-        """Position of the pressed bearing at its gauge point, away from the gears. [m]."""
+        """Position of the floating bearing at its gauge point, away from the gears. [m]."""
         return float(self.positions(q)[0])
 
     def positions(self, q: Array) -> Array:
-        """Positions of all pressed bearings or parts at their gauge points, along z. [m]."""
+        """Positions of all floating bearings or parts at their gauge points, along z. [m]."""
         found = []
-        for piece in self.pieces:
-            (x, y), k = piece.bearing.gauge_point, piece.first
+        for part in self.moving_bearings:
+            (x, y), k = part.bearing.gauge_point, part.first
             found.append(float(q[k] + q[k + 1] * y - q[k + 2] * x))
         return np.array(found)
 
     @property
     def opening(self) -> Array:
-        """Mean lift of all pressed bearings away from the gears, from the coordinates."""
+        """Mean lift of all floating bearings away from the gears, from the coordinates."""
         tilts = self.balance.motion == "full"
         lever = np.zeros(self.size)
-        for piece in self.pieces:
-            (x, y), k = piece.bearing.face.center, piece.first
-            outwards = -piece.sign / len(self.pieces)
+        for part in self.moving_bearings:
+            (x, y), k = part.bearing.face.center, part.first
+            outwards = -part.sign / len(self.moving_bearings)
             lever[k : k + _MOTIONS] = outwards, outwards * y * tilts, -outwards * x * tilts
         return lever
 
     def tilts(self, q: Array) -> list[float]:
-        """Tilt of every pressed bearing or part. [rad]."""
-        return [float(np.hypot(q[piece.first + 1], q[piece.first + 2])) for piece in self.pieces]
+        """Tilt of every floating bearing or part. [rad]."""
+        return [
+            float(np.hypot(q[part.first + 1], q[part.first + 2])) for part in self.moving_bearings
+        ]
 
-    def film_place(self, index: int, q: Array, v: Array) -> Place:
+    def film_face_motion(self, index: int, q: Array, v: Array) -> FaceMotion:
         """Position and velocity of a film's upper face about the axis of its body."""
         bearing, body = self._maps[index]
         chain = bearing + body
-        return Place(chain @ q, chain @ v)
+        return FaceMotion(chain @ q, chain @ v)
 
     def solve(
         self,
-        scene: Scene,
+        snapshot: Snapshot,
         q: Array,
         v: Array,
         former: StackState | None,
         distant: Sequence[Array],
-        past: Past | None = None,
+        previous: PreviousStep | None = None,
     ) -> StackState:
-        """All films at positions and velocities, with given widening by distant pressures.
+        """All films at positions and velocities, with given deformation by distant pressures.
 
-        Without ``past`` the faces count as steady.
+        Without ``previous`` the faces count as steady.
         """
-        low = float(scene.node_pressure[self.balance.low_node])
+        low = float(snapshot.node_pressure[self.balance.low_node])
 
         def one(k: int) -> FaceFilm:
-            around = Surroundings(scene.masks[k], scene.node_pressure, self.shaft_speed, low)
+            boundary = FilmBoundary(
+                snapshot.masks[k], snapshot.node_pressure, self.shaft_speed, low
+            )
             start = former.films[k] if former is not None else None
-            approach = Approach(self.compliance.local[k], distant[k], distant[k])
-            if past is not None:
-                before = past.state.films[k].widening
-                approach = approach._replace(past=before, frequency=1.0 / past.duration)
-            here = self.film_place(k, q, v)
-            film = solve_face(self.grids[k], self.laws[k], around, here, approach, start)
+            deformation = FaceDeformation(self.compliance.local[k], distant[k], distant[k])
+            if previous is not None:
+                before = previous.state.films[k].deformation
+                deformation = deformation._replace(
+                    previous=before, frequency=1.0 / previous.duration
+                )
+            here = self.film_face_motion(k, q, v)
+            film = solve_face(self.grids[k], self.laws[k], boundary, here, deformation, start)
             film.covered_load()  # kept, and found here beside the other films
             return film
 
-        films = side_by_side(one, range(len(self.grids)), self.grids[0].area.size)
-        return StackState(self, scene, q, v, films, tuple(distant))
+        films = in_parallel(one, range(len(self.grids)), self.grids[0].area.size)
+        return StackState(self, snapshot, q, v, films, tuple(distant))
 
     def with_passes(self, passes: int) -> Stack:
         """Same stack whose films make at most so many passes at a time."""
@@ -310,9 +322,9 @@ class Stack:
         first = self._body(interface.body)
         sign = 1.0 if interface.side == "floating" else -1.0
         body[:, first : first + _MOTIONS] = -sign * np.eye(_MOTIONS)
-        for piece in self.pieces:
-            if piece.side == interface.side and interface.body in piece.bodies:
-                bearing[:, piece.first : piece.first + _MOTIONS] = sign * about
+        for part in self.moving_bearings:
+            if part.side == interface.side and interface.body in part.bodies:
+                bearing[:, part.first : part.first + _MOTIONS] = sign * about
         return bearing, body
 
 
@@ -327,8 +339,8 @@ def _inside_rim(balance: LateralBalance, place: Array) -> float:
     return radius - float(np.linalg.norm(place - start - share * along))
 
 
-def _pieces(balance: LateralBalance) -> tuple[Piece, ...]:
-    """Pressed bearings or their parts: before the bodies those of the floating side."""
+def _moving_bearings(balance: LateralBalance) -> tuple[MovingBearing, ...]:
+    """Floating bearings or their parts: before the bodies those of the floating side."""
     bodies = balance.bodies
     parts = balance.halves or (balance.floating,)
     beside = tuple((b,) for b in bodies) if balance.halves else (bodies,)
@@ -336,7 +348,7 @@ def _pieces(balance: LateralBalance) -> tuple[Piece, ...]:
     if balance.arrangement != "asymmetric":
         sides += (("solid", 1.0, len(parts) + len(bodies)),)
     return tuple(
-        Piece(
+        MovingBearing(
             _MOTIONS * (start + k),
             side,
             sign,
@@ -355,7 +367,7 @@ class StackState:
     """Solved films of a stack at one shaft angle."""
 
     stack: Stack
-    scene: Scene
+    snapshot: Snapshot
     position: Array
     velocity: Array
     films: tuple[FaceFilm, ...]
@@ -379,11 +391,11 @@ class StackState:
         return force
 
     def back_force(self, back: BackPressure) -> Array:
-        """Generalised forces behind the pressed bearings, springs and tooth forces."""
+        """Generalised forces behind the floating bearings, springs and tooth forces."""
         stack = self.stack
         force = np.zeros(stack.size)
         # the face as the films see it, so that equal pressure everywhere balances exactly
-        for first, side, sign, bearing, bodies, _ in stack.pieces:
+        for first, side, sign, bearing, bodies, _ in stack.moving_bearings:
             high, nose = (np.array(p.moments) for p in (bearing.high_pressure, bearing.nose))
             rest = self._face(side, bodies) - high - nose
             push = back.high * high + back.nose * nose + back.low * rest
@@ -411,13 +423,13 @@ class StackState:
 
     def smallest_gap(self) -> float:
         """Smallest gap under film. [m]."""
-        return min(float(f.gap[f.around.mask.film].min()) for f in self.films)
+        return min(float(f.gap[f.boundary.mask.film].min()) for f in self.films)
 
     def mean_gaps(self) -> Array:
         """Mean gap of every film over its area. [m]."""
         found = []
         for f in self.films:
-            area = np.where(f.around.mask.film, f.grid.area, 0.0)
+            area = np.where(f.boundary.mask.film, f.grid.area, 0.0)
             found.append(float((f.gap * area).sum() / area.sum()))
         return np.array(found)
 
@@ -446,16 +458,16 @@ class StackState:
         found = np.zeros(_MOTIONS)
         for film in self.films:
             if film.grid.interface.side == side and film.grid.interface.body in bodies:
-                found += film.grid.face_moments(film.around.mask.cells.owned)
+                found += film.grid.face_moments(film.boundary.mask.cells.owned)
         return found
 
 
 def mean_force(states: Sequence[StackState], back: BackPressure) -> Array:
-    """Force of films and of the pressures behind the bearing, mean over scenes. [N, N m]."""
+    """Force of films and of the pressures behind the bearing, mean over snapshots. [N, N m]."""
     return np.mean([s.film_force() + s.back_force(back) for s in states], axis=0)
 
 
 def mean_coefficients(states: Sequence[StackState]) -> tuple[Array, Array]:
-    """Stiffness and damping of the films, means over scenes."""
+    """Stiffness and damping of the films, means over snapshots."""
     pairs = [state.coefficients() for state in states]
     return np.mean([k for k, _ in pairs], axis=0), np.mean([d for _, d in pairs], axis=0)

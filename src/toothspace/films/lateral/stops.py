@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.films.lateral.stack import Piece, Stack
+from toothspace.films.lateral.stack import MovingBearing, Stack
 
 _STIFFNESS = 1e9
 """Stiffness of the cover at one place of the rim. [N/m]"""
@@ -37,18 +37,18 @@ def stop_forces(stack: Stack, q: Array) -> tuple[Array, Array]:
     Turning bodies are held by their journal bearings, weakly until the clearance is used up.
     """
     force, stiffness = np.zeros(stack.size), np.zeros((stack.size, stack.size))
-    for piece in stack.pieces:
-        here = slice(piece.first, piece.first + 3)
-        levers = rim_levers(stack, piece)
-        over = -piece.sign * (levers @ q[here]) - piece.play
+    for part in stack.moving_bearings:
+        here = slice(part.first, part.first + 3)
+        levers = rim_levers(stack, part)
+        over = -part.sign * (levers @ q[here]) - part.play
         met = levers[over > 0.0]
-        force[here] += piece.sign * _STIFFNESS * (over[over > 0.0] @ met)
+        force[here] += part.sign * _STIFFNESS * (over[over > 0.0] @ met)
         stiffness[here, here] += _STIFFNESS * met.T @ met
-        wall = piece.bearing.wall_stiffness
-        force[piece.first + 2] -= wall * q[piece.first + 2]
-        stiffness[piece.first + 2, piece.first + 2] += wall
-    if stack.guide is not None:
-        lever, spring = stack.opening, stack.guide
+        wall = part.bearing.wall_stiffness
+        force[part.first + 2] -= wall * q[part.first + 2]
+        stiffness[part.first + 2, part.first + 2] += wall
+    if stack.holding_spring is not None:
+        lever, spring = stack.opening, stack.holding_spring
         force += spring.stiffness * (spring.opening - float(lever @ q)) * lever
         stiffness += spring.stiffness * np.outer(lever, lever)
     held = stack.balance.shaft_stiffness
@@ -60,22 +60,22 @@ def stop_forces(stack: Stack, q: Array) -> tuple[Array, Array]:
 
 
 def leaning(stack: Stack, q: Array) -> list[str]:
-    """Tell what leans on its cover or in its journal bearings at coordinates. [m, rad]."""
+    """What leans on its cover or in its journal bearings at coordinates [m, rad], in words."""
     found = []
-    for piece in stack.pieces:
-        lift = -piece.sign * (rim_levers(stack, piece) @ q[piece.first : piece.first + 3])
-        if lift.max() > piece.bearing.axial_play:
-            beside = "" if len(stack.pieces) == 1 else f" ({piece.side} side)"
-            found.append(f"the pressed bearing{beside} has lifted to its cover")
+    for part in stack.moving_bearings:
+        lift = -part.sign * (rim_levers(stack, part) @ q[part.first : part.first + 3])
+        if lift.max() > part.bearing.axial_play:
+            beside = "" if len(stack.moving_bearings) == 1 else f" ({part.side} side)"
+            found.append(f"the floating bearing{beside} has lifted to its cover")
     for body, (tilts, most) in zip(stack.balance.bodies, _shafts(stack), strict=False):
         if np.hypot(*q[tilts]) > most:
             found.append(f"{body} has tilted by the clearance of its journal bearings")
     return found
 
 
-def rim_levers(stack: Stack, piece: Piece) -> Array:
+def rim_levers(stack: Stack, part: MovingBearing) -> Array:
     """Lift of places on the rim of a bearing from its three coordinates, one row each."""
-    own = [i for i in stack.balance.interfaces if i.side == piece.side and i.body in piece.bodies]
+    own = [i for i in stack.balance.interfaces if i.side == part.side and i.body in part.bodies]
     turn = 2.0 * np.pi * np.arange(_PLACES) / _PLACES
     x = np.concatenate([i.center[0] + i.outer_radius * np.cos(turn) for i in own])
     y = np.concatenate([i.center[1] + i.outer_radius * np.sin(turn) for i in own])

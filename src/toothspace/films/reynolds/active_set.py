@@ -1,4 +1,4 @@
-r"""Balance of a film between yielding faces and its derivative with the gap, where there is film.
+r"""Balance of a film between compliant faces and its derivative with the gap, where there is film.
 
 Pressure that steps from one cell to the next opens the gap in a step too, and a conductance taken
 at one side or at the mean gap then lets the flow fall as the pressure rises: solutions multiply.
@@ -55,15 +55,15 @@ class Linearised(NamedTuple):
     slope: GapSlopes
 
 
-class YieldingGap(NamedTuple):
-    """Gap of a ring of cells between yielding faces."""
+class DeformedGap(NamedTuple):
+    """Gap of a ring of cells between compliant faces."""
 
     rigid: GapField  # undeformed; its steps are not used
-    opening: Array  # (rows, lanes) widening [m]
-    edge: Array  # (2, rows) widening at the inner and at the outer rim [m]
+    opening: Array  # (rows, lanes) deformation [m]
+    edge: Array  # (2, rows) deformation at the inner and at the outer rim [m]
 
 
-class Motion(NamedTuple):
+class GapMotion(NamedTuple):
     """Motion of a face."""
 
     lift: GapField  # change of the undeformed gap and of its rate, per unit
@@ -104,7 +104,7 @@ def _carried(gap: float, law: FlowLaw) -> tuple[float, float]:
 
 
 @kernel
-def _fill_cells(mark: IntArray, gap: YieldingGap, law: FlowLaw, alike: bool, cells: _Cells) -> None:
+def _fill_cells(mark: IntArray, gap: DeformedGap, law: FlowLaw, alike: bool, cells: _Cells) -> None:
     """Conductances of the film and of the cells beside it; ``alike``: both ways the same."""
     rows, lanes = gap.opening.shape
     for i in range(rows):
@@ -124,7 +124,7 @@ def _fill_cells(mark: IntArray, gap: YieldingGap, law: FlowLaw, alike: bool, cel
 @kernel
 def _fill_along(
     grid: FilmGrid,
-    gap: YieldingGap,
+    gap: DeformedGap,
     fluid: FluidField,
     law: FlowLaw,
     cells: _Cells,
@@ -156,7 +156,7 @@ def _fill_along(
 @kernel
 def _fill_across(
     grid: FilmGrid,
-    gap: YieldingGap,
+    gap: DeformedGap,
     fluid: FluidField,
     law: FlowLaw,
     cells: _Cells,
@@ -189,7 +189,7 @@ def _fill_across(
 
 @kernel
 def _fill_squeeze(
-    grid: FilmGrid, gap: YieldingGap, fluid: FluidField, law: FlowLaw, storage: Array
+    grid: FilmGrid, gap: DeformedGap, fluid: FluidField, law: FlowLaw, storage: Array
 ) -> None:
     rows, lanes = gap.opening.shape
     for i in range(rows):
@@ -204,7 +204,7 @@ def _fill_squeeze(
 
 
 def linearised_balance(
-    grid: FilmGrid, gap: YieldingGap, fluid: FluidField, cavitation_pressure: float, law: FlowLaw
+    grid: FilmGrid, gap: DeformedGap, fluid: FluidField, cavitation_pressure: float, law: FlowLaw
 ) -> Linearised:
     """Balance of a ring of cells and how it follows the gaps.
 
@@ -215,8 +215,8 @@ def linearised_balance(
     ----------
     grid : FilmGrid
         Metric and given pressures.
-    gap : YieldingGap
-        Gap with its widening. [m]
+    gap : DeformedGap
+        Gap with its deformation. [m]
     fluid : FluidField
         Fluid of the cells.
     cavitation_pressure : float
@@ -250,7 +250,7 @@ def linearised_balance(
 
 
 def varied_balance(
-    found: Linearised, film: tuple[FilmGrid, GapField, FluidField], law: FlowLaw, motion: Motion
+    found: Linearised, film: tuple[FilmGrid, GapField, FluidField], law: FlowLaw, motion: GapMotion
 ) -> CellBalance:
     """First variation of a balance with one motion of a face, for use in a residual.
 
@@ -262,7 +262,7 @@ def varied_balance(
         Film that it is of, with its deformed gap.
     law : FlowLaw
         Average flow between the walls.
-    motion : Motion
+    motion : GapMotion
         What moves, per unit.
     """
     lift, slope = motion.lift, found.slope

@@ -10,7 +10,7 @@ from toothspace.gearing.numbering import Numbering
 from toothspace.geometry.curve import signed_area
 from toothspace.machines.crescent.assembly import Assembly
 from toothspace.machines.crescent.filler import cover_recesses, filler_outline, relief_polygons
-from toothspace.model.description import Body, JournalBearing, LateralFilm, Motion
+from toothspace.model.description import Body, LumpedJournalBearing, LumpedLateralFilm, Motion
 from toothspace.model.film_shapes import FaceOutline
 
 BODIES = ("pinion", "ring_gear")
@@ -70,7 +70,7 @@ def polar_moment(outline: Array) -> float:
     return float(np.sum(cross * np.sum(p * p + p * q + q * q, axis=1)) / 12.0)
 
 
-def journal_bearings(assembly: Assembly) -> tuple[JournalBearing, JournalBearing]:
+def journal_bearings(assembly: Assembly) -> tuple[LumpedJournalBearing, LumpedJournalBearing]:
     """Bearings of the pinion's shaft, and the film round the ring."""
     spec = assembly.spec
     journal, ring = spec.journal_bearings, spec.ring
@@ -78,7 +78,7 @@ def journal_bearings(assembly: Assembly) -> tuple[JournalBearing, JournalBearing
     steel = solid(spec.pinion.material, "machine.pinion.material")
     metal, bore = solid(ring.material, "machine.ring.material"), solid(HOUSING_MATERIAL, "")
     return (
-        JournalBearing(
+        LumpedJournalBearing(
             body=BODIES[0],
             count=_PINION_BEARINGS,
             diameter=journal.diameter,
@@ -90,7 +90,7 @@ def journal_bearings(assembly: Assembly) -> tuple[JournalBearing, JournalBearing
             hardness=min(steel.hardness, bush.hardness),
             boundary_friction=journal.boundary_friction,
         ),
-        JournalBearing(
+        LumpedJournalBearing(
             body=BODIES[1],
             count=1,
             diameter=ring.outer_diameter,
@@ -105,7 +105,9 @@ def journal_bearings(assembly: Assembly) -> tuple[JournalBearing, JournalBearing
     )
 
 
-def lateral_films(assembly: Assembly, numbering: Numbering) -> tuple[LateralFilm, LateralFilm]:
+def lateral_films(
+    assembly: Assembly, numbering: Numbering
+) -> tuple[LumpedLateralFilm, LumpedLateralFilm]:
     """Films on the faces of both gears; that of the ring drags over its whole section."""
     gap, profile = assembly.spec.lateral.side_gap, assembly.pinion
     ring = 0.5 * np.pi * (profile.tip_radius**4 - profile.root_radius**4)
@@ -114,7 +116,7 @@ def lateral_films(assembly: Assembly, numbering: Numbering) -> tuple[LateralFilm
     outside = 0.5 * assembly.spec.ring.outer_diameter
     section = 0.5 * np.pi * outside**4 - polar_moment(assembly.ring_curve)
     return (
-        LateralFilm(
+        LumpedLateralFilm(
             body=BODIES[0],
             faces=FACES,
             height=gap,
@@ -124,7 +126,7 @@ def lateral_films(assembly: Assembly, numbering: Numbering) -> tuple[LateralFilm
             tooth_area_fraction=float(teeth / ring),
             face=pinion_face(assembly, numbering),
         ),
-        LateralFilm(
+        LumpedLateralFilm(
             body=BODIES[1],
             faces=FACES,
             height=gap,

@@ -1,4 +1,4 @@
-"""Axial force balance: areas of the pressed bearing and the films beside the gears."""
+"""Axial force balance: areas of the floating bearing and the films beside the gears."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ import shapely.affinity
 from toothspace.core.errors import GeometryError
 from toothspace.gearing.numbering import Numbering
 from toothspace.machines.external_gear.assembly import Assembly
-from toothspace.machines.external_gear.elastic_bodies import beside_cut
-from toothspace.machines.external_gear.films import FaceOfGear
-from toothspace.machines.external_gear.loads import BODIES, bodies, reduced_modulus
-from toothspace.machines.external_gear.pressed_bodies import (
-    PressedBodies,
+from toothspace.machines.external_gear.elastic_assembly import (
+    ElasticAssembly,
     half_names,
     nose_outline,
     spring_share,
 )
-from toothspace.machines.external_gear.spec import PressedBearing
+from toothspace.machines.external_gear.elastic_bodies import beside_cut
+from toothspace.machines.external_gear.films import FaceOfGear
+from toothspace.machines.external_gear.loads import BODIES, bodies, reduced_modulus
+from toothspace.machines.external_gear.spec import FloatingBlock
 from toothspace.model.lateral_balance import (
     AxialForce,
     FilmInterface,
@@ -40,42 +40,42 @@ _SIDES: tuple[Side, ...] = ("floating", "solid")
 
 
 def lateral_balance(assembly: Assembly, numbering: Numbering) -> LateralBalance | None:
-    """Films beside the gears and the bearing pressed against them; None without.
+    """Films beside the gears and the floating bearing; None without.
 
     Raises
     ------
     GeometryError
         If high-pressure area and nose are larger than the back face.
     """
-    pressed = assembly.spec.pressed
-    if pressed is None:
+    block = assembly.spec.floating_block
+    if block is None:
         return None
     drain = assembly.spec.drain or ("inlet" if assembly.spec.mode == "pump" else "outlet")
     ports = {"inlet": numbering.inlet, "outlet": numbering.outlet, "external": numbering.drain}
     pump = assembly.spec.mode == "pump"
     return LateralBalance(
-        arrangement=pressed.arrangement,
-        motion=pressed.motion,
+        arrangement=block.arrangement,
+        motion=block.motion,
         interfaces=tuple(
             _interface(assembly, numbering, side, gear) for side in _SIDES for gear in (0, 1)
         ),
-        floating=_floating(assembly, pressed),
+        floating=_floating(assembly, block),
         high_node=numbering.outlet if pump else numbering.inlet,
         low_node=ports[drain],
-        body_forces=_tooth_forces(assembly, pressed),
+        body_forces=_tooth_forces(assembly, block),
         body_masses=tuple(body.mass for body in bodies(assembly)),
         design_height=assembly.spec.lateral.side_gap_floating,
-        elastic_bodies=_elastic_bodies(assembly, numbering, pressed),
-        halves=_halves(assembly, pressed) if pressed.split else (),
+        elastic_bodies=_elastic_bodies(assembly, numbering, block),
+        halves=_halves(assembly, block) if block.split else (),
         body_tilts=_shaft_tilts(assembly),
-        shaft_stiffness=pressed.shaft_stiffness,
+        shaft_stiffness=block.shaft_stiffness,
     )
 
 
-def _tooth_forces(assembly: Assembly, pressed: PressedBearing) -> tuple[AxialForce, ...]:
+def _tooth_forces(assembly: Assembly, block: FloatingBlock) -> tuple[AxialForce, ...]:
     """Forces of helical teeth at the pitch point, where contacts stand in the mean."""
     above, below = assembly.mesh.pitch_radii
-    drive, driven = pressed.gear_forces
+    drive, driven = block.gear_forces
     return AxialForce(drive, (0.0, above)), AxialForce(driven, (0.0, -below))
 
 
@@ -90,14 +90,14 @@ def _shaft_tilts(assembly: Assembly) -> tuple[float, ...]:
 
 
 def _elastic_bodies(
-    assembly: Assembly, numbering: Numbering, pressed: PressedBearing
-) -> PressedBodies:
+    assembly: Assembly, numbering: Numbering, block: FloatingBlock
+) -> ElasticAssembly:
     face = bearing_face(assembly)
-    high = _high_pressure(assembly, pressed, face)
+    high = _high_pressure(assembly, block, face)
     if high is None:
-        high = _behind_a_chord(face, pressed.high_pressure_area, pressed.high_pressure_center)
+        high = _behind_a_chord(face, block.high_pressure_area, block.high_pressure_center)
     drive, driven = (FaceOfGear(assembly, numbering, gear) for gear in (0, 1))
-    return PressedBodies(assembly, high, (drive, driven))
+    return ElasticAssembly(assembly, high, (drive, driven))
 
 
 def _behind_a_chord(face: Any, area: float, center: tuple[float, float]) -> Any:
@@ -120,12 +120,12 @@ def _behind_a_chord(face: Any, area: float, center: tuple[float, float]) -> Any:
 
 
 def _interface(assembly: Assembly, numbering: Numbering, side: Side, gear: int) -> FilmInterface:
-    spec, pressed = assembly.spec, assembly.spec.pressed
-    assert pressed is not None
+    spec, block = assembly.spec, assembly.spec.floating_block
+    assert block is not None
     own = (spec.drive, spec.driven)[gear]
-    column = pressed.length / pressed.material.elastic_modulus
+    column = block.length / block.material.elastic_modulus
     face = FaceOfGear(assembly, numbering, gear)
-    parts = half_names(pressed, side)
+    parts = half_names(block, side)
     column += 0.5 * own.face_width / own.material.elastic_modulus
     return FilmInterface(
         name=f"{side}_{BODIES[gear]}",
@@ -139,10 +139,10 @@ def _interface(assembly: Assembly, numbering: Numbering, side: Side, gear: int) 
         bore_node=numbering.drain,
         face_map=face,
         moving_roughness=own.roughness,
-        resting_roughness=pressed.roughness,
-        effective_modulus=reduced_modulus(own.material, pressed.material),
-        hardness=min(own.material.hardness, pressed.material.hardness),
-        column_compliance=column,
+        resting_roughness=block.roughness,
+        effective_modulus=reduced_modulus(own.material, block.material),
+        hardness=min(own.material.hardness, block.material.hardness),
+        winkler_compliance=column,
         body_angle=face.tooth_angle(gear, 0.0),
         root_radius=assembly.profiles[gear].root_radius,
         part=parts[gear] if parts else "",
@@ -166,65 +166,65 @@ def _patch(shape: Any) -> Patch:
     return Patch(float(shape.area), (float(shape.centroid.x), float(shape.centroid.y)))
 
 
-def _floating(assembly: Assembly, pressed: PressedBearing) -> FloatingBearing:
+def _floating(assembly: Assembly, block: FloatingBlock) -> FloatingBearing:
     face = bearing_face(assembly)
-    shape = _high_pressure(assembly, pressed, face)
-    given = Patch(pressed.high_pressure_area, pressed.high_pressure_center)
+    shape = _high_pressure(assembly, block, face)
+    given = Patch(block.high_pressure_area, block.high_pressure_center)
     high = given if shape is None else _patch(shape)
-    nose = Patch(pressed.nose_area, pressed.nose_center)
+    nose = Patch(block.nose_area, block.nose_center)
     if high.area + nose.area > face.area:
         raise GeometryError(
             f"machine.floating_bearing.high_pressure_area: found {high.area * 1e6:.5g} mm^2 with "
             f"a nose of {nose.area * 1e6:.5g} mm^2, allowed together the back face "
             f"{face.area * 1e6:.5g} mm^2"
         )
-    _check_places(pressed, face, shape)
+    _check_places(block, face, shape)
     middle = (float(face.centroid.x), float(face.centroid.y))
-    loads = [(s.force, s.x, s.y) for s in pressed.springs]
-    loads += [(pressed.seal_preload, *middle)] if pressed.seal_preload > 0.0 else []
-    mass = pressed.mass or face.area * pressed.length * pressed.material.density
+    loads = [(s.force, s.x, s.y) for s in block.springs]
+    loads += [(block.seal_preload, *middle)] if block.seal_preload > 0.0 else []
+    mass = block.mass or face.area * block.length * block.material.density
     return FloatingBearing(
         mass=float(mass),
         face=_patch(face),
         high_pressure=high,
         nose=nose,
         preload=_resultant(loads),
-        housing=_housing(pressed, 1.0),
+        housing=_housing(block, 1.0),
         gauge_point=(0.0, -assembly.profiles[0].tip_radius),
-        axial_play=pressed.axial_play,
-        wall_stiffness=pressed.wall_stiffness,
+        axial_play=block.axial_play,
+        wall_stiffness=block.wall_stiffness,
     )
 
 
-def _check_places(pressed: PressedBearing, face: Any, high: Any | None) -> None:
+def _check_places(block: FloatingBlock, face: Any, high: Any | None) -> None:
     """Refuse loads beside the bearing, and a nose in the high-pressure area."""
     outline = shapely.convex_hull(face)
     low_x, low_y, high_x, high_y = (1e3 * float(bound) for bound in face.bounds)
     inside = f"within the bearing, x {low_x:.4g} to {high_x:.4g} mm, y {low_y:.4g} to {high_y:.4g}"
-    places = [(f"springs[{k}]", (s.x, s.y)) for k, s in enumerate(pressed.springs)]
-    if pressed.nose_area > 0.0:
-        places.append(("nose.center", pressed.nose_center))
+    places = [(f"springs[{k}]", (s.x, s.y)) for k, s in enumerate(block.springs)]
+    if block.nose_area > 0.0:
+        places.append(("nose.center", block.nose_center))
     if high is None:
-        places.append(("high_pressure_area.center", pressed.high_pressure_center))
+        places.append(("high_pressure_area.center", block.high_pressure_center))
     for key, (x, y) in places:
         if not shapely.covers(outline, shapely.Point(x, y)):
             raise GeometryError(
                 f"machine.floating_bearing.{key}: found x {x * 1e3:.5g} mm, y {y * 1e3:.5g} mm, "
                 f"allowed {inside} mm"
             )
-    if pressed.nose_area > 0.0 and high is not None:
-        _check_nose(pressed, high)
+    if block.nose_area > 0.0 and high is not None:
+        _check_nose(block, high)
 
 
-def _check_nose(pressed: PressedBearing, high: Any) -> None:
+def _check_nose(block: FloatingBlock, high: Any) -> None:
     """Refuse a nose in the high-pressure area: by its outline, or by the centre of a square."""
-    nose = shapely.Point(*pressed.nose_center)
+    nose = shapely.Point(*block.nose_center)
     found, key = f"x {nose.x * 1e3:.5g} mm, y {nose.y * 1e3:.5g} mm", "center"
     inside = bool(shapely.covers(high, nose))
-    if pressed.nose_contour is not None:
-        shared = float(shapely.intersection(high, nose_outline(pressed)).area)
+    if block.nose_contour is not None:
+        shared = float(shapely.intersection(high, nose_outline(block)).area)
         found, key = f"{shared * 1e6:.5g} mm^2", "contour"
-        inside = shared > _SHARED * pressed.nose_area
+        inside = shared > _SHARED * block.nose_area
     if inside:
         raise GeometryError(
             f"machine.floating_bearing.nose.{key}: found {found} in the high-pressure area, "
@@ -232,12 +232,12 @@ def _check_nose(pressed: PressedBearing, high: Any) -> None:
         )
 
 
-def _housing(pressed: PressedBearing, share: float) -> HousingContact:
+def _housing(block: FloatingBlock, share: float) -> HousingContact:
     return HousingContact(
-        share * pressed.contact_area,
-        pressed.friction_coefficient,
-        pressed.breakaway_speed,
-        pressed.friction_law,
+        share * block.contact_area,
+        block.friction_coefficient,
+        block.breakaway_speed,
+        block.friction_law,
     )
 
 
@@ -249,10 +249,10 @@ def _resultant(loads: Sequence[tuple[float, float, float]]) -> AxialForce:
     return AxialForce(float(total), (float(x), float(y)))
 
 
-def _halves(assembly: Assembly, pressed: PressedBearing) -> tuple[FloatingBearing, FloatingBearing]:
+def _halves(assembly: Assembly, block: FloatingBlock) -> tuple[FloatingBearing, FloatingBearing]:
     """Bearing cut along the line through both intersections of the tip circles."""
-    whole, face = _floating(assembly, pressed), bearing_face(assembly)
-    high = _high_pressure(assembly, pressed, face)
+    whole, face = _floating(assembly, block), bearing_face(assembly)
+    high = _high_pressure(assembly, block, face)
     if high is None:
         raise GeometryError(
             "machine.floating_bearing.split: found a high_pressure_area without outline, allowed "
@@ -265,16 +265,16 @@ def _halves(assembly: Assembly, pressed: PressedBearing) -> tuple[FloatingBearin
     for k, (part, gauge) in enumerate(zip(parts, gauges, strict=True)):
         own = shapely.intersection(face, part)
         share = float(own.area / face.area)
-        loads = [(s.force * spring_share(assembly, s.y, k), s.x, s.y) for s in pressed.springs]
-        loads.append((share * pressed.seal_preload, own.centroid.x, own.centroid.y))
+        loads = [(s.force * spring_share(assembly, s.y, k), s.x, s.y) for s in block.springs]
+        loads.append((share * block.seal_preload, own.centroid.x, own.centroid.y))
         half = replace(
             whole,
             mass=share * whole.mass,
             face=_patch(own),
             high_pressure=_patch(shapely.intersection(high, part)),
-            nose=_nose(pressed, part),
+            nose=_nose(block, part),
             preload=_resultant(loads),
-            housing=_housing(pressed, share),
+            housing=_housing(block, share),
             gauge_point=gauge,
             wall_stiffness=share * whole.wall_stiffness,
         )
@@ -282,26 +282,26 @@ def _halves(assembly: Assembly, pressed: PressedBearing) -> tuple[FloatingBearin
     return made[0], made[1]
 
 
-def _nose(pressed: PressedBearing, part: Any) -> Patch:
+def _nose(block: FloatingBlock, part: Any) -> Patch:
     """Part of the nose that is on a half."""
-    own = shapely.intersection(nose_outline(pressed), part)
+    own = shapely.intersection(nose_outline(block), part)
     return _patch(own) if own.area > 0.0 else Patch(0.0, (0.0, 0.0))
 
 
-def _high_pressure(assembly: Assembly, pressed: PressedBearing, face: Any) -> Any | None:
+def _high_pressure(assembly: Assembly, block: FloatingBlock, face: Any) -> Any | None:
     """Outline of the back face at high pressure, None if only its area is known."""
-    if pressed.high_pressure_contour is not None:
-        part = shapely.intersection(shapely.Polygon(pressed.high_pressure_contour), face)
+    if block.high_pressure_contour is not None:
+        part = shapely.intersection(shapely.Polygon(block.high_pressure_contour), face)
         if part.area <= 0.0:
             raise GeometryError(
                 "machine.floating_bearing.high_pressure_area.contour: found an area beside the "
                 "bearing, allowed on its back face"
             )
         return part
-    if pressed.seal_line is None:
+    if block.seal_line is None:
         return None
     low_x, low_y, high_x, high_y = face.bounds
-    near = pressed.seal_line
+    near = block.seal_line
     if assembly.spec.mode == "pump":
         half = shapely.box(min(near, high_x), low_y, high_x, high_y)
     else:

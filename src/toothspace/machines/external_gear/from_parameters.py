@@ -20,7 +20,7 @@ from toothspace.geometry.profile_detection import gear_profile_from_curve
 from toothspace.library import load_material
 from toothspace.machines.external_gear import parameters as keys
 from toothspace.machines.external_gear import spec
-from toothspace.machines.external_gear.pressed_bearing import body_files, pressed_bearing
+from toothspace.machines.external_gear.floating_from_parameters import body_files, floating_block
 from toothspace.machines.external_gear.shaft_seal import seal_torque
 from toothspace.model.description import StartupFriction
 
@@ -75,7 +75,7 @@ def spec_from(machine: keys.ExternalGearParameters) -> spec.ExternalGearSpec:
         journals=_journals(machine),
         lateral=_lateral(machine.lateral),
         grooves=_grooves(machine.relief_grooves),
-        pressed=pressed_bearing(machine),
+        floating_block=floating_block(machine),
         body_files=body_files(machine),
         mode=cast(Literal["pump", "motor"], machine.mode),
         center_distance=machine.gears.center_distance,

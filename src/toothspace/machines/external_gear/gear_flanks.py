@@ -55,8 +55,8 @@ def flank_loads(assembly: Assembly, gear: int) -> list[Load]:
 
 def thrust(assembly: Assembly, gear: int) -> float:
     """Axial force of helical teeth on a gear, along z. [N]."""
-    pressed = assembly.spec.pressed
-    return 0.0 if pressed is None else pressed.gear_forces[gear]
+    block = assembly.spec.floating_block
+    return 0.0 if block is None else block.gear_forces[gear]
 
 
 def _width(assembly: Assembly, gear: int) -> float:

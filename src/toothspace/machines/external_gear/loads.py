@@ -9,7 +9,7 @@ from toothspace.gearing.numbering import Numbering
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.external_gear.spec import Material
-from toothspace.model.description import Body, JournalBearing, LateralFilm, Motion
+from toothspace.model.description import Body, LumpedJournalBearing, LumpedLateralFilm, Motion
 from toothspace.model.film_shapes import FaceOutline
 
 BODIES = ("drive_gear", "driven_gear")
@@ -63,12 +63,12 @@ def reduced_modulus(first: Material, second: Material) -> float:
     return 2.0 / compliance
 
 
-def journal_bearings(assembly: Assembly) -> tuple[JournalBearing, ...]:
+def journal_bearings(assembly: Assembly) -> tuple[LumpedJournalBearing, ...]:
     """Journal bearings of both gears."""
     bearing = assembly.spec.journals
     gears = (assembly.spec.drive, assembly.spec.driven)
     return tuple(
-        JournalBearing(
+        LumpedJournalBearing(
             body=name,
             count=_BEARINGS_PER_GEAR,
             diameter=bearing.diameter,
@@ -85,12 +85,12 @@ def journal_bearings(assembly: Assembly) -> tuple[JournalBearing, ...]:
     )
 
 
-def lateral_films(assembly: Assembly, numbering: Numbering) -> tuple[LateralFilm, ...]:
+def lateral_films(assembly: Assembly, numbering: Numbering) -> tuple[LumpedLateralFilm, ...]:
     """Films on the faces of both gears; the height shears like both gaps together."""
     lateral = assembly.spec.lateral
     height = 2.0 / (1.0 / lateral.side_gap_floating + 1.0 / lateral.side_gap_solid)
     return tuple(
-        LateralFilm(
+        LumpedLateralFilm(
             body=name,
             faces=2,
             height=height,

@@ -21,7 +21,7 @@ from toothspace.core.keys import (
     table,
     text,
 )
-from toothspace.machines.external_gear.pressed_parameters import (
+from toothspace.machines.external_gear.floating_parameters import (
     CONTOUR_SUFFIXES,
     ElasticBodiesParameters,
     FloatingBearingParameters,

@@ -197,7 +197,7 @@ class LateralGaps:
 @final
 @dataclass(frozen=True, kw_only=True)
 class Spring:
-    """Preload on the back of a pressed bearing.
+    """Preload on the back of a floating bearing.
 
     Parameters
     ----------
@@ -214,7 +214,7 @@ class Spring:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class PressedBearing:
+class FloatingBlock:
     """Bearing block or plate that pressure presses against the gears.
 
     Parameters
@@ -334,8 +334,8 @@ class ExternalGearSpec:
         Journal bearings of both gears.
     grooves : ReliefGrooves or None
         Relief grooves of the faces, None without.
-    pressed : PressedBearing or None
-        Force balance of the pressed bearing, None without.
+    floating_block : FloatingBlock or None
+        Force balance of the floating bearing, None without.
     body_files : BodyFiles or None
         Files of elastic bodies, None without.
     lateral : LateralGaps
@@ -364,7 +364,7 @@ class ExternalGearSpec:
     journals: JournalBearings
     lateral: LateralGaps
     grooves: ReliefGrooves | None = None
-    pressed: PressedBearing | None = None
+    floating_block: FloatingBlock | None = None
     body_files: BodyFiles | None = None
     mode: Literal["pump", "motor"] = "pump"
     center_distance: float | None = None

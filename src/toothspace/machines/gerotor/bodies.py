@@ -11,7 +11,7 @@ from toothspace.machines.gerotor.flow_paths import shaft_radius
 from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.pockets import Pockets
 from toothspace.machines.gerotor.ports import Ports
-from toothspace.model.description import Body, JournalBearing, LateralFilm, Motion
+from toothspace.model.description import Body, LumpedJournalBearing, LumpedLateralFilm, Motion
 
 BODIES = ("inner_rotor", "outer_rotor")
 HOUSING_MATERIAL = "cast_iron"
@@ -70,12 +70,12 @@ def polar_moment(outline: Array) -> float:
     return float(np.sum(cross * np.sum(p * p + p * q + q * q, axis=1)) / 12.0)
 
 
-def journal_bearings(parameters: GerotorParameters) -> tuple[JournalBearing, ...]:
+def journal_bearings(parameters: GerotorParameters) -> tuple[LumpedJournalBearing, ...]:
     """Film round the outer rotor, and the bearings of an inner rotor's shaft."""
     rotors, housing = parameters.rotors, parameters.housing
     own, bore = solid(rotors.material, "machine.rotors.material"), solid(HOUSING_MATERIAL, "")
     found = [
-        JournalBearing(
+        LumpedJournalBearing(
             body="outer_rotor",
             count=1,
             diameter=housing.outer_rotor_diameter,
@@ -92,7 +92,7 @@ def journal_bearings(parameters: GerotorParameters) -> tuple[JournalBearing, ...
     shaft = parameters.journal_bearings
     if shaft is not None:
         found.append(
-            JournalBearing(
+            LumpedJournalBearing(
                 body="inner_rotor",
                 count=_BEARINGS,
                 diameter=shaft.diameter,
@@ -116,7 +116,7 @@ def shear_height(parameters: GerotorParameters) -> float:
     return 2.0 / (1.0 / (lateral.side_gap_a or 1.0) + 1.0 / (lateral.side_gap_b or 1.0))
 
 
-def lateral_films(parameters: GerotorParameters, pocket: Pockets) -> tuple[LateralFilm, ...]:
+def lateral_films(parameters: GerotorParameters, pocket: Pockets) -> tuple[LumpedLateralFilm, ...]:
     """Films on the faces of both rotors."""
     rotors, height = pocket.rotors, shear_height(parameters)
     inner, outer = np.hypot(*rotors.inner.T), np.hypot(*rotors.outer.T)
@@ -126,11 +126,11 @@ def lateral_films(parameters: GerotorParameters, pocket: Pockets) -> tuple[Later
     # the outer rotor has no full annulus inside its lobes: all of it counts as tooth
     face = 0.5 * np.pi * rim**4 - polar_moment(rotors.outer)
     return (
-        LateralFilm(
+        LumpedLateralFilm(
             "inner_rotor", 2, height, shaft_radius(parameters, pocket), root, tip,
             tooth / (0.5 * np.pi * (tip**4 - root**4)),
         ),
-        LateralFilm(
+        LumpedLateralFilm(
             "outer_rotor", 2, height, lobe, lobe, rim,
             face / (0.5 * np.pi * (rim**4 - lobe**4)),
         ),

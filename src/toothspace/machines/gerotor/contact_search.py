@@ -61,7 +61,7 @@ class PlacedRotors:
 
 @final
 @dataclass(frozen=True)
-class Closest:
+class ClosestPoints:
     """Places where the outlines come closest, one row each.
 
     Parameters
@@ -90,7 +90,7 @@ class Branch:
     first : int
         Node at which it begins, counted from the start of a pitch.
     rows : ndarray of int
-        Row of :class:`Closest` at each following node; -1 where it is lost for a moment.
+        Row of :class:`ClosestPoints` at each following node; -1 where it is lost for a moment.
     pitches : ndarray of int
         How many pitches each node lies after the first.
     closed : bool
@@ -154,7 +154,7 @@ def seen_from_inner(rotors: PlacedRotors, angle: Array, place: Array) -> Array:
     return turned(seen, -rotors.turns * angle)
 
 
-def closest_places(rotors: PlacedRotors, nodes: int, reach: float) -> Closest:
+def closest_places(rotors: PlacedRotors, nodes: int, reach: float) -> ClosestPoints:
     """All local minima of the distance below ``reach`` at angles of one pitch."""
     count = _OUTER_SAMPLES * rotors.outer_count
     step = rotors.outer.length / count
@@ -167,7 +167,7 @@ def closest_places(rotors: PlacedRotors, nodes: int, reach: float) -> Closest:
     node, column = np.nonzero(least)
     outer = nearest_place(rotors, angle[node], np.asarray(column * step), step)
     inner, gap = distance_to_inner(rotors, angle[node], outer)
-    return Closest(node.astype(np.int64), outer, inner, gap)
+    return ClosestPoints(node.astype(np.int64), outer, inner, gap)
 
 
 def nearest_place(rotors: PlacedRotors, angle: Array, place: Array, step: float) -> Array:
@@ -203,7 +203,7 @@ def _slope(rotors: PlacedRotors, angle: Array, place: Array) -> Array:
     return np.asarray(along[..., 0] * tangent[..., 1] - along[..., 1] * tangent[..., 0])
 
 
-def linked(rotors: PlacedRotors, closest: Closest, nodes: int) -> IntArray:
+def linked(rotors: PlacedRotors, closest: ClosestPoints, nodes: int) -> IntArray:
     """Row that continues every row at the next node (or up to three later); -1: none."""
     successor = np.full(closest.node.size, -1, dtype=np.int64)
     tracks: dict[int, _Track] = {}
@@ -237,7 +237,7 @@ class _Track:
 
 def _advance(
     rotors: PlacedRotors,
-    closest: Closest,
+    closest: ClosestPoints,
     rows: IntArray,
     tracks: dict[int, _Track],
     successor: IntArray,
@@ -282,7 +282,7 @@ def _nearest_pairs(expected: list[Array], places: Array, lengths: Array) -> dict
     return pairs
 
 
-def branches(closest: Closest, successor: IntArray, nodes: int) -> list[Branch]:
+def branches(closest: ClosestPoints, successor: IntArray, nodes: int) -> list[Branch]:
     """Chains of the links: those that begin and end, then those that close on themselves."""
     free = np.ones(closest.node.size, dtype=bool)
     starts = np.setdiff1d(np.arange(closest.node.size), successor)
@@ -294,7 +294,7 @@ def branches(closest: Closest, successor: IntArray, nodes: int) -> list[Branch]:
 
 
 def _chain(
-    closest: Closest, successor: IntArray, start: int, nodes: int, free: BoolArray
+    closest: ClosestPoints, successor: IntArray, start: int, nodes: int, free: BoolArray
 ) -> Branch:
     rows, row, first = [], start, int(closest.node[start])
     while row >= 0 and free[row]:

@@ -22,7 +22,7 @@ from toothspace.core.files import draft_of
 from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.machines.gerotor.contact_search import (
     Branch,
-    Closest,
+    ClosestPoints,
     PlacedRotors,
     branches,
     closest_places,
@@ -165,7 +165,9 @@ def lobe_contacts(rotors: PlacedRotors, nodes: int = NODES_PER_PITCH) -> tuple[L
     return tuple(_contact(rotors, closest, branch, nodes) for branch in lasting)
 
 
-def _contact(rotors: PlacedRotors, closest: Closest, branch: Branch, nodes: int) -> LobeContact:
+def _contact(
+    rotors: PlacedRotors, closest: ClosestPoints, branch: Branch, nodes: int
+) -> LobeContact:
     """Geometry along one branch, spread over a whole number of pitches."""
     alive = branch.rows.size
     copies = alive // nodes if branch.closed else -(-(alive + 1) // nodes)
@@ -202,7 +204,7 @@ _NORMAL, _INNER, _OUTER, _RADII = slice(4, 6), slice(6, 8), slice(8, 10), slice(
 _WIDTH = 12
 
 
-def _rows(rotors: PlacedRotors, closest: Closest, branch: Branch, angle: Array) -> Array:
+def _rows(rotors: PlacedRotors, closest: ClosestPoints, branch: Branch, angle: Array) -> Array:
     """All columns but the rolling speed; rows that are lost for a moment are wrong."""
     outer, inner = closest.outer[branch.rows], closest.inner[branch.rows]
     center = np.array([0.0, -rotors.eccentricity])

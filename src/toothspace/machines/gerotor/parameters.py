@@ -147,7 +147,7 @@ class PortContourParameters:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class LateralParameters:
+class FaceGapParameters:
     """``[machine.lateral]``: films between rotor faces and covers."""
 
     side_gap: float | None = quantity(
@@ -220,7 +220,7 @@ class ShaftBearingParameters:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class SealParameters:
+class ShaftSealParameters:
     """``[machine.seals]``."""
 
     shaft_seal_torque: float = quantity("N m", "Friction of the shaft seal.", low=0, high=100)
@@ -259,7 +259,7 @@ class GerotorParameters:
         "Kidney ports; default kinematic timing.",
         default=PortContourParameters(timing="kinematic"),
     )
-    lateral: LateralParameters = table(LateralParameters, "Lateral films.")
+    lateral: FaceGapParameters = table(FaceGapParameters, "Lateral films.")
     contact: ContactParameters = table(
         ContactParameters, "Contacts of the lobes.", default=ContactParameters()
     )
@@ -267,7 +267,7 @@ class GerotorParameters:
         ShaftBearingParameters, "Bearings of the inner rotor; leave out for a fixed shaft.",
         default=None,
     )  # fmt: skip
-    seals: SealParameters | None = table(SealParameters, "Shaft seal.", default=None)
+    seals: ShaftSealParameters | None = table(ShaftSealParameters, "Shaft seal.", default=None)
     inlet: PortVolumeParameters = table(
         PortVolumeParameters, "Inlet volume.", default=PortVolumeParameters()
     )

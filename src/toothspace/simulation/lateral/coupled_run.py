@@ -60,7 +60,7 @@ def coupled_solution(
         if done[-1].status is Status.INTERRUPTED:
             raise KeyboardInterrupt
         if progress:
-            progress(1.0, "lateral films come to rest")
+            progress(1.0, "lateral films settle")
         return done[-1]
 
     try:
@@ -120,13 +120,13 @@ def elastic_solution(point: CoupledPoint, steps: int, progress: Progress | None 
         **_statistics(point),
         **_axial_load(point.problem),
         **_warmth(point),
-        "pressed_bearing_preload": stack.balance.floating.preload.size,
+        "floating_bearing_preload": stack.balance.floating.preload.size,
         "lateral_iterations": float(sum(march.iterations)),
-        "lateral_rest_residual": point.equilibrium.balance.residual,
+        "lateral_equilibrium_residual": point.equilibrium.balance.residual,
         "lateral_residual": float(max(march.residuals)),
         **face_deflection(march.last.states[0]),
     }
-    warnings = filter(None, [seat_warning(point.numbers), rest_warning(point)])
+    warnings = filter(None, [seat_warning(point.numbers), equilibrium_warning(point)])
     provenance = warned(point.solution.provenance, "\n".join(warnings))
     return replace(
         point.solution, status=status, data=data, statistics=statistics, provenance=provenance
@@ -134,7 +134,7 @@ def elastic_solution(point: CoupledPoint, steps: int, progress: Progress | None 
 
 
 def seat_warning(numbers: LateralNumbers) -> str:
-    """Tell what is wrong with the seat of the solid bearing, nothing if it sits on its cover."""
+    """Warning about the seat of the solid bearing, empty if it sits on its cover."""
     if numbers.seat_force <= 0.0:
         return (
             f"The solid bearing lifts off its cover: {-numbers.seat_force:.4g} N are missing "
@@ -148,13 +148,13 @@ def seat_warning(numbers: LateralNumbers) -> str:
     return ""
 
 
-def rest_warning(point: CoupledPoint) -> str:
-    """Tell why bearing and gears do not rest, or on what they lean; nothing if films carry all."""
+def equilibrium_warning(point: CoupledPoint) -> str:
+    """Why there is no equilibrium, or on what bodies lean; empty if films carry all."""
     found = point.equilibrium
-    if not found.rests:
-        return f"Bearing and gears do not come to rest: {found.reason}."
+    if not found.settled:
+        return f"Bearing and gears do not reach equilibrium: {found.reason}."
     held = leaning(point.problem.stack, found.balance.position)
-    return f"At rest {'; '.join(held)}." if held else ""
+    return f"In equilibrium {'; '.join(held)}." if held else ""
 
 
 def _entry(name: str, value: object) -> tuple[tuple[str, ...], object, dict[str, str]]:

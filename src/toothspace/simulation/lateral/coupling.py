@@ -18,7 +18,11 @@ from toothspace.model.lateral_table import with_lateral_leakage
 from toothspace.model.path_category import LATERAL_PATHS
 from toothspace.results.solution import Solution
 from toothspace.simulation.lateral.heat import settle_heated
-from toothspace.simulation.lateral.interpolation import Between, Rest, Trial
+from toothspace.simulation.lateral.interpolation import (
+    InterpolatedEquilibrium,
+    SettledBearing,
+    Trial,
+)
 from toothspace.simulation.lateral.problem import (
     LateralNumbers,
     LateralProblem,
@@ -86,7 +90,7 @@ class CoupledPoint:
     problem : LateralProblem
         Films and loads.
     equilibrium : Equilibrium
-        Where the bearing came to rest.
+        Equilibrium of bearing and gears.
     numbers : LateralNumbers
         Mean numbers of the films.
     leakage_mismatch : float
@@ -121,7 +125,7 @@ class CoupledPoint:
     @property
     def status(self) -> Status:
         """Outcome of the lumped run, or failure of the force balance or of the agreement."""
-        settled = self.equilibrium.rests and self.agreed
+        settled = self.equilibrium.settled and self.agreed
         return self.solution.status if settled else Status.NOT_CONVERGED
 
 
@@ -156,11 +160,12 @@ def couple_point(
     Notes
     -----
     Secant method on the logarithm of the factor by which the lumped lateral and drain paths leak
-    more. Where rests at the pressures of single runs jump from one side to the other, the rest is
-    sought at pressures between two runs, see :class:`~.lateral_between.Between`. The faces of
+    more. Where equilibria at the pressures of single runs jump from one side to the other, one is
+    sought at pressures between two runs, see :class:`~.interpolation.InterpolatedEquilibrium`.
+    The faces of
     every run drag like the films of the run before.
     """
-    search = _Search(replace(description, lateral_table=None), fluid, run, request)
+    search = _LeakageSearch(replace(description, lateral_table=None), fluid, run, request)
     point, close = search.advance()
     for _ in range(request.rounds - 1):
         if close:
@@ -170,22 +175,22 @@ def couple_point(
 
 
 @final
-class _Search:
-    """Lumped runs and rests of the bearing in turn."""
+class _LeakageSearch:
+    """Lumped runs and equilibria of the bearing in turn."""
 
     def __init__(
         self, description: MachineDescription, fluid: FluidLaw, run: LumpedRun, asked: PointRequest
     ) -> None:
         self._dragged, self._fluid, self._run, self._asked = description, fluid, run, asked
-        self._widened = 0.0
+        self._log_leakage_factor = 0.0
         self._known: list[Trial] = []
         self._ends: tuple[Trial, Trial] | None = None
         self._position: Array | None = None
         self._stiffness = 0.0
 
     def advance(self) -> tuple[CoupledPoint, bool]:
-        """Make one more lumped run and let the bearing come to rest; tell whether both agree."""
-        machine = with_lateral_leakage(self._dragged, float(np.exp(self._widened)))
+        """Make one more lumped run and find the equilibrium; return whether both agree, too."""
+        machine = with_lateral_leakage(self._dragged, float(np.exp(self._log_leakage_factor)))
         solution = self._run(machine)
         settings, nose = self._asked.settings, self._asked.nose_pressure
         problem = lateral_problem(machine, self._fluid, solution.data, settings, nose)
@@ -198,49 +203,53 @@ class _Search:
         )
         return self._judged(machine, solution, leakage, found)
 
-    def _free(self, problem: LateralProblem, leakage: float) -> Rest:
-        """Rest at the pressures of the run; sets how the paths leak in the next one."""
+    def _free(self, problem: LateralProblem, leakage: float) -> SettledBearing:
+        """Equilibrium at the pressures of the run; sets how the paths leak in the next one."""
         start = self._asked.start
         begun = problem.started(start) if isinstance(start, float) else problem.continued(start)
         found = _settle(problem, begun)
         if leakage <= 0.0 or found.numbers.leakage <= 0.0:
             return found
-        trial = _trial(self._widened, leakage, problem, begun, found)
+        trial = _trial(self._log_leakage_factor, leakage, problem, begun, found)
         self._known.append(trial)
         self._ends = _ends(self._known)
         if self._ends is None:
-            self._widened += next_change([(t.widened, t.excess) for t in self._known])
+            self._log_leakage_factor += next_change(
+                [(t.log_leakage_factor, t.excess) for t in self._known]
+            )
         else:
             self._position = self._ends[1].position
-            self._between()
+            self._interpolated()
         return found
 
-    def _held(self, problem: LateralProblem, leakage: float) -> Rest:
-        """Rest at pressures between those of this run and of the one beyond the rest."""
+    def _held(self, problem: LateralProblem, leakage: float) -> SettledBearing:
+        """Equilibrium at pressures between those of this run and of the other end."""
         assert self._ends is not None
         assert self._position is not None
         low, high = self._ends
-        trial = Trial(self._widened, leakage, problem, self._position, 0.0, high.sense)
-        held = Between(trial, trial, _settle).at(0.0, self._position)
+        trial = Trial(self._log_leakage_factor, leakage, problem, self._position, 0.0, high.sense)
+        held = InterpolatedEquilibrium(trial, trial, _settle).at(0.0, self._position)
         trial = replace(trial, position=held.balance.position, excess=held.excess, held=held)
         self._ends = (trial, high) if held.excess > 0.0 else (low, trial)
-        return self._between()
+        return self._interpolated()
 
-    def _between(self) -> Rest:
-        """Rest between the ends; the next run leaks as much."""
+    def _interpolated(self) -> SettledBearing:
+        """Equilibrium between the ends; the next run leaks as much."""
         assert self._ends is not None
         assert self._position is not None
         low, high = self._ends
-        known = Between(low, high, _settle, self._stiffness)
-        share, found = known.rest(self._position)
-        guide = found.problem.stack.guide
-        self._stiffness = guide.stiffness if guide else 0.0
+        known = InterpolatedEquilibrium(low, high, _settle, self._stiffness)
+        share, found = known.equilibrium(self._position)
+        holding_spring = found.problem.stack.holding_spring
+        self._stiffness = holding_spring.stiffness if holding_spring else 0.0
         self._position = found.balance.position
-        self._widened = (1.0 - share) * low.widened + share * high.widened
+        self._log_leakage_factor = (
+            1.0 - share
+        ) * low.log_leakage_factor + share * high.log_leakage_factor
         return found
 
     def _judged(
-        self, machine: MachineDescription, solution: Solution, leakage: float, found: Rest
+        self, machine: MachineDescription, solution: Solution, leakage: float, found: SettledBearing
     ) -> tuple[CoupledPoint, bool]:
         numbers, back = found.numbers, found.problem.loads.back
         flow = machine.displacement * found.problem.stack.shaft_speed
@@ -267,23 +276,29 @@ class _Search:
         return point, close
 
 
-def _settle(problem: LateralProblem, begun: Balance, temperatures: Array | None = None) -> Rest:
-    """Bearing at rest, with films that warm up where they are meant to."""
+def _settle(
+    problem: LateralProblem, begun: Balance, temperatures: Array | None = None
+) -> SettledBearing:
+    """Equilibrium, with films that warm up where they are meant to."""
     if problem.settings.heating is None:
         found = problem.settle(begun)
-        return Rest(problem, found, numbers_of(problem, found.balance))
+        return SettledBearing(problem, found, numbers_of(problem, found.balance))
     warm = settle_heated(problem, begun, problem.settings.heating, temperatures)
     numbers = numbers_of(warm.problem, warm.equilibrium.balance)
-    return Rest(warm.problem, warm.equilibrium, numbers, warm.temperatures, warm.agreed)
+    return SettledBearing(warm.problem, warm.equilibrium, numbers, warm.temperatures, warm.agreed)
 
 
 def _trial(
-    widened: float, leakage: float, problem: LateralProblem, begun: Balance, found: Rest
+    log_leakage_factor: float,
+    leakage: float,
+    problem: LateralProblem,
+    begun: Balance,
+    found: SettledBearing,
 ) -> Trial:
     moved = problem.stack.opening @ (found.balance.position - begun.position)
     excess = float(np.log(found.numbers.leakage / leakage))
     sense = int(np.sign(moved)) if abs(moved) > _STILL else 0
-    return Trial(widened, leakage, problem, found.balance.position, excess, sense)
+    return Trial(log_leakage_factor, leakage, problem, found.balance.position, excess, sense)
 
 
 def _ends(trials: list[Trial]) -> tuple[Trial, Trial] | None:
@@ -295,8 +310,8 @@ def _ends(trials: list[Trial]) -> tuple[Trial, Trial] | None:
     opposite = [t for t in trials if t.excess * last.excess < 0.0]
     if not opposite:
         return None
-    other = min(opposite, key=lambda t: abs(t.widened - last.widened))
-    apart = abs(last.widened - other.widened)
+    other = min(opposite, key=lambda t: abs(t.log_leakage_factor - last.log_leakage_factor))
+    apart = abs(last.log_leakage_factor - other.log_leakage_factor)
     if last.sense * other.sense == 0 and apart > _NARROW:
         return None
     if abs(last.excess - other.excess) <= _STEEP * apart:

@@ -23,14 +23,14 @@ _RELAXATION = 0.7
 @final
 @dataclass(frozen=True, eq=False)
 class HeatedEquilibrium:
-    """Bearing at rest between films at their own temperatures.
+    """Bearing in equilibrium between films at their own temperatures.
 
     Parameters
     ----------
     problem : LateralProblem
         Films with the viscosity of their temperature.
     equilibrium : Equilibrium
-        Where the bearing came to rest.
+        Equilibrium of bearing and gears.
     temperatures : ndarray
         Mean temperature of every film. [K]
     agreed : bool
@@ -46,7 +46,7 @@ class HeatedEquilibrium:
 def settle_heated(
     problem: LateralProblem, start: Balance, heating: FilmHeating, begin: Array | None = None
 ) -> HeatedEquilibrium:
-    """Let the bearing come to rest with the viscosity that the heat of every film gives.
+    """Find the equilibrium with the viscosity that the heat of every film gives.
 
     Parameters
     ----------
@@ -63,8 +63,8 @@ def settle_heated(
     -----
     Every film has one temperature, from its own power and its own flow, means over a tooth pitch.
     Oil that teeth drag from one tooth space to the next counts as flow through the film. The
-    temperatures are found round by round; a film at rest of which they ask more than the fluid is
-    known for keeps the highest known one, and the point counts as not agreed.
+    temperatures are found round by round; a film whose temperature would lie above the range of the
+    fluid data keeps the highest one, and the point counts as not agreed.
     """
     supply = heating.balance.supply_temperature
     now = np.full(len(problem.stack.grids), supply) if begin is None else begin

@@ -17,7 +17,7 @@ class LateralTrack:
     Attributes
     ----------
     positions : list of float
-        Position of the pressed bearing at its gauge point after every step. [m]
+        Position of the floating bearing at its gauge point after every step. [m]
     iterations : list of int
         Film solutions of every step. [-]
     residuals : list of float

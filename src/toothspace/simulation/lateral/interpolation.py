@@ -1,4 +1,4 @@
-"""Rest of the pressed bearing at chamber pressures between those of two lumped runs."""
+"""Equilibrium of the floating bearing at chamber pressures between those of two lumped runs."""
 
 from __future__ import annotations
 
@@ -12,34 +12,34 @@ from toothspace.core.types import Array
 from toothspace.films.lateral.equilibrium import Equilibrium
 from toothspace.films.lateral.housing_friction import HousingFriction
 from toothspace.films.lateral.motion import Balance, Loads, balance_force
-from toothspace.films.lateral.stack import Guide, Piece, Scene
+from toothspace.films.lateral.stack import HoldingSpring, MovingBearing, Snapshot
 from toothspace.simulation.lateral.problem import LateralNumbers, LateralProblem, numbers_of
 
 _STIFFNESS = 1e6
-"""Stiffness of the guide over the force behind the bearing. [1/m]"""
+"""Stiffness of the holding spring over the force behind the bearing. [1/m]"""
 _LEAKAGE, _MOST_PLACES = 3e-3, 8
-"""Difference of the logarithm of a leakage at which the place of the guide is found. [-]"""
+"""Difference of the logarithm of two leakages that agree, and most steps to it. [-]"""
 _FORCE, _LEFT_FORCE = 1e-6, 1e-4
 """Force left over that behind the bearing: on films alone, and where more than they answer. [-]"""
 _MOST_SHARES = 16
 _APART = 3e-3
-"""Logarithm of two leakages over each other that tells a stiffness. [-]"""
+"""Difference of the logarithm of two leakages that gives a stiffness. [-]"""
 _LEFT = "films and chambers leave {:.3g} N on the bearing"
 _LEAST_STEP = 0.5
-"""Smallest part to which one change of the guide may take a gap. [-]"""
+"""Smallest part to which one change of the holding spring may take a gap. [-]"""
 
 
 @final
 @dataclass(frozen=True, eq=False)
-class Rest:
-    """Bearing at rest between films.
+class SettledBearing:
+    """Bearing in equilibrium between films.
 
     Parameters
     ----------
     problem : LateralProblem
         Films and loads.
     equilibrium : Equilibrium
-        Where the bearing came to rest.
+        Equilibrium of bearing and gears.
     numbers : LateralNumbers
         Mean numbers of the films.
     temperatures : ndarray or None
@@ -47,8 +47,8 @@ class Rest:
     warm : bool
         Whether temperatures agree with the power dissipated.
     excess : float
-        Force that a guide had to bear, over that behind the bearing: positive if the films push
-        the bearing off. [-]
+        Force on the holding spring over that behind the bearing: positive if the films push the
+        bearing off. [-]
     """
 
     problem: LateralProblem
@@ -71,7 +71,7 @@ class Trial:
 
     Parameters
     ----------
-    widened : float
+    log_leakage_factor : float
         Logarithm of the factor. [-]
     leakage : float
         Leakage of the lateral paths. [m3/s]
@@ -83,31 +83,31 @@ class Trial:
         Positive if the bearing lifts further than the leakage of the paths fits.
     sense : int
         Sense in which the bearing has moved: 1 away from the gears.
-    held : Rest or None
+    held : SettledBearing or None
         Bearing held at the opening that leaks as the paths do, once it is known.
     """
 
-    widened: float
+    log_leakage_factor: float
     leakage: float
     problem: LateralProblem
     position: Array
     excess: float
     sense: int
-    held: Rest | None = None
+    held: SettledBearing | None = None
 
 
-Settle = Callable[[LateralProblem, Balance, Array | None], Rest]
-"""Rest of a problem from a state and from temperatures of its films, if they are known. [K]"""
+Settle = Callable[[LateralProblem, Balance, Array | None], SettledBearing]
+"""Equilibrium of a problem from a state and temperatures of its films, if they are known. [K]"""
 
 
 @final
-class Between:
+class InterpolatedEquilibrium:
     """Bearing held at pressures between two trials, linear in the logarithm of their leakage.
 
     A wider gap drains the chambers that lift the bearing. At given pressures the films have next
-    to no stiffness, so a little less leakage sends the bearing to its cover. A guide therefore
+    to no stiffness, so a little less leakage sends the bearing to its cover. A spring therefore
     holds it where films and paths leak alike, and the pressures are sought that leave no force
-    on the guide.
+    on it.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ class Between:
     high : Trial
         The bearing stays nearer than its paths leak.
     settle : callable
-        Rest of a problem from a state.
+        Equilibrium of a problem from a state.
     stiffness : float
         Answer of the chambers to a wider opening that is known from trials further apart. [N/m]
     """
@@ -128,7 +128,7 @@ class Between:
         senses = {low.sense, high.sense} - {0}
         self._sense = senses.pop() if len(senses) == 1 else 0
 
-    def at(self, share: float, position: Array) -> Rest:
+    def at(self, share: float, position: Array) -> SettledBearing:
         """Bearing at the opening that leaks as the paths do, from a position. [m, rad].
 
         Parameters
@@ -146,15 +146,15 @@ class Between:
         for _ in range(_MOST_PLACES):
             held = self._held(problem, place, position)
             error = float(np.log(max(held.numbers.leakage, 1e-30)) - wanted)
-            if abs(error) <= _LEAKAGE or not held.equilibrium.rests:
+            if abs(error) <= _LEAKAGE or not held.equilibrium.settled:
                 break
             position = held.balance.position
             step = _step(_room(held), (place, error), known)
             known, place = (place, error), place + step
         return held
 
-    def rest(self, position: Array) -> tuple[float, Rest]:
-        """Share at which the films leave no force on the guide, and the rest there.
+    def equilibrium(self, position: Array) -> tuple[float, SettledBearing]:
+        """Share at which the films leave no force on the holding spring, and the state there.
 
         Regula falsi, the force of an end that stays halved (Illinois).
         """
@@ -167,7 +167,7 @@ class Between:
         for _ in range(_MOST_SHARES if fa > 0.0 > fb else 0):
             share = (a * fb - b * fa) / (fb - fa)
             held = self.at(share, held.balance.position)
-            if abs(held.excess) <= goal or not held.equilibrium.rests:
+            if abs(held.excess) <= goal or not held.equilibrium.settled:
                 break
             if held.excess > 0.0:
                 a, fa, fb = share, held.excess, 0.5 * fb
@@ -175,7 +175,7 @@ class Between:
                 b, fb, fa = share, held.excess, 0.5 * fa
         return share, self._freed(share, held, stiffness, abs(held.excess) <= goal)
 
-    def _stiffness(self, first: Rest, second: Rest) -> float:
+    def _stiffness(self, first: SettledBearing, second: SettledBearing) -> float:
         """Force with which chambers and films answer a wider opening, over its change. [N/m].
 
         Leakage grows with the cube of the gaps.
@@ -187,18 +187,20 @@ class Between:
         force = self._scale * (first.excess - second.excess)
         return max(3.0 * force / (apart * _room(second)), 0.0)
 
-    def _freed(self, share: float, held: Rest, stiffness: float, balanced: bool) -> Rest:
-        """Rest with friction and the answer of the chambers in place of the guide.
+    def _freed(
+        self, share: float, held: SettledBearing, stiffness: float, balanced: bool
+    ) -> SettledBearing:
+        """State with friction and the answer of the chambers in place of the holding spring.
 
-        There is no rest if a force is left on the guide.
+        There is no equilibrium if a force is left on the holding spring.
         """
         loads = self._ends[round(share)].problem.loads
         place = float(held.problem.stack.opening @ held.balance.position)
-        stack = replace(held.problem.stack, guide=Guide(place, stiffness))
+        stack = replace(held.problem.stack, holding_spring=HoldingSpring(place, stiffness))
         problem = replace(held.problem, stack=stack, loads=loads)
         friction = [
-            self._sense * piece.sign * law.coulomb_force * law.holds
-            for piece, law in self._laws(loads)
+            self._sense * part.sign * law.coulomb_force * law.holds
+            for part, law in self._laws(loads)
         ]
         states = tuple(replace(s, stack=stack) for s in held.balance.states)
         left = 0.0 if self._friction > 0.0 else abs(held.excess)
@@ -211,15 +213,15 @@ class Between:
         if self._friction == 0.0 < stiffness and balanced:
             return self._settle(problem, problem.continued(balance.position), held.temperatures)
         found = replace(held.equilibrium, balance=balance)
-        if not balanced and found.rests:
-            found = replace(found, rests=False, reason=_LEFT.format(held.excess * self._scale))
+        if not balanced and found.settled:
+            found = replace(found, settled=False, reason=_LEFT.format(held.excess * self._scale))
         return replace(
             held, problem=problem, equilibrium=found, numbers=numbers_of(problem, balance)
         )
 
-    def _laws(self, loads: Loads) -> list[tuple[Piece, HousingFriction]]:
-        pieces = self._ends[0].problem.stack.pieces
-        return [(piece, loads.law(k)) for k, piece in enumerate(pieces)]
+    def _laws(self, loads: Loads) -> list[tuple[MovingBearing, HousingFriction]]:
+        moving_bearings = self._ends[0].problem.stack.moving_bearings
+        return [(part, loads.law(k)) for k, part in enumerate(moving_bearings)]
 
     @property
     def _friction(self) -> float:
@@ -227,13 +229,13 @@ class Between:
         laws = self._laws(self._ends[1].problem.loads)
         return sum(law.coulomb_force for _, law in laws if law.holds) * abs(self._sense)
 
-    def _held(self, problem: LateralProblem, place: float, position: Array) -> Rest:
-        guide = Guide(place, _STIFFNESS * self._scale)
-        guided = replace(problem, stack=replace(problem.stack, guide=guide))
+    def _held(self, problem: LateralProblem, place: float, position: Array) -> SettledBearing:
+        holding_spring = HoldingSpring(place, _STIFFNESS * self._scale)
+        guided = replace(problem, stack=replace(problem.stack, holding_spring=holding_spring))
         found = self._settle(guided, guided.continued(position), self._temperatures)
         self._temperatures = found.temperatures
         opened = float(guided.stack.opening @ found.balance.position)
-        pull = guide.stiffness * (place - opened)
+        pull = holding_spring.stiffness * (place - opened)
         excess = (-self._sense * self._friction - pull) / self._scale
         return replace(found, excess=excess)
 
@@ -244,14 +246,14 @@ class Between:
         def between(a: Array, b: Array) -> Array:
             return np.asarray((1.0 - share) * a + share * b)
 
-        scenes: tuple[Scene, ...] = tuple(
+        snapshots: tuple[Snapshot, ...] = tuple(
             s._replace(node_pressure=between(s.node_pressure, t.node_pressure))
-            for s, t in zip(first.scenes, second.scenes, strict=True)
+            for s, t in zip(first.snapshots, second.snapshots, strict=True)
         )
         free = HousingFriction(0.0, first.loads.friction.breakaway_speed, True)
         return replace(
             (first, second)[round(share)],
-            scenes=scenes,
+            snapshots=snapshots,
             loads=Loads(first.loads.back, free),
             node_pressure=lambda angle: between(
                 first.node_pressure(angle), second.node_pressure(angle)
@@ -259,9 +261,9 @@ class Between:
         )
 
 
-def _room(held: Rest) -> float:
+def _room(held: SettledBearing) -> float:
     """Opening that closes all gaps. [m]."""
-    sides = 1.0 if held.problem.stack.two_pressed else 2.0
+    sides = 1.0 if held.problem.stack.two_floating else 2.0
     return sides * float(held.numbers.gaps.mean())
 
 

@@ -1,4 +1,4 @@
-"""What a lumped solution tells of the loads on faces and elastic bodies over the shaft angle."""
+"""Loads of a lumped solution on faces and elastic bodies over the shaft angle."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from toothspace.core.types import Array
 from toothspace.elasticity import ElasticBody
 from toothspace.films.lateral.elastic_faces import ElasticFaces, elastic_faces
 from toothspace.films.lateral.face_grid import FaceGrid
-from toothspace.films.lateral.stack import BackPressure, Scene, StackState
+from toothspace.films.lateral.stack import BackPressure, Snapshot, StackState
 from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_balance import BodyLoad, LateralBalance
 
@@ -29,7 +29,7 @@ _COMPONENTS = {"journal_x": 0, "journal_y": 1}
 @final
 @dataclass(frozen=True, eq=False)
 class BodyLoads:
-    """Named loads of elastic bodies by scene, above the low pressure.
+    """Named loads of elastic bodies by snapshot, above the low pressure.
 
     Parameters
     ----------
@@ -52,18 +52,20 @@ class BodyLoads:
     contact_force: Callable[[float], Array]
     frames: Mapping[str, tuple[float, float]]
 
-    def __call__(self, scene: Scene) -> dict[str, dict[str, float]]:
+    def __call__(self, snapshot: Snapshot) -> dict[str, dict[str, float]]:
         """Sizes of the loads by body and name. [Pa] or [N]."""
-        angle = scene.shaft_angle
+        angle = snapshot.shaft_angle
         forces = self.journal_force(angle), self.contact_force(angle)
         found: dict[str, dict[str, float]] = {}
         for load in self.loads(angle):
             own = found.setdefault(load.body, {})
-            size = load.factor * self._followed(load, scene, *forces)
+            size = load.factor * self._followed(load, snapshot, *forces)
             own[load.load] = own.get(load.load, 0.0) + size
         return found
 
-    def _followed(self, load: BodyLoad, scene: Scene, journals: Array, contacts: Array) -> float:
+    def _followed(
+        self, load: BodyLoad, snapshot: Snapshot, journals: Array, contacts: Array
+    ) -> float:
         low = self.back.low
         if load.source == "contact":
             return float(contacts[load.index])
@@ -71,10 +73,10 @@ class BodyLoads:
             total = float(contacts.sum())
             return float(contacts[load.index]) / total if total > 0.0 else 0.0
         if load.source == "node":
-            return float(scene.node_pressure[load.index]) - low
+            return float(snapshot.node_pressure[load.index]) - low
         if load.source in _COMPONENTS:
             angle, ratio = self.frames.get(load.body, (0.0, 0.0))
-            turn = angle + ratio * scene.shaft_angle
+            turn = angle + ratio * snapshot.shaft_angle
             x, y = journals[load.index]
             turned = (np.cos(turn) * x + np.sin(turn) * y, np.cos(turn) * y - np.sin(turn) * x)
             return float(turned[_COMPONENTS[load.source]])
@@ -115,21 +117,21 @@ def loaded_bodies(
 
 
 def face_deflection(state: StackState) -> dict[str, float]:
-    """Largest widening of the gaps between elastic bodies and its error by their meshes. [m].
+    """Largest deformation of the gaps between elastic bodies and its error by their meshes. [m].
 
-    Empty where faces give way as columns or not at all. The first call for a body condenses it
+    Empty where faces are Winkler foundations or not at all. The first call for a body condenses it
     on a finer mesh as well, which is kept on disk.
     """
     faces = state.stack.compliance
     if not isinstance(faces, ElasticFaces):
         return {}
-    low = float(state.scene.node_pressure[state.stack.balance.low_node])
+    low = float(state.snapshot.node_pressure[state.stack.balance.low_node])
     pressures = state.face_pressures(low)
-    wide = faces.widening(pressures, state.scene)
-    error = faces.mesh_error(pressures, state.scene)
+    wide = faces.deformation(pressures, state.snapshot)
+    error = faces.mesh_error(pressures, state.snapshot)
 
     def largest(fields: list[Array]) -> float:
-        pairs = zip(fields, state.scene.masks, strict=True)
+        pairs = zip(fields, state.snapshot.masks, strict=True)
         return max(float(np.abs(field[mask.film]).max()) for field, mask in pairs)
 
     return {

@@ -1,4 +1,4 @@
-"""Lateral films and pressed bearings of a machine whose chamber pressures are known."""
+"""Lateral films and floating bearings of a machine whose chamber pressures are known."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from toothspace.films.lateral.equilibrium import (
     SearchSettings,
     find_equilibrium,
     march_angles,
-    scenes_over_pitch,
+    snapshots_over_pitch,
 )
 from toothspace.films.lateral.face_film import FaceFilm, FilmLaw, film_law
 from toothspace.films.lateral.face_grid import FaceGrid
@@ -29,14 +29,20 @@ from toothspace.films.lateral.housing_friction import (
     normal_force,
 )
 from toothspace.films.lateral.local_deformation import Accuracy
-from toothspace.films.lateral.motion import Balance, Loads, StepSettings, rest_at
-from toothspace.films.lateral.stack import BackPressure, Columns, Compliance, Scene, Stack
+from toothspace.films.lateral.motion import Balance, Loads, StepSettings, state_at
+from toothspace.films.lateral.stack import (
+    BackPressure,
+    Compliance,
+    Snapshot,
+    Stack,
+    WinklerFoundation,
+)
 from toothspace.films.reynolds.fluid import FilmFluid
 from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
 from toothspace.films.thermal import FilmHeating
 from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_balance import FilmInterface, LateralBalance
-from toothspace.numerics.side_by_side import cores_for_fields
+from toothspace.numerics.parallel import cores_for_fields
 from toothspace.simulation.lateral.history import LateralTrack
 from toothspace.simulation.lateral.loads import loaded_bodies, node_pressures
 from toothspace.solver.cyclic import Progress
@@ -45,10 +51,10 @@ if TYPE_CHECKING:
     import xarray as xr
 
 NO_BEARING = (
-    "machine.floating_bearing: found no high_pressure_area, allowed a pressed bearing "
+    "machine.floating_bearing: found no high_pressure_area, allowed a floating bearing "
     "with the area that balances it"
 )
-"""Message about a machine whose lateral gaps are not those of a pressed bearing."""
+"""Message about a machine whose lateral gaps are not those of a floating bearing."""
 _TOUCH = 1e-4
 """Asperity pressure over hardness that counts as contact. [-]"""
 _MARCHED = Accuracy(settled=1e-3, linear=5e-2)
@@ -56,11 +62,11 @@ _MARCHED = Accuracy(settled=1e-3, linear=5e-2)
 _JACOBIAN_AGE = 60
 """Iterations of the march that one Jacobian serves. [-]"""
 _FINENESS = Fineness(waves=16, degree=2, phases=6)
-"""Patterns of widening that are foreseen: those of the teeth are the finest. [-]"""
+"""Basis functions of the deformation that are predicted: those of the teeth are the finest. [-]"""
 _IN_MARCH = Fineness(waves=12, degree=2, phases=2)
 """The same in a march: a step begins so near its end that fewer and older responses do."""
 _MEMORY = 2
-"""Iterations from which finer patterns are foreseen. [-]"""
+"""Iterations from which the rest of the deformation is extrapolated. [-]"""
 
 
 @final
@@ -75,7 +81,7 @@ class LateralSettings:
     angles : int
         Shaft angles of one tooth pitch over which forces are averaged. [-]
     deformation : {"columns", "bodies", "none"}
-        How faces give way.
+        How faces deform.
     cavitation : str
         Cavitation model of the films.
     heating : FilmHeating or None
@@ -101,7 +107,7 @@ class LateralProblem:
     ----------
     stack : Stack
         Bodies and films.
-    scenes : tuple of Scene
+    snapshots : tuple of Snapshot
         Shaft angles over which forces are averaged.
     loads : Loads
         Pressures behind the bearing and friction in the housing.
@@ -112,25 +118,25 @@ class LateralProblem:
     """
 
     stack: Stack
-    scenes: tuple[Scene, ...]
+    snapshots: tuple[Snapshot, ...]
     loads: Loads
     node_pressure: Callable[[float], Array]
     settings: LateralSettings
 
     def started(self, gap: float) -> Balance:
-        """State at rest with one gap everywhere. [m]."""
-        return rest_at(self.stack, self.scenes, self.stack.start(gap))
+        """State without motion with one gap everywhere. [m]."""
+        return state_at(self.stack, self.snapshots, self.stack.start(gap))
 
     def continued(self, position: Array) -> Balance:
-        """State at rest at the positions of another operating point. [m, rad]."""
-        return rest_at(self.stack, self.scenes, position)
+        """State without motion at the positions of another operating point. [m, rad]."""
+        return state_at(self.stack, self.snapshots, position)
 
     def settle(self, start: Balance) -> Equilibrium:
-        """Let bearings and gears move until they rest, forces averaged over a pitch."""
+        """Let bearings and gears move until they settle, forces averaged over a pitch."""
         search = SearchSettings(longest_time=self.settings.dwell)
         with cores_for_fields():
             return find_equilibrium(
-                self.stack, self.scenes, self.loads, start, search, self._step(1e-6)
+                self.stack, self.snapshots, self.loads, start, search, self._step(1e-6)
             )
 
     def march(
@@ -190,7 +196,7 @@ class LateralNumbers:
     Parameters
     ----------
     position : float
-        Position of the pressed bearing at its gauge point, away from the gears. [m]
+        Position of the floating bearing at its gauge point, away from the gears. [m]
     gaps : ndarray
         Mean gap of every film. [m]
     smallest_gap : float
@@ -210,17 +216,17 @@ class LateralNumbers:
     wear_power : float
         Largest asperity pressure times sliding speed. [W/m2]
     friction_force : float
-        Friction of the housing on the pressed bearing. [N]
+        Friction of the housing on the floating bearing. [N]
     seat_force : float
         Force that holds the solid bearing on its cover, negative if it lifts off; with two
-        pressed bearings not a number. [N]
+        floating bearings not a number. [N]
     seat_margin : float
         How far inside its rim the solid bearing is pressed on its cover, negative if it tips;
-        with two pressed bearings not a number. [m]
+        with two floating bearings not a number. [m]
     positions : ndarray
-        Positions of all pressed bearings or their parts, along z. [m]
+        Positions of all floating bearings or their parts, along z. [m]
     tilt : float
-        Largest tilt of a pressed bearing or part. [rad]
+        Largest tilt of a floating bearing or part. [rad]
     """
 
     position: float
@@ -266,7 +272,7 @@ def lateral_problem(
     Raises
     ------
     CaseError
-        If the machine has no pressed bearing.
+        If the machine has no floating bearing.
     """
     balance = balance_of(description)
     shaft_speed = float(data["shaft_speed"].mean())
@@ -285,15 +291,15 @@ def lateral_problem(
         _compliance(balance, grids, settings, (back, data)),
         shaft_speed,
     )
-    scenes = scenes_over_pitch(stack, pressures, settings.angles)
+    snapshots = snapshots_over_pitch(stack, pressures, settings.angles)
     loads = Loads(back, *_frictions(description, balance, data, high - low))
-    return LateralProblem(stack, scenes, loads, pressures, settings)
+    return LateralProblem(stack, snapshots, loads, pressures, settings)
 
 
 def _frictions(
     description: MachineDescription, balance: LateralBalance, data: xr.Dataset, difference: float
 ) -> tuple[HousingFriction, tuple[HousingFriction, ...]]:
-    """Housing friction of the pressed bearing, and of its parts beside every body."""
+    """Housing friction of the floating bearing, and of its parts beside every body."""
     # two blocks share the force of every shaft
     shafts = -0.5 * data["journal_force"].values.mean(axis=0)[:, :2]
     toward_low = np.array([1.0 if description.mode == "pump" else -1.0, 1.0])
@@ -350,12 +356,12 @@ def _compliance(
 ) -> Compliance:
     if settings.deformation == "bodies":
         return loaded_bodies(balance, grids, *state)
-    yields = settings.deformation == "columns"
-    return Columns(tuple(i.column_compliance * yields for i in balance.interfaces))
+    deforms = settings.deformation == "columns"
+    return WinklerFoundation(tuple(i.winkler_compliance * deforms for i in balance.interfaces))
 
 
 def numbers_of(problem: LateralProblem, balance: Balance) -> LateralNumbers:
-    """Mean numbers of a state over its scenes."""
+    """Mean numbers of a state over its snapshots."""
     stack, back = problem.stack, problem.loads.back
     speed, count = stack.shaft_speed, len(balance.states)
     films = [film for state in balance.states for film in state.films]
@@ -376,8 +382,8 @@ def numbers_of(problem: LateralProblem, balance: Balance) -> LateralNumbers:
         contact_share=float(np.mean([_contact_share(f) for f in films])),
         wear_power=max(float(wear_power(f, speed).max()) for f in films),
         friction_force=float(balance.friction[: max(len(stack.balance.halves), 1)].sum()),
-        seat_force=float("nan") if stack.two_pressed else min(seats),
-        seat_margin=float("nan") if stack.two_pressed else min(margins),
+        seat_force=float("nan") if stack.two_floating else min(seats),
+        seat_margin=float("nan") if stack.two_floating else min(margins),
         positions=stack.positions(balance.position),
         tilt=max(stack.tilts(balance.position)),
     )
@@ -401,7 +407,7 @@ def _real_area(film: FaceFilm) -> float:
 
 
 def _contact_share(film: FaceFilm) -> float:
-    area = np.where(film.around.mask.film, film.grid.area, 0.0)
+    area = np.where(film.boundary.mask.film, film.grid.area, 0.0)
     touching = film.contact > _TOUCH * film.grid.interface.hardness
     return float((area * touching).sum() / area.sum())
 
@@ -423,7 +429,7 @@ def wear_map(balances: Sequence[Balance]) -> Array:
     total = np.zeros((len(states[0].films), *states[0].films[0].grid.area.shape))
     for state in states:
         for k, film in enumerate(state.films):
-            total[k] += wear_power(film, film.around.shaft_speed)
+            total[k] += wear_power(film, film.boundary.shaft_speed)
     return total / len(states)
 
 
@@ -440,16 +446,16 @@ def film_places(stack: Stack) -> Mapping[str, Array]:
 def film_fields(balance: Balance) -> Mapping[str, Array]:
     """Fields of all films by the names of results: at the last shaft angle, wear over all."""
     films = balance.states[-1].films
-    low = films[0].around.low_pressure
-    widened = [
-        f.compliance * np.where(f.around.mask.film, f.total - low, 0.0) + d
+    low = films[0].boundary.low_pressure
+    deformation = [
+        f.compliance * np.where(f.boundary.mask.film, f.total - low, 0.0) + d
         for f, d in zip(films, balance.states[-1].distant, strict=True)
     ]
     return {
         "film_pressure": np.stack([f.pressure for f in films]),
-        "film_height": np.stack([np.where(f.around.mask.film, f.gap, np.nan) for f in films]),
+        "film_height": np.stack([np.where(f.boundary.mask.film, f.gap, np.nan) for f in films]),
         "film_contact_pressure": np.stack([f.contact for f in films]),
         "film_wear_power": wear_map([balance]),
-        "film_deformation": np.stack(widened),
+        "film_deformation": np.stack(deformation),
         "film_fraction": np.stack([f.plane.fields.saturation for f in films]),
     }

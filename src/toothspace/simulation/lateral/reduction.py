@@ -67,7 +67,7 @@ class LateralReduction:
     smallest_gap : ndarray, shape (n, m)
         Smallest gap. [m]
     converged : ndarray of bool, shape (n, m)
-        Whether the bearing came to rest.
+        Whether the bearing is in equilibrium.
     """
 
     force: Array
@@ -90,12 +90,12 @@ def reduce_lateral(
     loads: tuple[Sequence[float], Sequence[float], Sequence[float]] = (CLOSING, OPENING, TILTING),
     progress: Callable[[float], None] | None = None,
 ) -> LateralReduction:
-    """Solve the films at rest at the pressures of a condition, with forces and moments added.
+    """Solve the films in equilibrium at the pressures of a condition, with added loads.
 
     Parameters
     ----------
     description : MachineDescription
-        Machine with a pressed bearing.
+        Machine with a floating bearing.
     fluid : FluidLaw
         Fluid.
     run : callable
@@ -111,7 +111,7 @@ def reduce_lateral(
     Raises
     ------
     CaseError
-        If the machine has no pressed bearing.
+        If the machine has no floating bearing.
 
     Notes
     -----
@@ -159,7 +159,7 @@ def reduce_lateral(
 def _column(point: CoupledPoint, fluid: FluidLaw, added: Array, moment: float) -> Array:
     """Numbers over the forces that are added.
 
-    Torque, leakage, smallest gap, whether it rests, and torque that pressure causes.
+    Torque, leakage, smallest gap, whether it is in equilibrium, and torque that pressure causes.
     """
     found = np.full((5, added.size), np.nan)
     middle = int(np.argmin(np.abs(added)))
@@ -169,7 +169,7 @@ def _column(point: CoupledPoint, fluid: FluidLaw, added: Array, moment: float) -
             problem = _problem_at(point, fluid, float(added[k]), moment)
             rest = problem.settle(problem.continued(now.position))
             numbers = numbers_of(problem, rest.balance)
-            held = rest.rests and not leaning(problem.stack, rest.balance.position)
+            held = rest.settled and not leaning(problem.stack, rest.balance.position)
             torque = numbers.viscous_torque + numbers.asperity_torque
             still = pressure_torque(rest.balance)
             found[:, k] = torque, numbers.leakage, numbers.smallest_gap, held, still

@@ -32,7 +32,7 @@ _ONE_LOAD = (
 )
 _NOT_AGREED = (
     "The lateral leakage of the table differs from that of the run by {:.2g} % of the displaced "
-    "flow: the run does not tell where the bearing rests."
+    "flow: the run does not show the equilibrium of the bearing."
 )
 
 
@@ -42,7 +42,7 @@ def load_of_run(description: MachineDescription, solution: Solution) -> tuple[fl
     Parameters
     ----------
     description : MachineDescription
-        Machine with a pressed bearing.
+        Machine with a floating bearing.
     solution : Solution
         Lumped solution of one revolution.
     """
@@ -50,10 +50,10 @@ def load_of_run(description: MachineDescription, solution: Solution) -> tuple[fl
     return axial_load(balance_of(description), pressures)
 
 
-def told_over_time(
+def with_table_load(
     description: MachineDescription, condition: OperatingCondition, solution: Solution
 ) -> Solution:
-    """Solution of a run over time that tells at which load its lateral films were looked up.
+    """Solution of a run over time with the load at which its lateral films were looked up.
 
     Parameters
     ----------
@@ -125,10 +125,12 @@ def run_with_table(description: MachineDescription, run: LumpedRun, slide: float
         force = table.force_of(factor * float(np.exp(next_change(known))), moment)
     if agreed:
         table.check(*load)
-    return _told(solution, load, mismatch / flow, agreed)
+    return _reported(solution, load, mismatch / flow, agreed)
 
 
-def _told(solution: Solution, load: tuple[float, float], mismatch: float, agreed: bool) -> Solution:
+def _reported(
+    solution: Solution, load: tuple[float, float], mismatch: float, agreed: bool
+) -> Solution:
     """Solution with its axial load, not converged if films and run disagree."""
     statistics = {
         **solution.statistics,

@@ -9,7 +9,7 @@ import numpy as np
 
 from toothspace.core.types import Array
 from toothspace.films.lateral.motion import Balance
-from toothspace.model.description import LateralFilm, MachineDescription
+from toothspace.model.description import LumpedLateralFilm, MachineDescription
 from toothspace.model.path_category import LATERAL_PATHS
 
 if TYPE_CHECKING:
@@ -39,9 +39,9 @@ def with_film_torque(
     viscosity : float
         Viscosity that its films are sheared with. [Pa s]
     data : xarray.Dataset
-        Samples of its last run, which tell what dragged fluid asks for already.
+        Samples of its last run, with the torque that dragged fluid asks for already.
     balance : Balance
-        Films at rest, a state for every shaft angle.
+        Films in equilibrium, a state for every shaft angle.
 
     Notes
     -----
@@ -53,7 +53,7 @@ def with_film_torque(
     doubled = _drag_torque(data) * stack.shaft_speed / len(powers)
     ratios = {body.name: body.speed_ratio for body in description.bodies}
 
-    def dragged(film: LateralFilm) -> LateralFilm:
+    def dragged(film: LumpedLateralFilm) -> LumpedLateralFilm:
         if film.body not in powers:
             return film
         shear, asperity, height = powers[film.body]

@@ -7,7 +7,7 @@ import pytest
 
 from tests.lateral_stack import HIGH, loads, pressures, ring_stack
 from toothspace.films.lateral import compliant_film as yielding_film
-from toothspace.films.lateral.motion import StepSettings, advance, rest_at
+from toothspace.films.lateral.motion import StepSettings, advance, state_at
 
 
 class _Lost:
@@ -21,10 +21,10 @@ class _Lost:
 
 def test_film_without_solution_does_not_converge(monkeypatch: pytest.MonkeyPatch) -> None:
     stack = ring_stack(approach=3e-13)
-    scenes = (stack.scene(0.0, pressures(HIGH)),)
-    rest = rest_at(stack, scenes, stack.start(3e-6))
+    snapshots = (stack.snapshot(0.0, pressures(HIGH)),)
+    rest = state_at(stack, snapshots, stack.start(3e-6))
     monkeypatch.setattr(yielding_film, "block_system", lambda *_: _Lost())
-    found = advance(stack, scenes, loads(HIGH), rest, 1e-3, StepSettings())
+    found = advance(stack, snapshots, loads(HIGH), rest, 1e-3, StepSettings())
     assert not found.converged
     assert np.isfinite(found.position).all()
     assert all(np.isfinite(film.pressure).all() for film in found.states[0].films)

@@ -1,4 +1,4 @@
-"""Storage of the cells of a structured grid by the colours of a chequerboard.
+"""Storage of the cells of a structured grid by the two colours of a red-black colouring.
 
 All four neighbours of a cell have the other colour. With rows of an odd length ``stride`` the
 colour of a cell is the parity of its place in the flat grid, and its neighbours are found at the
@@ -22,7 +22,7 @@ from toothspace.core.compiled import inlined, kernel
 Field = NDArray[Any]
 
 
-class Board(NamedTuple):
+class ColouredGrid(NamedTuple):
     """Shape of a grid and of its storage."""
 
     rows: int
@@ -31,76 +31,76 @@ class Board(NamedTuple):
     ring: bool
 
 
-def board_of(rows: int, lanes: int, *, ring: bool) -> Board:
+def coloured_grid(rows: int, lanes: int, *, ring: bool) -> ColouredGrid:
     """Storage of a grid of ``rows x lanes`` cells."""
-    return Board(rows, lanes, lanes + 1 + lanes % 2, ring)
+    return ColouredGrid(rows, lanes, lanes + 1 + lanes % 2, ring)
 
 
-def stored(board: Board) -> tuple[int, int]:
+def stored(grid: ColouredGrid) -> tuple[int, int]:
     """Shape of a stored field: colours and places. [-]."""
-    return 2, ((board.rows + 2) * board.stride + 1) // 2
+    return 2, ((grid.rows + 2) * grid.stride + 1) // 2
 
 
 @inlined
-def span(board: Board, first: int, last: int, colour: int) -> tuple[int, int]:
+def span(grid: ColouredGrid, first: int, last: int, colour: int) -> tuple[int, int]:
     """Places of the cells of one colour in the rows from ``first`` to before ``last``."""
-    low, high = (first + 1) * board.stride, (last + 1) * board.stride
+    low, high = (first + 1) * grid.stride, (last + 1) * grid.stride
     return (low - colour + 1) // 2, (high - colour + 1) // 2
 
 
 @inlined
-def neighbours(board: Board, colour: int, low: int) -> tuple[int, int, int]:
+def neighbours(grid: ColouredGrid, colour: int, low: int) -> tuple[int, int, int]:
     """Places west, south and east of a place, among the other colour; north follows south."""
-    half = (board.stride - 1) // 2
+    half = (grid.stride - 1) // 2
     return low - half - 1 + colour, low - 1 + colour, low + half + colour
 
 
 @inlined
-def row_start(board: Board, row: int, colour: int) -> tuple[int, int, int]:
+def row_start(grid: ColouredGrid, row: int, colour: int) -> tuple[int, int, int]:
     """First lane of a colour in a row, its place, and the number of cells of that colour."""
-    flat = (row + 1) * board.stride
+    flat = (row + 1) * grid.stride
     lane = (flat + colour) % 2
-    return lane, (flat + lane) // 2, (board.lanes - lane + 1) // 2
+    return lane, (flat + lane) // 2, (grid.lanes - lane + 1) // 2
 
 
 @kernel
-def close_ring(board: Board, values: Field) -> None:
+def close_ring(grid: ColouredGrid, values: Field) -> None:
     """Repeat the last row of a ring before the first and the first behind the last."""
-    if not board.ring:
+    if not grid.ring:
         return
-    last, first = board.rows * board.stride, board.stride
-    behind = last + board.stride
-    for j in range(board.lanes):
+    last, first = grid.rows * grid.stride, grid.stride
+    behind = last + grid.stride
+    for j in range(grid.lanes):
         values[j % 2, j // 2] = values[(last + j) % 2, (last + j) // 2]
         values[(behind + j) % 2, (behind + j) // 2] = values[(first + j) % 2, (first + j) // 2]
 
 
 @kernel
-def store(board: Board, rows: Field, values: Field) -> None:
+def store(grid: ColouredGrid, rows: Field, values: Field) -> None:
     """Store a field that is given as rows of lanes; rows may hold more lanes than the grid."""
     for i in range(rows.shape[0]):
         row = rows[i]
         for colour in range(2):
-            lane, place, count = row_start(board, i, colour)
+            lane, place, count = row_start(grid, i, colour)
             target, source = values[colour, place : place + count], row[lane:]
             for n in range(count):
                 target[n] = source[2 * n]
 
 
 @kernel
-def fetch(board: Board, values: Field, rows: Field) -> None:
+def fetch(grid: ColouredGrid, values: Field, rows: Field) -> None:
     """Write a stored field into rows of lanes."""
-    for i in range(board.rows):
+    for i in range(grid.rows):
         row = rows[i]
         for colour in range(2):
-            lane, place, count = row_start(board, i, colour)
+            lane, place, count = row_start(grid, i, colour)
             source, target = values[colour, place : place + count], row[lane:]
             for n in range(count):
                 target[2 * n] = source[n]
 
 
-def stored_field(board: Board, rows: Field, kind: type = np.float64) -> Field:
+def stored_field(grid: ColouredGrid, rows: Field, kind: type = np.float64) -> Field:
     """Return a new stored field of values given as rows of lanes."""
-    values: Field = np.zeros(stored(board), dtype=kind)
-    store(board, rows, values)
+    values: Field = np.zeros(stored(grid), dtype=kind)
+    store(grid, rows, values)
     return values

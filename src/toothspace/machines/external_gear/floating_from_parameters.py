@@ -1,4 +1,4 @@
-"""From the keys of ``[machine.floating_bearing]`` to the definition of the pressed bearing."""
+"""From the keys of ``[machine.floating_bearing]`` to the definition of the floating bearing."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from toothspace.core.types import Array
 from toothspace.geometry.cad_import import load_closed_curves
 from toothspace.geometry.polygon import checked_polygon
 from toothspace.library import load_material
+from toothspace.machines.external_gear import floating_parameters as own
 from toothspace.machines.external_gear import parameters as keys
-from toothspace.machines.external_gear import pressed_parameters as own
 from toothspace.machines.external_gear import spec
 
 _TABLE = "floating_bearing"
 
 
-def pressed_bearing(machine: keys.ExternalGearParameters) -> spec.PressedBearing | None:
-    """Definition of the pressed bearing of a machine, None without its table.
+def floating_block(machine: keys.ExternalGearParameters) -> spec.FloatingBlock | None:
+    """Definition of the floating bearing of a machine, None without its table.
 
     Raises
     ------
@@ -33,7 +33,7 @@ def pressed_bearing(machine: keys.ExternalGearParameters) -> spec.PressedBearing
         return None
     data = load_material(given.material, f"{_TABLE}.material")
     housing = given.housing_contact or own.HousingContactParameters()
-    return spec.PressedBearing(
+    return spec.FloatingBlock(
         material=spec.Material(
             elastic_modulus=data["elastic_modulus"],
             poisson_ratio=data["poisson_ratio"],

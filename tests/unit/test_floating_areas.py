@@ -1,4 +1,4 @@
-"""Areas behind a pressed bearing from drawn outlines."""
+"""Areas behind a floating bearing from drawn outlines."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Keys of the pressed bearing and of elastic bodies in ``[machine]`` of external gears."""
+"""Keys of the floating bearing and of elastic bodies in ``[machine]`` of external gears."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ class HousingContactParameters:
 @final
 @dataclass(frozen=True, kw_only=True)
 class FloatingBearingParameters:
-    """``[machine.floating_bearing]``: force balance of the pressed bushing."""
+    """``[machine.floating_bearing]``: force balance of the floating bearing."""
 
     material: str = text("Material from the library.", default="AlSi")
     length: float | None = quantity("mm", "Axial length.", above=0, high=500, default=None)
@@ -158,7 +158,7 @@ class ElasticBodiesParameters:
     """``[machine.elastic_bodies]``: shapes of bodies that deform in place of swept ones."""
 
     floating_bearing: Path | None = file_path(
-        "Pressed bearing in the frame of the machine, z = 0 on its film face, from there up (mm).",
+        "Floating bearing in the frame of the machine, z = 0 on its film face, from there up (mm).",
         *_STEP,
     )
     solid_bearing: Path | None = file_path(

@@ -18,7 +18,7 @@ _LARGE = 10_000
 """Cells of a field from which a thread of its own pays. [-]"""
 
 
-def side_by_side(one: Callable[[S], T], cases: Iterable[S], size: int) -> tuple[T, ...]:
+def in_parallel(one: Callable[[S], T], cases: Iterable[S], size: int) -> tuple[T, ...]:
     """Outcome of a function for every case; cases of large fields at the same time.
 
     Parameters

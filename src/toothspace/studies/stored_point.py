@@ -1,4 +1,4 @@
-"""One point of a pressed bearing as a study keeps it, in memory and on disk."""
+"""One point of a floating bearing as a study keeps it, in memory and on disk."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _SCALARS = (
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
-class FoundPoint:
+class StoredPoint:
     """What a study keeps of one point.
 
     Parameters
@@ -73,11 +73,11 @@ class FoundPoint:
     maps: Mapping[str, Array]
 
 
-def found_point(point: CoupledPoint) -> FoundPoint:
+def stored_point(point: CoupledPoint) -> StoredPoint:
     """Take from a coupled solution what a study keeps."""
     stack, balance = point.problem.stack, point.equilibrium.balance
     drawn = film_fields(balance)
-    return FoundPoint(
+    return StoredPoint(
         status=point.status,
         numbers=point.numbers,
         residual=balance.residual,
@@ -91,7 +91,7 @@ def found_point(point: CoupledPoint) -> FoundPoint:
     )
 
 
-def record_of(key: str, point: FoundPoint) -> Record:
+def record_of(key: str, point: StoredPoint) -> Record:
     """Return the record from which :func:`recorded_point` makes the same point again."""
     numbers = {
         **{name: getattr(point, name) for name in _SCALARS},
@@ -103,10 +103,10 @@ def record_of(key: str, point: FoundPoint) -> Record:
     return Record(key, point.status.name.lower(), plain(numbers), _message(point.status))
 
 
-def recorded_point(record: Record) -> FoundPoint:
+def recorded_point(record: Record) -> StoredPoint:
     """Return the point of a record."""
     kept: Mapping[str, Any] = record.numbers
-    return FoundPoint(
+    return StoredPoint(
         status=Status[record.status.upper()],
         numbers=_numbers(kept["lateral_numbers"]),
         **{name: kept[name] for name in _SCALARS},

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from toothspace.films.reynolds.active_set import YieldingGap, linearised_balance
+from toothspace.films.reynolds.active_set import DeformedGap, linearised_balance
 from toothspace.films.reynolds.equation import FilmGrid, FluidField, GapField
 from toothspace.films.reynolds.rough_surfaces import SMOOTH, FlowLaw, RoughSurfaces
 from toothspace.numerics.structured_grid import FREE
@@ -51,7 +51,7 @@ def flows(pressure: np.ndarray, law: FlowLaw, speed: float) -> tuple[np.ndarray,
         np.zeros(cells),
     )
     fluid = FluidField(np.full(cells, 1e3), np.ones(cells))
-    opened = YieldingGap(gap, COMPLIANCE * pressure, np.zeros((2, ROWS)))
+    opened = DeformedGap(gap, COMPLIANCE * pressure, np.zeros((2, ROWS)))
     found = linearised_balance(grid(speed), opened, fluid, 0.0, law)
     before = np.vstack([pressure[-1:], pressure])
     drop = before - np.vstack([pressure, pressure[:1]])

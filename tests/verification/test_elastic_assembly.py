@@ -1,4 +1,4 @@
-"""Loads on the elastic bodies of a machine with a pressed bearing, one by one."""
+"""Loads on the elastic bodies of a machine with a floating bearing, one by one."""
 
 from __future__ import annotations
 
@@ -19,11 +19,12 @@ from toothspace.core.errors import CaseError, GeometryError
 from toothspace.core.types import Array
 from toothspace.elasticity import AreaPressure, InfluenceMatrix, influence_matrix
 from toothspace.films.lateral.elastic_faces import ElasticFaces
-from toothspace.films.lateral.stack import BackPressure, Scene
+from toothspace.films.lateral.stack import BackPressure, Snapshot
 from toothspace.gearing.numbering import number
 from toothspace.machines.external_gear.assembly import Assembly, assemble
 from toothspace.machines.external_gear.balance import lateral_balance
 from toothspace.machines.external_gear.describe import describe
+from toothspace.machines.external_gear.elastic_assembly import ElasticAssembly, seal_line
 from toothspace.machines.external_gear.elastic_bodies import (
     BackLoads,
     MeshSize,
@@ -33,8 +34,7 @@ from toothspace.machines.external_gear.elastic_bodies import (
 )
 from toothspace.machines.external_gear.films import FaceOfGear
 from toothspace.machines.external_gear.loads import BODIES
-from toothspace.machines.external_gear.pressed_bodies import PressedBodies, seal_line
-from toothspace.machines.external_gear.spec import BodyFiles, Material, PressedBearing, Spring
+from toothspace.machines.external_gear.spec import BodyFiles, FloatingBlock, Material, Spring
 from toothspace.model.lateral_balance import LAND, BodyLoad, LateralBalance
 from toothspace.simulation.elastic import lateral_settings
 from toothspace.simulation.lateral.loads import BodyLoads
@@ -52,8 +52,8 @@ SIZE = MeshSize(0.24, 0.25, 0.2)
 needs_gmsh = pytest.mark.skipif(shutil.which("gmsh") is None, reason="gmsh is not installed")
 
 
-def _pressed(**changes: object) -> PressedBearing:
-    given = PressedBearing(
+def _pressed(**changes: object) -> FloatingBlock:
+    given = FloatingBlock(
         material=BRONZE,
         length=LENGTH,
         roughness=0.4e-6,
@@ -67,7 +67,7 @@ def _pressed(**changes: object) -> PressedBearing:
 
 
 def _assembly(mode: str = "pump", /, **changes: object) -> Assembly:
-    return assemble(egm12(mode, pressed=_pressed(**changes)))
+    return assemble(egm12(mode, floating_block=_pressed(**changes)))
 
 
 def _balance(mode: str = "pump", /, **changes: object) -> LateralBalance:
@@ -77,14 +77,14 @@ def _balance(mode: str = "pump", /, **changes: object) -> LateralBalance:
     return found
 
 
-def _bodies(balance: LateralBalance) -> PressedBodies:
-    assert isinstance(balance.elastic_bodies, PressedBodies)
+def _bodies(balance: LateralBalance) -> ElasticAssembly:
+    assert isinstance(balance.elastic_bodies, ElasticAssembly)
     return balance.elastic_bodies
 
 
 @pytest.fixture(scope="module")
 def bearing() -> InfluenceMatrix:
-    """The pressed bearing with all its loads."""
+    """The floating bearing with all its loads."""
     bodies = replace(_bodies(_balance()), size=SIZE)
     return influence_matrix(bodies()["floating"], estimate_error=False, cache=False)
 
@@ -271,7 +271,7 @@ def test_journals_and_housing_hold_each_other(bearing: InfluenceMatrix) -> None:
 
 def test_equal_pressure_on_face_and_back_compresses_without_tilt() -> None:
     """Loads in equilibrium: displacement p L / (2 E) of the face everywhere, no rigid motion."""
-    assembly = assemble(egm12("pump", pressed=_pressed(), grooves=None))
+    assembly = assemble(egm12("pump", floating_block=_pressed(), grooves=None))
     section = bearing_section(assembly)
     body = bearing_body(assembly, BRONZE, LENGTH, size=SIZE)
     pair = (AreaPressure("face", "bottom", section), AreaPressure("back", "top", section))
@@ -293,7 +293,7 @@ def test_high_pressure_area_without_outline_lies_behind_a_chord() -> None:
     assert np.ptp([x for x, _ in shapely.get_coordinates(line)]) < 1e-3
 
 
-def test_second_pressed_bearing_carries_the_same_loads_behind_it() -> None:
+def test_second_floating_bearing_carries_the_same_loads_behind_it() -> None:
     loads = _bodies(_balance(arrangement="symmetric")).loads(0.0)
     behind = [
         {(load.load, load.factor) for load in loads if load.body == side and "_x" not in load.load}
@@ -310,7 +310,7 @@ def test_plates_hold_no_journals() -> None:
     assert not [x for x in loads if x.body in ("floating", "solid") and "journal" in x.load]
 
 
-def test_sizes_follow_pressures_and_forces_above_the_low_pressure() -> None:
+def test_loads_follow_pressures_and_forces_above_the_low_pressure() -> None:
     """Also in a frame that turns with a body: force along y on a gear turned by a quarter."""
 
     def journals(angle: float) -> Array:
@@ -330,7 +330,7 @@ def test_sizes_follow_pressures_and_forces_above_the_low_pressure() -> None:
     contacts = np.array([300.0, 100.0])
     frames = {"drive_gear": (0.25 * np.pi, 1.0)}
     loads = BodyLoads(lambda angle: given, back, journals, lambda angle: contacts, frames)
-    sizes = loads(Scene(0.25 * np.pi, (), np.array([5e5, 25e5])))
+    sizes = loads(Snapshot(0.25 * np.pi, (), np.array([5e5, 25e5])))
     assert sizes["floating"] == pytest.approx(
         {"high": 55e5, "nose": 8.0, "spring": 30.0, "bore_y": -500.0}
     )
@@ -339,7 +339,7 @@ def test_sizes_follow_pressures_and_forces_above_the_low_pressure() -> None:
     )
 
 
-def _with_file(path: Path, **changes: object) -> PressedBodies:
+def _with_file(path: Path, **changes: object) -> ElasticAssembly:
     """Bodies whose floating bearing is that of a file."""
     assembly = _assembly()
     files = BodyFiles(floating_bearing=path, **changes)  # type: ignore[arg-type]
@@ -372,7 +372,7 @@ def _block(path: Path, low: float = 0.0, width: float = 1.0) -> Path:
     return path
 
 
-def _condensed(bodies: PressedBodies) -> InfluenceMatrix:
+def _condensed(bodies: ElasticAssembly) -> InfluenceMatrix:
     return influence_matrix(bodies()["floating"], estimate_error=False, cache=False)
 
 
@@ -411,7 +411,7 @@ def test_bearing_of_another_machine_is_refused(
         _condensed(_with_file(path, edge_length=6e-3))
 
 
-def test_missing_mesher_is_told_with_the_key(
+def test_missing_mesher_is_named_with_the_key(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
@@ -422,7 +422,7 @@ def test_missing_mesher_is_told_with_the_key(
         _condensed(_with_file(path))
 
 
-def test_body_without_a_face_is_told() -> None:
+def test_body_without_a_face_is_refused() -> None:
     """A film that looks down on a body that has its faces elsewhere."""
     bodies = replace(_bodies(_balance()), size=SIZE)
     body = bodies()["floating"]
@@ -464,11 +464,11 @@ def test_loads_of_a_run_balance_on_the_bodies() -> None:
         machine.description, machine.fluid, lumped.data, lateral_settings(case), 12e5
     )
     found = problem.settle(problem.started(3e-6))
-    assert found.rests
+    assert found.settled
     state, back = found.balance.states[0], problem.loads.back
     faces = state.stack.compliance
     assert isinstance(faces, ElasticFaces)
-    left = faces.resultants(state.face_pressures(back.low), state.scene)
+    left = faces.resultants(state.face_pressures(back.low), state.snapshot)
     push = (back.high - back.low) * state.stack.balance.floating.high_pressure.area
     assert abs(left["floating"][2]) < 0.01 * push
     shafts = np.abs(lumped.data["journal_force"].values).max()

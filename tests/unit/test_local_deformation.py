@@ -1,4 +1,4 @@
-"""Gap that asperities hold open against faces which give way."""
+"""Gap that asperities hold open against faces that deform."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from toothspace.core.types import Array
-from toothspace.films.lateral.local_deformation import Yielding, settle_gap
+from toothspace.films.lateral.local_deformation import LocalCompliance, settle_gap
 from toothspace.films.reynolds.rough_surfaces import RoughSurfaces, contact_field
 
 COMPLIANCE = 4e-13
 PRESSURE = 2e6
 
 
-def _walls() -> Yielding:
+def _walls() -> LocalCompliance:
     surfaces = RoughSurfaces(
         moving_roughness=0.25e-6,
         resting_roughness=0.4e-6,
@@ -21,7 +21,7 @@ def _walls() -> Yielding:
         effective_modulus=1.5e11,
         hardness=1e9,
     )
-    return Yielding(COMPLIANCE, 0.0, surfaces.contact_table(), surfaces.roughness)
+    return LocalCompliance(COMPLIANCE, 0.0, surfaces.contact_table(), surfaces.roughness)
 
 
 def _settled(rigid: Array, former: float) -> tuple[Array, Array]:

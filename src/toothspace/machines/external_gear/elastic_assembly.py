@@ -1,4 +1,4 @@
-"""Elastic bodies of a machine with a pressed bearing, and what acts on them in a run."""
+"""Elastic bodies of a machine with a floating bearing, and what acts on them in a run."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from toothspace.machines.external_gear.elastic_bodies import (
 from toothspace.machines.external_gear.films import FaceOfGear
 from toothspace.machines.external_gear.gear_flanks import GearFlanks
 from toothspace.machines.external_gear.loads import BODIES
-from toothspace.machines.external_gear.spec import PressedBearing
+from toothspace.machines.external_gear.spec import FloatingBlock
 from toothspace.model.lateral_balance import BodyLoad, LoadSource
 
 COARSE = MeshSize(0.16, 0.16, 0.13)
@@ -46,7 +46,7 @@ _SHARE = 0.5
 """Each of both bearings carries this share of the journal force on a gear. [-]"""
 
 
-class _Piece(NamedTuple):
+class _BlockPart(NamedTuple):
     # bearing or half: name of its body, side, gear beside a half, share of the whole face
     name: str
     side: BearingSide
@@ -56,8 +56,8 @@ class _Piece(NamedTuple):
 
 @final
 @dataclass(frozen=True)
-class PressedBodies:
-    """Bearings and gears of a machine with a pressed bearing.
+class ElasticAssembly:
+    """Bearings and gears of a machine with a floating bearing.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ class PressedBodies:
         GeometryError
             If a body has a shape that cannot be swept, or a half of a bearing a file.
         """
-        made = {p.name: self._from_file(p.side, self._bearing(p), p.half) for p in self._pieces()}
+        made = {p.name: self._from_file(p.side, self._bearing(p), p.half) for p in self._parts()}
         for k, name in enumerate(BODIES):
             made[name] = self._from_file(name, gear_body(self.assembly, k, self.size))
         return made
@@ -97,7 +97,7 @@ class PressedBodies:
     @cached_property
     def _steady(self) -> tuple[BodyLoad, ...]:
         """Loads that follow the same at all shaft angles."""
-        found = [load for piece in self._pieces() for load in self._bearing_loads(piece)]
+        found = [load for part in self._parts() for load in self._bearing_loads(part)]
         for gear, name in enumerate(BODIES):
             for side in _SIDES:
                 label = f"journal_{side}"
@@ -106,98 +106,98 @@ class PressedBodies:
         return tuple(found)
 
     @property
-    def _pressed(self) -> PressedBearing:
-        pressed = self.assembly.spec.pressed
-        assert pressed is not None
-        return pressed
+    def _block(self) -> FloatingBlock:
+        block = self.assembly.spec.floating_block
+        assert block is not None
+        return block
 
     def _moves(self, side: BearingSide) -> bool:
         """Whether a bearing is pressed on its back and held by nothing else."""
-        return side == "floating" or self._pressed.arrangement != "asymmetric"
+        return side == "floating" or self._block.arrangement != "asymmetric"
 
-    def _pieces(self) -> list[_Piece]:
+    def _parts(self) -> list[_BlockPart]:
         """Both bearings, halves of the split ones."""
         area = bearing_section(self.assembly).area
         found = []
         for side in _SIDES:
-            parts = half_names(self._pressed, side)
+            parts = half_names(self._block, side)
             if not parts:
-                found.append(_Piece(side, side, None, 1.0))
+                found.append(_BlockPart(side, side, None, 1.0))
             for k, name in enumerate(parts):
                 own = bearing_section(self.assembly, k).area
-                found.append(_Piece(name, side, k, float(own / area)))
+                found.append(_BlockPart(name, side, k, float(own / area)))
         return found
 
-    def _bearing(self, piece: _Piece) -> ElasticBody:
-        own, moves = self._pressed, self._moves(piece.side)
+    def _bearing(self, part: _BlockPart) -> ElasticBody:
+        own, moves = self._block, self._moves(part.side)
         body = bearing_body(
             self.assembly,
             own.material,
             own.length,
-            piece.side,
-            self._back(piece) if moves else None,
+            part.side,
+            self._back(part) if moves else None,
             self.size,
-            piece.half,
+            part.half,
         )
         return replace(body, supports=()) if moves else body
 
-    def _back(self, piece: _Piece) -> BackLoads:
+    def _back(self, part: _BlockPart) -> BackLoads:
         """High-pressure area with its seal, nose and springs."""
-        own, high = self._pressed, self._high_on(piece)
+        own, high = self._block, self._high_on(part)
         areas = {"high": high} if high.area > 0.0 else {}
         lines = {}
         if own.seal_preload > 0.0:
-            lines["seal"] = seal_line(high, bearing_section(self.assembly, piece.half))
+            lines["seal"] = seal_line(high, bearing_section(self.assembly, part.half))
         points = {
-            f"spring_{k}": (own.springs[k].x, own.springs[k].y) for k in self._springs_on(piece)
+            f"spring_{k}": (own.springs[k].x, own.springs[k].y) for k in self._springs_on(part)
         }
         patches = {}
-        if self._nose_on(piece).area > 0.0:
-            patches["nose"] = self._nose_on(piece).difference(self.high_pressure)
+        if self._nose_on(part).area > 0.0:
+            patches["nose"] = self._nose_on(part).difference(self.high_pressure)
         return BackLoads(areas=areas, points=points, lines=lines, patches=patches)
 
-    def _high_on(self, piece: _Piece) -> shapely.Geometry:
-        return self._of(self.high_pressure, piece)
+    def _high_on(self, part: _BlockPart) -> shapely.Geometry:
+        return self._of(self.high_pressure, part)
 
-    def _nose_on(self, piece: _Piece) -> shapely.Geometry:
-        return self._of(nose_outline(self._pressed), piece)
+    def _nose_on(self, part: _BlockPart) -> shapely.Geometry:
+        return self._of(nose_outline(self._block), part)
 
-    def _of(self, shape: shapely.Geometry, piece: _Piece) -> shapely.Geometry:
+    def _of(self, shape: shapely.Geometry, part: _BlockPart) -> shapely.Geometry:
         """Part of a shape that is on a bearing or half."""
-        if piece.half is None:
+        if part.half is None:
             return shape
-        return shapely.intersection(shape, beside_cut(self.assembly, piece.half))
+        return shapely.intersection(shape, beside_cut(self.assembly, part.half))
 
-    def _springs_on(self, piece: _Piece) -> dict[int, float]:
+    def _springs_on(self, part: _BlockPart) -> dict[int, float]:
         """Springs on a bearing or half by number, with the share of them that it carries."""
         shares = {
-            k: 1.0 if piece.half is None else spring_share(self.assembly, spring.y, piece.half)
-            for k, spring in enumerate(self._pressed.springs)
+            k: 1.0 if part.half is None else spring_share(self.assembly, spring.y, part.half)
+            for k, spring in enumerate(self._block.springs)
         }
         return {k: share for k, share in shares.items() if share > 0.0}
 
-    def _bearing_loads(self, piece: _Piece) -> list[BodyLoad]:
-        own, name, found = self._pressed, piece.name, list[BodyLoad]()
-        if self._moves(piece.side):
-            if self._high_on(piece).area > 0.0:
+    def _bearing_loads(self, part: _BlockPart) -> list[BodyLoad]:
+        own, name, found = self._block, part.name, list[BodyLoad]()
+        if self._moves(part.side):
+            if self._high_on(part).area > 0.0:
                 found.append(BodyLoad(name, "high", "high"))
-            if self._nose_on(piece).area > 0.0:
-                area = float(self._nose_on(piece).area)
+            if self._nose_on(part).area > 0.0:
+                area = float(self._nose_on(part).area)
                 found.append(BodyLoad(name, "nose", "nose", factor=area))
             if own.seal_preload > 0.0:
-                size = piece.share * own.seal_preload
+                size = part.share * own.seal_preload
                 found.append(BodyLoad(name, "seal", "constant", factor=size))
-            for k, share in self._springs_on(piece).items():
+            for k, share in self._springs_on(part).items():
                 size = share * own.springs[k].force
                 found.append(BodyLoad(name, f"spring_{k}", "constant", factor=size))
         if carries_journals(self.assembly, own.length):
-            found += self._radial_loads(piece)
+            found += self._radial_loads(part)
         return found
 
-    def _radial_loads(self, piece: _Piece) -> list[BodyLoad]:
+    def _radial_loads(self, part: _BlockPart) -> list[BodyLoad]:
         """Journal forces on the bores and what holds against them."""
-        found, name = [], piece.name
-        for gear in (0, 1) if piece.half is None else (piece.half,):
+        found, name = [], part.name
+        for gear in (0, 1) if part.half is None else (part.half,):
             label = BODIES[gear].removesuffix("_gear")
             for axis, source in _AXES:
                 held = -_SHARE * wall_direction(self.assembly, axis, gear)
@@ -220,10 +220,10 @@ class PressedBodies:
         return replace(body, shape=SolidFile(path, edge, f"machine.elastic_bodies.{_KEYS[name]}"))
 
 
-def half_names(pressed: PressedBearing, side: str) -> tuple[str, ...]:
+def half_names(block: FloatingBlock, side: str) -> tuple[str, ...]:
     """Elastic bodies of the halves beside the gears; empty for a bearing in one piece."""
-    moves = side == "floating" or pressed.arrangement != "asymmetric"
-    return tuple(f"{side}_{name}" for name in BODIES) if pressed.split and moves else ()
+    moves = side == "floating" or block.arrangement != "asymmetric"
+    return tuple(f"{side}_{name}" for name in BODIES) if block.split and moves else ()
 
 
 def spring_share(assembly: Assembly, y: float, half: int) -> float:
@@ -234,12 +234,12 @@ def spring_share(assembly: Assembly, y: float, half: int) -> float:
     return float((y < cut) == (half == 0))
 
 
-def nose_outline(pressed: PressedBearing) -> shapely.Polygon:
+def nose_outline(block: FloatingBlock) -> shapely.Polygon:
     """Nose; a square about its centre where it has no contour. [m]."""
-    if pressed.nose_contour is not None:
-        return shapely.Polygon(pressed.nose_contour)
-    reach = 0.5 * pressed.nose_area**0.5
-    x, y = pressed.nose_center
+    if block.nose_contour is not None:
+        return shapely.Polygon(block.nose_contour)
+    reach = 0.5 * block.nose_area**0.5
+    x, y = block.nose_center
     return shapely.box(x - reach, y - reach, x + reach, y + reach)
 
 
