@@ -21,6 +21,7 @@ from toothspace.closures.density import (
     mixture_specific_volume,
 )
 from toothspace.closures.fluid_law import FluidLaw
+from toothspace.closures.vapour_pressure import clausius_clapeyron_pressure
 from toothspace.closures.viscosity import (
     barus_viscosity,
     dynamic_viscosity,
@@ -147,6 +148,13 @@ def test_mixture_modulus_agrees_with_the_entrained_gas_formula() -> None:
     liquid = liquid_bulk_modulus(pressure, law)
     formula = entrained_gas_bulk_modulus(pressure - 101325.0, liquid, 0.005, 1.0)
     assert mixture == pytest.approx(formula, rel=5e-3)
+
+
+def test_vapour_pressure_falls_by_the_heat_of_evaporation() -> None:
+    """d ln p / d(1/T) is minus the evaporation temperature."""
+    one, other = (clausius_clapeyron_pressure(T, 1e4, 350.0, 5000.0) for T in (350.0, 300.0))
+    assert one == pytest.approx(1e4)
+    assert np.log(one / other) == pytest.approx(5000.0 * (1.0 / 300.0 - 1.0 / 350.0))
 
 
 def test_free_air_has_its_volume_at_one_atmosphere() -> None:

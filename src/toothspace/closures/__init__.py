@@ -1,24 +1,34 @@
 """Formulas: one phenomenon per module, one formula per function, units in every docstring.
 
-=================== ==========================================================
-module              responsibility
-=================== ==========================================================
-fluid_law           constants of one fluid at one temperature
-density             equation of state of liquid, free gas and vapour
-bulk_modulus        stiffness of the mixture
-enthalpy            energy per mass, exact for the equation of state
-aeration            release, absorption and volume of gas; vapour
-viscosity           over temperature and pressure
-orifice             openings, and the law that every flow path obeys
-gap_flow            narrow gaps, drag of moving walls
-bearing_lumped      journal bearing without a grid: load and friction
-bearing_map         its force as a compiled map with derivatives
-traction            film thickness and friction of tooth flanks
-friction            breakaway, tooth tips, faces of gears
-seal                shaft seals
-contact_cylindrical force, pressure and damping of curved contacts
-contact_rough       pressure of touching asperities
-flow_factors        rough surfaces in thin films
-smooth              rounded corners for time integration
-=================== ==========================================================
+Every function has its equation, units, validity and source, and is what the simulator runs.
+
+==================== ==========================================================
+module               responsibility
+==================== ==========================================================
+fluid_law            constants of one fluid at one temperature
+density              equation of state of liquid, free gas and vapour
+bulk_modulus         stiffness of the liquid
+vapour_pressure      over temperature
+enthalpy             energy per mass, exact for the equation of state
+aeration             release, absorption and volume of gas; vapour
+viscosity            over temperature and pressure
+orifice              openings, and the law that every flow path obeys
+gap_flow             narrow gaps, drag and shear of moving walls
+hydraulic_resistance throttles, coolers and valves of a circuit
+accumulator          gas charge
+line_friction        unsteady and turbulent friction in lines
+bearing_map          journal bearing without a grid: force with derivatives
+journal_friction     its torque, and friction over the Sommerfeld number
+friction             start, faces of gears
+set_valued_friction  dry friction with a true state of rest
+traction             film thickness and friction of tooth flanks
+contact_cylindrical  pressure and force of curved contacts
+contact_law          elastic laws with energy, damping of impacts
+squeeze_film         film squeezed out of a line contact
+contact_rough        pressure of touching asperities
+contact_asperities   the same by statistics of summits
+real_contact         real area of contact
+flow_factors         rough surfaces in thin films
+smooth               rounded corners for time integration
+==================== ==========================================================
 """

@@ -10,6 +10,7 @@ from typing import Any, final
 import numpy as np
 
 from toothspace.closures.fluid_law import FluidLaw
+from toothspace.closures.vapour_pressure import clausius_clapeyron_pressure
 from toothspace.closures.viscosity import walther_constants, walther_viscosity
 from toothspace.core.constants import AIR_GAS_CONSTANT, ATMOSPHERIC_PRESSURE, ZERO_CELSIUS
 from toothspace.core.errors import CaseError
@@ -150,8 +151,12 @@ def _linear(table: Mapping[str, Any], temperature: float) -> float:
 
 
 def _vapour_pressure(table: Mapping[str, Any], temperature: float) -> float:
-    inverse = 1.0 / temperature - 1.0 / (table["at_degC"] + ZERO_CELSIUS)
-    law = table["pressure"] * np.exp(-table["evaporation_temperature"] * inverse)
+    law = clausius_clapeyron_pressure(
+        temperature,
+        table["pressure"],
+        table["at_degC"] + ZERO_CELSIUS,
+        table["evaporation_temperature"],
+    )
     return float(max(law, table["floor"]))
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from toothspace.case import Case
 from toothspace.closures.fluid_law import FluidLaw
+from toothspace.closures.orifice import DISCHARGE_COEFFICIENT
 from toothspace.core.types import Array
 from toothspace.model.assembly import assemble
 from toothspace.model.description import MachineDescription
@@ -121,7 +122,7 @@ def _march_against_orifice(
     """Size the load orifice until the mean outlet pressure is the one asked for."""
     wanted = condition.outlet_pressure - condition.load_pressure
     flow = description.displacement * condition.shaft_speed
-    area = flow / (0.7 * np.sqrt(2.0 * wanted / fluid.reference_density))
+    area = flow / (DISCHARGE_COEFFICIENT * np.sqrt(2.0 * wanted / fluid.reference_density))
     state: Array | None = None
     for _ in range(_LOAD_ROUNDS):
         system = assemble(description, fluid, replace(condition, load_area=area))
