@@ -526,3 +526,13 @@ def test_a_case_that_is_no_file(
     line = capsys.readouterr().err
     assert line.count("\n") == 1
     assert "case file: found" in line
+
+
+def test_rotors_that_their_clearance_consumes_are_refused(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    case = str(GEROTOR_CASE.with_name("contact_span.toml"))
+    assert main(["geometry", case, "--set", "machine.rotors.eccentricity=0.25 um"]) == 2
+    line = capsys.readouterr().err
+    assert line.count("\n") == 1
+    assert "machine.rotors.tip_clearance: found 40 um, of which the half leaves nothing" in line

@@ -11,7 +11,6 @@ from toothspace.case import Case
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.orifice import DISCHARGE_COEFFICIENT
 from toothspace.core.types import Array
-from toothspace.model.assembly import assemble
 from toothspace.model.description import MachineDescription
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.results.solution import Solution
@@ -21,8 +20,9 @@ from toothspace.simulation.lateral.table_lookup import run_with_table
 from toothspace.simulation.presets import interface_models, interface_text
 from toothspace.simulation.running_in import CUT_SHORT, WornMachine, run_in
 from toothspace.simulation.setup import Progress, Setup, fluid_temperature, provenance_of
+from toothspace.solver.accuracy import Assembled, march_to_balance
 from toothspace.solver.compiled_model import observe
-from toothspace.solver.cyclic import History, RunPlan, first_turn_state, march_revolutions
+from toothspace.solver.cyclic import History, RunPlan, first_turn_state
 from toothspace.solver.outcome import solution_from
 
 _LOAD_ROUNDS = 4
@@ -108,7 +108,7 @@ def _march(
     )
     assert case.operating_point is not None
     if case.operating_point.outlet_load == "fixed_pressure":
-        return march_revolutions(assemble(description, fluid, condition), plan, progress)
+        return march_to_balance(Assembled(description, fluid, condition), plan, progress)
     return _march_against_orifice(description, fluid, condition, plan, progress)
 
 
@@ -125,8 +125,8 @@ def _march_against_orifice(
     area = flow / (DISCHARGE_COEFFICIENT * np.sqrt(2.0 * wanted / fluid.reference_density))
     state: Array | None = None
     for _ in range(_LOAD_ROUNDS):
-        system = assemble(description, fluid, replace(condition, load_area=area))
-        history = march_revolutions(system, plan, progress, state)
+        loaded = Assembled(description, fluid, replace(condition, load_area=area))
+        history = march_to_balance(loaded, plan, progress, state)
         if history.status in CUT_SHORT:
             break
         found = mean_outlet_pressure(history) - condition.load_pressure

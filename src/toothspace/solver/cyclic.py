@@ -23,6 +23,8 @@ Progress = Callable[[float, str], None]
 _CYCLIC_PRESSURE = 2e-4
 _CYCLIC_POSITION = 2e-3
 _SAME_PLACE = 1e-9
+_PATIENCE = 8
+_NEARER = 0.8
 
 
 @final
@@ -60,6 +62,8 @@ class History:
     events: tuple[Event, ...]
     revolutions: int
     statistics: dict[str, float]
+    stalled: bool = False
+    """Whether successive revolutions differ without coming closer."""
 
 
 def march_revolutions(
@@ -69,7 +73,7 @@ def march_revolutions(
 
     Two revolutions agree when the pressures differ by less than 2e-4 of the largest port
     pressure (root mean square over chambers and samples) and all bodies by less than 2e-3 of
-    their clearance.
+    their clearance. The march ends before its last revolution where they no longer come closer.
     """
     march = start_march(system, start_state(system) if state is None else state, plan.max_steps)
     turn = 2.0 * np.pi / system.condition.shaft_speed
@@ -77,7 +81,8 @@ def march_revolutions(
     limit = plan.revolutions or plan.max_revolutions
     previous: Piece | None = None
     status = Status.DONE if plan.revolutions else Status.NOT_CYCLIC
-    done = 0
+    done, stalled = 0, False
+    changes: list[float] = []
     try:
         for k in range(limit):
             piece = march.advance(k * turn + offsets)
@@ -86,20 +91,32 @@ def march_revolutions(
             done = k + 1
             if progress:
                 progress(done / limit, f"revolution {done}")
-            repeated = previous is not None and _repeats(system, previous, piece)
+            if previous is not None:
+                changes.append(_change(system, previous, piece))
             previous = piece
-            if repeated and plan.revolutions is None:
+            if changes and changes[-1] <= 1.0 and plan.revolutions is None:
                 status = Status.DONE
+                break
+            stalled = _stalled(changes) and plan.revolutions is None
+            if stalled:
                 break
     except KeyboardInterrupt:
         status = Status.INTERRUPTED
         if previous is None:
             raise
     assert previous is not None
-    return _history(march, previous, status, done)
+    return _history(march, previous, status, done, stalled=stalled)
 
 
-def _history(march: March, piece: Piece, status: Status, revolutions: int) -> History:
+def _stalled(changes: list[float]) -> bool:
+    """Whether the last changes from one revolution to the next are as large as those before."""
+    recent, earlier = changes[-_PATIENCE:], changes[-2 * _PATIENCE : -_PATIENCE]
+    return len(earlier) == _PATIENCE and min(recent) > _NEARER * min(earlier)
+
+
+def _history(
+    march: March, piece: Piece, status: Status, revolutions: int, *, stalled: bool = False
+) -> History:
     return History(
         status,
         march.system,
@@ -108,6 +125,7 @@ def _history(march: March, piece: Piece, status: Status, revolutions: int) -> Hi
         piece.events,
         revolutions,
         {**march.statistics, "revolutions": float(revolutions)},
+        stalled,
     )
 
 
@@ -165,7 +183,8 @@ def first_turn_state(history: History) -> Array:
     return state
 
 
-def _repeats(system: System, before: Piece, after: Piece) -> bool:
+def _change(system: System, before: Piece, after: Piece) -> float:
+    """Largest change from one revolution to the next over what counts as none. [-]."""
     from toothspace.solver.compiled_model import observe
 
     every = slice(None, None, 8)
@@ -174,9 +193,9 @@ def _repeats(system: System, before: Piece, after: Piece) -> bool:
     chambers = system.arrays.size.chambers
     old[:, :chambers] = old[:, successors(system.description)]
     scale = max(system.condition.inlet_pressure, system.condition.outlet_pressure)
-    if np.sqrt(np.mean((new - old) ** 2)) > _CYCLIC_PRESSURE * scale:
-        return False
+    pressures = float(np.sqrt(np.mean((new - old) ** 2))) / (_CYCLIC_PRESSURE * scale)
     size = system.arrays.size
     positions = slice(size.position, size.velocity)
-    change = np.abs(after.states[:, positions] - before.states[:, positions])
-    return bool(np.all(change <= _CYCLIC_POSITION * system.arrays.motion[:, CLEARANCE]))
+    moved = np.abs(after.states[:, positions] - before.states[:, positions])
+    allowed = _CYCLIC_POSITION * system.arrays.motion[:, CLEARANCE]
+    return max(pressures, float(np.max(moved / allowed, initial=0.0)))

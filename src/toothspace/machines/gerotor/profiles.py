@@ -9,7 +9,7 @@ pocket is on the positive y axis.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import final
+from typing import NoReturn, final
 
 import numpy as np
 import shapely
@@ -27,6 +27,7 @@ POINTS_PER_TOOTH = 480
 
 _FILE_UNITS = {"mm": 1e-3, "m": 1.0, "um": 1e-6, "in": 25.4e-3}
 _LEAST_EDGE = 1e-9
+_FEWEST_EDGES = 16
 _POINTS_FOR_PHASE = 2000
 
 
@@ -150,14 +151,29 @@ def offset_outline(outline: Array, distance: float) -> Array:
     -------
     ndarray
         Closed counter-clockwise curve. [m]
+
+    Raises
+    ------
+    GeometryError
+        If the offset does not leave one outline.
     """
     if distance == 0.0:
         return outline
     moved = shapely.Polygon(outline).buffer(distance, join_style="mitre")
-    points = np.asarray(moved.exterior.coords, dtype=float)
-    points = without_repeats(points)
+    if not isinstance(moved, shapely.Polygon) or moved.is_empty:
+        _refuse_offset(distance, "nothing or several parts")
+    points = without_repeats(np.asarray(moved.exterior.coords, dtype=float))
     long_edge = np.hypot(*(np.roll(points, -1, axis=0) - points).T) > _LEAST_EDGE
+    if np.count_nonzero(long_edge) < _FEWEST_EDGES:
+        _refuse_offset(distance, f"fewer than {_FEWEST_EDGES} edges")
     return counter_clockwise(points[long_edge])
+
+
+def _refuse_offset(distance: float, left: str) -> NoReturn:
+    raise GeometryError(
+        f"machine.rotors.tip_clearance: found {2e6 * abs(distance):.4g} um, of which the half "
+        f"leaves {left} of an outline, allowed less, or larger rotors"
+    )
 
 
 def _from_files(parameters: RotorParameters) -> Rotors:

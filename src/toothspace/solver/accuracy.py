@@ -1,0 +1,110 @@
+"""Marches to a cyclic state whose energies balance, at the tolerance that this takes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import final
+
+from toothspace.closures.fluid_law import FluidLaw
+from toothspace.core.status import Status
+from toothspace.core.types import Array
+from toothspace.model.assembly import System, assemble
+from toothspace.model.description import MachineDescription
+from toothspace.model.operating_point import OperatingCondition
+from toothspace.solver.cyclic import (
+    History,
+    Progress,
+    RunPlan,
+    first_turn_state,
+    march_revolutions,
+)
+from toothspace.solver.outcome import window_ledger
+
+ENERGY_BALANCE = 1e-5
+"""Largest energy error of a cyclic revolution. [-]"""
+
+_TIGHTER = 0.1
+_TIGHTEST = 1e-9
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Assembled:
+    """A machine at an operating point, to be integrated at one tolerance or another.
+
+    Parameters
+    ----------
+    description : MachineDescription
+        The machine.
+    fluid : FluidLaw
+        Fluid.
+    condition : OperatingCondition
+        Operating point, with the relative tolerance to begin with.
+    """
+
+    description: MachineDescription
+    fluid: FluidLaw
+    condition: OperatingCondition
+
+    def at(self, tolerance: float) -> System:
+        """System at a relative tolerance [-]."""
+        condition = replace(self.condition, relative_tolerance=tolerance)
+        return assemble(self.description, self.fluid, condition)
+
+
+def march_to_balance(
+    machine: Assembled,
+    plan: RunPlan,
+    progress: Progress | None = None,
+    state: Array | None = None,
+) -> History:
+    """March until cyclic with energies that balance, tightening the tolerance for it.
+
+    A tolerance at which the errors of the integration keep two revolutions apart, or leave more
+    than 1e-5 of the energy unexplained, is lowered by a factor of ten from the state reached.
+
+    Parameters
+    ----------
+    machine : Assembled
+        Machine at its operating point, with the tolerance to begin with.
+    plan : RunPlan
+        Most revolutions in all; a fixed number of them is marched at the tolerance given.
+    progress : callable, optional
+        Called with the finished share and a short text.
+    state : ndarray, optional
+        State to begin with.
+
+    Returns
+    -------
+    History
+        The last revolution; its statistics count all steps and hold ``relative_tolerance``.
+    """
+    tolerance = machine.condition.relative_tolerance
+    history = _counted(march_revolutions(machine.at(tolerance), plan, progress, state), tolerance)
+    while plan.revolutions is None and _tighter_helps(history):
+        tolerance *= _TIGHTER
+        left = plan.max_revolutions - int(history.statistics["revolutions"])
+        if tolerance < _TIGHTEST or left < 2:
+            break
+        rest = replace(plan, max_revolutions=left)
+        again = march_revolutions(machine.at(tolerance), rest, progress, first_turn_state(history))
+        if history.status is Status.DONE and again.status is not Status.DONE:
+            break
+        history = _counted(again, tolerance, history.statistics)
+    return history
+
+
+def _tighter_helps(history: History) -> bool:
+    if history.status is Status.DONE:
+        return window_ledger(history).energy_balance_error > ENERGY_BALANCE
+    return history.stalled
+
+
+def _counted(
+    history: History, tolerance: float, before: Mapping[str, float] | None = None
+) -> History:
+    """History whose statistics hold its tolerance and count the steps before it too."""
+    earlier = before or {}
+    counts = {name: value + earlier.get(name, 0.0) for name, value in history.statistics.items()}
+    return replace(history, statistics={**counts, "relative_tolerance": tolerance})

@@ -1,0 +1,223 @@
+"""Damaged and senseless inputs: one clear line each, no hang, no crash, no memory without end.
+
+``python -m tests.fuzz --count 20000`` draws so many inputs for every reader, each reader in a
+process of its own that may take 2 GB; ``--only result`` chooses one. What fails is printed
+in its smallest form, and kept by hypothesis for the next run.
+"""
+
+from __future__ import annotations
+
+import argparse
+import copy
+import subprocess
+import sys
+import tempfile
+import time
+import tomllib
+from collections.abc import Callable, Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import strategies as st
+
+from toothspace.config import case_from_text
+from toothspace.config.document import document_text
+from toothspace.config.overrides import apply_overrides
+from toothspace.core.array_store import load_arrays, save_arrays
+from toothspace.core.errors import ToothspaceError
+from toothspace.core.signals import column_names, read_columns
+from toothspace.core.units import parse_quantity
+from toothspace.model.fluid_table import fit_table
+from toothspace.results.io import load_solution
+
+CASES = Path(__file__).resolve().parent.parent / "cases"
+LONGEST = 10.0
+"""Time that one input may take. [s]"""
+MEMORY = 2**31
+"""Memory that a reader may take. [byte]"""
+_LONGEST_LINE = 2000
+
+Damage = list[tuple[float, int, bytes]]
+"""Places in a text or file (0 to 1), how many bytes go there, and what comes instead."""
+
+DAMAGE = st.lists(
+    st.tuples(
+        st.floats(0.0, 1.0, exclude_max=True),
+        st.integers(0, 40),
+        st.one_of(
+            st.binary(max_size=8),
+            st.sampled_from(
+                [b"\x00", b"\xff\xff\xff\xff", b"=", b"[", b"[[", b'"', b"nan", b"-1", b"1e308"]
+            ),
+        ),
+    ),
+    min_size=1,
+    max_size=6,
+)
+TEXT = st.text(max_size=60)
+_NUMBERS = ["1", "9", ".", "e", "-", "nan", "inf", "_", "%", "\0"]
+_UNITS = ["m", "km", "bar", "rad", "deg", "degC", "/", "*", "**", "^", "(", ")", "²", "·", " "]
+TOKENS = st.lists(st.sampled_from([*_NUMBERS, *_UNITS]), max_size=200).map("".join)
+
+
+def damaged(content: bytes, damage: Damage) -> bytes:
+    """Content with parts cut out and others put in."""
+    found = bytearray(content)
+    for place, cut, put in damage:
+        at = int(place * len(found))
+        found[at : at + cut] = put
+    return bytes(found)
+
+
+def check(read: Callable[[], Any]) -> None:
+    """Read an input: a value, or an error of one line, within the time."""
+    started = time.perf_counter()
+    try:
+        read()
+    except ToothspaceError as error:
+        line = str(error)
+        assert "found" in line or "not a result" in line, line
+        assert len(line) < _LONGEST_LINE, f"{len(line)} characters: {line[:200]}"
+    assert time.perf_counter() - started < LONGEST, "took too long"
+
+
+@cache
+def case_texts() -> tuple[bytes, ...]:
+    return tuple(path.read_bytes() for path in sorted(CASES.glob("*.toml")))
+
+
+@cache
+def folder() -> Path:
+    return Path(tempfile.mkdtemp(prefix="fuzz"))
+
+
+def file_of(content: bytes, name: str) -> Path:
+    path = folder() / name
+    path.write_bytes(content)
+    return path
+
+
+@cache
+def result_bytes() -> bytes:
+    """A small result, without the checksum that would refuse all damage at once."""
+    from tests.fake_solution import fake_solution
+
+    data = fake_solution().data.isel(shaft_angle=slice(0, 5))
+    path = folder() / "whole.nc"
+    small = fake_solution().__class__(**{**fake_solution().__dict__, "data": data})
+    small.save(path)
+    return path.read_bytes().partition(b"\ntoothspace BLAKE2b")[0]
+
+
+@cache
+def cache_bytes() -> bytes:
+    path = folder() / "whole.npz"
+    save_arrays(path, {"depth": np.arange(20.0), "size": np.asarray(3)})
+    return path.read_bytes()
+
+
+CSV = (
+    b"time [s],shaft_speed [rpm],pressure_difference [bar]\n" + b"0,100,2.5\n0.1,110,2.6\n" * 5,
+    b"temperature [degC];pressure [bar]\n20;1\n20;100\n",
+    b"temperature [degC],pressure [bar],density [kg/m3],dynamic_viscosity [mPa s]\n"
+    + b"20,1,860,40\n20,100,865,45\n20,200,870,50\n60,1,840,15\n60,100,846,17\n60,200,851,19\n",
+)
+
+
+def read_case(data: st.DataObject) -> None:
+    content = damaged(data.draw(st.sampled_from(case_texts())), data.draw(DAMAGE))
+    check(lambda: case_from_text(content.decode("utf-8", "replace"), CASES, "case"))
+
+
+def read_override(data: st.DataObject) -> None:
+    tables = tomllib.loads(data.draw(st.sampled_from(case_texts())).decode())
+    names = [f"{a}.{b}" for a, inner in tables.items() if isinstance(inner, dict) for b in inner]
+    key = data.draw(st.sampled_from(names) | TEXT)
+    value = data.draw(TEXT | TOKENS | st.integers().map(str))
+
+    def read() -> None:
+        changed = apply_overrides(copy.deepcopy(tables), [f"{key}={value}"], "case")
+        case_from_text(document_text(changed), CASES, "case")
+
+    check(read)
+
+
+def read_unit(data: st.DataObject) -> None:
+    text, unit = data.draw(TEXT | TOKENS), data.draw(st.sampled_from(["mm", "bar", "rpm", "degC"]))
+    check(lambda: parse_quantity(text, unit))
+
+
+def read_result(data: st.DataObject) -> None:
+    path = file_of(damaged(result_bytes(), data.draw(DAMAGE)), "damaged.nc")
+    check(lambda: load_solution(path).summary() and None)
+
+
+def read_store(data: st.DataObject) -> None:
+    path = file_of(damaged(cache_bytes(), data.draw(DAMAGE)), "damaged.npz")
+    check(lambda: load_arrays(path))
+
+
+def read_measured(data: st.DataObject) -> None:
+    path = file_of(damaged(data.draw(st.sampled_from(CSV)), data.draw(DAMAGE)), "damaged.csv")
+    check(lambda: column_names(path))
+    check(lambda: read_columns(path, {"time": "s", "shaft_speed": "rpm"}))
+    check(lambda: fit_table(path, 313.15))
+
+
+READERS: Mapping[str, Callable[[st.DataObject], None]] = {
+    "case": read_case,
+    "override": read_override,
+    "unit": read_unit,
+    "result": read_result,
+    "store": read_store,
+    "measured": read_measured,
+}
+"""What reads inputs from outside, by name."""
+
+
+def fuzz(name: str, count: int) -> None:
+    """Draw so many inputs for a reader; raises with the smallest that fails."""
+
+    @settings(
+        max_examples=count,
+        deadline=None,
+        suppress_health_check=list(HealthCheck),
+        phases=[Phase.reuse, Phase.generate, Phase.shrink],
+    )
+    @given(st.data())
+    def run(data: st.DataObject) -> None:
+        READERS[name](data)
+
+    run()
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser("python -m tests.fuzz", description=__doc__)
+    parser.add_argument("--count", type=int, default=2000)
+    parser.add_argument("--only", choices=[*READERS])
+    parser.add_argument("--here", action="store_true", help="in this process")
+    given_options = parser.parse_args()
+    if given_options.here:
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_DATA, (MEMORY, MEMORY))
+        fuzz(given_options.only, given_options.count)
+        return 0
+    failed = []
+    for name in [given_options.only] if given_options.only else READERS:
+        command = [sys.executable, "-m", "tests.fuzz", "--here", "--only", name]
+        started = time.perf_counter()
+        done = subprocess.run([*command, "--count", str(given_options.count)], check=False)
+        seconds = time.perf_counter() - started
+        verdict = "fine" if done.returncode == 0 else f"FAILED with code {done.returncode}"
+        counted = f"{given_options.count} inputs in {seconds:.0f} s"
+        sys.stdout.write(f"{name:<10} {counted}: {verdict}\n")
+        failed += [name] * (done.returncode != 0)
+    return len(failed)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
