@@ -6,9 +6,9 @@ from dataclasses import replace
 from typing import Any
 
 from toothspace.machines.gerotor.parameters import (
+    FaceGapParameters,
     GerotorParameters,
     HousingParameters,
-    FaceGapParameters,
     RotorParameters,
 )
 
