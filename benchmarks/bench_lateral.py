@@ -43,7 +43,7 @@ GRIDS = ((280, 26), (560, 52), (812, 74))
 START = 1e-6
 """Gap at which the search for equilibrium begins, as in the study of the case. [m]"""
 STEPS, SAMPLED = 360, 26
-WARM = {"columns": 3, "bodies": 26}
+WARM = {"winkler": 3, "bodies": 26}
 """Steps before the sampled ones; between bodies those in which the films' response is found."""
 ELEMENTS = 150_000
 TARGET = 300.0
@@ -143,12 +143,12 @@ def report(grids: tuple[tuple[int, int], ...] = GRIDS) -> None:
     """Print scaling with cells and with cores."""
     setting = head(f"extrapolated from {SAMPLED} steps")
     for grid in grids:
-        row(setting, grid, "columns", SAMPLED)
+        row(setting, grid, "winkler", SAMPLED)
     for grid in sorted({grids[0], grids[-1]}):
         row(setting, grid, "bodies", SAMPLED)
     available, multigrid_cycle.THREADS = multigrid_cycle.THREADS, 1
     if available > 1:
-        row(setting, grids[-1], "columns", SAMPLED)
+        row(setting, grids[-1], "winkler", SAMPLED)
     multigrid_cycle.THREADS = available
 
 
@@ -198,6 +198,6 @@ if __name__ == "__main__":
     if "--condense" in sys.argv:
         condense()
     elif "--whole" in sys.argv:
-        whole("bodies" if "--bodies" in sys.argv else "columns")
+        whole("bodies" if "--bodies" in sys.argv else "winkler")
     else:
         report(GRIDS[:1] if "--quick" in sys.argv else GRIDS)

@@ -143,7 +143,7 @@ def test_files_of_bodies_that_do_not_deform_are_reported(
     main(["run", str(MOTOR), "--json", *edge])
     assert "[machine.elastic_bodies] is not used by a run" in capsys.readouterr().err
     main(["run", str(MOTOR), "--json", "--fidelity", "elastic", *edge])
-    told = "[machine.elastic_bodies] is not used with run.deformation = 'columns'"
+    told = "[machine.elastic_bodies] is not used with run.deformation = 'winkler'"
     assert told in capsys.readouterr().err
     bodies = ["--set", "run.deformation=bodies"]
     main(["run", str(MOTOR), "--json", "--fidelity", "elastic", *edge, *bodies])

@@ -338,3 +338,13 @@ def test_document_text_is_read_back() -> None:
         "i": float("inf"),
     }
     assert parse_document(document_text(tables), "text") == tables
+
+
+def test_former_word_is_accepted_with_a_note(capsys: pytest.CaptureFixture[str]) -> None:
+    former = load_case(MOTOR, ['run.deformation="columns"'])
+    note = capsys.readouterr().err
+    assert former.run.deformation == "winkler"
+    assert note.count("\n") == 1
+    assert "run.deformation: 'columns' is now spelled 'winkler'" in note
+    assert load_case(MOTOR, ['run.deformation="winkler"']).run == former.run
+    assert capsys.readouterr().err == ""

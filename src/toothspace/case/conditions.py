@@ -170,11 +170,14 @@ class RunSettings:
     )
     mesh: str = choice("Stiffness of the mesh.", "rigid", "elastic", default="rigid")
     deformation: str = choice(
-        "Deformation of bearings and gears under the lateral films (elastic preset).",
-        "columns",
+        "Deformation of bearings and gears under the lateral films (elastic preset): a Winkler "
+        "foundation, elastic bodies, or rigid. The former word 'columns' for 'winkler' is accepted "
+        "with a note until the next version.",
+        "winkler",
         "bodies",
         "none",
-        default="columns",
+        default="winkler",
+        former={"columns": "winkler"},
     )
     film_grid: tuple[int, int] = declare(
         Row(items=(_CELLS, _CELLS), doc="Cells of each lateral film, round and along the radius."),

@@ -91,7 +91,7 @@ def _(key: keys.Integer) -> Schema:
 
 @schema_of.register
 def _(key: keys.Choice) -> Schema:
-    return {"type": "string", "enum": list(key.options)}
+    return {"type": "string", "enum": [*key.options, *key.former]}
 
 
 @schema_of.register

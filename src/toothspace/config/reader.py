@@ -132,6 +132,7 @@ def _integer(reader: Reader, key: keys.Integer, raw: Any, path: str) -> int:
 
 
 def _choice(reader: Reader, key: keys.Choice, raw: Any, path: str) -> str:
+    raw = key.present(raw, f"{reader.label}: {path}")
     if not isinstance(raw, str) or raw not in key.options:
         reader.fail(path, shown(raw), allowed_text(key))
     return raw

@@ -11,6 +11,7 @@ the documentation are derived from it.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping
 from dataclasses import MISSING, Field, dataclass, field, fields
 from typing import Any, final
@@ -91,9 +92,20 @@ class Integer(Key):
 @final
 @dataclass(frozen=True, kw_only=True)
 class Choice(Key):
-    """One of a few words."""
+    """One of a few words; ``former`` are old spellings, accepted for one version."""
 
     options: tuple[str, ...]
+    former: Mapping[str, str] = field(default_factory=dict)
+
+    def present(self, word: Any, path: str) -> Any:
+        """Present spelling of a word behind a key path; a former one is announced."""
+        if not isinstance(word, str) or word not in self.former:
+            return word
+        sys.stderr.write(
+            f"{path}: {word!r} is now spelled {self.former[word]!r}; "
+            "the next version refuses the old spelling.\n"
+        )
+        return self.former[word]
 
 
 @final
@@ -208,9 +220,14 @@ def integer(doc: str, *, low: int, high: int, default: int | Any | None = MISSIN
     return declare(Integer(doc=doc, low=low, high=high), default)
 
 
-def choice(doc: str, *options: str, default: str | Any | None = MISSING) -> Any:
-    """Declare a choice of words."""
-    return declare(Choice(doc=doc, options=options), default)
+def choice(
+    doc: str,
+    *options: str,
+    default: str | Any | None = MISSING,
+    former: Mapping[str, str] | None = None,
+) -> Any:
+    """Declare a choice of words; ``former`` spellings are accepted, with a note."""
+    return declare(Choice(doc=doc, options=options, former=former or {}), default)
 
 
 def text(doc: str, *, default: str | Any | None = MISSING) -> Any:

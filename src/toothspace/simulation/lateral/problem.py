@@ -80,7 +80,7 @@ class LateralSettings:
         Cells of each film round the circumference and along the radius. [-]
     angles : int
         Shaft angles of one tooth pitch over which forces are averaged. [-]
-    deformation : {"columns", "bodies", "none"}
+    deformation : {"winkler", "bodies", "none"}
         How faces deform.
     cavitation : str
         Cavitation model of the films.
@@ -92,7 +92,7 @@ class LateralSettings:
 
     grid: tuple[int, int] = (126, 18)
     angles: int = 2
-    deformation: str = "columns"
+    deformation: str = "winkler"
     cavitation: str = "jfo"
     heating: FilmHeating | None = None
     dwell: float = 1e3
@@ -356,7 +356,7 @@ def _compliance(
 ) -> Compliance:
     if settings.deformation == "bodies":
         return loaded_bodies(balance, grids, *state)
-    deforms = settings.deformation == "columns"
+    deforms = settings.deformation == "winkler"
     return WinklerFoundation(tuple(i.winkler_compliance * deforms for i in balance.interfaces))
 
 
