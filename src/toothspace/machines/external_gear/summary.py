@@ -16,6 +16,7 @@ from toothspace.geometry.involute_fit import deviation_from_best_involute
 from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.external_gear.contacts import displacement
 from toothspace.machines.external_gear.strength import strength_checks
+from toothspace.machines.external_gear.trapping import trapping_checks
 from toothspace.model.description import DesignCheck
 
 
@@ -109,8 +110,12 @@ def root_clearances(assembly: Assembly) -> tuple[float, float]:
 
 
 def design_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
-    """Design-rule report: geometry, and strength where a running-in condition is given."""
-    return (*_geometry_checks(assembly), *strength_checks(assembly))
+    """Design-rule report: geometry, and at a running-in condition trapping and strength."""
+    return (
+        *_geometry_checks(assembly),
+        *trapping_checks(assembly),
+        *strength_checks(assembly),
+    )
 
 
 def _geometry_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
