@@ -24,6 +24,8 @@ FREE, FIRST_AT_CORNER, SECOND_AT_CORNER = 0, 1, 2
 _ITERATIONS = 30
 _TOLERANCE = 1e-13
 _OVERLAP = 2e-5
+"""Largest overlap of flanks, which have a common normal longer than the way to a crossing. [m]"""
+_ROUNDING = 1.0 + 1e-9
 
 
 class Placement(NamedTuple):
@@ -196,9 +198,11 @@ def closest_points(
     reach = distance(first, at_first, second, at_second, start)
     for rounds in (4, 40, 300):
         start = alternated(first, at_first, second, at_second, start, rounds)
+        reach = min(reach, distance(first, at_first, second, at_second, start))
         s, t, found = common_normal(first, at_first, second, at_second, start)
         free = Closest(s, t, FREE)
-        if found and distance(first, at_first, second, at_second, free) <= reach + _OVERLAP:
+        within = max(reach * _ROUNDING, _OVERLAP)
+        if found and distance(first, at_first, second, at_second, free) <= within:
             return free
         if start.mode != FREE:
             break

@@ -78,16 +78,18 @@ def _with_solved_faces(
 ) -> MachineDescription:
     if description.shared_faces is not None:
         return with_shared_films(description, solved_covers(description, condition))
-    if any(film.face is None for film in description.laterals):
-        found = "'reynolds' for a machine that does not give the outlines of its faces"
+    if all(film.face is None for film in description.laterals):
+        found = "'reynolds' for a machine that gives the outline of none of its faces"
         raise CaseError(f"run.interfaces.lateral: found {found}, allowed 'closed_form'")
-    laterals = tuple(_Face(description, film) for film in description.laterals)
-    replaced = {path.name for face in laterals for path in (face.across, face.inwards)}
+    faces = {f.body: _Face(description, f) for f in description.laterals if f.face is not None}
+    replaced = {path.name for face in faces.values() for path in (face.across, face.inwards)}
     kept = [path for path in description.paths if path.name not in replaced]
     return replace(
         description,
-        paths=(*kept, *(path for face in laterals for path in face.paths())),
-        laterals=tuple(face.film() for face in laterals),
+        paths=(*kept, *(path for face in faces.values() for path in face.paths())),
+        laterals=tuple(
+            film if film.face is None else faces[film.body].film() for film in description.laterals
+        ),
     )
 
 

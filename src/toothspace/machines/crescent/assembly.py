@@ -30,7 +30,7 @@ from toothspace.gearing.spaces import Spaces, drive_spaces, driven_spaces
 from toothspace.gearing.tooth import Tooth, tooth_curves
 from toothspace.geometry.cad_import import load_closed_curves
 from toothspace.geometry.gear_profile import GearProfile
-from toothspace.geometry.involute import InvoluteGear, generate_profile
+from toothspace.geometry.involute import InvoluteGear, generate_profile, tooth_form
 from toothspace.geometry.profile_detection import gear_profile_from_curve
 from toothspace.machines.crescent.parameters import CrescentParameters
 
@@ -193,6 +193,7 @@ def involute_pair(spec: CrescentParameters) -> InternalPair:
             tool_tip_radius=pinion.tool_tip_radius,
             tip_rounding=pinion.tip_rounding,
         )
+        tooth_form(gear)
     except GeometryError as error:
         raise GeometryError(f"machine.pinion.{error}") from error
     try:

@@ -1,0 +1,188 @@
+"""Internal gear machine: teeth, mesh, chambers and flow against polygons and closed forms."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import shapely
+
+from tests.crescent_designs import crescent
+from toothspace.core.errors import GeometryError
+from toothspace.core.types import Array
+from toothspace.gearing.meshing import (
+    FULL_TURN,
+    contact_range,
+    facing_throats,
+    flow_over_pitch,
+)
+from toothspace.gearing.outlines import space_outline
+from toothspace.gearing.ring_gear import InternalPair, RingGear, pair_from_backlash
+from toothspace.gearing.spaces import area_by_motion, section_area_rates, section_areas
+from toothspace.geometry.gear_pair import pair_from_backlash as external_pair
+from toothspace.geometry.involute import InvoluteGear
+from toothspace.machines.crescent.assembly import Assembly, assemble, involute_pair
+from toothspace.machines.crescent.summary import overlap, tip_clearance, trimming_distance
+
+ALPHA = np.deg2rad(27.5)
+MODULE = 5e-3
+
+
+@cache
+def machine(mode: str = "pump") -> Assembly:
+    return assemble(crescent(mode))
+
+
+def moved(points: Array, turn: float, center: Array) -> shapely.Polygon:
+    c, s = np.cos(turn), np.sin(turn)
+    return shapely.Polygon(points @ np.array([[c, s], [-s, c]]) + center)
+
+
+def solids(assembly: Assembly, angle: float) -> tuple[shapely.Polygon, shapely.Polygon]:
+    """Pinion, and the space inside the ring's teeth, at a shaft angle."""
+    start = 0.5 * np.pi + assembly.mesh.half_pitch
+    pinion = shapely.Polygon(assembly.pinion.closed_polygon(start + angle))
+    turn = assembly.ratio * angle + assembly.mesh.turn
+    return pinion, moved(assembly.ring_curve, turn, assembly.ring_center)
+
+
+def places(assembly: Assembly, angle: float) -> tuple[Array, Array]:
+    """Places of all tooth spaces of both gears at a shaft angle."""
+    first, second = assembly.counts
+    pinion = angle - FULL_TURN * np.arange(first) / first
+    ring = assembly.ratio * angle - FULL_TURN * (np.arange(second) + 0.5) / second
+    return tuple(np.mod(p + np.pi, FULL_TURN) - np.pi for p in (pinion, ring))  # type: ignore[return-value]
+
+
+@pytest.mark.parametrize("mode", ["pump", "motor"])
+@pytest.mark.parametrize("angle", [0.0, 0.11, 0.23, 0.37])
+def test_chambers_and_solids_fill_the_section(mode: str, angle: float) -> None:
+    """Tooth spaces reach to the tip circles; in the lens each point belongs to one of them."""
+    assembly = machine(mode)
+    pinion, bore = solids(assembly, angle)
+    first, second = assembly.tip_radii
+    inner = shapely.Point(0.0, 0.0).buffer(first, quad_segs=2000)
+    outer = bore.difference(shapely.Point(*assembly.ring_center).buffer(second, quad_segs=2000))
+    fluid = bore.difference(pinion).intersection(inner.union(outer)).area
+    spaces = assembly.spaces_at(*places(assembly, angle))
+    areas = np.concatenate([section_areas(s) for s in spaces])
+    assert areas.sum() == pytest.approx(fluid, rel=5e-5)
+    drawn = [shapely.Polygon(space_outline(s, k)) for s in spaces for k in range(s.angles.size)]
+    assert [one.area for one in drawn] == pytest.approx(areas, abs=3e-8)
+    together = shapely.union_all([shapely.make_valid(one) for one in drawn])
+    assert together.area == pytest.approx(fluid, rel=1e-4)
+
+
+@pytest.mark.parametrize("gear", [0, 1])
+def test_area_rates_are_derivatives(gear: int) -> None:
+    assembly, step = machine(), 2e-4
+    grid = np.linspace(-3.0, 3.0, 41)
+    ratio = (1.0, assembly.ratio)[gear]
+
+    def areas(shift: float) -> Array:
+        return section_areas(assembly.spaces_at(grid + shift, grid + shift)[gear])
+
+    change = ratio * (areas(step) - areas(-step)) / (2.0 * step)
+    rate = section_area_rates(assembly.spaces_at(grid, grid)[gear])
+    wrong = np.abs(rate - change) > 2e-4 * np.abs(rate).max()
+    # where the closest points change their places the area has a step
+    assert np.count_nonzero(wrong) <= 2
+
+
+def test_turning_the_ring_displaces_what_its_moment_says() -> None:
+    """Virtual work of the ring's rotation: the same table is its pressure moment."""
+    assembly, turn = machine(), 2e-6
+    pinion, ring = assembly.table_places(0, 240), assembly.table_places(1, 240)
+    start = assembly.spaces_at(pinion, ring)
+    ahead = replace(assembly, mesh=assembly.mesh._replace(turn=assembly.mesh.turn + turn))
+    moved_by = ahead.spaces_at(pinion, ring)
+    for before, after in zip(start, moved_by, strict=True):
+        change = (section_areas(after) - section_areas(before)) / turn
+        wanted = area_by_motion(before)[:, 4]
+        largest = np.abs(wanted).max()
+        sides = (before.left, before.right)
+        narrow = np.all([(s.weight >= 1.0) & (s.gap < 0.2e-3) for s in sides], axis=0)
+        assert np.count_nonzero(narrow) > 10
+        assert change[narrow] == pytest.approx(wanted[narrow], abs=2e-2 * largest)
+
+
+def test_loaded_flanks_touch_and_the_others_have_the_backlash() -> None:
+    for mode in ("pump", "motor"):
+        assembly = machine(mode)
+        angles = np.linspace(-0.15, 0.2, 41) if mode == "pump" else np.linspace(-0.2, 0.15, 41)
+        for is_left in (True, False):
+            side = facing_throats(assembly.teeth, assembly.mesh, is_left, angles)
+            wanted = 0.0 if is_left == assembly.loaded_is_left else 50e-6
+            assert side.gap[side.weight >= 1.0].min() == pytest.approx(wanted, abs=5e-9)
+
+
+def test_contact_ratio_is_that_of_the_path_of_contact() -> None:
+    assembly = machine()
+    start, end = contact_range(assembly)
+    assert assembly.pair is not None
+    found = (end - start) / (2.0 * assembly.mesh.half_pitch)
+    # rounded edges and gaps below a micrometre lengthen what counts as touching
+    assert found == pytest.approx(assembly.pair.contact_ratio, abs=0.12)
+
+
+def test_displacement_and_ripple_are_the_closed_form() -> None:
+    assembly = machine()
+    assert assembly.pair is not None
+    flow = flow_over_pitch(assembly)
+    wanted = assembly.pair.displacement_per_radian(assembly.face_width)
+    assert flow.mean() == pytest.approx(wanted, rel=1e-4)
+    ripple = (flow.max() - flow.min()) / flow.mean()
+    assert ripple == pytest.approx(assembly.pair.flow_ripple, rel=0.03)
+
+
+def test_a_ring_with_very_many_teeth_acts_as_a_rack_does() -> None:
+    """A large ring and a large gear tend to the same rack from both sides."""
+    pinion = InvoluteGear(13, MODULE, ALPHA, 0.3, tip_diameter=76e-3, tip_rounding=0.05e-3)
+    apart = [_differences(pinion, count) for count in (100, 200, 400)]
+    for before, after in pairwise(apart):
+        assert np.all(after < 0.6 * before)
+    assert np.all(apart[-1] < (0.01, 0.05, 0.01))
+
+
+def _differences(pinion: InvoluteGear, count: int) -> Array:
+    """Internal less external mate: working angle [rad], contact ratio [-], flow over its size."""
+    large = InvoluteGear(count, MODULE, ALPHA, 0.0, tip_diameter=MODULE * (count + 1.6))
+    outer = external_pair(pinion, large, 0.0)
+    spaces = InvoluteGear(count, MODULE, ALPHA, 0.0, tip_diameter=MODULE * (count + 2.4))
+    inner = pair_from_backlash(pinion, RingGear(spaces, 0.5 * MODULE * (count - 1.6)), 0.0)
+    flow = [inner.flow_per_radian(0.02, 0.002), _external_flow(outer, 0.002)]
+    return np.abs(
+        [
+            inner.operating_pressure_angle - outer.operating_pressure_angle,
+            inner.contact_ratio - outer.contact_ratio,
+            flow[0] / flow[1] - 1.0,
+        ]
+    )
+
+
+def _external_flow(pair: object, position: float) -> float:
+    from toothspace.geometry.gear_pair import ideal_flow_per_radian
+
+    return float(ideal_flow_per_radian(pair, 0.02, position))  # type: ignore[arg-type]
+
+
+def test_backlash_is_that_of_the_centre_distance() -> None:
+    pair = involute_pair(crescent())
+    again = InternalPair(pair.pinion, pair.ring, pair.center_distance)
+    assert again.normal_backlash == pytest.approx(50e-6, rel=1e-9)
+
+
+def test_fouling_tips_and_trimming_are_seen() -> None:
+    """With one tooth less between pinion and ring tips foul; the polygons say so as well."""
+    good = machine()
+    assert good.pair is not None
+    assert tip_clearance(good.pair) > 0.0
+    assert trimming_distance(good) == 0.0
+    assert overlap(good) < 1e-9
+    close = crescent(tooth_count=15, tip_diameter=72e-3, root_diameter=90e-3, profile_shift=0.6)
+    assert tip_clearance(involute_pair(close)) < 0.0
+    with pytest.raises(GeometryError):
+        assemble(close)

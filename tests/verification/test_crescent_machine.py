@@ -1,0 +1,171 @@
+"""Internal gear machine: runs, filler, profiles from files, keys that cannot be."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.crescent_designs import CASE, crescent
+from toothspace import api
+from toothspace.core.errors import GeometryError
+from toothspace.machines.crescent.assembly import assemble
+from toothspace.machines.crescent.describe import describe
+from toothspace.machines.crescent.export import export_profiles
+from toothspace.machines.crescent.filler import filler_edges, filler_outline
+from toothspace.machines.crescent.flow_paths import filler_cover
+from toothspace.model.description import FlowPath, MachineDescription
+from toothspace.results.solution import Solution
+
+RIGID = {
+    "machine.filler.compensation": "none",
+    "machine.filler.pinion_clearance": "40 um",
+    "machine.filler.ring_clearance": "80 um",
+}
+MOTOR = {
+    "machine.mode": "motor",
+    "operating_point.inlet_pressure": "205 bar",
+    "operating_point.outlet_pressure": "1 bar",
+}
+
+
+@cache
+def solved(*overrides: str) -> Solution:
+    return api.simulate(api.load_case(CASE, overrides))
+
+
+def run(changes: dict[str, str] | None = None) -> dict[str, float | str]:
+    return solved(*(f"{k}={v}" for k, v in (changes or {}).items())).summary()
+
+
+def path(machine: MachineDescription, name: str) -> FlowPath:
+    return next(p for p in machine.paths if p.name == name)
+
+
+@pytest.mark.parametrize("changes", [{}, RIGID, MOTOR], ids=["pressed", "fixed", "motor"])
+def test_masses_and_energies_balance(changes: dict[str, str]) -> None:
+    found = run(changes)
+    assert found["status"] == "done"
+    assert found["mass_balance_error"] < 1e-6  # type: ignore[operator]
+    assert found["energy_balance_error"] < 1e-4  # type: ignore[operator]
+    for name in ("volumetric_efficiency", "hydromechanical_efficiency"):
+        assert 0.7 < found[name] < 1.0, name  # type: ignore[operator]
+
+
+def test_volumetric_efficiency_is_of_the_size_that_was_measured() -> None:
+    """94.6 % with a pressed filler; a filler in the housing leaks more."""
+    pressed = run()["volumetric_efficiency"]
+    assert pressed == pytest.approx(0.946, abs=0.04)
+    assert run(RIGID)["volumetric_efficiency"] < pressed  # type: ignore[operator]
+
+
+def test_results_name_the_paths_of_this_machine_only() -> None:
+    data = solved().data
+    names = [str(name) for name in data["path"].values]
+    assert set(names) == {"flank", "pinion_tip", "ring_tip", "lateral", "drain"}
+    assert "leakage, pinion tips at the filler" in solved().ledger.losses.values()
+
+
+def test_the_mesh_carries_what_resists_the_ring() -> None:
+    """Its bore and faces resist: the contact force exceeds that of the pressures alone."""
+    data = solved().data
+    force = float(data["contact_force"].sum("contact").mean())
+    machine = describe(crescent())
+    assert machine.mesh is not None
+    moment = float(data["body_moment"].sel(body="ring_gear").mean())
+    assert force > 0.0
+    assert force > -moment / machine.mesh.lever
+
+
+def test_a_pressed_filler_follows_the_gears() -> None:
+    fixed = describe(replace(crescent(), filler=replace(crescent().filler, compensation="none")))
+    pressed = describe(crescent())
+    for body in ("pinion", "ring_gear"):
+        name = f"tip_{body}"
+        assert not np.any(path(pressed, name).height_by_motion.values)  # type: ignore[union-attr]
+        slopes = path(fixed, name).height_by_motion.values  # type: ignore[union-attr]
+        column = fixed.motion_index(body, "y")
+        opposite = slopes[0, column]
+        # opposite to the mesh the pinion opens the gap as it rises, the ring closes it
+        assert opposite == pytest.approx(1.0 if body == "pinion" else -1.0)
+
+
+def test_filler_lies_between_the_tips_and_seals_between_its_ends() -> None:
+    spec = crescent()
+    assembly = assemble(spec)
+    outline = filler_outline(assembly)
+    from_pinion = np.hypot(*outline.T)
+    from_ring = np.hypot(*(outline - assembly.ring_center).T)
+    assert from_pinion.min() == pytest.approx(39.5e-3 + 8e-6, abs=1e-9)
+    assert from_ring.max() == pytest.approx(46e-3 - 8e-6, abs=1e-9)
+    for gear in (0, 1):
+        edges = filler_edges(assembly, gear)
+        ends = np.array([edges.inlet, 2.0 * np.pi - edges.outlet])
+        assert filler_cover(assembly, gear, np.array([np.pi])) == pytest.approx(1.0)
+        assert filler_cover(assembly, gear, ends) == pytest.approx(0.5)
+        beyond = ends + np.array([-0.1, 0.1])
+        assert filler_cover(assembly, gear, beyond) == pytest.approx(0.0)
+    # seen from the ring the filler ends further away from the mesh side, by less angle
+    assert filler_edges(assembly, 1).inlet < filler_edges(assembly, 0).inlet
+
+
+@pytest.mark.parametrize("suffix", ["txt", "dxf"])
+def test_exported_profiles_make_the_same_machine(tmp_path: Path, suffix: str) -> None:
+    spec = crescent()
+    assembly = assemble(spec)
+    pinion, ring, filler = export_profiles(spec, tmp_path / "pump", suffix)
+    assert filler.exists()
+    teeth = tmp_path / f"teeth.{suffix}"
+    _write_teeth(ring, teeth)
+    distance = -assembly.mesh.center_distance
+    from_files = replace(
+        spec,
+        pinion=replace(spec.pinion, profile=pinion, center_distance=distance, normal_backlash=None),
+        ring=replace(spec.ring, profile=teeth),
+    )
+    one, other = describe(spec), describe(from_files)
+    assert other.displacement == pytest.approx(one.displacement, rel=2e-3)
+    for first, second in zip(one.families, other.families, strict=True):
+        angle = np.linspace(0.0, 2.0 * np.pi, 41)
+        largest = float(first.volume.values.max())
+        assert second.volume(angle) == pytest.approx(first.volume(angle), abs=6e-3 * largest)
+
+
+def _write_teeth(ring: Path, target: Path) -> None:
+    """Curve of the ring's teeth alone: the shorter mean radius of its two curves."""
+    from toothspace.geometry.cad_import import load_closed_curves
+
+    curves = load_closed_curves(ring)
+    inner = min(curves, key=lambda curve: float(np.hypot(*curve.T).mean()))
+    if target.suffix == ".txt":
+        np.savetxt(target, 1e3 * inner, fmt="%.9f")
+        return
+    import ezdxf
+
+    drawing = ezdxf.new()
+    drawing.header["$INSUNITS"] = 4
+    drawing.modelspace().add_lwpolyline(1e3 * inner, close=True)
+    drawing.saveas(target)
+
+
+@pytest.mark.parametrize(
+    ("part", "changes", "message"),
+    [
+        ("ring", {"tip_diameter": 80e-3}, "machine.ring.tip_diameter: found 80 mm"),
+        ("ring", {"tooth_count": 12}, "machine.ring"),
+        ("ring", {"root_diameter": 125e-3}, "machine.ring.root_diameter"),
+        ("ring", {"profile_shift": -0.9}, "machine.ring"),
+        ("pinion", {"tip_diameter": 100e-3}, "machine.pinion.tip_diameter"),
+        ("pinion", {"center_distance": 0.03, "normal_backlash": None}, "center_distance: found 30"),
+    ],
+)
+def test_gears_that_cannot_be_are_refused(
+    part: str, changes: dict[str, object], message: str
+) -> None:
+    spec = crescent()
+    broken = replace(spec, **{part: replace(getattr(spec, part), **changes)})
+    with pytest.raises(GeometryError, match=message):
+        assemble(broken)

@@ -1,0 +1,190 @@
+"""What every machine owes the solver, on the reference cases of all registered machine types."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.contact_machine import contact_machine
+from toothspace import api
+from toothspace.core.registry import machine_type, machine_type_names
+from toothspace.core.types import Array
+from toothspace.model.description import (
+    ChamberFamily,
+    ContactPair,
+    FlowPath,
+    MachineDescription,
+)
+from toothspace.numerics.periodic_table import PeriodicTable
+
+CASES = Path(__file__).resolve().parents[2] / "cases"
+GEARS = ("gears", "driven_gear", "rotors", "pinion", "ring")
+TOY = "toy"
+ANGLES = 2.0 * np.pi * np.arange(7) / 7.0 + 0.1
+OVERLAP = 2e-7
+"""Depth by which flanks and lobes may overlap in the tables: they touch somewhere. [m]"""
+
+
+def _machines() -> dict[str, str]:
+    """One reference case for every pair of gears among the shipped cases, by name."""
+    found, seen = {}, set()
+    for path in sorted(CASES.glob("*.toml")):
+        machine = tomllib.loads(path.read_text(encoding="utf-8")).get("machine", {})
+        gears = {k: v for k, v in machine.items() if k in ("type", *GEARS)}
+        key = str(sorted(gears.items()))
+        if "type" in machine and key not in seen:
+            seen.add(key)
+            found[path.stem] = machine["type"]
+    return found
+
+
+MACHINES = _machines()
+
+
+@cache
+def described(name: str, mode: str | None = None) -> MachineDescription:
+    if name == TOY:
+        return contact_machine()
+    case = api.load_case(CASES / f"{name}.toml")
+    if mode is None:
+        return api.describe(case)
+    spec = replace(case.machine_spec, mode=mode)
+    return machine_type(case.machine_type).describe(spec)  # type: ignore[no-any-return]
+
+
+every_machine = pytest.mark.parametrize("name", [*MACHINES, TOY])
+shipped = pytest.mark.parametrize("name", MACHINES)
+
+
+def own_angles(part: ChamberFamily | FlowPath | ContactPair) -> Array:
+    """Table angles of all members at several shaft angles."""
+    return np.asarray(part.phases + part.angle_ratio * ANGLES[:, None])
+
+
+def tables_of(machine: MachineDescription) -> list[tuple[str, PeriodicTable]]:
+    found = [(f.name, t) for f in machine.families for t in (f.volume, f.volume_by_motion)]
+    for path in machine.paths:
+        tables = (path.geometry, path.height_by_motion, path.drag_speed, path.shear_speed)
+        found += [(path.name, table) for table in tables if table is not None]
+    for contact in machine.contacts:
+        gaps = PeriodicTable(contact.geometry.period, *_gap_and_share(contact))
+        found += [(contact.name, gaps), (contact.name, contact.gap_by_motion)]
+    return found
+
+
+def _gap_and_share(contact: ContactPair) -> tuple[Array, Array]:
+    """Values and slopes of what counts where surfaces face away from one another, too."""
+    return contact.geometry.values[:, :2], contact.geometry.slopes[:, :2]
+
+
+def test_every_registered_machine_has_a_reference_case() -> None:
+    assert set(machine_type_names()) <= set(MACHINES.values())
+
+
+@every_machine
+def test_tables_are_periodic_and_finite(name: str) -> None:
+    """The step over the end of the period is one like the others."""
+    for label, table in tables_of(described(name)):
+        values = table.values
+        assert np.all(np.isfinite(values)), label
+        assert np.all(np.isfinite(table.slopes)), label
+        if values.shape[0] > 8:
+            steps = np.abs(np.diff(values, axis=0, append=values[:1]))
+            assert np.all(steps[-1] <= 1.5 * steps[:-1].max(axis=0) + 1e-15), label
+
+
+@every_machine
+def test_areas_and_widths_are_not_negative_and_gaps_do_not_overlap(name: str) -> None:
+    for path in described(name).paths:
+        geometry = path.geometry(own_angles(path))
+        if path.kind == "orifice":
+            assert geometry.min() >= 0.0, path.name
+        else:
+            assert geometry[..., 0].min() > -OVERLAP, path.name
+            assert geometry[..., 1:].min() >= 0.0, path.name
+
+
+@every_machine
+def test_volumes_are_positive_and_their_derivatives_exact(name: str) -> None:
+    step = 1e-5
+    for family in described(name).families:
+        angle = own_angles(family)
+        assert family.volume(angle).min() > 0.0
+        change = (family.volume(angle + step) - family.volume(angle - step)) / (2.0 * step)
+        slope = family.volume.derivative(angle)
+        assert slope == pytest.approx(change, abs=1e-5 * np.abs(slope).max() + 1e-15)
+
+
+@every_machine
+def test_chambers_and_solids_fill_the_section_at_every_angle(name: str) -> None:
+    """What solids and casing leave to the chambers together does not depend on the angle."""
+    machine = described(name)
+    total = sum(np.sum(f.volume(own_angles(f))[..., 0], axis=1) for f in machine.families)
+    assert np.ptp(total) < 2e-6 * np.mean(total)
+
+
+@every_machine
+def test_nodes_and_parts_that_are_named_exist(name: str) -> None:
+    machine = described(name)
+    bodies = {body.name for body in machine.bodies}
+    assert [body.role for body in machine.bodies].count("shaft") == 1
+    assert {motion.body for motion in machine.motions} <= bodies
+    assert {journal.body for journal in machine.journals} <= bodies
+    assert {film.body for film in machine.laterals} <= bodies
+    assert {path.worn_by for path in machine.paths} - {None} <= bodies
+    for contact in machine.contacts:
+        assert {contact.body_a, contact.body_b} <= bodies
+    for path in machine.paths:
+        assert path.nodes_a.size == path.nodes_b.size == path.count
+        assert np.concatenate([path.nodes_a, path.nodes_b]).max() <= machine.drain_node
+    names = [category.name for category in machine.path_categories]
+    assert len(set(names)) == len(names)
+    roles = {category.role for category in machine.path_categories}
+    assert {"inlet_port", "outlet_port"} <= roles
+
+
+@every_machine
+def test_films_know_the_chamber_at_every_place_of_their_edge(name: str) -> None:
+    machine = described(name)
+    for film in machine.laterals:
+        if film.face is not None:
+            assert film.face.nodes.size == film.face.phases.size
+            assert set(film.face.nodes.tolist()) <= set(range(machine.chamber_count))
+            assert np.hypot(*(film.face.polygon - film.face.center).T).min() > film.inner_radius
+
+
+@shipped
+def test_equal_pressure_gives_no_net_force_or_moment(name: str) -> None:
+    """All walls of a body are wetted, from one seal to the next."""
+    machine = described(name)
+    net = sum(np.sum(f.volume_by_motion(own_angles(f)), axis=1) for f in machine.families)
+    largest = np.max([np.abs(f.volume_by_motion.values).max(axis=0) for f in machine.families], 0)
+    assert np.all(np.abs(net).max(axis=0) < 1e-5 * largest)
+
+
+@shipped
+def test_the_ideal_machine_delivers_its_displacement(name: str) -> None:
+    """Volume tables and openings against the closed form of the displacement."""
+    overrides = ["run.fidelity=ideal", "run.flank_sealing=single"]
+    case = api.load_case(CASES / f"{name}.toml", overrides)
+    if case.operating_point is None:
+        pytest.skip("a case over time")
+    found = api.simulate(case).summary()
+    wanted = found["displacement_cm3_per_rev"] * case.operating_point.shaft_speed * 60.0  # type: ignore[operator]
+    assert found["mean_flow_L_per_min"] == pytest.approx(wanted / (2e3 * np.pi), rel=5e-3)
+
+
+@shipped
+def test_a_pump_driven_backwards_is_the_motor(name: str) -> None:
+    """Mirrored about the centre line, the chambers of a pump are those of the motor."""
+    pump, motor = described(name, "pump"), described(name, "motor")
+    angle = np.linspace(0.0, 2.0 * np.pi, 61)
+    assert pump.displacement == pytest.approx(motor.displacement, rel=1e-9)
+    for one, other in zip(pump.families, motor.families, strict=True):
+        mirrored = other.volume(-angle)
+        assert one.volume(angle) == pytest.approx(mirrored, rel=1e-5, abs=1e-13)
