@@ -26,7 +26,7 @@ import numpy as np
 
 from toothspace.api import set_up
 from toothspace.case import Case
-from toothspace.config import load_case
+from toothspace.case import load_case
 from toothspace.elasticity import ElasticBody, SweptShape, influence_matrix
 from toothspace.films.lateral.motion import Balance
 from toothspace.numerics import multigrid_cycle
