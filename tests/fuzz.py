@@ -23,9 +23,7 @@ import numpy as np
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from toothspace.config import case_from_text
-from toothspace.config.document import document_text
-from toothspace.config.overrides import apply_overrides
+from toothspace.case import Case, load_case
 from toothspace.core.array_store import load_arrays, save_arrays
 from toothspace.core.errors import ToothspaceError
 from toothspace.core.signals import column_names, read_columns
@@ -129,7 +127,7 @@ CSV = (
 
 def read_case(data: st.DataObject) -> None:
     content = damaged(data.draw(st.sampled_from(case_texts())), data.draw(DAMAGE))
-    check(lambda: case_from_text(content.decode("utf-8", "replace"), CASES, "case"))
+    check(lambda: Case.from_toml(content.decode("utf-8", "replace"), CASES, "case"))
 
 
 def read_override(data: st.DataObject) -> None:
@@ -138,11 +136,7 @@ def read_override(data: st.DataObject) -> None:
     key = data.draw(st.sampled_from(names) | TEXT)
     value = data.draw(TEXT | TOKENS | st.integers().map(str))
 
-    def read() -> None:
-        changed = apply_overrides(copy.deepcopy(tables), [f"{key}={value}"], "case")
-        case_from_text(document_text(changed), CASES, "case")
-
-    check(read)
+    check(lambda: load_case(copy.deepcopy(tables), [f"{key}={value}"]))
 
 
 def read_unit(data: st.DataObject) -> None:

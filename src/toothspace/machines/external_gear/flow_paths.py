@@ -158,15 +158,29 @@ def _clearance_by_motion(gear: int, places: Array) -> Array:
     return columns
 
 
+def mouth_lengths(assembly: Assembly, spaces: Spaces) -> dict[str, Array]:
+    """Length of the mouth of the tooth spaces of a gear that opens to each port. [m]."""
+    casing = bore(assembly, 0 if spaces.is_drive else 1)
+    lengths = port_lengths(spaces, (casing.inlet_angle, casing.outlet_angle))
+    return dict(zip(("inlet", "outlet"), lengths, strict=True))
+
+
+def grooves_by_port(assembly: Assembly, spaces: Spaces) -> dict[str, Array]:
+    """Openings into the relief groove of each port, as of ``groove_openings``; none without."""
+    grooves = assembly.spec.grooves
+    if grooves is None:
+        return {}
+    found = groove_openings(spaces, groove_polygons(assembly), grooves.depth)
+    return {name.removeprefix("groove_"): table for name, table in found.items()}
+
+
 def port_paths(
     assembly: Assembly, numbering: Numbering, spaces: Spaces, gear: int
 ) -> list[FlowPath]:
     """Openings of the tooth spaces along the bore to inlet and outlet."""
     width = (assembly.spec.drive, assembly.spec.driven)[gear].face_width
-    casing = bore(assembly, gear)
-    edges = casing.inlet_angle, casing.outlet_angle
     found = []
-    for port, length in zip(("inlet", "outlet"), port_lengths(spaces, edges), strict=True):
+    for port, length in mouth_lengths(assembly, spaces).items():
         diameter = 2.0 * width * length / (width + length)
         table = np.column_stack([width * length, diameter])
         node = numbering.inlet if port == "inlet" else numbering.outlet
@@ -179,12 +193,8 @@ def groove_paths(
     assembly: Assembly, numbering: Numbering, spaces: Spaces, gear: int
 ) -> list[FlowPath]:
     """Openings of the tooth spaces into the relief grooves of both faces."""
-    grooves = assembly.spec.grooves
-    if grooves is None:
-        return []
     found = []
-    for name, table in groove_openings(spaces, groove_polygons(assembly), grooves.depth).items():
-        port = name.removeprefix("groove_")
+    for port, table in grooves_by_port(assembly, spaces).items():
         node = numbering.inlet if port == "inlet" else numbering.outlet
         label = f"groove_{port}_{GEARS[gear]}"
         found.append(_to_node(label, _GROOVES[port], node, table, (numbering, gear), 2.0))

@@ -15,12 +15,12 @@ from toothspace.closures.gap_flow import curved_gap_conductance
 from toothspace.closures.orifice import DISCHARGE_COEFFICIENT, orifice_conductance
 from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.core.types import Array, IntArray
+from toothspace.gearing.mesh_split import Throats
+from toothspace.gearing.meshing import relative_radius
+from toothspace.gearing.spaces import Spaces, section_areas
 from toothspace.machines.external_gear.assembly import Assembly
-from toothspace.machines.external_gear.chambers import Spaces, section_areas
 from toothspace.machines.external_gear.contacts import displacement
-from toothspace.machines.external_gear.flow_paths import relative_radius
-from toothspace.machines.external_gear.mesh_split import Throats
-from toothspace.machines.external_gear.openings import groove_openings, port_lengths
+from toothspace.machines.external_gear.flow_paths import grooves_by_port, mouth_lengths
 from toothspace.machines.external_gear.spec import ReliefGrooves, WearIn
 from toothspace.model.description import DesignCheck
 
@@ -169,8 +169,8 @@ def _growth(assembly: Assembly, spaces: Spaces) -> Array:
 
 
 def _ports(assembly: Assembly, spaces: Spaces) -> dict[str, Way]:
-    width, grooves, found = assembly.face_width, groove_openings(assembly, spaces), {}
-    for port, length in zip(("inlet", "outlet"), port_lengths(assembly, spaces), strict=True):
+    width, grooves, found = assembly.face_width, grooves_by_port(assembly, spaces), {}
+    for port, length in mouth_lengths(assembly, spaces).items():
         area = width * length
         conductance = orifice_conductance(area, 2.0 * area / (width + length), VISCOSITY)
         if port in grooves:
@@ -184,7 +184,9 @@ def _ports(assembly: Assembly, spaces: Spaces) -> dict[str, Way]:
 def _throat(assembly: Assembly, side: Throats) -> Way:
     # without a complete throat both spaces are wide open to the same port
     gap = np.where(side.weight > 0.0, np.maximum(side.gap, 0.0), 0.0)
-    width, radius = assembly.face_width, relative_radius(assembly, side)
+    width = assembly.face_width
+    rounding = min(assembly.spec.drive.tip_rounding, assembly.spec.driven.tip_rounding)
+    radius = relative_radius(side, rounding)
     return Way(width * gap, curved_gap_conductance(gap, width, radius, VISCOSITY))
 
 
