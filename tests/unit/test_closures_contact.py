@@ -1,4 +1,4 @@
-"""Contact laws of cylinders against each other and the numbers of PHYSICS 4."""
+"""Contact laws of cylinders against each other and hand calculation."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ STEEL = 206e9 / (2.0 * (1.0 - 0.3**2))
     ("difference", "expected"), [(5e-3, 1.04), (10e-3, 0.94), (20e-3, 0.91), (40e-3, 0.92)]
 )
 def test_external_pereira_against_johnson(difference: float, expected: float) -> None:
-    """Ratios of PHYSICS 4, steel, indentation 0.1 to 10 um (mean of the range)."""
+    """Johnson (1985), steel, indentation 0.1 to 10 um: mean ratio over the range."""
     depth = np.geomspace(0.1e-6, 10e-6, 21)
     pereira = pereira_force(depth, difference, 1.0, STEEL, False)
     johnson = [johnson_line_load(d, difference, STEEL) for d in depth]
@@ -31,7 +31,7 @@ def test_external_pereira_against_johnson(difference: float, expected: float) ->
 
 @pytest.mark.parametrize("difference", [0.05e-3, 0.2e-3, 1e-3])
 def test_internal_pereira_against_johnson(difference: float) -> None:
-    """PHYSICS 4: ratio 0.83 to 1.15 for differences of 0.05 to 1 mm."""
+    """Johnson (1985): ratio 0.83 to 1.15 for differences of 0.05 to 1 mm."""
     depth = np.geomspace(0.1e-6, min(10e-6, 0.05 * difference), 21)
     johnson = [johnson_line_load(d, difference, STEEL) for d in depth]
     ratio = pereira_force(depth, difference, 1.0, STEEL, True) / johnson

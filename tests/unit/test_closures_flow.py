@@ -113,7 +113,7 @@ def test_closed_path_has_no_flow_and_finite_derivatives() -> None:
 
 
 def test_curved_gap_is_the_lubrication_integral() -> None:
-    """Quadrature of 12 mu dx / h^3 through h0 + x^2/2R (PHYSICS 6.3)."""
+    """Quadrature of 12 mu dx / h^3 through h0 + x^2/2R."""
     height, radius = 20e-6, 3e-3
     length = np.sqrt(2 * radius * height)
     integral = 2 * quad(lambda t: length / (height * (1 + t * t)) ** 3, 0, 200)[0]

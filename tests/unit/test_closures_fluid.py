@@ -1,4 +1,4 @@
-"""Properties of fluids against the tables of PHYSICS 8 and published formulas."""
+"""Properties of fluids against tables, published formulas and hand calculation."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def density_of(pressure: float, law: FluidLaw) -> float:
 
 @pytest.mark.parametrize(
     ("celsius", "density", "viscosity"),
-    [  # PHYSICS 8.1, table of the VG 46 model: kg/m3 and mPa s at 1 bar
+    [  # of the constants in the library, by hand: kg/m3 and mPa s at 1 bar
         (0, 859.4, 386.7),
         (20, 852.3, 102.7),
         (40, 845.3, 38.5),
@@ -61,7 +61,7 @@ def test_vg_46_table(celsius: float, density: float, viscosity: float) -> None:
 
 
 def test_vg_46_under_pressure() -> None:
-    """K = 1.667 GPa at 1 bar and 1.766 GPa at 200 bar; viscosity ratio 1.655 (PHYSICS 8.1)."""
+    """K = 1.667 GPa at 1 bar and 1.766 GPa at 200 bar; viscosity ratio 1.655."""
     law = law_of("iso_vg_46", 50)
     assert liquid_bulk_modulus(BAR, law) == pytest.approx(1.667e9, rel=1e-3)
     assert liquid_bulk_modulus(200 * BAR, law) == pytest.approx(1.766e9, rel=1e-3)
@@ -71,12 +71,12 @@ def test_vg_46_under_pressure() -> None:
 
 @pytest.mark.parametrize(
     ("name", "celsius", "viscosity"),
-    [  # the points that define the grades (PHYSICS 0.15), cSt
+    [  # the points that define the grades, ISO 3448 at 40 degC, cSt
         ("iso_vg_32", 40, 32.0),
         ("iso_vg_32", 100, 5.4),
         ("iso_vg_68", 40, 68.0),
         ("iso_vg_68", 100, 8.7),
-        # PHYSICS 8.2
+        # its own Walther constants, by hand
         ("jet_a1", -20, 4.8),
         ("jet_a1", 20, 1.86),
         ("jet_a1", 60, 1.05),
@@ -95,7 +95,7 @@ def test_density_at_15_celsius(name: str, density: float) -> None:
 
 
 def test_jet_a1() -> None:
-    """PHYSICS 8.2: 808 - 0.745 (T - 15), K and vapour pressure at 60 and 100 degC."""
+    """By hand: 808 - 0.745 (T - 15), K and vapour pressure at 60 and 100 degC."""
     law = law_of("jet_a1", 60)
     assert density_of(BAR, law) == pytest.approx(808 - 0.745 * 45, rel=2e-4)
     assert liquid_bulk_modulus(0.0, law) == pytest.approx(1.34e9 - 8.2e6 * 40, rel=1e-9)
@@ -107,7 +107,7 @@ def test_jet_a1() -> None:
 
 
 def test_walther_of_a_typical_vg_46() -> None:
-    """PHYSICS 8.1: A = 9.41799, B = 3.68444 and the viscosities that follow."""
+    """ASTM D341 by hand: A = 9.41799, B = 3.68444 and the viscosities that follow."""
     constants = walther_constants((313.15, 373.15), (46e-6, 6.8e-6))
     assert constants == pytest.approx((9.41799, 3.68444), abs=1e-4)
     celsius = np.array([20.0, 50.0, 60.0, 80.0, 88.0])
@@ -186,7 +186,7 @@ def test_gas_follows_henry_in_equilibrium() -> None:
 
 
 def test_release_and_absorption_time() -> None:
-    """PHYSICS 0.15: 0.02 s and 1 s."""
+    """Defaults of the gas model: 0.02 s and 1 s."""
     law = law_of("iso_vg_46", 50)
     rate = gas_exchange_rate(0.3e5, 0.0, law)[0]
     assert rate == pytest.approx(equilibrium_gas_fraction(0.3e5, law)[0] / 0.02, rel=1e-3)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from toothspace.closures.gap_flow import parallel_gap_conductance
+from toothspace.closures.gap_flow import curved_gap_conductance, parallel_gap_conductance
 from toothspace.core.types import Array
 from toothspace.model.description import FlowPath, MachineDescription
 from toothspace.model.operating_point import OperatingCondition
@@ -95,4 +95,4 @@ def _conductance(path: FlowPath, geometry: Array) -> Array:
         return np.asarray(
             parallel_gap_conductance(height, width, np.maximum(geometry[:, 2], 1e-9), 1.0)
         )
-    return 0.05 * width * height**2.5 / np.sqrt(np.maximum(geometry[:, 2], 1e-9))
+    return np.asarray(curved_gap_conductance(height, width, np.maximum(geometry[:, 2], 1e-9), 1.0))
