@@ -25,8 +25,9 @@ from toothspace.model.path_category import (
     PathCategory,
 )
 from toothspace.numerics.periodic_table import monotone_table, smooth_table
+from toothspace.results.events import Event
 from toothspace.results.ledger import Ledger, ledger_from
-from toothspace.results.solution import Event, Solution
+from toothspace.results.solution import Solution
 from toothspace.results.variables import dataset_from
 
 TEETH = 12

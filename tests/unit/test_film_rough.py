@@ -19,9 +19,8 @@ from toothspace.closures.contact_asperities import (
 from toothspace.closures.contact_rough import asperity_pressure
 from toothspace.core.errors import CaseError
 from toothspace.films import JournalBearing, RoughSurfaces
-from toothspace.films.journal.geometry import MotionState
-from toothspace.films.journal.solution import SurfaceSpeed
-from toothspace.films.journal.solver import solve_motion
+from toothspace.films.journal.geometry import MotionState, SurfaceSpeed
+from toothspace.films.journal.solution import solve_motion
 from toothspace.films.reynolds.rough_surfaces import (
     carried_law,
     conductance_law,

@@ -15,11 +15,8 @@ from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.model.description import MachineDescription
 from toothspace.model.films import lateral_torque_coefficient
-from toothspace.model.lateral_table import (
-    LateralTable,
-    axial_load,
-    chamber_pressures,
-)
+from toothspace.model.lateral_load import axial_load, chamber_pressures
+from toothspace.model.lateral_table import LateralTable
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.path_category import LATERAL_PATHS
 from toothspace.results.ledger import Ledger

@@ -14,12 +14,8 @@ from toothspace.case import Case, load_case
 from toothspace.core.errors import CaseError
 from toothspace.model.description import MachineDescription
 from toothspace.model.films import lateral_torque_coefficient
-from toothspace.model.lateral_table import (
-    LateralTable,
-    axial_load,
-    chamber_pressures,
-    with_lateral_table,
-)
+from toothspace.model.lateral_load import axial_load, chamber_pressures, with_lateral_table
+from toothspace.model.lateral_table import LateralTable
 from toothspace.model.path_category import LATERAL_PATHS
 from toothspace.simulation.film_tables import lateral_sizes, with_film_tables
 from toothspace.simulation.setup import condition_of

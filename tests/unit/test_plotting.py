@@ -12,7 +12,8 @@ from toothspace.plotting.geometry import geometry_overview
 from toothspace.plotting.section import fluid_cells, turned_outline
 from toothspace.plotting.style import figure_to_png, figure_to_svg
 from toothspace.plotting.windows import opening_area, opening_windows
-from toothspace.results.solution import Event, Solution
+from toothspace.results.events import Event
+from toothspace.results.solution import Solution
 
 OVER_TIME = ("transient", "start")
 OF_GEARS = [e for e in FIGURES if not e.rotors and "film_radius" not in e.needs]

@@ -10,9 +10,8 @@ import pytest
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.films import Groove, JournalBearing
-from toothspace.films.journal.geometry import MotionState
-from toothspace.films.journal.solution import SurfaceSpeed
-from toothspace.films.journal.solver import solve_motion
+from toothspace.films.journal.geometry import MotionState, SurfaceSpeed
+from toothspace.films.journal.solution import solve_motion
 
 SPEED = 300.0
 GROOVED = JournalBearing(

@@ -12,7 +12,8 @@ condensation    large stiffness to flexibility of chosen loads
 surfaces        film surfaces: coarse nodes and interpolation to cells
 loads           named loads and their nodal forces
 body            :class:`ElasticBody`, the input
-influence       :func:`influence_matrix`, the result
+influence_matrix :class:`InfluenceMatrix`, the result
+influence       :func:`influence_matrix`, which makes it
 storage         results on disk
 ==============  ==========================================================
 """
@@ -20,7 +21,8 @@ storage         results on disk
 from __future__ import annotations
 
 from toothspace.elasticity.body import ElasticBody, Support, SweptShape
-from toothspace.elasticity.influence import InfluenceMatrix, influence_matrix
+from toothspace.elasticity.influence import influence_matrix
+from toothspace.elasticity.influence_matrix import InfluenceMatrix
 from toothspace.elasticity.loads import AreaPressure, LateralFaces, LateralPressure, journal_load
 from toothspace.elasticity.mesh import Prism, annulus, disc
 from toothspace.elasticity.solid_file import SolidFile

@@ -13,7 +13,7 @@ from toothspace.core.array_store import load_arrays, save_arrays
 from toothspace.core.compiled import CACHE_FOLDER
 from toothspace.core.types import Array
 from toothspace.elasticity.body import ElasticBody
-from toothspace.elasticity.influence import InfluenceMatrix
+from toothspace.elasticity.influence_matrix import InfluenceMatrix
 
 _ARRAYS = ("nodes", "surface", "compliance", "rigid_modes", "center_of_mass")
 

@@ -2,22 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, final
 
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.model.description import (
-    CONTACT_CHANNELS,
-    PATH_CHANNELS,
-    ChamberFamily,
-    ContactPair,
-    FlowPath,
-    MachineDescription,
-    Motion,
-)
+from toothspace.model.contact_pair import CONTACT_CHANNELS, ContactPair
+from toothspace.model.machine_parts import PATH_CHANNELS, ChamberFamily, FlowPath, Motion
 from toothspace.numerics.periodic_table import PeriodicTable
 
 if TYPE_CHECKING:
@@ -75,43 +68,55 @@ class AngleTable:
     columns: tuple[Column, ...]
 
 
-def angle_tables(description: MachineDescription) -> list[AngleTable]:
+def angle_tables(
+    families: Sequence[ChamberFamily],
+    paths: Sequence[FlowPath],
+    contacts: Sequence[ContactPair],
+    motions: Sequence[Motion],
+) -> list[AngleTable]:
     """List every table of a machine: chamber families, flow paths, contacts."""
-    motions = description.motions
     return [
-        *(_family_table(family, motions) for family in description.families),
-        *(_path_table(path, motions) for path in description.paths),
-        *(_contact_table(contact, motions) for contact in description.contacts),
+        *(_family_table(family, motions) for family in families),
+        *(_path_table(path, motions) for path in paths),
+        *(_contact_table(contact, motions) for contact in contacts),
     ]
 
 
-def tables_dataset(description: MachineDescription) -> xr.Dataset:
+def tables_dataset(
+    tables: Sequence[AngleTable],
+    outlines: Mapping[str, Array],
+    attributes: Mapping[str, str | float],
+) -> xr.Dataset:
     """Collect the tables of a machine in one dataset; each has its own angle dimension.
 
     Parameters
     ----------
-    description : MachineDescription
-        The machine.
+    tables : sequence of AngleTable
+        Tables of the machine.
+    outlines : mapping of str to ndarray
+        Outlines by name, shape (n, 2). [m]
+    attributes : mapping
+        Attributes of the dataset.
 
     Returns
     -------
     xarray.Dataset
-        Variables ``<table>_<quantity>`` over ``<table>_angle``, phases of the members,
-        outlines, and the geometry summary as attributes.
+        Variables ``<table>_<quantity>`` over ``<table>_angle``, phases of the members and
+        outlines.
     """
     import xarray as xr
 
-    dataset = xr.Dataset(attrs=_attributes(description))
-    for table in angle_tables(description):
+    dataset = xr.Dataset(attrs=dict(attributes))
+    for table in tables:
         dimension = f"{table.name}_angle"
         for column in table.columns:
-            attributes = {"units": column.units, "long_name": f"{table.meaning}: {column.name}"}
-            dataset[f"{table.name}_{column.name}"] = (dimension, column.values, attributes)
-        attributes = {"units": "rad", "long_name": "table angle of each member at shaft angle zero"}
-        dataset[f"{table.name}_phase"] = (f"{table.name}_member", table.phases, attributes)
-    for name, points in description.outlines.items():
-        attributes = {"units": "m", "long_name": f"outline of {name}"}
-        dataset[f"{name}_outline"] = ((f"{name}_point", "plane_axis"), points, attributes)
+            labels = {"units": column.units, "long_name": f"{table.meaning}: {column.name}"}
+            dataset[f"{table.name}_{column.name}"] = (dimension, column.values, labels)
+        labels = {"units": "rad", "long_name": "table angle of each member at shaft angle zero"}
+        dataset[f"{table.name}_phase"] = (f"{table.name}_member", table.phases, labels)
+    for name, points in outlines.items():
+        labels = {"units": "m", "long_name": f"outline of {name}"}
+        dataset[f"{name}_outline"] = ((f"{name}_point", "plane_axis"), points, labels)
     return dataset
 
 
@@ -174,17 +179,3 @@ def _motion_columns(
         )
         for k, motion in enumerate(motions)
     ]
-
-
-def _attributes(description: MachineDescription) -> dict[str, str | float]:
-    numbers = {
-        key: float(value)
-        for key, value in description.geometry_summary.items()
-        if isinstance(value, int | float)
-    }
-    return {
-        "machine": description.name,
-        "mode": description.mode,
-        "displacement": description.displacement,
-        **numbers,
-    }

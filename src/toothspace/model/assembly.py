@@ -69,7 +69,7 @@ from toothspace.model.films import (
 )
 from toothspace.model.fluid_column import FLUID_COLUMN
 from toothspace.model.inlet_volume import inlet_gas_fraction
-from toothspace.model.lateral_table import with_lateral_table
+from toothspace.model.lateral_load import with_lateral_table
 from toothspace.model.ledger import FRICTION_MECHANISMS, GAS_MASS, MASS, PORT_NODES, THROTTLING
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.path_category import PathCategory

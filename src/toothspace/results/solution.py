@@ -5,36 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple, final
+from typing import TYPE_CHECKING, final
 
 from toothspace.core.status import Status
 from toothspace.results import performance
+from toothspace.results.events import Event
 from toothspace.results.ledger import Ledger
 from toothspace.results.startup import startup_numbers
 
 if TYPE_CHECKING:
     import xarray as xr
-
-
-class Event(NamedTuple):
-    """Something that happened during a run.
-
-    Parameters
-    ----------
-    shaft_angle : float
-        Shaft angle. [rad]
-    time : float
-        Time. [s]
-    kind : str
-        For example ``cavitation_onset``, ``contact_change`` or ``body_at_stop``.
-    label : str
-        Chamber, contact or body concerned.
-    """
-
-    shaft_angle: float
-    time: float
-    kind: str
-    label: str
 
 
 @final
@@ -110,9 +90,12 @@ class Solution:
         Path
             The file written.
         """
-        from toothspace.results.io import save_solution
+        from toothspace.results.file_layout import write_result
 
-        return save_solution(self, path)
+        attributes = {"status": self.status.name}
+        return write_result(
+            path, self.data, self.ledger, self.events, attributes, self.statistics, self.provenance
+        )
 
 
 def warned(provenance: Mapping[str, str], warning: str) -> dict[str, str]:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from toothspace.model.angle_tables import AngleTable, angle_tables, tables_dataset
+from toothspace.model.angle_tables import AngleTable
 from toothspace.model.description import MachineDescription
 
 
@@ -27,7 +27,7 @@ def save_tables(description: MachineDescription, path: str | Path) -> Path:
     """
     from toothspace.core.netcdf import write_dataset
 
-    return write_dataset(tables_dataset(description), path)
+    return write_dataset(description.to_dataset(), path)
 
 
 def save_tables_txt(description: MachineDescription, folder: str | Path) -> list[Path]:
@@ -48,7 +48,7 @@ def save_tables_txt(description: MachineDescription, folder: str | Path) -> list
     """
     target = Path(folder)
     target.mkdir(parents=True, exist_ok=True)
-    files = [_write_table(table, target) for table in angle_tables(description)]
+    files = [_write_table(table, target) for table in description.angle_tables()]
     for name, points in description.outlines.items():
         path = target / f"outline_{name}.txt"
         np.savetxt(path, points, fmt="%.9e", header=f"outline of {name}\nx [m]  y [m]")

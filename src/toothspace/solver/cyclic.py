@@ -13,7 +13,7 @@ from toothspace.core.types import Array, IntArray
 from toothspace.model.arrays import CLEARANCE
 from toothspace.model.assembly import System
 from toothspace.model.description import MachineDescription
-from toothspace.results.solution import Event
+from toothspace.results.events import Event
 from toothspace.solver.initial import start_state
 from toothspace.solver.integrator import March, Piece, start_march
 

@@ -26,7 +26,7 @@ from toothspace.numerics.ndf_types import (
     make_state,
 )
 from toothspace.numerics.static_lu import LuProgram, analyse
-from toothspace.results.solution import Event
+from toothspace.results.events import Event
 from toothspace.solver.compiled_model import NO_RECORD, Integration, advance, begin
 
 _EVENT_CAPACITY = 20_000

@@ -13,7 +13,7 @@ from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.model.arrays import BREAKAWAY, DIRECTION, DRIVING_TORQUE, FREE, HOLDING_TORQUE
 from toothspace.model.assembly import System
-from toothspace.results.solution import Event
+from toothspace.results.events import Event
 from toothspace.solver.compiled_model import hold_shaft
 from toothspace.solver.cyclic import Progress
 from toothspace.solver.initial import start_state

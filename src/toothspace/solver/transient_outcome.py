@@ -21,7 +21,8 @@ from toothspace.model.arrays import (
 )
 from toothspace.model.assembly import System, node_places
 from toothspace.model.ledger import LEDGER_NAMES
-from toothspace.results.solution import Event, Solution
+from toothspace.results.events import Event
+from toothspace.results.solution import Solution
 from toothspace.results.stream import SampleStream
 from toothspace.results.variables import WITH_EXTREMES, dataset_from
 from toothspace.solver.compiled_model import Observation, observe

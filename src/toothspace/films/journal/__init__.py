@@ -4,11 +4,12 @@
 module               responsibility
 ===================  ================================================================
 geometry             gap between shaft and bush, grooves, lobes, integrals over the film
-bearing              :class:`~.bearing.JournalBearing`, the input
+definition           what is known before a film is solved
 solver               film for a given motion of the shaft
-solution             fields, loads, flows, stiffness and damping
+solution             its fields, loads, flows, stiffness and damping
 equilibrium          position of the shaft under a load
 tilted_equilibrium   the same under a moment, free to tilt
+bearing              :class:`~.bearing.JournalBearing`, which solves it
 shaft_motion         stability threshold and transient orbit
 mixed_lubrication    friction from boundary to full film, reduced to a formula
 map                  impedance maps that the machine model reads

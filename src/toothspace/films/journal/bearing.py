@@ -7,16 +7,12 @@ from typing import final
 
 import numpy as np
 
-from toothspace.core.constants import ATMOSPHERIC_PRESSURE
-from toothspace.core.errors import CaseError
+from toothspace.films.journal.definition import JournalDefinition
 from toothspace.films.journal.equilibrium import find_equilibrium
-from toothspace.films.journal.geometry import Groove, Lobes, MotionState
-from toothspace.films.journal.solution import JournalBearingSolution, SurfaceSpeed
-from toothspace.films.journal.solver import solve_motion
+from toothspace.films.journal.geometry import MotionState, SurfaceSpeed
+from toothspace.films.journal.solution import JournalBearingSolution, solve_motion
 from toothspace.films.journal.tilted_equilibrium import find_tilted_equilibrium
-from toothspace.films.reynolds.cavitation import CAVITATION
-from toothspace.films.reynolds.fluid import FilmFluid
-from toothspace.films.reynolds.rough_surfaces import RoughSurfaces, refuse_deep_contact
+from toothspace.films.reynolds.rough_surfaces import refuse_deep_contact
 from toothspace.films.reynolds.state import FilmHistory
 
 Pair = tuple[float, float]
@@ -24,7 +20,7 @@ Pair = tuple[float, float]
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class JournalBearing:
+class JournalBearing(JournalDefinition):
     r"""Film between a rigid shaft and a rigid cylindrical bush.
 
     Parameters
@@ -90,46 +86,6 @@ class JournalBearing:
     >>> round(film.attitude_angle * 180.0 / pi)
     50
     """
-
-    diameter: float
-    length: float
-    radial_clearance: float
-    dynamic_viscosity: float
-    grid: tuple[int, int] = (200, 53)
-    cavitation: str = "jfo"
-    grooves: tuple[Groove, ...] = ()
-    end_pressure: float = ATMOSPHERIC_PRESSURE
-    cavitation_pressure: float = ATMOSPHERIC_PRESSURE
-    end_condition: str = "pressure"
-    surfaces: RoughSurfaces | None = None
-    lobes: Lobes | None = None
-    supply: str = "auto"
-    pressure_viscosity: float = 0.0
-    compressible: bool = False
-
-    def __post_init__(self) -> None:
-        for key in ("diameter", "length", "radial_clearance", "dynamic_viscosity"):
-            value = getattr(self, key)
-            if not value > 0.0:
-                raise CaseError(f"bearing.{key}: found {value!r}, allowed are positive numbers")
-        for key, allowed in _CHOICES.items():
-            value = getattr(self, key)
-            if value not in allowed:
-                raise CaseError(f"bearing.{key}: found {value!r}, allowed are {sorted(allowed)}")
-        for groove in self.grooves:
-            if abs(groove.position) >= 0.5 * (self.length + groove.length):
-                raise CaseError(
-                    f"bearing.grooves.position: found {1e3 * groove.position:g} mm, allowed are "
-                    f"grooves on the bearing of {1e3 * self.length:g} mm"
-                )
-        if min(self.grid) < 4:
-            raise CaseError(f"bearing.grid: found {self.grid!r}, allowed are 4 cells or more")
-        object.__setattr__(self, "grooves", tuple(self.grooves))
-
-    @property
-    def fluid(self) -> FilmFluid:
-        """Liquid of the film."""
-        return FilmFluid(self.dynamic_viscosity, self.pressure_viscosity, self.compressible)
 
     def solve(
         self,
@@ -214,10 +170,3 @@ class JournalBearing:
         if moment is None:
             return find_equilibrium(self, force, speed, start)
         return find_tilted_equilibrium(self, force, np.asarray(moment, float), speed, start)
-
-
-_CHOICES = {
-    "cavitation": set(CAVITATION),
-    "end_condition": {"pressure", "no_flow"},
-    "supply": {"auto", "none", "widest_gap"},
-}

@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.films.journal.geometry import MotionState
-from toothspace.films.journal.solution import JournalBearingSolution, SurfaceSpeed
-from toothspace.films.journal.solver import solve_motion
-
-if TYPE_CHECKING:
-    from toothspace.films.journal.bearing import JournalBearing
+from toothspace.films.journal.definition import JournalDefinition
+from toothspace.films.journal.geometry import MotionState, SurfaceSpeed
+from toothspace.films.journal.solution import JournalBearingSolution, solve_motion
 
 _LONGEST_STEP = 0.5
 """Longest step over the clearance. [-]"""
@@ -39,7 +35,7 @@ _SMALLEST_SHRINK = 0.3
 
 
 def find_equilibrium(
-    bearing: JournalBearing,
+    bearing: JournalDefinition,
     load: Array,
     speed: SurfaceSpeed,
     start: tuple[float, float] | None,
@@ -64,7 +60,7 @@ def find_equilibrium(
 
 
 def _separated(
-    bearing: JournalBearing, load: Array, film: JournalBearingSolution
+    bearing: JournalDefinition, load: Array, film: JournalBearingSolution
 ) -> JournalBearingSolution:
     """Say so where the load is more than the liquid carries before its pressure runs away."""
     missing = film.force + load
@@ -77,14 +73,14 @@ def _separated(
     return replace(film, status=Status.RUNAWAY) if runs_away else film
 
 
-def _inner(place: Array, bearing: JournalBearing) -> Array:
+def _inner(place: Array, bearing: JournalDefinition) -> Array:
     """Place from which a shaft is let sink: not deeper than 0.7 of the clearance."""
     deepest = 0.7 if bearing.lobes is None else 0.7 * (1.0 - bearing.lobes.preload)
     return np.asarray(place * min(1.0, deepest / max(float(np.hypot(*place)), 1e-9)))
 
 
 def _sunk(
-    bearing: JournalBearing, load: Array, film: JournalBearingSolution
+    bearing: JournalDefinition, load: Array, film: JournalBearingSolution
 ) -> JournalBearingSolution:
     """Let a shaft without mass sink to its place in ever longer implicit steps of time.
 
@@ -127,7 +123,7 @@ def _coarse(grid: tuple[int, int]) -> tuple[int, int]:
     return max(min(grid[0], 48), grid[0] // 4), max(min(grid[1], 9), grid[1] // 4)
 
 
-def _first_guess(bearing: JournalBearing, load: Array, speed: SurfaceSpeed) -> Array:
+def _first_guess(bearing: JournalDefinition, load: Array, speed: SurfaceSpeed) -> Array:
     """Half the smallest clearance of the centred shaft, 55 degrees from the load with rotation."""
     sense = -1.0 if speed.shaft + speed.bush < 0.0 else 1.0
     size = 0.5 if bearing.lobes is None else 0.5 * (1.0 - bearing.lobes.preload)
@@ -136,7 +132,7 @@ def _first_guess(bearing: JournalBearing, load: Array, speed: SurfaceSpeed) -> A
 
 
 def _solve_at(
-    bearing: JournalBearing,
+    bearing: JournalDefinition,
     place: Array,
     speed: SurfaceSpeed,
     former: JournalBearingSolution | None = None,
@@ -146,7 +142,7 @@ def _solve_at(
 
 
 def _newton(
-    bearing: JournalBearing, load: Array, speed: SurfaceSpeed, place: Array, tolerance: float
+    bearing: JournalDefinition, load: Array, speed: SurfaceSpeed, place: Array, tolerance: float
 ) -> JournalBearingSolution:
     film = _solve_at(bearing, place, speed)
     size = float(np.hypot(*load))
@@ -168,7 +164,7 @@ def _newton_step(film: JournalBearingSolution, load: Array) -> Array:
 
 
 def _damped_step(
-    bearing: JournalBearing, load: Array, film: JournalBearingSolution, step: Array
+    bearing: JournalDefinition, load: Array, film: JournalBearingSolution, step: Array
 ) -> JournalBearingSolution:
     """Longest part of a step that keeps the gap open and does not raise the error much."""
     place = film.eccentricity
@@ -182,7 +178,7 @@ def _damped_step(
     return trial
 
 
-def closeness(place: Array, bearing: JournalBearing) -> float:
+def closeness(place: Array, bearing: JournalDefinition) -> float:
     """One less the smallest gap over the clearance: the eccentricity ratio in a cylinder."""
     if bearing.lobes is None:
         return float(np.hypot(*place))
@@ -190,7 +186,7 @@ def closeness(place: Array, bearing: JournalBearing) -> float:
     return float((nearer + bearing.lobes.narrowing(_ROUND)).max())
 
 
-def _kept_inside(place: Array, step: Array, bearing: JournalBearing) -> Array:
+def _kept_inside(place: Array, step: Array, bearing: JournalDefinition) -> Array:
     """Shorten a step that would close the gap; rough walls may overlap a little more each time."""
     ratio = closeness(place, bearing)
     limit = ratio + (1.0 - _SMALLEST_SHRINK) * max(1.0 - ratio, 0.0)

@@ -97,6 +97,15 @@ class JournalMesh(NamedTuple):
     weight: float  # 2 for half a film, else 1
 
 
+@final
+@dataclass(frozen=True)
+class SurfaceSpeed:
+    """Rotation of shaft and bush. [rad/s]."""
+
+    shaft: float
+    bush: float = 0.0
+
+
 class MotionState(NamedTuple):
     """Rigid motion of the shaft against the bush: x, y [m], rotations about x and y [rad]."""
 

@@ -85,7 +85,7 @@ def machine_bearing(
 
     Parameters
     ----------
-    journal : JournalBearing of a MachineDescription
+    journal : LumpedJournalBearing
         Bearing; its combined roughness is shared by both walls.
     dynamic_viscosity : float
         Dynamic viscosity. [Pa s]

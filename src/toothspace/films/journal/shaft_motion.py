@@ -4,20 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, final
+from typing import final
 
 import numpy as np
 from scipy.optimize import brentq
 
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
+from toothspace.films.journal.bearing import JournalBearing
+from toothspace.films.journal.definition import JournalDefinition
 from toothspace.films.journal.equilibrium import closeness
-from toothspace.films.journal.geometry import MotionState
-from toothspace.films.journal.solution import JournalBearingSolution, SurfaceSpeed
-from toothspace.films.journal.solver import solve_motion
-
-if TYPE_CHECKING:
-    from toothspace.films.journal.bearing import JournalBearing
+from toothspace.films.journal.geometry import MotionState, SurfaceSpeed
+from toothspace.films.journal.solution import JournalBearingSolution, solve_motion
 
 Load = Callable[[float], tuple[float, float]]
 
@@ -60,7 +58,11 @@ def critical_mass(stiffness: Array, damping: Array) -> tuple[float, float]:
 
 
 def threshold_speed(
-    bearing: JournalBearing, *, load: tuple[float, float], mass: float, speeds: tuple[float, float]
+    bearing: JournalBearing,
+    *,
+    load: tuple[float, float],
+    mass: float,
+    speeds: tuple[float, float],
 ) -> float:
     """Shaft speed above which a rigid shaft whirls.
 
@@ -147,13 +149,18 @@ class OrbitSettings:
 
 
 def shaft_orbit(
-    bearing: JournalBearing, *, mass: float, load: Load, shaft_speed: float, settings: OrbitSettings
+    bearing: JournalDefinition,
+    *,
+    mass: float,
+    load: Load,
+    shaft_speed: float,
+    settings: OrbitSettings,
 ) -> Orbit:
     r"""Motion of a rigid shaft under a load that may vary with time.
 
     Parameters
     ----------
-    bearing : JournalBearing
+    bearing : JournalDefinition
         Bearing.
     mass : float
         Mass of the shaft, per bearing. [kg]
@@ -210,7 +217,7 @@ class _ShaftStates:
 @final
 @dataclass(frozen=True)
 class _OrbitStep:
-    bearing: JournalBearing
+    bearing: JournalDefinition
     mass: float
     speed: SurfaceSpeed
     settings: OrbitSettings

@@ -4,61 +4,29 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, final
+from typing import final
 
 import numpy as np
 
 from toothspace.closures.journal_friction import sommerfeld_number
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.films.journal.geometry import JournalMesh, MotionState, journal_gap, journal_load
-from toothspace.films.reynolds.equation import FilmGrid, FluidField, GapField
+from toothspace.films.journal.definition import JournalDefinition
+from toothspace.films.journal.geometry import MotionState, SurfaceSpeed, journal_gap, journal_load
+from toothspace.films.journal.solver import (
+    JournalField,
+    boundary_flows,
+    contact_load,
+    friction_torques,
+    solve_field,
+)
 from toothspace.films.reynolds.fluid import FilmFluid
 from toothspace.films.reynolds.linearised import pressure_responses
-from toothspace.films.reynolds.rough_surfaces import FlowLaw, mean_gap
+from toothspace.films.reynolds.rough_surfaces import mean_gap
 from toothspace.films.reynolds.state import FilmHistory, exchange
 from toothspace.numerics.complementarity import ComplementaritySolution
 from toothspace.numerics.linear_system import PRESCRIBED
 from toothspace.numerics.structured_grid import CellBalance
-
-if TYPE_CHECKING:
-    from toothspace.films.journal.bearing import JournalBearing
-
-
-@final
-@dataclass(frozen=True)
-class SurfaceSpeed:
-    """Rotation of shaft and bush. [rad/s]."""
-
-    shaft: float
-    bush: float = 0.0
-
-
-@final
-@dataclass(frozen=True)
-class JournalContact:
-    """Asperity pressure of the cells and its derivative with the gap."""
-
-    pressure: Array
-    slope: Array
-
-
-@final
-@dataclass(frozen=True)
-class JournalField:
-    """Discrete film and its solution, kept for variations."""
-
-    mesh: JournalMesh
-    grid: FilmGrid
-    gap: GapField
-    fluid: FluidField
-    """Liquid at the pressure of the cells."""
-    balance: CellBalance
-    fields: ComplementaritySolution
-    law: FlowLaw
-    contact: JournalContact | None
-    gauge: Array
-    """Pressure above the cavitation pressure. [Pa]"""
 
 
 @final
@@ -66,7 +34,7 @@ class JournalField:
 class JournalBearingSolution:
     """Film of a journal bearing; forces and moments act on the shaft by the film."""
 
-    bearing: JournalBearing
+    bearing: JournalDefinition
     """What was solved."""
     motion: MotionState
     """Position and motion of the shaft."""
@@ -234,8 +202,6 @@ class JournalBearingSolution:
 
         Units follow force [N] and moment [N m] over displacement [m] and rotation [rad].
         """
-        from toothspace.films.journal.solver import solve_motion
-
         whole = self
         if self.film.mesh.weight > 1.0:
             whole = solve_motion(self.bearing, self.motion, self.speed, half=False)
@@ -284,3 +250,43 @@ def _unit_motion(direction: int, speeds: bool) -> MotionState:
     unit = np.zeros(4)
     unit[direction] = 1.0
     return MotionState(np.zeros(4), unit) if speeds else MotionState(unit, np.zeros(4))
+
+
+def solve_motion(
+    bearing: JournalDefinition,
+    motion: MotionState,
+    speed: SurfaceSpeed,
+    *,
+    half: bool | None = None,
+    former: JournalBearingSolution | None = None,
+    history: FilmHistory | None = None,
+) -> JournalBearingSolution:
+    """Film of a bearing for a rigid motion of its shaft; see :meth:`JournalBearing.solve`.
+
+    A former solution nearby gives the cavity to begin with. With a history the film fraction is
+    transported in time, else it follows the motion without delay.
+    """
+    start = None if former is None else former.film.fields.kind
+    film = solve_field(bearing, motion, speed, half=half, start=start, history=history)
+    carried = film.gauge if film.contact is None else film.gauge + film.contact.pressure
+    load = journal_load(film.mesh, carried, film.grid.area)
+    shaft, bush = friction_torques(bearing, speed, film)
+    contact_force, contact_torque = contact_load(bearing, speed, film)
+    shaft, bush = shaft - contact_torque, bush + contact_torque
+    supply, ends, error = boundary_flows(film)
+    return JournalBearingSolution(
+        bearing=bearing,
+        motion=motion,
+        speed=speed,
+        force=load[:2],
+        moment=load[2:],
+        friction_torque=shaft,
+        bush_friction_torque=bush,
+        contact_force=contact_force,
+        contact_torque=contact_torque,
+        end_flow=ends,
+        supply_flow=supply,
+        mass_balance_error=error,
+        status=film.status,
+        film=film,
+    )

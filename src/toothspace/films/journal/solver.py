@@ -1,20 +1,23 @@
-"""Solution of the film of a journal bearing for a given motion of its shaft."""
+"""Film of a journal bearing for a given motion of its shaft, and the loads and flows of it."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import final
 
 import numpy as np
 
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
-from toothspace.core.types import Array
+from toothspace.core.types import Array, IntArray
+from toothspace.films.journal.definition import JournalDefinition
 from toothspace.films.journal.geometry import (
     EndConditions,
     Groove,
     JournalMesh,
     MotionState,
+    SurfaceSpeed,
     journal_gap,
     journal_grid,
     journal_load,
@@ -22,36 +25,53 @@ from toothspace.films.journal.geometry import (
     journal_shear,
     lobed,
 )
-from toothspace.films.journal.solution import (
-    JournalBearingSolution,
-    JournalContact,
-    JournalField,
-    SurfaceSpeed,
-)
 from toothspace.films.reynolds.cavitation import CAVITATION
-from toothspace.films.reynolds.equation import FilmGrid, GapField
+from toothspace.films.reynolds.equation import FilmGrid, FluidField, GapField
 from toothspace.films.reynolds.rough_surfaces import SMOOTH, FlowLaw, contact_field
 from toothspace.films.reynolds.state import (
     FilmHistory,
     FilmProblem,
-    FilmState,
     memory,
     relative_error,
     solve_state,
 )
-from toothspace.numerics.complementarity import (
-    face_flows,
-    residual,
-)
+from toothspace.numerics.complementarity import ComplementaritySolution, face_flows, residual
 from toothspace.numerics.linear_system import PRESCRIBED
+from toothspace.numerics.structured_grid import CellBalance
 
-if TYPE_CHECKING:
-    from toothspace.films.journal.bearing import JournalBearing
+
+@final
+@dataclass(frozen=True)
+class JournalContact:
+    """Asperity pressure of the cells and its derivative with the gap."""
+
+    pressure: Array
+    slope: Array
+
+
+@final
+@dataclass(frozen=True)
+class JournalField:
+    """Discrete film and its solution, kept for variations."""
+
+    mesh: JournalMesh
+    grid: FilmGrid
+    gap: GapField
+    fluid: FluidField
+    """Liquid at the pressure of the cells."""
+    balance: CellBalance
+    fields: ComplementaritySolution
+    law: FlowLaw
+    contact: JournalContact | None
+    gauge: Array
+    """Pressure above the cavitation pressure. [Pa]"""
+    status: Status
+    """Whether the cavity boundary settled."""
 
 
 @lru_cache(maxsize=32)
 def _metric(
-    bearing: JournalBearing, grooves: tuple[Groove, ...], first_angle: float, half: bool
+    bearing: JournalDefinition, grooves: tuple[Groove, ...], first_angle: float, half: bool
 ) -> tuple[JournalMesh, FilmGrid]:
     mesh = journal_mesh(bearing.length, bearing.grid, first_angle, half=half)
     wall = bearing.end_condition == "no_flow"
@@ -59,7 +79,7 @@ def _metric(
     return mesh, journal_grid(mesh, 0.5 * bearing.diameter, grooves, ends)
 
 
-def _needs_supply(bearing: JournalBearing, motion: MotionState, surface_speed: float) -> bool:
+def _needs_supply(bearing: JournalDefinition, motion: MotionState, surface_speed: float) -> bool:
     if bearing.supply != "auto":
         return bearing.supply == "widest_gap"
     if bearing.grooves:
@@ -69,7 +89,7 @@ def _needs_supply(bearing: JournalBearing, motion: MotionState, surface_speed: f
     return surface_speed != 0.0 and bearing.end_pressure <= bearing.cavitation_pressure
 
 
-def _refuse_closed(bearing: JournalBearing, motion: MotionState, surface_speed: float) -> None:
+def _refuse_closed(bearing: JournalDefinition, motion: MotionState, surface_speed: float) -> None:
     """Refuse a film that nothing fixes the pressure or the amount of liquid of."""
     moves = surface_speed != 0.0 or bool(np.any(motion.speed))
     if bearing.end_condition == "no_flow" and not bearing.grooves and moves:
@@ -80,7 +100,7 @@ def _refuse_closed(bearing: JournalBearing, motion: MotionState, surface_speed: 
 
 
 def _supplied(
-    bearing: JournalBearing, motion: MotionState, surface_speed: float, *, remembered: bool
+    bearing: JournalDefinition, motion: MotionState, surface_speed: float, *, remembered: bool
 ) -> tuple[tuple[Groove, ...], float]:
     """Grooves with the supply line, and the angle at which the grid begins."""
     if not _needs_supply(bearing, motion, surface_speed):
@@ -93,18 +113,18 @@ def _supplied(
     return (*bearing.grooves, line), widest
 
 
-def solve_motion(
-    bearing: JournalBearing,
+def solve_field(
+    bearing: JournalDefinition,
     motion: MotionState,
     speed: SurfaceSpeed,
     *,
     half: bool | None = None,
-    former: JournalBearingSolution | None = None,
+    start: IntArray | None = None,
     history: FilmHistory | None = None,
-) -> JournalBearingSolution:
-    """Film of a bearing for a rigid motion of its shaft; see :meth:`JournalBearing.solve`.
+) -> JournalField:
+    """Film of a bearing for a rigid motion of its shaft.
 
-    A former solution nearby gives the cavity to begin with. With a history the film fraction is
+    ``start`` holds the kinds of the cells to begin with. With a history the film fraction is
     transported in time, else it follows the motion without delay.
     """
     radius = 0.5 * bearing.diameter
@@ -121,43 +141,26 @@ def solve_motion(
     law, contact = _walls(bearing, speed, gap)
     if contact is None:
         _refuse_contact(gap, motion, bearing)
-    state = _solved(bearing, JournalGap(mesh, grid, gap, law, contact), former, history)
-    film = JournalField(
-        mesh, grid, gap, state.fluid, state.balance, state.fields, law, contact, state.gauge
-    )
-    return _evaluate(bearing, motion, speed, film, state.status)
-
-
-class JournalGap(NamedTuple):
-    """Film before it is solved."""
-
-    mesh: JournalMesh
-    grid: FilmGrid
-    gap: GapField
-    law: FlowLaw
-    contact: JournalContact | None
-
-
-def _solved(
-    bearing: JournalBearing,
-    film: JournalGap,
-    former: JournalBearingSolution | None,
-    history: FilmHistory | None,
-) -> FilmState:
     problem = FilmProblem(
-        film.grid,
-        film.gap,
-        bearing.fluid,
-        bearing.cavitation_pressure,
-        CAVITATION[bearing.cavitation],
-        film.law,
+        grid, gap, bearing.fluid, bearing.cavitation_pressure, CAVITATION[bearing.cavitation], law
     )
-    start = None if former is None else former.film.fields.kind
-    return solve_state(problem, start, memory(problem, history))
+    state = solve_state(problem, start, memory(problem, history))
+    return JournalField(
+        mesh,
+        grid,
+        gap,
+        state.fluid,
+        state.balance,
+        state.fields,
+        law,
+        contact,
+        state.gauge,
+        state.status,
+    )
 
 
 def _walls(
-    bearing: JournalBearing, speed: SurfaceSpeed, gap: GapField
+    bearing: JournalDefinition, speed: SurfaceSpeed, gap: GapField
 ) -> tuple[FlowLaw, JournalContact | None]:
     """Average flow law and asperity pressure; smooth walls have none."""
     surfaces = bearing.surfaces
@@ -169,7 +172,7 @@ def _walls(
     return law, JournalContact(pressure, slope)
 
 
-def _refuse_contact(gap: GapField, motion: MotionState, bearing: JournalBearing) -> None:
+def _refuse_contact(gap: GapField, motion: MotionState, bearing: JournalDefinition) -> None:
     lowest = min(float(gap.centre.min()), float(gap.face_x.min()), float(gap.face_y.min()))
     if lowest <= 0.0:
         ratio = float(np.hypot(*motion.place[:2])) / bearing.radial_clearance
@@ -179,39 +182,8 @@ def _refuse_contact(gap: GapField, motion: MotionState, bearing: JournalBearing)
         )
 
 
-def _evaluate(
-    bearing: JournalBearing,
-    motion: MotionState,
-    speed: SurfaceSpeed,
-    film: JournalField,
-    status: Status,
-) -> JournalBearingSolution:
-    carried = film.gauge if film.contact is None else film.gauge + film.contact.pressure
-    load = journal_load(film.mesh, carried, film.grid.area)
-    shaft, bush = _friction(bearing, speed, film)
-    contact_force, contact_torque = _contact_load(bearing, speed, film)
-    shaft, bush = shaft - contact_torque, bush + contact_torque
-    supply, ends, error = _flows(film)
-    return JournalBearingSolution(
-        bearing=bearing,
-        motion=motion,
-        speed=speed,
-        force=load[:2],
-        moment=load[2:],
-        friction_torque=shaft,
-        bush_friction_torque=bush,
-        contact_force=contact_force,
-        contact_torque=contact_torque,
-        end_flow=ends,
-        supply_flow=supply,
-        mass_balance_error=error,
-        status=status,
-        film=film,
-    )
-
-
-def _contact_load(
-    bearing: JournalBearing, speed: SurfaceSpeed, film: JournalField
+def contact_load(
+    bearing: JournalDefinition, speed: SurfaceSpeed, film: JournalField
 ) -> tuple[Array, float]:
     """Force on the shaft by asperities, and the torque by which they brake it."""
     if film.contact is None or bearing.surfaces is None:
@@ -222,8 +194,8 @@ def _contact_load(
     return force, sense * bearing.surfaces.boundary_friction * normal * 0.5 * bearing.diameter
 
 
-def _friction(
-    bearing: JournalBearing, speed: SurfaceSpeed, film: JournalField
+def friction_torques(
+    bearing: JournalDefinition, speed: SurfaceSpeed, film: JournalField
 ) -> tuple[float, float]:
     """Torques on shaft and bush; a cavity carries shear in proportion to its film fraction."""
     radius = 0.5 * bearing.diameter
@@ -236,7 +208,7 @@ def _friction(
     return shaft, scale * (couette + pattern) - radius * pressure
 
 
-def _flows(film: JournalField) -> tuple[float, Array, float]:
+def boundary_flows(film: JournalField) -> tuple[float, Array, float]:
     """Supply by prescribed cells, flow out of the two ends, relative error of the balance."""
     weight, b = film.mesh.weight, film.balance
     potential, saturation = np.maximum(film.fields.potential, 0.0), film.fields.saturation

@@ -3,23 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from toothspace.core.status import Status
 from toothspace.core.types import Array
+from toothspace.films.journal.definition import JournalDefinition
 from toothspace.films.journal.equilibrium import closeness, find_equilibrium
-from toothspace.films.journal.geometry import MotionState
+from toothspace.films.journal.geometry import MotionState, SurfaceSpeed
 from toothspace.films.journal.solution import (
     JournalBearingSolution,
-    SurfaceSpeed,
     load_derivatives,
+    solve_motion,
 )
-from toothspace.films.journal.solver import solve_motion
-
-if TYPE_CHECKING:
-    from toothspace.films.journal.bearing import JournalBearing
 
 _STEPS = 40
 _TOLERANCE = 1e-9
@@ -28,7 +24,7 @@ _OPEN = 0.7
 
 
 def find_tilted_equilibrium(
-    bearing: JournalBearing,
+    bearing: JournalDefinition,
     load: Array,
     moment: Array,
     speed: SurfaceSpeed,
@@ -50,7 +46,7 @@ def find_tilted_equilibrium(
     return replace(film, status=Status.NOT_CONVERGED)
 
 
-def _at(bearing: JournalBearing, place: Array, speed: SurfaceSpeed) -> JournalBearingSolution:
+def _at(bearing: JournalDefinition, place: Array, speed: SurfaceSpeed) -> JournalBearingSolution:
     return solve_motion(bearing, MotionState(place, np.zeros(4)), speed, half=False)
 
 
@@ -59,7 +55,7 @@ def _error(film: JournalBearingSolution, wanted: Array) -> Array:
 
 
 def _stepped(
-    bearing: JournalBearing, film: JournalBearingSolution, wanted: Array, size: Array
+    bearing: JournalDefinition, film: JournalBearingSolution, wanted: Array, size: Array
 ) -> JournalBearingSolution:
     """Longest part of Newton's step that keeps the gap open and lessens the error."""
     error = _error(film, wanted)
@@ -79,7 +75,7 @@ def _stepped(
     return trial
 
 
-def _nearest(bearing: JournalBearing, place: Array) -> float:
+def _nearest(bearing: JournalDefinition, place: Array) -> float:
     """One less the smallest gap at both ends over the clearance. [-]."""
     lean = 0.5 * bearing.length * np.array([place[3], -place[2]])
     ends = (place[:2] + lean, place[:2] - lean)

@@ -10,7 +10,7 @@ from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.status import Status
 from toothspace.films.lateral.stops import leaning
 from toothspace.model.description import MachineDescription
-from toothspace.model.lateral_table import axial_load
+from toothspace.model.lateral_load import axial_load
 from toothspace.results.solution import Solution, warned
 from toothspace.results.variables import VARIABLES
 from toothspace.simulation.lateral.coupling import (

@@ -14,7 +14,7 @@ from toothspace.core.types import Array
 from toothspace.films.lateral.equilibrium import Equilibrium
 from toothspace.films.lateral.motion import Balance
 from toothspace.model.description import MachineDescription
-from toothspace.model.lateral_table import with_lateral_leakage
+from toothspace.model.lateral_load import with_lateral_leakage
 from toothspace.model.path_category import LATERAL_PATHS
 from toothspace.results.solution import Solution
 from toothspace.simulation.lateral.heat import settle_heated

@@ -15,7 +15,7 @@ from toothspace.films.lateral.stops import leaning
 from toothspace.model.description import MachineDescription
 from toothspace.model.films import lateral_torque_coefficient
 from toothspace.model.lateral_balance import AxialForce, FloatingBearing, LateralBalance
-from toothspace.model.lateral_table import axial_load
+from toothspace.model.lateral_load import axial_load
 from toothspace.model.path_category import LATERAL_PATHS
 from toothspace.simulation.lateral.coupling import (
     CoupledPoint,

@@ -8,11 +8,7 @@ import numpy as np
 
 from toothspace.core.status import Status
 from toothspace.model.description import MachineDescription
-from toothspace.model.lateral_table import (
-    axial_load,
-    chamber_pressures,
-    with_lateral_films,
-)
+from toothspace.model.lateral_load import axial_load, chamber_pressures, with_lateral_films
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.results.solution import Solution, warned
 from toothspace.simulation.lateral.coupling import (

@@ -1,0 +1,98 @@
+"""Definition of a journal bearing: size, ends, grooves, walls, liquid and grid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from toothspace.core.constants import ATMOSPHERIC_PRESSURE
+from toothspace.core.errors import CaseError
+from toothspace.films.journal.geometry import Groove, Lobes
+from toothspace.films.reynolds.cavitation import CAVITATION
+from toothspace.films.reynolds.fluid import FilmFluid
+from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
+
+_CHOICES = {
+    "cavitation": set(CAVITATION),
+    "end_condition": {"pressure", "no_flow"},
+    "supply": {"auto", "none", "widest_gap"},
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class JournalDefinition:
+    """What is known of a journal bearing before its film is solved.
+
+    Parameters
+    ----------
+    diameter : float
+        Bore of the bush. [m]
+    length : float
+        Axial length of the film. [m]
+    radial_clearance : float
+        Radius of the bush minus radius of the shaft. [m]
+    dynamic_viscosity : float
+        Dynamic viscosity. [Pa s]
+    grid : tuple of int
+        Cells round the circumference and along the axis. [-]
+    cavitation : {"jfo", "reynolds", "guembel"}
+        Mass-conserving film fraction, pressure obstacle, or clipped pressure.
+    grooves : tuple of Groove
+        Grooves of given pressure in the bush.
+    end_pressure : float
+        Absolute pressure beyond both ends. [Pa]
+    cavitation_pressure : float
+        Absolute pressure in the cavity. [Pa]
+    end_condition : {"pressure", "no_flow"}
+        Whether the ends are open or walls.
+    surfaces : RoughSurfaces, optional
+        Roughness and contact; the shaft is the moving wall. Smooth walls if not given.
+    lobes : Lobes, optional
+        Bore of lobes; the radial clearance is then that of each lobe's own circle.
+    pressure_viscosity : float
+        Coefficient of Barus, of mu exp(alpha p). [1/Pa]
+    compressible : bool
+        Whether the density follows the pressure after Dowson and Higginson.
+    supply : {"auto", "none", "widest_gap"}
+        Ideal axial supply line at end pressure on the widest gap. ``auto`` adds it where oil
+        could not enter otherwise: no grooves, and ends not above the cavitation pressure.
+    """
+
+    diameter: float
+    length: float
+    radial_clearance: float
+    dynamic_viscosity: float
+    grid: tuple[int, int] = (200, 53)
+    cavitation: str = "jfo"
+    grooves: tuple[Groove, ...] = ()
+    end_pressure: float = ATMOSPHERIC_PRESSURE
+    cavitation_pressure: float = ATMOSPHERIC_PRESSURE
+    end_condition: str = "pressure"
+    surfaces: RoughSurfaces | None = None
+    lobes: Lobes | None = None
+    supply: str = "auto"
+    pressure_viscosity: float = 0.0
+    compressible: bool = False
+
+    def __post_init__(self) -> None:
+        for key in ("diameter", "length", "radial_clearance", "dynamic_viscosity"):
+            value = getattr(self, key)
+            if not value > 0.0:
+                raise CaseError(f"bearing.{key}: found {value!r}, allowed are positive numbers")
+        for key, allowed in _CHOICES.items():
+            value = getattr(self, key)
+            if value not in allowed:
+                raise CaseError(f"bearing.{key}: found {value!r}, allowed are {sorted(allowed)}")
+        for groove in self.grooves:
+            if abs(groove.position) >= 0.5 * (self.length + groove.length):
+                raise CaseError(
+                    f"bearing.grooves.position: found {1e3 * groove.position:g} mm, allowed are "
+                    f"grooves on the bearing of {1e3 * self.length:g} mm"
+                )
+        if min(self.grid) < 4:
+            raise CaseError(f"bearing.grid: found {self.grid!r}, allowed are 4 cells or more")
+        object.__setattr__(self, "grooves", tuple(self.grooves))
+
+    @property
+    def fluid(self) -> FilmFluid:
+        """Liquid of the film."""
+        return FilmFluid(self.dynamic_viscosity, self.pressure_viscosity, self.compressible)

@@ -1,0 +1,142 @@
+"""Micro-motions, chambers and flow paths of a machine, as tables over angles."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal, final
+
+from toothspace.core.types import Array, IntArray
+from toothspace.model.path_category import PathCategory
+from toothspace.numerics.periodic_table import PeriodicTable
+
+PathKind = Literal["orifice", "parallel_gap", "curved_gap"]
+
+PATH_CHANNELS: Mapping[PathKind, tuple[str, ...]] = {
+    "orifice": ("area", "hydraulic_diameter"),
+    "parallel_gap": ("height", "width", "length"),
+    "curved_gap": ("height", "width", "relative_radius"),
+}
+"""Channels of the geometry table of each kind of path. [m2, m] or [m, m, m]"""
+
+
+@final
+@dataclass(frozen=True)
+class Motion:
+    """One micro-motion q of a body: ``x``, ``y``, ``z`` [m] or ``rotation`` [rad].
+
+    A rotation is what the body turns ahead of its kinematic angle. A motion is a degree of
+    freedom with mass or inertia wherever something holds it: ``x`` and ``y`` of a body in a
+    journal bearing, and every motion that changes the gap of a compliant contact. The motion
+    that a rigid mesh ties follows from the others; all else stands still.
+    """
+
+    body: str
+    axis: Literal["x", "y", "z", "rotation"]
+
+
+@final
+@dataclass(frozen=True)
+class ChamberFamily:
+    r"""Chambers that are copies of one another, shifted in angle.
+
+    Parameters
+    ----------
+    name : str
+        Label, for example ``drive_gear``.
+    angle_ratio : float
+        Growth of the table angle per shaft angle, positive. [-]
+    phases : ndarray, shape (count,)
+        Table angle of each chamber at shaft angle zero. [rad]
+    volume : PeriodicTable, 1 channel
+        Volume over the table angle, with exact slopes. [m3]
+    volume_by_motion : PeriodicTable, one channel per motion of the description
+        Derivative of the volume with respect to every micro-motion. It is also the
+        generalised force of the chamber's pressure on that motion. [m3/m] or [m3/rad]
+
+    Notes
+    -----
+    .. math:: V = V_0(\theta) + \sum_k \frac{\partial V}{\partial q_k}(\theta)\, q_k
+    """
+
+    name: str
+    angle_ratio: float
+    phases: Array
+    volume: PeriodicTable
+    volume_by_motion: PeriodicTable
+
+    @property
+    def count(self) -> int:
+        """Number of chambers."""
+        return int(self.phases.size)
+
+
+@final
+@dataclass(frozen=True)
+class FlowPath:
+    r"""Paths of one kind that join pairs of nodes, with geometry over an angle.
+
+    Parameters
+    ----------
+    name : str
+        Label, unique in the machine, for example ``tooth_tip_drive``.
+    category : PathCategory
+        What the ledger books it under, and what it does in the network.
+    kind : str
+        ``orifice``, ``parallel_gap`` or ``curved_gap``.
+    nodes_a, nodes_b : ndarray of int, shape (count,)
+        Nodes at both ends; flow is counted from a to b.
+    angle_ratio : float
+        Growth of the table angle per shaft angle. [-]
+    phases : ndarray, shape (count,)
+        Table angle of each path at shaft angle zero. [rad]
+    geometry : PeriodicTable
+        Channels of :data:`PATH_CHANNELS`. A closed path has zero area or width.
+    height_by_motion : PeriodicTable or None
+        Derivative of the gap height with respect to every micro-motion. [-] or [m/rad]
+    drag_speed : PeriodicTable or None, 1 channel
+        Mean speed of the walls towards b, relative to the throat, per shaft speed: drag flow
+        from a to b is ``width * height * drag_speed * shaft_speed``. [m/rad]
+    shear_speed : PeriodicTable or None, 1 channel
+        Speed of one wall relative to the other per shaft speed, for viscous friction in the
+        gap, booked under ``tip_shear``. [m/rad]
+    throat_speed : float
+        Speed of the throat towards b per shaft speed, where volumes count to the casing as
+        bodies move but to the body's own boundary at rest (tooth tips): that part of the gap
+        which micro-motion opens is carried along, not dragged through. [m/rad]
+    drags_opening_only : bool
+        Whether walls drag fluid only through that part of the gap which micro-motion opens: the
+        layers that fill the nominal gap are carried with the walls in the chambers' account.
+    multiplicity : float
+        Equal paths in parallel, for example both faces. [-]
+    partner_shift : int
+        Shift of node b (within its family) each time the table angle passes a full period:
+        tooth pairing of gears with unequal tooth counts.
+    worn_by : str or None
+        Body that cuts the gap deeper by running-in where it would touch the casing.
+    minimum_height : float
+        Residual height that the gap keeps, level of the roughness. [m]
+    """
+
+    name: str
+    category: PathCategory
+    kind: PathKind
+    nodes_a: IntArray
+    nodes_b: IntArray
+    angle_ratio: float
+    phases: Array
+    geometry: PeriodicTable
+    height_by_motion: PeriodicTable | None = None
+    drag_speed: PeriodicTable | None = None
+    shear_speed: PeriodicTable | None = None
+    throat_speed: float = 0.0
+    drags_opening_only: bool = False
+    multiplicity: float = 1.0
+    partner_shift: int = 0
+    worn_by: str | None = None
+    minimum_height: float = 1e-6
+
+    @property
+    def count(self) -> int:
+        """Number of paths."""
+        return int(self.phases.size)

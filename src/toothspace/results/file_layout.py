@@ -1,0 +1,112 @@
+"""Layout of the NetCDF file of a result: data, ledger and events in one dataset."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike
+
+from toothspace.core.netcdf import write_dataset
+from toothspace.results.events import Event
+from toothspace.results.ledger import ENERGY_ENTRIES, Ledger
+from toothspace.results.variables import dataset_from
+
+STATISTICS = "statistics_"
+"""Beginning of the attributes that hold statistics."""
+PROVENANCE = "provenance"
+"""Attribute that lists the names of those that make the provenance."""
+_EVENT_FIELDS = {"event_shaft_angle": 0, "event_time": 1, "event_kind": 2, "event_label": 3}
+_LEDGER_FIELDS = (
+    "ledger_mass",
+    "ledger_energy",
+    "ledger_label",
+    "window_duration",
+    "window_shaft_angle",
+)
+
+EXTRA_VARIABLES = (*_LEDGER_FIELDS, *_EVENT_FIELDS, "mass_entry", "energy_entry")
+"""Variables of the file that do not belong to the samples."""
+
+
+def write_result(
+    path: str | Path,
+    data: xr.Dataset,
+    ledger: Ledger,
+    events: tuple[Event, ...],
+    attributes: Mapping[str, str],
+    statistics: Mapping[str, float],
+    provenance: Mapping[str, str],
+) -> Path:
+    """Write a result to one NetCDF file, atomically; an existing one is replaced.
+
+    Returns
+    -------
+    Path
+        The file written.
+    """
+    dataset = xr.merge(
+        [data, _ledger_dataset(ledger), _event_dataset(events)],
+        combine_attrs="drop_conflicts",
+        join="exact",
+        compat="no_conflicts",
+    )
+    dataset.attrs = {
+        **data.attrs,
+        **attributes,
+        **{f"{STATISTICS}{key}": float(value) for key, value in statistics.items()},
+        **provenance,
+        PROVENANCE: " ".join(provenance),
+    }
+    return write_dataset(dataset, path)
+
+
+def _ledger_dataset(ledger: Ledger) -> xr.Dataset:
+    labels = {**ENERGY_ENTRIES, **ledger.path_losses}
+    values: dict[str, ArrayLike] = {
+        "ledger_mass": list(ledger.mass.values()),
+        "ledger_energy": list(ledger.energy.values()),
+        "ledger_label": [labels.get(name, name) for name in ledger.energy],
+        "window_duration": ledger.duration,
+        "window_shaft_angle": ledger.shaft_angle,
+    }
+    entries = {"mass_entry": list(ledger.mass), "energy_entry": list(ledger.energy)}
+    return dataset_from(values, entries)
+
+
+def read_ledger(dataset: xr.Dataset) -> Ledger:
+    """Ledger of a file."""
+    energy = _by_label(dataset, "ledger_energy")
+    names = dataset["ledger_label"].values if "ledger_label" in dataset else list(energy)
+    labels = {name: str(label) for name, label in zip(energy, names, strict=True)}
+    return Ledger(
+        duration=float(dataset["window_duration"]),
+        shaft_angle=float(dataset["window_shaft_angle"]),
+        mass=_by_label(dataset, "ledger_mass"),
+        energy=energy,
+        path_losses={k: v for k, v in labels.items() if k not in ENERGY_ENTRIES},
+    )
+
+
+def _by_label(dataset: xr.Dataset, name: str) -> Mapping[str, float]:
+    array = dataset[name]
+    labels = array[array.dims[0]].values
+    return {str(label): float(value) for label, value in zip(labels, array.values, strict=True)}
+
+
+def _event_dataset(events: tuple[Event, ...]) -> xr.Dataset:
+    if not events:
+        return xr.Dataset()
+    columns = list(zip(*events, strict=True))
+    values = {name: np.asarray(columns[k]) for name, k in _EVENT_FIELDS.items()}
+    return dataset_from(values, {})
+
+
+def read_events(dataset: xr.Dataset) -> tuple[Event, ...]:
+    """Events of a file, in the order of time."""
+    if "event_time" not in dataset:
+        return ()
+    columns = [dataset[name].values.tolist() for name in _EVENT_FIELDS]
+    return tuple(Event(*row) for row in zip(*columns, strict=True))
