@@ -1,0 +1,149 @@
+"""Faults by the hundred: commands are killed, interrupted and starved at random moments.
+
+``python -m tests.faults --count 100`` starts ``run``, ``study`` and ``report`` so many times each,
+ends each at a random moment by one of SIGKILL, SIGTERM and SIGINT, and then checks the folder:
+nothing half-written under a final name, no draft of a finished command, every result readable,
+no process left, and ``study --resume`` completes. Then full disks and folders that cannot be
+written. The exit code is the number of faults that did harm.
+"""
+
+from __future__ import annotations
+
+import argparse
+import random
+import resource
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import psutil
+
+from toothspace.core.errors import CaseError
+from toothspace.core.netcdf import read_dataset
+
+REPOSITORY = Path(__file__).resolve().parent.parent
+CASES = REPOSITORY / "cases"
+ENDS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
+_STARTUP = ["--set", "circuit.duration=0.2 s", "--set", "run.time_samples=4000"]
+_SWEEP = ["--set", "run.fidelity=ideal", "--workers", "2"]
+_GRACE = 30.0
+"""Time that a command gets to end after a signal. [s]"""
+
+
+def commands(folder: Path) -> dict[str, list[str]]:
+    """Arguments of the commands, by name; all write into a folder."""
+    return {
+        "run": ["run", str(CASES / "startup_blocked.toml"), "-o", f"{folder}/run.nc", *_STARTUP],
+        "study": ["study", str(CASES / "sweep_clearance.toml"), "-o", f"{folder}/study", *_SWEEP],
+        "report": ["report", f"{folder}/whole.nc", "-o", f"{folder}/report.html", "--force"],
+    }
+
+
+def start(arguments: list[str], before: Callable[[], None] | None = None) -> psutil.Popen:
+    def prepare() -> None:
+        # a process in the background inherits that interrupts are ignored
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        if before is not None:
+            before()
+
+    command = [sys.executable, "-m", "toothspace", *arguments]
+    return psutil.Popen(
+        command,
+        cwd=REPOSITORY,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=prepare,
+    )
+
+
+def finish(process: psutil.Popen) -> tuple[int, str]:
+    _, messages = process.communicate(timeout=20 * _GRACE)
+    return process.returncode, messages
+
+
+def harm(folder: Path, *, killed: bool) -> Iterator[str]:
+    """What a fault left behind that it should not have."""
+    for path in folder.rglob("*"):
+        if path.suffix == ".part" and not killed:
+            yield f"{path.name}: a draft was left"
+        if path.suffix == ".nc":
+            try:
+                read_dataset(path)
+            except CaseError as error:
+                yield str(error)
+        if path.suffix == ".html" and not path.read_text("utf-8").rstrip().endswith("</html>"):
+            yield f"{path.name}: half-written"
+
+
+def end_at_random(name: str, whole: Path, longest: float, draw: random.Random) -> list[str]:
+    """End one command at a random moment; what harm that did."""
+    end = draw.choice(ENDS)
+    with tempfile.TemporaryDirectory() as place:
+        folder = Path(place)
+        (folder / "whole.nc").write_bytes(whole.read_bytes())
+        process = start(commands(folder)[name])
+        time.sleep(draw.uniform(0.0, longest))
+        family = process.children(recursive=True) if process.is_running() else []
+        process.send_signal(end)
+        code, messages = finish(process)
+        _, left = psutil.wait_procs(family, timeout=_GRACE)
+        found = [f"process {one.pid} is left" for one in left]
+        for one in left:
+            one.kill()
+        if end != signal.SIGKILL and ("Traceback" in messages or code in (1, 70, -11)):
+            found.append(f"code {code}: {messages[-300:]}")
+        found += harm(folder, killed=end == signal.SIGKILL)
+        if name == "study" and (folder / "study").is_dir():
+            code, messages = finish(start([*commands(folder)["study"], "--resume"]))
+            found += [] if code == 0 else [f"resume ends with {code}: {messages[-300:]}"]
+        return [f"{name}, {end.name}: {text}" for text in found]
+
+
+def starve(name: str, whole: Path, size: int) -> list[str]:
+    """Run a command that may write files of so many bytes only; what harm that did."""
+    with tempfile.TemporaryDirectory() as place:
+        folder = Path(place)
+        (folder / "whole.nc").write_bytes(whole.read_bytes())
+        limit = (size, size)
+        process = start(
+            commands(folder)[name], lambda: resource.setrlimit(resource.RLIMIT_FSIZE, limit)
+        )
+        code, messages = finish(process)
+        found = list(harm(folder, killed=False))
+        if "Traceback" in messages or code not in (0, 2, 3):
+            found.append(f"code {code}: {messages[-300:]}")
+        return [f"{name}, files of {size} bytes: {text}" for text in found]
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser("python -m tests.faults", description=__doc__)
+    parser.add_argument("--count", type=int, default=10, help="faults for each command")
+    parser.add_argument("--seed", type=int, default=1)
+    given = parser.parse_args()
+    draw, harms = random.Random(given.seed), []
+    with tempfile.TemporaryDirectory() as place:
+        folder = Path(place)
+        whole = folder / "run.nc"
+        started = time.perf_counter()
+        code, messages = finish(start(commands(folder)["run"]))
+        assert code == 0, messages
+        longest = time.perf_counter() - started
+        for name in commands(folder):
+            for _ in range(given.count):
+                harms += end_at_random(name, whole, longest, draw)
+            for size in (0, 4096, 300_000):
+                harms += starve(name, whole, size)
+            sys.stdout.write(f"{name}: {given.count + 3} faults, {len(harms)} did harm so far\n")
+            sys.stdout.flush()
+    for text in harms:
+        sys.stdout.write(f"{text}\n")
+    return len(harms)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
