@@ -25,8 +25,7 @@ from pathlib import Path
 import numpy as np
 
 from toothspace.api import set_up
-from toothspace.case import Case
-from toothspace.config import load_case
+from toothspace.case import Case, load_case
 from toothspace.elasticity import ElasticBody, SweptShape, influence_matrix
 from toothspace.films.lateral.motion import Balance
 from toothspace.numerics import multigrid_cycle

@@ -23,8 +23,8 @@ from typing import Any
 import numpy as np
 
 from toothspace.api import simulate
-from toothspace.config import case_from_text
-from toothspace.config.document import document_text
+from toothspace.case import Case
+from toothspace.case.document import document_text
 from toothspace.core.errors import CaseError
 from toothspace.results.solution import Solution
 from toothspace.studies.workers import Workers
@@ -157,7 +157,7 @@ def first_run(seed: int) -> tuple[str, Solution | Exception, float]:
     for text in designs(seed):
         started = time.perf_counter()
         try:
-            return text, simulate(case_from_text(text, CASES)), time.perf_counter() - started
+            return text, simulate(Case.from_toml(text, CASES)), time.perf_counter() - started
         except CaseError:
             continue
         except Exception as error:  # what a design may never do is a row of its own

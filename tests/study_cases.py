@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 from toothspace.case import Case
-from toothspace.config import case_from_text
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 
@@ -15,7 +14,7 @@ REPOSITORY = Path(__file__).resolve().parents[1]
 def case_with_study(study: str, name: str = "egm12_motor") -> Case:
     """A case of the repository with a table ``[study]``."""
     text = (REPOSITORY / "cases" / f"{name}.toml").read_text(encoding="utf-8")
-    return case_from_text(f"{text}\n[study]\n{study}", REPOSITORY / "cases", name)
+    return Case.from_toml(f"{text}\n[study]\n{study}", REPOSITORY / "cases", name)
 
 
 def answer(case: Case) -> dict[str, Any]:

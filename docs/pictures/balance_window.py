@@ -12,7 +12,7 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 
-from toothspace.config import load_case
+from toothspace.case import load_case
 from toothspace.films.lateral.housing_friction import HousingFriction
 from toothspace.plotting.bearing_figures import area_sensitivity, friction_sensitivity, window_on
 from toothspace.plotting.style import BLUE, ORANGE, new_figure, save_figure, styled

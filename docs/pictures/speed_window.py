@@ -15,7 +15,7 @@ from typing import NamedTuple
 import matplotlib as mpl
 import numpy as np
 
-from toothspace.config import load_case
+from toothspace.case import load_case
 from toothspace.model.lateral_balance import HousingContact
 from toothspace.plotting.style import BLUE, GREEN, GREY, ORANGE, new_figure, save_figure, styled
 from toothspace.simulation.lateral.problem import lateral_problem

@@ -32,7 +32,7 @@ def load_case(path: str | Path, overrides: Iterable[str] = ()) -> Case:
     CaseError
         If the file asks for something impossible, in one line.
     """
-    from toothspace.config import load_case as load
+    from toothspace.case import load_case as load
 
     return load(Path(path), tuple(overrides))
 

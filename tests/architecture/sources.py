@@ -44,6 +44,19 @@ class Source:
                 yield name, node
 
 
+    def documented_by_a_base(self) -> set[str]:
+        """Methods whose meaning the base class of the same module says once for all."""
+        classes = {node.name: node for node in self.tree.body if isinstance(node, ast.ClassDef)}
+        found = set()
+        for name, node in classes.items():
+            for base in node.bases:
+                above = classes.get(base.id) if isinstance(base, ast.Name) else None
+                for method in above.body if above is not None else ():
+                    if isinstance(method, FunctionNode) and ast.get_docstring(method):
+                        found.add(f"{name}.{method.name}")
+        return found
+
+
 def _functions(node: ast.AST, prefix: str) -> Iterator[tuple[str, FunctionNode]]:
     for child in ast.iter_child_nodes(node):
         if isinstance(child, FunctionNode):

@@ -59,7 +59,12 @@ def missing_units(node: FunctionNode) -> list[str]:
 @pytest.mark.parametrize("source", SOURCES, ids=lambda source: source.label)
 def test_public_functions_have_a_docstring(source: Source) -> None:
     assert ast.get_docstring(source.tree), "module without docstring"
-    silent = [name for name, node in source.public_functions() if not ast.get_docstring(node)]
+    told = source.documented_by_a_base()
+    silent = [
+        name
+        for name, node in source.public_functions()
+        if not ast.get_docstring(node) and name not in told
+    ]
     assert not silent
 
 

@@ -13,8 +13,8 @@ from typing import Any
 
 import pytest
 
+from toothspace.case.document import document_text
 from toothspace.cli import main
-from toothspace.config.document import document_text
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 GEAR_CASE = REPOSITORY / "cases" / "egm12_motor.toml"

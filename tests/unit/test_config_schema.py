@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from toothspace.config.json_schema import case_schema
-from toothspace.config.reference import reference_page
+from toothspace.case.json_schema import case_schema
+from toothspace.case.reference import reference_page
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 CASES = sorted((REPOSITORY / "cases").glob("*.toml"))
@@ -118,5 +118,5 @@ def test_quantities_state_unit_and_range(schema: dict[str, Any]) -> None:
 def test_reference_page_is_current() -> None:
     page = REPOSITORY / "docs" / "reference" / "case_file.md"
     assert page.read_text(encoding="utf-8") == reference_page(), (
-        "run python -m toothspace.config.reference docs/reference/case_file.md"
+        "run python -m toothspace.case.reference docs/reference/case_file.md"
     )

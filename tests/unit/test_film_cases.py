@@ -11,8 +11,8 @@ import pytest
 import xarray as xr
 
 from toothspace.api import solve_bearing, solve_film
+from toothspace.case import Case
 from toothspace.cli import main
-from toothspace.config import case_from_text
 from toothspace.core.errors import CaseError
 from toothspace.films import (
     JournalBearing,
@@ -49,12 +49,12 @@ grid = [32, 32]
 
 
 def bearing(rest: str, fluid: str = VISCOSITY) -> dict[str, Any]:
-    return solve_bearing(case_from_text(BEARING.format(rest=rest, fluid=fluid)))
+    return solve_bearing(Case.from_toml(BEARING.format(rest=rest, fluid=fluid)))
 
 
 def test_journal_is_a_kind_of_film() -> None:
     text = BEARING.format(rest="eccentricity = [0.4, 0.1]", fluid=VISCOSITY)
-    film = solve_film(case_from_text(text.replace("[bearing]", '[film]\nkind = "journal"')))
+    film = solve_film(Case.from_toml(text.replace("[bearing]", '[film]\nkind = "journal"')))
     same = bearing("eccentricity = [0.4, 0.1]")
     assert film["force_x_N"] == same["force_x_N"]
 
@@ -192,7 +192,7 @@ def test_every_film_has_a_heat_balance(kind: str) -> None:
         lines = (CASES / f"{name}.toml").read_text().splitlines()
         kept = [s for s in lines if not s.startswith(("dynamic_viscosity", "grid ="))]
         text = "\n".join(kept).replace("[film]\n", "[film]\ngrid = [64, 24]\n")
-    cold, warm = (solve_film(case_from_text(f"{text}\n{part}{oil}")) for part in ("", heat))
+    cold, warm = (solve_film(Case.from_toml(f"{text}\n{part}{oil}")) for part in ("", heat))
     assert "mean_temperature_degC" not in cold
     rise = warm["outlet_temperature_degC"] - 50.0
     carried = rise * warm["outflow_L_per_min"] / 6e4
@@ -223,19 +223,19 @@ def test_heavy_unbalance_in_an_elliptical_bore() -> None:
 
 
 def test_ring_has_the_closed_form() -> None:
-    film = solve_film(case_from_text(RING))
+    film = solve_film(Case.from_toml(RING))
     flow = math.pi * 10e-6**3 * 50e5 / (6.0 * 0.03 * math.log(3.0))
     torque = 0.5 * math.pi * 0.03 * 50.0 * math.pi * (0.03**4 - 0.01**4) / 10e-6
     assert film["inner_flow_L_per_min"] == pytest.approx(6e4 * flow, rel=1e-9)
     assert film["friction_torque_N_m"] == pytest.approx(-torque, rel=2e-3)
     with pytest.raises(CaseError, match=r"film\.inner_radius: found 30 mm"):
-        solve_film(case_from_text(RING.replace("10 mm", "30 mm")))
+        solve_film(Case.from_toml(RING.replace("10 mm", "30 mm")))
 
 
 def test_endless_pad_in_squeeze() -> None:
     """Load of parallel plates per width: mu V L^3 / h^3."""
     film = solve_film(
-        case_from_text(
+        Case.from_toml(
             'schema = 1\n[film]\nkind = "pad"\nlength = "20 mm"\nwidth = "10 mm"\nspeed = "0 m/s"\n'
             'inlet_height = "10 um"\noutlet_height = "10 um"\ndynamic_viscosity = "0.01 Pa s"\n'
             'side_condition = "no_flow"\nsqueeze_velocity = "-1e-4 m/s"\ngrid = [64, 8]\n'

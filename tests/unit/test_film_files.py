@@ -14,7 +14,6 @@ import xarray as xr
 
 from toothspace.api import solve_bearing, solve_film
 from toothspace.case import Case
-from toothspace.config import case_from_text
 from toothspace.core.errors import CaseError
 from toothspace.films import (
     FilmFluid,
@@ -93,7 +92,7 @@ def test_vtk_surface_has_the_area_of_the_film(name: str, tmp_path: Path) -> None
 
 
 def _bearing_case(place: str = "eccentricity = [0.5, 0.0]") -> Case:
-    return case_from_text(
+    return Case.from_toml(
         'schema = 1\n[bearing]\ndiameter = "100 mm"\nlength = "80 mm"\n'
         'radial_clearance = "150 um"\nshaft_speed = "3000 rpm"\ndynamic_viscosity = "0.01 Pa s"\n'
         f"grid = [60, 15]\n{place}\n"
@@ -131,7 +130,7 @@ def test_missing_viscosity_is_refused() -> None:
 
 def test_film_table_gives_the_promised_names() -> None:
     numbers = solve_film(
-        case_from_text(
+        Case.from_toml(
             'schema = 1\n[film]\nkind = "pad"\nlength = "20 mm"\nwidth = "10 mm"\n'
             'speed = "1 m/s"\ninlet_height = "20 um"\noutlet_height = "10 um"\n'
             'pocket = {depth = "0.4 um", x = "4 mm", length = "6 mm", width = "7 mm"}\n'

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from toothspace.config import case_from_text
+from toothspace.case import Case
 from toothspace.core.errors import CaseError
 from toothspace.films import (
     FilmFluid,
@@ -97,5 +97,5 @@ def test_closed_film_without_supply() -> None:
 )
 def test_case_names_the_key(rest: str, key: str) -> None:
     with pytest.raises(CaseError, match=rf"bearing\.{key.replace('.', '[.]')}: found") as told:
-        case_from_text(CASE + rest)
+        Case.from_toml(CASE + rest)
     assert "\n" not in str(told.value)

@@ -11,10 +11,9 @@ import pytest
 import xarray as xr
 
 from tests.contact_machine import contact_machine
-from toothspace.case import Case
+from toothspace.case import Case, load_case
 from toothspace.cli import main
 from toothspace.closures.journal_friction import PUBLISHED_CURVE, FrictionCurves
-from toothspace.config import load_case
 from toothspace.core.errors import CaseError
 from toothspace.model.arrays import FILM_FORCE, FILM_X, FILM_Y
 from toothspace.model.assembly import System, assemble

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from toothspace import api
-from toothspace.config import load_case
+from toothspace.case import load_case
 from toothspace.core.errors import ToothspaceError
 from toothspace.model.lateral_balance import FloatingBearing, LateralBalance
 

@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 
 from toothspace import api
-from toothspace.config import load_case
+from toothspace.case import load_case
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.model.description import MachineDescription

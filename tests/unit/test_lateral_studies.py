@@ -14,8 +14,7 @@ import pytest
 import xarray as xr
 
 from tests.lateral_stack import loads, pressures, ring_stack
-from toothspace.case import Case
-from toothspace.config import load_case
+from toothspace.case import Case, load_case
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.plotting.study_figures import study_figures

@@ -10,8 +10,7 @@ import pytest
 import xarray as xr
 
 from toothspace import api
-from toothspace.case import Case
-from toothspace.config import load_case
+from toothspace.case import Case, load_case
 from toothspace.core.errors import CaseError
 from toothspace.model.description import MachineDescription
 from toothspace.model.films import lateral_torque_coefficient

@@ -19,7 +19,6 @@ from tests.study_cases import Answer, answer, case_with_study
 from toothspace import api
 from toothspace.case import Case
 from toothspace.cli import main
-from toothspace.config.load import case_with
 from toothspace.core.errors import CaseError, ToothspaceError
 from toothspace.core.status import Status
 from toothspace.plotting.study_figures import characteristics, study_figures
@@ -165,7 +164,7 @@ def test_impossible_spans_are_refused(vary: str, allowed: str) -> None:
 
 def test_a_study_needs_a_kind_that_can_be_run(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(CaseError, match="found nothing, allowed a table"):
-        run_study(case_with(case_with_study(MAP), {}))
+        run_study(case_with_study(MAP).at_point({}))
     monkeypatch.delitem(STUDY_MODULES, "sweep")  # type: ignore[attr-defined]
     with pytest.raises(CaseError, match="found 'sweep', allowed in this version"):
         run_study(case_with_study(SWEEP))

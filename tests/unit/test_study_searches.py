@@ -14,7 +14,6 @@ from tests.study_cases import REPOSITORY, Answer, answer, case_with_study
 from toothspace import api
 from toothspace.case import Case
 from toothspace.case.study import Limit
-from toothspace.config import case_from_text
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.report.study import study_report_html
@@ -220,7 +219,7 @@ kind = "calibrate"
 data = "measured.csv"
 fit = {{"{CLEARANCE}" = ["5 um", "40 um"]}}
 """
-    return case_from_text(text + study, folder, name)
+    return Case.from_toml(text + study, folder, name)
 
 
 def test_calibration_to_steady_points(calls: list[Case], tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ import shapely.affinity
 
 from tests.external_gear_designs import egm12
 from toothspace.api import set_up
-from toothspace.config import load_case
+from toothspace.case import load_case
 from toothspace.core.errors import CaseError, GeometryError
 from toothspace.core.types import Array
 from toothspace.elasticity import AreaPressure, InfluenceMatrix, influence_matrix

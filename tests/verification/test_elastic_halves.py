@@ -24,7 +24,7 @@ from tests.lateral_stack import (
     split_stack,
 )
 from toothspace.api import set_up
-from toothspace.config import load_case
+from toothspace.case import load_case
 from toothspace.core.errors import GeometryError
 from toothspace.elasticity import (
     ElasticBody,

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tests.gerotor_designs import CYCLOIDAL, TROCHOIDAL, machine
-from toothspace.config.load import load_case
+from toothspace.case import load_case
 from toothspace.core.errors import GeometryError
 from toothspace.machines.gerotor.describe import describe
 from toothspace.machines.gerotor.parameters import PortContourParameters

@@ -10,7 +10,7 @@ import pytest
 
 from tests.lateral_stack import HIGH, HIGH_NODE, INNER, LOW, OUTER, loads, pressures, ring_stack
 from toothspace.api import set_up
-from toothspace.config import load_case
+from toothspace.case import load_case
 from toothspace.core.types import Array
 from toothspace.elasticity import (
     ElasticBody,

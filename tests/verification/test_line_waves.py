@@ -12,12 +12,11 @@ from scipy.special import jv
 
 from tests.conftest import REPOSITORY
 from toothspace import api
-from toothspace.case.case import Case
+from toothspace.case import Case
 from toothspace.case.plumbing import plumb
 from toothspace.closures.bulk_modulus import liquid_bulk_modulus
 from toothspace.closures.line_friction import memory_branches, memory_transform, turbulent_growth
 from toothspace.closures.viscosity import dynamic_viscosity
-from toothspace.config import case_from_text
 from toothspace.core.errors import CaseError
 from toothspace.model.arrays import DENSITY, PRESSURE_BY_MASS
 from toothspace.model.assembly import System, assemble, node_places
@@ -62,7 +61,7 @@ speed = [["0 s", "60 rpm"]]
 
 def line_system(cells: int) -> System:
     text = MOTOR.split("[circuit]")[0] + LINE.format(duration=0.01, cells=cells)
-    case = case_from_text(text)
+    case = Case.from_toml(text)
     description, fluid = api.describe(case), api.fluid_of(case)
     return assemble(description, fluid, circuit_condition(case, description, fluid))
 
@@ -230,7 +229,7 @@ SPIN = '[circuit.spin]\nkind = "speed_source"\nspeed = [["0 s", "60 rpm"]]\n'
 def test_impossible_couplings_are_refused(more: str, message: str) -> None:
     text = MOTOR + (more if "second" in more else SOFT + more)
     with pytest.raises(CaseError, match=message):
-        solve_shaft(case_from_text(text))
+        solve_shaft(Case.from_toml(text))
 
 
 def solve_shaft(case: Case) -> None:
@@ -243,7 +242,7 @@ def solve_shaft(case: Case) -> None:
 def test_quadratic_fan_is_the_other_reading_of_the_paper() -> None:
     """4e-7 N m/rpm^2 takes 0.4 N m at 1000 rpm."""
     text = MOTOR.replace('cubic = "4e-7 N m s^3/rad^3"', 'quadratic = "4e-7 N m/rpm^2"')
-    case = case_from_text(text)
+    case = Case.from_toml(text)
     fan = case.circuit.elements["load"]
     speed = 1000.0 * np.pi / 30.0
     assert fan.quadratic * speed**2 == pytest.approx(0.4, rel=1e-12)
@@ -287,7 +286,7 @@ speed = [["0 s", "60 rpm"]]
 
 def test_every_node_has_a_name_of_its_own() -> None:
     """The far end of a line is none of its cells, a part called drain not the machine's drain."""
-    case = case_from_text(MOTOR.split("[circuit]")[0] + SHARED_NAMES)
+    case = Case.from_toml(MOTOR.split("[circuit]")[0] + SHARED_NAMES)
     assert case.circuit is not None
     description, fluid = api.describe(case), api.fluid_of(case)
     names = [node.name for node in plumb(case.circuit, description, fluid).nodes]

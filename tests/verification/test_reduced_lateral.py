@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from toothspace import api
-from toothspace.config import load_case
+from toothspace.case import load_case
 from toothspace.core.status import Status
 from toothspace.studies.reduce import reduce_films
 

@@ -11,9 +11,8 @@ import pytest
 
 from tests.conftest import REPOSITORY
 from toothspace import api
-from toothspace.case.case import Case
+from toothspace.case import Case
 from toothspace.case.plumbing import plumb
-from toothspace.config import case_from_text
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.model.assembly import System, assemble
@@ -189,7 +188,7 @@ def plumbed(elements: str, joints: str) -> Case:
     text = CASE.read_text(encoding="utf-8")
     head, tail = text[: text.index("[circuit]")], text[text.index("[run]") :]
     circuit = TWO_TANKS.format(connections=f"[{PORTS}, {joints}]", elements=elements)
-    return case_from_text(head + circuit + tail)
+    return Case.from_toml(head + circuit + tail)
 
 
 IN_SERIES = '["high", "{a}"], ["{a}", "middle"], ["middle", "{b}"], ["{b}", "low"]'

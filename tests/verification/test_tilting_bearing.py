@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from toothspace.api import set_up
-from toothspace.config import load_case
+from toothspace.case import load_case
 from toothspace.films.lateral.equilibrium import Equilibrium
 from toothspace.films.lateral.stops import leaning, rim_levers
 from toothspace.simulation.elastic import lateral_settings

@@ -1,9 +1,14 @@
-"""Frozen input of one simulation, in SI units.
+"""The one model of a case: TOML, tables or Python in, units in, SI inside.
 
 =============== ==========================================================
 module          responsibility
 =============== ==========================================================
-case            the whole case, its text and its hash
+case            the whole case: made, changed, written, hashed
+document        text of a file to tables with places, and tables to text
+overrides       values of key paths laid over tables
+rules           what several keys must fulfil together
+json_schema     JSON Schema of all keys
+reference       reference page of all keys
 conditions      fluid, operating point, numerical settings of the run
 circuit         circuit elements and their connections
 study           named studies
@@ -13,7 +18,7 @@ stand_alone     journal bearing and film without a machine
 
 from __future__ import annotations
 
-from toothspace.case.case import Case
+from toothspace.case.case import Case, load_case
 from toothspace.case.circuit import Circuit
 from toothspace.case.conditions import FluidChoice, OperatingPoint, RunSettings
 from toothspace.case.stand_alone import FilmCase, JournalBearingCase
@@ -26,4 +31,5 @@ __all__ = [
     "JournalBearingCase",
     "OperatingPoint",
     "RunSettings",
+    "load_case",
 ]

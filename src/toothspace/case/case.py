@@ -1,33 +1,84 @@
-"""The whole of one case file, read, checked and frozen."""
+"""The one model of a case: checked, frozen, and everything else is computed from it."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import hashlib
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from importlib import import_module
 from pathlib import Path
 from typing import Any, final
 
 from toothspace.case.circuit import Circuit
 from toothspace.case.conditions import FluidChoice, OperatingPoint, RunSettings
-from toothspace.case.stand_alone import FilmTable, JournalBearingCase
+from toothspace.case.document import (
+    Document,
+    document_text,
+    located,
+    parse_document,
+    read_document,
+    require_ordinary,
+)
+from toothspace.case.fingerprint import fingerprint
+from toothspace.case.overrides import CONDITIONS, split_override, with_values
+from toothspace.case.rules import broken_rules
+from toothspace.case.stand_alone import FILMS, FilmTable, JournalBearingCase
+from toothspace.case.study import STUDIES
+from toothspace.core.errors import CaseError
+from toothspace.core.keys import (
+    FileText,
+    KeyRuleError,
+    KeyTable,
+    Problem,
+    Problems,
+    Source,
+    Table,
+    Variant,
+    declare,
+    integer,
+    joined,
+    shown,
+    table,
+    text,
+)
+from toothspace.core.registry import machine_modules
+from toothspace.core.units import as_text
+
+SCHEMA_VERSION = 1
+
+_KEPT_MACHINES = 16
+
+_machines: dict[str, Any] = {}
+
+
+def machine_parameters() -> dict[str, type]:
+    """Return the class of the keys ``[machine]`` of every installed machine type."""
+    return {
+        name: import_module(f"{module}.parameters").PARAMETERS
+        for name, module in machine_modules().items()
+    }
+
+
+MACHINE_KEY = Variant(tag="type", variants=machine_parameters, doc="The machine; keys by its type.")
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Case:
+class Case(KeyTable):
     """Input of one reproducible run.
 
-    Exactly one of ``operating_point``, ``circuit``, ``bearing`` and ``film`` is not None.
+    The keys are what is solved; every construction, :func:`dataclasses.replace` included, checks
+    them. Exactly one of ``operating_point``, ``circuit``, ``bearing`` and ``film`` is not None.
+    Cases are equal if their keys are.
 
     Parameters
     ----------
     title : str
         Free text.
-    machine_type : str
-        Name of the machine type, empty for a stand-alone film.
     machine : object or None
         Keys of ``[machine]`` in SI units, of the machine type's ``PARAMETERS`` class.
-    machine_spec : object or None
-        What ``machine.assemble()`` built: profiles, contours and materials loaded.
     fluid : FluidChoice or None
         Fluid and its temperature.
     operating_point : OperatingPoint or None
@@ -45,35 +96,295 @@ class Case:
     source : Path or None
         File that it was read from.
     overrides : tuple of str
-        ``key=value`` as given on the command line, in order.
-    text : str
-        Normalised case as TOML, overrides included.
-    hash : str
-        SHA-256 over the text and the contents of all files that it names.
+        ``key=value`` that were laid over the file, in order.
+
+    Raises
+    ------
+    CaseError
+        If a value, or several together, ask for the impossible.
     """
 
-    title: str
-    machine_type: str = ""
-    machine: Any = None
-    machine_spec: Any = None
-    fluid: FluidChoice | None = None
-    operating_point: OperatingPoint | None = None
-    circuit: Circuit | None = None
-    bearing: JournalBearingCase | None = None
-    film: FilmTable | None = None
-    study: Any = None
-    run: RunSettings = field(default_factory=RunSettings)
-    schema: int = 1
-    source: Path | None = None
-    overrides: tuple[str, ...] = ()
-    text: str = ""
-    hash: str = ""
+    schema: int = integer(
+        "Version of the case file's keys.",
+        low=SCHEMA_VERSION,
+        high=SCHEMA_VERSION,
+        default=SCHEMA_VERSION,
+    )
+    title: str = text("What this case is.", default="")
+    machine: Any = declare(MACHINE_KEY, None)
+    fluid: FluidChoice | None = table(FluidChoice, "Fluid and temperature.", default=None)
+    operating_point: OperatingPoint | None = table(
+        OperatingPoint, "Steady condition.", default=None
+    )
+    circuit: Circuit | None = table(
+        Circuit, "Transient condition: elements and connections.", default=None
+    )
+    bearing: JournalBearingCase | None = table(
+        JournalBearingCase, "Stand-alone journal bearing.", default=None
+    )
+    film: FilmTable | None = declare(
+        Variant(tag="kind", variants=FILMS, doc="Stand-alone film."), None
+    )
+    study: Any = declare(
+        Variant(tag="kind", variants=STUDIES, doc="Study that drives the condition."), None
+    )
+    run: RunSettings = table(RunSettings, "Fidelity and numerical settings.", default=RunSettings())
+    source: Path | None = field(default=None, compare=False)
+    overrides: tuple[str, ...] = field(default=(), compare=False)
 
-    def to_toml(self) -> str:
-        """Return the normalised case as TOML; reading it again gives an equal case."""
-        return self.text
+    def __post_init__(self) -> None:
+        stand_alone = [n for n in ("bearing", "film") if getattr(self, n) is not None]
+        if stand_alone and not self.title:
+            object.__setattr__(self, "title", stand_alone[0])
+        broken = tuple(broken_rules(self))
+        if broken:
+            raise KeyRuleError.of(broken)
+        # built and hashed now, so that files which change later cannot change the case
+        _ = self.machine_spec, self.hash
+
+    @classmethod
+    def from_dict(cls, tables: Mapping[str, Any], folder: str | Path = ".") -> Case:
+        """Make a case from tables, nested as in a case file.
+
+        Parameters
+        ----------
+        tables : mapping
+            Keys and values: texts with units or :class:`toothspace.Quantity`, plain numbers
+            where no unit belongs, arrays for lists, and objects of another case.
+        folder : str or Path
+            Folder that file paths are relative to.
+
+        Raises
+        ------
+        CaseError
+            A line for every key, with what was found and what is allowed.
+        """
+        return _made(Document("case", dict(tables)), Path(folder))
+
+    @classmethod
+    def from_toml(cls, text: str, folder: str | Path = ".", label: str = "case") -> Case:
+        """Make a case from TOML text, such as the one kept in a result.
+
+        Parameters
+        ----------
+        text : str
+            TOML.
+        folder : str or Path
+            Folder that file paths are relative to.
+        label : str
+            Name of the text in messages.
+
+        Raises
+        ------
+        CaseError
+            A line for every key, with what was found, what is allowed and where it stands.
+        """
+        document = parse_document(text, label, Path(folder))
+        return _made(document, Path(folder), source=Path(folder) / f"{label}.toml")
+
+    def replace(self, values: Mapping[str, Any]) -> Case:
+        """Return a case with other values, checked again, with a hash of its own.
+
+        Parameters
+        ----------
+        values : mapping of key path to value
+            Such as ``{"machine.gears.module": "3 mm"}``: texts with units,
+            :class:`toothspace.Quantity`, whole tables or objects; None takes a key out. A key
+            takes the place of the one that it excludes, ``run.revolutions`` that of
+            ``run.until``. File paths are relative to the file of the case.
+
+        Raises
+        ------
+        CaseError
+            A line for every key, with what was found and what is allowed.
+        """
+        changed = tuple(
+            f"{path}={value if isinstance(value, str) else shown(as_text(value))}"
+            for path, value in values.items()
+        )
+        return self._changed(values, overrides=self.overrides + changed)
+
+    def at_point(self, values: Mapping[str, Any]) -> Case:
+        """Return one point of a study: the case without its study, with other values.
+
+        Parameters
+        ----------
+        values : mapping of key path to value
+            As for :meth:`replace`, but no key of the study.
+
+        Raises
+        ------
+        CaseError
+            As for :meth:`replace`.
+        """
+        for path in values:
+            if path.partition(".")[0] in {"study", "schema"}:
+                allowed = "a key of the machine, the fluid, the condition or the run"
+                raise CaseError(f"{self.label}: study: found {path!r}, allowed {allowed}")
+        return replace(self, study=None)._changed(values, overrides=())
+
+    def _changed(self, values: Mapping[str, Any], overrides: tuple[str, ...]) -> Case:
+        document = Document(self.label, self.to_dict())
+        folder = Path() if self.source is None else self.source.parent
+        return _made(document, folder, values, source=self.source, overrides=overrides)
+
+    def value(self, path: str) -> Any:
+        """Return what stands at a key path, in SI units; None if nothing does."""
+        found: Any = self
+        for name in path.split("."):
+            inner = getattr(found, "elements", found) if not hasattr(found, name) else found
+            found = inner.get(name) if isinstance(inner, Mapping) else getattr(inner, name, None)
+        return found
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the keys that are compulsory or differ from their default, as tables.
+
+        Values carry their unit; file paths are absolute. ``Case.from_dict`` gives an equal case.
+        """
+        return self._written(lambda file: file.as_posix())
+
+    def to_toml(self, folder: str | Path | None = None) -> str:
+        """Return the case as TOML; reading it again gives an equal case.
+
+        Parameters
+        ----------
+        folder : str or Path, optional
+            Folder that file paths are relative to; absolute without.
+        """
+        if folder is None:
+            return document_text(self.to_dict())
+        return document_text(self._written(lambda file: _relative(file, Path(folder))))
+
+    def _written(self, file_text: FileText) -> dict[str, Any]:
+        return {"schema": self.schema, **Table(spec=Case).written(self, file_text)}
+
+    @cached_property
+    def hash(self) -> str:
+        """SHA-256 over all keys, with the content of files in place of their names."""
+        written = self._written(lambda file: hashlib.sha256(file.read_bytes()).hexdigest())
+        return hashlib.sha256(document_text(written).encode()).hexdigest()
+
+    @property
+    def machine_type(self) -> str:
+        """Name of the machine type, empty without a machine."""
+        return MACHINE_KEY.name_of(self.machine)
+
+    @cached_property
+    def machine_spec(self) -> Any:
+        """What the machine type is built from: profiles, contours and materials, loaded.
+
+        None without a machine. Computed from ``machine`` once for the same content.
+        """
+        return None if self.machine is None else _assembled(self.machine)
 
     @property
     def name(self) -> str:
         """Stem of the file that it was read from, or ``case``."""
         return self.source.stem if self.source is not None else "case"
+
+    @property
+    def label(self) -> str:
+        """File that it was read from, or ``case``, for messages."""
+        return str(self.source or "case")
+
+    def __repr__(self) -> str:
+        condition = next(name for name in CONDITIONS if getattr(self, name) is not None)
+        machine = f"{self.machine_type} {self.machine.mode}, " if self.machine else ""
+        return f"<Case {self.title!r}: {machine}{condition}, {self.run.fidelity}>"
+
+
+def _relative(file: Path, folder: Path) -> str:
+    try:
+        return Path(os.path.relpath(file, folder)).as_posix()
+    except ValueError:  # another drive
+        return file.as_posix()
+
+
+def _assembled(machine: Any) -> Any:
+    key = fingerprint(machine)
+    if key not in _machines:
+        try:
+            spec = machine.assemble()
+        except KeyRuleError as error:
+            raise KeyRuleError.of(
+                p._replace(key=joined("machine", p.key)) for p in error.problems
+            ) from error
+        except CaseError as error:
+            raise type(error)(f"machine.{error}") from error
+        while len(_machines) >= _KEPT_MACHINES:
+            del _machines[next(iter(_machines))]
+        _machines[key] = spec
+    return _machines[key]
+
+
+def load_case(source: str | Path | Mapping[str, Any], overrides: Iterable[str] = ()) -> Case:
+    """Read and check a case.
+
+    Parameters
+    ----------
+    source : str, Path or mapping
+        TOML file, or tables as for :meth:`Case.from_dict`.
+    overrides : iterable of str
+        ``key.path=value``, laid over the file before its values are read.
+
+    Returns
+    -------
+    Case
+        Everything in SI units.
+
+    Raises
+    ------
+    CaseError
+        A line for every key, with file, what was found, what is allowed and where it stands.
+    """
+    given = tuple(overrides)
+    if isinstance(source, Mapping):
+        document, path = Document("case", dict(source)), None
+    else:
+        path = Path(source)
+        document = read_document(path, str(source))
+    try:
+        values = [split_override(override) for override in given]
+    except KeyRuleError as error:
+        raise document.refuse(error.problems) from error
+    folder = Path() if path is None else path.parent
+    for key, value in values:
+        require_ordinary({"--set": value}, document.label)
+        document = _overlaid(document, {key: value})
+    return _made(document, folder, source=path, overrides=given)
+
+
+def _overlaid(document: Document, values: Mapping[str, Any]) -> Document:
+    try:
+        tables = with_values(document.tables, values)
+    except KeyRuleError as error:
+        raise document.refuse(error.problems) from error
+    kept = {key: place for key, place in document.places.items() if key not in values}
+    return Document(document.label, tables, kept)
+
+
+def _made(
+    document: Document,
+    folder: Path,
+    values: Mapping[str, Any] | None = None,
+    *,
+    source: Path | None = None,
+    overrides: tuple[str, ...] = (),
+) -> Case:
+    document = _overlaid(document, values or {})
+    require_ordinary(document.tables, document.label)
+    tables, problems = document.tables, Problems()
+    if source is not None and "schema" not in tables:
+        # without it nobody knows what the other keys mean
+        raise document.refuse([Problem("schema", "nothing", str(SCHEMA_VERSION))])
+    if not {"title", "bearing", "film"} & set(tables):
+        problems.append(Problem("title", "nothing", "a text that is not empty"))
+    read = problems.of("", Table(spec=Case).values, tables, Source(folder))
+    try:
+        problems.settle()
+        return Case(**read, source=source, overrides=overrides)
+    except KeyRuleError as error:
+        raise document.refuse(error.problems) from error
+    except CaseError as error:
+        place = document.place(str(error).partition(": ")[0])
+        raise type(error)(located(*place, str(error))) from error

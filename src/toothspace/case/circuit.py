@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, final
 
+from toothspace.core.frozen import FrozenDict
 from toothspace.core.keys import (
     Items,
     KeyRuleError,
+    KeyTable,
+    Named,
     Number,
     Quantity,
     Row,
@@ -50,7 +53,7 @@ def _check_history(owner: Any, key: str) -> None:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class EfficiencyLine:
+class EfficiencyLine(KeyTable):
     """Volumetric efficiency that falls linearly with the pressure difference."""
 
     offset: float = number("Value at zero pressure difference.", above=0, high=1)
@@ -59,7 +62,7 @@ class EfficiencyLine:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class SpeedSource:
+class SpeedSource(KeyTable):
     """``kind = "speed_source"``: prescribes the shaft speed."""
 
     speed: tuple[tuple[float, float], ...] | None = _over_time(_SPEED, "speed")
@@ -71,7 +74,7 @@ class SpeedSource:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class PumpMap:
+class PumpMap(KeyTable):
     """``kind = "pump_map"``: supply pump with a map of volumetric efficiency."""
 
     displacement: float = quantity("cm^3/rev", "Displacement.", above=0, high=10000)
@@ -99,7 +102,7 @@ class PumpMap:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Hose:
+class Hose(KeyTable):
     """``kind = "hose"``: line whose wall yields."""
 
     length: float = quantity("m", "Length.", above=0, high=1000)
@@ -136,7 +139,7 @@ class Hose:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Volume:
+class Volume(KeyTable):
     """``kind = "volume"``: rigid volume of fluid."""
 
     volume: float = quantity("cm^3", "Volume.", above=0, high=1e6)
@@ -144,7 +147,7 @@ class Volume:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Orifice:
+class Orifice(KeyTable):
     """``kind = "orifice"``: sharp-edged restriction."""
 
     diameter: float | None = quantity("mm", "Diameter.", above=0, high=200, default=None)
@@ -160,7 +163,7 @@ class Orifice:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class ReliefValve:
+class ReliefValve(KeyTable):
     """``kind = "relief_valve"``: opens above a pressure difference."""
 
     opening_pressure: float = quantity("bar", "Pressure difference.", above=0, high=1000)
@@ -171,7 +174,7 @@ class ReliefValve:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class CheckValve:
+class CheckValve(KeyTable):
     """``kind = "check_valve"``: lets fluid pass in the order of its connections."""
 
     opening_pressure: float = quantity("bar", "Pressure difference.", low=0, high=1000, default=0.0)
@@ -182,7 +185,7 @@ class CheckValve:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class ProportionalValve:
+class ProportionalValve(KeyTable):
     """``kind = "proportional_valve"``: orifice whose opening changes over time."""
 
     area: float = quantity("mm^2", "Area when fully open.", above=0, high=1e5)
@@ -198,7 +201,7 @@ class ProportionalValve:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Accumulator:
+class Accumulator(KeyTable):
     """``kind = "accumulator"``: gas charge behind a bladder."""
 
     gas_volume: float = quantity("cm^3", "Volume of the charge.", above=0, high=1e6)
@@ -211,7 +214,7 @@ class Accumulator:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Cooler:
+class Cooler(KeyTable):
     """``kind = "cooler"``: pressure drop with a laminar and a turbulent part."""
 
     pressure_drop: float = quantity("bar", "Drop at the rated flow.", above=0, high=100)
@@ -221,7 +224,7 @@ class Cooler:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class TorqueSource:
+class TorqueSource(KeyTable):
     """``kind = "torque_source"``: torque that the load takes from the shaft over time."""
 
     torque: tuple[tuple[float, float], ...] | None = _over_time(
@@ -235,7 +238,7 @@ class TorqueSource:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Fan:
+class Fan(KeyTable):
     """``kind = "fan"``: load, torque = linear speed + quadratic speed^2 + cubic speed^3."""
 
     linear: float = quantity("N m/rpm", "Torque per speed.", low=0, high=100, default=0.0)
@@ -248,7 +251,7 @@ class Fan:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Inertia:
+class Inertia(KeyTable):
     """``kind = "inertia"``: rotating mass on the shaft."""
 
     inertia: float = quantity("kg m^2", "Moment of inertia.", above=0, high=1000)
@@ -256,7 +259,7 @@ class Inertia:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Coupling:
+class Coupling(KeyTable):
     """``kind = "coupling"``: elastic coupling between the shaft and all fans and inertias."""
 
     stiffness: float = quantity("N m/rad", "Torque per twist.", above=0, high=1e8)
@@ -265,7 +268,7 @@ class Coupling:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Tank:
+class Tank(KeyTable):
     """``kind = "tank"``: constant pressure."""
 
     pressure: float = quantity("bar", "Absolute pressure.", above=0, high=1000)
@@ -297,7 +300,7 @@ MACHINE_PORTS = ("machine.inlet", "machine.outlet", "machine.drain")
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Circuit:
+class Circuit(KeyTable):
     """``[circuit]``: duration, start, elements by name and which are joined."""
 
     duration: float = quantity("s", "Simulated time.", above=0, high=1e5)
@@ -320,9 +323,14 @@ class Circuit:
             doc="Pairs of element names or machine.inlet, machine.outlet, machine.drain.",
         )
     )
-    elements: Mapping[str, Any] = field(default_factory=dict)
+    elements: Mapping[str, Any] = declare(
+        Named(item=ELEMENT_KEY, beside=True, doc="Elements by name."), FrozenDict()
+    )
 
-    def check_connections(self) -> None:
+    def __post_init__(self) -> None:
+        self._check_connections()
+
+    def _check_connections(self) -> None:
         """Refuse connections to unknown elements, and fluid elements that nothing joins.
 
         Raises

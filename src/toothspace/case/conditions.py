@@ -11,6 +11,7 @@ from toothspace.core.keys import (
     Choice,
     Integer,
     Items,
+    KeyTable,
     Quantity,
     Row,
     choice,
@@ -32,7 +33,7 @@ _FORCE = Quantity(unit="N", low=-1e6, high=1e6)
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class FluidChoice:
+class FluidChoice(KeyTable):
     """``[fluid]``: a fluid of the library or a user table, and its state."""
 
     name: str | None = text("Fluid from the library.", default=None)
@@ -78,7 +79,7 @@ class FluidChoice:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class OperatingPoint:
+class OperatingPoint(KeyTable):
     """``[operating_point]``: steady condition; pressures are absolute."""
 
     shaft_speed: float = quantity("rpm", "Speed of the drive shaft.", above=0, high=50000)
@@ -97,7 +98,7 @@ class OperatingPoint:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class InterfaceChoice:
+class InterfaceChoice(KeyTable):
     """``[run.interfaces]``: models of single interfaces in place of those of the preset."""
 
     journal: str | None = choice("Journal bearings.", "closed_form", "reynolds", default=None)
@@ -117,7 +118,7 @@ class InterfaceChoice:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class RunSettings:
+class RunSettings(KeyTable):
     """``[run]``: fidelity and numerical settings."""
 
     fidelity: str = choice(

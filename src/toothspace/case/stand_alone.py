@@ -12,6 +12,7 @@ from toothspace.core.keys import (
     Integer,
     Items,
     KeyRuleError,
+    KeyTable,
     Number,
     Quantity,
     Row,
@@ -39,7 +40,7 @@ _CAVITATION = ("jfo", "reynolds", "guembel")
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class FilmSurfaces:
+class FilmSurfaces(KeyTable):
     """``surfaces``: roughness and contact of the two walls of a film."""
 
     moving_roughness: float = quantity(
@@ -120,7 +121,7 @@ _DENSITIES = ("constant", "dowson_higginson")
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class BearingGroove:
+class BearingGroove(KeyTable):
     """One of ``[[bearing.grooves]]``: patch of constant pressure."""
 
     angle: float = quantity("deg", "Centre, from x towards y.", low=-360, high=360)
@@ -134,7 +135,7 @@ class BearingGroove:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class BearingLobes:
+class BearingLobes(KeyTable):
     """``lobes``: bore of equal circular arcs that are moved towards the middle."""
 
     count: int = integer("Number of lobes; two make an ellipse.", low=1, high=12)
@@ -148,7 +149,7 @@ class BearingLobes:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class FilmHeat:
+class FilmHeat(KeyTable):
     """``heat``: viscosity at the mean temperature that dissipated power gives the oil."""
 
     oil_share: float = number(
@@ -161,7 +162,7 @@ class FilmHeat:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class ShaftOrbit:
+class ShaftOrbit(KeyTable):
     """``orbit``: motion of a rigid shaft in time, from its place in the case."""
 
     mass: float = quantity("kg", "Mass of the shaft per bearing.", above=0, high=1e6)
@@ -185,7 +186,7 @@ class ShaftOrbit:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class JournalBearingCase:
+class JournalBearingCase(KeyTable):
     """``[bearing]``: either eccentricity or load is given."""
 
     diameter: float = quantity("mm", "Journal diameter.", above=0, high=2000)
@@ -256,7 +257,7 @@ class JournalBearingCase:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class PadPocket:
+class PadPocket(KeyTable):
     """``pocket``: rectangular recess of a pad."""
 
     depth: float = quantity("um", "Depth.", low=0, high=10000)
@@ -266,7 +267,7 @@ class PadPocket:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlaneFilmKeys:
+class PlaneFilmKeys(KeyTable):
     """Keys that the films of all kinds of plane faces share."""
 
     dynamic_viscosity: float | None = quantity(

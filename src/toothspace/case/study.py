@@ -14,6 +14,7 @@ from toothspace.core.keys import (
     Grid,
     Items,
     KeyRuleError,
+    KeyTable,
     Named,
     Number,
     Quantity,
@@ -38,7 +39,7 @@ _LARGEST_COUNT = 10000
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class StartupStudy:
+class StartupStudy(KeyTable):
     """``kind = "startup"``: start-up over plateau speeds and start angles."""
 
     plateau_speed: tuple[float, ...] | None = declare(
@@ -51,7 +52,7 @@ class StartupStudy:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class EfficiencyMapStudy:
+class EfficiencyMapStudy(KeyTable):
     """``kind = "efficiency_map"``: steady points over speed and pressure difference."""
 
     shaft_speed: tuple[float, ...] = declare(Grid(item=_SPEED, doc="Shaft speeds."))
@@ -68,7 +69,7 @@ class EfficiencyMapStudy:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class HysteresisStudy:
+class HysteresisStudy(KeyTable):
     """``kind = "hysteresis"``: pressures up and down with bearing friction."""
 
     outlet_pressures: tuple[float, ...] = declare(
@@ -106,7 +107,7 @@ class HysteresisStudy:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class BearingMapStudy:
+class BearingMapStudy(KeyTable):
     """``kind = "bearing_map"``: equilibrium of a floating bearing over speed and pressure."""
 
     shaft_speed: tuple[float, ...] = declare(Grid(item=_SPEED, doc="Shaft speeds."))
@@ -126,7 +127,7 @@ class BearingMapStudy:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class BalanceSweepStudy:
+class BalanceSweepStudy(KeyTable):
     """``kind = "balance_sweep"``: loops of pressure over balanced area and housing friction."""
 
     balance_ratio: tuple[float, ...] = declare(
@@ -158,7 +159,7 @@ class BalanceSweepStudy:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class NoseCondition:
+class NoseCondition(KeyTable):
     """One of ``conditions``."""
 
     name: str = text("Label.")
@@ -172,7 +173,7 @@ class NoseCondition:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class NosePressureStudy:
+class NosePressureStudy(KeyTable):
     """``kind = "nose_pressure"``: pressure on the nose patch of the floating bearing."""
 
     nose_pressure_fractions: tuple[float, ...] = declare(
@@ -201,7 +202,7 @@ class NosePressureStudy:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class ContactSpanStudy:
+class ContactSpanStudy(KeyTable):
     """``kind = "contact_span"``: teeth that carry load over the angle."""
 
     force_fraction: float = number(
@@ -225,7 +226,7 @@ class ContactSpanStudy:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class CalibrateStudy:
+class CalibrateStudy(KeyTable):
     """``kind = "calibrate"``: fit keys of the case to measured columns."""
 
     data: Path = file_path("Columns time and names of results.", ".csv", default=MISSING)
@@ -272,9 +273,10 @@ def check_vary(vary: Mapping[str, Any], key: str) -> None:
     for path, values in vary.items():
         if isinstance(values, dict):
             _check_span(values, f"{key}.{path}")
-        elif not isinstance(values, list) or not all(map(_is_scalar, values)) or not values:
+        elif not isinstance(values, tuple) or not all(map(_is_scalar, values)) or not values:
+            found = list(values) if isinstance(values, tuple) else values
             allowed = "a list of values, or {from, to, count}"
-            raise KeyRuleError(f"{key}.{path}", repr(values), allowed)
+            raise KeyRuleError(f"{key}.{path}", repr(found), allowed)
 
 
 def _check_span(span: Mapping[str, Any], key: str) -> None:
@@ -309,7 +311,7 @@ def _is_scalar(value: Any) -> bool:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class SweepStudy:
+class SweepStudy(KeyTable):
     """``kind = "sweep"``: many cases over varied keys."""
 
     vary: Mapping[str, Any] = declare(_VARY)
@@ -331,7 +333,7 @@ class SweepStudy:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Limit:
+class Limit(KeyTable):
     """Allowed range of a result."""
 
     low: float | None = number("Lowest allowed value, in the unit of the name.", default=None)
@@ -358,7 +360,7 @@ _LIMITS = Named(item=Table(spec=Limit), doc="Names of summary numbers with low, 
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class ToleranceStudy:
+class ToleranceStudy(KeyTable):
     """``kind = "tolerance"``: scatter of results from scatter of dimensions."""
 
     vary: Mapping[str, Any] = declare(_VARY)
@@ -381,7 +383,7 @@ class ToleranceStudy:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class OptimiseStudy:
+class OptimiseStudy(KeyTable):
     """``kind = "optimise"``: best values of varied keys."""
 
     vary: Mapping[str, Any] = declare(_VARY)

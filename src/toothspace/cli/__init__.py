@@ -76,15 +76,17 @@ def _unexpected(error: Exception) -> int:
         return _complain("Interrupted.", EXIT_INTERRUPTED)
     if os.environ.get("TOOTHSPACE_DEBUG") == "1":
         raise error
+    reason = " ".join(str(error).split())
     return _complain(
-        f"Unexpected {type(error).__name__}: {error}. Please report it with the case file; "
+        f"Unexpected {type(error).__name__}: {reason}. Please report it with the case file; "
         "TOOTHSPACE_DEBUG=1 shows where it happened.",
         EXIT_UNEXPECTED,
     )
 
 
 def _complain(message: str, code: int) -> int:
-    sys.stderr.write(" ".join(message.split()) + "\n")
+    lines = [" ".join(line.split()) for line in message.splitlines()]
+    sys.stderr.write("\n".join(lines) + "\n")
     return code
 
 

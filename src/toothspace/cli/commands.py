@@ -366,14 +366,14 @@ def warmup(*, as_json: bool) -> int:
 
 def schema() -> int:
     """Print the JSON Schema of the case file; returns the exit code."""
-    from toothspace.config.json_schema import case_schema
+    from toothspace.case.json_schema import case_schema
 
     output.line(json.dumps(case_schema(), indent=2, ensure_ascii=False))
     return 0
 
 
 def _load(case_file: Path, overrides: Sequence[str]) -> Case:
-    from toothspace.config import load_case
+    from toothspace.case import load_case
 
     return load_case(case_file, overrides)
 

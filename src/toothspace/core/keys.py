@@ -1,40 +1,86 @@
-"""Declaration of the keys of a case file on the fields of frozen dataclasses.
+"""Declaration of the keys of a case on the fields of frozen dataclasses.
 
-One field states unit, allowed range and meaning once; reading, messages, the JSON Schema and
-the documentation are derived from it.
+One field states unit, allowed range and meaning once; reading, checking, writing, messages, the
+JSON Schema and the documentation follow from it. Every construction of a :class:`KeyTable`
+checks its values: a number behind a key with a unit is in SI units, a text or a
+:class:`toothspace.core.units.Quantity` carries its unit.
 
 >>> from dataclasses import dataclass
 >>> @dataclass(frozen=True, kw_only=True)
-... class Casing:
+... class Casing(KeyTable):
 ...     radial_clearance: float = quantity("um", "Bore radius minus tip radius.", above=0, high=500)
+>>> Casing(radial_clearance="20 um").radial_clearance
+2e-05
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import difflib
+import math
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import MISSING, Field, dataclass, field, fields
-from typing import Any, final
+from numbers import Integral, Real
+from pathlib import Path
+from typing import Any, NamedTuple, NoReturn, final
 
 from toothspace.core.errors import CaseError
+from toothspace.core.frozen import FrozenDict, Points
+from toothspace.core.units import (
+    as_text,
+    dimension_name,
+    exact_text,
+    format_si,
+    parse_quantity,
+    to_si,
+)
 
 _METADATA = "toothspace.key"
+_LONGEST_FOUND = 80
+_QUANTITY_PATTERN = r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?(\s*|\s+1/)[A-Za-zµμ°].*$"
+
+Schema = dict[str, Any]
+
+
+class Problem(NamedTuple):
+    """What is wrong with one key: its path, what stands there and what may stand there."""
+
+    key: str
+    found: str
+    allowed: str
+
+    def __str__(self) -> str:
+        return f"{self.key}: found {self.found}, allowed {self.allowed}"
 
 
 @final
 class KeyRuleError(CaseError):
-    """A rule between keys is broken; raised by ``__post_init__`` with the key relative to it.
+    """Keys that cannot be read or a rule between keys that is broken.
+
+    Raised by ``__post_init__`` of a table with the key relative to the table.
 
     Parameters
     ----------
     key : str
-        Key path relative to the dataclass, empty for the table itself.
+        Key path relative to the table, empty for the table itself.
     found, allowed : str
         What stands there and what may stand there.
     """
 
     def __init__(self, key: str, found: str, allowed: str) -> None:
-        super().__init__(f"{key}: found {found}, allowed {allowed}")
-        self.key, self.found, self.allowed = key, found, allowed
+        super().__init__(str(Problem(key, found, allowed)))
+        self.problems: tuple[Problem, ...] = (Problem(key, found, allowed),)
+
+    @classmethod
+    def of(cls, problems: Iterable[Problem]) -> KeyRuleError:
+        """Return one error of one or more problems."""
+        given = tuple(problems)
+        error = cls(*given[0])
+        error.problems = given
+        error.args = ("\n".join(map(str, given)),)
+        return error
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return KeyRuleError.of, (self.problems,)
 
 
 def require(owner: object, reason: str, *names: str) -> None:
@@ -51,11 +97,127 @@ def forbid(owner: object, reason: str, *names: str) -> None:
             raise KeyRuleError(name, "a value", f"leave this key out {reason}")
 
 
+def shown(raw: Any) -> str:
+    """Return a value as a short text on one line."""
+    text = f"{str(raw).lower()} (true or false)" if isinstance(raw, bool) else repr(raw)
+    text = " ".join(text.split())
+    return text if len(text) <= _LONGEST_FOUND else f"{text[:_LONGEST_FOUND]}..."
+
+
+def joined(path: str, key: str) -> str:
+    """Return the path of a key inside a table; an index follows without a dot."""
+    return f"{path}.{key}" if path and key and not key.startswith("[") else f"{path}{key}"
+
+
+class Problems(list[Problem]):
+    """Problems of several keys, raised together once all of them are read."""
+
+    def of(self, path: str, read: Callable[..., Any], *given: Any) -> Any:
+        """Return what ``read`` returns for what is given; keep its problems under a path."""
+        try:
+            return read(*given)
+        except KeyRuleError as error:
+            self.extend(p._replace(key=joined(path, p.key)) for p in error.problems)
+
+    def settle(self) -> None:
+        """Raise what was kept, if anything was.
+
+        Raises
+        ------
+        KeyRuleError
+            With all problems.
+        """
+        if self:
+            raise KeyRuleError.of(self)
+
+
+@final
+@dataclass(frozen=True)
+class Source:
+    """Where values come from.
+
+    Parameters
+    ----------
+    folder : Path
+        Folder that file paths are relative to.
+    in_si : bool
+        Whether a bare number behind a key with a unit counts as SI (Python objects) or is
+        refused (case files).
+    """
+
+    folder: Path = Path()
+    in_si: bool = False
+
+
+_PYTHON = Source(in_si=True)
+
+FileText = Callable[[Path], str]
+"""How a file is written: its path as text, or a text that stands for its content."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Key:
     """What stands behind one key; ``doc`` is its meaning in one sentence."""
 
     doc: str = ""
+
+    def allowed(self) -> str:
+        """Return in words what may stand behind the key, with its range."""
+        return "any value"
+
+    def read(self, raw: Any, source: Source) -> Any:
+        """Return a value in SI units.
+
+        Raises
+        ------
+        KeyRuleError
+            With the key relative to this one.
+        """
+        raise NotImplementedError
+
+    def written(self, value: Any, file_text: FileText) -> Any:
+        """Return a value as it would stand in a case file; the inverse of :meth:`read`."""
+        return value
+
+    def schema(self) -> Schema:
+        """Return the JSON Schema of the value."""
+        return {}
+
+    def holds(self, value: Any) -> bool:
+        """Tell whether an object is a value of the key already."""
+        return False
+
+    def fail(self, found: str) -> NoReturn:
+        """Refuse what was found."""
+        raise KeyRuleError("", found, self.allowed())
+
+
+def _inside(value: float, bounds: Quantity | Number, bound: Callable[[float], float]) -> bool:
+    # bounds in display units are compared with a rounding allowance
+    if not math.isfinite(value):
+        return False
+    slack = 1e-12 * abs(value)
+    return not (
+        (bounds.above is not None and value <= bound(bounds.above))
+        or (bounds.low is not None and value < bound(bounds.low) - slack)
+        or (bounds.high is not None and value > bound(bounds.high) + slack)
+    )
+
+
+def _range(key: Quantity | Number, unit: str) -> str:
+    parts = []
+    if key.above is not None:
+        parts.append(f"above {key.above:g}{unit}")
+    if key.low is not None:
+        parts.append(f"from {key.low:g}{unit}")
+    if key.high is not None:
+        parts.append(f"{'to' if key.low is not None else 'at most'} {key.high:g}{unit}")
+    text = " ".join(parts) if key.low is not None else ", ".join(parts)
+    return f", {text}" if text else ""
+
+
+def _is_number(raw: Any) -> bool:
+    return isinstance(raw, Real) and not isinstance(raw, bool)
 
 
 @final
@@ -68,6 +230,39 @@ class Quantity(Key):
     high: float | None = None
     above: float | None = None
 
+    def allowed(self) -> str:
+        limits = _range(self, f" {self.unit}")
+        return (
+            f"{dimension_name(self.unit)} with its unit in quotes, such as '1 {self.unit}'{limits}"
+        )
+
+    def read(self, raw: Any, source: Source) -> float:
+        given = as_text(raw)
+        if source.in_si and _is_number(given):
+            value, found = float(given), format_si(float(given), self.unit)
+        else:
+            value, found = self._parsed(given), shown(given)
+        if not _inside(value, self, lambda bound: to_si(bound, self.unit)):
+            self.fail(found)
+        return value
+
+    def _parsed(self, given: Any) -> float:
+        if not isinstance(given, str):
+            self.fail(f"{shown(given)}{' without a unit' if _is_number(given) else ''}")
+        try:
+            return parse_quantity(given, self.unit, self.allowed())
+        except CaseError as error:
+            found = str(error).removeprefix("found ").removesuffix(f", allowed {self.allowed()}")
+            self.fail(found)
+
+    def written(self, value: float, file_text: FileText) -> str:
+        return exact_text(value, self.unit)
+
+    def schema(self) -> Schema:
+        bounds = {"x-minimum": self.low, "x-exclusiveMinimum": self.above, "x-maximum": self.high}
+        given = {name: bound for name, bound in bounds.items() if bound is not None}
+        return {"type": "string", "pattern": _QUANTITY_PATTERN, "x-unit": self.unit, **given}
+
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -78,6 +273,18 @@ class Number(Key):
     high: float | None = None
     above: float | None = None
 
+    def allowed(self) -> str:
+        return f"a number without unit{_range(self, '')}"
+
+    def read(self, raw: Any, source: Source) -> float:
+        if not _is_number(raw) or abs(raw) > 1e300 or not _inside(float(raw), self, float):
+            self.fail(shown(raw))
+        return float(raw)
+
+    def schema(self) -> Schema:
+        bounds = {"minimum": self.low, "exclusiveMinimum": self.above, "maximum": self.high}
+        return {"type": "number", **{name: b for name, b in bounds.items() if b is not None}}
+
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -87,6 +294,19 @@ class Integer(Key):
     low: int
     high: int
 
+    def allowed(self) -> str:
+        return f"a whole number, from {self.low} to {self.high}"
+
+    def read(self, raw: Any, source: Source) -> int:
+        if isinstance(raw, bool) or not isinstance(raw, Integral):
+            self.fail(shown(raw))
+        if not self.low <= int(raw) <= self.high:
+            self.fail(shown(raw))
+        return int(raw)
+
+    def schema(self) -> Schema:
+        return {"type": "integer", "minimum": self.low, "maximum": self.high}
+
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -95,11 +315,33 @@ class Choice(Key):
 
     options: tuple[str, ...]
 
+    def allowed(self) -> str:
+        return " or ".join(f"'{option}'" for option in self.options)
+
+    def read(self, raw: Any, source: Source) -> str:
+        if not isinstance(raw, str) or raw not in self.options:
+            self.fail(shown(raw))
+        return raw
+
+    def schema(self) -> Schema:
+        return {"type": "string", "enum": list(self.options)}
+
 
 @final
 @dataclass(frozen=True, kw_only=True)
 class Text(Key):
     """Any text that is not empty."""
+
+    def allowed(self) -> str:
+        return "a text that is not empty"
+
+    def read(self, raw: Any, source: Source) -> str:
+        if not isinstance(raw, str) or not raw.strip():
+            self.fail(shown(raw))
+        return raw
+
+    def schema(self) -> Schema:
+        return {"type": "string", "minLength": 1}
 
 
 @final
@@ -107,13 +349,87 @@ class Text(Key):
 class Flag(Key):
     """True or false."""
 
+    def allowed(self) -> str:
+        return "true or false"
+
+    def read(self, raw: Any, source: Source) -> bool:
+        if not isinstance(raw, bool):
+            self.fail(shown(raw))
+        return raw
+
+    def schema(self) -> Schema:
+        return {"type": "boolean"}
+
 
 @final
 @dataclass(frozen=True, kw_only=True)
 class FilePath(Key):
-    """A file next to the case file that must exist; ``suffixes`` in lower case."""
+    """A file next to the case file that must exist; ``suffixes`` in lower case.
+
+    With ``points`` a list of points of a closed curve may stand in its place.
+    """
 
     suffixes: tuple[str, ...]
+    points: bool = False
+
+    def allowed(self) -> str:
+        curve = ", or a list of at least three points [x, y]" if self.points else ""
+        return f"a file that exists ({', '.join(self.suffixes)}), relative to the case file{curve}"
+
+    def read(self, raw: Any, source: Source) -> Path | Points:
+        if self.points and not isinstance(raw, (str, Path)):
+            try:
+                return Points(raw)
+            except (TypeError, ValueError):
+                self.fail(shown(raw))
+        if not isinstance(raw, (str, Path)) or not str(raw).strip() or "\0" in str(raw):
+            self.fail(shown(raw))
+        file = (getattr(raw, "folder", source.folder) / Path(raw)).resolve()
+        name = shown(str(raw))
+        if file.suffix.lower() not in self.suffixes:
+            self.fail(f"{name} with the ending {shown(file.suffix)}")
+        wrong = _fault_of(file)
+        if wrong:
+            self.fail(f"{name}, which {wrong}")
+        return file
+
+    def written(self, value: Path | Points, file_text: FileText) -> Any:
+        return value.tolist() if isinstance(value, Points) else file_text(value)
+
+    def schema(self) -> Schema:
+        names = [suffix.lstrip(".") for suffix in self.suffixes]
+        endings = "|".join([*names, *(name.upper() for name in names)])
+        file = {"type": "string", "pattern": rf"\.({endings})$"}
+        if not self.points:
+            return file
+        pair = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
+        return {"anyOf": [file, {"type": "array", "items": pair, "minItems": 3}]}
+
+
+def _fault_of(file: Path) -> str:
+    """What is wrong with a file to be read; empty if nothing is."""
+    try:
+        if file.is_dir():
+            return "is a directory"
+        if not file.is_file():
+            return "is a device or pipe" if file.exists() else "does not exist"
+        return "" if file.stat().st_size else "is empty"
+    except OSError as error:
+        return f"cannot be read ({error.strerror})"
+
+
+def _sequence(raw: Any) -> list[Any] | None:
+    """Items of a list, tuple or array; None for anything else."""
+    if hasattr(raw, "tolist"):
+        raw = raw.tolist()
+    return list(raw) if isinstance(raw, (list, tuple)) else None
+
+
+def _each(pairs: Iterable[tuple[Key, Any]], source: Source) -> tuple[Any, ...]:
+    problems = Problems()
+    values = [problems.of(f"[{k}]", key.read, item, source) for k, (key, item) in enumerate(pairs)]
+    problems.settle()
+    return tuple(values)
 
 
 @final
@@ -125,6 +441,22 @@ class Items(Key):
     low: int = 1
     high: int = 10000
 
+    def allowed(self) -> str:
+        return f"a list of {self.low} to {self.high} items, each {self.item.allowed()}"
+
+    def read(self, raw: Any, source: Source) -> tuple[Any, ...]:
+        items = _sequence(raw)
+        if items is None or not self.low <= len(items) <= self.high:
+            self.fail(shown(raw))
+        return _each(((self.item, item) for item in items), source)
+
+    def written(self, value: tuple[Any, ...], file_text: FileText) -> list[Any]:
+        return [self.item.written(item, file_text) for item in value]
+
+    def schema(self) -> Schema:
+        size = {"minItems": self.low, "maxItems": self.high}
+        return {"type": "array", "items": self.item.schema(), **size}
+
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -132,6 +464,23 @@ class Row(Key):
     """List of a fixed number of items, each of its own kind."""
 
     items: tuple[Key, ...]
+
+    def allowed(self) -> str:
+        return f"a list of {len(self.items)} items: {'; '.join(k.allowed() for k in self.items)}"
+
+    def read(self, raw: Any, source: Source) -> tuple[Any, ...]:
+        items = _sequence(raw)
+        if items is None or len(items) != len(self.items):
+            self.fail(shown(raw))
+        return _each(zip(self.items, items, strict=True), source)
+
+    def written(self, value: tuple[Any, ...], file_text: FileText) -> list[Any]:
+        return [k.written(item, file_text) for k, item in zip(self.items, value, strict=True)]
+
+    def schema(self) -> Schema:
+        items = [item.schema() for item in self.items]
+        size = len(items)
+        return {"type": "array", "prefixItems": items, "minItems": size, "maxItems": size}
 
 
 @final
@@ -141,6 +490,49 @@ class Grid(Key):
 
     item: Quantity | Number
 
+    def allowed(self) -> str:
+        return f"a list or {{from, to, count}} of: {self.item.allowed()}"
+
+    def read(self, raw: Any, source: Source) -> tuple[float, ...]:
+        if not isinstance(raw, Mapping):
+            return Items(item=self.item).read(raw, source)
+        parts = {"from": self.item, "to": self.item, "count": Integer(low=2, high=10000)}
+        problems = Problems()
+        _keep_unknown(problems, raw, parts)
+        problems.extend(Problem(n, "nothing", self.allowed()) for n in parts if n not in raw)
+        values = {
+            name: problems.of(name, key.read, raw[name], source)
+            for name, key in parts.items()
+            if name in raw
+        }
+        problems.settle()
+        first, last, count = values["from"], values["to"], values["count"]
+        return tuple(first + (last - first) * k / (count - 1) for k in range(count))
+
+    def written(self, value: tuple[float, ...], file_text: FileText) -> list[Any]:
+        return [self.item.written(item, file_text) for item in value]
+
+    def schema(self) -> Schema:
+        item = self.item.schema()
+        span = {
+            "type": "object",
+            "properties": {"from": item, "to": item, "count": {"type": "integer", "minimum": 2}},
+            "required": ["from", "to", "count"],
+            "additionalProperties": False,
+        }
+        return {"anyOf": [{"type": "array", "items": item, "minItems": 1}, span]}
+
+
+def _keep_unknown(problems: Problems, raw: Mapping[str, Any], known: Iterable[str]) -> None:
+    """Keep keys that nobody reads, with the nearest known one."""
+    names = list(known)
+    for name in raw:
+        if name not in names:
+            near = difflib.get_close_matches(str(name), names, n=1)
+            hint = f"{near[0]} (did you mean that?)" if near else ", ".join(names) or "no keys"
+            shown_name = str(name) if str(name).isprintable() else repr(name)
+            problems.append(Problem(shown_name, "an unknown key", hint))
+
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -149,28 +541,234 @@ class Table(Key):
 
     spec: type
 
+    def allowed(self) -> str:
+        return f"a table with the keys {', '.join(keys_of(self.spec))}"
+
+    def read(self, raw: Any, source: Source) -> Any:
+        return raw if isinstance(raw, self.spec) else self.spec(**self.values(raw, source))
+
+    def values(self, raw: Any, source: Source) -> dict[str, Any]:
+        """Return the values of the fields that are given.
+
+        Raises
+        ------
+        KeyRuleError
+            With all keys that are unknown, missing or refused.
+        """
+        if not isinstance(raw, Mapping):
+            self.fail(shown(raw))
+        declared = keys_of(self.spec)
+        named, rest = _without_named(declared, raw)
+        problems = Problems()
+        _keep_unknown(problems, rest, (n for n in declared if n not in named))
+        values = {}
+        for name, (key, dataclass_field) in declared.items():
+            given = named.get(name, rest.get(name))
+            if given is not None:
+                values[name] = problems.of("" if name in named else name, key.read, given, source)
+            elif is_required(dataclass_field):
+                problems.append(Problem(name, "nothing", key.allowed()))
+        problems.settle()
+        return values
+
+    def written(self, value: Any, file_text: FileText) -> dict[str, Any]:
+        """Keys that are compulsory or differ from their default."""
+        found: dict[str, Any] = {}
+        for name, (key, dataclass_field) in keys_of(self.spec).items():
+            one = getattr(value, name)
+            if one is None or (not is_required(dataclass_field) and one == dataclass_field.default):
+                continue
+            text = key.written(one, file_text)
+            found |= text if isinstance(key, Named) and key.beside else {name: text}
+        return found
+
+    def schema(self) -> Schema:
+        properties: Schema = {}
+        others: Any = False
+        for name, (key, dataclass_field) in keys_of(self.spec).items():
+            if isinstance(key, Named) and key.beside:
+                others = key.item.schema()
+            else:
+                properties[name] = described(key) | _default(key, dataclass_field.default)
+        declared = keys_of(self.spec).items()
+        return {
+            "type": "object",
+            "properties": properties,
+            "required": [n for n, (_, f) in declared if is_required(f) and n in properties],
+            "additionalProperties": others,
+        }
+
+
+def _without_named(
+    declared: Mapping[str, tuple[Key, Field[Any]]], raw: Mapping[str, Any]
+) -> tuple[dict[str, Any], Mapping[str, Any]]:
+    """Sub-tables with free names, by the field that holds them, and the other keys."""
+    for name, (key, _) in declared.items():
+        if isinstance(key, Named) and key.beside:
+            tables = {
+                n: v
+                for n, v in raw.items()
+                if n not in declared and (isinstance(v, Mapping) or key.item.holds(v))
+            }
+            return {name: tables}, {n: v for n, v in raw.items() if n not in tables}
+    return {}, raw
+
 
 @final
 @dataclass(frozen=True, kw_only=True)
 class Variant(Key):
-    """Sub-table whose key ``tag`` chooses the dataclass."""
+    """Sub-table whose key ``tag`` chooses the dataclass.
+
+    ``variants`` may be a function where the choice is known at run time only.
+    """
 
     tag: str
-    variants: Mapping[str, type]
+    variants: Mapping[str, type] | Callable[[], Mapping[str, type]]
+
+    def kinds(self) -> Mapping[str, type]:
+        """Return the dataclass of every value of the tag."""
+        return self.variants() if callable(self.variants) else self.variants
+
+    def name_of(self, value: Any) -> str:
+        """Return the value of the tag that stands for an object."""
+        return next((name for name, spec in self.kinds().items() if type(value) is spec), "")
+
+    def holds(self, value: Any) -> bool:
+        """Tell whether an object is one of the variants."""
+        return bool(self.name_of(value))
+
+    def allowed(self) -> str:
+        return f"a table with {self.tag} = one of {', '.join(self.kinds())}"
+
+    def read(self, raw: Any, source: Source) -> Any:
+        if self.holds(raw):
+            return raw
+        if not isinstance(raw, Mapping):
+            self.fail(shown(raw))
+        name, kinds = raw.get(self.tag), self.kinds()
+        if not isinstance(name, str) or name not in kinds:
+            found = "nothing" if name is None else shown(name)
+            raise KeyRuleError(self.tag, found, " or ".join(f"'{kind}'" for kind in kinds))
+        rest = {other: value for other, value in raw.items() if other != self.tag}
+        return Table(spec=kinds[name]).read(rest, source)
+
+    def written(self, value: Any, file_text: FileText) -> dict[str, Any]:
+        return {
+            self.tag: self.name_of(value),
+            **Table(spec=type(value)).written(value, file_text),
+        }
+
+    def schema(self) -> Schema:
+        return {"oneOf": [self._kind(name, spec) for name, spec in self.kinds().items()]}
+
+    def _kind(self, name: str, spec: type) -> Schema:
+        schema = Table(spec=spec).schema()
+        schema["properties"] = {self.tag: {"const": name}, **schema["properties"]}
+        schema["required"] = [self.tag, *schema["required"]]
+        return schema
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
 class Named(Key):
-    """Sub-table with free names, each holding an item of one kind."""
+    """Sub-table with free names, each holding an item of one kind.
+
+    With ``beside`` the names stand in the table of the field itself, beside its other keys.
+    """
 
     item: Key
+    beside: bool = False
+
+    def allowed(self) -> str:
+        return "a table"
+
+    def read(self, raw: Any, source: Source) -> FrozenDict:
+        if not isinstance(raw, Mapping):
+            self.fail(shown(raw))
+        problems = Problems()
+        values = {
+            name: problems.of(str(name), self.item.read, value, source)
+            for name, value in raw.items()
+        }
+        problems.settle()
+        return FrozenDict(values)
+
+    def written(self, value: Mapping[str, Any], file_text: FileText) -> dict[str, Any]:
+        return {name: self.item.written(item, file_text) for name, item in value.items()}
+
+    def schema(self) -> Schema:
+        return {"type": "object", "additionalProperties": self.item.schema()}
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
 class Free(Key):
     """Any value, kept as it stands."""
+
+    def read(self, raw: Any, source: Source) -> Any:
+        if isinstance(raw, Mapping):
+            return FrozenDict({name: self.read(value, source) for name, value in raw.items()})
+        items = _sequence(raw)
+        return as_text(raw) if items is None else tuple(self.read(i, source) for i in items)
+
+    def written(self, value: Any, file_text: FileText) -> Any:
+        if isinstance(value, Mapping):
+            return {name: self.written(item, file_text) for name, item in value.items()}
+        return [self.written(i, file_text) for i in value] if isinstance(value, tuple) else value
+
+
+def described(key: Key) -> Schema:
+    """Return the schema of a key with its meaning and what it allows in words."""
+    nested = isinstance(key, (Table, Variant, Free))
+    allowed = "" if nested else f" Allowed: {key.allowed()}."
+    return {"description": f"{key.doc}{allowed}".strip(), **key.schema()}
+
+
+def _default(key: Key, default: Any) -> Schema:
+    if default is MISSING or default is None:
+        return {}
+    if isinstance(key, Quantity):
+        return {"default": format_si(default, key.unit)}
+    if isinstance(key, (Number, Integer, Choice, Text, Flag)):
+        return {"default": default}
+    return {}
+
+
+class KeyTable:
+    """Base of the frozen dataclasses that hold the keys of a case.
+
+    Every construction, :func:`dataclasses.replace` included, checks each value along its
+    declaration before the table's own rules in ``__post_init__``.
+    """
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        rules: Callable[[Any], None] | None = cls.__dict__.get("__post_init__")
+
+        def checked(self: Any) -> None:
+            check_values(self)
+            if rules is not None:
+                rules(self)
+
+        cls.__post_init__ = checked  # type: ignore[attr-defined]
+
+
+def check_values(table: Any) -> None:
+    """Check every value of a table in place; texts with units become numbers in SI units.
+
+    Raises
+    ------
+    KeyRuleError
+        With all keys whose values are refused.
+    """
+    problems = Problems()
+    for name, (key, dataclass_field) in keys_of(type(table)).items():
+        value = getattr(table, name)
+        if value is dataclass_field.default:
+            continue
+        read = problems.of(name, key.read, value, _PYTHON)
+        object.__setattr__(table, name, read)
+    problems.settle()
 
 
 def declare(key: Key, default: Any = MISSING) -> Any:
@@ -218,9 +816,9 @@ def text(doc: str, *, default: str | Any | None = MISSING) -> Any:
     return declare(Text(doc=doc), default)
 
 
-def file_path(doc: str, *suffixes: str, default: Any = None) -> Any:
-    """Declare a file, given relative to the case file."""
-    return declare(FilePath(doc=doc, suffixes=suffixes), default)
+def file_path(doc: str, *suffixes: str, default: Any = None, points: bool = False) -> Any:
+    """Declare a file, given relative to the case file, or with ``points`` a curve."""
+    return declare(FilePath(doc=doc, suffixes=suffixes, points=points), default)
 
 
 def table(spec: type, doc: str, *, default: Any = MISSING) -> Any:

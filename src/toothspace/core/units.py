@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import Any, final
 
 from toothspace.core.errors import CaseError
 
@@ -153,6 +154,88 @@ def from_si(value: float, unit: str) -> float:
 def format_si(value: float, unit: str) -> str:
     """Write an SI number as text in a unit, short enough for a message."""
     return f"{from_si(value, unit):.10g} {unit}"
+
+
+def exact_text(value: float, unit: str) -> str:
+    """Write an SI number as the shortest text in a unit that reads back to the same number."""
+    shown = from_si(value, unit)
+    for digits in range(6, 18):
+        text = f"{shown:.{digits}g}"
+        if to_si(float(text), unit) == value:
+            return f"{text} {unit}"
+    for number in (math.nextafter(shown, -math.inf), math.nextafter(shown, math.inf)):
+        if to_si(number, unit) == value:
+            return f"{number!r} {unit}"
+    return f"{value!r} {si_unit(unit)}"
+
+
+@cache
+def si_unit(unit: str) -> str:
+    """Return the SI base unit of what a unit measures, such as ``kg/m/s**2``."""
+    return f"{_registry().get_base_units(_unit(unit))[1]:~C}"
+
+
+@final
+@dataclass(frozen=True)
+class Quantity:
+    """A number with its unit, for keys of a case in Python.
+
+    Parameters
+    ----------
+    value : float
+        Number. [unit]
+    unit : str
+        Unit as in a case file, such as ``"mm"`` or ``"rpm"``.
+
+    Raises
+    ------
+    CaseError
+        If the unit is unknown or the number not finite.
+
+    Examples
+    --------
+    >>> Quantity(3.0, "mm").si
+    0.003
+    >>> Quantity(0.2, "MPa").to("bar")
+    2.0
+    """
+
+    value: float
+    unit: str
+
+    def __post_init__(self) -> None:
+        split_quantity(str(self))
+
+    def __str__(self) -> str:
+        return f"{float(self.value)!r} {self.unit}"
+
+    @property
+    def si(self) -> float:
+        """The quantity in SI base units, angles in rad. [SI unit]."""
+        return to_si(self.value, self.unit)
+
+    def to(self, unit: str) -> float:
+        """Return the number in another unit of the same dimension. [unit].
+
+        Raises
+        ------
+        CaseError
+            If the unit measures something else.
+        """
+        return from_si(parse_quantity(str(self), unit), unit)
+
+
+def as_text(raw: Any) -> Any:
+    """Return quantities as text with their unit, anything else as it is.
+
+    Quantities are :class:`Quantity` and what else has a magnitude and units, such as those of
+    Pint; numbers of NumPy become those of Python.
+    """
+    if isinstance(raw, Quantity):
+        return str(raw)
+    if hasattr(raw, "magnitude") and hasattr(raw, "units"):
+        return f"{float(raw.magnitude)!r} {raw.units:~C}"
+    return raw.item() if hasattr(raw, "item") and getattr(raw, "ndim", 1) == 0 else raw
 
 
 def split_quantity(text: str) -> tuple[float, str]:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from toothspace.core.errors import GeometryError
+from toothspace.core.frozen import Points
 from toothspace.core.types import Array
 from toothspace.geometry.curve import signed_area, without_repeats
 
@@ -16,19 +17,19 @@ SUFFIXES = (*TEXT_SUFFIXES, ".dxf", ".stl", ".step", ".stp")
 
 
 def load_closed_curves(
-    path: Path,
+    path: Path | Points,
     unit: float = 1e-3,
     plane_z: float | None = None,
     layer: str | None = None,
     body: int | None = None,
 ) -> list[Array]:
-    """Read every closed curve of a file.
+    """Read every closed curve of a file, or take the one of given points.
 
     Parameters
     ----------
-    path : Path
+    path : Path or Points
         ``.txt``, ``.csv``, ``.dat`` (points), ``.dxf``, ``.stl`` (section), ``.step``, ``.stp``
-        (section).
+        (section); or points in place of a file.
     unit : float
         Length of one unit of the file; STEP files carry their own. [m]
     plane_z : float or None
@@ -49,12 +50,15 @@ def load_closed_curves(
         For a missing, empty, damaged or unknown file, an open curve or a body that is not closed;
         the message names the file, what was found and what is allowed.
     """
-    path = Path(path)
-    if not path.is_file():
-        raise GeometryError(f"{path}: found no such file, allowed a readable file")
-    if path.stat().st_size == 0:
-        raise GeometryError(f"{path}: found an empty file, allowed at least one closed curve")
-    curves = _read(path, unit, plane_z, layer, body)
+    if isinstance(path, Points):
+        curves = [unit * np.asarray(path)]
+    else:
+        path = Path(path)
+        if not path.is_file():
+            raise GeometryError(f"{path}: found no such file, allowed a readable file")
+        if path.stat().st_size == 0:
+            raise GeometryError(f"{path}: found an empty file, allowed at least one closed curve")
+        curves = _read(path, unit, plane_z, layer, body)
     clean = [without_repeats(curve) for curve in curves]
     for curve in clean:
         if len(curve) < 3:

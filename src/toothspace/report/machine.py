@@ -31,12 +31,12 @@ def machine_of(solution: Solution) -> tuple[MachineDescription | None, str]:
         Why not; empty if it was.
     """
     from toothspace import api
-    from toothspace.config import case_from_text
+    from toothspace.case import Case
 
     provenance = solution.provenance
     folder = Path(provenance.get("case_file", "")).parent
     try:
-        case = case_from_text(provenance.get("case_toml", ""), folder)
+        case = Case.from_toml(provenance.get("case_toml", ""), folder)
         if case.hash != provenance.get("case_hash", case.hash):
             return None, NOT_REBUILT + "files that the case names have changed since the run."
         return api.describe(case), ""

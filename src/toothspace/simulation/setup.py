@@ -162,7 +162,7 @@ def provenance_of(case: Case) -> dict[str, str]:
     return {
         "title": case.title,
         "package_version": toothspace.__version__,
-        "case_toml": case.to_toml(),
+        "case_toml": case.to_toml(case.source.parent if case.source else None),
         "case_hash": case.hash,
         "case_file": str(case.source or ""),
         "preset": case.run.fidelity,

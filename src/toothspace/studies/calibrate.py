@@ -10,11 +10,10 @@ import numpy as np
 
 from toothspace.case import Case
 from toothspace.case.study import CalibrateStudy
-from toothspace.config.document import parse_document
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.core.units import from_si, split_quantity, to_si
+from toothspace.core.units import from_si
 from toothspace.studies.least_squares import Fit, fit
 from toothspace.studies.measured import Measured, Signals, read_measured
 from toothspace.studies.points import Evaluate, evaluate_points, point, summary_numbers
@@ -197,22 +196,18 @@ def _used_rows(study: CalibrateStudy, measured: Measured, keys: int, label: str)
 
 def _start(case: Case, axes: Sequence[Axis]) -> Array:
     """Values that stand in the case, where they lie within the bounds; else the middle."""
-    tables = parse_document(case.text, "case")
     shares = []
     for axis in axes:
-        value: Any = tables
-        for name in axis.path.split("."):
-            value = value.get(name) if isinstance(value, dict) else None
-        share = (_number(value, axis.unit) - axis.low) / (axis.high - axis.low)
+        share = (_number(case.value(axis.path), axis.unit) - axis.low) / (axis.high - axis.low)
         shares.append(share if 0.0 < share < 1.0 else 0.5)
     return np.array(shares)
 
 
 def _number(value: Any, unit: str) -> float:
-    if isinstance(value, str) and unit:
-        number, given = split_quantity(value)
-        return number if given == unit else from_si(to_si(number, given), unit)
-    return float(value) if isinstance(value, (int, float)) else np.nan
+    """A value of the case, which is in SI units, in the unit of an axis."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return np.nan
+    return from_si(value, unit) if unit else float(value)
 
 
 def _result(case: Case, status: Status, outcome: _Outcome) -> StudyResult:

@@ -11,7 +11,6 @@ import numpy as np
 
 from toothspace.case import Case
 from toothspace.case.study import ContactSpanStudy
-from toothspace.config.load import case_with
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
 from toothspace.results.solution import Solution
@@ -117,8 +116,8 @@ def _waveforms(case: Case) -> xr.Dataset:
     from toothspace.results.tooth_contacts import tooth_forces
 
     complete = api.simulate(case)
-    ideal = api.simulate(case_with(case, {"run.fidelity": "ideal"}))
-    single = api.simulate(case_with(case, {_THEORY: "single"}))
+    ideal = api.simulate(case.at_point({"run.fidelity": "ideal"}))
+    single = api.simulate(case.at_point({_THEORY: "single"}))
     angle = _last_turn(complete)
     found = tooth_forces(complete.data, api.describe(case))
     friction = np.asarray(complete.data["torque_loss"].sel(mechanism=_MECHANISM))

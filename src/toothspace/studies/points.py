@@ -10,7 +10,6 @@ from typing import Any, final
 
 import toothspace
 from toothspace.case import Case
-from toothspace.config.load import case_with
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.studies.records import BAD_INPUT, FAILED, INTERRUPTED, Record
@@ -61,7 +60,7 @@ def summary_numbers(case: Case) -> Mapping[str, Any]:
 def point(case: Case, values: Mapping[str, Any]) -> Point:
     """Make one point; values that the case refuses are kept with the reason."""
     try:
-        return Point(values, case_with(case, values))
+        return Point(values, case.at_point(values))
     except CaseError as error:
         return Point(values, None, str(error))
 

@@ -13,7 +13,6 @@ import numpy as np
 
 import toothspace
 from toothspace.case import Case
-from toothspace.config.load import case_with
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.simulation.lateral.coupling import CoupledPoint
@@ -126,7 +125,7 @@ def point_key(case: Case, *what: object) -> str:
     *what : object
         Numbers and texts that the point depends on besides the case.
     """
-    text = "\n".join((case_with(case, {}).hash, repr(what), toothspace.__version__))
+    text = "\n".join((case.at_point({}).hash, repr(what), toothspace.__version__))
     return hashlib.sha256(text.encode()).hexdigest()[:32]
 
 

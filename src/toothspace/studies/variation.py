@@ -150,7 +150,7 @@ def written_values(axes: Sequence[Axis], row: Sequence[Any]) -> dict[str, Any]:
 
 
 def _axis(path: str, given: Any, where: str) -> Axis:
-    if isinstance(given, list):
+    if isinstance(given, tuple):
         numbers, unit = _numbers(given, where)
         return Axis(path, unit, tuple(numbers), whole=_all_whole(given))
     names = [name for name in ("from", "to", "mean", "deviation") if name in given]
@@ -189,7 +189,7 @@ def _numbers(given: Sequence[Any], where: str) -> tuple[list[Any], str]:
     if not any(_is_quantity(value) for value in given):
         return list(given), ""
     if not all(_is_quantity(value) for value in given):
-        raise CaseError(f"{where}: found {given!r}, allowed values that all have a unit")
+        raise CaseError(f"{where}: found {list(given)!r}, allowed values that all have a unit")
     pairs = [split_quantity(value) for value in given]
     unit = pairs[0][1]
     for value, (_, other) in zip(given, pairs, strict=True):

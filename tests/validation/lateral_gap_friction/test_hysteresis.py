@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from toothspace.case import load_case
 from toothspace.case.study import HysteresisStudy
-from toothspace.config import load_case
 from toothspace.core.status import Status
 from toothspace.studies.hysteresis import follow_pressures, loop_area
 from toothspace.studies.lateral_points import LateralStudy

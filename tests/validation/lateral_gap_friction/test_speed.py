@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from toothspace.case import Case
+from toothspace.case import Case, load_case
 from toothspace.case.study import BalanceSweepStudy, NosePressureStudy
-from toothspace.config import load_case
 from toothspace.core.status import Status
 from toothspace.model.lateral_balance import HousingContact
 from toothspace.simulation.lateral.problem import lateral_problem

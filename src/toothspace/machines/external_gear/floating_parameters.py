@@ -9,6 +9,7 @@ from typing import final
 from toothspace.core.keys import (
     Flag,
     Items,
+    KeyTable,
     Quantity,
     Row,
     Table,
@@ -31,7 +32,7 @@ _POINT = Row(items=(Quantity(unit="mm"), Quantity(unit="mm")))
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class PressureAreaParameters:
+class PressureAreaParameters(KeyTable):
     """``high_pressure_area``: a seal line, a contour, or area and centre."""
 
     seal_line_x: float | None = quantity(
@@ -58,7 +59,7 @@ class PressureAreaParameters:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class NoseParameters:
+class NoseParameters(KeyTable):
     """``nose``: patch of the back face with a pressure of its own."""
 
     contour: Path | None = file_path("Closed polygon of the patch.", *CONTOUR_SUFFIXES)
@@ -76,7 +77,7 @@ class NoseParameters:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class SpringParameters:
+class SpringParameters(KeyTable):
     """One of ``springs``."""
 
     force: float = quantity("N", "Preload towards the gears.", low=0, high=1e5)
@@ -86,7 +87,7 @@ class SpringParameters:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class HousingContactParameters:
+class HousingContactParameters(KeyTable):
     """``housing_contact``: friction between floating bearing and housing."""
 
     area: float = quantity("mm^2", "Contact area.", low=0, high=1e6, default=0.0)
@@ -99,7 +100,7 @@ class HousingContactParameters:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class FloatingBearingParameters:
+class FloatingBearingParameters(KeyTable):
     """``[machine.floating_bearing]``: force balance of the floating bearing."""
 
     material: str = text("Material from the library.", default="AlSi")
@@ -154,7 +155,7 @@ class FloatingBearingParameters:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class ElasticBodiesParameters:
+class ElasticBodiesParameters(KeyTable):
     """``[machine.elastic_bodies]``: shapes of bodies that deform in place of swept ones."""
 
     floating_bearing: Path | None = file_path(

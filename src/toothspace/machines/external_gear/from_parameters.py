@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple, cast
 
 from toothspace.core.errors import GeometryError
+from toothspace.core.frozen import Points
 from toothspace.core.keys import KeyRuleError
 from toothspace.core.types import Array
 from toothspace.core.units import to_si
@@ -230,11 +231,11 @@ def _groove_sides(file: Path) -> tuple[Array | None, Array | None]:
     return found.get(True), found.get(False)
 
 
-def _profile(gear: keys.GearParameters, file: Path, table: str) -> GearProfile:
+def _profile(gear: keys.GearParameters, file: Path | Points, table: str) -> GearProfile:
     section = _Section(
         to_si(1.0, gear.profile_unit), gear.profile_plane, gear.profile_layer, gear.profile_body
     )
-    modified = file.stat().st_mtime_ns
+    modified = file.stat().st_mtime_ns if isinstance(file, Path) else 0
     detected = _detected(file, modified, section, gear.tooth_count, f"{table}.profile")
     if gear.tooth_count not in (None, detected.tooth_count):
         allowed = f"{detected.tooth_count} teeth as in {file.name}, or no tooth_count"
@@ -244,7 +245,7 @@ def _profile(gear: keys.GearParameters, file: Path, table: str) -> GearProfile:
 
 @lru_cache(maxsize=8)
 def _detected(
-    file: Path, _modified: int, section: _Section, tooth_count: int | None, key: str
+    file: Path | Points, _modified: int, section: _Section, tooth_count: int | None, key: str
 ) -> GearProfile:
     curves = _contours(file, key, section)
     name = f"{key}: {file.name}"
@@ -255,7 +256,7 @@ def _detected(
         raise GeometryError(f"{name}: found a curve without teeth, allowed {allowed}") from error
 
 
-def _contours(file: Path, key: str, section: _Section = _MILLIMETRES) -> list[Array]:
+def _contours(file: Path | Points, key: str, section: _Section = _MILLIMETRES) -> list[Array]:
     try:
         curves = load_closed_curves(file, *section)
         return [checked_polygon(curve, file.name) for curve in curves]

@@ -10,7 +10,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, final
 
+from toothspace.core.frozen import Points
 from toothspace.core.keys import (
+    KeyTable,
     choice,
     file_path,
     forbid,
@@ -32,7 +34,7 @@ PROFILE_SUFFIXES = (".txt", ".csv", ".dxf", ".stl", ".step", ".stp")
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class GearParameters:
+class GearParameters(KeyTable):
     """``[machine.gears]``: rack-generated involute teeth, or a profile from a file."""
 
     tooth_count: int | None = integer("Number of teeth.", low=5, high=200, default=None)
@@ -71,12 +73,10 @@ class GearParameters:
     roughness: float = quantity(
         "um", "Root mean square roughness of flanks and faces.", low=0, high=10, default=0.25e-6
     )
-    profile: Path | None = file_path(
-        "Closed tooth or gear profile; replaces the generator.", *PROFILE_SUFFIXES
+    profile: Path | Points | None = file_path(
+        "Closed tooth or gear profile; replaces the generator.", *PROFILE_SUFFIXES, points=True
     )
-    profile_unit: str = choice(
-        "Length unit of the profile file.", "mm", "m", "um", "in", default="mm"
-    )
+    profile_unit: str = choice("Length unit of the profile.", "mm", "m", "um", "in", default="mm")
     profile_layer: str | None = text("Layer of a DXF file; default all.", default=None)
     profile_plane: float | None = quantity(
         "mm", "Height of the section through a solid; default its middle.", default=None
@@ -97,7 +97,7 @@ class GearParameters:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class DrivenGearParameters:
+class DrivenGearParameters(KeyTable):
     """``[machine.driven_gear]``: the keys in which the driven gear differs."""
 
     tooth_count: int | None = integer("Number of teeth.", low=5, high=200, default=None)
@@ -120,9 +120,11 @@ class DrivenGearParameters:
     roughness: float | None = quantity(
         "um", "Root mean square roughness of flanks and faces.", low=0, high=10, default=None
     )
-    profile: Path | None = file_path("Closed tooth or gear profile.", *PROFILE_SUFFIXES)
+    profile: Path | Points | None = file_path(
+        "Closed tooth or gear profile.", *PROFILE_SUFFIXES, points=True
+    )
     profile_unit: str | None = choice(
-        "Length unit of the profile file.", "mm", "m", "um", "in", default=None
+        "Length unit of the profile.", "mm", "m", "um", "in", default=None
     )
     profile_layer: str | None = text("Layer of a DXF file.", default=None)
     profile_plane: float | None = quantity(
@@ -133,7 +135,7 @@ class DrivenGearParameters:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class WearInParameters:
+class WearInParameters(KeyTable):
     """``[machine.casing.wear_in]``: condition at which the gears cut into the casing."""
 
     pressure: float = quantity("bar", "Pressure on the high-pressure side.", above=0, high=1000)
@@ -143,7 +145,7 @@ class WearInParameters:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class CasingParameters:
+class CasingParameters(KeyTable):
     """``[machine.casing]``: bores round the gears and their port edges."""
 
     radial_clearance: float = quantity(
@@ -171,7 +173,7 @@ class CasingParameters:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class BearingBlockParameters:
+class BearingBlockParameters(KeyTable):
     """``[machine.bearing_blocks]``."""
 
     radial_clearance: float = quantity(
@@ -181,7 +183,7 @@ class BearingBlockParameters:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class JournalBearingParameters:
+class JournalBearingParameters(KeyTable):
     """``[machine.journal_bearings]``: two equal bearings on each gear."""
 
     diameter: float = quantity("mm", "Journal diameter.", above=0, high=500)
@@ -201,7 +203,7 @@ class JournalBearingParameters:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class ReliefGrooveParameters:
+class ReliefGrooveParameters(KeyTable):
     """``[machine.relief_grooves]``: per bushing face."""
 
     closing_side_offset: float | None = quantity(
@@ -236,7 +238,7 @@ class ReliefGrooveParameters:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class LateralParameters:
+class LateralParameters(KeyTable):
     """``[machine.lateral]``: films between gear faces and bushings."""
 
     side_gap: float | None = quantity(
@@ -269,7 +271,7 @@ class LateralParameters:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class SealParameters:
+class SealParameters(KeyTable):
     """``[machine.seals]``."""
 
     shaft_seal_torque: float | None = quantity(
@@ -298,7 +300,7 @@ class SealParameters:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class StartupParameters:
+class StartupParameters(KeyTable):
     """``[machine.startup]``: friction at rest."""
 
     breakaway: str = choice(
@@ -313,7 +315,7 @@ class StartupParameters:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class PortParameters:
+class PortParameters(KeyTable):
     """``[machine.inlet]`` and ``[machine.outlet]``."""
 
     volume: float = quantity(
@@ -323,7 +325,7 @@ class PortParameters:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class ExternalGearParameters:
+class ExternalGearParameters(KeyTable):
     """``[machine]`` with ``type = "external_gear"``."""
 
     mode: str = choice("What the machine is used as.", "pump", "motor")

@@ -6,7 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, final
 
+from toothspace.core.frozen import Points
 from toothspace.core.keys import (
+    KeyTable,
     choice,
     file_path,
     forbid,
@@ -24,7 +26,7 @@ CONTOUR_SUFFIXES = (".txt", ".csv", ".dxf")
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class RotorParameters:
+class RotorParameters(KeyTable):
     """``[machine.rotors]``: a generated pair, or two profiles from files."""
 
     kind: str | None = choice("Family of the profiles.", "trochoidal", "cycloidal", default=None)
@@ -43,11 +45,13 @@ class RotorParameters:
         "mm", "Radius of the outer rotor's lobes of a trochoidal pair.", above=0, high=200,
         default=None,
     )  # fmt: skip
-    inner_profile: Path | None = file_path("Closed profile of the inner rotor.", *PROFILE_SUFFIXES)
-    outer_profile: Path | None = file_path("Closed profile of the outer rotor.", *PROFILE_SUFFIXES)
-    profile_unit: str = choice(
-        "Length unit of the profile files.", "mm", "m", "um", "in", default="mm"
+    inner_profile: Path | Points | None = file_path(
+        "Closed profile of the inner rotor.", *PROFILE_SUFFIXES, points=True
     )
+    outer_profile: Path | Points | None = file_path(
+        "Closed profile of the outer rotor.", *PROFILE_SUFFIXES, points=True
+    )
+    profile_unit: str = choice("Length unit of the profiles.", "mm", "m", "um", "in", default="mm")
     face_width: float = quantity("mm", "Axial width of the rotors.", above=0, high=500)
     tip_clearance: float = quantity(
         "um", "Normal gap between the centred rotors at a tip pair.", low=0, high=500
@@ -71,7 +75,7 @@ class RotorParameters:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class HousingParameters:
+class HousingParameters(KeyTable):
     """``[machine.housing]``: radial film round the outer rotor."""
 
     outer_rotor_diameter: float = quantity(
@@ -90,7 +94,7 @@ class HousingParameters:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class PortContourParameters:
+class PortContourParameters(KeyTable):
     """``[machine.ports]``: kidneys about the centre of the outer rotor."""
 
     timing: str | None = choice(
@@ -147,7 +151,7 @@ class PortContourParameters:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class FaceGapParameters:
+class FaceGapParameters(KeyTable):
     """``[machine.lateral]``: films between rotor faces and covers."""
 
     side_gap: float | None = quantity(
@@ -175,7 +179,7 @@ class FaceGapParameters:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class ContactParameters:
+class ContactParameters(KeyTable):
     """``[machine.contact]``: mechanics of the lobe pairs."""
 
     law: str = choice("Force over penetration.", "hertz", "johnson", "pereira", default="hertz")
@@ -201,7 +205,7 @@ class ContactParameters:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class ShaftBearingParameters:
+class ShaftBearingParameters(KeyTable):
     """``[machine.journal_bearings]``: bearings of a floating inner rotor's shaft."""
 
     diameter: float = quantity("mm", "Journal diameter.", above=0, high=500)
@@ -220,7 +224,7 @@ class ShaftBearingParameters:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class ShaftSealParameters:
+class ShaftSealParameters(KeyTable):
     """``[machine.seals]``."""
 
     shaft_seal_torque: float = quantity("N m", "Friction of the shaft seal.", low=0, high=100)
@@ -228,7 +232,7 @@ class ShaftSealParameters:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class PortVolumeParameters:
+class PortVolumeParameters(KeyTable):
     """``[machine.inlet]`` and ``[machine.outlet]``."""
 
     volume: float = quantity(
@@ -238,7 +242,7 @@ class PortVolumeParameters:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class GerotorParameters:
+class GerotorParameters(KeyTable):
     """``[machine]`` with ``type = "gerotor"``."""
 
     mode: str = choice("What the machine is used as.", "pump", "motor")

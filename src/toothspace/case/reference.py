@@ -8,10 +8,7 @@ from dataclasses import MISSING, fields
 from pathlib import Path
 from typing import Any
 
-from toothspace.case import Circuit
-from toothspace.case.circuit import ELEMENT_KEY
-from toothspace.config.allowed import allowed_text
-from toothspace.config.load import TOP_LEVEL, machine_key
+from toothspace.case.case import Case
 from toothspace.core import keys
 from toothspace.core.units import format_si
 
@@ -23,7 +20,7 @@ the case file. Unknown keys are refused. Exactly one of `[operating_point]`, `[c
 `[bearing]` and `[film]` stands in a case; `[study]` may be added to one of the first two.
 
 This page and `toothspace schema` are generated from the same definitions, the page by
-`python -m toothspace.config.reference docs/reference/case_file.md`.
+`python -m toothspace.case.reference docs/reference/case_file.md`.
 
 {columns}| `schema` | 1 | compulsory | Version of the case file's keys. |
 | `title` | a text | compulsory | What this case is. |
@@ -40,26 +37,23 @@ def reference_page() -> str:
 
 
 def _sections() -> Iterator[tuple[str, str]]:
-    for name, key in TOP_LEVEL.items():
-        if name == "machine":
-            yield from _variants(name, machine_key())
-        elif name == "circuit":
-            yield f"`[{name}]`", _table(Circuit)
-            yield from _variants("circuit.NAME", ELEMENT_KEY)
-        elif isinstance(key, keys.Variant):
+    for name, (key, _) in keys.keys_of(Case).items():
+        if isinstance(key, keys.Variant):
             yield from _variants(name, key)
         elif isinstance(key, keys.Table):
             yield from _tables(name, key.spec, f"`[{name}]`")
 
 
 def _variants(path: str, key: keys.Variant) -> Iterator[tuple[str, str]]:
-    for name, spec in key.variants.items():
+    for name, spec in key.kinds().items():
         yield from _tables(path, spec, f'`[{path}]` with `{key.tag} = "{name}"`')
 
 
 def _tables(path: str, spec: type, title: str) -> Iterator[tuple[str, str]]:
     yield title, _table(spec)
     for name, (key, _) in keys.keys_of(spec).items():
+        if isinstance(key, keys.Named) and isinstance(key.item, keys.Variant):
+            yield from _variants(f"{path}.NAME", key.item)
         nested = key.item if isinstance(key, keys.Items) else key
         if isinstance(nested, keys.Table):
             yield from _tables(f"{path}.{name}", nested.spec, f"`[{path}.{name}]`")
@@ -71,6 +65,7 @@ def _table(spec: type) -> str:
     rows = [
         f"| `{name}` | {_cell(_allowed(key))} | {_default(key, field.default)} | {_cell(key.doc)} |"
         for name, (key, field) in keys.keys_of(spec).items()
+        if not (isinstance(key, keys.Named) and key.beside)
     ]
     if not rows:
         return head + "No keys.\n"
@@ -88,7 +83,7 @@ def _allowed(key: keys.Key) -> str:
         return "a table, see below"
     if isinstance(key, keys.Items) and isinstance(key.item, keys.Table):
         return "a list of tables, see below"
-    return allowed_text(key)
+    return key.allowed()
 
 
 def _default(key: keys.Key, default: Any) -> str:

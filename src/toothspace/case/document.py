@@ -1,0 +1,332 @@
+"""Text of a case file to tables with the line of every key, and tables back to text."""
+
+from __future__ import annotations
+
+import json
+import re
+import tomllib
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, final
+
+from toothspace.case.overrides import remove_alternatives, without
+from toothspace.core.errors import CaseError
+from toothspace.core.files import read_bytes
+from toothspace.core.frozen import Points
+from toothspace.core.keys import KeyRuleError, Problem, shown
+
+BASE = "base"
+"""Key at the top of a case file: the case file that it is based on."""
+
+_LARGEST_FILE = 5_000_000
+_MOST_BASES = 10
+_DEEPEST = 20
+_LARGEST_INTEGER = 2**63 - 1
+_LONGEST_PLACE = 80
+_BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
+_NAME = r"""(?:[A-Za-z0-9_-]+|"[^"\n]*"|'[^'\n]*')"""
+_HEADER = re.compile(rf"\s*(\[\[?)\s*({_NAME}(?:\s*\.\s*{_NAME})*)\s*\]")
+_ENTRY = re.compile(rf"\s*({_NAME}(?:\s*\.\s*{_NAME})*)\s*=")
+_TAGS = ("type", "kind")
+
+
+@final
+class BaseText(str):
+    """Text from a base file; a file path in it is relative to ``folder``."""
+
+    folder: Path
+
+    def __new__(cls, text: str, folder: Path) -> BaseText:
+        """Keep the folder beside the text."""
+        made = super().__new__(cls, text)
+        made.folder = folder
+        return made
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return BaseText, (str(self), self.folder)
+
+
+@final
+@dataclass(frozen=True)
+class Document:
+    """Tables of a case file, with those of the file that it is based on.
+
+    Parameters
+    ----------
+    label : str
+        Name of the file in messages.
+    tables : dict
+        Its keys and values.
+    places : mapping of key path to (str, int)
+        File and line of a key or of the head of a table.
+    """
+
+    label: str
+    tables: dict[str, Any]
+    places: Mapping[str, tuple[str, int]] = field(default_factory=dict)
+
+    def place(self, key: str) -> tuple[str, int]:
+        """Return file and line of a key, or of the table that it is missing in."""
+        while key and key not in self.places:
+            key = key[: max(key.rfind("."), key.rfind("["), 0)]
+        return self.places.get(key, (self.label, 0))
+
+    def refuse(self, problems: Iterable[Problem], kind: type[CaseError] = CaseError) -> CaseError:
+        """Return the error of problems: a line for each, with its file and place, in order."""
+        placed = [(self.place(problem.key), problem) for problem in dict.fromkeys(problems)]
+        placed.sort(key=lambda one: (one[0][0] != self.label, one[0]))
+        return kind("\n".join(located(*place, str(problem)) for place, problem in placed))
+
+
+def located(label: str, line: int, text: str) -> str:
+    """Return a message with the name of its file in front and its line at the end."""
+    return f"{label}: {text}" + (f" (line {line})" if line else "")
+
+
+def read_document(path: Path, label: str) -> Document:
+    """Return the tables of a TOML file.
+
+    Parameters
+    ----------
+    path : Path
+        File.
+    label : str
+        Its name in messages.
+
+    Raises
+    ------
+    CaseError
+        If it, or the file that it is based on, is missing, no text in UTF-8 or no TOML.
+    """
+    return parse_document(_read_text(path, label), label, path.parent)
+
+
+def _read_text(path: Path, label: str) -> str:
+    place = f"{label}: case file"
+    content = read_bytes(path, place, "an existing TOML file", _LARGEST_FILE)
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        found = f"byte {error.start} that is not UTF-8"
+        raise CaseError(f"{label}: encoding: found {found}, allowed text in UTF-8") from error
+
+
+def parse_document(text: str, label: str, folder: Path = Path(), depth: int = 0) -> Document:
+    """Return the tables of TOML text, laid over those of its base.
+
+    Parameters
+    ----------
+    text : str
+        TOML; ``base`` at its top names a case file, or holds ``file`` and ``without``, the
+        keys and tables of that file to be left out.
+    label : str
+        Name of the text in messages.
+    folder : Path
+        Folder that ``base`` is relative to.
+    depth : int
+        How many files are based on this one.
+
+    Raises
+    ------
+    CaseError
+        If the text or a base is no TOML, or a base leads back to itself.
+    """
+    try:
+        tables = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        # digits of an integer without end are a ValueError
+        reason = " ".join(str(error).split()) or type(error).__name__
+        allowed = "TOML 1.0 with every key once"
+        raise CaseError(f"{label}: syntax: found {reason!r}, allowed {allowed}") from error
+    require_ordinary(tables, label)
+    places = {key: (label, line) for key, line in _lines(text) if _stands(tables, key)}
+    own = Document(label, tables, places)
+    return own if BASE not in tables else _on_base(own, folder, depth)
+
+
+def _on_base(own: Document, folder: Path, depth: int) -> Document:
+    tables = dict(own.tables)
+    raw = tables.pop(BASE)
+    given = {"file": raw} if isinstance(raw, str) else raw
+    allowed = "the name of a case file, or {file = ..., without = [key paths]}"
+    if (
+        not isinstance(given, dict)
+        or not {"file"} <= set(given) <= {"file", "without"}
+        or not isinstance(given["file"], str)
+        or not isinstance(given.get("without", []), list)
+        or not all(isinstance(path, str) for path in given.get("without", []))
+    ):
+        raise own.refuse([Problem(BASE, shown(raw), allowed)])
+    if depth >= _MOST_BASES:
+        found, allowed = f"{_MOST_BASES} bases on each other", "a base that ends in a whole case"
+        raise own.refuse([Problem(BASE, found, allowed)])
+    path = folder / given["file"]
+    if not path.is_file():
+        found = f"{shown(given['file'])}, which is no file"
+        raise own.refuse([Problem(BASE, found, "a case file, relative to this one")])
+    below = parse_document(_read_text(path, str(path)), str(path), path.parent, depth + 1)
+    found_tables = _in_folder(below.tables, path.parent)
+    for left_out in given.get("without", []):
+        try:
+            found_tables = without(found_tables, left_out)
+        except KeyRuleError as error:
+            raise own.refuse([error.problems[0]._replace(key=f"{BASE}.without")]) from error
+    remove_alternatives(found_tables, _leaves(tables))
+    return Document(own.label, _laid_over(found_tables, tables), {**below.places, **own.places})
+
+
+def _in_folder(value: Any, folder: Path) -> Any:
+    """The same tables whose texts know the folder that a file path in them is relative to."""
+    if isinstance(value, dict):
+        return {key: _in_folder(item, folder) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_in_folder(item, folder) for item in value]
+    return BaseText(value, folder) if type(value) is str else value
+
+
+def _laid_over(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
+    """Tables with those above in their place; a table of another kind replaces the whole one."""
+    found = dict(below)
+    for name, value in above.items():
+        lower = found.get(name)
+        if isinstance(value, dict) and isinstance(lower, dict) and _same_kind(lower, value):
+            value = _laid_over(lower, value)
+        found[name] = value
+    return found
+
+
+def _same_kind(below: Mapping[str, Any], above: Mapping[str, Any]) -> bool:
+    return all(above.get(tag, below.get(tag)) == below.get(tag) for tag in _TAGS)
+
+
+def _leaves(tables: Mapping[str, Any], path: str = "") -> Iterator[str]:
+    for name, value in tables.items():
+        yield f"{path}{name}"
+        if isinstance(value, dict):
+            yield from _leaves(value, f"{path}{name}.")
+
+
+def _lines(text: str) -> Iterator[tuple[str, int]]:
+    """Key paths and lines of what looks like an entry or the head of a table."""
+    table, counts, fence = "", dict[str, int](), ""
+    for number, line in enumerate(text.splitlines(), start=1):
+        if fence:
+            fence = "" if line.count(fence) % 2 else fence
+            continue
+        fence = next((quotes for quotes in ('"""', "'''") if line.count(quotes) % 2), "")
+        if head := _HEADER.match(line):
+            table = _path(head[2])
+            if head[1] == "[[":
+                counts[table] = counts.get(table, -1) + 1
+                table = f"{table}[{counts[table]}]"
+            yield table, number
+        elif entry := _ENTRY.match(line):
+            yield f"{table}.{_path(entry[1])}" if table else _path(entry[1]), number
+
+
+def _path(names: str) -> str:
+    return ".".join(name.strip().strip("\"'") for name in re.findall(_NAME, names))
+
+
+def _stands(tables: Any, path: str) -> bool:
+    """Whether a key path leads to something; a name with dots may stand for several."""
+    if not path:
+        return True
+    if path.startswith("["):
+        index, _, rest = path[1:].partition("]")
+        inside = isinstance(tables, list) and int(index) < len(tables)
+        return inside and _stands(tables[int(index)], rest.removeprefix("."))
+    if not isinstance(tables, dict):
+        return False
+    return any(
+        _stands(value, path[len(name) :].removeprefix("."))
+        for name, value in tables.items()
+        if path == name or path.startswith((f"{name}.", f"{name}["))
+    )
+
+
+def require_ordinary(tables: Mapping[str, Any], label: str) -> None:
+    """Refuse values that no case needs and that the stages behind could not take.
+
+    Parameters
+    ----------
+    tables : mapping
+        Tables of a case.
+    label : str
+        Name of the case file in messages.
+
+    Raises
+    ------
+    CaseError
+        For tables too deep, integers beyond 64 bits, and text that is no Unicode text or holds
+        the character NUL.
+    """
+    waiting: list[tuple[str, Any, int]] = [("", tables, 0)]
+    while waiting:
+        path, value, depth = waiting.pop()
+        if depth > _DEEPEST:
+            raise CaseError(
+                f"{label}: {path[:_LONGEST_PLACE]}: found tables deeper than {_DEEPEST}, "
+                f"allowed at most {_DEEPEST}"
+            )
+        if isinstance(value, Mapping):
+            for key, item in value.items():
+                _require_text(str(key), label, path)
+                waiting.append((f"{path}.{key}" if path else str(key), item, depth + 1))
+        elif isinstance(value, (list, tuple)):
+            waiting += [(f"{path}[{k}]", item, depth + 1) for k, item in enumerate(value)]
+        elif isinstance(value, str):
+            _require_text(value, label, path)
+        elif isinstance(value, int) and abs(value) > _LARGEST_INTEGER:
+            found = f"an integer of {value.bit_length()} bits"
+            raise CaseError(f"{label}: {path}: found {found}, allowed at most 64")
+
+
+def _require_text(text: str, label: str, path: str) -> None:
+    place = f"{label}: {path or 'key'}"
+    if "\0" in text:
+        raise CaseError(f"{place}: found the character NUL, allowed text without it")
+    if any("\ud800" <= character <= "\udfff" for character in text):
+        raise CaseError(f"{place}: found bytes that are not UTF-8, allowed Unicode text")
+
+
+def document_text(tables: Mapping[str, Any]) -> str:
+    """Return tables as normalised TOML text, in the order of their keys."""
+    lines: list[str] = []
+    _append_table(lines, tables, ())
+    return "\n".join(lines).strip() + "\n"
+
+
+def _append_table(lines: list[str], table: Mapping[str, Any], path: tuple[str, ...]) -> None:
+    plain = {key: value for key, value in table.items() if not isinstance(value, Mapping)}
+    if path and (plain or not table):
+        lines.extend(["", f"[{'.'.join(map(_key, path))}]"])
+    lines.extend(f"{_key(key)} = {_value(value)}" for key, value in plain.items())
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            _append_table(lines, value, (*path, key))
+
+
+def _key(key: str) -> str:
+    return key if _BARE_KEY.fullmatch(key) else _text(key)
+
+
+def _text(text: str) -> str:
+    # JSON escapes are TOML escapes, except for DEL which TOML wants escaped
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, str):
+        return _text(value)
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, Points):
+        value = value.tolist()
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(map(_value, value))}]"
+    if isinstance(value, Mapping):
+        pairs = ", ".join(f"{_key(key)} = {_value(item)}" for key, item in value.items())
+        return f"{{{pairs}}}"
+    return str(value)

@@ -1,0 +1,154 @@
+"""What several keys of a case must fulfil together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+from toothspace.case.overrides import CONDITIONS
+from toothspace.case.stand_alone import LateralFilmCase
+from toothspace.case.study import BalanceSweepStudy, HysteresisStudy, NosePressureStudy
+from toothspace.core.errors import CaseError
+from toothspace.core.keys import Problem
+from toothspace.core.units import format_si
+from toothspace.model.operating_point import OperatingCondition
+
+if TYPE_CHECKING:
+    from toothspace.case.case import Case
+
+LEAST_LOAD = 5e3
+"""Smallest mean pressure drop that a load orifice can be sized for. [Pa]."""
+
+
+def broken_rules(case: Case) -> Iterator[Problem]:
+    """Yield what is wrong with title, condition, parts, fluid and pressures of a case."""
+    if not case.title:
+        yield Problem("title", "nothing", "a text that is not empty")
+    given = [name for name in CONDITIONS if getattr(case, name) is not None]
+    if len(given) != 1:
+        found = " and ".join(f"[{name}]" for name in given) or "none of them"
+        allowed = f"exactly one of {', '.join(f'[{name}]' for name in CONDITIONS)}"
+        yield Problem(given[1] if given else "operating_point", found, allowed)
+        return
+    if case.study is not None and given[0] not in CONDITIONS[:2]:
+        allowed = "a study only with [operating_point] or [circuit]"
+        yield Problem("study", f"a study with [{given[0]}]", allowed)
+    yield from _parts(case)
+    if case.run.film_tables is not None and case.run.fidelity != "lumped":
+        found = f"tables with {case.run.fidelity!r}"
+        yield Problem("run.film_tables", found, "fidelity 'lumped'")
+    if case.fluid is not None:
+        yield from _fluid(case)
+    if case.operating_point is not None:
+        yield from _pressure_order(case)
+        yield from _study_pressure_order(case)
+        yield from _load(case)
+
+
+def _parts(case: Case) -> Iterator[Problem]:
+    stand_alone = case.bearing or case.film
+    if stand_alone is None or isinstance(stand_alone, LateralFilmCase):
+        if case.machine is None:
+            yield Problem("machine", "nothing", "a table [machine] with type and mode")
+    elif case.machine is not None:
+        yield Problem("machine", "a machine", "no machine with a stand-alone film")
+    if stand_alone is None:
+        if case.fluid is None:
+            yield Problem("fluid", "nothing", "a table [fluid] with name and temperature")
+        return
+    path = f"{'bearing' if case.bearing is not None else 'film'}.dynamic_viscosity"
+    if stand_alone.dynamic_viscosity is None and case.fluid is None:
+        yield Problem(path, "nothing", "a viscosity such as '0.01 Pa s', or a table [fluid]")
+    if stand_alone.dynamic_viscosity is not None and case.fluid is not None:
+        yield Problem(path, "a value beside [fluid]", "one of both")
+
+
+def _fluid(case: Case) -> Iterator[Problem]:
+    from toothspace.model.fluid import fluid_law
+
+    fluid = case.fluid
+    assert fluid is not None
+    temperatures = {"fluid.temperature": fluid.temperature}
+    wear_in = getattr(getattr(case.machine, "casing", None), "wear_in", None)
+    if wear_in is not None:
+        temperatures["machine.casing.wear_in.temperature"] = wear_in.temperature
+    law: Any = None
+    for path, temperature in temperatures.items():
+        try:
+            law = law or fluid_law(fluid.source, temperature)
+            if temperature != fluid.temperature:
+                fluid_law(fluid.source, temperature)
+        except CaseError as error:
+            key, _, reason = str(error).partition(": found ")
+            found, _, allowed = reason.rpartition(", allowed ")
+            yield Problem(key if path == "fluid.temperature" else path, found, allowed)
+            return
+    lowest = law.vapour_pressure
+    allowed = f"above the vapour pressure of the fluid, {_bar(lowest)}, absolute"
+    for path, pressure in _pressures(case).items():
+        if pressure <= lowest:
+            yield Problem(path, _bar(pressure), allowed)
+
+
+def _bar(pressure: float) -> str:
+    return format_si(pressure, "bar")
+
+
+def _pressures(case: Case) -> dict[str, float]:
+    found: dict[str, float] = {}
+    if case.operating_point is not None:
+        found["operating_point.inlet_pressure"] = case.operating_point.inlet_pressure
+        found["operating_point.outlet_pressure"] = case.operating_point.outlet_pressure
+    drain = getattr(case.machine, "drain_pressure", None)
+    if drain is not None:
+        found["machine.drain_pressure"] = drain
+    for name, element in case.circuit.elements.items() if case.circuit else ():
+        if hasattr(element, "pressure"):
+            found[f"circuit.{name}.pressure"] = element.pressure
+    return found
+
+
+def _pressure_order(case: Case) -> Iterator[Problem]:
+    point, mode = case.operating_point, getattr(case.machine, "mode", "")
+    assert point is not None
+    inlet, outlet = point.inlet_pressure, point.outlet_pressure
+    if mode == "pump" and outlet < inlet:
+        allowed = f"at least the inlet pressure of the pump, {_bar(inlet)}"
+        yield Problem("operating_point.outlet_pressure", _bar(outlet), allowed)
+    if mode == "motor" and inlet < outlet:
+        allowed = f"at least the outlet pressure of the motor, {_bar(outlet)}"
+        yield Problem("operating_point.inlet_pressure", _bar(inlet), allowed)
+
+
+def _study_pressure_order(case: Case) -> Iterator[Problem]:
+    """Refuse at once what a study of a floating bearing would meet after hours."""
+    mode = getattr(case.machine, "mode", "")
+    for path, inlet, outlet in _study_pressures(case):
+        if mode == "pump" and outlet < inlet:
+            allowed = f"at least the inlet pressure of the pump, {_bar(inlet)}"
+            yield Problem(path, _bar(outlet), allowed)
+        if mode == "motor" and inlet < outlet:
+            allowed = f"at most the inlet pressure of the motor, {_bar(inlet)}"
+            yield Problem(path, _bar(outlet), allowed)
+
+
+def _study_pressures(case: Case) -> Iterator[tuple[str, float, float]]:
+    """Key path, inlet and outlet pressure of the points of a floating bearing. [Pa]."""
+    study, base = case.study, case.operating_point
+    assert base is not None
+    if isinstance(study, HysteresisStudy | BalanceSweepStudy):
+        for k, outlet in enumerate(study.outlet_pressures):
+            yield f"study.outlet_pressures[{k}]", base.inlet_pressure, outlet
+    if isinstance(study, NosePressureStudy):
+        for k, one in enumerate(study.conditions):
+            inlet = one.inlet_pressure or base.inlet_pressure
+            yield f"study.conditions[{k}].outlet_pressure", inlet, one.outlet_pressure
+
+
+def _load(case: Case) -> Iterator[Problem]:
+    point = case.operating_point
+    assert point is not None
+    found, least = point.outlet_pressure, OperatingCondition.load_pressure + LEAST_LOAD
+    if point.outlet_load == "orifice" and found < least:
+        allowed = f"at least {_bar(least)} with outlet_load 'orifice', behind which is air"
+        yield Problem("operating_point.outlet_pressure", _bar(found), allowed)
