@@ -345,12 +345,11 @@ def load_case(source: str | Path | Mapping[str, Any], overrides: Iterable[str] =
         document = read_document(path, str(source))
     try:
         values = [split_override(override) for override in given]
-        for _, value in values:
-            require_ordinary({"--set": value}, document.label)
     except KeyRuleError as error:
         raise document.refuse(error.problems) from error
     folder = Path() if path is None else path.parent
     for key, value in values:
+        require_ordinary({"--set": value}, document.label)
         document = _overlaid(document, {key: value})
     return _made(document, folder, source=path, overrides=given)
 
@@ -373,9 +372,11 @@ def _made(
     overrides: tuple[str, ...] = (),
 ) -> Case:
     document = _overlaid(document, values or {})
+    require_ordinary(document.tables, document.label)
     tables, problems = document.tables, Problems()
     if source is not None and "schema" not in tables:
-        problems.append(Problem("schema", "nothing", str(SCHEMA_VERSION)))
+        # without it nobody knows what the other keys mean
+        raise document.refuse([Problem("schema", "nothing", str(SCHEMA_VERSION))])
     if not {"title", "bearing", "film"} & set(tables):
         problems.append(Problem("title", "nothing", "a text that is not empty"))
     read = problems.of("", Table(spec=Case).values, tables, Source(folder))

@@ -14,16 +14,16 @@ from toothspace.case.overrides import remove_alternatives, without
 from toothspace.core.errors import CaseError
 from toothspace.core.files import read_bytes
 from toothspace.core.frozen import Points
-from toothspace.core.keys import KeyRuleError, Problem
+from toothspace.core.keys import KeyRuleError, Problem, shown
 
 BASE = "base"
 """Key at the top of a case file: the case file that it is based on."""
 
 _LARGEST_FILE = 5_000_000
+_MOST_BASES = 10
 _DEEPEST = 20
 _LARGEST_INTEGER = 2**63 - 1
 _LONGEST_PLACE = 80
-_MOST_BASES = 10
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 _NAME = r"""(?:[A-Za-z0-9_-]+|"[^"\n]*"|'[^'\n]*')"""
 _HEADER = re.compile(rf"\s*(\[\[?)\s*({_NAME}(?:\s*\.\s*{_NAME})*)\s*\]")
@@ -103,7 +103,8 @@ def read_document(path: Path, label: str) -> Document:
 
 
 def _read_text(path: Path, label: str) -> str:
-    content = read_bytes(path, f"{label}: case file", "an existing TOML file", _LARGEST_FILE)
+    place = f"{label}: case file"
+    content = read_bytes(path, place, "an existing TOML file", _LARGEST_FILE)
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -144,51 +145,6 @@ def parse_document(text: str, label: str, folder: Path = Path(), depth: int = 0)
     return own if BASE not in tables else _on_base(own, folder, depth)
 
 
-def require_ordinary(tables: Mapping[str, Any], label: str) -> None:
-    """Refuse values that no case needs and that the stages behind could not take.
-
-    Parameters
-    ----------
-    tables : mapping
-        Tables of a case.
-    label : str
-        Name of the case file in messages.
-
-    Raises
-    ------
-    CaseError
-        For tables too deep, integers beyond 64 bits, and text that is no Unicode text or holds
-        the character NUL.
-    """
-    waiting: list[tuple[str, Any, int]] = [("", tables, 0)]
-    while waiting:
-        path, value, depth = waiting.pop()
-        if depth > _DEEPEST:
-            raise CaseError(
-                f"{label}: {path[:_LONGEST_PLACE]}: found tables deeper than {_DEEPEST}, "
-                f"allowed at most {_DEEPEST}"
-            )
-        if isinstance(value, Mapping):
-            for key, item in value.items():
-                _require_text(key, label, path)
-                waiting.append((f"{path}.{key}" if path else key, item, depth + 1))
-        elif isinstance(value, list):
-            waiting += [(f"{path}[{k}]", item, depth + 1) for k, item in enumerate(value)]
-        elif isinstance(value, str):
-            _require_text(value, label, path)
-        elif isinstance(value, int) and abs(value) > _LARGEST_INTEGER:
-            found = f"an integer of {value.bit_length()} bits"
-            raise CaseError(f"{label}: {path}: found {found}, allowed at most 64")
-
-
-def _require_text(text: str, label: str, path: str) -> None:
-    place = f"{label}: {path or 'key'}"
-    if "\0" in text:
-        raise CaseError(f"{place}: found the character NUL, allowed text without it")
-    if any("\ud800" <= character <= "\udfff" for character in text):
-        raise CaseError(f"{place}: found bytes that are not UTF-8, allowed Unicode text")
-
-
 def _on_base(own: Document, folder: Path, depth: int) -> Document:
     tables = dict(own.tables)
     raw = tables.pop(BASE)
@@ -201,13 +157,13 @@ def _on_base(own: Document, folder: Path, depth: int) -> Document:
         or not isinstance(given.get("without", []), list)
         or not all(isinstance(path, str) for path in given.get("without", []))
     ):
-        raise own.refuse([Problem(BASE, repr(raw), allowed)])
+        raise own.refuse([Problem(BASE, shown(raw), allowed)])
     if depth >= _MOST_BASES:
         found, allowed = f"{_MOST_BASES} bases on each other", "a base that ends in a whole case"
         raise own.refuse([Problem(BASE, found, allowed)])
     path = folder / given["file"]
     if not path.is_file():
-        found = f"{given['file']!r}, which does not exist"
+        found = f"{shown(given['file'])}, which is no file"
         raise own.refuse([Problem(BASE, found, "a case file, relative to this one")])
     below = parse_document(_read_text(path, str(path)), str(path), path.parent, depth + 1)
     found_tables = _in_folder(below.tables, path.parent)
@@ -288,6 +244,51 @@ def _stands(tables: Any, path: str) -> bool:
         for name, value in tables.items()
         if path == name or path.startswith((f"{name}.", f"{name}["))
     )
+
+
+def require_ordinary(tables: Mapping[str, Any], label: str) -> None:
+    """Refuse values that no case needs and that the stages behind could not take.
+
+    Parameters
+    ----------
+    tables : mapping
+        Tables of a case.
+    label : str
+        Name of the case file in messages.
+
+    Raises
+    ------
+    CaseError
+        For tables too deep, integers beyond 64 bits, and text that is no Unicode text or holds
+        the character NUL.
+    """
+    waiting: list[tuple[str, Any, int]] = [("", tables, 0)]
+    while waiting:
+        path, value, depth = waiting.pop()
+        if depth > _DEEPEST:
+            raise CaseError(
+                f"{label}: {path[:_LONGEST_PLACE]}: found tables deeper than {_DEEPEST}, "
+                f"allowed at most {_DEEPEST}"
+            )
+        if isinstance(value, Mapping):
+            for key, item in value.items():
+                _require_text(str(key), label, path)
+                waiting.append((f"{path}.{key}" if path else str(key), item, depth + 1))
+        elif isinstance(value, (list, tuple)):
+            waiting += [(f"{path}[{k}]", item, depth + 1) for k, item in enumerate(value)]
+        elif isinstance(value, str):
+            _require_text(value, label, path)
+        elif isinstance(value, int) and abs(value) > _LARGEST_INTEGER:
+            found = f"an integer of {value.bit_length()} bits"
+            raise CaseError(f"{label}: {path}: found {found}, allowed at most 64")
+
+
+def _require_text(text: str, label: str, path: str) -> None:
+    place = f"{label}: {path or 'key'}"
+    if "\0" in text:
+        raise CaseError(f"{place}: found the character NUL, allowed text without it")
+    if any("\ud800" <= character <= "\udfff" for character in text):
+        raise CaseError(f"{place}: found bytes that are not UTF-8, allowed Unicode text")
 
 
 def document_text(tables: Mapping[str, Any]) -> str:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, final
 
 from toothspace.core.keys import (
+    KeyTable,
     choice,
     file_path,
     forbid,
@@ -23,7 +24,7 @@ PROFILE_SUFFIXES = (".txt", ".csv", ".dxf", ".stl", ".step", ".stp")
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class PinionParameters:
+class PinionParameters(KeyTable):
     """``[machine.pinion]``: rack-generated involute teeth, or a profile from a file."""
 
     tooth_count: int | None = integer("Number of teeth.", low=5, high=100, default=None)
@@ -82,7 +83,7 @@ class PinionParameters:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class RingParameters:
+class RingParameters(KeyTable):
     """``[machine.ring]``: teeth inside, a bearing surface outside."""
 
     tooth_count: int | None = integer("Number of teeth.", low=8, high=400, default=None)
@@ -125,7 +126,7 @@ class RingParameters:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class FillerParameters:
+class FillerParameters(KeyTable):
     """``[machine.filler]``: crescent between both tip circles."""
 
     inlet_angle: float = quantity(
@@ -151,7 +152,7 @@ class FillerParameters:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class PortContourParameters:
+class PortContourParameters(KeyTable):
     """``[machine.ports]``: recesses in both covers between mesh and filler."""
 
     inlet_start: float = quantity(
@@ -167,7 +168,7 @@ class PortContourParameters:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class ReliefGrooveParameters:
+class ReliefGrooveParameters(KeyTable):
     """``[machine.relief_grooves]``: per cover."""
 
     closing_side_offset: float = quantity(
@@ -191,7 +192,7 @@ class ReliefGrooveParameters:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class JournalBearingParameters:
+class JournalBearingParameters(KeyTable):
     """``[machine.journal_bearings]``: two equal bearings of the pinion."""
 
     diameter: float = quantity("mm", "Journal diameter.", above=0, high=500)
@@ -211,7 +212,7 @@ class JournalBearingParameters:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class LateralParameters:
+class LateralParameters(KeyTable):
     """``[machine.lateral]``: films between the faces of the gears and the covers."""
 
     side_gap: float = quantity("um", "Film height of both faces.", low=0.1, high=500)
@@ -219,7 +220,7 @@ class LateralParameters:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class SealParameters:
+class SealParameters(KeyTable):
     """``[machine.seals]``."""
 
     shaft_seal_torque: float = quantity("N m", "Friction of the shaft seal.", low=0, high=100)
@@ -227,7 +228,7 @@ class SealParameters:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class PortParameters:
+class PortParameters(KeyTable):
     """``[machine.inlet]`` and ``[machine.outlet]``."""
 
     volume: float = quantity(
@@ -237,7 +238,7 @@ class PortParameters:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class CrescentParameters:
+class CrescentParameters(KeyTable):
     """``[machine]`` with ``type = "crescent"``."""
 
     mode: str = choice("What the machine is used as.", "pump", "motor")
