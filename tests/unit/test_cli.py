@@ -166,7 +166,7 @@ def test_later_errors_name_the_file(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     def simulate(case: Any, progress: Any) -> None:
-        raise error("machine.gears.module: found 1,\nallowed 2")
+        raise error("machine.gears.module: found 1, allowed 2")
 
     simulated(simulate)
     assert main(["run", str(MOTOR)]) == 2
