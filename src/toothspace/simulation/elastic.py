@@ -14,9 +14,8 @@ from toothspace.simulation.setup import Progress, Setup
 
 def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
     """Chambers and lateral films in agreement, then one revolution of the films."""
-    case, condition = setup.case, setup.condition
+    case, condition, balance = setup.case, setup.condition, balance_of(setup.description)
     machine = run_in_machine(setup)
-    balance = balance_of(machine.description)
     request = PointRequest(settings=lateral_settings(case), start=balance.design_height)
     return coupled_solution(
         (machine.description, machine.fluid, request),
