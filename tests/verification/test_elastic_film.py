@@ -14,6 +14,9 @@ from toothspace.core.status import Status
 from toothspace.films.lateral.face_film import FaceFilm
 from toothspace.films.plane.film import PlaneFilm, PlaneSolution, solve_plane
 
+GRIDS = ((36, 10), (72, 20))
+"""Cells round and across, the second half as large."""
+
 GAP, TILT = 6e-6, (1.2e-4, -0.8e-4)
 """Level of the ring and its tilts: the film breaks up where the gap widens. [m, rad]"""
 
@@ -44,34 +47,43 @@ def _independent(film: PlaneFilm, approach: float) -> PlaneSolution:
     return found.plane
 
 
+def _off(found: np.ndarray, expected: np.ndarray) -> float:
+    """Largest difference of two pressures over the span of one."""
+    return float(np.abs(found - expected).max() / np.ptp(expected))
+
+
 def test_stiff_faces_leave_the_film_as_it_is() -> None:
-    rigid, stiff = _film(0.0), _film(1e-25)
-    assert stiff.plane.status is Status.DONE
-    assert stiff.pressure == pytest.approx(rigid.pressure, rel=1e-7)
+    """Up to the gaps between the cells, of which compliant faces have one on either side."""
+    errors = [_off(_film(1e-25, c).pressure, _film(0.0, c).pressure) for c in GRIDS]
+    assert errors[1] < 0.5 * errors[0]  # better than first order
+    assert errors[1] < 3e-3
 
 
 @pytest.mark.parametrize("approach", [1e-14, 3e-13, 1e-12])
 def test_gap_and_pressure_agree(approach: float) -> None:
     """Faces open by their pressure, and a rigid film with that gap has that pressure."""
-    found = _film(approach)
-    assert found.plane.status is Status.DONE
-    opening = found.gap - _undeformed().gap.centre
-    assert opening == pytest.approx(approach * (found.pressure - LOW), rel=1e-5, abs=1e-13)
-    again = solve_plane(found.plane.film)
-    assert again.pressure == pytest.approx(found.pressure, rel=1e-5)
-    assert float(found.pressure.max()) < float(_film(0.0).pressure.max())
+    errors = []
+    for cells in GRIDS:
+        found = _film(approach, cells)
+        assert found.plane.status is Status.DONE
+        opening = found.gap - _undeformed(cells).gap.centre
+        assert opening == pytest.approx(approach * (found.pressure - LOW), rel=1e-5, abs=1e-13)
+        errors.append(_off(found.pressure, solve_plane(found.plane.film).pressure))
+    assert errors[1] < 0.5 * errors[0]
+    assert errors[1] < (3e-3 if approach < 1e-12 else 3e-2)  # the last doubles the gap
+
+
+def test_compliant_faces_lower_the_highest_pressure() -> None:
+    assert _film(1e-12).pressure.max() < 0.99 * _film(0.0).pressure.max()
 
 
 def test_an_independent_solver_finds_the_same_film() -> None:
     """GMRES over all deformations against elimination cell by cell, each with its own faces."""
-    errors = []
-    for cells in ((36, 10), (72, 20)):
-        ours = _film(3e-13, cells)
-        other = _independent(_undeformed(cells), 3e-13)
-        span = float(np.ptp(other.pressure))
-        errors.append(float(np.abs(ours.pressure - other.pressure).max()) / span)
-    assert errors[0] < 0.05
-    assert errors[1] < 0.7 * errors[0]
+    errors = [
+        _off(_film(3e-13, c).pressure, _independent(_undeformed(c), 3e-13).pressure) for c in GRIDS
+    ]
+    assert errors[1] < 0.5 * errors[0]
+    assert errors[1] < 5e-3
 
 
 def test_independent_solver_agrees_with_its_own_gap() -> None:
