@@ -6,7 +6,7 @@ import pytest
 
 from toothspace.core.errors import CaseError
 from toothspace.core.keys import KeyRuleError
-from toothspace.machines.external_gear.parameters import SealParameters
+from toothspace.machines.external_gear.parameter_tables import SealParameters
 from toothspace.machines.external_gear.shaft_seal import seal_torque
 
 TABLE = """temperature [degC],penetration [mm],friction_force [N]

@@ -12,7 +12,7 @@ from toothspace.core.errors import CaseError
 from toothspace.report import validation_book
 from toothspace.report.validation_book import (
     Check,
-    Source,
+    ValidationSource,
     find_validation,
     run_validation,
     write_book,
@@ -74,7 +74,9 @@ def test_command(
     assert "allowed a part of galilei_1638, wrong_1700" in capsys.readouterr().err
 
     def verdicts(*found: str) -> None:
-        sources = [Source(name, "A fall", (), (Check("way", name, "", 0.5),)) for name in found]
+        sources = [
+            ValidationSource(name, "A fall", (), (Check("way", name, "", 0.5),)) for name in found
+        ]
         monkeypatch.setattr(validation_book, "run_validation", lambda *_: sources)
 
     verdicts("agrees")

@@ -24,7 +24,7 @@ from toothspace.gearing.ring_gear import InternalPair, RingGear, pair_from_backl
 from toothspace.gearing.spaces import area_by_motion, section_area_rates, section_areas
 from toothspace.geometry.gear_pair import pair_from_backlash as external_pair
 from toothspace.geometry.involute import InvoluteGear
-from toothspace.machines.crescent.assembly import Assembly, assemble, involute_pair
+from toothspace.machines.crescent.assembly import CrescentAssembly, assemble, involute_pair
 from toothspace.machines.crescent.summary import overlap, tip_clearance, trimming_distance
 
 ALPHA = np.deg2rad(27.5)
@@ -32,7 +32,7 @@ MODULE = 5e-3
 
 
 @cache
-def machine(mode: str = "pump") -> Assembly:
+def machine(mode: str = "pump") -> CrescentAssembly:
     return assemble(crescent(mode))
 
 
@@ -41,7 +41,7 @@ def moved(points: Array, turn: float, center: Array) -> shapely.Polygon:
     return shapely.Polygon(points @ np.array([[c, s], [-s, c]]) + center)
 
 
-def solids(assembly: Assembly, angle: float) -> tuple[shapely.Polygon, shapely.Polygon]:
+def solids(assembly: CrescentAssembly, angle: float) -> tuple[shapely.Polygon, shapely.Polygon]:
     """Pinion, and the space inside the ring's teeth, at a shaft angle."""
     start = 0.5 * np.pi + assembly.mesh.half_pitch
     pinion = shapely.Polygon(assembly.pinion.closed_polygon(start + angle))
@@ -49,7 +49,7 @@ def solids(assembly: Assembly, angle: float) -> tuple[shapely.Polygon, shapely.P
     return pinion, moved(assembly.ring_curve, turn, assembly.ring_center)
 
 
-def places(assembly: Assembly, angle: float) -> tuple[Array, Array]:
+def places(assembly: CrescentAssembly, angle: float) -> tuple[Array, Array]:
     """Places of all tooth spaces of both gears at a shaft angle."""
     first, second = assembly.counts
     pinion = angle - FULL_TURN * np.arange(first) / first

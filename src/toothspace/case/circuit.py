@@ -15,7 +15,7 @@ from toothspace.core.keys import (
     KeyTable,
     Named,
     Number,
-    Quantity,
+    QuantityKey,
     Row,
     Text,
     Variant,
@@ -30,11 +30,11 @@ from toothspace.core.keys import (
     table,
 )
 
-_SPEED = Quantity(unit="rpm", low=-50000, high=50000)
+_SPEED = QuantityKey(unit="rpm", low=-50000, high=50000)
 
 
 def _over_time(value: Any, name: str) -> Any:
-    item = Row(items=(Quantity(unit="s", low=0, high=1e6), value))
+    item = Row(items=(QuantityKey(unit="s", low=0, high=1e6), value))
     doc = f"Pairs of time and {name}, joined by straight lines."
     return declare(Items(item=item, low=1, doc=doc), None)
 
@@ -228,7 +228,7 @@ class TorqueSource(KeyTable):
     """``kind = "torque_source"``: torque that the load takes from the shaft over time."""
 
     torque: tuple[tuple[float, float], ...] | None = _over_time(
-        Quantity(unit="N m", low=-1e5, high=1e5), "torque"
+        QuantityKey(unit="N m", low=-1e5, high=1e5), "torque"
     )
     torque_file: Path | None = file_path("Columns time [s] and torque [N m].", ".csv", ".txt")
 

@@ -12,7 +12,7 @@ from toothspace.core.keys import (
     Integer,
     Items,
     KeyTable,
-    Quantity,
+    QuantityKey,
     Row,
     choice,
     declare,
@@ -28,7 +28,7 @@ from toothspace.core.keys import (
 from toothspace.results.variables import CHANNELS
 
 _CELLS = Integer(low=8, high=4000)
-_FORCE = Quantity(unit="N", low=-1e6, high=1e6)
+_FORCE = QuantityKey(unit="N", low=-1e6, high=1e6)
 
 
 @final

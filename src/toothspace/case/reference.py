@@ -91,7 +91,7 @@ def _default(key: keys.Key, default: Any) -> str:
         return "compulsory"
     if default is None or default == ():
         return "-"
-    if isinstance(key, keys.Quantity):
+    if isinstance(key, keys.QuantityKey):
         return format_si(default, key.unit)
     if isinstance(key, keys.Table):
         given = [f for f in fields(default) if getattr(default, f.name) != f.default]

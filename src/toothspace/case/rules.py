@@ -3,24 +3,72 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
+from toothspace.case.circuit import Circuit
+from toothspace.case.conditions import FluidChoice, OperatingPoint, RunSettings
 from toothspace.case.overrides import CONDITIONS
-from toothspace.case.stand_alone import LateralFilmCase
+from toothspace.case.stand_alone import FilmTable, JournalBearingCase, LateralFilmCase
 from toothspace.case.study import BalanceSweepStudy, HysteresisStudy, NosePressureStudy
 from toothspace.core.errors import CaseError
 from toothspace.core.keys import Problem
 from toothspace.core.units import format_si
 from toothspace.model.operating_point import OperatingCondition
 
-if TYPE_CHECKING:
-    from toothspace.case.case import Case
-
 LEAST_LOAD = 5e3
 """Smallest mean pressure drop that a load orifice can be sized for. [Pa]."""
 
 
-def broken_rules(case: Case) -> Iterator[Problem]:
+class CaseTables(Protocol):
+    """Tables of a case that the rules compare."""
+
+    @property
+    def title(self) -> str:
+        """What the case is."""
+        ...  # pragma: no cover
+
+    @property
+    def machine(self) -> Any:
+        """Keys of the machine."""
+        ...  # pragma: no cover
+
+    @property
+    def fluid(self) -> FluidChoice | None:
+        """Fluid and temperature."""
+        ...  # pragma: no cover
+
+    @property
+    def operating_point(self) -> OperatingPoint | None:
+        """Steady condition."""
+        ...  # pragma: no cover
+
+    @property
+    def circuit(self) -> Circuit | None:
+        """Transient condition."""
+        ...  # pragma: no cover
+
+    @property
+    def bearing(self) -> JournalBearingCase | None:
+        """Stand-alone journal bearing."""
+        ...  # pragma: no cover
+
+    @property
+    def film(self) -> FilmTable | None:
+        """Stand-alone film."""
+        ...  # pragma: no cover
+
+    @property
+    def study(self) -> Any:
+        """Study that drives the condition."""
+        ...  # pragma: no cover
+
+    @property
+    def run(self) -> RunSettings:
+        """Fidelity and numerical settings."""
+        ...  # pragma: no cover
+
+
+def broken_rules(case: CaseTables) -> Iterator[Problem]:
     """Yield what is wrong with title, condition, parts, fluid and pressures of a case."""
     if not case.title:
         yield Problem("title", "nothing", "a text that is not empty")
@@ -45,7 +93,7 @@ def broken_rules(case: Case) -> Iterator[Problem]:
         yield from _load(case)
 
 
-def _parts(case: Case) -> Iterator[Problem]:
+def _parts(case: CaseTables) -> Iterator[Problem]:
     stand_alone = case.bearing or case.film
     if stand_alone is None or isinstance(stand_alone, LateralFilmCase):
         if case.machine is None:
@@ -63,7 +111,7 @@ def _parts(case: Case) -> Iterator[Problem]:
         yield Problem(path, "a value beside [fluid]", "one of both")
 
 
-def _fluid(case: Case) -> Iterator[Problem]:
+def _fluid(case: CaseTables) -> Iterator[Problem]:
     from toothspace.model.fluid import fluid_law
 
     fluid = case.fluid
@@ -94,7 +142,7 @@ def _bar(pressure: float) -> str:
     return format_si(pressure, "bar")
 
 
-def _pressures(case: Case) -> dict[str, float]:
+def _pressures(case: CaseTables) -> dict[str, float]:
     found: dict[str, float] = {}
     if case.operating_point is not None:
         found["operating_point.inlet_pressure"] = case.operating_point.inlet_pressure
@@ -108,7 +156,7 @@ def _pressures(case: Case) -> dict[str, float]:
     return found
 
 
-def _pressure_order(case: Case) -> Iterator[Problem]:
+def _pressure_order(case: CaseTables) -> Iterator[Problem]:
     point, mode = case.operating_point, getattr(case.machine, "mode", "")
     assert point is not None
     inlet, outlet = point.inlet_pressure, point.outlet_pressure
@@ -120,7 +168,7 @@ def _pressure_order(case: Case) -> Iterator[Problem]:
         yield Problem("operating_point.inlet_pressure", _bar(inlet), allowed)
 
 
-def _study_pressure_order(case: Case) -> Iterator[Problem]:
+def _study_pressure_order(case: CaseTables) -> Iterator[Problem]:
     """Refuse at once what a study of a floating bearing would meet after hours."""
     mode = getattr(case.machine, "mode", "")
     for path, inlet, outlet in _study_pressures(case):
@@ -132,7 +180,7 @@ def _study_pressure_order(case: Case) -> Iterator[Problem]:
             yield Problem(path, _bar(outlet), allowed)
 
 
-def _study_pressures(case: Case) -> Iterator[tuple[str, float, float]]:
+def _study_pressures(case: CaseTables) -> Iterator[tuple[str, float, float]]:
     """Key path, inlet and outlet pressure of the points of a floating bearing. [Pa]."""
     study, base = case.study, case.operating_point
     assert base is not None
@@ -145,7 +193,7 @@ def _study_pressures(case: Case) -> Iterator[tuple[str, float, float]]:
             yield f"study.conditions[{k}].outlet_pressure", inlet, one.outlet_pressure
 
 
-def _load(case: Case) -> Iterator[Problem]:
+def _load(case: CaseTables) -> Iterator[Problem]:
     point = case.operating_point
     assert point is not None
     found, least = point.outlet_pressure, OperatingCondition.load_pressure + LEAST_LOAD

@@ -14,7 +14,7 @@ from toothspace.core.keys import (
     KeyRuleError,
     KeyTable,
     Number,
-    Quantity,
+    QuantityKey,
     Row,
     Table,
     choice,
@@ -29,11 +29,11 @@ from toothspace.core.keys import (
 
 _CELLS = Integer(low=4, high=5000)
 _RATIO = Number(low=-0.999, high=0.999)
-_FORCE = Quantity(unit="N", low=-1e8, high=1e8)
-_SPEED = Quantity(unit="m/s", low=-100, high=100)
-_MOMENT = Quantity(unit="N m", low=-1e6, high=1e6)
+_FORCE = QuantityKey(unit="N", low=-1e8, high=1e8)
+_SPEED = QuantityKey(unit="m/s", low=-100, high=100)
+_MOMENT = QuantityKey(unit="N m", low=-1e6, high=1e6)
 _MOST_STEPS = 100_000
-_TILT = Quantity(unit="rad", low=-0.1, high=0.1)
+_TILT = QuantityKey(unit="rad", low=-0.1, high=0.1)
 _GRID_DOC = "Number of cells in both directions."
 _CAVITATION = ("jfo", "reynolds", "guembel")
 
@@ -88,7 +88,7 @@ class FilmSurfaces(KeyTable):
     )
     contact_points: tuple[tuple[float, float], ...] = declare(
         Items(
-            item=Row(items=(Number(low=-5, high=20), Quantity(unit="MPa", above=0, high=1e6))),
+            item=Row(items=(Number(low=-5, high=20), QuantityKey(unit="MPa", above=0, high=1e6))),
             doc="Gap over roughness and asperity pressure, for the law 'table'.",
             low=0,
         ),

@@ -17,7 +17,7 @@ from toothspace.core.keys import (
     KeyTable,
     Named,
     Number,
-    Quantity,
+    QuantityKey,
     Row,
     Table,
     choice,
@@ -32,8 +32,8 @@ from toothspace.core.keys import (
 )
 from toothspace.core.units import split_quantity
 
-_SPEED = Quantity(unit="rpm", above=0, high=50000)
-_PRESSURE = Quantity(unit="bar", above=0, high=1000)
+_SPEED = QuantityKey(unit="rpm", above=0, high=50000)
+_PRESSURE = QuantityKey(unit="bar", above=0, high=1000)
 _LARGEST_COUNT = 10000
 
 
@@ -212,7 +212,7 @@ class ContactSpanStudy(KeyTable):
         default=0.01,
     )
     tip_clearance: tuple[float, ...] | None = declare(
-        Grid(item=Quantity(unit="um", above=0, high=500), doc="Tip clearances."), None
+        Grid(item=QuantityKey(unit="um", above=0, high=500), doc="Tip clearances."), None
     )
     pressure_difference: tuple[float, ...] | None = declare(
         Grid(item=_PRESSURE, doc="Outlet minus inlet pressure."), None

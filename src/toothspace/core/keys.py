@@ -193,7 +193,7 @@ class Key:
         raise KeyRuleError("", found, self.allowed())
 
 
-def _inside(value: float, bounds: Quantity | Number, bound: Callable[[float], float]) -> bool:
+def _inside(value: float, bounds: QuantityKey | Number, bound: Callable[[float], float]) -> bool:
     # bounds in display units are compared with a rounding allowance
     if not math.isfinite(value):
         return False
@@ -205,7 +205,7 @@ def _inside(value: float, bounds: Quantity | Number, bound: Callable[[float], fl
     )
 
 
-def _range(key: Quantity | Number, unit: str) -> str:
+def _range(key: QuantityKey | Number, unit: str) -> str:
     parts = []
     if key.above is not None:
         parts.append(f"above {key.above:g}{unit}")
@@ -223,7 +223,7 @@ def _is_number(raw: Any) -> bool:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Quantity(Key):
+class QuantityKey(Key):
     """Text with a unit; bounds are numbers in the display unit, ``above`` is exclusive."""
 
     unit: str
@@ -496,7 +496,7 @@ class Row(Key):
 class Grid(Key):
     """List of values, or ``{from, to, count}``, read to a tuple of values."""
 
-    item: Quantity | Number
+    item: QuantityKey | Number
 
     def allowed(self) -> str:
         return f"a list or {{from, to, count}} of: {self.item.allowed()}"
@@ -735,7 +735,7 @@ def described(key: Key) -> Schema:
 def _default(key: Key, default: Any) -> Schema:
     if default is MISSING or default is None:
         return {}
-    if isinstance(key, Quantity):
+    if isinstance(key, QuantityKey):
         return {"default": format_si(default, key.unit)}
     if isinstance(key, (Number, Integer, Choice, Text, Flag)):
         return {"default": default}
@@ -794,7 +794,7 @@ def quantity(
     default: float | Any | None = MISSING,
 ) -> Any:
     """Declare a quantity; bounds in ``unit``, default in SI units."""
-    return declare(Quantity(doc=doc, unit=unit, low=low, high=high, above=above), default)
+    return declare(QuantityKey(doc=doc, unit=unit, low=low, high=high, above=above), default)
 
 
 def number(

@@ -93,7 +93,7 @@ def _node_graph(stiffness: sp.csr_matrix) -> sp.csr_matrix:
     )
 
 
-class _Part(NamedTuple):
+class _EliminationPart(NamedTuple):
     # nodes that are eliminated, nodes left to the parent, load columns met so far
     own: IntArray
     outer: IntArray
@@ -106,9 +106,11 @@ class _Part(NamedTuple):
         return 3 * self.own.size, 3 * self.outer.size, self.columns.size
 
 
-def _planned(tree: list[Separator], graph: sp.csr_matrix, loads: sp.csr_matrix) -> list[_Part]:
+def _planned(
+    tree: list[Separator], graph: sp.csr_matrix, loads: sp.csr_matrix
+) -> list[_EliminationPart]:
     """What every front holds."""
-    parts: list[_Part] = []
+    parts: list[_EliminationPart] = []
     done = np.zeros(graph.shape[0], dtype=np.bool_)
     for own, children in tree:
         below = [parts[child] for child in children]
@@ -116,7 +118,7 @@ def _planned(tree: list[Separator], graph: sp.csr_matrix, loads: sp.csr_matrix) 
         done[own] = True
         found = _union([*near, *(part.outer for part in below)])
         columns = _union([loads[_unknowns(own)].indices, *(part.columns for part in below)])
-        parts.append(_Part(own, found[~done[found]], columns, children))
+        parts.append(_EliminationPart(own, found[~done[found]], columns, children))
     return parts
 
 
@@ -137,7 +139,7 @@ class _Front(NamedTuple):
     passed: Array  # load columns, unknowns left
 
 
-def _blocks(part: _Part) -> list[tuple[int, int]]:
+def _blocks(part: _EliminationPart) -> list[tuple[int, int]]:
     count, outer, loads = part.sizes
     return [(count, count), (outer, count), (outer, outer), (loads, count), (loads, outer)]
 
@@ -155,7 +157,7 @@ class _Workspace:
         self._top = 0
 
     @classmethod
-    def sized(cls, parts: list[_Part]) -> _Workspace:
+    def sized(cls, parts: list[_EliminationPart]) -> _Workspace:
         """Workspace that suits the fronts in their order."""
         top, deepest, largest = 0, 0, 0
         for part in parts:
@@ -165,28 +167,28 @@ class _Workspace:
             deepest = max(deepest, top)
         return cls(largest, deepest)
 
-    def front(self, part: _Part) -> _Front:
+    def front(self, part: _EliminationPart) -> _Front:
         """Front of a part, zero everywhere."""
         shapes = _blocks(part)
         self._front[: sum(rows * columns for rows, columns in shapes)] = 0.0
         return _Front(*_views(self._front, 0, shapes))
 
-    def push(self, part: _Part, front: _Front) -> None:
+    def push(self, part: _EliminationPart, front: _Front) -> None:
         """Keep what a part leaves to its parent."""
         for target, block in zip(self._waiting(part), front[_KEPT], strict=True):
             target[...] = block
         self._top += _kept(part)
 
-    def pop(self, part: _Part) -> list[Array]:
+    def pop(self, part: _EliminationPart) -> list[Array]:
         """What the part that was kept last left; valid until the next push."""
         self._top -= _kept(part)
         return self._waiting(part)
 
-    def _waiting(self, part: _Part) -> list[Array]:
+    def _waiting(self, part: _EliminationPart) -> list[Array]:
         return _views(self._stack, self._top, _blocks(part)[_KEPT])
 
 
-def _kept(part: _Part) -> int:
+def _kept(part: _EliminationPart) -> int:
     return sum(rows * columns for rows, columns in _blocks(part)[_KEPT])
 
 
@@ -200,7 +202,10 @@ def _views(memory: Array, start: int, shapes: list[tuple[int, int]]) -> list[Arr
 
 
 def _assemble(
-    part: _Part, system: tuple[sp.csr_matrix, sp.csr_matrix], place: IntArray, front: _Front
+    part: _EliminationPart,
+    system: tuple[sp.csr_matrix, sp.csr_matrix],
+    place: IntArray,
+    front: _Front,
 ) -> None:
     """Stiffness and loads of the nodes that are eliminated."""
     stiffness, loads = system
@@ -234,7 +239,11 @@ def _gather(
 
 
 def _extend_by(
-    child: _Part, part: _Part, left: list[Array], place: IntArray, front: _Front
+    child: _EliminationPart,
+    part: _EliminationPart,
+    left: list[Array],
+    place: IntArray,
+    front: _Front,
 ) -> None:
     """Add what a child left."""
     rows = (3 * place[child.outer][:, None] + np.arange(3)).ravel()
@@ -273,7 +282,7 @@ def _extend_loads(
                 passed[columns[i], c - count] += child[i, j]
 
 
-def _eliminated(part: _Part, front: _Front, total: Array) -> _Front:
+def _eliminated(part: _EliminationPart, front: _Front, total: Array) -> _Front:
     """Eliminate the own unknowns in place; the work of the loads on them joins the total."""
     count, outer, loads = part.sizes
     if not count:

@@ -45,7 +45,7 @@ class Check:
 
 @final
 @dataclass(frozen=True)
-class Source:
+class ValidationSource:
     """A publication and the comparisons with it.
 
     Parameters
@@ -95,7 +95,7 @@ def find_validation(folder: Path | None = None) -> Path:
     raise CaseError(f"validate: found no validation cases in {candidates[-1]}, allowed {allowed}")
 
 
-def run_validation(folder: Path, selection: str = "") -> list[Source]:
+def run_validation(folder: Path, selection: str = "") -> list[ValidationSource]:
     """Compare this version with all publications.
 
     Parameters
@@ -107,7 +107,7 @@ def run_validation(folder: Path, selection: str = "") -> list[Source]:
 
     Returns
     -------
-    list of Source
+    list of ValidationSource
         In the order of their names.
 
     Raises
@@ -136,7 +136,7 @@ def run_validation(folder: Path, selection: str = "") -> list[Source]:
     return [_source(path, checks.get(path.name, ())) for path in chosen]
 
 
-def write_book(sources: Sequence[Source], path: Path) -> Path:
+def write_book(sources: Sequence[ValidationSource], path: Path) -> Path:
     """Write the validation book as one HTML page that opens offline."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
@@ -155,7 +155,7 @@ def write_book(sources: Sequence[Source], path: Path) -> Path:
     return write_text(path, page)
 
 
-def summary_of(sources: Sequence[Source]) -> dict[str, Any]:
+def summary_of(sources: Sequence[ValidationSource]) -> dict[str, Any]:
     """Return what ``toothspace validate --json`` prints."""
     deviating = [source.name for source in sources if source.verdict == "deviates"]
     return {
@@ -206,9 +206,9 @@ def _check(case: ET.Element) -> Check:
     return Check(name, "agrees", "", duration)
 
 
-def _source(folder: Path, checks: Sequence[Check]) -> Source:
+def _source(folder: Path, checks: Sequence[Check]) -> ValidationSource:
     text = (folder / "SOURCE.md").read_text(encoding="utf-8")
     blocks = [" ".join(block.split()) for block in text.split("\n\n") if block.strip()]
     title = blocks[0].lstrip("# ") if blocks else folder.name
     paragraphs = tuple(block.lstrip("# ") for block in blocks[1:])
-    return Source(folder.name, title, paragraphs, tuple(checks))
+    return ValidationSource(folder.name, title, paragraphs, tuple(checks))

@@ -39,7 +39,7 @@ POINTS_PER_TOOTH = 200
 
 @final
 @dataclass(frozen=True)
-class Assembly:
+class CrescentAssembly:
     """Pinion and ring in mesh with the loaded flanks in contact.
 
     Parameters
@@ -123,7 +123,7 @@ class Assembly:
         )
 
 
-def assemble(spec: CrescentParameters) -> Assembly:
+def assemble(spec: CrescentParameters) -> CrescentAssembly:
     """Put the gears of a machine into mesh.
 
     Parameters
@@ -155,17 +155,17 @@ def assemble(spec: CrescentParameters) -> Assembly:
     teeth = tooth_curves(pinion), profile_tooth(ring)
     mesh = _mesh(teeth, spec.pinion.center_distance)
     curve = profile_outline(ring, 0.5 * np.pi)
-    return _touching(Assembly(spec, pinion, curve, ring.root_radius, teeth, mesh, None))
+    return _touching(CrescentAssembly(spec, pinion, curve, ring.root_radius, teeth, mesh, None))
 
 
-def _generated(spec: CrescentParameters) -> Assembly:
+def _generated(spec: CrescentParameters) -> CrescentAssembly:
     pair = involute_pair(spec)
     pinion = generate_profile(pair.pinion, POINTS_PER_TOOTH)
     teeth = tooth_curves(pinion), ring_tooth(pair.ring, POINTS_PER_TOOTH)
     mesh = _mesh(teeth, pair.center_distance)
     curve = ring_outline(pair.ring, POINTS_PER_TOOTH, 0.5 * np.pi)
     root = pair.ring.root_radius
-    return _touching(Assembly(spec, pinion, curve, root, teeth, mesh, pair))
+    return _touching(CrescentAssembly(spec, pinion, curve, root, teeth, mesh, pair))
 
 
 def involute_pair(spec: CrescentParameters) -> InternalPair:
@@ -277,7 +277,7 @@ def _mesh(teeth: tuple[Tooth, Tooth], distance: float) -> Mesh:
     )
 
 
-def _touching(centred: Assembly) -> Assembly:
+def _touching(centred: CrescentAssembly) -> CrescentAssembly:
     try:
         mesh = in_contact(centred.teeth, centred.mesh, centred.loaded_is_left)
     except GeometryError as error:

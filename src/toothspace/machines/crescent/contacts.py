@@ -20,7 +20,7 @@ from toothspace.gearing.meshing import (
 )
 from toothspace.gearing.numbering import Numbering
 from toothspace.gearing.spaces import Spaces
-from toothspace.machines.crescent.assembly import Assembly
+from toothspace.machines.crescent.assembly import CrescentAssembly
 from toothspace.machines.crescent.loads import BODIES, MOTIONS
 from toothspace.model.description import ContactPair, RigidMesh
 from toothspace.numerics.periodic_table import monotone_table
@@ -32,7 +32,7 @@ _RADIUS_OVER_PITCH = 0.34
 
 
 def flank_contacts(
-    assembly: Assembly, numbering: Numbering, spaces: Spaces
+    assembly: CrescentAssembly, numbering: Numbering, spaces: Spaces
 ) -> tuple[ContactPair, ContactPair]:
     """Contacts of the loaded and of the unloaded flanks over the angle of the pinion's spaces."""
     loaded = loaded_throats(assembly, spaces)
@@ -44,7 +44,7 @@ def flank_contacts(
 
 
 def _pair(
-    name: str, assembly: Assembly, numbering: Numbering, side: Throats, share: Array
+    name: str, assembly: CrescentAssembly, numbering: Numbering, side: Throats, share: Array
 ) -> ContactPair:
     spec = assembly.spec
     first = solid(spec.pinion.material, "machine.pinion.material")
@@ -68,17 +68,17 @@ def _pair(
     )
 
 
-def half_tooth(assembly: Assembly) -> float:
+def half_tooth(assembly: CrescentAssembly) -> float:
     """Half thickness of a tooth on the pitch circle: how deep contact deformation counts. [m]."""
     return 0.5 * assembly.mesh.half_pitch * assembly.mesh.pitch_radii[0]
 
 
-def tooth_stiffness(assembly: Assembly) -> float:
+def tooth_stiffness(assembly: CrescentAssembly) -> float:
     r"""Stiffness of a tooth pair in bending, shear and at the root, per face width.
 
     Parameters
     ----------
-    assembly : Assembly
+    assembly : CrescentAssembly
         Gears in mesh.
 
     Returns
@@ -112,7 +112,7 @@ def tooth_stiffness(assembly: Assembly) -> float:
     return float(1.0 / (1.0 / total - _HERTZ_SHARE_DEPTH / load))
 
 
-def rigid_mesh(assembly: Assembly) -> RigidMesh:
+def rigid_mesh(assembly: CrescentAssembly) -> RigidMesh:
     """Rotation of the ring that keeps the loaded flanks touching."""
     normal, lever = rigid_contact(assembly)
     coefficients = np.zeros(len(MOTIONS))
@@ -120,7 +120,7 @@ def rigid_mesh(assembly: Assembly) -> RigidMesh:
     return RigidMesh("drive_flank", len(MOTIONS) - 1, coefficients, lever)
 
 
-def displacement(assembly: Assembly) -> float:
+def displacement(assembly: CrescentAssembly) -> float:
     """Geometric displacement per radian, single flank: closed form for involutes. [m3/rad]."""
     if assembly.pair is not None:
         return assembly.pair.displacement_per_radian(assembly.face_width)

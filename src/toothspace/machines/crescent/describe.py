@@ -14,7 +14,7 @@ from toothspace.gearing.spaces import (
     section_area_rates,
     section_areas,
 )
-from toothspace.machines.crescent.assembly import Assembly, assemble
+from toothspace.machines.crescent.assembly import CrescentAssembly, assemble
 from toothspace.machines.crescent.contacts import displacement, flank_contacts, rigid_mesh
 from toothspace.machines.crescent.flow_paths import flow_paths
 from toothspace.machines.crescent.loads import (
@@ -91,7 +91,9 @@ def describe(spec: CrescentParameters, nodes: int = DEFAULT_NODES) -> MachineDes
     )
 
 
-def _family(assembly: Assembly, numbering: Numbering, spaces: Spaces, gear: int) -> ChamberFamily:
+def _family(
+    assembly: CrescentAssembly, numbering: Numbering, spaces: Spaces, gear: int
+) -> ChamberFamily:
     width, ratio = assembly.face_width, numbering.ratios[gear]
     volume: Array = width * section_areas(spaces)
     slope = width * section_area_rates(spaces) / ratio

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 
 from toothspace.core.types import Array
-from toothspace.machines.crescent.assembly import Assembly
+from toothspace.machines.crescent.assembly import CrescentAssembly
 
 _ARC = 181
 _FAR = 10.0
@@ -35,7 +35,7 @@ class FillerEdges:
         return 2.0 * np.pi - self.inlet - self.outlet
 
 
-def filler_edges(assembly: Assembly, gear: int) -> FillerEdges:
+def filler_edges(assembly: CrescentAssembly, gear: int) -> FillerEdges:
     """Ends of the filler at the tip circle of the pinion (0) or of the ring (1).
 
     Its end faces point to the centre of the pinion.
@@ -46,7 +46,7 @@ def filler_edges(assembly: Assembly, gear: int) -> FillerEdges:
     return FillerEdges(*(_about_ring(assembly, angle) for angle in given))
 
 
-def _about_ring(assembly: Assembly, angle: float) -> float:
+def _about_ring(assembly: CrescentAssembly, angle: float) -> float:
     """Angle about the ring's centre of the point where a ray from the pinion meets its tips."""
     distance, radius = -assembly.mesh.center_distance, assembly.tip_radii[1]
     along = -distance * np.cos(angle)
@@ -54,7 +54,7 @@ def _about_ring(assembly: Assembly, angle: float) -> float:
     return float(np.arctan2(reach * np.sin(angle), reach * np.cos(angle) + distance))
 
 
-def filler_outline(assembly: Assembly) -> Array:
+def filler_outline(assembly: CrescentAssembly) -> Array:
     """Outline of the filler in the machine frame, counter-clockwise. [m]."""
     filler = assembly.spec.filler
     pinion, ring = (filler_edges(assembly, gear) for gear in (0, 1))
@@ -65,7 +65,7 @@ def filler_outline(assembly: Assembly) -> Array:
     return np.vstack([outer * _direction(turns) + assembly.ring_center, inner * _direction(back)])
 
 
-def filler_thickness(assembly: Assembly) -> float:
+def filler_thickness(assembly: CrescentAssembly) -> float:
     """Smallest radial thickness of the filler, at one of its ends. [m]."""
     filler = assembly.spec.filler
     play = filler.pinion_clearance + filler.ring_clearance
@@ -82,7 +82,7 @@ def _direction(places: Array) -> Array:
     return np.column_stack([-np.sin(places), np.cos(places)])
 
 
-def cover_recesses(assembly: Assembly) -> dict[str, Array]:
+def cover_recesses(assembly: CrescentAssembly) -> dict[str, Array]:
     """Outlines of the recesses at inlet and outlet, named by their port. [m].
 
     Each lies between the root circles of both gears, from its start near the mesh to the filler.
@@ -104,7 +104,7 @@ def cover_recesses(assembly: Assembly) -> dict[str, Array]:
     return found
 
 
-def relief_polygons(assembly: Assembly) -> dict[str, Array]:
+def relief_polygons(assembly: CrescentAssembly) -> dict[str, Array]:
     """Outlines of the relief grooves, named by the port that they join. [m]."""
     grooves = assembly.spec.relief_grooves
     if grooves is None:

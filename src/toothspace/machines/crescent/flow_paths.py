@@ -16,7 +16,7 @@ from toothspace.gearing.meshing import (
 from toothspace.gearing.numbering import Numbering
 from toothspace.gearing.openings import groove_openings, port_lengths
 from toothspace.gearing.spaces import Spaces
-from toothspace.machines.crescent.assembly import Assembly
+from toothspace.machines.crescent.assembly import CrescentAssembly
 from toothspace.machines.crescent.filler import cover_recesses, filler_edges, relief_polygons
 from toothspace.machines.crescent.loads import BODIES, FACES, MOTIONS
 from toothspace.model.description import FlowPath
@@ -42,13 +42,13 @@ _LEAST_LAND = np.deg2rad(0.5)
 
 
 def flow_paths(
-    assembly: Assembly, numbering: Numbering, spaces: tuple[Spaces, Spaces]
+    assembly: CrescentAssembly, numbering: Numbering, spaces: tuple[Spaces, Spaces]
 ) -> tuple[FlowPath, ...]:
     """All flow paths of the machine.
 
     Parameters
     ----------
-    assembly : Assembly
+    assembly : CrescentAssembly
         Gears in mesh.
     numbering : Numbering
         Phases and nodes.
@@ -74,7 +74,7 @@ def flow_paths(
 
 
 def _flank_path(
-    assembly: Assembly, numbering: Numbering, side: Throats, *, leading: bool
+    assembly: CrescentAssembly, numbering: Numbering, side: Throats, *, leading: bool
 ) -> FlowPath:
     met = numbering.met_spaces - (1 if leading else 0)
     radius = relative_radius(side, assembly.spec.pinion.tip_rounding)
@@ -94,7 +94,7 @@ def _flank_path(
     )
 
 
-def tip_path(assembly: Assembly, numbering: Numbering, gear: int, nodes: int) -> FlowPath:
+def tip_path(assembly: CrescentAssembly, numbering: Numbering, gear: int, nodes: int) -> FlowPath:
     """Gap between tooth tips and filler, from the space behind to the space ahead.
 
     A filler in the housing opens and closes the gap as the gear moves; halves that are pressed
@@ -130,7 +130,7 @@ def tip_path(assembly: Assembly, numbering: Numbering, gear: int, nodes: int) ->
     )
 
 
-def filler_cover(assembly: Assembly, gear: int, places: Array) -> Array:
+def filler_cover(assembly: CrescentAssembly, gear: int, places: Array) -> Array:
     """Part of a tooth tip that seals against the filler, 0 where it stands before a port.
 
     It is 1 from the moment the whole land faces the filler until its first corner leaves it.
@@ -149,7 +149,7 @@ def _smooth(t: Array) -> Array:
 
 
 def _mouth_paths(
-    assembly: Assembly, numbering: Numbering, spaces: Spaces, gear: int
+    assembly: CrescentAssembly, numbering: Numbering, spaces: Spaces, gear: int
 ) -> list[FlowPath]:
     """Openings of the tooth spaces between mesh and filler, at their tip circle."""
     edges, width = filler_edges(assembly, gear), assembly.face_width
@@ -163,7 +163,7 @@ def _mouth_paths(
 
 
 def _face_paths(
-    assembly: Assembly, numbering: Numbering, spaces: Spaces, gear: int
+    assembly: CrescentAssembly, numbering: Numbering, spaces: Spaces, gear: int
 ) -> list[FlowPath]:
     """Openings of the tooth spaces into recesses and relief grooves of both covers."""
     recesses = groove_openings(spaces, cover_recesses(assembly), assembly.spec.ports.depth)
@@ -206,13 +206,13 @@ def _to_port(
     )
 
 
-def _radii(assembly: Assembly, gear: int) -> tuple[float, float]:
+def _radii(assembly: CrescentAssembly, gear: int) -> tuple[float, float]:
     """Tip and root circle of a gear. [m]."""
     root = assembly.pinion.root_radius if gear == 0 else assembly.root_radius
     return assembly.tip_radii[gear], root
 
 
-def _lateral_path(assembly: Assembly, numbering: Numbering, gear: int) -> FlowPath:
+def _lateral_path(assembly: CrescentAssembly, numbering: Numbering, gear: int) -> FlowPath:
     """Gaps over the tooth faces, from the space behind to the space ahead."""
     own, count = numbering.nodes[gear], assembly.counts[gear]
     tip, root = _radii(assembly, gear)
@@ -235,7 +235,7 @@ def _lateral_path(assembly: Assembly, numbering: Numbering, gear: int) -> FlowPa
     )
 
 
-def _space_area(assembly: Assembly, gear: int) -> float:
+def _space_area(assembly: CrescentAssembly, gear: int) -> float:
     """Area of a tooth space up to the tip circle, out of mesh. [m2]."""
     if gear == 0:
         return assembly.pinion.tooth_space_area
@@ -244,7 +244,7 @@ def _space_area(assembly: Assembly, gear: int) -> float:
     return float(inside - np.pi * assembly.tip_radii[1] ** 2) / assembly.counts[1]
 
 
-def _drain_path(assembly: Assembly, numbering: Numbering, gear: int) -> FlowPath:
+def _drain_path(assembly: CrescentAssembly, numbering: Numbering, gear: int) -> FlowPath:
     """Gaps over the land behind the tooth roots: to the shaft, or to the outside of the ring.
 
     A ring sector leaks like a parallel gap of its mean radius: width ``2 pi/z r`` and length

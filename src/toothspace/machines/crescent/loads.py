@@ -8,7 +8,7 @@ from toothspace.core.types import Array
 from toothspace.gearing.materials import reduced_modulus, solid
 from toothspace.gearing.numbering import Numbering
 from toothspace.geometry.curve import signed_area
-from toothspace.machines.crescent.assembly import Assembly
+from toothspace.machines.crescent.assembly import CrescentAssembly
 from toothspace.machines.crescent.filler import cover_recesses, filler_outline, relief_polygons
 from toothspace.model.description import Body, LumpedJournalBearing, LumpedLateralFilm, Motion
 from toothspace.model.film_shapes import FaceOutline
@@ -32,7 +32,7 @@ _CORRELATION_LENGTH = 10e-6
 _CIRCLE = 361
 
 
-def bodies(assembly: Assembly) -> tuple[Body, Body]:
+def bodies(assembly: CrescentAssembly) -> tuple[Body, Body]:
     """Pinion with its shaft, and ring."""
     spec, width = assembly.spec, assembly.face_width
     steel = solid(spec.pinion.material, "machine.pinion.material")
@@ -70,7 +70,9 @@ def polar_moment(outline: Array) -> float:
     return float(np.sum(cross * np.sum(p * p + p * q + q * q, axis=1)) / 12.0)
 
 
-def journal_bearings(assembly: Assembly) -> tuple[LumpedJournalBearing, LumpedJournalBearing]:
+def journal_bearings(
+    assembly: CrescentAssembly,
+) -> tuple[LumpedJournalBearing, LumpedJournalBearing]:
     """Bearings of the pinion's shaft, and the film round the ring."""
     spec = assembly.spec
     journal, ring = spec.journal_bearings, spec.ring
@@ -106,7 +108,7 @@ def journal_bearings(assembly: Assembly) -> tuple[LumpedJournalBearing, LumpedJo
 
 
 def lateral_films(
-    assembly: Assembly, numbering: Numbering
+    assembly: CrescentAssembly, numbering: Numbering
 ) -> tuple[LumpedLateralFilm, LumpedLateralFilm]:
     """Films on the faces of both gears; that of the ring drags over its whole section."""
     gap, profile = assembly.spec.lateral.side_gap, assembly.pinion
@@ -139,7 +141,7 @@ def lateral_films(
     )
 
 
-def pinion_face(assembly: Assembly, numbering: Numbering) -> FaceOutline:
+def pinion_face(assembly: CrescentAssembly, numbering: Numbering) -> FaceOutline:
     """Shape of the film on the pinion's faces, and the recesses of the covers opposite."""
     ports = {"inlet": numbering.inlet, "outlet": numbering.outlet}
     recesses = [*cover_recesses(assembly).items(), *relief_polygons(assembly).items()]
@@ -154,7 +156,7 @@ def pinion_face(assembly: Assembly, numbering: Numbering) -> FaceOutline:
     )
 
 
-def outlines(assembly: Assembly) -> dict[str, Array]:
+def outlines(assembly: CrescentAssembly) -> dict[str, Array]:
     """Polygons for drawing: gears in their own frame at shaft angle zero, filler and recesses.
 
     The ring is one curve round its outside and back along its teeth.

@@ -152,7 +152,7 @@ class FillerParameters(KeyTable):
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class PortContourParameters(KeyTable):
+class CrescentPortContourParameters(KeyTable):
     """``[machine.ports]``: recesses in both covers between mesh and filler."""
 
     inlet_start: float = quantity(
@@ -168,7 +168,7 @@ class PortContourParameters(KeyTable):
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class ReliefGrooveParameters(KeyTable):
+class CrescentReliefGrooveParameters(KeyTable):
     """``[machine.relief_grooves]``: per cover."""
 
     closing_side_offset: float = quantity(
@@ -192,7 +192,7 @@ class ReliefGrooveParameters(KeyTable):
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class JournalBearingParameters(KeyTable):
+class CrescentJournalBearingParameters(KeyTable):
     """``[machine.journal_bearings]``: two equal bearings of the pinion."""
 
     diameter: float = quantity("mm", "Journal diameter.", above=0, high=500)
@@ -212,7 +212,7 @@ class JournalBearingParameters(KeyTable):
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class LateralParameters(KeyTable):
+class CrescentLateralParameters(KeyTable):
     """``[machine.lateral]``: films between the faces of the gears and the covers."""
 
     side_gap: float = quantity("um", "Film height of both faces.", low=0.1, high=500)
@@ -220,7 +220,7 @@ class LateralParameters(KeyTable):
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class SealParameters(KeyTable):
+class CrescentSealParameters(KeyTable):
     """``[machine.seals]``."""
 
     shaft_seal_torque: float = quantity("N m", "Friction of the shaft seal.", low=0, high=100)
@@ -228,7 +228,7 @@ class SealParameters(KeyTable):
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class PortParameters(KeyTable):
+class CrescentPortParameters(KeyTable):
     """``[machine.inlet]`` and ``[machine.outlet]``."""
 
     volume: float = quantity(
@@ -255,17 +255,25 @@ class CrescentParameters(KeyTable):
     pinion: PinionParameters = table(PinionParameters, "Gear on the shaft.")
     ring: RingParameters = table(RingParameters, "Ring gear round it.")
     filler: FillerParameters = table(FillerParameters, "Crescent between the gears.")
-    ports: PortContourParameters = table(PortContourParameters, "Recesses of the covers.")
-    relief_grooves: ReliefGrooveParameters | None = table(
-        ReliefGrooveParameters, "Relief grooves; leave out for none.", default=None
+    ports: CrescentPortContourParameters = table(
+        CrescentPortContourParameters, "Recesses of the covers."
     )
-    journal_bearings: JournalBearingParameters = table(
-        JournalBearingParameters, "Bearings of the pinion."
+    relief_grooves: CrescentReliefGrooveParameters | None = table(
+        CrescentReliefGrooveParameters, "Relief grooves; leave out for none.", default=None
     )
-    lateral: LateralParameters = table(LateralParameters, "Lateral films.")
-    seals: SealParameters | None = table(SealParameters, "Shaft seal.", default=None)
-    inlet: PortParameters = table(PortParameters, "Inlet volume.", default=PortParameters())
-    outlet: PortParameters = table(PortParameters, "Outlet volume.", default=PortParameters())
+    journal_bearings: CrescentJournalBearingParameters = table(
+        CrescentJournalBearingParameters, "Bearings of the pinion."
+    )
+    lateral: CrescentLateralParameters = table(CrescentLateralParameters, "Lateral films.")
+    seals: CrescentSealParameters | None = table(
+        CrescentSealParameters, "Shaft seal.", default=None
+    )
+    inlet: CrescentPortParameters = table(
+        CrescentPortParameters, "Inlet volume.", default=CrescentPortParameters()
+    )
+    outlet: CrescentPortParameters = table(
+        CrescentPortParameters, "Outlet volume.", default=CrescentPortParameters()
+    )
 
     def __post_init__(self) -> None:
         if self.drain == "external":

@@ -10,7 +10,7 @@ from toothspace.gearing.meshing import contact_range, flow_over_pitch
 from toothspace.gearing.ring_gear import InternalPair
 from toothspace.gearing.spaces import Spaces, section_areas
 from toothspace.geometry.involute import involute_function
-from toothspace.machines.crescent.assembly import Assembly
+from toothspace.machines.crescent.assembly import CrescentAssembly
 from toothspace.machines.crescent.contacts import displacement
 from toothspace.machines.crescent.filler import filler_edges, filler_thickness
 from toothspace.model.description import DesignCheck
@@ -24,13 +24,13 @@ _ANGLES = 6
 
 
 def geometry_summary(
-    assembly: Assembly, spaces: tuple[Spaces, Spaces], checks: tuple[DesignCheck, ...]
+    assembly: CrescentAssembly, spaces: tuple[Spaces, Spaces], checks: tuple[DesignCheck, ...]
 ) -> dict[str, object]:
     """Numbers of the geometry report, names with their unit.
 
     Parameters
     ----------
-    assembly : Assembly
+    assembly : CrescentAssembly
         Gears in mesh.
     spaces : tuple of Spaces
         Tooth spaces of both gears at the table nodes.
@@ -63,7 +63,7 @@ def geometry_summary(
     }
 
 
-def contact_ratio(assembly: Assembly) -> float:
+def contact_ratio(assembly: CrescentAssembly) -> float:
     """Mean number of tooth pairs in contact. [-]."""
     if assembly.pair is not None:
         return assembly.pair.contact_ratio
@@ -71,13 +71,13 @@ def contact_ratio(assembly: Assembly) -> float:
     return (end - start) / (2.0 * assembly.mesh.half_pitch)
 
 
-def root_clearances(assembly: Assembly) -> tuple[float, float]:
+def root_clearances(assembly: CrescentAssembly) -> tuple[float, float]:
     """Radial play of the mating tip in the roots of pinion and ring. [m]."""
     (pinion, ring), distance = assembly.tip_radii, -assembly.mesh.center_distance
     return ring - distance - assembly.pinion.root_radius, assembly.root_radius - distance - pinion
 
 
-def sealed_teeth(assembly: Assembly, gear: int) -> float:
+def sealed_teeth(assembly: CrescentAssembly, gear: int) -> float:
     """Mean number of teeth of a gear that seal at the filler at a time. [-]."""
     span = filler_edges(assembly, gear).span - abs(assembly.teeth[gear].land_angle)
     return span * assembly.counts[gear] / (2.0 * np.pi)
@@ -110,7 +110,7 @@ def tip_clearance(pair: InternalPair) -> float:
     return float(first * lead)
 
 
-def trimming_distance(assembly: Assembly) -> float:
+def trimming_distance(assembly: CrescentAssembly) -> float:
     """Part of the way along the centre line on which the pinion fouls the ring. [m].
 
     Where it is not zero, the pinion cannot be slid radially into the ring.
@@ -125,7 +125,7 @@ def trimming_distance(assembly: Assembly) -> float:
     return fouls / _TRIMMING_STEPS * -assembly.mesh.center_distance
 
 
-def overlap(assembly: Assembly) -> float:
+def overlap(assembly: CrescentAssembly) -> float:
     """Largest area in which the teeth overlap while they turn through a pitch. [m2]."""
     found = []
     for angle in 2.0 * assembly.mesh.half_pitch * np.arange(_ANGLES) / _ANGLES:
@@ -135,7 +135,7 @@ def overlap(assembly: Assembly) -> float:
     return max(found)
 
 
-def _pinion(assembly: Assembly, angle: float) -> shapely.Polygon:
+def _pinion(assembly: CrescentAssembly, angle: float) -> shapely.Polygon:
     start = 0.5 * np.pi + assembly.mesh.half_pitch
     return shapely.Polygon(assembly.pinion.closed_polygon(start + angle))
 
@@ -145,12 +145,12 @@ def _turned(points: Array, angle: float) -> Array:
     return np.asarray(points @ np.array([[c, s], [-s, c]]), dtype=float)
 
 
-def design_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
+def design_checks(assembly: CrescentAssembly) -> tuple[DesignCheck, ...]:
     """Design-rule report of gears and filler."""
     return (*_mesh_checks(assembly), *_involute_checks(assembly), *_filler_checks(assembly))
 
 
-def _mesh_checks(assembly: Assembly) -> list[DesignCheck]:
+def _mesh_checks(assembly: CrescentAssembly) -> list[DesignCheck]:
     ratio, fouled = contact_ratio(assembly), overlap(assembly)
     pitch = 2.0 * assembly.mesh.half_pitch * assembly.mesh.pitch_radii[0]
     module = pitch / np.pi
@@ -192,7 +192,7 @@ def _mesh_checks(assembly: Assembly) -> list[DesignCheck]:
     return checks
 
 
-def _involute_checks(assembly: Assembly) -> list[DesignCheck]:
+def _involute_checks(assembly: CrescentAssembly) -> list[DesignCheck]:
     pair = assembly.pair
     if pair is None:
         return []
@@ -230,7 +230,7 @@ def _involute_checks(assembly: Assembly) -> list[DesignCheck]:
     ]  # fmt: skip
 
 
-def _filler_checks(assembly: Assembly) -> list[DesignCheck]:
+def _filler_checks(assembly: CrescentAssembly) -> list[DesignCheck]:
     spec = assembly.spec
     thickness = filler_thickness(assembly)
     checks = [

@@ -14,13 +14,13 @@ from toothspace.geometry.cad_import import load_closed_curves
 from toothspace.geometry.polygon import checked_polygon
 from toothspace.library import load_material
 from toothspace.machines.external_gear import floating_parameters as own
-from toothspace.machines.external_gear import parameters as keys
+from toothspace.machines.external_gear import parameter_tables as keys
 from toothspace.machines.external_gear import spec
 
 _TABLE = "floating_bearing"
 
 
-def floating_block(machine: keys.ExternalGearParameters) -> spec.FloatingBlock | None:
+def floating_block(machine: keys.ExternalGearTables) -> spec.FloatingBlock | None:
     """Definition of the floating bearing of a machine, None without its table.
 
     Raises
@@ -61,7 +61,7 @@ def floating_block(machine: keys.ExternalGearParameters) -> spec.FloatingBlock |
     )
 
 
-def body_files(machine: keys.ExternalGearParameters) -> spec.BodyFiles | None:
+def body_files(machine: keys.ExternalGearTables) -> spec.BodyFiles | None:
     """STEP files of elastic bodies, None without their table."""
     given = machine.elastic_bodies
     if given is None:

@@ -10,7 +10,7 @@ from toothspace.core.keys import (
     Flag,
     Items,
     KeyTable,
-    Quantity,
+    QuantityKey,
     Row,
     Table,
     choice,
@@ -26,8 +26,8 @@ from toothspace.core.keys import (
 
 CONTOUR_SUFFIXES = (".txt", ".csv", ".dxf")
 _STEP = (".step", ".stp")
-_FORCE = Quantity(unit="N", low=-1e6, high=1e6)
-_POINT = Row(items=(Quantity(unit="mm"), Quantity(unit="mm")))
+_FORCE = QuantityKey(unit="N", low=-1e6, high=1e6)
+_POINT = Row(items=(QuantityKey(unit="mm"), QuantityKey(unit="mm")))
 
 
 @final

@@ -19,7 +19,7 @@ from toothspace.geometry.involute import InvoluteGear, tooth_form
 from toothspace.geometry.polygon import checked_polygon
 from toothspace.geometry.profile_detection import gear_profile_from_curve
 from toothspace.library import load_material
-from toothspace.machines.external_gear import parameters as keys
+from toothspace.machines.external_gear import parameter_tables as keys
 from toothspace.machines.external_gear import spec
 from toothspace.machines.external_gear.floating_from_parameters import body_files, floating_block
 from toothspace.machines.external_gear.shaft_seal import seal_torque
@@ -47,7 +47,7 @@ class _Section(NamedTuple):
 _MILLIMETRES = _Section(1e-3, None, None, None)
 
 
-def spec_from(machine: keys.ExternalGearParameters) -> spec.ExternalGearSpec:
+def spec_from(machine: keys.ExternalGearTables) -> spec.ExternalGearSpec:
     """Build profiles, contours and materials of a machine.
 
     Parameters
@@ -97,7 +97,7 @@ def _startup(startup: keys.StartupParameters | None) -> StartupFriction | None:
     return StartupFriction(startup.breakaway_torque, startup.breakaway_speed, additive)
 
 
-def _check_pair(machine: keys.ExternalGearParameters, drive: spec.Gear, driven: spec.Gear) -> None:
+def _check_pair(machine: keys.ExternalGearTables, drive: spec.Gear, driven: spec.Gear) -> None:
     first, second = drive.tooth, driven.tooth
     root = min(gear.root_radius for gear in (first, second))
     if machine.journal_bearings.diameter >= 2.0 * root:
@@ -116,7 +116,7 @@ def _check_pair(machine: keys.ExternalGearParameters, drive: spec.Gear, driven: 
         raise GeometryError(f"{table}{error}") from error
 
 
-def _driven_keys(machine: keys.ExternalGearParameters) -> keys.GearParameters:
+def _driven_keys(machine: keys.ExternalGearTables) -> keys.GearParameters:
     if machine.driven_gear is None:
         return machine.gears
     given = {
@@ -173,7 +173,7 @@ def _casing(casing: keys.CasingParameters) -> spec.Casing:
     )
 
 
-def _journals(machine: keys.ExternalGearParameters) -> spec.JournalBearings:
+def _journals(machine: keys.ExternalGearTables) -> spec.JournalBearings:
     bearing, blocks = machine.journal_bearings, machine.bearing_blocks
     return spec.JournalBearings(
         diameter=bearing.diameter,

@@ -7,7 +7,7 @@ import numpy as np
 from toothspace.core.errors import CaseError
 from toothspace.core.keys import KeyRuleError
 from toothspace.core.signals import read_columns
-from toothspace.machines.external_gear.parameters import SealParameters
+from toothspace.machines.external_gear.parameter_tables import SealParameters
 
 _COLUMNS = {"temperature": "degC", "penetration": "mm", "friction_force": "N"}
 
