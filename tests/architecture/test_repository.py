@@ -44,6 +44,21 @@ def test_lock_file_is_plain(repository: Path) -> None:
     assert all(re.fullmatch(r"[A-Za-z0-9_.\-]+==[A-Za-z0-9_.+!]+", line) for line in lines)
 
 
+def test_hashes_are_those_of_the_pins(repository: Path) -> None:
+    folder = repository / "requirements"
+    pins = (folder / "lock.txt").read_text(encoding="utf-8").split()
+    text = (folder / "hashes.txt").read_text(encoding="utf-8").replace("\\\n", " ")
+    rows = [line.split() for line in text.splitlines()]
+
+    def plain(pin: str) -> str:
+        return pin.lower().replace("_", "-")
+
+    assert sorted(plain(row[0]) for row in rows) == sorted(map(plain, pins))
+    hashes = [one for row in rows for one in row[1:]]
+    assert all(len(row) > 1 for row in rows)
+    assert all(re.fullmatch(r"--hash=sha256:[0-9a-f]{64}", one) for one in hashes)
+
+
 def test_continuous_integration_runs_what_the_readme_says(repository: Path) -> None:
     commands = (repository / ".ci" / "run").read_text(encoding="utf-8")
     readme = (repository / "README.md").read_text(encoding="utf-8")

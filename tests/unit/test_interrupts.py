@@ -207,7 +207,8 @@ def test_a_case_that_fails_is_a_value(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.slow
-def test_ctrl_c_at_the_terminal_keeps_the_result(tmp_path: Path) -> None:
+@pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGTERM])
+def test_ctrl_c_and_the_end_of_a_job_keep_the_result(end: signal.Signals, tmp_path: Path) -> None:
     target = tmp_path / "result.nc"
     # a test run in the background inherits that interrupts are ignored
     program = (
@@ -222,7 +223,7 @@ def test_ctrl_c_at_the_terminal_keeps_the_result(tmp_path: Path) -> None:
         [*command, "--set", "run.revolutions=100000"], stderr=subprocess.PIPE, text=True
     )
     time.sleep(20.0)
-    os.kill(run.pid, signal.SIGINT)
+    os.kill(run.pid, end)
     _, messages = run.communicate(timeout=60.0)
     assert run.returncode == 130, messages
     assert "interrupted" in messages
