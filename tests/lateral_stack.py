@@ -13,10 +13,17 @@ from toothspace.films.lateral.housing_friction import housing_friction
 from toothspace.films.lateral.motion import Loads
 from toothspace.films.lateral.stack import BackPressure, Stack, WinklerFoundation
 from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
-from toothspace.model.lateral_balance import (
-    LAND,
-    AxialForce,
+from toothspace.model.film_faces import (
+    FILM,
+    NO_BODY,
+    ChamberRing,
+    FaceBody,
     FaceCells,
+    FaceSurfaces,
+    FilmFace,
+)
+from toothspace.model.lateral_balance import (
+    AxialForce,
     FilmInterface,
     FloatingBearing,
     HousingContact,
@@ -46,7 +53,7 @@ class RingFace:
     def __call__(self, shaft_angle: float, x: np.ndarray, y: np.ndarray) -> FaceCells:
         inside = np.hypot(x, y) <= OUTER
         outside = np.where(x > self.limit, HIGH_NODE, LOW_NODE)
-        return FaceCells(np.where(inside, LAND, outside), inside, inside)
+        return FaceCells(np.where(inside, FILM, outside), np.where(inside, 0, NO_BODY))
 
 
 def ring_stack(
@@ -68,17 +75,19 @@ def ring_stack(
             name=f"{side}_ring",
             body="ring",
             side=side,
-            center=(0.0, 0.0),
-            inner_radius=INNER,
-            outer_radius=OUTER,
+            face=FilmFace(
+                bodies=(FaceBody("ring", (0.0, 0.0), OUTER),),
+                center=(0.0, 0.0),
+                inner_radius=INNER,
+                outer_radius=OUTER,
+                gap=10e-6,
+                face_map=RingFace(limit),
+                chambers=ChamberRing(np.array([HIGH_NODE]), np.zeros(1)),
+                recesses=np.zeros(0, dtype=np.int64),
+                inner_node=LOW_NODE,
+                surfaces=FaceSurfaces(0.0, 0.0, effective_modulus=1.5e11, hardness=1e9),
+            ),
             speed_ratio=1.0,
-            period=2.0 * np.pi,
-            bore_node=LOW_NODE,
-            face_map=RingFace(limit),
-            moving_roughness=0.0,
-            resting_roughness=0.0,
-            effective_modulus=1.5e11,
-            hardness=1e9,
         )
         for side in ("floating", "solid")
     )
@@ -139,8 +148,12 @@ def split_stack(shares: tuple[float, float], **changes: object) -> Stack:
             name=f"{i.side}_{k}",
             body=f"ring_{k}",
             part=f"{i.side}_{k}",
-            center=place,
-            face_map=_Moved(i.face_map, place),  # type: ignore[arg-type]
+            face=replace(
+                i.face,
+                bodies=(FaceBody(f"ring_{k}", place, OUTER),),
+                center=place,
+                face_map=_Moved(i.face.face_map, place),  # type: ignore[arg-type]
+            ),
         )
         for i in balance.interfaces
         for k, place in enumerate(PLACES)

@@ -35,7 +35,8 @@ from toothspace.machines.external_gear.elastic_bodies import (
 from toothspace.machines.external_gear.films import FaceOfGear
 from toothspace.machines.external_gear.loads import BODIES
 from toothspace.machines.external_gear.spec import BodyFiles, FloatingBlock, Material, Spring
-from toothspace.model.lateral_balance import LAND, BodyLoad, LateralBalance
+from toothspace.model.film_faces import FILM
+from toothspace.model.lateral_balance import BodyLoad, LateralBalance
 from toothspace.simulation.elastic import lateral_settings
 from toothspace.simulation.lateral.loads import BodyLoads
 from toothspace.simulation.lateral.problem import lateral_problem
@@ -111,14 +112,14 @@ def test_flanks_of_a_gear_have_the_nodes_of_the_chambers_beside_them(
     assembly = _assembly()
     face = FaceOfGear(assembly, number(assembly.counts), wheel)
     profile = assembly.profiles[wheel]
-    first = face.tooth_angle(wheel, turn)
+    first = face.own.tooth_angle(turn)
     angle = first + profile.pitch_angle * (np.arange(profile.tooth_count) + 0.5)
     radius = 0.5 * (profile.root_radius + profile.tip_radius)
     x, y = radius * np.cos(angle), radius * np.sin(angle)
     away = np.sin(angle) < 0.3 if wheel == 0 else np.sin(angle) > -0.3
     rise = assembly.mesh.center_distance if wheel == 1 else 0.0
     seen = face(turn, x, y + rise).node
-    clear = away & (seen != LAND)
+    clear = away & (seen != FILM)
     assert clear.sum() >= 6
     nodes = face.flank_nodes(turn, np.linspace(profile.root_radius, profile.tip_radius, 5))
     assert (seen[clear] == nodes[clear].transpose(1, 2, 0)).all()

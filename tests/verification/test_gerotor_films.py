@@ -12,17 +12,22 @@ import pytest
 
 from toothspace import api
 from toothspace.closures.squeeze_film import squeeze_damping
-from toothspace.core.types import Array, IntArray
+from toothspace.core.types import Array
 from toothspace.films.journal.rim_film import rim_paths, sector_family
 from toothspace.films.lateral.axial_position import axial_forces, balanced_gaps
-from toothspace.films.lateral.shared_face import SharedFilm, sector_phases, shared_film
+from toothspace.films.lateral.conductance import (
+    FaceConductance,
+    FaceResolution,
+    face_conductance,
+)
 from toothspace.model.description import MachineDescription
-from toothspace.model.film_shapes import BARE, Cover, RimFilm, SharedFaces
+from toothspace.model.film_faces import FILM, NO_BODY, ChamberRing, FaceBody, FaceCells, FilmFace
 from toothspace.simulation.setup import condition_of
 from toothspace.simulation.shared_covers import with_shared_films
 
 CASE = Path(__file__).parents[2] / "cases" / "gerotor_cycloidal.toml"
 INNER, MIDDLE, RIM = 8e-3, 14e-3, 26e-3
+COARSE = FaceResolution(rows=24, lanes=32, angles=2)
 
 
 @cache
@@ -30,37 +35,33 @@ def machine() -> MachineDescription:
     return api.describe(api.load_case(CASE))
 
 
-def ring_map(shaft_angle: float, x: Array, y: Array) -> tuple[IntArray, IntArray]:
+def ring_map(shaft_angle: float, x: Array, y: Array) -> FaceCells:
     """One body from the middle radius outwards; inside stand seven equal chambers."""
     radius = np.hypot(x, y)
     sector = np.mod(np.rint(np.arctan2(y, x) * 7 / (2.0 * math.pi)).astype(int), 7)
     film = radius > MIDDLE
-    return np.where(film, BARE, sector), np.where(film, 0, BARE)
+    return FaceCells(np.where(film, FILM, sector), np.where(film, 0, NO_BODY))
 
 
-def rings(sectors: int = 4) -> tuple[SharedFaces, SharedFilm]:
-    rim = RimFilm("disc", RIM, 12e-3, 50e-6, 1e-6, False, 7, sectors)
-    cover = Cover(20e-6, ring_map)
-    faces = SharedFaces(
-        covers=(cover,),
-        bodies=("disc",),
+def rings(sectors: int = 4) -> FaceConductance:
+    face = FilmFace(
+        bodies=(FaceBody("disc", (0.0, 0.0), RIM),),
+        center=(0.0, 0.0),
         inner_radius=INNER,
-        rim=rim,
-        chambers=np.arange(7),
-        phases=2.0 * math.pi * np.arange(7) / 7,
-        angle_ratio=1.0,
-        zero_angle=0.0,
+        outer_radius=RIM,
+        gap=20e-6,
+        face_map=ring_map,
+        chambers=ChamberRing(np.arange(7), 2.0 * math.pi * np.arange(7) / 7),
         recesses=np.zeros(0, dtype=np.int64),
         inner_node=10,
-        replaced=(),
+        sectors=sectors,
     )
-    found = shared_film(faces, cover, np.zeros((1, 2)), rows_per_pitch=28, lanes=45, angles=1)
-    return faces, found
+    return face_conductance(face, FaceResolution(rows=28, lanes=45, angles=1))
 
 
 def test_ring_between_chambers_and_rim_leaks_and_carries_like_a_ring() -> None:
     """Q = 2 pi h^3 dp / (12 mu ln(r2/r1)); pressure falls with the logarithm of the radius."""
-    _, film = rings()
+    film = rings()
     out, chambers = film.matrix[0][8:, :7], np.ones(7)
     assert -(out @ chambers).sum() == pytest.approx(
         2.0 * math.pi / math.log(RIM / MIDDLE), rel=0.02
@@ -76,8 +77,8 @@ def steady_force(description: MachineDescription, sectors: int, ratio: float) ->
     """Force of the full incompressible ring film, off centre along x; speed, viscosity 1."""
     faces = description.shared_faces
     assert faces is not None
-    faces = replace(faces, rim=replace(faces.rim, sectors=sectors))
-    count = sector_phases(faces).size
+    faces = replace(faces, covers=tuple(replace(c, sectors=sectors) for c in faces.covers))
+    count = faces.face.sector_phases.size
     path, *_ = rim_paths(description, faces, np.arange(count))
     x = description.motion_index("outer_rotor", "x")
     move = ratio * faces.rim.clearance
@@ -86,7 +87,7 @@ def steady_force(description: MachineDescription, sectors: int, ratio: float) ->
     gap = path.geometry(path.phases)[:, 0] + move * path.height_by_motion(path.phases)[:, x]
     width, length = path.geometry.values[0, 1:]
     conductance = gap**3 * width / (12.0 * length)
-    drag = gap * width * path.drag_speed(path.phases)[:, 0] / faces.angle_ratio
+    drag = gap * width * path.drag_speed(path.phases)[:, 0] / faces.face.chambers.angle_ratio
     family = sector_family(description, faces)
     swept = move * family.volume_by_motion.derivative(family.phases)[:, x]
     ahead = np.roll(np.arange(count), -1)
@@ -122,16 +123,15 @@ def test_paths_of_solved_films_close_with_the_conductances() -> None:
     description = machine()
     faces = description.shared_faces
     assert faces is not None
-    centers = np.array([body.center for body in description.bodies])
-    films = tuple(shared_film(faces, c, centers, None, 24, 32, 2) for c in faces.covers)
+    films = tuple(face_conductance(cover, COARSE) for cover in faces.covers)
     wider = with_shared_films(description, films)
     drain = next(path for path in wider.paths if path.name == "drain")
     gap = drain.geometry(drain.phases)
-    inner = faces.chambers.size + faces.recesses.size
+    inner = faces.face.chambers.nodes.size + faces.face.recesses.size
     own = -sum(film.matrix[0, :7, inner] for film in films)
     np.testing.assert_allclose(gap[:, 1] / gap[:, 2], own, rtol=1e-6)
-    np.testing.assert_allclose(gap[:, 0], 20e-6)
-    assert wider.chamber_count == 7 + sector_phases(faces).size
+    np.testing.assert_allclose(gap[:, 0], faces.face.gap)
+    assert wider.chamber_count == 7 + faces.face.sector_phases.size
     assert np.all(drain.nodes_b == wider.drain_node)
 
 
@@ -181,16 +181,16 @@ def test_rotors_free_between_covers_lean_on_the_one_without_kidneys() -> None:
         description = api.describe(case)
         faces, condition = description.shared_faces, condition_of(case, description)
         assert faces is not None
-        centers = np.array([body.center for body in description.bodies])
-        films = tuple(shared_film(faces, c, centers, None, 24, 32, 2) for c in faces.covers)
+        films = tuple(face_conductance(cover, COARSE) for cover in faces.covers)
         found[covers] = (
             balanced_gaps(description, films, condition),
             axial_forces(description, films, condition),
         )
     gaps, force = found["one"]
-    np.testing.assert_allclose(gaps.sum(axis=0), 40e-6)
+    play = sum(cover.gap for cover in faces.covers)
+    np.testing.assert_allclose(gaps.sum(axis=0), play)
     assert np.all(force > 0.0)
     # asperities of 0.72 um begin to carry below some four times that
     assert np.all((gaps[1] > 0.5e-6) & (gaps[1] < 4e-6))
-    np.testing.assert_allclose(found["both"][0], 20e-6)
+    np.testing.assert_allclose(found["both"][0], 0.5 * play)
     np.testing.assert_allclose(found["both"][1], 0.0, atol=1.0)

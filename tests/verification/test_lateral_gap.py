@@ -32,7 +32,8 @@ from toothspace.films.lateral.housing_friction import HousingFriction, normal_fo
 from toothspace.films.lateral.motion import StepSettings, balance_force, state_at
 from toothspace.films.lateral.stack import BackPressure, Stack, StackState
 from toothspace.films.lateral.stops import leaning, stop_forces
-from toothspace.model.lateral_balance import LAND, AxialForce, FaceCells, HousingContact
+from toothspace.model.film_faces import FILM, NO_BODY, FaceCells
+from toothspace.model.lateral_balance import AxialForce, HousingContact
 from toothspace.simulation.lateral.coupled_run import seat_warning
 from toothspace.simulation.lateral.problem import LateralProblem, LateralSettings, numbers_of
 
@@ -332,7 +333,7 @@ class _HalfFace:
         inside = np.hypot(x, y) <= OUTER
         film = inside & (y > 0.0)
         open_to = np.where(x > 0.0, HIGH_NODE, LOW_NODE)
-        return FaceCells(np.where(film, LAND, open_to), film, inside)
+        return FaceCells(np.where(film, FILM, open_to), np.where(film, 0, NO_BODY))
 
 
 def test_flow_that_pressure_drives_pulls_the_face_along_at_any_speed() -> None:
@@ -342,7 +343,9 @@ def test_flow_that_pressure_drives_pulls_the_face_along_at_any_speed() -> None:
     sheared = []
     for speed in (300.0, 600.0):
         stack = ring_stack(rough=False, speed=speed)
-        halves = tuple(replace(i, face_map=_HalfFace()) for i in stack.balance.interfaces)
+        halves = tuple(
+            replace(i, face=replace(i.face, face_map=_HalfFace())) for i in stack.balance.interfaces
+        )
         grids = tuple(FaceGrid(i, 36, 10) for i in halves)
         stack = replace(stack, balance=replace(stack.balance, interfaces=halves), grids=grids)
         lost = _solved(stack, stack.start(height)).films[0].friction()

@@ -23,7 +23,7 @@ from toothspace.films.lateral.equilibrium import march_angles
 from toothspace.films.lateral.face_grid import FaceGrid
 from toothspace.films.lateral.motion import StepSettings, state_at
 from toothspace.films.lateral.stack import BackPressure, Stack
-from toothspace.model.lateral_balance import LAND, FaceCells
+from toothspace.model.film_faces import FILM, FaceCells
 from toothspace.numerics.complementarity import face_flows
 
 GAP = 5e-6
@@ -39,15 +39,22 @@ class _Land:
 
     def __call__(self, shaft_angle: float, x: np.ndarray, y: np.ndarray) -> FaceCells:
         inside = np.hypot(x, y) <= self.radius
-        every = np.ones_like(inside)
-        return FaceCells(np.where(inside, LAND, HIGH_NODE), every, every)
+        return FaceCells(np.where(inside, FILM, HIGH_NODE), np.zeros(x.shape, dtype=np.int64))
 
 
 def _ring(radius: float, lanes: int, root_radius: float) -> Stack:
     stack = ring_stack(rough=False, cells=(8, lanes))
     land = _Land(radius)
     grids = tuple(
-        FaceGrid(replace(grid.interface, face_map=land, root_radius=root_radius), 8, lanes)
+        FaceGrid(
+            replace(
+                grid.interface,
+                face=replace(grid.interface.face, face_map=land),
+                root_radius=root_radius,
+            ),
+            8,
+            lanes,
+        )
         for grid in stack.grids
     )
     return replace(stack, grids=grids)

@@ -10,7 +10,7 @@ import pytest
 
 from toothspace import api
 from toothspace.api import solve_film
-from toothspace.films.lateral.conductance import face_conductance
+from toothspace.films.lateral.conductance import FaceResolution, face_conductance
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.quasi_static import quasi_static_pressures
 
@@ -43,8 +43,8 @@ def test_rigid_parallel_face_leaks_by_its_conductances() -> None:
     flow = 0.0
     for film in description.laterals:
         assert film.face is not None
-        nodes = [*film.face.nodes, *(node for node, _ in film.face.recesses), pressure.size - 1]
-        matrix = face_conductance(film, rows_per_pitch=30, lanes=24, angles=1).matrix[0]
+        nodes = [*film.face.chambers.nodes, *film.face.recesses, film.face.inner_node]
+        matrix = face_conductance(film.face, FaceResolution(30, 24, 1)).matrix[0]
         flow -= (8e-6) ** 3 / (12.0 * 0.03) * float(matrix[-1] @ pressure[nodes])
     assert numbers["drain_flow_L_per_min"] == pytest.approx(flow * 6e4, rel=0.05)
     assert numbers["mass_balance_error"] < 1e-8

@@ -22,7 +22,7 @@ from toothspace.closures.journal_friction import FrictionCurves
 from toothspace.core.types import Array
 from toothspace.model.angle_tables import AngleTable, angle_tables, tables_dataset
 from toothspace.model.contact_pair import CONTACT_CHANNELS, ContactPair, RigidMesh
-from toothspace.model.film_shapes import FaceOutline, SharedFaces, SolvedJournal
+from toothspace.model.film_faces import FilmFace, SharedFaces
 from toothspace.model.lateral_balance import LateralBalance
 from toothspace.model.lateral_table import LateralTable
 from toothspace.model.machine_parts import (
@@ -95,6 +95,27 @@ def categories_of(paths: Iterable[FlowPath]) -> tuple[PathCategory, ...]:
 
 
 @final
+@dataclass(frozen=True, eq=False)
+class SolvedJournal:
+    """What a solved Reynolds equation puts in place of the closed form of a journal bearing.
+
+    Parameters
+    ----------
+    force_nodes : ndarray
+        Nodes of a :class:`~toothspace.closures.bearing_map.JournalMap`. [-]
+    shear : ndarray, shape (n,)
+        Viscous shear over that of the closed form, at eccentricity ratios from 0 to
+        ``shear_range`` in equal steps. [-]
+    shear_range : float
+        Last eccentricity ratio; beyond it the last value holds. [-]
+    """
+
+    force_nodes: Array
+    shear: Array
+    shear_range: float = 1.0
+
+
+@final
 @dataclass(frozen=True)
 class LumpedJournalBearing:
     """Equal journal bearings of one body, sharing its radial load.
@@ -164,8 +185,8 @@ class LumpedLateralFilm:
         Part of the ring between root and outer radius that is tooth, weighted with r^2. [-]
     tilt : float
         Change of height at the outer radius over the height at the axis (0 parallel). [-]
-    face : FaceOutline or None
-        Shape of the film, if the machine type gives it.
+    face : FilmFace or None
+        What stands before its faces, if the machine type gives it.
     drag : float or None
         Torque per viscosity and speed of the body on one face, in place of the closed form.
         [m3]
@@ -181,7 +202,7 @@ class LumpedLateralFilm:
     outer_radius: float
     tooth_area_fraction: float
     tilt: float = 0.0
-    face: FaceOutline | None = None
+    face: FilmFace | None = None
     drag: float | None = None
     asperity_share: float = 0.0
 

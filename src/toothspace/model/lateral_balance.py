@@ -7,33 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from typing import Literal, NamedTuple, Protocol, final
+from typing import Literal, Protocol, final
 
-from toothspace.core.types import Array, BoolArray, IntArray
-
-LAND = -1
-"""Node number of points that a film covers."""
+from toothspace.model.film_faces import FilmFace
 
 Side = Literal["floating", "solid"]
-
-
-class FaceCells(NamedTuple):
-    """What stands against a bearing's face at given points."""
-
-    node: IntArray
-    """Node whose pressure acts there, LAND where there is a film."""
-    covered: BoolArray
-    """Whether the face of the interface's own body stands there."""
-    owned: BoolArray
-    """Whether the bearing's face there counts with this body and not with a neighbour."""
-
-
-class FaceMap(Protocol):
-    """Geometry of an interface over the shaft angle."""
-
-    def __call__(self, shaft_angle: float, x: Array, y: Array) -> FaceCells:
-        """Classify points of the machine frame at a shaft angle [rad] and places [m]."""
-        ...  # pragma: no cover
 
 
 LoadSource = Literal[
@@ -96,28 +74,10 @@ class FilmInterface:
         Turning body.
     side : {"floating", "solid"}
         Which bearing it runs against.
-    center : tuple of float
-        Axis of the body. [m]
-    inner_radius, outer_radius : float
-        Shaft bore and tip radius. [m]
+    face : FilmFace
+        Film, chambers and grooves before the bearing, about the axis of the body.
     speed_ratio : float
         Angular speed over shaft speed. [-]
-    period : float
-        Shaft angle after which the faces look the same. [rad]
-    bore_node : int
-        Node whose pressure acts in the bore.
-    face_map : FaceMap
-        Film, chambers and grooves over the shaft angle.
-    moving_roughness, resting_roughness : float
-        Root mean square roughness of body and bearing. [m]
-    effective_modulus : float
-        E' = 2 / [(1 - nu1^2)/E1 + (1 - nu2^2)/E2]. [Pa]
-    hardness : float
-        Hardness of the softer face. [Pa]
-    correlation_length : float
-        Half-height correlation length of the combined roughness. [m]
-    boundary_friction : float
-        Friction coefficient of touching asperities. [-]
     winkler_compliance : float
         Compliance of the Winkler foundation that stands for body and bearing: approach of the
         faces over the film pressure. [m/Pa]
@@ -132,19 +92,8 @@ class FilmInterface:
     name: str
     body: str
     side: Side
-    center: tuple[float, float]
-    inner_radius: float
-    outer_radius: float
+    face: FilmFace
     speed_ratio: float
-    period: float
-    bore_node: int
-    face_map: FaceMap
-    moving_roughness: float
-    resting_roughness: float
-    effective_modulus: float
-    hardness: float
-    correlation_length: float = 15e-6
-    boundary_friction: float = 0.1
     winkler_compliance: float = 0.0
     body_angle: float = 0.0
     root_radius: float = 0.0

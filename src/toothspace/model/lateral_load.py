@@ -9,8 +9,9 @@ import numpy as np
 
 from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
+from toothspace.model.film_faces import FILM
 from toothspace.model.films import lateral_face_torque
-from toothspace.model.lateral_balance import LAND, FilmInterface, LateralBalance
+from toothspace.model.lateral_balance import FilmInterface, LateralBalance
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.path_category import LATERAL_PATHS
 from toothspace.model.quasi_static import quasi_static_pressures
@@ -129,7 +130,7 @@ def axial_load(balance: LateralBalance, pressures: Callable[[float], Array]) -> 
     .. [1] R. Pawar, A. Vacca, M. Rigosi, start-up of external gear motors, equation 2.9.
     """
     sides = [i for i in balance.interfaces if i.side == "floating"]
-    angles = (np.arange(_ANGLES) + 0.5) * sides[0].period / _ANGLES
+    angles = (np.arange(_ANGLES) + 0.5) * sides[0].face.period / _ANGLES
     found = np.zeros(2)
     for angle in angles:
         pressure = pressures(float(angle))
@@ -142,22 +143,25 @@ def axial_load(balance: LateralBalance, pressures: Callable[[float], Array]) -> 
 
 def _face_push(own: FilmInterface, angle: float, pressure: Array) -> tuple[Array, Array]:
     """Area and pressure over one side of a gear, each with its moment about x."""
-    radius = _middles(np.linspace(own.inner_radius, own.outer_radius, _LANES + 1))
+    face = own.face
+    radius = _middles(np.linspace(face.inner_radius, face.outer_radius, _LANES + 1))
     turn = (np.arange(_ROWS) + 0.5) * 2.0 * np.pi / _ROWS
-    x = own.center[0] + np.cos(turn)[:, None] * radius
-    y = own.center[1] + np.sin(turn)[:, None] * radius
-    cells = own.face_map(angle, x, y)
-    tip = own.outer_radius * (1.0 + 1e-6)
-    rim = own.face_map(
-        angle, own.center[0] + tip * np.cos(turn), own.center[1] + tip * np.sin(turn)
+    x = face.center[0] + np.cos(turn)[:, None] * radius
+    y = face.center[1] + np.sin(turn)[:, None] * radius
+    cells = face.face_map(angle, x, y)
+    tip = face.outer_radius * (1.0 + 1e-6)
+    rim = face.face_map(
+        angle, face.center[0] + tip * np.cos(turn), face.center[1] + tip * np.sin(turn)
     )
-    land = cells.node == LAND
-    edge = np.where(land.all(axis=1), own.outer_radius, radius[np.argmin(land, axis=1)])
-    ramp = np.log(radius / own.inner_radius) / np.log(edge / own.inner_radius)[:, None]
-    bore, outside = pressure[own.bore_node], pressure[rim.node][:, None]
+    land = cells.node == FILM
+    edge = np.where(land.all(axis=1), face.outer_radius, radius[np.argmin(land, axis=1)])
+    ramp = np.log(radius / face.inner_radius) / np.log(edge / face.inner_radius)[:, None]
+    bore, outside = pressure[face.inner_node], pressure[rim.node][:, None]
     under = bore + (outside - bore) * np.clip(ramp, 0.0, 1.0)
     p = np.where(land, under, pressure[np.where(land, 0, cells.node)])
-    area = np.where(cells.owned, radius * (radius[1] - radius[0]) * 2.0 * np.pi / _ROWS, 0.0)
+    body = face.body_number(own.body)
+    owned = (cells.body == body) | face.open_wall(body, cells, x, y)
+    area = np.where(owned, radius * (radius[1] - radius[0]) * 2.0 * np.pi / _ROWS, 0.0)
     return (
         np.array([area.sum(), (area * y).sum()]),
         np.array([(p * area).sum(), (p * area * y).sum()]),

@@ -10,7 +10,11 @@ import numpy as np
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array, IntArray
 from toothspace.films.journal.map import solved_journal
-from toothspace.films.lateral.conductance import FaceConductance, face_conductance
+from toothspace.films.lateral.conductance import (
+    FaceConductance,
+    FaceResolution,
+    face_conductance,
+)
 from toothspace.model.description import (
     FlowPath,
     LumpedJournalBearing,
@@ -25,6 +29,7 @@ from toothspace.simulation.shared_covers import solved_covers, with_shared_films
 
 SOLVED: Mapping[str, str] = {"journal": "reynolds", "lateral": "reynolds"}
 """Films of both interfaces that can be solved for a machine."""
+_RESOLUTION = FaceResolution(rows=60, lanes=48, angles=6)
 _FULL_TURN = 2.0 * np.pi
 _LENGTH = 1e-3
 _LEAST = 1e-3
@@ -109,19 +114,19 @@ class _Face:
     def __init__(self, description: MachineDescription, film: LumpedLateralFilm) -> None:
         assert film.face is not None
         self.lateral, self.face = film, film.face
-        self.across = _path(description, LATERAL, film.face.nodes)
-        self.inwards = _path(description, DRAIN, film.face.nodes)
-        self.solved: FaceConductance = face_conductance(film)
+        self.across = _path(description, LATERAL, film.face.chambers.nodes)
+        self.inwards = _path(description, DRAIN, film.face.chambers.nodes)
+        self.solved: FaceConductance = face_conductance(film.face, _RESOLUTION)
 
     def film(self) -> LumpedLateralFilm:
         """Film with the solved torque; a tilt shears as in the closed form."""
         closed = replace(self.lateral, tilt=0.0)
         tilted = lateral_face_torque(self.lateral) / lateral_face_torque(closed)
-        return replace(self.lateral, drag=self.solved.drag / self.lateral.height * tilted)
+        return replace(self.lateral, drag=self.solved.drag[0] / self.lateral.height * tilted)
 
     def paths(self) -> list[FlowPath]:
         """Paths between chambers, from them to recesses and shaft, and from those to the shaft."""
-        count = self.face.nodes.size
+        count = self.face.chambers.nodes.size
         spaces = np.arange(count)
         behind = self._over_turn(self.across, np.roll(spaces, -1), spaces)
         inwards = self._over_turn(self.inwards, spaces, np.full(count, -1))
@@ -133,7 +138,7 @@ class _Face:
             ),
             replace(self.inwards, geometry=_gap(self.inwards, inwards)),
         ]
-        for k, (node, _) in enumerate(self.face.recesses):
+        for k, node in enumerate(self.face.recesses.tolist()):
             found.append(self._from_spaces(node, count + k))
             found.append(self._to_shaft(node, count + k))
         return found
@@ -156,7 +161,7 @@ class _Face:
         return monotone_table(_FULL_TURN, columns)
 
     def _from_spaces(self, node: int, place: int) -> FlowPath:
-        spaces = np.arange(self.face.nodes.size)
+        spaces = np.arange(self.face.chambers.nodes.size)
         shape = self._over_turn(self.inwards, spaces, np.full(spaces.size, place))
         return replace(
             self.inwards,
@@ -174,7 +179,7 @@ class _Face:
             nodes_a=np.array([node]),
             nodes_b=self.inwards.nodes_b[:1],
             phases=np.zeros(1),
-            geometry=_gap(self.inwards, np.tile(one_pitch, self.face.nodes.size)),
+            geometry=_gap(self.inwards, np.tile(one_pitch, self.face.chambers.nodes.size)),
         )
 
 

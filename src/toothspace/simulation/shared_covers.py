@@ -9,18 +9,23 @@ import numpy as np
 from toothspace.core.types import IntArray
 from toothspace.films.journal.rim_film import rim_paths, sector_family, without_film_force
 from toothspace.films.lateral.axial_position import balanced_gaps
-from toothspace.films.lateral.shared_face import SharedFilm, sector_phases, shared_film
+from toothspace.films.lateral.conductance import (
+    FaceConductance,
+    FaceResolution,
+    face_conductance,
+)
 from toothspace.films.lateral.shared_paths import shared_paths
 from toothspace.model.description import FlowPath, LumpedLateralFilm, MachineDescription
-from toothspace.model.film_shapes import SharedFaces
+from toothspace.model.film_faces import SharedFaces
 from toothspace.model.operating_point import OperatingCondition
 
+_RESOLUTION = FaceResolution(rows=48, lanes=56, angles=8)
 _PLACINGS = 2
 """Times that places and films of floating bodies are found in turn: films hardly depend on it."""
 
 
 def with_shared_films(
-    description: MachineDescription, films: tuple[SharedFilm, ...] | None = None
+    description: MachineDescription, films: tuple[FaceConductance, ...] | None = None
 ) -> MachineDescription:
     """Machine whose films at shared covers and round the rim follow from Reynolds equations.
 
@@ -28,7 +33,7 @@ def with_shared_films(
     ----------
     description : MachineDescription
         Machine with ``shared_faces``.
-    films : tuple of SharedFilm, optional
+    films : tuple of FaceConductance, optional
         Films of its covers, if they are known already.
 
     Returns
@@ -41,13 +46,17 @@ def with_shared_films(
     faces = description.shared_faces
     assert faces is not None
     films = films or solved_covers(description)
-    count = sector_phases(faces).size
+    count = faces.face.sector_phases.size
     kept = [path for path in description.paths if path.name not in faces.replaced]
-    moved = replace(
-        faces,
-        recesses=_moved_up(faces.recesses, faces, count),
-        inner_node=faces.inner_node + count - 1,
+    covers = tuple(
+        replace(
+            cover,
+            recesses=_moved_up(cover.recesses, faces, count),
+            inner_node=cover.inner_node + count - 1,
+        )
+        for cover in faces.covers
     )
+    moved = replace(faces, covers=covers)
     height = float(np.mean([cover.gap**3 for cover in faces.covers]) ** (1.0 / 3.0))
     sectors = faces.rim.chamber + np.arange(count)
     return replace(
@@ -69,7 +78,7 @@ def with_shared_films(
 
 def solved_covers(
     description: MachineDescription, condition: OperatingCondition | None = None
-) -> tuple[SharedFilm, ...]:
+) -> tuple[FaceConductance, ...]:
     """Films before every cover of a machine with ``shared_faces``.
 
     Parameters
@@ -81,26 +90,24 @@ def solved_covers(
     """
     faces = description.shared_faces
     assert faces is not None
-    centers = {body.name: body.center for body in description.bodies}
-    own = np.array([centers[name] for name in faces.bodies])
-    films = tuple(shared_film(faces, cover, own) for cover in faces.covers)
-    if faces.floating is None or condition is None:
+    films = tuple(face_conductance(cover, _RESOLUTION) for cover in faces.covers)
+    if not faces.floating or condition is None:
         return films
     for _ in range(_PLACINGS):
         gaps = balanced_gaps(description, films, condition)
         films = tuple(
-            shared_film(faces, cover, own, gap)
+            face_conductance(cover, _RESOLUTION, gap)
             for cover, gap in zip(faces.covers, gaps, strict=True)
         )
     return films
 
 
 def _film(
-    film: LumpedLateralFilm, faces: SharedFaces, films: tuple[SharedFilm, ...]
+    film: LumpedLateralFilm, faces: SharedFaces, films: tuple[FaceConductance, ...]
 ) -> LumpedLateralFilm:
-    if film.body not in faces.bodies:
+    if film.body not in [body.name for body in faces.face.bodies]:
         return film
-    body = faces.bodies.index(film.body)
+    body = faces.face.body_number(film.body)
     drag = [solved.drag[body] / solved.gap[body] for solved in films]
     return replace(film, drag=float(sum(drag)) / film.faces)
 

@@ -19,7 +19,7 @@ from toothspace.closures.journal_friction import journal_pressure_torque, journa
 from toothspace.core.types import Array
 from toothspace.films.journal.bearing import JournalBearing
 from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
-from toothspace.model.film_shapes import SolvedJournal
+from toothspace.model.description import SolvedJournal
 
 GRID = (120, 17)
 """Cells of the solved films, round and along. [-]"""

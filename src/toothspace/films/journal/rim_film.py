@@ -17,14 +17,14 @@ import numpy as np
 
 from toothspace.closures.bearing_map import build_journal_map
 from toothspace.core.types import Array, IntArray
-from toothspace.films.lateral.shared_face import sector_phases
 from toothspace.model.description import (
     ChamberFamily,
     FlowPath,
     LumpedJournalBearing,
     MachineDescription,
+    SolvedJournal,
 )
-from toothspace.model.film_shapes import RimFilm, SharedFaces, SolvedJournal
+from toothspace.model.film_faces import FilmFace, RimFilm, SharedFaces
 from toothspace.model.films import LONG
 from toothspace.model.path_category import RIM
 from toothspace.numerics.periodic_table import monotone_table, smooth_table
@@ -37,13 +37,13 @@ _END_SHARE = 6.0
 
 def sector_family(description: MachineDescription, faces: SharedFaces) -> ChamberFamily:
     """Chambers of the film, in the place of the one that stands for it in closed form."""
-    closed, rim, phases = description.families[-1], faces.rim, sector_phases(faces)
-    angle = _angles(faces)
+    closed, rim, phases = description.families[-1], faces.rim, faces.face.sector_phases
+    angle = _angles(faces.face)
     mean = _FULL_TURN * rim.radius * rim.length * rim.clearance / phases.size
     chord = 2.0 * rim.radius * rim.length * np.sin(np.pi / phases.size)
     return replace(
         closed,
-        angle_ratio=faces.angle_ratio,
+        angle_ratio=faces.face.chambers.angle_ratio,
         phases=phases,
         volume=monotone_table(_FULL_TURN, np.full(angle.size, mean)),
         volume_by_motion=smooth_table(_FULL_TURN, chord * _by_motion(description, rim, angle)),
@@ -65,24 +65,24 @@ def rim_paths(
         Nodes of the sectors, in the direction of rotation.
     """
     rim, half = faces.rim, np.pi / nodes.size
-    speed = -0.5 * rim.radius * faces.angle_ratio
+    speed = -0.5 * rim.radius * faces.face.chambers.angle_ratio
     row = np.array([rim.clearance, rim.length, 2.0 * half * rim.radius])
-    phases = sector_phases(faces)
-    angle = _angles(faces)
+    phases = faces.face.sector_phases
+    angle = _angles(faces.face)
     round_it = FlowPath(
         name="rim_film",
         category=RIM,
         kind="parallel_gap",
         nodes_a=nodes,
         nodes_b=np.roll(nodes, -1),
-        angle_ratio=faces.angle_ratio,
+        angle_ratio=faces.face.chambers.angle_ratio,
         phases=phases + half,
         geometry=monotone_table(_FULL_TURN, np.tile(row, (angle.size, 1))),
         height_by_motion=smooth_table(_FULL_TURN, _by_motion(description, rim, angle)),
         drag_speed=monotone_table(_FULL_TURN, np.full(angle.size, speed)),
         minimum_height=rim.roughness,
     )
-    return (round_it, *_ends(round_it, rim, phases, nodes, faces.inner_node))
+    return (round_it, *_ends(round_it, rim, phases, nodes, faces.face.inner_node))
 
 
 def _ends(
@@ -110,8 +110,8 @@ def without_film_force(journal: LumpedJournalBearing) -> LumpedJournalBearing:
     return replace(journal, solved=SolvedJournal(zero, np.ones(2)))
 
 
-def _angles(faces: SharedFaces) -> Array:
-    return np.asarray(np.arange(_NODES) * _FULL_TURN / _NODES + faces.zero_angle)
+def _angles(face: FilmFace) -> Array:
+    return np.asarray(np.arange(_NODES) * _FULL_TURN / _NODES + face.chambers.zero_angle)
 
 
 def _by_motion(description: MachineDescription, rim: RimFilm, angle: Array) -> Array:

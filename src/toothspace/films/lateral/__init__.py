@@ -1,12 +1,11 @@
 """Films on the faces of gears and rotors, and the bearings that float on them.
 
-=================  ==================================================================
+=================  ======================================================================
 module             responsibility
-=================  ==================================================================
+=================  ======================================================================
 rigid_faces        films on one face of every body of a machine, at one shaft angle
-conductance        conductances of the film on a toothed face between its chambers
-shared_face        conductances of films between bodies and the covers that they share
-shared_paths       flow paths from these conductances
+conductance        conductances and supporting areas of the films on a face over the shaft angle
+shared_paths       flow paths from those of covers that several bodies share
 axial_position     where bodies that float between two covers run
 face_grid          polar grids on the faces, masked at every shaft angle
 face_film          one film of the stack: solution, forces and their variation
@@ -22,5 +21,5 @@ motion             one implicit step of bearings and gears
 relaxation         way to the equilibrium of bodies that tilt
 stability          motions that grow away from an equilibrium
 equilibrium        equilibrium of bearings and gears, and their motion over a revolution
-=================  ==================================================================
+=================  ======================================================================
 """

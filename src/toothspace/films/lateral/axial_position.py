@@ -7,9 +7,9 @@ from scipy.optimize import brentq
 
 from toothspace.closures.contact_rough import asperity_pressure
 from toothspace.core.types import Array
-from toothspace.films.lateral.shared_face import SharedFilm
+from toothspace.films.lateral.conductance import FaceConductance
 from toothspace.model.description import MachineDescription
-from toothspace.model.film_shapes import FaceRoughness, SharedFaces
+from toothspace.model.film_faces import FaceSurfaces, SharedFaces
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.quasi_static import quasi_static_pressures
 
@@ -20,7 +20,9 @@ _LEAST = 0.05
 
 
 def balanced_gaps(
-    description: MachineDescription, films: tuple[SharedFilm, ...], condition: OperatingCondition
+    description: MachineDescription,
+    films: tuple[FaceConductance, ...],
+    condition: OperatingCondition,
 ) -> Array:
     """Gaps of all bodies before both covers, with the play of the covers' gaps together.
 
@@ -28,7 +30,7 @@ def balanced_gaps(
     ----------
     description : MachineDescription
         Machine with floating ``shared_faces`` and two covers, the lower z first.
-    films : tuple of SharedFilm
+    films : tuple of FaceConductance
         Films before both covers.
     condition : OperatingCondition
         Port pressures; chambers have those of their paths at rest.
@@ -46,27 +48,30 @@ def balanced_gaps(
     """
     faces = description.shared_faces
     assert faces is not None
-    assert faces.floating is not None
+    surfaces = faces.face.surfaces
+    assert surfaces is not None
     play = sum(cover.gap for cover in faces.covers)
     force = axial_forces(description, films, condition)
     area = [film.area.sum(axis=2).mean(axis=0) for film in films]
     first = [
-        _lower_gap(float(force[b]), float(area[0][b]), play, faces.floating)
-        for b in range(force.size)
+        _lower_gap(float(force[b]), float(area[0][b]), play, surfaces) for b in range(force.size)
     ]
     return np.array([first, [play - gap for gap in first]])
 
 
 def axial_forces(
-    description: MachineDescription, films: tuple[SharedFilm, ...], condition: OperatingCondition
+    description: MachineDescription,
+    films: tuple[FaceConductance, ...],
+    condition: OperatingCondition,
 ) -> Array:
     """Mean force of both films on every body towards higher z. [N]."""
     faces = description.shared_faces
     assert faces is not None
     lower, higher = films
-    total = np.zeros(len(faces.bodies))
+    total = np.zeros(len(faces.face.bodies))
     for k, turn in enumerate(lower.turn):
-        edges = _edge_pressures(description, faces, condition, float(turn) / faces.angle_ratio)
+        angle = float(turn) / faces.face.chambers.angle_ratio
+        edges = _edge_pressures(description, faces, condition, angle)
         total += (lower.area[k] - higher.area[k]) @ edges
     return total / lower.turn.size
 
@@ -85,13 +90,14 @@ def _edge_pressures(
     }[description.drain]
     ports = [condition.inlet_pressure, condition.outlet_pressure, drain]
     nodes = np.concatenate([chambers, ports])
-    sectors = np.full(faces.chambers.size * faces.rim.sectors, nodes[faces.rim.chamber])
+    face = faces.face
+    sectors = np.full(face.sector_phases.size, nodes[faces.rim.chamber])
     return np.concatenate(
-        [nodes[faces.chambers], nodes[faces.recesses], nodes[[faces.inner_node]], sectors]
+        [nodes[face.chambers.nodes], nodes[face.recesses], nodes[[face.inner_node]], sectors]
     )
 
 
-def _lower_gap(force: float, area: float, play: float, face: FaceRoughness) -> float:
+def _lower_gap(force: float, area: float, play: float, face: FaceSurfaces) -> float:
     """Gap at the lower cover at which asperities of both sides hold a force towards higher z."""
 
     def carried(gap: float) -> float:

@@ -91,7 +91,7 @@ class BasisFunctions:
         return turns, np.asarray(np.linalg.pinv(self._along).T, dtype=np.float64)
 
     def _radii(self) -> tuple[float, float]:
-        own = self.grid.interface
+        own = self.grid.interface.face
         return 0.5 * (own.outer_radius + own.inner_radius), 0.5 * (
             own.outer_radius - own.inner_radius
         )

@@ -1,11 +1,15 @@
-r"""Conductances of the film on a toothed face between its chambers, recesses and the shaft.
+r"""Films on the faces of turning bodies, as conductances and supporting areas.
 
-Between parallel rigid faces the Reynolds equation is linear in the pressures round the film,
+Rigid parallel faces: the Reynolds equation is linear in the pressures round the film,
 
 .. math:: \nabla\cdot\left(\frac{h^3}{12\mu}\nabla p\right) = 0,
 
-so the flows into the film are :math:`Q = \frac{h^3}{12\mu} G p` with a symmetric matrix
-:math:`G` of the shape alone. One factorisation gives all its columns.
+and its shape does not depend on the gap, so unit pressures at the edges give
+
+.. math:: Q_i = \frac{h^3}{12\mu} \sum_j G_{ij}\, p_j, \qquad F_b = \sum_j A_{bj}\, p_j,
+
+the flows into the film and the force on the face of every body. One factorisation gives all
+columns.
 """
 
 from __future__ import annotations
@@ -15,161 +19,212 @@ from typing import final
 
 import numpy as np
 import scipy.sparse as sp
-import shapely
 from scipy.sparse.linalg import splu
 
 from toothspace.core.types import Array, IntArray
-from toothspace.films.plane.ring import LateralFilm
-from toothspace.films.reynolds.equation import FluidField, film_balance
-from toothspace.films.reynolds.fluid import FilmFluid
-from toothspace.model.description import LumpedLateralFilm
-from toothspace.model.film_shapes import FaceOutline
-from toothspace.numerics.structured_grid import CellBalance
+from toothspace.model.film_faces import FILM, FilmFace
 
-ROWS_PER_PITCH = 60
-LANES = 48
-ANGLES_PER_PITCH = 6
+_FULL_TURN = 2.0 * np.pi
+
+
+@final
+@dataclass(frozen=True)
+class FaceResolution:
+    """Grid on one pitch of the chambers.
+
+    Parameters
+    ----------
+    rows, lanes : int
+        Cells along the circumference of one pitch, and along the radius. [-]
+    angles : int
+        Angles on one pitch; of ``rows`` a divisor, so that the grid turns with the body. [-]
+    """
+
+    rows: int
+    lanes: int
+    angles: int
 
 
 @final
 @dataclass(frozen=True)
 class FaceConductance:
-    """Conductances of one face over the angle.
+    """Films of one face over one pitch of the chambers.
 
     Parameters
     ----------
     matrix : ndarray, shape (angles, k, k)
-        Flow into the film per pressure, over h^3/(12 mu); nodes are the chambers, the recesses
-        and the shaft. Rows sum to zero. [-]
+        Flow into the film per pressure, over h^3/(12 mu) of the face's gap; edges are the
+        chambers, the recesses, the inner rim, the sectors of the outer rim. Rows sum to 0. [-]
+    area : ndarray, shape (angles, bodies, k)
+        Force on the face of a body per pressure at an edge. [m2]
+    drag : ndarray, shape (bodies,)
+        Torque on the face of a body per viscosity and speed, times the gap height. [m4]
     turn : ndarray, shape (angles,)
-        Turn of the body from shaft angle zero, along the rotation. [rad]
-    drag : float
-        Torque on the face per viscosity and speed, times the gap height. [m4]
+        Growth of the table angles since shaft angle zero. [rad]
+    gap : ndarray, shape (bodies,)
+        Height of the film of every body. [m]
     """
 
     matrix: Array
+    area: Array
+    drag: Array
     turn: Array
-    drag: float
+    gap: Array
 
 
 def face_conductance(
-    film: LumpedLateralFilm,
-    rows_per_pitch: int = ROWS_PER_PITCH,
-    lanes: int = LANES,
-    angles: int = ANGLES_PER_PITCH,
+    face: FilmFace, resolution: FaceResolution, gap: Array | None = None
 ) -> FaceConductance:
-    """Solve the film on one face of a body for a unit pressure at each of its edges.
+    """Solve the films of one face for a unit pressure at each of their edges.
 
     Parameters
     ----------
-    film : LumpedLateralFilm
-        Film with its outline.
-    rows_per_pitch, lanes : int
-        Cells on one pitch along the circumference, and along the radius. [-]
-    angles : int
-        Angles on one pitch, a divisor of ``rows_per_pitch``. [-]
+    face : FilmFace
+        The face.
+    resolution : FaceResolution
+        Its grid.
+    gap : ndarray, shape (bodies,), optional
+        Height of the film of every body; that of the face if not given. [m]
 
     Returns
     -------
     FaceConductance
-        Matrices over one pitch.
+        Conductances, supporting areas and drag.
 
     Notes
     -----
-    Polar grid; the tip circle is a wall, the shaft, the tooth spaces and recesses have given
-    pressures. A relief groove counts as deep: no resistance, no shear.
+    Polar grid with edges on cell boundaries. A recess counts as deep: no resistance, no shear.
+    Where two edges meet without film between them, the gap or opening between is a path of its
+    own. Chambers of another ring, that of a mating gear, count as the nearest of the own ones.
     """
-    assert film.face is not None
-    count = film.face.nodes.size
-    turns = 2.0 * np.pi / count * np.arange(angles) / angles
-    grid = (rows_per_pitch * count, lanes)
-    marks = [_marks(film, grid, turn) for turn in turns]
-    ring = LateralFilm(
-        inner_radius=film.inner_radius,
-        outer_radius=film.outer_radius,
-        side_gap=1.0,
-        fluid=FilmFluid(1.0 / 12.0),
-        grid=grid,
-        inner_pressure=0.0,
-    ).discretise()
-    unit = FluidField(np.full(grid, 12.0), np.ones(grid))
-    balance = film_balance(ring.grid, ring.gap, unit, 0.0)
-    groups = count + len(film.face.recesses) + 1
-    arm = np.asarray(ring.points.x**2 + ring.points.y**2) * ring.grid.area
-    drag = np.mean([float(arm[mark < 0].sum()) for mark in marks])
-    matrix = np.array([_reduced(balance, mark, groups) for mark in marks])
-    return FaceConductance(matrix, turns, float(drag))
+    rims = np.linspace(face.inner_radius, face.outer_radius, resolution.lanes + 1)
+    grid = _Grid(face, resolution.rows * face.chambers.nodes.size, rims)
+    turn = face.chambers.pitch * np.arange(resolution.angles) / resolution.angles
+    own = np.full(len(face.bodies), face.gap) if gap is None else gap
+    found = [_at_turn(grid, t, (own / face.gap) ** 3) for t in turn]
+    matrix, area, drag = (np.array(parts) for parts in zip(*found, strict=True))
+    return FaceConductance(matrix, area, drag.mean(axis=0), turn, own)
 
 
-def _marks(film: LumpedLateralFilm, grid: tuple[int, int], turn: float) -> IntArray:
-    """Number of the edge that a cell belongs to, -1 in the film."""
-    step = 2.0 * np.pi / grid[0]
-    angle = np.asarray((np.arange(grid[0]) + 0.5) * step, dtype=np.float64)
-    rim = np.linspace(film.inner_radius, film.outer_radius, grid[1] + 1)
-    assert film.face is not None
-    return edge_marks(film.face, angle, np.asarray(0.5 * (rim[1:] + rim[:-1])), turn)
+@final
+@dataclass(frozen=True)
+class _Grid:
+    """Polar grid on a face; its rows run with the table angle."""
+
+    face: FilmFace
+    rows: int
+    rims: Array
+
+    @property
+    def step(self) -> float:
+        return _FULL_TURN / self.rows
+
+    @property
+    def radius(self) -> Array:
+        return np.asarray(0.5 * (self.rims[1:] + self.rims[:-1]))
+
+    @property
+    def table_angle(self) -> Array:
+        return np.asarray((np.arange(self.rows) + 0.5) * self.step)
+
+    @property
+    def points(self) -> tuple[Array, Array]:
+        chambers, (x, y) = self.face.chambers, self.face.center
+        polar = chambers.zero_angle + chambers.direction * self.table_angle
+        return x + np.outer(np.cos(polar), self.radius), y + np.outer(np.sin(polar), self.radius)
+
+    @property
+    def area(self) -> Array:
+        ring = 0.5 * np.diff(self.rims**2) * self.step
+        return np.tile(ring, (self.rows, 1))
 
 
-def edge_marks(face: FaceOutline, angle: Array, radius: Array, turn: float) -> IntArray:
-    """Which edge of the film the points of a face belong to.
-
-    Parameters
-    ----------
-    face : FaceOutline
-        Outline of the body and recesses opposite.
-    angle, radius : ndarray
-        Table angles and radii of the points. [rad], [m]
-    turn : float
-        Turn of the body from shaft angle zero, along the rotation. [rad]
-
-    Returns
-    -------
-    ndarray of int, shape (angles, radii)
-        Number of the chamber; after the chambers those of the recesses; -1 in the film.
-    """
-    at_rest = _points(face.center, face.zero_angle + face.direction * (angle - turn), radius)
-    solid = shapely.contains_xy(shapely.Polygon(face.polygon), *at_rest)
-    mark = np.where(solid, -1, _nearest_space(face.phases + turn, angle)[:, None])
-    here = _points(face.center, face.zero_angle + face.direction * angle, radius)
-    for k, (_, outline) in enumerate(face.recesses):
-        over = shapely.contains_xy(shapely.Polygon(outline), *here)
-        mark[solid & over] = face.nodes.size + k
-    return mark.astype(np.int64)
-
-
-def _points(center: tuple[float, float], angle: Array, radius: Array) -> tuple[Array, Array]:
-    x = center[0] + np.outer(np.cos(angle), radius)
-    return x, center[1] + np.outer(np.sin(angle), radius)
-
-
-def _nearest_space(phases: Array, angle: Array) -> IntArray:
-    distance = np.abs(np.angle(np.exp(1j * (angle[:, None] - phases))))
-    return np.asarray(np.argmin(distance, axis=1), dtype=np.int64)
-
-
-def _reduced(balance: CellBalance, mark: IntArray, groups: int) -> Array:
-    """Conductance matrix of the edges, the film eliminated."""
-    free = mark < 0
-    number = np.where(free, 0, int(free.sum()) + mark)
-    number[free] = np.arange(int(free.sum()))
-    inside, size = int(free.sum()), int(free.sum()) + groups
-    shaft = np.full(mark.shape[0], size - 1)
-    pairs = [
-        (np.roll(number, 1, axis=0), number, balance.conductance_x[:-1]),
-        (number[:, :-1], number[:, 1:], balance.conductance_y[:, 1:-1]),
-        (shaft, number[:, 0], balance.conductance_y[:, 0]),
+def _at_turn(grid: _Grid, turn: float, cubes: Array) -> tuple[Array, Array, Array]:
+    """Conductances, supporting areas and drag at one growth of the table angles."""
+    face, (x, y) = grid.face, grid.points
+    shaft_angle = turn / face.chambers.angle_ratio
+    node, body = face.face_map(shaft_angle, x, y)
+    edge = _edge_numbers(face, node, face.chambers.nearest(shaft_angle, x, y))
+    cube = np.where(body >= 0, cubes[np.maximum(body, 0)], 1.0)
+    matrix, pressure = _solve(grid, edge, _rim_edges(face, grid.table_angle - turn), cube)
+    weight = [np.where(body == k, grid.area, 0.0) for k in range(len(face.bodies))]
+    area = [w.ravel() @ pressure for w in weight]
+    film = node == FILM
+    drag = [
+        float(np.sum((w * ((x - b.center[0]) ** 2 + (y - b.center[1]) ** 2))[film]))
+        for w, b in zip(weight, face.bodies, strict=True)
     ]
-    a = np.concatenate([p[0].ravel() for p in pairs])
-    b = np.concatenate([p[1].ravel() for p in pairs])
-    g = np.concatenate([p[2].ravel() for p in pairs])
-    # an edge runs between two cells: on the mean half a cell from the centre in the film
-    edge = (
-        (np.minimum(a, b) < inside) & (np.maximum(a, b) >= inside) & (np.maximum(a, b) < size - 1)
-    )
-    g = np.where(a == b, 0.0, np.where(edge, 2.0 * g, g))
+    return matrix, np.array(area), np.array(drag)
+
+
+def _edge_numbers(face: FilmFace, node: IntArray, nearest: IntArray) -> IntArray:
+    """Edge of every cell: chambers, recesses, inner rim; FILM in the film."""
+    number = np.where(node == FILM, FILM, nearest)
+    known = [*face.chambers.nodes.tolist(), *face.recesses.tolist(), face.inner_node]
+    for edge, own in reversed(list(enumerate(known))):
+        number[node == own] = edge
+    return number
+
+
+def _rim_edges(face: FilmFace, table_angle: Array) -> IntArray | None:
+    """Edges of the rim's sectors at table angles of shaft angle zero; None for a closed rim."""
+    if face.sectors == 0:
+        return None
+    phases = face.sector_phases
+    place = (table_angle - phases[0]) * phases.size / _FULL_TURN
+    sector = np.mod(np.floor(place + 0.5).astype(np.int64), phases.size)
+    return np.asarray(face.chambers.nodes.size + face.recesses.size + 1 + sector)
+
+
+def _solve(grid: _Grid, edge: IntArray, rim: IntArray | None, cube: Array) -> tuple[Array, Array]:
+    """Conductance matrix of the edges, and pressures of all cells for unit ones at each."""
+    face, film = grid.face, edge == FILM
+    inside = int(film.sum())
+    edges = face.chambers.nodes.size * (1 + face.sectors) + face.recesses.size + 1
+    number = inside + edge
+    number[film] = np.arange(inside)
+    a, b, g = _links(grid, number, inside, rim, cube)
     rows, columns = np.concatenate([a, b, a, b]), np.concatenate([a, b, b, a])
-    whole = sp.csc_matrix((np.concatenate([g, g, -g, -g]), (rows, columns)), shape=(size, size))
-    edges = whole[inside:, :inside]
-    pressure = splu(whole[:inside, :inside]).solve(-edges.T.toarray())
-    found = whole[inside:, inside:].toarray() + edges @ pressure
-    return np.asarray(0.5 * (found + found.T))
+    values = np.concatenate([g, g, -g, -g])
+    whole = sp.csc_matrix((values, (rows, columns)), shape=(inside + edges, inside + edges))
+    links = whole[inside:, :inside]
+    factor = splu(
+        whole[:inside, :inside],
+        permc_spec="MMD_AT_PLUS_A",
+        diag_pivot_thresh=0.0,
+        options={"SymmetricMode": True},
+    )
+    pressure = factor.solve(-links.T.toarray())
+    found = whole[inside:, inside:].toarray() + links @ pressure
+    return np.asarray(0.5 * (found + found.T)), np.vstack([pressure, np.eye(edges)])[number.ravel()]
+
+
+def _joined(first: Array, second: Array) -> Array:
+    """Cube of the gap of two half cells one behind the other."""
+    return 2.0 * first * second / (first + second)
+
+
+def _links(
+    grid: _Grid, number: IntArray, inside: int, rim: IntArray | None, cube: Array
+) -> tuple[IntArray, IntArray, Array]:
+    """Pairs of cells and edges with what conducts between them; none between two edges."""
+    logarithm, centre = np.log(grid.rims), np.log(grid.radius)
+    along = np.tile(np.diff(logarithm) / grid.step, (grid.rows, 1))
+    across = np.tile(grid.step / np.diff(centre), (grid.rows, 1))
+    before = np.roll(number, 1, axis=0)
+    # an edge runs between two cells: on the mean half a cell from the centre in the film
+    along = along * np.where((before < inside) == (number < inside), 1.0, 2.0)
+    across *= np.where((number[:, 1:] < inside) == (number[:, :-1] < inside), 1.0, 2.0)
+    inner_rim = inside + grid.face.chambers.nodes.size + grid.face.recesses.size
+    inner = grid.step / (centre[0] - logarithm[0]) * cube[:, 0]
+    pairs = [
+        (before, number, along * _joined(np.roll(cube, 1, axis=0), cube)),
+        (number[:, :-1], number[:, 1:], across * _joined(cube[:, :-1], cube[:, 1:])),
+        (np.full(grid.rows, inner_rim), number[:, 0], inner),
+    ]
+    if rim is not None:
+        outer = grid.step / (logarithm[-1] - centre[-1]) * cube[:, -1]
+        pairs.append((number[:, -1], inside + rim, outer))
+    a, b, g = (np.concatenate([pair[k].ravel() for pair in pairs]) for k in range(3))
+    kept = np.minimum(a, b) < inside
+    return a[kept], b[kept], g[kept]

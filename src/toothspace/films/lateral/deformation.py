@@ -209,7 +209,7 @@ class DeformationIteration:
         self._fineness, self._frequency = fineness, frequency
         self._phases: list[int] = []
         if fineness is not None:
-            pitch = states[0].stack.balance.interfaces[0].period
+            pitch = states[0].stack.balance.interfaces[0].face.period
             self._phases = [int(np.mod(a / pitch, 1.0) * fineness.phases) for a in angles]
         self._memory, self._mixing = memory, Mixing(memory)
         self._new = self.used

@@ -174,9 +174,9 @@ class ElasticFaces:
     def _nodal_loads(self, index: int, pressure: Array, snapshot: Snapshot) -> tuple[Array, Array]:
         """Loads of one film on the nodes of bearing and turning body. [N]."""
         bearing, body = self._kept_spread(index, snapshot.shaft_angle)
-        cells, push = snapshot.masks[index].cells, pressure * self.grids[index].area
-        on_bearing = np.where(cells.owned, push, 0.0).ravel()
-        return bearing.T @ on_bearing, body.T @ np.where(cells.covered, push, 0.0).ravel()
+        mask, push = snapshot.masks[index], pressure * self.grids[index].area
+        on_bearing = np.where(mask.owned, push, 0.0).ravel()
+        return bearing.T @ on_bearing, body.T @ np.where(mask.covered, push, 0.0).ravel()
 
     def _opening(self, index: int, moved: Mapping[str, Array], snapshot: Snapshot) -> Array:
         """Deformation of one film by the displacements of the nodes of all bodies. [m]."""
@@ -214,8 +214,8 @@ class ElasticFaces:
         return index
 
     def _bearing_spread(self, grid: FaceGrid) -> sp.csr_matrix:
-        own, p = grid.interface, grid.points
-        placed = np.column_stack([p.x.ravel() + own.center[0], p.y.ravel() + own.center[1]])
+        own, p, (x0, y0) = grid.interface, grid.points, grid.interface.face.center
+        placed = np.column_stack([p.x.ravel() + x0, p.y.ravel() + y0])
         return self.bodies[own.bearing].interpolation("face", placed)
 
     def _body_spread(self, grid: FaceGrid, shaft_angle: float) -> sp.csr_matrix:

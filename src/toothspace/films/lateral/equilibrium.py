@@ -92,7 +92,7 @@ class Equilibrium:
 
 def snapshots_over_pitch(stack: Stack, pressures: NodePressure, count: int) -> tuple[Snapshot, ...]:
     """Masks and pressures at evenly spaced angles of one period of the faces."""
-    period = stack.balance.interfaces[0].period
+    period = stack.balance.interfaces[0].face.period
     angles = (np.arange(count) + 0.5) * period / count
     return tuple(stack.snapshot(float(a), pressures(float(a))) for a in angles)
 

@@ -169,7 +169,7 @@ class FaceFilm:
     def _loads(self) -> tuple[Array, Array]:
         """Loads on covered and on open cells."""
         mask = self.boundary.mask
-        carried = self.grid.moments(self.total, mask.cells.covered)
+        carried = self.grid.moments(self.total, mask.covered)
         return carried, self.grid.moments(self.pressure, mask.open_face)
 
     def overstep(self, motion: Array, opening: Array) -> float:

@@ -11,7 +11,8 @@ from toothspace.core.compiled import njit
 from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.films.plane.film import PlanePoints, polar_points
 from toothspace.films.reynolds.equation import FilmGrid
-from toothspace.model.lateral_balance import LAND, FaceCells, FilmInterface
+from toothspace.model.film_faces import FILM
+from toothspace.model.lateral_balance import FilmInterface
 from toothspace.numerics.structured_grid import FREE, PRESCRIBED
 
 _BEYOND = 1.0 + 1e-6
@@ -25,24 +26,30 @@ class Mask:
 
     Parameters
     ----------
-    cells : FaceCells
-        Cells of the grid.
+    node : ndarray of int
+        Node whose pressure acts in a cell, FILM where there is a film.
+    covered : ndarray of bool
+        Cells before which the own body stands.
+    open_face : ndarray of bool
+        Cells where a chamber meets the bearing and no other body does.
     rim : ndarray of int
         Nodes beyond the outer rim, one per angle.
     """
 
-    cells: FaceCells
+    node: IntArray
+    covered: BoolArray
+    open_face: BoolArray
     rim: IntArray
 
     @property
     def film(self) -> BoolArray:
         """Cells that a film covers."""
-        return np.asarray(self.cells.node == LAND)
+        return np.asarray(self.node == FILM)
 
     @property
-    def open_face(self) -> BoolArray:
-        """Cells where a chamber meets the bearing and no other body does."""
-        return np.asarray(self.cells.owned & ~self.cells.covered)
+    def owned(self) -> BoolArray:
+        """Cells whose part of the bearing counts with the own body and not with a neighbour."""
+        return np.asarray(self.covered | self.open_face)
 
 
 @final
@@ -75,14 +82,14 @@ class FaceGrid:
     @property
     def rims(self) -> Array:
         """Radii between the lanes, one of them where tooth spaces begin. [m]."""
-        own = self.interface
-        within = own.root_radius - own.inner_radius
+        own, root_radius = self.interface.face, self.interface.root_radius
+        within = root_radius - own.inner_radius
         if not 0.0 < within < own.outer_radius - own.inner_radius:
             return np.linspace(own.inner_radius, own.outer_radius, self.lanes + 1)
         share = within / (own.outer_radius - own.inner_radius)
         inside = min(max(round(self.lanes * share), 1), self.lanes - 1)
-        land = np.linspace(own.inner_radius, own.root_radius, inside + 1)
-        teeth = np.linspace(own.root_radius, own.outer_radius, self.lanes - inside + 1)
+        land = np.linspace(own.inner_radius, root_radius, inside + 1)
+        teeth = np.linspace(root_radius, own.outer_radius, self.lanes - inside + 1)
         return np.concatenate([land, teeth[1:]])
 
     @property
@@ -98,32 +105,35 @@ class FaceGrid:
 
     def mask(self, shaft_angle: float) -> Mask:
         """Film, chambers and grooves at a shaft angle. [rad]."""
-        x0, y0 = self.interface.center
-        find = self.interface.face_map
-        cells = find(shaft_angle, self.points.x + x0, self.points.y + y0)
-        tip = _BEYOND * self.interface.outer_radius
-        rim = find(shaft_angle, tip * np.cos(self.angle) + x0, tip * np.sin(self.angle) + y0)
-        return Mask(cells, rim.node)
+        face = self.interface.face
+        body, (x0, y0) = face.body_number(self.interface.body), face.center
+        x, y = self.points.x + x0, self.points.y + y0
+        cells = face.face_map(shaft_angle, x, y)
+        tip = _BEYOND * face.outer_radius
+        x_rim, y_rim = tip * np.cos(self.angle) + x0, tip * np.sin(self.angle) + y0
+        rim = face.face_map(shaft_angle, x_rim, y_rim).node
+        open_face = face.open_wall(body, cells, x, y)
+        return Mask(cells.node, np.asarray(cells.body == body), open_face, rim)
 
     def film_grid(self, mask: Mask, node_pressure: Array, shaft_speed: float) -> FilmGrid:
         """Metric, pressures of chambers, grooves, bore and rim [Pa], and sweep of the body."""
         known = ~mask.film
         speed = self.interface.speed_ratio * shaft_speed
-        bore = node_pressure[self.interface.bore_node]
+        bore = node_pressure[self.interface.face.inner_node]
         along, across = _edges(mask.film)
         return self._metric._replace(
             shape_x=np.where(along, 2.0, 1.0) * self._metric.shape_x,
             shape_y=np.where(across, 2.0, 1.0) * self._metric.shape_y,
             sweep_x=self._metric.sweep_x * speed,
             mark=np.where(known, PRESCRIBED, FREE),
-            prescribed=np.where(known, node_pressure[mask.cells.node], 0.0),
+            prescribed=np.where(known, node_pressure[mask.node], 0.0),
             south=np.full(self.rows, bore),
             north=node_pressure[mask.rim],
         )
 
     def face_moments(self, cells: BoolArray) -> Array:
         """Area of cells and its first moments in the machine frame: lift and rotations."""
-        x0, y0 = self.interface.center
+        x0, y0 = self.interface.face.center
         area = np.where(cells, self.area, 0.0)
         x, y = self.points.x + x0, self.points.y + y0
         return np.array([area.sum(), (area * y).sum(), -(area * x).sum()])

@@ -10,11 +10,11 @@ import numpy as np
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.films.lateral.conductance import edge_marks
 from toothspace.films.plane.ring import LateralFilm, LateralSolution
 from toothspace.films.reynolds.fluid import FilmFluid
 from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
-from toothspace.model.description import LumpedLateralFilm, MachineDescription
+from toothspace.model.description import MachineDescription
+from toothspace.model.film_faces import FILM, FilmFace
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.quasi_static import quasi_static_pressures
 
@@ -119,7 +119,7 @@ def solve_faces(
     CaseError
         If the machine type gives no outlines.
     """
-    known = [film for film in description.laterals if film.face is not None]
+    known = {film.body: film.face for film in description.laterals if film.face is not None}
     if not known:
         raise CaseError("film.kind: found 'lateral', allowed is 'pad' for this machine type")
     chambers = quasi_static_pressures(description, condition, setting.shaft_angle)
@@ -132,50 +132,38 @@ def solve_faces(
     pressure = np.concatenate([chambers, ports])
     ratios = {body.name: body.speed_ratio for body in description.bodies}
     found = [
-        _ring(film, ratios[film.body], pressure, setting).solve(
-            shaft_speed=ratios[film.body] * condition.shaft_speed
-        )
-        for film in known
+        _ring(face, pressure, setting).solve(shaft_speed=ratios[body] * condition.shaft_speed)
+        for body, face in known.items()
     ]
-    centers = tuple(film.face.center for film in known if film.face is not None)
-    return FaceFilms(tuple(film.body for film in known), centers, tuple(found))
+    centers = tuple(face.center for face in known.values())
+    return FaceFilms(tuple(known), centers, tuple(found))
 
 
-def _ring(
-    film: LumpedLateralFilm, speed_ratio: float, pressure: Array, setting: FaceSetting
-) -> LateralFilm:
+def _ring(face: FilmFace, pressure: Array, setting: FaceSetting) -> LateralFilm:
     """Film about one body; the gap is fixed to the opposite face while its edges turn."""
-    face = film.face
-    assert face is not None
     about_x, about_y = setting.tilt
     x, y = face.center
     return LateralFilm(
-        inner_radius=film.inner_radius,
-        outer_radius=film.outer_radius,
+        inner_radius=face.inner_radius,
+        outer_radius=face.outer_radius,
         side_gap=setting.side_gap + about_x * y - about_y * x,
         fluid=setting.fluid,
         tilt=setting.tilt,
         grid=setting.grid,
-        inner_pressure=float(pressure[-1]),
-        given_pressure=_given(film, speed_ratio, pressure, setting),
+        inner_pressure=float(pressure[face.inner_node]),
+        given_pressure=_given(face, pressure, setting),
         surfaces=setting.surfaces,
         cavitation=setting.cavitation,
         cavitation_pressure=setting.cavitation_pressure,
     )
 
 
-def _given(
-    film: LumpedLateralFilm, speed_ratio: float, pressure: Array, setting: FaceSetting
-) -> Array:
+def _given(face: FilmFace, pressure: Array, setting: FaceSetting) -> Array:
     """Pressure of the cells over chambers and recesses, NaN in the film. [Pa]."""
-    face = film.face
-    assert face is not None
     polar = (np.arange(setting.grid[0]) + 0.5) * 2.0 * np.pi / setting.grid[0]
-    rim = np.linspace(film.inner_radius, film.outer_radius, setting.grid[1] + 1)
-    radius = np.asarray(0.5 * (rim[1:] + rim[:-1]))
-    angle = np.asarray(np.mod(face.direction * (polar - face.zero_angle), 2.0 * np.pi))
-    mark = edge_marks(face, angle, radius, abs(speed_ratio) * setting.shaft_angle)
-    nodes = np.concatenate([face.nodes, [node for node, _ in face.recesses], [0]])
-    values = pressure[nodes.astype(np.int64)]
-    values[-1] = np.nan
-    return np.asarray(values[mark])
+    rim = np.linspace(face.inner_radius, face.outer_radius, setting.grid[1] + 1)
+    radius = 0.5 * (rim[1:] + rim[:-1])
+    x = face.center[0] + np.outer(np.cos(polar), radius)
+    y = face.center[1] + np.outer(np.sin(polar), radius)
+    node = face.face_map(setting.shaft_angle, x, y).node
+    return np.where(node == FILM, np.nan, pressure[node])

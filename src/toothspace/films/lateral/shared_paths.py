@@ -8,9 +8,9 @@ from typing import final
 import numpy as np
 
 from toothspace.core.types import Array, IntArray
-from toothspace.films.lateral.shared_face import SharedFilm, sector_phases
+from toothspace.films.lateral.conductance import FaceConductance
 from toothspace.model.description import FlowPath
-from toothspace.model.film_shapes import SharedFaces
+from toothspace.model.film_faces import SharedFaces
 from toothspace.model.path_category import DRAIN, LATERAL, RIM, PathCategory
 from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
 
@@ -32,7 +32,7 @@ class _Edges:
 
 
 def shared_paths(
-    faces: SharedFaces, films: tuple[SharedFilm, ...], height: float
+    faces: SharedFaces, films: tuple[FaceConductance, ...], height: float
 ) -> list[FlowPath]:
     """Paths between all edges of the films at shared covers.
 
@@ -40,7 +40,7 @@ def shared_paths(
     ----------
     faces : SharedFaces
         What the covers share; the chamber of the rim is the first of its sectors.
-    films : tuple of SharedFilm
+    films : tuple of FaceConductance
         Films before the covers.
     height : float
         Gap of the paths; unequal gaps of the covers enter with their cubes. [m]
@@ -55,16 +55,19 @@ def shared_paths(
 
 
 class _Paths:
-    def __init__(self, faces: SharedFaces, films: tuple[SharedFilm, ...], height: float) -> None:
-        self.faces, self.height, self.turn = faces, height, films[0].turn
+    def __init__(
+        self, faces: SharedFaces, films: tuple[FaceConductance, ...], height: float
+    ) -> None:
+        self.face, self.rim, self.height = faces.face, faces.rim, height
+        self.turn = films[0].turn
         weight = [(cover.gap / height) ** 3 for cover in faces.covers]
         parts = [w * film.matrix for w, film in zip(weight, films, strict=True)]
         self.shape = -np.sum(parts, axis=0)
-        self.count = faces.chambers.size
-        self.chambers = _Edges(np.arange(self.count), faces.chambers)
-        self.inner = self._same(self.count + faces.recesses.size, faces.inner_node)
+        face, self.count = self.face, self.face.chambers.nodes.size
+        self.chambers = _Edges(np.arange(self.count), face.chambers.nodes)
+        self.inner = self._same(self.count + face.recesses.size, face.inner_node)
         self.recesses = [
-            self._same(self.count + k, node) for k, node in enumerate(faces.recesses.tolist())
+            self._same(self.count + k, node) for k, node in enumerate(face.recesses.tolist())
         ]
 
     def all(self) -> list[FlowPath]:
@@ -87,9 +90,9 @@ class _Paths:
     def _to_rim(self) -> list[FlowPath]:
         """From chambers and recesses to the rim, one path for each sector of a pitch."""
         found = []
-        per_pitch, first = self.faces.rim.sectors, self.faces.rim.chamber
+        per_pitch, first = self.face.sectors, self.rim.chamber
         edges = self.inner.number[0] + 1
-        phases = sector_phases(self.faces)
+        phases = self.face.sector_phases
         for j in range(-per_pitch, 2 * per_pitch):
             sector = np.mod(np.arange(self.count) * per_pitch + j, phases.size)
             rim = _Edges(edges + sector, self._rim_nodes(first, sector))
@@ -103,7 +106,7 @@ class _Paths:
         return [path for path in found if _shape(path).max() > _LEAST * largest]
 
     def _rim_nodes(self, first: int, sector: IntArray) -> IntArray:
-        if self.faces.rim.open_ends:
+        if self.rim.open_ends:
             return self.inner.node
         return first + sector
 
@@ -114,7 +117,7 @@ class _Paths:
         self, label: tuple[str, PathCategory], a: _Edges, b: _Edges, phases: Array | None = None
     ) -> FlowPath:
         """Path for every chamber, over its table angle."""
-        phases = self.faces.phases if phases is None else phases
+        phases = self.face.chambers.phases if phases is None else phases
         values = self.shape[:, a.number, b.number]
         place = np.mod(phases + self.turn[:, None], _FULL_TURN).ravel()
         order = np.argsort(place)
@@ -143,7 +146,7 @@ class _Paths:
             kind="parallel_gap",
             nodes_a=nodes[0],
             nodes_b=nodes[1],
-            angle_ratio=self.faces.angle_ratio,
+            angle_ratio=self.face.chambers.angle_ratio,
             phases=phases,
             geometry=table,
         )

@@ -203,7 +203,7 @@ class Stack:
     @property
     def arms(self) -> Array:
         """Distance at which every coordinate counts as a lift: one for lifts. [-, m]."""
-        reach = self.balance.interfaces[0].outer_radius
+        reach = self.balance.interfaces[0].face.outer_radius
         return np.where(np.arange(self.size) % _MOTIONS == 0, 1.0, reach)
 
     @property
@@ -316,7 +316,7 @@ class Stack:
 
     def _lift_maps(self, interface: FilmInterface) -> tuple[Array, Array]:
         """Upper face of a film from the coordinates: part of the bearing, part of the body."""
-        x, y = interface.center
+        x, y = interface.face.center
         about = np.array([[1.0, y, -x], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
         bearing, body = np.zeros((_MOTIONS, self.size)), np.zeros((_MOTIONS, self.size))
         first = self._body(interface.body)
@@ -330,7 +330,8 @@ class Stack:
 
 def _inside_rim(balance: LateralBalance, place: Array) -> float:
     """Distance of a place from the edge of the belt round the bodies, positive inside. [m]."""
-    first, last = balance.interfaces[0], balance.interfaces[len(balance.bodies) - 1]
+    faces = [interface.face for interface in balance.interfaces]
+    first, last = faces[0], faces[len(balance.bodies) - 1]
     start, end = np.array(first.center), np.array(last.center)
     along = end - start
     length = float(along @ along)
@@ -442,7 +443,7 @@ class StackState:
         load = -low * self._face("solid", self.stack.balance.bodies)
         for film in self.films:
             if film.grid.interface.side == "solid":
-                x, y = film.grid.interface.center
+                x, y = film.grid.interface.face.center
                 force, about_x, about_y = film.covered_load() + film.open_load()
                 load += np.array([force, about_x + y * force, about_y - x * force])
         return load
@@ -458,7 +459,7 @@ class StackState:
         found = np.zeros(_MOTIONS)
         for film in self.films:
             if film.grid.interface.side == side and film.grid.interface.body in bodies:
-                found += film.grid.face_moments(film.boundary.mask.cells.owned)
+                found += film.grid.face_moments(film.boundary.mask.owned)
         return found
 
 

@@ -75,7 +75,9 @@ def leaning(stack: Stack, q: Array) -> list[str]:
 
 def rim_levers(stack: Stack, part: MovingBearing) -> Array:
     """Lift of places on the rim of a bearing from its three coordinates, one row each."""
-    own = [i for i in stack.balance.interfaces if i.side == part.side and i.body in part.bodies]
+    own = [
+        i.face for i in stack.balance.interfaces if i.side == part.side and i.body in part.bodies
+    ]
     turn = 2.0 * np.pi * np.arange(_PLACES) / _PLACES
     x = np.concatenate([i.center[0] + i.outer_radius * np.cos(turn) for i in own])
     y = np.concatenate([i.center[1] + i.outer_radius * np.sin(turn) for i in own])

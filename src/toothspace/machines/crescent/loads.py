@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from toothspace.core.types import Array
+from toothspace.gearing.gear_face import GearFace, GearSection
 from toothspace.gearing.materials import reduced_modulus, solid
 from toothspace.gearing.numbering import Numbering
 from toothspace.geometry.curve import signed_area
 from toothspace.machines.crescent.assembly import CrescentAssembly
 from toothspace.machines.crescent.filler import cover_recesses, filler_outline, relief_polygons
 from toothspace.model.description import Body, LumpedJournalBearing, LumpedLateralFilm, Motion
-from toothspace.model.film_shapes import FaceOutline
+from toothspace.model.film_faces import ChamberRing, FaceBody, FilmFace
 
 BODIES = ("pinion", "ring_gear")
 MOTIONS = (
@@ -141,18 +142,23 @@ def lateral_films(
     )
 
 
-def pinion_face(assembly: CrescentAssembly, numbering: Numbering) -> FaceOutline:
-    """Shape of the film on the pinion's faces, and the recesses of the covers opposite."""
+def pinion_face(assembly: CrescentAssembly, numbering: Numbering) -> FilmFace:
+    """Film face beside the pinion, with the recesses of the covers."""
     ports = {"inlet": numbering.inlet, "outlet": numbering.outlet}
-    recesses = [*cover_recesses(assembly).items(), *relief_polygons(assembly).items()]
-    return FaceOutline(
-        polygon=outlines(assembly)[BODIES[0]],
-        center=(0.0, 0.0),
-        zero_angle=-0.5 * np.pi,
-        direction=1.0,
-        nodes=numbering.nodes[0],
-        phases=numbering.space_phases[0],
-        recesses=tuple((ports[port], outline) for port, outline in recesses),
+    outlines = [*cover_recesses(assembly).items(), *relief_polygons(assembly).items()]
+    recesses = tuple((ports[port], outline) for port, outline in outlines)
+    section = GearSection(assembly.pinion, (0.0, 0.0), 0.5 * np.pi + assembly.mesh.half_pitch, 1.0)
+    spaces = ChamberRing(numbering.nodes[0], numbering.space_phases[0], zero_angle=-0.5 * np.pi)
+    return FilmFace(
+        bodies=(FaceBody(BODIES[0], section.center, assembly.pinion.tip_radius),),
+        center=section.center,
+        inner_radius=0.5 * assembly.spec.journal_bearings.diameter,
+        outer_radius=assembly.pinion.tip_radius,
+        gap=assembly.spec.lateral.side_gap,
+        face_map=GearFace(section, spaces, recesses),
+        chambers=spaces,
+        recesses=np.array(list(dict(recesses)), dtype=np.int64),
+        inner_node=numbering.drain,
     )
 
 

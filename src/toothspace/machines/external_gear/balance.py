@@ -20,8 +20,8 @@ from toothspace.machines.external_gear.elastic_assembly import (
     spring_share,
 )
 from toothspace.machines.external_gear.elastic_bodies import beside_cut
-from toothspace.machines.external_gear.films import FaceOfGear
-from toothspace.machines.external_gear.loads import BODIES, bodies, reduced_modulus
+from toothspace.machines.external_gear.films import FaceOfGear, film_face
+from toothspace.machines.external_gear.loads import BODIES, bodies
 from toothspace.machines.external_gear.spec import FloatingBlock
 from toothspace.model.lateral_balance import (
     AxialForce,
@@ -126,24 +126,16 @@ def _interface(assembly: Assembly, numbering: Numbering, side: Side, gear: int) 
     column = block.length / block.material.elastic_modulus
     face = FaceOfGear(assembly, numbering, gear)
     parts = half_names(block, side)
+    gap = spec.lateral.side_gap_floating if side == "floating" else spec.lateral.side_gap_solid
     column += 0.5 * own.face_width / own.material.elastic_modulus
     return FilmInterface(
         name=f"{side}_{BODIES[gear]}",
         body=BODIES[gear],
         side=side,
-        center=(0.0, assembly.mesh.center_distance if gear == 1 else 0.0),
-        inner_radius=0.5 * spec.journals.diameter,
-        outer_radius=assembly.profiles[gear].tip_radius,
-        speed_ratio=1.0 if gear == 0 else -assembly.mesh.ratio,
-        period=assembly.profiles[0].pitch_angle,
-        bore_node=numbering.drain,
-        face_map=face,
-        moving_roughness=own.roughness,
-        resting_roughness=block.roughness,
-        effective_modulus=reduced_modulus(own.material, block.material),
-        hardness=min(own.material.hardness, block.material.hardness),
+        face=film_face(face, gap),
+        speed_ratio=face.own.speed_ratio,
         winkler_compliance=column,
-        body_angle=face.tooth_angle(gear, 0.0),
+        body_angle=face.own.first_tooth,
         root_radius=assembly.profiles[gear].root_radius,
         part=parts[gear] if parts else "",
     )

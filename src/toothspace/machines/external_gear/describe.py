@@ -16,6 +16,7 @@ from toothspace.gearing.spaces import (
 from toothspace.machines.external_gear.assembly import Assembly, assemble
 from toothspace.machines.external_gear.balance import lateral_balance
 from toothspace.machines.external_gear.contacts import displacement, rigid_mesh
+from toothspace.machines.external_gear.films import lateral_films
 from toothspace.machines.external_gear.flank_contacts import flank_contacts
 from toothspace.machines.external_gear.flow_paths import flow_paths
 from toothspace.machines.external_gear.loads import (
@@ -23,7 +24,6 @@ from toothspace.machines.external_gear.loads import (
     MOTIONS,
     bodies,
     journal_bearings,
-    lateral_films,
     outlines,
 )
 from toothspace.machines.external_gear.spec import ExternalGearSpec

@@ -9,17 +9,92 @@ import numpy as np
 import shapely
 
 from toothspace.core.types import Array, BoolArray, IntArray
+from toothspace.gearing.gear_face import GearFace, GearSection
 from toothspace.gearing.numbering import Numbering
 from toothspace.gearing.outlines import space_outline
 from toothspace.gearing.spaces import Spaces, drive_spaces, driven_spaces
-from toothspace.geometry.gear_profile import GearProfile
 from toothspace.machines.external_gear.assembly import Assembly
-from toothspace.machines.external_gear.loads import groove_polygons
-from toothspace.model.lateral_balance import LAND, FaceCells
+from toothspace.machines.external_gear.loads import (
+    BODIES,
+    groove_polygons,
+    reduced_modulus,
+    tooth_fraction,
+)
+from toothspace.model.description import LumpedLateralFilm
+from toothspace.model.film_faces import (
+    NO_BODY,
+    ChamberRing,
+    FaceBody,
+    FaceCells,
+    FaceSurfaces,
+    FilmFace,
+)
 
 _FULL_TURN = 2.0 * np.pi
 _ON_FLANK = 1e-4
 """Distance up to which the outline of a chamber runs along a flank. [m]"""
+
+
+def lateral_films(assembly: Assembly, numbering: Numbering) -> tuple[LumpedLateralFilm, ...]:
+    """Films on the faces of both gears; the height shears like both gaps together."""
+    lateral = assembly.spec.lateral
+    height = 2.0 / (1.0 / lateral.side_gap_floating + 1.0 / lateral.side_gap_solid)
+    return tuple(
+        LumpedLateralFilm(
+            body=name,
+            faces=2,
+            height=height,
+            inner_radius=0.5 * assembly.spec.journals.diameter,
+            root_radius=profile.root_radius,
+            outer_radius=profile.tip_radius,
+            tooth_area_fraction=tooth_fraction(profile),
+            tilt=lateral.tilt,
+            face=film_face(FaceOfGear(assembly, numbering, gear), height),
+        )
+        for gear, (name, profile) in enumerate(zip(BODIES, assembly.profiles, strict=True))
+    )
+
+
+def film_face(face: FaceOfGear, gap: float) -> FilmFace:
+    """Film face beside a gear, with the gear itself and its mate.
+
+    Parameters
+    ----------
+    face : FaceOfGear
+        What stands against the bearing.
+    gap : float
+        Film height as designed. [m]
+    """
+    spec, numbering, mate = face.assembly.spec, face.numbering, 1 - face.gear
+    return FilmFace(
+        bodies=tuple(
+            FaceBody(BODIES[k], face.sections[k].center, face.sections[k].profile.tip_radius)
+            for k in (face.gear, mate)
+        ),
+        center=face.sections[face.gear].center,
+        inner_radius=0.5 * spec.journals.diameter,
+        outer_radius=face.sections[face.gear].profile.tip_radius,
+        gap=gap,
+        face_map=face,
+        chambers=face.spaces,
+        recesses=np.array(list(dict(face.recesses)), dtype=np.int64),
+        inner_node=numbering.drain,
+        surfaces=_surfaces(face),
+    )
+
+
+def _surfaces(face: FaceOfGear) -> FaceSurfaces | None:
+    """Roughness of gear and floating bearing; None without that bearing."""
+    spec, block = face.assembly.spec, face.assembly.spec.floating_block
+    if block is None:
+        return None
+    own = (spec.drive, spec.driven)[face.gear]
+    return FaceSurfaces(
+        moving_roughness=own.roughness,
+        resting_roughness=block.roughness,
+        effective_modulus=reduced_modulus(own.material, block.material),
+        hardness=min(own.material.hardness, block.material.hardness),
+    )
 
 
 @final
@@ -40,58 +115,50 @@ class FaceOfGear:
     assembly: Assembly
     numbering: Numbering
     gear: int
-    _edges: tuple[tuple[Array, Array, Array], ...] = field(init=False, repr=False)
+    sections: tuple[GearSection, GearSection] = field(init=False, repr=False)
+    spaces: ChamberRing = field(init=False, repr=False)
+    recesses: tuple[tuple[int, Array], ...] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        edges = tuple(_flank_angles(profile) for profile in self.assembly.profiles)
-        object.__setattr__(self, "_edges", edges)
+        mesh, ports = self.assembly.mesh, (self.numbering.inlet, self.numbering.outlet)
+        drive, driven = self.assembly.profiles
+        sections = (
+            GearSection(drive, (0.0, 0.0), 0.5 * np.pi + mesh.half_pitch, 1.0),
+            GearSection(driven, (0.0, mesh.center_distance), -0.5 * np.pi + mesh.turn, -mesh.ratio),
+        )
+        spaces = ChamberRing(
+            nodes=self.numbering.nodes[self.gear],
+            phases=self.numbering.space_phases[self.gear],
+            angle_ratio=self.numbering.ratios[self.gear],
+            zero_angle=-0.5 * np.pi if self.gear == 0 else 0.5 * np.pi + mesh.turn,
+            direction=1.0 if self.gear == 0 else -1.0,
+            center=sections[self.gear].center,
+        )
+        grooves = groove_polygons(self.assembly).items()
+        recesses = tuple((ports[name.endswith("outlet")], outline) for name, outline in grooves)
+        object.__setattr__(self, "sections", sections)
+        object.__setattr__(self, "spaces", spaces)
+        object.__setattr__(self, "recesses", recesses)
+
+    @property
+    def own(self) -> GearSection:
+        """The gear."""
+        return self.sections[self.gear]
 
     def __call__(self, shaft_angle: float, x: Array, y: Array) -> FaceCells:
-        """Nodes, own teeth and share of the bearing's face at points; angles in [rad], [m]."""
-        own = self._inside(self.gear, shaft_angle, x, y)
-        other = self._inside(1 - self.gear, shaft_angle, x, y) & ~own
-        in_lens = self._in_lens(x, y)
-        node = np.where(own, LAND, self._space(self.gear, shaft_angle, x, y))
-        lens = np.flatnonzero((in_lens & ~own).ravel())
+        """Nodes and gears at points, the own one first; angles in [rad], places in [m]."""
+        node, body = GearFace(self.own, self.spaces, self.recesses)(shaft_angle, x, y)
+        mate = self.sections[1 - self.gear].contains(shaft_angle, x, y) & (body == NO_BODY)
+        lens = np.flatnonzero((self._in_lens(x, y) & (body == NO_BODY)).ravel())
         if lens.size:
             flat = node.ravel()
             flat[lens] = self._lens_nodes(shaft_angle, x.ravel()[lens], y.ravel()[lens], flat[lens])
             node = flat.reshape(x.shape)
-        groove = self._grooves(x, y)
-        node = np.where(own & (groove != LAND), groove, node)
-        return FaceCells(node, own, own | (~other & self._own_half(x, y)))
-
-    def _polar(self, gear: int, x: Array, y: Array) -> tuple[Array, Array]:
-        rise = y - (self.assembly.mesh.center_distance if gear == 1 else 0.0)
-        return np.hypot(x, rise), np.arctan2(rise, x)
-
-    def _inside(self, gear: int, shaft_angle: float, x: Array, y: Array) -> BoolArray:
-        """Whether points lie in the section of a gear."""
-        profile, (radii, right, left) = self.assembly.profiles[gear], self._edges[gear]
-        radius, polar = self._polar(gear, x, y)
-        pitch = profile.pitch_angle
-        # a middle of a tooth is at this angle, see the outlines of the gears
-        tooth = self.tooth_angle(gear, shaft_angle)
-        place = np.mod(polar - tooth + 0.5 * pitch, pitch) - 0.5 * pitch
-        low, high = np.interp(radius, radii, right), np.interp(radius, radii, left)
-        on_tooth = (place >= low) & (place <= high) & (radius <= profile.tip_radius)
-        return np.asarray((radius <= profile.root_radius) | on_tooth)
-
-    def tooth_angle(self, gear: int, shaft_angle: float) -> float:
-        """Angle of the middle of a tooth at a shaft angle. [rad]."""
-        mesh = self.assembly.mesh
-        if gear == 0:
-            return 0.5 * np.pi + mesh.half_pitch + shaft_angle
-        return -0.5 * np.pi + mesh.turn - mesh.ratio * shaft_angle
+        return FaceCells(node, np.where(mate, 1, body))
 
     def own_angle(self, shaft_angle: float, x: Array, y: Array) -> Array:
         """Angle of points in the frame of the own gear, from its first tooth. [rad]."""
-        return self._polar(self.gear, x, y)[1] - self.tooth_angle(self.gear, shaft_angle)
-
-    def flank(self, side: int) -> tuple[Array, Array]:
-        """Radii [m] and angles [rad] of a flank from its tooth's middle, side 0 left, 1 right."""
-        radii, right, left = self._edges[self.gear]
-        return radii, (left, right)[side]
+        return self.own.polar(x, y)[1] - self.own.tooth_angle(shaft_angle)
 
     def flank_nodes(self, shaft_angle: float, radius: Array) -> IntArray:
         """Nodes of the chambers along all flanks, shape (spaces, 2, radii).
@@ -109,14 +176,13 @@ class FaceOfGear:
             For the spaces after each tooth, counter-clockwise in the frame of the own gear, on
             the left flank of the tooth before and the right one of the tooth after.
         """
-        profile = self.assembly.profiles[self.gear]
-        edges = [np.interp(radius, *self.flank(side)) for side in (0, 1)]
+        profile = self.own.profile
+        edges = [np.interp(radius, *self.own.flank(side)) for side in (0, 1)]
         teeth = profile.pitch_angle * np.arange(profile.tooth_count)[:, None, None]
         own = teeth + np.stack([edges[0], profile.pitch_angle + edges[1]])
-        angle = own + self.tooth_angle(self.gear, shaft_angle)
-        rise = self.assembly.mesh.center_distance if self.gear == 1 else 0.0
-        x, y = radius * np.cos(angle), radius * np.sin(angle) + rise
-        node = self._space(self.gear, shaft_angle, x, y)
+        angle = own + self.own.tooth_angle(shaft_angle)
+        x, y = radius * np.cos(angle), radius * np.sin(angle) + self.own.center[1]
+        node = self.spaces.nodes[self.spaces.nearest(shaft_angle, x, y)]
         meshing = self._in_lens(x, y)
         node[meshing] = self._nearest(shaft_angle, x[meshing], y[meshing], node[meshing])
         return node
@@ -131,25 +197,9 @@ class FaceOfGear:
             closest = np.minimum(away, closest)
         return node
 
-    def _space(self, gear: int, shaft_angle: float, x: Array, y: Array) -> IntArray:
-        """Node of the tooth space whose sector holds a point."""
-        _, polar = self._polar(gear, x, y)
-        phases, nodes = self.numbering.space_phases[gear], self.numbering.nodes[gear]
-        place = polar - 0.5 * np.pi if gear == 0 else -0.5 * np.pi - polar
-        table = place + np.pi + (self.assembly.mesh.turn if gear == 1 else 0.0)
-        turned = phases[0] + self.numbering.ratios[gear] * shaft_angle - table
-        number = np.rint(turned * nodes.size / _FULL_TURN).astype(np.int64)
-        return np.asarray(nodes[np.mod(number, nodes.size)])
-
-    def _own_half(self, x: Array, y: Array) -> BoolArray:
-        own, _ = self._polar(self.gear, x, y)
-        other, _ = self._polar(1 - self.gear, x, y)
-        tips = [profile.tip_radius for profile in self.assembly.profiles]
-        return np.asarray(own**2 - tips[self.gear] ** 2 <= other**2 - tips[1 - self.gear] ** 2)
-
     def _in_lens(self, x: Array, y: Array) -> BoolArray:
-        other, _ = self._polar(1 - self.gear, x, y)
-        return np.asarray(other <= self.assembly.profiles[1 - self.gear].tip_radius)
+        mate = self.sections[1 - self.gear]
+        return np.asarray(mate.polar(x, y)[0] <= mate.profile.tip_radius)
 
     def _lens_nodes(self, shaft_angle: float, x: Array, y: Array, default: IntArray) -> IntArray:
         """Chambers between the teeth in mesh, cut where the throats are."""
@@ -179,23 +229,3 @@ class FaceOfGear:
         mesh = self.assembly.mesh
         lens = mesh.lens_drive if gear == 0 else mesh.lens_driven
         return lens + self.assembly.profiles[gear].pitch_angle
-
-    def _grooves(self, x: Array, y: Array) -> IntArray:
-        node = np.full(x.shape, LAND, dtype=np.int64)
-        for name, polygon in groove_polygons(self.assembly).items():
-            port = self.numbering.outlet if name.endswith("outlet") else self.numbering.inlet
-            shape = shapely.Polygon(polygon)
-            shapely.prepare(shape)
-            node[shapely.contains_xy(shape, x, y)] = port
-        return node
-
-
-def _flank_angles(profile: GearProfile) -> tuple[Array, Array, Array]:
-    """Angles of right and left flank about the middle of the tooth, over the radius."""
-    radii = np.linspace(profile.root_radius, profile.tip_radius, 400)
-    sides = []
-    for flank in (profile.right_flank, profile.left_flank[::-1]):
-        radius, angle = np.hypot(*flank.T), np.arctan2(flank[:, 1], flank[:, 0])
-        rising = np.maximum.accumulate(radius) == radius
-        sides.append(np.interp(radii, radius[rising], angle[rising]))
-    return radii, sides[0], sides[1]

@@ -104,7 +104,7 @@ class GearFlanks:
 
     @property
     def _profile(self) -> GearProfile:
-        return self.face.assembly.profiles[self.face.gear]
+        return self.face.own.profile
 
     def acting(self, shaft_angle: float) -> list[BodyLoad]:
         """Loads at a shaft angle [rad], several for one name where chambers meet on a flank."""
@@ -152,7 +152,7 @@ class GearFlanks:
 
     def _middle_area(self) -> float:
         """Force of one pascal in the middle of a flank along its normal. [m2]."""
-        radius, angle = self.face.flank(0)
+        radius, angle = self.face.own.flank(0)
         line = radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
         share = _shares(self._profile, 0.5 * (radius[1:] + radius[:-1]))[:, _MIDDLE]
         along = np.sum(share[:, None] * np.diff(line, axis=0), axis=0)

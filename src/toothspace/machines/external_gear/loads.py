@@ -5,12 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.gearing.numbering import Numbering
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.external_gear.spec import Material
-from toothspace.model.description import Body, LumpedJournalBearing, LumpedLateralFilm, Motion
-from toothspace.model.film_shapes import FaceOutline
+from toothspace.model.description import Body, LumpedJournalBearing, Motion
 
 BODIES = ("drive_gear", "driven_gear")
 MOTIONS = (
@@ -82,42 +80,6 @@ def journal_bearings(assembly: Assembly) -> tuple[LumpedJournalBearing, ...]:
             seat_clearance=bearing.seat_clearance,
         )
         for name, gear in zip(BODIES, gears, strict=True)
-    )
-
-
-def lateral_films(assembly: Assembly, numbering: Numbering) -> tuple[LumpedLateralFilm, ...]:
-    """Films on the faces of both gears; the height shears like both gaps together."""
-    lateral = assembly.spec.lateral
-    height = 2.0 / (1.0 / lateral.side_gap_floating + 1.0 / lateral.side_gap_solid)
-    return tuple(
-        LumpedLateralFilm(
-            body=name,
-            faces=2,
-            height=height,
-            inner_radius=0.5 * assembly.spec.journals.diameter,
-            root_radius=profile.root_radius,
-            outer_radius=profile.tip_radius,
-            tooth_area_fraction=tooth_fraction(profile),
-            tilt=lateral.tilt,
-            face=face_outline(assembly, numbering, gear),
-        )
-        for gear, (name, profile) in enumerate(zip(BODIES, assembly.profiles, strict=True))
-    )
-
-
-def face_outline(assembly: Assembly, numbering: Numbering, gear: int) -> FaceOutline:
-    """Shape of the film on a gear's faces: its outline, and the relief grooves opposite."""
-    grooves = groove_polygons(assembly)
-    ports = {"inlet": numbering.inlet, "outlet": numbering.outlet}
-    turn, centre_y = assembly.mesh.turn, assembly.mesh.center_distance
-    return FaceOutline(
-        polygon=outlines(assembly)[BODIES[gear]] + np.array([0.0, gear * centre_y]),
-        center=(0.0, gear * centre_y),
-        zero_angle=-0.5 * np.pi if gear == 0 else 0.5 * np.pi + turn,
-        direction=1.0 if gear == 0 else -1.0,
-        nodes=numbering.nodes[gear],
-        phases=numbering.space_phases[gear],
-        recesses=tuple((ports[name.removeprefix("groove_")], p) for name, p in grooves.items()),
     )
 
 

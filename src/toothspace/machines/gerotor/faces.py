@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 
 from toothspace.core.types import Array, BoolArray, IntArray
+from toothspace.gearing.gear_face import under_recesses
 from toothspace.gearing.materials import reduced_modulus, solid
 from toothspace.machines.gerotor.bodies import (
     BODIES,
@@ -23,7 +24,17 @@ from toothspace.machines.gerotor.flow_paths import (
 from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.pockets import FULL_TURN, Pockets
 from toothspace.machines.gerotor.ports import Ports, throat_place
-from toothspace.model.film_shapes import BARE, Cover, FaceRoughness, RimFilm, SharedFaces
+from toothspace.model.film_faces import (
+    FILM,
+    NO_BODY,
+    ChamberRing,
+    FaceBody,
+    FaceCells,
+    FaceSurfaces,
+    FilmFace,
+    RimFilm,
+    SharedFaces,
+)
 
 _SECTORS = 24
 """About how many parts the solved film round the outer rotor has."""
@@ -57,19 +68,17 @@ class CoverMap:
         throat[-1] = throat[0] + FULL_TURN
         object.__setattr__(self, "_throats", (np.append(place, FULL_TURN), throat))
 
-    def __call__(self, shaft_angle: float, x: Array, y: Array) -> tuple[IntArray, IntArray]:
+    def __call__(self, shaft_angle: float, x: Array, y: Array) -> FaceCells:
         """Nodes and numbers of rotors at points; angles in [rad], places in [m]."""
         rotors, turn = self.pocket.rotors, self.pocket.angle_ratio * shaft_angle
         inner = _inside(rotors.inner, shaft_angle, x, y + rotors.eccentricity)
         outer = ~_inside(rotors.outer, turn, x, y) & ~inner
         shaft = np.hypot(x, y + rotors.eccentricity) < self.shaft_radius
-        body = np.where(inner & ~shaft, 0, np.where(outer, 1, BARE)).astype(np.int64)
-        node = np.where(inner | outer, BARE, self._pocket(turn, x, y)).astype(np.int64)
-        for port, outline in self.recesses:
-            over = shapely.contains_xy(shapely.Polygon(outline), x, y)
-            node[over & (body >= 0)] = port
+        body = np.where(inner & ~shaft, 0, np.where(outer, 1, NO_BODY)).astype(np.int64)
+        node = np.where(inner | outer, FILM, self._pocket(turn, x, y)).astype(np.int64)
+        node = under_recesses(node, body != NO_BODY, self.recesses, x, y)
         node[shaft] = rotors.outer_tooth_count + 3
-        return node, body
+        return FaceCells(node, body)
 
     def _pocket(self, turn: float, x: Array, y: Array) -> IntArray:
         """Pocket whose throats a point lies between."""
@@ -111,34 +120,47 @@ def shared_faces(parameters: GerotorParameters, pocket: Pockets, ports: Ports) -
     count, shaft = pocket.rotors.outer_tooth_count, shaft_radius(parameters, pocket)
     kidneys = ((count + 1, ports.contours["inlet"]), (count + 2, ports.contours["outlet"]))
     opposite = kidneys if parameters.ports.covers == "both" else ()
+    rim = _rim_film(parameters, count)
+    outer_radii = (float(np.hypot(*pocket.rotors.inner.T).max()), rim.radius)
+    centers = ((0.0, -pocket.rotors.eccentricity), (0.0, 0.0))
     covers = tuple(
-        Cover(gap, CoverMap(pocket, shaft, recesses))
+        FilmFace(
+            bodies=tuple(map(FaceBody, BODIES, centers, outer_radii)),
+            center=(0.0, 0.0),
+            inner_radius=max(shaft - pocket.rotors.eccentricity, _LEAST_RADIUS * shaft),
+            outer_radius=rim.radius,
+            gap=gap,
+            face_map=CoverMap(pocket, shaft, recesses),
+            chambers=ChamberRing(
+                nodes=np.arange(count),
+                phases=pocket_phases(pocket),
+                angle_ratio=pocket.angle_ratio,
+                zero_angle=-0.5 * np.pi,
+            ),
+            recesses=np.array([node for node, _ in kidneys]),
+            inner_node=count + 3,
+            sectors=-(-_SECTORS // count),
+            surfaces=_surfaces(parameters),
+        )
         for gap, recesses in zip(side_gaps(parameters), (kidneys, opposite), strict=True)
     )
     return SharedFaces(
         covers=covers,
-        bodies=BODIES,
-        inner_radius=max(shaft - pocket.rotors.eccentricity, _LEAST_RADIUS * shaft),
-        rim=_rim_film(parameters, count),
-        chambers=np.arange(count),
-        phases=pocket_phases(pocket),
-        angle_ratio=pocket.angle_ratio,
-        zero_angle=-0.5 * np.pi,
-        recesses=np.array([node for node, _ in kidneys]),
-        inner_node=count + 3,
+        rim=rim,
         replaced=("lateral", "drain", "rim", "film_end"),
-        floating=_roughness(parameters) if parameters.lateral.position == "free" else None,
+        floating=parameters.lateral.position == "free",
     )
 
 
-def _roughness(parameters: GerotorParameters) -> FaceRoughness:
+def _surfaces(parameters: GerotorParameters) -> FaceSurfaces:
     own = solid(parameters.rotors.material, "machine.rotors.material")
     cover = solid(HOUSING_MATERIAL, "")
-    return FaceRoughness(
-        roughness=float(np.hypot(parameters.rotors.roughness, parameters.housing.roughness)),
-        correlation_length=CORRELATION_LENGTH,
+    return FaceSurfaces(
+        moving_roughness=parameters.rotors.roughness,
+        resting_roughness=parameters.housing.roughness,
         effective_modulus=reduced_modulus(own, cover),
         hardness=min(own.hardness, cover.hardness),
+        correlation_length=CORRELATION_LENGTH,
     )
 
 
@@ -152,7 +174,6 @@ def _rim_film(parameters: GerotorParameters, count: int) -> RimFilm:
         roughness=float(np.hypot(rotors.roughness, housing.roughness)),
         open_ends=housing.end_condition == "pressure",
         chamber=count,
-        sectors=-(-_SECTORS // count),
     )
 
 

@@ -332,20 +332,10 @@ def balance_of(description: MachineDescription) -> LateralBalance:
 
 
 def _law(interface: FilmInterface, fluid: FilmFluid, settings: LateralSettings) -> FilmLaw:
-    rough = max(interface.moving_roughness, interface.resting_roughness) > 0.0
-    surfaces = (
-        RoughSurfaces(
-            moving_roughness=interface.moving_roughness,
-            resting_roughness=interface.resting_roughness,
-            correlation_length=interface.correlation_length,
-            effective_modulus=interface.effective_modulus,
-            hardness=interface.hardness,
-            boundary_friction=interface.boundary_friction,
-        )
-        if rough
-        else None
-    )
-    return film_law(surfaces, fluid, settings.cavitation)
+    surfaces = interface.face.surfaces
+    rough = surfaces is not None and surfaces.roughness > 0.0
+    law = RoughSurfaces(**vars(surfaces)) if rough else None
+    return film_law(law, fluid, settings.cavitation)
 
 
 def _compliance(
@@ -396,19 +386,20 @@ def wear_power(film: FaceFilm, shaft_speed: float) -> Array:
 
 
 def _real_area(film: FaceFilm) -> float:
-    own = film.grid.interface
-    roughness = float(np.hypot(own.moving_roughness, own.resting_roughness))
-    if roughness <= 0.0:
+    own = film.grid.interface.face.surfaces
+    if own is None or own.roughness <= 0.0:
         return 0.0
     share = real_contact_share(
-        film.contact, roughness, own.correlation_length, own.effective_modulus, own.hardness
+        film.contact, own.roughness, own.correlation_length, own.effective_modulus, own.hardness
     )
     return float((share * film.grid.area).sum())
 
 
 def _contact_share(film: FaceFilm) -> float:
     area = np.where(film.boundary.mask.film, film.grid.area, 0.0)
-    touching = film.contact > _TOUCH * film.grid.interface.hardness
+    surfaces = film.grid.interface.face.surfaces
+    hardness = np.inf if surfaces is None else surfaces.hardness
+    touching = film.contact > _TOUCH * hardness
     return float((area * touching).sum() / area.sum())
 
 
@@ -438,8 +429,8 @@ def film_places(stack: Stack) -> Mapping[str, Array]:
     return {
         "film_angle": stack.grids[0].angle,
         "film_radius": np.array([grid.radius for grid in stack.grids]),
-        "film_center_x": np.array([grid.interface.center[0] for grid in stack.grids]),
-        "film_center_y": np.array([grid.interface.center[1] for grid in stack.grids]),
+        "film_center_x": np.array([grid.interface.face.center[0] for grid in stack.grids]),
+        "film_center_y": np.array([grid.interface.face.center[1] for grid in stack.grids]),
     }
 
 

@@ -129,7 +129,7 @@ def reduce_lateral(
     scale = balance.floating.high_pressure.area * (back.high - back.low)
     closing, opening, tilting = loads
     added = scale * np.concatenate([-np.sort(closing)[::-1], [0.0], np.sort(opening)])
-    reach = balance.interfaces[0].outer_radius
+    reach = balance.interfaces[0].face.outer_radius
     tilts = np.sort(tilting) if balance.motion == "full" else np.zeros(1)
     turned = tilts * scale * reach
     table = np.full((5, added.size, turned.size), np.nan)
