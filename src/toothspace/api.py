@@ -12,6 +12,7 @@ from toothspace.case import Case, load_case
 from toothspace.case.fingerprint import fingerprint
 from toothspace.core.compiled import compile_seconds
 from toothspace.core.errors import CaseError
+from toothspace.core.processes import start_worker
 from toothspace.core.registry import machine_type
 from toothspace.model.description import MachineDescription
 from toothspace.results.credibility import with_warnings
@@ -77,7 +78,7 @@ def simulate_all(cases: Iterable[Case], workers: int = 1) -> list[Solution | Exc
         return [_simulate_safely(case) for case in items]
     from concurrent.futures import ProcessPoolExecutor
 
-    with ProcessPoolExecutor(workers) as pool:
+    with ProcessPoolExecutor(workers, initializer=start_worker) as pool:
         return list(pool.map(_simulate_safely, items))
 
 

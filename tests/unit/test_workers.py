@@ -25,11 +25,29 @@ if __name__ == "__main__":
             print(number, flush=True)
 """
 
+_POOL = """
+import time
+from toothspace import api
 
-@pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
-def test_no_worker_is_left(end: signal.Signals, tmp_path: Path) -> None:
+api._simulate_safely = time.sleep
+print(0, flush=True)
+print(1, flush=True)
+api.simulate_all([600.0, 600.0], workers=2)
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "end"),
+    [
+        (_PROGRAM, signal.SIGKILL),
+        (_PROGRAM, signal.SIGTERM),
+        (_PROGRAM, signal.SIGINT),
+        (_POOL, signal.SIGKILL),
+    ],
+)
+def test_no_worker_is_left(text: str, end: signal.Signals, tmp_path: Path) -> None:
     program = tmp_path / "study.py"
-    program.write_text(_PROGRAM, encoding="utf-8")
+    program.write_text(text, encoding="utf-8")
     # a test run in the background inherits that interrupts are ignored
     first = subprocess.Popen(
         [sys.executable, str(program)],
@@ -40,8 +58,10 @@ def test_no_worker_is_left(end: signal.Signals, tmp_path: Path) -> None:
     )
     assert first.stdout is not None
     assert {first.stdout.readline(), first.stdout.readline()} == {b"0\n", b"1\n"}
-    workers = psutil.Process(first.pid).children(recursive=True)
-    assert len(workers) >= 2
+    workers: list[psutil.Process] = []
+    while len(workers) < 2:
+        time.sleep(0.5)
+        workers = psutil.Process(first.pid).children(recursive=True)
     os.kill(first.pid, end)
     first.wait(timeout=20.0)
     first.stdout.close()

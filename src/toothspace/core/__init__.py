@@ -12,6 +12,7 @@ signals    columns of CSV files in SI units
 files      files that are complete or not there
 netcdf     datasets as NetCDF files with a checksum
 array_store named arrays kept between runs
+processes  processes that compute for another one
 interrupts signals that end the program, held while files are written
 registry   machine types found by name (built in or entry points)
 compiled   numba with a cache that follows the package's sources

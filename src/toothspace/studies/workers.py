@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import os
-import signal
-import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
-from multiprocessing import get_context, parent_process
+from multiprocessing import get_context
 from typing import Any, final
 
 from toothspace.core.errors import CaseError, ToothspaceError
-from toothspace.core.interrupts import ENDING
+from toothspace.core.processes import start_worker
 
 _LAST_WAIT = 5.0
 """Time that a process gets to end. [s]"""
@@ -85,7 +82,7 @@ class Workers:
 def _executor(count: int, scheduler: str) -> Executor:
     if not scheduler:
         # fresh processes: a fork would copy the locks of the progress bar's thread
-        return ProcessPoolExecutor(count, get_context("spawn"), initializer=_start_worker)
+        return ProcessPoolExecutor(count, get_context("spawn"), initializer=start_worker)
     try:
         from distributed import Client  # type: ignore[import-not-found, unused-ignore]
     except ImportError as error:
@@ -93,23 +90,6 @@ def _executor(count: int, scheduler: str) -> Executor:
         raise CaseError(f"--scheduler: found {found}, allowed an installed Dask") from error
     executor: Executor = Client(scheduler).get_executor()
     return executor
-
-
-def _start_worker() -> None:
-    # what ends the program is the business of the first process; they share the cores
-    for number in ENDING:
-        signal.signal(number, signal.SIG_IGN)
-    threading.Thread(target=_end_with_parent, daemon=True).start()
-    for name in ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
-        os.environ[name] = "1"
-
-
-def _end_with_parent() -> None:
-    """End this process when the first one is gone, also killed: nobody takes its results."""
-    parent = parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)
 
 
 def _result(future: Future[Any]) -> Any:
