@@ -60,8 +60,8 @@ def test_march_interrupted_at_once_keeps_nothing(
         problem.march(problem.started(3e-6), 4)
 
 
-def _asked() -> Any:
-    return None, None, None
+NOTHING: Any = None
+"""Machine, fluid and settings that a replaced function does not look at."""
 
 
 def test_interrupt_beside_the_films_keeps_the_lumped_solution(
@@ -75,7 +75,9 @@ def test_interrupt_beside_the_films_keeps_the_lumped_solution(
 
     monkeypatch.setattr("toothspace.simulation.lateral.coupled_run.couple_point", couple)
     lumped = fake_solution()
-    found = coupled_solution(_asked(), lambda _: lumped, 12, lambda _, text: reported.append(text))
+    found = coupled_solution(
+        NOTHING, NOTHING, lambda _: lumped, NOTHING, 12, lambda _, text: reported.append(text)
+    )
     assert found.status is Status.INTERRUPTED
     assert found.data is lumped.data
     assert reported == ["lateral films settle"]
@@ -88,7 +90,9 @@ def test_interrupted_lumped_run_ends_the_point(monkeypatch: pytest.MonkeyPatch) 
 
     monkeypatch.setattr("toothspace.simulation.lateral.coupled_run.couple_point", couple)
     cut = replace(fake_solution(), status=Status.INTERRUPTED)
-    assert coupled_solution(_asked(), lambda _: cut, 12).status is Status.INTERRUPTED
+    assert (
+        coupled_solution(NOTHING, NOTHING, lambda _: cut, NOTHING, 12).status is Status.INTERRUPTED
+    )
 
 
 def test_interrupt_before_any_result_is_passed_on(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -100,4 +104,4 @@ def test_interrupt_before_any_result_is_passed_on(monkeypatch: pytest.MonkeyPatc
 
     monkeypatch.setattr("toothspace.simulation.lateral.coupled_run.couple_point", couple)
     with pytest.raises(KeyboardInterrupt):
-        coupled_solution(_asked(), run, 12)
+        coupled_solution(NOTHING, NOTHING, run, NOTHING, 12)

@@ -9,7 +9,7 @@ import numpy as np
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
-from toothspace.geometry.cad_import import chain_closed
+from toothspace.geometry.chains import chain_closed
 
 _CURVES = ("LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE")
 _RELATIVE_SAGITTA = 1e-6

@@ -10,7 +10,7 @@ import numpy as np
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
-from toothspace.geometry.cad_import import chain_closed
+from toothspace.geometry.chains import chain_closed
 
 _STEP_UNIT = 1e-3
 _ANGULAR_DEFLECTION = 0.02

@@ -73,8 +73,10 @@ class Mixing:
 
 def mixed(
     mixing: Mixing,
-    deformation: tuple[list[list[Array]], list[list[Array]]],
-    places: tuple[Array, Array],
+    used: list[list[Array]],
+    found: list[list[Array]],
+    position: Array,
+    step: Array,
     arms: Array,
 ) -> tuple[list[list[Array]], Array]:
     """Deformation of gaps and step of the coordinates to try next.
@@ -83,20 +85,19 @@ def mixed(
     ----------
     mixing : Mixing
         Memory of former iterations.
-    deformation : tuple of list
+    used, found : list
         Deformation of every snapshot and film that was used, and that found with it. [m]
-    places : tuple of ndarray
+    position, step : ndarray
         Coordinates, lifts and rotations in turn, and the step that balances forces. [m, rad]
     arms : ndarray
         Distance at which every coordinate counts as a lift. [-, m]
     """
-    used, new = (np.concatenate([a.ravel() for s in w for a in s]) for w in deformation)
-    q, step = places
+    old, new = (np.concatenate([a.ravel() for s in w for a in s]) for w in (used, found))
     # the coordinates count as much as the deformation of all cells
-    weight = arms * np.sqrt(used.size)
-    residual = np.concatenate([new - used, weight * step])
-    found = mixing.following(np.concatenate([used, weight * q]), residual)
-    ends = np.cumsum([a.size for s in deformation[0] for a in s])
-    parts = iter(np.split(found, ends))
-    fields = [[next(parts).reshape(a.shape) for a in s] for s in deformation[0]]
-    return fields, next(parts) / weight - q
+    weight = arms * np.sqrt(old.size)
+    residual = np.concatenate([new - old, weight * step])
+    mixture = mixing.following(np.concatenate([old, weight * position]), residual)
+    ends = np.cumsum([a.size for s in used for a in s])
+    parts = iter(np.split(mixture, ends))
+    fields = [[next(parts).reshape(a.shape) for a in s] for s in used]
+    return fields, next(parts) / weight - position

@@ -18,8 +18,10 @@ def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
     machine = run_in_machine(setup)
     request = PointRequest(settings=lateral_settings(case), start=balance.design_height)
     return coupled_solution(
-        (machine.description, machine.fluid, request),
+        machine.description,
+        machine.fluid,
         lambda changed: machine.solve(condition, changed, progress),
+        request,
         case.run.film_steps_per_revolution,
         progress,
     )

@@ -235,7 +235,7 @@ def load_derivatives(film: JournalField, fluid: FilmFluid, directions: tuple[int
     ]
     carrier = fluid.carrier(film.fluid.density)
     responses = pressure_responses(
-        (film.grid, film.gap, carrier), film.law, film.balance, film.fields, changes
+        film.grid, film.gap, carrier, film.law, film.balance, film.fields, changes
     )
     # the reduced pressure is solved for; the pressure follows it with the viscosity ratio
     stretch = carrier.fluidity / film.fluid.fluidity

@@ -294,7 +294,7 @@ def solve_compliant(
     gap = film.gap.centre.copy() if former is None else former.plane.film.gap.centre.copy()
     settled, system = False, None if former is None else former.plane.fields.system
     for number in range(1, how.accuracy.passes + 1):
-        now = _linearise(film, reduced, how, (unknown, kind), gap, system)
+        now = _linearise(film, reduced, how, unknown, kind, gap, system)
         gap, system = now.gap, now.system
         step = now.system.solve(-now.right, relative_tolerance=how.accuracy.linear)
         lost = not np.isfinite(step).all()
@@ -349,7 +349,7 @@ def compliant_responses(
     film, fields = (plane.film.grid, plane.film.gap, plane.fluid), plane.fields
     sides = np.empty((len(lifts), fields.potential.size))
     for side, lift in zip(sides, lifts, strict=True):
-        varied = varied_balance(found, film, plane.film.law, GapMotion(lift, solution.gap_slope))
+        varied = varied_balance(found, *film, plane.film.law, GapMotion(lift, solution.gap_slope))
         disturbance = residual(found.balance, varied, fields.potential, fields.saturation)
         disturbance[fields.kind == PRESCRIBED] = 0.0
         side[:] = -disturbance.ravel()
@@ -392,11 +392,11 @@ def _linearise(
     film: PlaneFilm,
     reduced: _Reduced,
     how: LocalCompliance,
-    fields: tuple[Array, IntArray],
+    unknown: Array,
+    kind: IntArray,
     gap: Array,
     former: LinearSystem | None,
 ) -> _Pass:
-    unknown, kind = fields
     potential, saturation = _parted(kind, unknown)
     touch = np.empty((3, *gap.shape))
     height = gap.copy()

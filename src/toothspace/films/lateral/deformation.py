@@ -271,8 +271,8 @@ class DeformationIteration:
             pairs = zip(self._own, self._missing, strict=True)
             more = [own.fields(own.follow(m, step, rate) - m) for own, m in pairs]
             new = _sum(new, more)
-        place = states[0].position, step
-        new, step = mixed(self._mixing, (self.used, new), place, states[0].stack.arms)
+        here, arms = states[0].position, states[0].stack.arms
+        new, step = mixed(self._mixing, self.used, new, here, step, arms)
         change = _sum(new, self.used, -1.0)
         part = 1.0 / overstep(states, step, change)
         self.used = _sum(self.used, change, part)

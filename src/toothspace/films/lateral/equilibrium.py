@@ -136,7 +136,7 @@ def find_equilibrium(
         if not found.converged:
             length, failures = 0.1 * length, failures + 1
             if failures >= _MOST_FAILURES:
-                return _leaning(stack, snapshots, loads, (now, time, number), search, step)
+                return _leaning(stack, snapshots, loads, now, time, number, search, step)
             continue
         now, time = found, time + length
         length *= 3.0 if found.iterations <= step.max_iterations // 2 else 1.0
@@ -171,14 +171,15 @@ def _leaning(
     stack: Stack,
     snapshots: Sequence[Snapshot],
     loads: Loads,
-    reached: tuple[Balance, float, int],
+    now: Balance,
+    time: float,
+    steps: int,
     search: SearchSettings,
     step: StepSettings,
 ) -> Equilibrium:
     """Equilibrium of bodies whose motion in time cannot be followed, proved by one long step."""
-    now, time, steps = reached
-    goal = (step.force_tolerance, step.film_tolerance)
-    found = relax(stack, snapshots, loads, now, goal, _RELAXATIONS)
+    goals = step.force_tolerance, step.film_tolerance
+    found = relax(stack, snapshots, loads, now, *goals, _RELAXATIONS)
     steps += found.steps
     length = search.longest_time - time
     still = replace(now, states=found.states, slides=(0,) * len(now.slides), jacobian=None)

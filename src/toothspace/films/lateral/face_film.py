@@ -206,9 +206,10 @@ class FaceFilm:
         if self.solution.found is not None:
             responses = compliant_responses(self.solution, changes, accuracy)
         else:
-            film = (plane.film.grid, plane.film.gap, fluid.carrier(plane.fluid.density))
             responses = pressure_responses(
-                film,
+                plane.film.grid,
+                plane.film.gap,
+                fluid.carrier(plane.fluid.density),
                 plane.film.law,
                 plane.balance,
                 plane.fields,

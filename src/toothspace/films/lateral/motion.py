@@ -248,17 +248,23 @@ def _solve(task: _StepTask, former: Balance, slides: tuple[int, ...] | None) -> 
         if jacobian is None or age >= settings.jacobian_age or number % _PATIENCE == 0:
             jacobian, age = deformation.renew(states), 0
         age += 1
-        known = states, jacobian, deformation.pull()
-        found, revised, firm = _decided(task, known, v, slides, steady)
+        pull = deformation.pull()
+        found, revised, firm = _decided(task, states, jacobian, pull, v, slides, steady)
         if predicted is not None and age > 1 and found.error > _HELPED * error:
             jacobian, age = deformation.renew(states), 1
-            found, revised, firm = _decided(task, (states, jacobian, 0.0), v, slides, steady)
+            found, revised, firm = _decided(task, states, jacobian, 0.0, v, slides, steady)
         slides = deformation.beside(slides, revised)
         error, best = found.error, found.error / _scale(task)
         balanced = best <= settings.force_tolerance and change <= settings.film_tolerance
         if balanced and settled and firm:
-            lasting = jacobian, age, deformation.responses
-            return _outcome(task, states, (found, v, slides), (best, number), lasting)
+            balance = _balance(task, states, found, v, slides, best, number)
+            return replace(
+                balance,
+                converged=True,
+                jacobian=jacobian,
+                age=age,
+                responses=deformation.responses,
+            )
         step = found.step
         if not np.isfinite(step).all():
             break
@@ -266,7 +272,7 @@ def _solve(task: _StepTask, former: Balance, slides: tuple[int, ...] | None) -> 
         ahead = found.force - _matrix(task, jacobian, found.drag) @ step
         predicted = (step, ahead) if _informative(settings, steady, best) else None
         q = q + step
-    return _outcome(task, states, (found, v, slides), (best, number), None)
+    return _balance(task, states, found, v, slides, best, number)
 
 
 def _begun(
@@ -290,7 +296,9 @@ def _informative(settings: StepSettings, steady: bool, residual: float) -> bool:
 
 def _decided(
     task: _StepTask,
-    known: tuple[tuple[StackState, ...], tuple[Array, Array], Array | float],
+    states: tuple[StackState, ...],
+    jacobian: tuple[Array, Array],
+    pull: Array | float,
     v: Array,
     slides: tuple[int, ...] | None,
     steady: bool,
@@ -299,10 +307,10 @@ def _decided(
 
     Stick or slip is revised near the balance only: what once sticks needs more to break away.
     """
-    (states, jacobian, pull), near = known, False
+    near = False
     for _ in range(_STATUS_ROUNDS):
         force, drag = _forces(task, states, v, slides)
-        found = _newton_step(task, jacobian, (force, drag, pull), _held(task, slides), v)
+        found = _newton_step(task, jacobian, force, drag, pull, _held(task, slides), v)
         revised = slides if slides is None else _revised(task, found, v, slides)
         near = near or (steady and found.error <= _NEAR * _scale(task))
         if revised == slides or not near:
@@ -317,22 +325,23 @@ def _held(task: _StepTask, slides: tuple[int, ...] | None) -> list[Array]:
     return [lever for k, lever in enumerate(levers) if slides is not None and slides[k] == 0]
 
 
-def _outcome(
+def _balance(
     task: _StepTask,
     states: tuple[StackState, ...],
-    last: tuple[_Step, Array, tuple[int, ...] | None],
-    reached: tuple[float, int],
-    jacobian: tuple[tuple[Array, Array], int, Mapping[int, DeformationResponse]] | None,
+    found: _Step,
+    v: Array,
+    slides: tuple[int, ...] | None,
+    residual: float,
+    iterations: int,
 ) -> Balance:
-    """State after a step; without a Jacobian it is not in balance."""
-    found, v, slides = last
+    """State after a step that does not count as converged."""
     return Balance(
         states,
         _friction(task, v, slides, found.holding),
         slides or (0,) * len(levers_of(task.stack)),
-        *reached,
-        jacobian is not None,
-        *((None, 0, {}) if jacobian is None else jacobian),
+        residual,
+        iterations,
+        converged=False,
     )
 
 
@@ -394,12 +403,13 @@ def _corrected(
 def _newton_step(
     task: _StepTask,
     jacobian: tuple[Array, Array],
-    forces: tuple[Array, Array, Array | float],
+    force: Array,
+    drag: Array,
+    pull: Array | float,
     held: list[Array],
     v: Array,
 ) -> _Step:
     """Step of the coordinates that balances the forces with what the deformation will add."""
-    force, drag, pull = forces
     free = task.stack.free
     matrix = _matrix(task, jacobian, drag)[np.ix_(free, free)]
     count, bars = free.size, len(held)

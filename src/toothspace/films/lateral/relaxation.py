@@ -54,12 +54,20 @@ class _Point(NamedTuple):
     change: float  # of the distant deformation over the gap [-]
 
 
+class _RelaxationTask(NamedTuple):
+    stack: Stack
+    snapshots: tuple[Snapshot, ...]
+    loads: Loads
+    start: Balance
+
+
 def relax(
     stack: Stack,
     snapshots: Sequence[Snapshot],
     loads: Loads,
     start: Balance,
-    tolerance: tuple[float, float],
+    force_tolerance: float,
+    film_tolerance: float,
     most_steps: int,
 ) -> Relaxed:
     """Follow the forces of films without squeeze to where they balance.
@@ -70,8 +78,10 @@ def relax(
         Bodies and films, shaft angles over which forces are averaged, other loads.
     start : Balance
         Where it begins; a bearing that slides there is held back by friction.
-    tolerance : tuple of float
-        Residual over the force behind the bearing, and change of a deformation over the gap. [-]
+    force_tolerance : float
+        Residual over the force behind the bearing. [-]
+    film_tolerance : float
+        Change of a deformation over the gap. [-]
     most_steps : int
         Most film solutions.
 
@@ -83,10 +93,10 @@ def relax(
     long as the stiffness predicts the forces found, so that a contact is met slowly.
     """
     scale = balance_force(stack, loads.back)
-    task = (stack, tuple(snapshots), loads, start)
+    task = _RelaxationTask(stack, tuple(snapshots), loads, start)
     now = _point(task, start.position, start.states, [list(s.distant) for s in start.states])
     far, taken = _FIRST_STEP, 0
-    while taken < most_steps and not _settled(stack, now, scale, tolerance):
+    while taken < most_steps and not _settled(stack, now, force_tolerance * scale, film_tolerance):
         taken += 1
         step = limited(now.states, _step(stack, now, scale / far))
         found = _point(task, now.states[0].position + step, now.states, _followed(now))
@@ -101,9 +111,9 @@ def relax(
     return Relaxed(now.states, _size(stack, now.force) / scale, taken)
 
 
-def _settled(stack: Stack, now: _Point, scale: float, tolerance: tuple[float, float]) -> bool:
-    films = now.change <= tolerance[1] and all(s.converged for s in now.states)
-    return films and _size(stack, now.force) <= tolerance[0] * scale
+def _settled(stack: Stack, now: _Point, most_force: float, most_change: float) -> bool:
+    films = now.change <= most_change and all(s.converged for s in now.states)
+    return films and _size(stack, now.force) <= most_force
 
 
 def _step(stack: Stack, now: _Point, holding: float) -> Array:
@@ -127,9 +137,6 @@ def _followed(now: _Point) -> Fields:
 def _size(stack: Stack, force: Array) -> float:
     """Largest force, moments as forces at the rim. [N]."""
     return float(np.abs(force / stack.arms)[stack.free].max())
-
-
-_RelaxationTask = tuple[Stack, tuple[Snapshot, ...], Loads, Balance]
 
 
 def _point(

@@ -107,7 +107,7 @@ class PlaneSolution:
         film, density = self.film, self.fluid.density
         carrier = film.fluid.carrier(density)
         found = pressure_responses(
-            (film.grid, film.gap, carrier), film.law, self.balance, self.fields, changes
+            film.grid, film.gap, carrier, film.law, self.balance, self.fields, changes
         )
         # the reduced pressure is solved for; the pressure follows it with the viscosity ratio
         stretch = carrier.fluidity / self.fluid.fluidity

@@ -250,7 +250,12 @@ def linearised_balance(
 
 
 def varied_balance(
-    found: Linearised, film: tuple[FilmGrid, GapField, FluidField], law: FlowLaw, motion: GapMotion
+    found: Linearised,
+    grid: FilmGrid,
+    gap: GapField,
+    fluid: FluidField,
+    law: FlowLaw,
+    motion: GapMotion,
 ) -> CellBalance:
     """First variation of a balance with one motion of a face, for use in a residual.
 
@@ -258,7 +263,7 @@ def varied_balance(
     ----------
     found : Linearised
         Balance and its slopes.
-    film : tuple of FilmGrid, GapField and FluidField
+    grid, gap, fluid
         Film that it is of, with its deformed gap.
     law : FlowLaw
         Average flow between the walls.
@@ -268,7 +273,7 @@ def varied_balance(
     lift, slope = motion.lift, found.slope
     own = motion.follows * lift.centre
     extra = own - lift.centre
-    upstream = np.where(film[0].sweep_x >= 0.0, *_both_sides(extra))
+    upstream = np.where(grid.sweep_x >= 0.0, *_both_sides(extra))
     before, behind = _both_sides(own)
     south = np.hstack([lift.face_y[:, :1], own])
     north = np.hstack([own, lift.face_y[:, -1:]])
@@ -277,7 +282,7 @@ def varied_balance(
         conductance_y=slope.south * south + slope.north * north,
         advection_x=slope.carried * (lift.face_x + upstream),
         advection_y=np.zeros_like(slope.south),
-        storage=vary_storage(*film, law, lift._replace(centre=own)),
+        storage=vary_storage(grid, gap, fluid, law, lift._replace(centre=own)),
         source=np.zeros_like(own),
     )
 

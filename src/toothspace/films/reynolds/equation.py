@@ -280,7 +280,9 @@ def balance_derivative(
 
 
 def balance_variation(
-    film: tuple[FilmGrid, GapField, FluidField],
+    grid: FilmGrid,
+    gap: GapField,
+    fluid: FluidField,
     change: GapField,
     slope: CellBalance,
     law: FlowLaw = SMOOTH,
@@ -295,5 +297,5 @@ def balance_variation(
         conductance_y=slope.conductance_y * change.face_y,
         advection_x=slope.advection_x * change.face_x,
         advection_y=slope.advection_y * change.face_y,
-        storage=vary_storage(*film[:3], law, change),
+        storage=vary_storage(grid, gap, fluid, law, change),
     )

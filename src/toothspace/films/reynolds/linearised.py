@@ -21,7 +21,9 @@ from toothspace.numerics.structured_grid import CellBalance
 
 
 def pressure_responses(
-    film: tuple[FilmGrid, GapField, FluidField],
+    grid: FilmGrid,
+    gap: GapField,
+    carrier: FluidField,
     law: FlowLaw,
     balance: CellBalance,
     fields: ComplementaritySolution,
@@ -35,8 +37,8 @@ def pressure_responses(
 
     Parameters
     ----------
-    film : tuple of FilmGrid, GapField and FluidField
-        Film that was solved.
+    grid, gap, carrier
+        Cells, heights and liquid of the film that was solved.
     law : FlowLaw
         Average flow law of its walls.
     balance : CellBalance
@@ -53,10 +55,10 @@ def pressure_responses(
     list of ndarray
         Change of the pressure of every cell per unit. [Pa per unit]
     """
-    slope = balance_derivative(*film, balance, law)
+    slope = balance_derivative(grid, gap, carrier, balance, law)
     sides = np.empty((len(changes), fields.potential.size))
     for side, change in zip(sides, changes, strict=True):
-        varied = balance_variation(film, change, slope, law)
+        varied = balance_variation(grid, gap, carrier, change, slope, law)
         disturbance = residual(balance, varied, fields.potential, fields.saturation)
         disturbance[fields.kind == PRESCRIBED] = 0.0
         side[:] = -disturbance.ravel()

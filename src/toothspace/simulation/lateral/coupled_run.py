@@ -30,8 +30,10 @@ from toothspace.solver.cyclic import Progress
 
 
 def coupled_solution(
-    asked: tuple[MachineDescription, FluidLaw, PointRequest],
+    description: MachineDescription,
+    fluid: FluidLaw,
     run: LumpedRun,
+    request: PointRequest,
     steps: int,
     progress: Progress | None = None,
 ) -> Solution:
@@ -39,10 +41,8 @@ def coupled_solution(
 
     Parameters
     ----------
-    asked : tuple
-        Machine, fluid and what is asked of them, as for :func:`couple_point`.
-    run : callable
-        Lumped solution at the operating point, of a changed machine.
+    description, fluid, run, request
+        Machine, fluid, lumped solution and settings, as for :func:`couple_point`.
     steps : int
         Steps of the march over the revolution. [-]
     progress : callable, optional
@@ -64,7 +64,6 @@ def coupled_solution(
         return done[-1]
 
     try:
-        description, fluid, request = asked
         point = couple_point(description, fluid, lumped, request)
         return elastic_solution(point, steps, progress)
     except KeyboardInterrupt:

@@ -288,7 +288,7 @@ def lateral_problem(
         balance,
         grids,
         tuple(_law(i, film_fluid, settings) for i in balance.interfaces),
-        _compliance(balance, grids, settings, (back, data)),
+        _compliance(balance, grids, settings, back, data),
         shaft_speed,
     )
     snapshots = snapshots_over_pitch(stack, pressures, settings.angles)
@@ -342,10 +342,11 @@ def _compliance(
     balance: LateralBalance,
     grids: tuple[FaceGrid, ...],
     settings: LateralSettings,
-    state: tuple[BackPressure, xr.Dataset],
+    back: BackPressure,
+    data: xr.Dataset,
 ) -> Compliance:
     if settings.deformation == "bodies":
-        return loaded_bodies(balance, grids, *state)
+        return loaded_bodies(balance, grids, back, data)
     deforms = settings.deformation == "winkler"
     return WinklerFoundation(tuple(i.winkler_compliance * deforms for i in balance.interfaces))
 
