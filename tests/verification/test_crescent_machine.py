@@ -23,31 +23,42 @@ from toothspace.results.solution import Solution
 RIGID = {
     "machine.filler.compensation": "none",
     "machine.filler.pinion_clearance": "40 um",
-    "machine.filler.ring_clearance": "80 um",
+    "machine.filler.ring_clearance": "90 um",
 }
-MOTOR = {
-    "machine.mode": "motor",
-    "operating_point.inlet_pressure": "205 bar",
-    "operating_point.outlet_pressure": "1 bar",
+WIDE = {
+    **RIGID,
+    "machine.filler.pinion_clearance": "150 um",
+    "machine.filler.ring_clearance": "200 um",
 }
+MOTOR = CASE.with_name("crescent_motor.toml")
 
 
 @cache
-def solved(*overrides: str) -> Solution:
-    return api.simulate(api.load_case(CASE, overrides))
+def solved(case: Path = CASE, *overrides: str) -> Solution:
+    return api.simulate(api.load_case(case, overrides))
 
 
-def run(changes: dict[str, str] | None = None) -> dict[str, float | str]:
-    return solved(*(f"{k}={v}" for k, v in (changes or {}).items())).summary()
+def run(changes: dict[str, str] | None = None, case: Path = CASE) -> dict[str, float | str]:
+    return solved(case, *(f"{k}={v}" for k, v in (changes or {}).items())).summary()
 
 
 def path(machine: MachineDescription, name: str) -> FlowPath:
     return next(p for p in machine.paths if p.name == name)
 
 
-@pytest.mark.parametrize("changes", [{}, RIGID, MOTOR], ids=["pressed", "fixed", "motor"])
-def test_masses_and_energies_balance(changes: dict[str, str]) -> None:
-    found = run(changes)
+@pytest.mark.parametrize(
+    ("case", "changes"),
+    [
+        (CASE, {}),
+        (CASE, RIGID),
+        (CASE, {"run.mesh": "elastic"}),
+        (CASE, {"run.fidelity": "films"}),
+        (MOTOR, {}),
+    ],
+    ids=["pressed", "fixed", "elastic_mesh", "films", "motor"],
+)
+def test_masses_and_energies_balance(case: Path, changes: dict[str, str]) -> None:
+    found = run(changes, case)
     assert found["status"] == "done"
     assert found["mass_balance_error"] < 1e-6  # type: ignore[operator]
     assert found["energy_balance_error"] < 1e-4  # type: ignore[operator]
@@ -56,10 +67,10 @@ def test_masses_and_energies_balance(changes: dict[str, str]) -> None:
 
 
 def test_volumetric_efficiency_is_of_the_size_that_was_measured() -> None:
-    """94.6 % with a pressed filler; a filler in the housing leaks more."""
+    """94.6 % with a pressed filler; wide gaps to a filler in the housing leak more."""
     pressed = run()["volumetric_efficiency"]
-    assert pressed == pytest.approx(0.946, abs=0.04)
-    assert run(RIGID)["volumetric_efficiency"] < pressed  # type: ignore[operator]
+    assert pressed == pytest.approx(0.946, abs=0.05)
+    assert run(WIDE)["volumetric_efficiency"] < 0.97 * pressed  # type: ignore[operator]
 
 
 def test_results_name_the_paths_of_this_machine_only() -> None:
@@ -75,9 +86,33 @@ def test_the_mesh_carries_what_resists_the_ring() -> None:
     force = float(data["contact_force"].sum("contact").mean())
     machine = describe(crescent())
     assert machine.mesh is not None
-    moment = float(data["body_moment"].sel(body="ring_gear").mean())
+    ring = next(body for body in machine.bodies if body.name == "ring_gear")
+    losses = {
+        str(m): float(v)
+        for m, v in zip(
+            data["mechanism"].values, data["torque_loss"].mean("shaft_angle").values, strict=True
+        )
+    }
+    moment = _pressure_moment(solved(), machine)
+    resisting = force * machine.mesh.lever - moment
+    assert (
+        0.0 < resisting < (losses["journal_viscous"] + losses["lateral_viscous"]) / ring.speed_ratio
+    )
     assert force > 0.0
-    assert force > -moment / machine.mesh.lever
+
+
+def _pressure_moment(solution: Solution, machine: MachineDescription) -> float:
+    """Mean moment against the rotation by which the chamber pressures hold the ring. [N m]."""
+    data, start, total = solution.data, 0, 0.0
+    column = machine.motion_index("ring_gear", "rotation")
+    angle = np.asarray(data["shaft_angle"])
+    pressure = np.asarray(data["chamber_pressure"])
+    for family in machine.families:
+        own = family.phases + family.angle_ratio * angle[:, None]
+        table = family.volume_by_motion(own)[..., column]
+        total += float(np.sum(pressure[:, start : start + family.count] * table, axis=1).mean())
+        start += family.count
+    return -total
 
 
 def test_a_pressed_filler_follows_the_gears() -> None:
@@ -99,8 +134,8 @@ def test_filler_lies_between_the_tips_and_seals_between_its_ends() -> None:
     outline = filler_outline(assembly)
     from_pinion = np.hypot(*outline.T)
     from_ring = np.hypot(*(outline - assembly.ring_center).T)
-    assert from_pinion.min() == pytest.approx(39.5e-3 + 8e-6, abs=1e-9)
-    assert from_ring.max() == pytest.approx(46e-3 - 8e-6, abs=1e-9)
+    assert from_pinion.min() == pytest.approx(39.5e-3 + 20e-6, abs=1e-9)
+    assert from_ring.max() == pytest.approx(46e-3 - 20e-6, abs=1e-9)
     for gear in (0, 1):
         edges = filler_edges(assembly, gear)
         ends = np.array([edges.inlet, 2.0 * np.pi - edges.outlet])

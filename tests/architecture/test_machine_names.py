@@ -1,0 +1,39 @@
+"""Generic layers know no machine by name."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import pytest
+
+from tests.architecture.sources import PACKAGE
+from toothspace.core.registry import machine_type_names
+
+GENERIC = ("model", "solver", "results", "report", "plotting", "cli")
+PARTS = (
+    "drive_gear",
+    "driven_gear",
+    "inner_rotor",
+    "outer_rotor",
+    "pinion",
+    "ring_gear",
+    "tooth_tip",
+)
+"""Bodies and paths of the machine types that are shipped."""
+
+FILES = [path for room in GENERIC for path in sorted((PACKAGE / room).rglob("*.py"))]
+
+
+def texts(path: Path) -> list[str]:
+    """All strings of a module that are no docstrings."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    bare = {id(n.value) for n in ast.walk(tree) if isinstance(n, ast.Expr)}
+    found = [n for n in ast.walk(tree) if isinstance(n, ast.Constant) and id(n) not in bare]
+    return [n.value for n in found if isinstance(n.value, str)]
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_no_text_names_a_machine_or_a_part_of_one(path: Path) -> None:
+    names = (*machine_type_names(), *PARTS)
+    assert [text for text in texts(path) if any(name in text for name in names)] == []
