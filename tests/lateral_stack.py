@@ -110,7 +110,6 @@ def ring_stack(
         low_node=LOW_NODE,
         body_forces=(AxialForce(0.0),),
         body_masses=(0.5,),
-        design_height=10e-6,
     )
     law = film_law(ROUGH if rough else None, FilmFluid(VISCOSITY))
     grids = tuple(FaceGrid(i, *cells) for i in interfaces)
@@ -165,7 +164,6 @@ def split_stack(shares: tuple[float, float], **changes: object) -> Stack:
         halves=halves,
         body_forces=(AxialForce(0.0),) * 2,
         body_masses=(0.5, 0.5),
-        design_height=10e-6,
     )
     cells = one.grids[0]
     grids = tuple(FaceGrid(i, cells.rows, cells.lanes) for i in interfaces)

@@ -155,5 +155,5 @@ def test_machine_without_face_outlines_is_refused() -> None:
     bare = replace(
         description, laterals=tuple(replace(film, face=None) for film in description.laterals)
     )
-    with pytest.raises(CaseError, match=r"run\.fidelity: found 'films'"):
+    with pytest.raises(CaseError, match=r"run\.interfaces\.lateral: found 'reynolds'"):
         with_solved_films(bare)

@@ -228,7 +228,7 @@ class LateralBalance:
     motion : {"full", "axial"}
         Whether bearings and bodies tilt.
     interfaces : tuple of FilmInterface
-        Films of both sides.
+        Films of both sides, the floating one first; the search for balance begins at its gap.
     floating : FloatingBearing
         The floating bearing, or each of both.
     high_node, low_node : int
@@ -237,8 +237,6 @@ class LateralBalance:
         Force on every turning body from its teeth, along z, its place from the axis of the body.
     body_masses : tuple of float
         Masses of the turning bodies. [kg]
-    design_height : float
-        Film height on the floating side as designed, where the search for balance begins. [m]
     elastic_bodies : callable or None
         Elastic bodies of the machine, where bearings and turning bodies can deform.
     halves : tuple of FloatingBearing
@@ -258,7 +256,6 @@ class LateralBalance:
     low_node: int
     body_forces: tuple[AxialForce, ...]
     body_masses: tuple[float, ...]
-    design_height: float
     elastic_bodies: ElasticBodies | None = None
     halves: tuple[FloatingBearing, ...] = ()
     body_tilts: tuple[float, ...] = ()

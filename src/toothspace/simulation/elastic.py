@@ -16,7 +16,7 @@ def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
     """Chambers and lateral films in agreement, then one revolution of the films."""
     case, condition, balance = setup.case, setup.condition, balance_of(setup.description)
     machine = run_in_machine(setup)
-    request = PointRequest(settings=lateral_settings(case), start=balance.design_height)
+    request = PointRequest(settings=lateral_settings(case), start=balance.interfaces[0].face.gap)
     return coupled_solution(
         machine.description,
         machine.fluid,

@@ -11,9 +11,11 @@ from toothspace.core.errors import CaseError
 from toothspace.core.types import Array, IntArray
 from toothspace.films.journal.map import solved_journal
 from toothspace.films.lateral.conductance import (
-    FaceConductance,
+    LARGEST,
     FaceResolution,
     face_conductance,
+    gap_table,
+    over_turn,
 )
 from toothspace.model.description import (
     FlowPath,
@@ -31,11 +33,8 @@ SOLVED: Mapping[str, str] = {"journal": "reynolds", "lateral": "reynolds"}
 """Films of both interfaces that can be solved for a machine."""
 _RESOLUTION = FaceResolution(rows=60, lanes=48, angles=6)
 _FULL_TURN = 2.0 * np.pi
-_LENGTH = 1e-3
 _LEAST = 1e-3
 """Smallest shape conductance between chambers, of a path that needs a length. [-]"""
-_LARGEST = 10.0
-"""Largest shape conductance: chambers over a recess are joined by its opening anyway. [-]"""
 
 
 def with_solved_films(
@@ -116,7 +115,8 @@ class _Face:
         self.lateral, self.face = film, film.face
         self.across = _path(description, LATERAL, film.face.chambers.nodes)
         self.inwards = _path(description, DRAIN, film.face.chambers.nodes)
-        self.solved: FaceConductance = face_conductance(film.face, _RESOLUTION)
+        self.height = float(self.inwards.geometry.values[0, 0])
+        self.solved = face_conductance(film.face, _RESOLUTION)
 
     def film(self) -> LumpedLateralFilm:
         """Film with the solved torque; a tilt shears as in the closed form."""
@@ -133,10 +133,10 @@ class _Face:
         found = [
             replace(
                 self.across,
-                geometry=self._teeth(np.maximum(behind, _LEAST)),
+                geometry=self._teeth(np.clip(behind, _LEAST, LARGEST)),
                 drag_speed=_resampled(self.across.drag_speed, behind.size),
             ),
-            replace(self.inwards, geometry=_gap(self.inwards, inwards)),
+            replace(self.inwards, geometry=gap_table(self.height, inwards)),
         ]
         for k, node in enumerate(self.face.recesses.tolist()):
             found.append(self._from_spaces(node, count + k))
@@ -146,12 +146,7 @@ class _Face:
     def _over_turn(self, path: FlowPath, first: IntArray, second: IntArray) -> Array:
         """Conductance between pairs of edges on uniform nodes of the table angle of a path. [-]."""
         values = -self.solved.matrix[:, first, second]
-        angle = path.phases + self.solved.turn[:, None]
-        order = np.argsort(np.mod(angle, _FULL_TURN), axis=None)
-        nodes = np.arange(angle.size) * _FULL_TURN / angle.size
-        known = np.mod(angle, _FULL_TURN).ravel()[order]
-        found = np.interp(nodes, known, values.ravel()[order], period=_FULL_TURN)
-        return np.clip(found, 0.0, _LARGEST)
+        return over_turn(values, path.phases, self.solved.turn)
 
     def _teeth(self, conductance: Array) -> PeriodicTable:
         """Gap over the teeth: its width drags fluid along and stays, the length conducts."""
@@ -168,7 +163,7 @@ class _Face:
             name=f"{self.across.name}_recess_{node}",
             category=LATERAL,
             nodes_b=np.full(spaces.size, node),
-            geometry=_gap(self.inwards, shape),
+            geometry=gap_table(self.height, shape),
         )
 
     def _to_shaft(self, node: int, place: int) -> FlowPath:
@@ -179,7 +174,7 @@ class _Face:
             nodes_a=np.array([node]),
             nodes_b=self.inwards.nodes_b[:1],
             phases=np.zeros(1),
-            geometry=_gap(self.inwards, np.tile(one_pitch, self.face.chambers.nodes.size)),
+            geometry=gap_table(self.height, np.tile(one_pitch, self.face.chambers.nodes.size)),
         )
 
 
@@ -195,10 +190,3 @@ def _resampled(table: PeriodicTable | None, nodes: int) -> PeriodicTable | None:
     if table is None:
         return None
     return monotone_table(_FULL_TURN, table(np.arange(nodes) * _FULL_TURN / nodes))
-
-
-def _gap(path: FlowPath, conductance: Array) -> PeriodicTable:
-    """Parallel gap of a path's height with a shape conductance, width over length. [-]."""
-    columns = np.tile([path.geometry.values[0, 0], 0.0, _LENGTH], (conductance.size, 1))
-    columns[:, 1] = _LENGTH * conductance
-    return monotone_table(_FULL_TURN, columns)

@@ -23,8 +23,12 @@ from scipy.sparse.linalg import splu
 
 from toothspace.core.types import Array, IntArray
 from toothspace.model.film_faces import FILM, FilmFace
+from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
 
+LARGEST = 30.0
+"""Largest shape conductance: edges that meet are joined by the opening between anyway. [-]"""
 _FULL_TURN = 2.0 * np.pi
+_LENGTH = 1e-3
 
 
 @final
@@ -104,6 +108,32 @@ def face_conductance(
     found = [_at_turn(grid, t, (own / face.gap) ** 3) for t in turn]
     matrix, area, drag = (np.array(parts) for parts in zip(*found, strict=True))
     return FaceConductance(matrix, area, drag.mean(axis=0), turn, own)
+
+
+def over_turn(values: Array, phases: Array, turn: Array) -> Array:
+    """Values on uniform nodes of the table angle.
+
+    Parameters
+    ----------
+    values : ndarray, shape (angles, paths)
+        One value for every path at every angle.
+    phases : ndarray, shape (paths,)
+        Table angles of the paths at shaft angle zero. [rad]
+    turn : ndarray, shape (angles,)
+        Growth of the table angles. [rad]
+    """
+    place = np.mod(phases + turn[:, None], _FULL_TURN).ravel()
+    order = np.argsort(place)
+    nodes = np.arange(place.size) * _FULL_TURN / place.size
+    found = np.interp(nodes, place[order], values.ravel()[order], period=_FULL_TURN)
+    return np.asarray(found)
+
+
+def gap_table(height: float, conductance: Array) -> PeriodicTable:
+    """Parallel gap of a height [m] with shape conductances over a full turn. [-]."""
+    columns = np.tile([height, 0.0, _LENGTH], (conductance.size, 1))
+    columns[:, 1] = _LENGTH * np.clip(conductance, 0.0, LARGEST)
+    return monotone_table(_FULL_TURN, columns)
 
 
 @final

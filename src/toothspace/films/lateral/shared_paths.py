@@ -8,18 +8,13 @@ from typing import final
 import numpy as np
 
 from toothspace.core.types import Array, IntArray
-from toothspace.films.lateral.conductance import FaceConductance
+from toothspace.films.lateral.conductance import FaceConductance, gap_table, over_turn
 from toothspace.model.description import FlowPath
 from toothspace.model.film_faces import SharedFaces
 from toothspace.model.path_category import DRAIN, LATERAL, RIM, PathCategory
-from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
 
-_FULL_TURN = 2.0 * np.pi
-_LENGTH = 1e-3
 _LEAST = 0.01
 """Share of the largest conductance below which the films between two edges are left out. [-]"""
-_LARGEST = 30.0
-"""Largest shape conductance: an edge next to another is joined by its opening anyway. [-]"""
 
 
 @final
@@ -118,11 +113,7 @@ class _Paths:
     ) -> FlowPath:
         """Path for every chamber, over its table angle."""
         phases = self.face.chambers.phases if phases is None else phases
-        values = self.shape[:, a.number, b.number]
-        place = np.mod(phases + self.turn[:, None], _FULL_TURN).ravel()
-        order = np.argsort(place)
-        nodes = np.arange(place.size) * _FULL_TURN / place.size
-        shape = np.interp(nodes, place[order], values.ravel()[order], period=_FULL_TURN)
+        shape = over_turn(self.shape[:, a.number, b.number], phases, self.turn)
         return self._path(label, (a.node, b.node), phases, shape)
 
     def _resting(self, label: tuple[str, PathCategory], a: _Edges, b: _Edges) -> FlowPath:
@@ -137,9 +128,6 @@ class _Paths:
         phases: Array,
         shape: Array,
     ) -> FlowPath:
-        columns = np.tile([self.height, 0.0, _LENGTH], (shape.size, 1))
-        columns[:, 1] = _LENGTH * np.clip(shape, 0.0, _LARGEST)
-        table: PeriodicTable = monotone_table(_FULL_TURN, columns)
         return FlowPath(
             name=label[0],
             category=label[1],
@@ -148,9 +136,9 @@ class _Paths:
             nodes_b=nodes[1],
             angle_ratio=self.face.chambers.angle_ratio,
             phases=phases,
-            geometry=table,
+            geometry=gap_table(self.height, shape),
         )
 
 
 def _shape(path: FlowPath) -> Array:
-    return np.asarray(path.geometry.values[:, 1] / _LENGTH)
+    return np.asarray(path.geometry.values[:, 1] / path.geometry.values[:, 2])

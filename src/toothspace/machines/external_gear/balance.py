@@ -64,7 +64,6 @@ def lateral_balance(assembly: Assembly, numbering: Numbering) -> LateralBalance 
         low_node=ports[drain],
         body_forces=_tooth_forces(assembly, block),
         body_masses=tuple(body.mass for body in bodies(assembly)),
-        design_height=assembly.spec.lateral.side_gap_floating,
         elastic_bodies=_elastic_bodies(assembly, numbering, block),
         halves=_halves(assembly, block) if block.split else (),
         body_tilts=_shaft_tilts(assembly),
