@@ -451,3 +451,36 @@ def test_long_lists_are_shown_by_their_range(capsys: pytest.CaptureFixture[str])
     assert capsys.readouterr().out.split("\n")[:2] == ["short  1, 2", "long   50 values, 0 to 49"]
     output.write({"long": list(range(50))}, as_json=True)
     assert json.loads(capsys.readouterr().out)["long"] == list(range(50))
+
+
+PROFILE = Path(__file__).parents[2] / "cases" / "profiles" / "egm12_drive.txt"
+
+
+def test_gear_prints_what_a_drawing_and_a_tester_say(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    picture = tmp_path / "deviation.png"
+    options = ["--json", "--center-distance", "34.465 mm", "--plot", str(picture)]
+    assert main(["gear", str(PROFILE), *options]) == 0
+    found = json.loads(capsys.readouterr().out)
+    (gear,) = found["gears"]
+    assert gear["tooth_count"] == 12
+    assert gear["module_mm"] == pytest.approx(2.75, abs=1e-4)
+    assert gear["profile_shift"] == pytest.approx(0.3, abs=1e-4)
+    assert gear["tip_rounding_mm"] == pytest.approx(0.1, abs=0.02)
+    assert gear["left_total_profile_deviation_um"] < 0.5
+    assert found["pairs"][0]["normal_backlash_mm"] == pytest.approx(0.0203, abs=2e-4)
+    assert picture.stat().st_size > 10_000
+
+
+def test_gear_in_a_wrong_unit_asks_back(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["gear", str(PROFILE), "--unit", "in"]) == 0
+    assert "with --unit mm the gear has a standard module" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "options", [["--unit", "furlong"], ["--axis", "w"], ["--plane", "3"], ["--plot", "a.txt"]]
+)
+def test_gear_refuses_wrong_options(options: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["gear", str(PROFILE), *options]) == 2
+    assert "allowed" in capsys.readouterr().err

@@ -219,7 +219,7 @@ def test_summary_has_the_contract_names() -> None:
 def test_profile_from_points_gives_the_generated_machine() -> None:
     """Displacement within 0.1 %, volumes within 0.2 % of their range, without involute data."""
     gear = Gear(
-        tooth=replace(generate_profile(TWELVE, 200), base_radius=None, breaks=()),
+        tooth=replace(generate_profile(TWELVE, 200), involute=None, breaks=()),
         face_width=7.5e-3,
     )
     read = MACHINE.describe(egm12("pump", drive=gear, driven=gear), nodes=360)
@@ -286,7 +286,7 @@ def test_displacement_of_unequal_gears_equals_the_mean_flow() -> None:
     """Closed form of Manring and Kasaragadda against the mean of the tables' contact radii."""
     spec = unequal(11, 13)
     bare = tuple(
-        replace(g, tooth=replace(generate_profile(g.tooth, 200), base_radius=None))
+        replace(g, tooth=replace(generate_profile(g.tooth, 200), involute=None))
         for g in (spec.drive, spec.driven)
     )
     exact = MACHINE.describe(spec, nodes=72).displacement

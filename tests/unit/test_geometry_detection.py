@@ -10,6 +10,7 @@ from toothspace.geometry.involute_fit import (
     deviation_from_best_involute,
     fit_involute,
     involute_deviation,
+    points_of_profile,
 )
 from toothspace.geometry.profile_detection import gear_profile_from_curve, gear_profile_from_tooth
 
@@ -74,8 +75,8 @@ def test_deviation_of_a_thick_tooth_is_its_excess():
     found = involute_deviation(generate_profile(thick), MOTOR)
     # profile shift moves both flanks outwards along their normal by x m sin(alpha)
     excess = 0.01 * 2.75e-3 * np.sin(np.deg2rad(20.0))
-    assert found.left == pytest.approx(excess, rel=1e-6)
-    assert found.right == pytest.approx(excess, rel=1e-6)
+    assert found.left.deviation == pytest.approx(excess, rel=1e-6)
+    assert found.right.deviation == pytest.approx(excess, rel=1e-6)
     assert found.total_profile_deviation < 1e-9
     assert found.largest == pytest.approx(excess)
 
@@ -85,9 +86,9 @@ def test_pressure_angle_error_tilts_the_deviation():
     profile = generate_profile(steep)
     found = involute_deviation(profile, MOTOR)
     assert found.total_profile_deviation > 3e-6
-    fit = fit_involute(profile.points, profile.tip_start, profile.tip_end)
+    fit = fit_involute(points_of_profile(profile), profile.root_radius, profile.tip_radius)
     assert fit is not None
-    assert np.rad2deg(fit.pressure_angle(16.5e-3)) == pytest.approx(20.1, abs=1e-3)
+    assert np.rad2deg(fit.flank.pressure_angle(16.5e-3)) == pytest.approx(20.1, abs=1e-3)
 
 
 def test_deviation_from_the_best_involute_shows_a_bump_not_a_wrong_angle():
@@ -109,7 +110,7 @@ def test_single_pitch():
     profile = generate_profile(MOTOR)
     turned = profile.closed_polygon(1.0)[:201]
     for points in (turned, turned[::-1]):
-        found = gear_profile_from_tooth(points, 12)
+        found = gear_profile_from_tooth(points, 12).profile
         assert found.area == pytest.approx(profile.area, rel=1e-4)
         assert found.points[0] == pytest.approx(profile.points[0], abs=1e-7)
     with pytest.raises(GeometryError, match="found an open curve over 30 deg"):

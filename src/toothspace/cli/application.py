@@ -97,6 +97,32 @@ def geometry(
 
 
 @application.command()
+def gear(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="STEP, STL, DXF or points.")],
+    unit: Annotated[str, typer.Option(help="mm, m, um or in; STEP has its own.")] = "mm",
+    axis: Annotated[
+        str | None, typer.Option(metavar="x|y|z", help="Gear axis; default by symmetry.")
+    ] = None,
+    plane: Annotated[
+        str | None, typer.Option(metavar="LENGTH", help="Height of the section, as '3 mm'.")
+    ] = None,
+    distance: Annotated[
+        str | None,
+        typer.Option("--center-distance", metavar="LENGTH", help="Backlash at this distance."),
+    ] = None,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE.png", help="Picture of the flank deviations.")
+    ] = None,
+    as_json: Json = False,
+    force: Force = False,
+) -> int:
+    """Find the gears in a CAD file and print what a drawing and a gear tester say."""
+    section = commands.GearSection(unit, axis, plane)
+    target = None if plot is None else commands.Target(plot, force)
+    return commands.gear(file, section, distance, target, as_json=as_json)
+
+
+@application.command()
 def report(
     result: Annotated[Path, typer.Argument(metavar="RESULT.nc", help="Result of a run.")],
     output: Annotated[

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from toothspace.results.solution import Solution
 
 EXPORT_FORMATS = ("dxf", "stl", "step", "txt")
+_FILE_UNITS = ("mm", "m", "um", "in")
 PICTURE_SUFFIXES = (".png", ".svg", ".pdf")
 _NUMERICAL_FAILURE = 3
 _START_TABLE = "machine.startup"  # acts on a free shaft only, in a circuit
@@ -134,6 +135,26 @@ class StudyOptions:
     force: bool = False
 
 
+@final
+@dataclass(frozen=True)
+class GearSection:
+    """How ``gear`` reads a file.
+
+    Parameters
+    ----------
+    unit : str
+        Length unit of the file.
+    axis : str or None
+        ``x``, ``y`` or ``z``; None finds it.
+    plane : str or None
+        Height of the section with its unit; None takes the middle of the teeth.
+    """
+
+    unit: str
+    axis: str | None
+    plane: str | None
+
+
 def run(
     case_file: Path,
     result: Path | None,
@@ -210,6 +231,63 @@ def geometry(
     if not as_json:
         output.write_checks(description.checks)
     return 0
+
+
+def gear(
+    file: Path,
+    section: GearSection,
+    distance: str | None,
+    plot: Target | None,
+    *,
+    as_json: bool,
+) -> int:
+    """Find the gears of a file and print their numbers; returns the exit code."""
+    from toothspace.core.units import to_si
+    from toothspace.geometry.body_section import AXES, SectionRequest
+    from toothspace.geometry.cad_import import STEP_SUFFIXES
+    from toothspace.geometry.gear_finder import find_gears
+    from toothspace.geometry.gear_report import file_report, likelier_units
+
+    if section.unit not in _FILE_UNITS:
+        allowed = ", ".join(_FILE_UNITS)
+        raise CaseError(f"{file}: --unit: found {section.unit!r}, allowed {allowed}")
+    if section.axis not in (None, *AXES):
+        raise CaseError(f"{file}: --axis: found {section.axis!r}, allowed {', '.join(AXES)}")
+    picture = None if plot is None else _picture(plot.checked("--plot"))
+    request = SectionRequest(section.axis, _length(section.plane, "--plane"))
+    contents = find_gears(file, to_si(1.0, section.unit), request)
+    if file.suffix.lower() not in STEP_SUFFIXES:
+        scales = {name: to_si(1.0, name) / to_si(1.0, section.unit) for name in _FILE_UNITS}
+        for better in likelier_units(contents, scales):
+            output.message(f"Note: with --unit {better} the gear has a standard module")
+    found = file_report(contents, _length(distance, "--center-distance"))
+    if as_json:
+        output.write(found, as_json=True)
+    else:
+        output.write_tables(found)
+    fits = {
+        one.name or f"gear {number + 1}": one.detected.involute
+        for number, one in enumerate(contents.gears)
+        if one.detected.involute is not None
+    }
+    if picture is not None and fits:
+        from toothspace.plotting.flank_deviation import flank_deviation
+        from toothspace.plotting.style import save_figure
+
+        save_figure(flank_deviation(fits), picture)
+        output.message(f"Picture: {picture}")
+    return 0
+
+
+def _length(text: str | None, option: str) -> float | None:
+    from toothspace.core.units import parse_quantity
+
+    if text is None:
+        return None
+    try:
+        return parse_quantity(text, "mm")
+    except CaseError as error:
+        raise CaseError(f"{option}: {error}") from error
 
 
 def report(
@@ -411,10 +489,14 @@ def _tell_unused(case: Case) -> None:
             output.message(f"Note: [{path}] is not used by a run with {case.run.fidelity!r}")
 
 
-def _plot(description: Any, path: Path) -> None:
+def _picture(path: Path) -> Path:
     if path.suffix.lower() not in PICTURE_SUFFIXES:
         allowed = ", ".join(PICTURE_SUFFIXES)
         raise CaseError(f"--plot: found the ending {path.suffix!r}, allowed {allowed}")
+    return path
+
+
+def _plot(description: Any, path: Path) -> None:
     from toothspace.plotting.geometry import openings, volumes
     from toothspace.plotting.style import save_figure
 

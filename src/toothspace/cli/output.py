@@ -52,6 +52,14 @@ def write(summary: Mapping[str, Any], *, as_json: bool) -> None:
         line(f"{name:<{width}}  {_shown(value)}")
 
 
+def write_tables(groups: Mapping[str, Any]) -> None:
+    """Write named lists of named numbers as text, one block for each item."""
+    for name, items in groups.items():
+        for number, item in enumerate(items):
+            line(f"{name.removesuffix('s')} {number + 1}" if number or len(items) > 1 else name)
+            write({f"  {key}": value for key, value in item.items()}, as_json=False)
+
+
 def _shown(value: Any) -> str:
     if isinstance(value, float):
         return f"{value:.6g}"

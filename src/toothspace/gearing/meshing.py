@@ -18,7 +18,11 @@ from toothspace.gearing.tooth import Tooth
 from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
 
 CONTACT_TOLERANCE = 1e-6
-"""Gap above that of the touching pair up to which a second flank pair counts as touching. [m]"""
+"""Gap above that of the touching pair up to which a second pair of flanks that are no involutes
+counts as touching. [m]"""
+
+LARGEST_OVERLAP = 1e-6
+"""Overlap of flanks up to which they count as touching. [m]"""
 
 FULL_TURN = 2.0 * np.pi
 _PHASE_SAMPLES = 181
@@ -48,6 +52,10 @@ class MeshedGears(Protocol):
     @property
     def loaded_is_left(self) -> bool:
         """Whether the loaded flanks are the left ones (pump) or the right ones (motor)."""
+
+    @property
+    def involute_path(self) -> tuple[float, float] | None:
+        """Throat angles between which involutes touch, None to find them from gaps. [rad]."""
 
 
 def lens_angle(own: float, other: float, distance: float) -> float:
@@ -90,14 +98,24 @@ def in_contact(teeth: tuple[Tooth, Tooth], mesh: Mesh, is_left: bool) -> Mesh:
     """
     for _ in range(4):
         gap, lever = smallest_gap(teeth, mesh, is_left)
+        if not np.isfinite(gap):
+            raise GeometryError(
+                f"machine.gears.center_distance: found {mesh.center_distance * 1e3:.5g} mm: the "
+                f"teeth pass without facing one another, allowed a shorter distance"
+            )
         mesh = mesh._replace(turn=mesh.turn - gap / lever)
     play, _ = smallest_gap(teeth, mesh, not is_left)
-    if play < -1e-6:
-        raise GeometryError(
-            f"machine.gears.center_distance: found {mesh.center_distance * 1e3:.5g} mm: the flanks "
-            f"overlap by {-play * 1e3:.4g} mm, allowed a distance with backlash"
-        )
+    if play < -LARGEST_OVERLAP:
+        raise overlap_error(mesh.center_distance, -play)
     return mesh
+
+
+def overlap_error(distance: float, overlap: float) -> GeometryError:
+    """Refusal of a centre distance at which flanks overlap. [m]."""
+    return GeometryError(
+        f"machine.gears.center_distance: found {distance * 1e3:.5g} mm: the flanks overlap by "
+        f"{overlap * 1e3:.4g} mm, allowed a distance with backlash"
+    )
 
 
 def loaded_throats(gears: MeshedGears, spaces: Spaces) -> Throats:
@@ -116,8 +134,30 @@ def contact_range(gears: MeshedGears) -> tuple[float, float]:
     Returns
     -------
     tuple of float
-        Range, at least 1.02 pitches long. [rad]
+        Range, at least 1.02 pitches long, so that the load can be handed over. [rad]
     """
+    start, end = path_of_contact(gears)
+    missing = max(_LEAST_RATIO * 2.0 * gears.mesh.half_pitch - (end - start), 0.0)
+    return start - 0.5 * missing, end + 0.5 * missing
+
+
+def path_of_contact(gears: MeshedGears) -> tuple[float, float]:
+    """Throat angles between which the loaded flank pair touches.
+
+    Parameters
+    ----------
+    gears : MeshedGears
+        Gears in mesh.
+
+    Returns
+    -------
+    tuple of float
+        Begin and end: in closed form for involutes; other flanks touch where their gap is no
+        larger than that of the neighbouring pairs plus ``CONTACT_TOLERANCE``. [rad]
+    """
+    exact = gears.involute_path
+    if exact is not None:
+        return exact
     mesh = gears.mesh
     pitch = 2.0 * mesh.half_pitch
     reach = mesh.lens_drive + 2.0 * pitch
@@ -129,9 +169,7 @@ def contact_range(gears: MeshedGears) -> tuple[float, float]:
     ]
     least = np.minimum(gap, np.minimum(*neighbours))
     touching = angles[(gap < _NO_THROAT) & (gap <= least + CONTACT_TOLERANCE)]
-    start, end = float(touching[0]), float(touching[-1])
-    missing = max(_LEAST_RATIO * pitch - (end - start), 0.0)
-    return start - 0.5 * missing, end + 0.5 * missing
+    return float(touching[0]), float(touching[-1])
 
 
 def _complete_gap(side: Throats) -> Array:

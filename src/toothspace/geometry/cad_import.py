@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,8 +13,13 @@ from toothspace.core.frozen import Points
 from toothspace.core.types import Array
 from toothspace.geometry.curve import signed_area, without_repeats
 
+if TYPE_CHECKING:
+    from toothspace.geometry.body_section import BodySection, SectionRequest
+
 TEXT_SUFFIXES = (".txt", ".csv", ".dat")
-SUFFIXES = (*TEXT_SUFFIXES, ".dxf", ".stl", ".step", ".stp")
+STEP_SUFFIXES = (".step", ".stp")
+SOLID_SUFFIXES = (".stl", *STEP_SUFFIXES)
+SUFFIXES = (*TEXT_SUFFIXES, ".dxf", *SOLID_SUFFIXES)
 
 
 def load_closed_curves(
@@ -53,11 +59,7 @@ def load_closed_curves(
     if isinstance(path, Points):
         curves = [unit * np.asarray(path)]
     else:
-        path = Path(path)
-        if not path.is_file():
-            raise GeometryError(f"{path}: found no such file, allowed a readable file")
-        if path.stat().st_size == 0:
-            raise GeometryError(f"{path}: found an empty file, allowed at least one closed curve")
+        path = _present(path)
         curves = _read(path, unit, plane_z, layer, body)
     clean = [without_repeats(curve) for curve in curves]
     for curve in clean:
@@ -68,6 +70,45 @@ def load_closed_curves(
     if not clean:
         raise GeometryError(f"{path}: found no curve, allowed at least one closed curve")
     return sorted(clean, key=lambda curve: -abs(signed_area(curve)))
+
+
+def load_body_sections(path: Path, unit: float, request: SectionRequest) -> list[BodySection]:
+    """Cut the bodies of an STL or STEP file.
+
+    Parameters
+    ----------
+    path : Path
+        ``.stl``, ``.step`` or ``.stp``.
+    unit : float
+        Length of one unit of the file; STEP files carry their own. [m]
+    request : SectionRequest
+        What to cut.
+
+    Returns
+    -------
+    list of BodySection
+        One for each body that the plane meets, largest volume first.
+
+    Raises
+    ------
+    GeometryError
+        As ``load_closed_curves``.
+    """
+    from toothspace.geometry.solid_import import step_sections, stl_sections
+
+    path = _present(path)
+    if path.suffix.lower() == ".stl":
+        return stl_sections(path, unit, request)
+    return step_sections(path, request)
+
+
+def _present(path: Path) -> Path:
+    path = Path(path)
+    if not path.is_file():
+        raise GeometryError(f"{path}: found no such file, allowed a readable file")
+    if path.stat().st_size == 0:
+        raise GeometryError(f"{path}: found an empty file, allowed at least one closed curve")
+    return path
 
 
 def _read(

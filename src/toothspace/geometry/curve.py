@@ -221,3 +221,31 @@ def deviations(points: Array, reference: Array) -> Array:
     cloud = shapely.points(points)
     distance = shapely.distance(cloud, polygon.exterior)
     return np.where(shapely.contains(polygon, cloud), -distance, distance)
+
+
+def chord_heights(points: Array, largest_bend: float = np.deg2rad(45.0)) -> Array:
+    r"""Distance of every edge of a closed polygon from the smooth curve through its corners.
+
+    Parameters
+    ----------
+    points : ndarray
+        Corners, shape (n, 2). [m]
+    largest_bend : float
+        Angle beyond which a corner is one of the curve itself. [rad]
+
+    Returns
+    -------
+    ndarray
+        Chord height of the edge that begins at each point, shape (n,). [m]
+
+    Notes
+    -----
+    A chord of length :math:`l` on an arc between whose neighbouring chords the direction turns by
+    :math:`\alpha` has the height :math:`l \alpha / 8`; the smaller turn at its two ends counts.
+    """
+    step = np.roll(points, -1, axis=0) - points
+    length = np.hypot(step[:, 0], step[:, 1])
+    heading = np.arctan2(step[:, 1], step[:, 0])
+    bend = np.abs((heading - np.roll(heading, 1) + np.pi) % (2.0 * np.pi) - np.pi)
+    smaller = np.minimum(bend, np.roll(bend, -1))
+    return np.where(smaller < largest_bend, 0.125 * length * smaller, 0.0)

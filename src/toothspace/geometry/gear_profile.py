@@ -8,7 +8,60 @@ from typing import final
 import numpy as np
 
 from toothspace.core.errors import GeometryError
-from toothspace.core.types import Array
+from toothspace.core.types import Array, FloatOrArray
+
+
+@final
+@dataclass(frozen=True)
+class InvoluteFlank:
+    """Involute part of both flanks of a tooth that is centred on the x axis.
+
+    Parameters
+    ----------
+    base_radius : float
+        Radius of the base circle. [m]
+    base_half_angle : float
+        Half of the tooth's angular thickness on the base circle. [rad]
+    form_radius, tip_form_radius : float
+        Ends of the involute towards root fillet and tip. [m]
+    undercut : bool
+        Whether the root cuts involute away above the base circle.
+    residual : float
+        Root mean square of the normal distance of the points that the involute was fitted to;
+        0 for a generated tooth. [m]
+    """
+
+    base_radius: float
+    base_half_angle: float
+    form_radius: float
+    tip_form_radius: float
+    undercut: bool = False
+    residual: float = 0.0
+
+    def half_angle(self, radius: FloatOrArray) -> FloatOrArray:
+        """Half of the tooth's angular thickness at a radius of at least the base radius [rad]."""
+        cosine = np.minimum(self.base_radius / np.asarray(radius), 1.0)
+        angle = np.arccos(cosine)
+        return self.base_half_angle - (np.tan(angle) - angle)
+
+    def pressure_angle(self, reference_radius: float) -> float:
+        """Pressure angle of the flank at a radius of at least the base radius [rad]."""
+        return float(np.arccos(self.base_radius / reference_radius))
+
+    def roll_length(self, radius: float) -> float:
+        """Length of the tangent from the base circle to the flank at a radius [m]."""
+        return float(np.sqrt(max(radius**2 - self.base_radius**2, 0.0)))
+
+    def scaled(self, factor: float) -> InvoluteFlank:
+        """Similar flank with every length multiplied by a positive factor."""
+        return InvoluteFlank(
+            base_radius=self.base_radius * factor,
+            base_half_angle=self.base_half_angle,
+            form_radius=self.form_radius * factor,
+            tip_form_radius=self.tip_form_radius * factor,
+            undercut=self.undercut,
+            residual=self.residual * factor,
+        )
 
 
 @final
@@ -30,8 +83,8 @@ class GearProfile:
         circle.
     tip_radius, root_radius : float
         Largest and smallest distance from the centre. [m]
-    base_radius : float or None
-        Base circle of the involute flanks; None where no involute is known. [m]
+    involute : InvoluteFlank or None
+        Involute part of the flanks; None where no involute is known.
     breaks : tuple of int
         Indices, root to root, at which curvature or tangent jumps: a spline through a flank may be
         cut there.
@@ -43,7 +96,7 @@ class GearProfile:
     tip_end: int
     tip_radius: float
     root_radius: float
-    base_radius: float | None = None
+    involute: InvoluteFlank | None = None
     breaks: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
@@ -58,6 +111,11 @@ class GearProfile:
                 f"tip_start, tip_end: found {self.tip_start}, {self.tip_end}, allowed increasing "
                 f"indices inside 1 to {len(self.points) - 2}"
             )
+
+    @property
+    def base_radius(self) -> float | None:
+        """Base circle of the involute flanks; None where no involute is known [m]."""
+        return None if self.involute is None else self.involute.base_radius
 
     @property
     def pitch_angle(self) -> float:
@@ -109,7 +167,6 @@ class GearProfile:
 
     def scaled(self, factor: float) -> GearProfile:
         """Similar gear with every length multiplied by a positive factor."""
-        base = None if self.base_radius is None else self.base_radius * factor
         return GearProfile(
             tooth_count=self.tooth_count,
             points=self.points * factor,
@@ -117,6 +174,6 @@ class GearProfile:
             tip_end=self.tip_end,
             tip_radius=self.tip_radius * factor,
             root_radius=self.root_radius * factor,
-            base_radius=base,
+            involute=None if self.involute is None else self.involute.scaled(factor),
             breaks=self.breaks,
         )

@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array, FloatOrArray
 from toothspace.geometry.curve import CurveSegment, sample_segments
-from toothspace.geometry.gear_profile import GearProfile
+from toothspace.geometry.gear_profile import GearProfile, InvoluteFlank
 from toothspace.geometry.involute_gear import InvoluteGear, involute_function
 
 __all__ = [
@@ -152,7 +152,13 @@ def generate_profile(gear: InvoluteGear, points_per_tooth: int = 200) -> GearPro
         tip_end=tip_end,
         tip_radius=gear.tip_radius,
         root_radius=gear.root_radius,
-        base_radius=gear.base_radius,
+        involute=InvoluteFlank(
+            base_radius=gear.base_radius,
+            base_half_angle=gear.base_half_angle,
+            form_radius=form.form_radius,
+            tip_form_radius=form.tip_form_radius,
+            undercut=form.undercut,
+        ),
         breaks=mirrored + tuple(middle + index for index in breaks),
     )
 

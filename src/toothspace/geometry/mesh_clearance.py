@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from toothspace.geometry.gear_profile import GearProfile
+from toothspace.geometry.involute_gear import involute_function
 
 
 def flank_clearance(
@@ -31,6 +32,40 @@ def flank_clearance(
         _clearance_in_space(drive, driven, center_distance, phases),
         _clearance_in_space(driven, drive, center_distance, phases),
     )
+
+
+def normal_play(profiles: tuple[GearProfile, GearProfile], distance: float) -> float:
+    r"""Normal backlash of two profiles, negative where they overlap.
+
+    Parameters
+    ----------
+    profiles : tuple of GearProfile
+        Drive and driven gear.
+    distance : float
+        Distance of the centres. [m]
+
+    Returns
+    -------
+    float
+        Play along the common normal. [m]
+
+    Notes
+    -----
+    Of involutes with half angles :math:`\vartheta_b` on the base circles,
+    :math:`j_n = 2 (r_{b1} + r_{b2}) (\mathrm{inv}\,\alpha_w - (z_1 \vartheta_{b1} +
+    z_2 \vartheta_{b2} - \pi)/(z_1 + z_2))`; below the sum of the base radii and for other flanks
+    twice the arc between a tooth and the space around it.
+    """
+    flanks = [profile.involute for profile in profiles]
+    if flanks[0] is None or flanks[1] is None:
+        return 2.0 * flank_clearance(*profiles, distance)
+    bases = flanks[0].base_radius + flanks[1].base_radius
+    if distance <= bases:
+        return 2.0 * flank_clearance(*profiles, distance)
+    counts = [profile.tooth_count for profile in profiles]
+    tight = counts[0] * flanks[0].base_half_angle + counts[1] * flanks[1].base_half_angle - np.pi
+    working = involute_function(np.arccos(bases / distance))
+    return float(2.0 * bases * (working - tight / sum(counts)))
 
 
 def _clearance_in_space(

@@ -11,6 +11,9 @@ from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
 from toothspace.geometry.curve import counter_clockwise, first_self_crossing, without_repeats
 
+_SMALLEST, _LARGEST = 1e-4, 10.0
+"""Size of a curve that can belong to a machine. [m]"""
+
 
 def checked_polygon(points: Array, key: str) -> Array:
     """Check that a closed curve encloses an area without crossing itself.
@@ -36,6 +39,12 @@ def checked_polygon(points: Array, key: str) -> Array:
         raise GeometryError(f"{key}: found an empty curve, allowed a closed curve of 3 points")
     if not np.all(np.isfinite(points)):
         raise GeometryError(f"{key}: found a coordinate that is not finite, allowed numbers")
+    size = float(np.ptp(points, axis=0).max())
+    if not _SMALLEST <= size <= _LARGEST:
+        raise GeometryError(
+            f"{key}: found a curve {size * 1e3:.3g} mm wide, allowed {_SMALLEST * 1e3:g} to "
+            f"{_LARGEST * 1e3:g} mm (is the unit of the file right?)"
+        )
     clean = without_repeats(points)
     if len(clean) < 3:
         raise GeometryError(f"{key}: found {len(clean)} distinct points, allowed at least 3")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import final
 
@@ -14,14 +14,27 @@ from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array, BoolArray
 from toothspace.geometry.curve import (
     arc_lengths,
+    chord_heights,
     counter_clockwise,
     resample_by_curvature,
     signed_area,
 )
+from toothspace.geometry.fitted_profile import fitted_profile
 from toothspace.geometry.gear_profile import GearProfile
-from toothspace.geometry.involute_fit import fit_involute
+from toothspace.geometry.involute_fit import (
+    FlankPoints,
+    InvoluteFit,
+    fit_involute,
+    folded_points,
+)
 from toothspace.geometry.involute_gear import MAX_TOOTH_COUNT, MIN_TOOTH_COUNT
 from toothspace.geometry.polygon import checked_polygon
+from toothspace.geometry.tooth_count import (
+    area_elements,
+    area_phase,
+    centroid,
+    repeating_teeth,
+)
 
 _CORNER_ANGLE = np.deg2rad(20.0)
 _SECTION_POINTS = 1501
@@ -29,9 +42,6 @@ _CENTER_STEPS = 6
 _CENTER_TOLERANCE = 1e-9
 _FLAT_LAND = 2e-3
 _FEWEST_POINTS = 16
-_SECTORS = 8192
-# share of the outline's area that must vary with the tooth angle
-_SMALLEST_MODULATION = 5e-3
 
 
 @final
@@ -42,7 +52,14 @@ class DetectedGear:
     Parameters
     ----------
     profile : GearProfile
-        Median of all teeth, own frame, tooth centred on the x axis.
+        Smooth tooth, own frame, centred on the x axis: where the flanks are involutes, the one
+        that fits all teeth; root and tip are the median of all teeth.
+    drawn : GearProfile
+        Median of all teeth as in the outline.
+    involute : InvoluteFit or None
+        The fit with its form error; None where the flanks are no involutes.
+    chord_height : float
+        Largest distance of the chords of the outline from the flanks between its points. [m]
     center : tuple of float
         Gear centre in the frame of the outline. [m]
     phase : float
@@ -54,6 +71,9 @@ class DetectedGear:
     """
 
     profile: GearProfile
+    drawn: GearProfile
+    involute: InvoluteFit | None
+    chord_height: float
     center: tuple[float, float]
     phase: float
     tooth_count: int
@@ -94,17 +114,19 @@ def gear_profile_from_curve(
     -----
     The tooth count is the strongest term of the area spectrum
     :math:`c_k = \frac12 \oint r^2 e^{-ik\vartheta} d\vartheta`, which also holds for undercut
-    teeth whose radius is not a function of the angle; its argument gives the phase. The centre
+    teeth whose radius is not a function of the angle; its argument gives the phase. The outline
+    is divided finely before, so that the distance of its points does not count. The centre
     starts at the centroid and is shifted until the mean of the opposing deviations vanishes.
+    Involutes are fitted to the points of the outline, not to the chords between them.
     """
     checked = checked_polygon(points, key)
     if tooth_count is not None and _polar_span(checked) < 1.5 * 2.0 * np.pi / tooth_count:
         return _single_pitch(checked, tooth_count, points_per_tooth, key)
     outline = _smooth_outline(checked)
-    center = _centroid(outline)
+    center = centroid(outline)
     teeth_found = _tooth_count(outline - center, key)
     for _ in range(_CENTER_STEPS):
-        phase = _phase(outline - center, teeth_found)
+        phase = area_phase(outline - center, teeth_found)
         teeth = _teeth_in_sections(outline - center, teeth_found, phase, key)
         shift = _center_shift(teeth, phase)
         center = center + shift
@@ -112,19 +134,44 @@ def gear_profile_from_curve(
             break
     median = np.median(teeth, axis=0)
     turn = _flank_symmetry(median)
-    profile = _profile_from_tooth(_turned(median, -turn), teeth_found, points_per_tooth)
-    return DetectedGear(
-        profile=profile,
+    folded = folded_points(checked - center, teeth_found, phase + turn)
+    found = _found(_turned(median, -turn), folded, teeth_found, points_per_tooth)
+    return replace(
+        found,
         center=(float(center[0]), float(center[1])),
-        phase=float((phase + turn) % (2.0 * np.pi / teeth_found)),
-        tooth_count=teeth_found,
+        phase=float((phase + turn + found.phase) % (2.0 * np.pi / teeth_found)),
+        chord_height=_chord_height(checked - center),
         tooth_deviation=_tooth_deviations(teeth, median),
+    )
+
+
+def _found(
+    tooth: Array, points: FlankPoints, tooth_count: int, points_per_tooth: int
+) -> DetectedGear:
+    # about the centre, phase measured from the x axis of the tooth
+    drawn = _profile_from_tooth(tooth, tooth_count, points_per_tooth)
+    fit = fit_involute(points, drawn.root_radius, drawn.tip_radius)
+    smooth, turn = drawn, 0.0
+    if fit is not None:
+        turn = fit.turn
+        right, _, left = np.split(_round_land(_turned(tooth, -turn)),
+                                  [_SECTION_POINTS, 2 * _SECTION_POINTS])  # fmt: skip
+        smooth = fitted_profile(right, left, fit.flank, tooth_count, points_per_tooth)
+    return DetectedGear(
+        profile=smooth,
+        drawn=drawn,
+        involute=fit,
+        chord_height=0.0,
+        center=(0.0, 0.0),
+        phase=turn,
+        tooth_count=tooth_count,
+        tooth_deviation=np.zeros(1),
     )
 
 
 def gear_profile_from_tooth(
     points: Array, tooth_count: int, points_per_tooth: int = 200, key: str = "profile"
-) -> GearProfile:
+) -> DetectedGear:
     """Gear from the open curve of a single pitch, root middle to root middle.
 
     Parameters
@@ -140,8 +187,8 @@ def gear_profile_from_tooth(
 
     Returns
     -------
-    GearProfile
-        The pitch, tooth turned to the x axis.
+    DetectedGear
+        The pitch, tooth turned to the x axis; its phase is that of the curve.
 
     Raises
     ------
@@ -158,10 +205,15 @@ def gear_profile_from_tooth(
             f"{radius[0] * 1e3:.4g} and {radius[-1] * 1e3:.4g} mm, allowed one pitch of "
             f"{np.rad2deg(pitch):.4g} deg between equal radii"
         )
-    centered = _turned(_smooth_open(ordered), -0.5 * (angle[0] + angle[-1]))
+    middle = 0.5 * (angle[0] + angle[-1])
+    centered = _turned(_smooth_open(ordered), -middle)
     tooth = _in_sections(centered, _tip_tolerance(centered))
-    return _profile_from_tooth(_turned(tooth, -_flank_symmetry(tooth)), tooth_count,
-                               points_per_tooth)  # fmt: skip
+    turn = _flank_symmetry(tooth)
+    closed = _turned(np.vstack([ordered, np.zeros((1, 2))]), -middle - turn)
+    folded = folded_points(closed, tooth_count, 0.0)
+    folded = replace(folded, tooth=np.zeros_like(folded.tooth), tooth_count=1)
+    found = _found(_turned(tooth, -turn), folded, tooth_count, points_per_tooth)
+    return replace(found, chord_height=_chord_height(closed), phase=middle + turn + found.phase)
 
 
 def _polar_span(points: Array) -> float:
@@ -182,13 +234,8 @@ def _single_pitch(points: Array, tooth_count: int, points_per_tooth: int, key: s
     first = int(np.argmax(np.where(angle < angle.min() + 1e-6, radius, 0.0)))
     last = int(np.argmax(np.where(angle > angle.max() - 1e-6, radius, 0.0)))
     path = np.roll(turned, -first, axis=0)[: (last - first) % len(turned) + 1]
-    return DetectedGear(
-        profile=gear_profile_from_tooth(path, tooth_count, points_per_tooth, key),
-        center=(0.0, 0.0),
-        phase=(toward + 0.5 * (angle[first] + angle[last])) % (2.0 * np.pi / tooth_count),
-        tooth_count=tooth_count,
-        tooth_deviation=np.zeros(1),
-    )
+    found = gear_profile_from_tooth(path, tooth_count, points_per_tooth, key)
+    return replace(found, phase=(toward + found.phase) % (2.0 * np.pi / tooth_count))
 
 
 def _smooth_outline(points: Array) -> Array:
@@ -229,23 +276,14 @@ def _dense(points: Array) -> Array:
     return chosen
 
 
-def _centroid(points: Array) -> Array:
-    import shapely
-
-    middle = shapely.Polygon(points).centroid
-    return np.array([middle.x, middle.y])
-
-
 def _tooth_count(points: Array, key: str) -> int:
-    angle, weight = _area_elements(points)
-    if abs(weight.sum() - abs(signed_area(points))) > 0.05 * abs(signed_area(points)):
+    _, area = area_elements(points)
+    if abs(area.sum() - abs(signed_area(points))) > 0.05 * abs(signed_area(points)):
         raise GeometryError(
             f"{key}: found an outline that does not run round its centre, allowed a whole gear"
         )
-    sector = np.floor(angle / (2.0 * np.pi) * _SECTORS).astype(int) % _SECTORS
-    spectrum = np.abs(np.fft.rfft(np.bincount(sector, weight, _SECTORS)))
-    tooth_count = MIN_TOOTH_COUNT + int(np.argmax(spectrum[MIN_TOOTH_COUNT : MAX_TOOTH_COUNT + 1]))
-    if spectrum[tooth_count] < _SMALLEST_MODULATION * abs(signed_area(points)):
+    tooth_count = repeating_teeth(points)
+    if tooth_count is None:
         raise GeometryError(
             f"{key}: found no repeating teeth, allowed an outline of {MIN_TOOTH_COUNT} to "
             f"{MAX_TOOTH_COUNT} equal teeth"
@@ -253,18 +291,12 @@ def _tooth_count(points: Array, key: str) -> int:
     return tooth_count
 
 
-def _phase(points: Array, tooth_count: int) -> float:
-    angle, weight = _area_elements(points)
-    term = np.sum(weight * np.exp(-1j * tooth_count * angle))
-    return float(-np.angle(term) / tooth_count) % (2.0 * np.pi / tooth_count)
-
-
-def _area_elements(points: Array) -> tuple[Array, Array]:
-    # sectors between neighbouring points: middle angle and area
-    following = np.roll(points, -1, axis=0)
-    area = 0.5 * (points[:, 0] * following[:, 1] - points[:, 1] * following[:, 0])
-    middle = points + following
-    return np.arctan2(middle[:, 1], middle[:, 0]), area
+def _chord_height(points: Array) -> float:
+    # largest on the flanks
+    radius = np.hypot(*(0.5 * (points + np.roll(points, -1, axis=0))).T)
+    low, high = radius.min() + np.array([0.2, 0.98]) * np.ptp(radius)
+    flank = (radius > low) & (radius < high)
+    return float(chord_heights(points)[flank].max(initial=0.0))
 
 
 def _teeth_in_sections(points: Array, tooth_count: int, phase: float, key: str) -> Array:
@@ -405,7 +437,6 @@ def _profile_from_tooth(tooth: Array, tooth_count: int, points_per_tooth: int) -
     last = resample_by_curvature(_thinned(left), flank_intervals)
     points = _joined_roots(np.vstack([first, top[1:], last[1:]]), tooth_count)
     radius = np.hypot(points[:, 0], points[:, 1])
-    fit = fit_involute(tooth, _SECTION_POINTS - 1, 2 * _SECTION_POINTS)
     return GearProfile(
         tooth_count=tooth_count,
         points=points,
@@ -413,7 +444,6 @@ def _profile_from_tooth(tooth: Array, tooth_count: int, points_per_tooth: int) -
         tip_end=tip_end,
         tip_radius=float(radius.max()),
         root_radius=float(radius.min()),
-        base_radius=None if fit is None else fit.base_radius,
     )
 
 

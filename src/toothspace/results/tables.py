@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 
 import numpy as np
 
+from toothspace.core.files import write_text
+from toothspace.core.types import Array
 from toothspace.model.angle_tables import AngleTable
 from toothspace.model.description import MachineDescription
 
@@ -51,8 +54,7 @@ def save_tables_txt(description: MachineDescription, folder: str | Path) -> list
     files = [_write_table(table, target) for table in description.angle_tables()]
     for name, points in description.outlines.items():
         path = target / f"outline_{name}.txt"
-        np.savetxt(path, points, fmt="%.9e", header=f"outline of {name}\nx [m]  y [m]")
-        files.append(path)
+        files.append(_write_table_text(path, points, f"outline of {name}\nx [m]  y [m]"))
     return files
 
 
@@ -65,5 +67,11 @@ def _write_table(table: AngleTable, folder: Path) -> Path:
     ]
     path = folder / f"{table.name}.txt"
     values = np.column_stack([column.values for column in table.columns])
-    np.savetxt(path, values, fmt="%.9e", header="\n".join(header))
-    return path
+    return _write_table_text(path, values, "\n".join(header))
+
+
+def _write_table_text(path: Path, values: Array, header: str) -> Path:
+    # complete under its name, or absent
+    text = io.StringIO()
+    np.savetxt(text, values, fmt="%.9e", header=header)
+    return write_text(path, text.getvalue())

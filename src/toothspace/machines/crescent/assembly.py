@@ -98,6 +98,11 @@ class CrescentAssembly:
         """Whether the loaded flanks are the left ones (pump) or the right ones (motor)."""
         return self.spec.mode == "pump"
 
+    @property
+    def involute_path(self) -> None:
+        """Path of contact in closed form; here it is found from the gaps."""
+        return None
+
     def table_places(self, gear: int, nodes: int) -> Array:
         """Places of the table nodes of a gear in the sense of rotation, opposite the mesh first.
 

@@ -10,7 +10,13 @@ import numpy as np
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
 from toothspace.gearing.mesh_split import Mesh
-from toothspace.gearing.meshing import in_contact, lens_angle, smallest_gap
+from toothspace.gearing.meshing import (
+    LARGEST_OVERLAP,
+    in_contact,
+    lens_angle,
+    overlap_error,
+    smallest_gap,
+)
 from toothspace.gearing.spaces import Spaces, drive_spaces, driven_spaces
 from toothspace.gearing.tooth import Tooth, tooth_curves
 from toothspace.geometry.gear_pair import (
@@ -21,9 +27,12 @@ from toothspace.geometry.gear_pair import (
 )
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear, generate_profile
+from toothspace.geometry.mesh_clearance import normal_play
 from toothspace.machines.external_gear.spec import ExternalGearSpec, Gear
 
 POINTS_PER_TOOTH = 200
+_DEEP_OVERLAP = 2e-5
+"""Overlap beyond which the closest points of splines are not searched for. [m]"""
 
 
 @final
@@ -65,6 +74,35 @@ class Assembly:
     def loaded_is_left(self) -> bool:
         """Whether the loaded flanks are the left ones (pump) or the right ones (motor)."""
         return self.spec.mode == "pump"
+
+    @property
+    def involute_path(self) -> tuple[float, float] | None:
+        r"""Throat angles between which involutes touch; None for other flanks. [rad].
+
+        Notes
+        -----
+        The roll lengths :math:`\rho_1 + \rho_2 = a \sin\alpha_w` both end at the tip form radius,
+        and at the form radius of an undercut gear; the throat turns by
+        :math:`\Delta\rho_1 / r_{b1}`.
+        """
+        drive, driven = (profile.involute for profile in self.profiles)
+        if drive is None or driven is None:
+            return None
+        distance, sense = self.mesh.center_distance, 1.0 if self.loaded_is_left else -1.0
+        angle = np.arccos(min((drive.base_radius + driven.base_radius) / distance, 1.0))
+        length = distance * np.sin(angle)
+        low = length - driven.roll_length(driven.tip_form_radius)
+        high = drive.roll_length(drive.tip_form_radius)
+        if drive.undercut:
+            low = max(low, drive.roll_length(drive.form_radius))
+        if driven.undercut:
+            high = min(high, length - driven.roll_length(driven.form_radius))
+        roll = np.array([low, max(high, low)])
+        # the line of action leaves the base circle at the operating pressure angle from the centres
+        place = np.arctan(roll / drive.base_radius) - angle
+        half = np.asarray(drive.half_angle(np.hypot(drive.base_radius, roll)))
+        throat = sense * (place - half + self.mesh.half_pitch)
+        return float(throat.min()), float(throat.max())
 
     def spaces(self, nodes: int) -> tuple[Spaces, Spaces]:
         """Tooth spaces of both gears at their table nodes, about so many on a turn."""
@@ -123,6 +161,8 @@ def assemble(spec: ExternalGearSpec) -> Assembly:
     distance = pair.center_distance if pair is not None else _profile_distance(spec, profiles)
     teeth = tooth_curves(profiles[0]), tooth_curves(profiles[1])
     mesh = _centred_mesh(teeth, distance)
+    if pair is None:
+        _check_room(profiles, distance)
     return Assembly(spec, profiles, teeth, in_contact(teeth, mesh, spec.mode == "pump"), pair)
 
 
@@ -209,3 +249,20 @@ def _centred_mesh(teeth: tuple[Tooth, Tooth], distance: float) -> Mesh:
         lens_drive=lens_angle(drive.tip_radius, driven.tip_radius, distance),
         lens_driven=lens_angle(driven.tip_radius, drive.tip_radius, distance),
     )
+
+
+def _check_room(profiles: tuple[GearProfile, GearProfile], distance: float) -> None:
+    # closest points of flanks that overlap deeply are none: involutes or outlines tell before
+    tips = [
+        (gear, distance - own.root_radius - other.tip_radius)
+        for gear, own, other in zip(("drive", "driven"), profiles, profiles[::-1], strict=True)
+    ]
+    gear, room = min(tips, key=lambda pair: pair[1])
+    play = normal_play(profiles, distance)
+    if room < -LARGEST_OVERLAP and room <= play:
+        raise GeometryError(
+            f"machine.gears.center_distance: found {distance * 1e3:.5g} mm: the mating tip reaches "
+            f"{-room * 1e3:.4g} mm into the {gear} gear's root, allowed a positive root clearance"
+        )
+    if play < -_DEEP_OVERLAP:
+        raise overlap_error(distance, -play)

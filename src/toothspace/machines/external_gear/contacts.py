@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from toothspace.gearing.meshing import flow_over_pitch, rigid_contact
+from toothspace.gearing.meshing import flow_over_pitch, path_of_contact, rigid_contact
 from toothspace.geometry.gear_pair import displacement_per_radian
 from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.external_gear.loads import MOTIONS
@@ -24,3 +24,11 @@ def displacement(assembly: Assembly) -> float:
     if assembly.pair is not None:
         return displacement_per_radian(assembly.pair, assembly.face_width)
     return float(np.mean(flow_over_pitch(assembly)))
+
+
+def contact_ratio(assembly: Assembly) -> float:
+    """Mean number of tooth pairs in contact."""
+    if assembly.pair is not None:
+        return assembly.pair.contact_ratio
+    start, end = path_of_contact(assembly)
+    return (end - start) / (2.0 * assembly.mesh.half_pitch)

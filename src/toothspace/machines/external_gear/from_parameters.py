@@ -3,25 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import fields, replace
-from functools import lru_cache
 from pathlib import Path
-from typing import Any, Literal, NamedTuple, cast
+from typing import Any, Literal, cast
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.frozen import Points
-from toothspace.core.keys import KeyRuleError
+from toothspace.core.keys import KeyRuleError, Problem
 from toothspace.core.types import Array
-from toothspace.core.units import to_si
 from toothspace.geometry.cad_import import load_closed_curves
 from toothspace.geometry.gear_pair import pair_from_backlash, pair_from_center_distance
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear, tooth_form
 from toothspace.geometry.polygon import checked_polygon
-from toothspace.geometry.profile_detection import gear_profile_from_curve
+from toothspace.geometry.profile_detection import DetectedGear
 from toothspace.library import load_material
 from toothspace.machines.external_gear import parameter_tables as keys
 from toothspace.machines.external_gear import spec
 from toothspace.machines.external_gear.floating_from_parameters import body_files, floating_block
+from toothspace.machines.external_gear.gear_files import check_unit, detected_gear
 from toothspace.machines.external_gear.shaft_seal import seal_torque
 from toothspace.model.description import StartupFriction
 
@@ -35,16 +34,6 @@ _TOOTH_KEYS = (
     "tip_diameter",
     "tip_rounding",
 )
-
-
-class _Section(NamedTuple):
-    unit: float
-    plane_z: float | None
-    layer: str | None
-    body: int | None
-
-
-_MILLIMETRES = _Section(1e-3, None, None, None)
 
 
 def spec_from(machine: keys.ExternalGearTables) -> spec.ExternalGearSpec:
@@ -68,6 +57,8 @@ def spec_from(machine: keys.ExternalGearTables) -> spec.ExternalGearSpec:
     driven_keys = _driven_keys(machine)
     drive = _gear(machine.gears, "gears")
     driven = drive if driven_keys == machine.gears else _gear(driven_keys, "driven_gear")
+    check_unit(machine, machine.gears, drive, "gears")
+    check_unit(machine, driven_keys, driven, "driven_gear")
     _check_pair(machine, drive, driven)
     return spec.ExternalGearSpec(
         drive=drive,
@@ -124,22 +115,37 @@ def _driven_keys(machine: keys.ExternalGearTables) -> keys.GearParameters:
         for f in fields(machine.driven_gear)
         if getattr(machine.driven_gear, f.name) is not None
     }
-    return replace(machine.gears, **given)
+    base = machine.gears
+    if machine.driven_gear.profile is not None:
+        own: dict[str, Any] = {
+            f.name: f.default for f in fields(base) if f.name in keys.PROFILE_KEYS
+        }
+        base = replace(base, profile=machine.driven_gear.profile, **own)
+    try:
+        return replace(base, **given)
+    except KeyRuleError as error:
+        raise KeyRuleError.of(
+            Problem(f"driven_gear.{problem.key}", *problem[1:]) for problem in error.problems
+        ) from error
 
 
 def _gear(gear: keys.GearParameters, table: str) -> spec.Gear:
+    found = None if gear.profile is None else detected_gear(gear, gear.profile, table)
     return spec.Gear(
-        tooth=_tooth(gear, table),
+        tooth=_generated(gear, table) if found is None else _tooth(gear, found.detected),
         face_width=gear.face_width,
         material=_material(gear.material, f"{table}.material"),
         roughness=gear.roughness,
         tip_rounding=gear.tip_rounding,
+        found=found,
     )
 
 
-def _tooth(gear: keys.GearParameters, table: str) -> InvoluteGear | GearProfile:
-    if gear.profile is not None:
-        return _profile(gear, gear.profile, table)
+def _tooth(gear: keys.GearParameters, detected: DetectedGear) -> GearProfile:
+    return detected.drawn if gear.profile_flank == "drawn" else detected.profile
+
+
+def _generated(gear: keys.GearParameters, table: str) -> InvoluteGear:
     values: dict[str, Any] = {name: getattr(gear, name) for name in _TOOTH_KEYS}
     try:
         tooth = InvoluteGear(**values)
@@ -231,34 +237,9 @@ def _groove_sides(file: Path) -> tuple[Array | None, Array | None]:
     return found.get(True), found.get(False)
 
 
-def _profile(gear: keys.GearParameters, file: Path | Points, table: str) -> GearProfile:
-    section = _Section(
-        to_si(1.0, gear.profile_unit), gear.profile_plane, gear.profile_layer, gear.profile_body
-    )
-    modified = file.stat().st_mtime_ns if isinstance(file, Path) else 0
-    detected = _detected(file, modified, section, gear.tooth_count, f"{table}.profile")
-    if gear.tooth_count not in (None, detected.tooth_count):
-        allowed = f"{detected.tooth_count} teeth as in {file.name}, or no tooth_count"
-        raise KeyRuleError(f"{table}.tooth_count", str(gear.tooth_count), allowed)
-    return detected
-
-
-@lru_cache(maxsize=8)
-def _detected(
-    file: Path | Points, _modified: int, section: _Section, tooth_count: int | None, key: str
-) -> GearProfile:
-    curves = _contours(file, key, section)
-    name = f"{key}: {file.name}"
+def _contours(file: Path | Points, key: str) -> list[Array]:
     try:
-        return gear_profile_from_curve(curves[0], key=name, tooth_count=tooth_count).profile
-    except (ArithmeticError, LookupError, ValueError) as error:
-        allowed = "the closed outline of a gear with equal teeth"
-        raise GeometryError(f"{name}: found a curve without teeth, allowed {allowed}") from error
-
-
-def _contours(file: Path | Points, key: str, section: _Section = _MILLIMETRES) -> list[Array]:
-    try:
-        curves = load_closed_curves(file, *section)
+        curves = load_closed_curves(file, 1e-3)
         return [checked_polygon(curve, file.name) for curve in curves]
     except GeometryError as error:
         raise GeometryError(f"{key}: {error}") from error

@@ -12,6 +12,7 @@ from typing import final
 
 from toothspace.core.frozen import Points
 from toothspace.core.keys import (
+    KeyRuleError,
     KeyTable,
     choice,
     file_path,
@@ -30,6 +31,39 @@ from toothspace.machines.external_gear.floating_parameters import (
 )
 
 PROFILE_SUFFIXES = (".txt", ".csv", ".dxf", ".stl", ".step", ".stp")
+PROFILE_KEYS = (
+    "profile_unit",
+    "profile_layer",
+    "profile_axis",
+    "profile_plane",
+    "profile_body",
+    "profile_part",
+)
+"""Keys that say how one file is read."""
+
+_STEP, _STL, _DXF = (".step", ".stp"), (".stl",), (".dxf",)
+_READ_FROM = {
+    "profile_layer": _DXF,
+    "profile_axis": _STL + _STEP,
+    "profile_plane": _STL + _STEP,
+    "profile_body": _STL + _STEP,
+    "profile_part": _STEP,
+}
+
+
+def forbid_unread(gear: GearParameters | DrivenGearParameters) -> None:
+    """Refuse a key that the format of the profile file does not have."""
+    if gear.profile is None:
+        forbid(gear, "without profile", *_READ_FROM)
+        return
+    suffix = gear.profile.suffix.lower() if isinstance(gear.profile, Path) else "points"
+    for name, suffixes in _READ_FROM.items():
+        if suffix not in suffixes:
+            forbid(gear, f"with {suffix} (it is read from {', '.join(suffixes)})", name)
+    if suffix in _STEP and gear.profile_unit not in (None, "mm"):
+        raise KeyRuleError(
+            "profile_unit", repr(gear.profile_unit), "leave this key out: STEP files have their own"
+        )
 
 
 @final
@@ -78,11 +112,26 @@ class GearParameters(KeyTable):
     )
     profile_unit: str = choice("Length unit of the profile.", "mm", "m", "um", "in", default="mm")
     profile_layer: str | None = text("Layer of a DXF file; default all.", default=None)
+    profile_axis: str | None = choice(
+        "Gear axis in a solid file; default found by symmetry.", "x", "y", "z", default=None
+    )
     profile_plane: float | None = quantity(
-        "mm", "Height of the section through a solid; default its middle.", default=None
+        "mm",
+        "Height of the section through a solid along the axis; default the middle of the teeth.",
+        default=None,
     )
     profile_body: int | None = integer(
-        "Body of a solid file, the largest is 0; default all.", low=0, high=1000, default=None
+        "Body of a solid file, the largest is 0; default the largest with teeth.",
+        low=0,
+        high=1000,
+        default=None,
+    )
+    profile_part: str | None = text("Name of the body in a STEP file.", default=None)
+    profile_flank: str = choice(
+        "Smooth involute that fits the flanks, or the outline as drawn.",
+        "fitted",
+        "drawn",
+        default="fitted",
     )
 
     def __post_init__(self) -> None:
@@ -93,6 +142,7 @@ class GearParameters(KeyTable):
             require(self, "unless normal_backlash is given", "center_distance")
         else:
             forbid(self, "because normal_backlash is given", "center_distance")
+        forbid_unread(self)
 
 
 @final
@@ -127,10 +177,22 @@ class DrivenGearParameters(KeyTable):
         "Length unit of the profile.", "mm", "m", "um", "in", default=None
     )
     profile_layer: str | None = text("Layer of a DXF file.", default=None)
+    profile_axis: str | None = choice("Gear axis in a solid file.", "x", "y", "z", default=None)
     profile_plane: float | None = quantity(
-        "mm", "Height of the section through a solid.", default=None
+        "mm", "Height of the section through a solid along the axis.", default=None
     )
     profile_body: int | None = integer("Body of a solid file.", low=0, high=1000, default=None)
+    profile_part: str | None = text("Name of the body in a STEP file.", default=None)
+    profile_flank: str | None = choice(
+        "Smooth involute that fits the flanks, or the outline as drawn.",
+        "fitted",
+        "drawn",
+        default=None,
+    )
+
+    def __post_init__(self) -> None:
+        if self.profile is not None:
+            forbid_unread(self)
 
 
 @final

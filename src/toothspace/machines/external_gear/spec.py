@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Literal, final
 
 from toothspace.core.types import Array
+from toothspace.geometry.gear_finder import FoundGear
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear
 from toothspace.model.description import StartupFriction
@@ -62,6 +63,8 @@ class Gear:
         Root mean square roughness of flanks and faces. [m]
     tip_rounding : float
         Radius of the edge between flank and tip, for throats that end at a sharp corner. [m]
+    found : FoundGear or None
+        What the profile file held; None for generated teeth.
     """
 
     tooth: InvoluteGear | GearProfile
@@ -69,6 +72,7 @@ class Gear:
     material: Material = CARBURISED_STEEL
     roughness: float = 0.25e-6
     tip_rounding: float = 0.1e-3
+    found: FoundGear | None = None
 
 
 @final

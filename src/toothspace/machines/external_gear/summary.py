@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from toothspace.gearing.meshing import contact_range, flow_over_pitch
 from toothspace.gearing.spaces import Spaces, section_areas
 from toothspace.geometry.design_rules import design_findings
 from toothspace.geometry.gear_pair import flow_ripple
-from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import tooth_form
-from toothspace.geometry.involute_fit import deviation_from_best_involute
+from toothspace.geometry.mesh_clearance import normal_play
 from toothspace.machines.external_gear.assembly import Assembly
-from toothspace.machines.external_gear.contacts import displacement
+from toothspace.machines.external_gear.contacts import contact_ratio, displacement
+from toothspace.machines.external_gear.profile_quality import (
+    profile_checks,
+    profile_quality,
+    tooth_data,
+    undercut_of,
+)
 from toothspace.machines.external_gear.strength import strength_checks
 from toothspace.machines.external_gear.trapping import trapping_checks
 from toothspace.model.description import DesignCheck
@@ -36,22 +39,22 @@ def geometry_summary(assembly: Assembly, spaces: tuple[Spaces, Spaces]) -> dict[
         Values by name; names carry their unit.
     """
     per_turn = displacement(assembly) * 2.0 * np.pi
-    start, end = contact_range(assembly)
-    ratio = (end - start) / (2.0 * assembly.mesh.half_pitch)
     trapped, dead = trapped_volumes(assembly, spaces)
     return {
+        **tooth_data(assembly),
         "displacement_cm3_per_rev": per_turn * 1e6,
-        "contact_ratio": ratio if assembly.pair is None else assembly.pair.contact_ratio,
+        "contact_ratio": contact_ratio(assembly),
         "tip_land_mm": min(t.land_angle * t.tip_radius for t in assembly.teeth) * 1e3,
         "undercut": _undercut(assembly),
         "root_clearance_mm": min(root_clearances(assembly)) * 1e3,
         "center_distance_mm": assembly.mesh.center_distance * 1e3,
+        "normal_backlash_mm": _backlash(assembly) * 1e3,
         "base_diameter_mm": _base_diameter(assembly),
         "operating_pressure_angle_deg": _pressure_angle(assembly),
         "flow_ripple_percent": 100.0 * _ripple(assembly),
         "trapped_volume_mm3": trapped * 1e9,
         "dead_volume_mm3": dead * 1e9,
-        **_deviations(assembly),
+        **profile_quality(assembly, trapped),
         "warnings": [
             f"{check.name}: {check.value:.4g} {check.unit}, allowed {check.allowed}"
             for check in design_checks(assembly)
@@ -60,14 +63,10 @@ def geometry_summary(assembly: Assembly, spaces: tuple[Spaces, Spaces]) -> dict[
     }
 
 
-def _deviations(assembly: Assembly) -> dict[str, object]:
-    """How far profiles from files leave their best involute; nothing for generated gears."""
-    tooth = assembly.spec.drive.tooth
-    if not isinstance(tooth, GearProfile):
-        return {}
-    found = deviation_from_best_involute(tooth)
-    total = math.nan if found is None else found.total_profile_deviation
-    return {"involute_deviation_um": total * 1e6}
+def _backlash(assembly: Assembly) -> float:
+    if assembly.pair is not None:
+        return assembly.pair.normal_backlash
+    return normal_play(assembly.profiles, assembly.mesh.center_distance)
 
 
 def trapped_volumes(assembly: Assembly, spaces: tuple[Spaces, Spaces]) -> tuple[float, float]:
@@ -125,8 +124,7 @@ def _geometry_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
         return tuple(
             DesignCheck(f.name, f.value, f.unit, f.allowed, f.passed, f.reason) for f in findings
         )
-    start, end = contact_range(assembly)
-    ratio = (end - start) / (2.0 * assembly.mesh.half_pitch)
+    ratio = contact_ratio(assembly)
     clearance = min(root_clearances(assembly))
     return (
         DesignCheck(
@@ -138,6 +136,7 @@ def _geometry_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
             "root clearance", clearance * 1e3, "mm", "above 0 mm", clearance > 0.0,
             "Bearing play moves the gears together, so the mating tip needs room in the root.",
         ),
+        *profile_checks(assembly),
     )  # fmt: skip
 
 
@@ -150,7 +149,7 @@ def _ripple(assembly: Assembly) -> float:
 
 def _undercut(assembly: Assembly) -> bool:
     if assembly.pair is None:
-        return False
+        return any(undercut_of(gear) for gear in (assembly.spec.drive, assembly.spec.driven))
     return any(tooth_form(gear).undercut for gear in (assembly.pair.drive, assembly.pair.driven))
 
 

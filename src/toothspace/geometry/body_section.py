@@ -1,0 +1,243 @@
+"""Sections of solid bodies: which plane to cut, about which axis, where the teeth are."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from toothspace.core.errors import GeometryError
+from toothspace.core.types import Array
+from toothspace.geometry.curve import signed_area
+from toothspace.geometry.mesh_section import Mesh, axis_frame, likely_axes, section
+from toothspace.geometry.tooth_count import repeating_teeth
+
+AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+_MOST_SLICES = 24
+_QUICK_LOOK = (0.02, 0.5, 0.98)
+_FEWEST_CORNERS = 8
+_LEVEL = 1e-6
+"""Corners of a mesh this close along the axis lie in one plane. [m]"""
+_SECOND = 0.2
+"""Of the toothed length, from its begin: place of the second section. [-]"""
+
+
+@final
+@dataclass(frozen=True)
+class SectionRequest:
+    """What to cut out of a solid file.
+
+    Parameters
+    ----------
+    axis : str or None
+        ``x``, ``y`` or ``z``; None: the axis of symmetry where teeth are wanted, else z.
+    plane : float or None
+        Height of the section along the axis; None: middle of the teeth or of the body. [m]
+    body : int or None
+        Number of one body, the largest is 0; None for all.
+    part : str or None
+        Name of one body; None for all.
+    teeth : bool
+        Whether to look for teeth.
+    """
+
+    axis: str | None = None
+    plane: float | None = None
+    body: int | None = None
+    part: str | None = None
+    teeth: bool = False
+
+
+@final
+@dataclass(frozen=True)
+class SolidBody:
+    """One body of a file.
+
+    Parameters
+    ----------
+    name : str
+        Name in the file, empty without.
+    mesh : Mesh
+        Its surface, for a STEP body a coarse one.
+    cut : callable
+        Section curves for a frame and a height, as in ``mesh_section.section``.
+    """
+
+    name: str
+    mesh: Mesh
+    cut: Callable[[Array, float], list[Array]]
+
+
+@final
+@dataclass(frozen=True)
+class BodySection:
+    """Section of one body.
+
+    Parameters
+    ----------
+    body : int
+        Number of the body, the largest is 0.
+    name : str
+        Its name in the file, empty without.
+    axis : ndarray, shape (3,)
+        Unit vector normal to the section.
+    height : float
+        Distance of the plane from the origin along the axis. [m]
+    extent : tuple of float
+        Range of the body along the axis. [m]
+    teeth_extent : tuple of float or None
+        Range along the axis in which the section has teeth; None if it was not looked for or none
+        was found. [m]
+    curves : list of ndarray
+        Closed curves, shape (n, 2), in the frame of ``axis_frame``, largest first. [m]
+    second_height : float
+        Height of a second section through the teeth. [m]
+    second : ndarray or None
+        Its largest curve, on the mesh of the body. [m]
+    """
+
+    body: int
+    name: str
+    axis: Array
+    height: float
+    extent: tuple[float, float]
+    teeth_extent: tuple[float, float] | None
+    curves: list[Array]
+    second_height: float = 0.0
+    second: Array | None = None
+
+
+def cut_bodies(file: str, bodies: list[SolidBody], request: SectionRequest) -> list[BodySection]:
+    """Cut the bodies of a file.
+
+    Parameters
+    ----------
+    file : str
+        Name of the file for error messages.
+    bodies : list of SolidBody
+        Bodies in any order.
+    request : SectionRequest
+        What to cut.
+
+    Returns
+    -------
+    list of BodySection
+        One for each body that the plane meets, largest volume first.
+
+    Raises
+    ------
+    GeometryError
+        For an unknown body or part, or a plane outside all bodies.
+    """
+    ordered = sorted(bodies, key=lambda body: -body.mesh.volume)
+    numbers = _chosen(file, ordered, request)
+    found = [_cut(number, ordered[number], request) for number in numbers]
+    sections = [cut for cut in found if cut.curves]
+    if not sections:
+        low = min(cut.extent[0] for cut in found) * 1e3
+        high = max(cut.extent[1] for cut in found) * 1e3
+        plane = "" if request.plane is None else f" = {request.plane * 1e3:.5g} mm"
+        raise GeometryError(f"{file}: found plane_z{plane}, allowed {low:.5g} to {high:.5g} mm")
+    return sections
+
+
+def _chosen(file: str, bodies: list[SolidBody], request: SectionRequest) -> list[int]:
+    if not bodies:
+        raise GeometryError(f"{file}: found no body, allowed at least one closed body")
+    if request.part is not None:
+        names = [body.name for body in bodies]
+        if request.part not in names:
+            known = ", ".join(repr(name) for name in dict.fromkeys(names) if name) or "no names"
+            raise GeometryError(f"{file}: found no body named {request.part!r}, allowed {known}")
+        return [k for k, name in enumerate(names) if name == request.part]
+    if request.body is None:
+        return list(range(len(bodies)))
+    if not 0 <= request.body < len(bodies):
+        raise GeometryError(f"{file}: found body = {request.body}, allowed 0 to {len(bodies) - 1}")
+    return [request.body]
+
+
+def _cut(number: int, body: SolidBody, request: SectionRequest) -> BodySection:
+    if request.axis is not None:
+        axes = [np.array(AXES[request.axis])]
+    else:
+        axes = likely_axes(body.mesh) if request.teeth else [np.array(AXES["z"])]
+    if request.teeth:
+        for axis in axes:
+            teeth = _toothed_extent(body.mesh, axis_frame(axis))
+            if teeth is not None:
+                return _section(number, body, axis, teeth, request.plane)
+    # a body without teeth is cut across z unless told otherwise
+    axis = axes[0] if request.axis is not None else np.array(AXES["z"])
+    return _section(number, body, axis, None, request.plane)
+
+
+def _section(
+    number: int,
+    body: SolidBody,
+    axis: Array,
+    teeth: tuple[float, float] | None,
+    plane: float | None,
+) -> BodySection:
+    extent = body.mesh.extent(axis)
+    low, high = extent if teeth is None else teeth
+    height = 0.5 * (low + high) if plane is None else plane
+    frame = axis_frame(axis)
+    curves = _sorted(body.cut(frame, height)) if extent[0] < height < extent[1] else []
+    second_height, second = 0.0, None
+    if teeth is not None:
+        second_height = low + _SECOND * (high - low)
+        others = _sorted(section(body.mesh, frame, second_height))
+        second = others[0] if others else None
+    return BodySection(
+        number, body.name, axis, height, extent, teeth, curves, second_height, second
+    )
+
+
+def _sorted(curves: list[Array]) -> list[Array]:
+    return sorted(curves, key=lambda curve: -abs(signed_area(curve)))
+
+
+def _toothed_extent(mesh: Mesh, frame: Array) -> tuple[float, float] | None:
+    low, high = mesh.extent(frame[2])
+    looks = [_teeth_at(mesh, frame, low + share * (high - low)) for share in _QUICK_LOOK]
+    if looks[0][0] is not None and len({count for count, _ in looks}) == 1:
+        return low, high
+    # neighbouring slices with one tooth count; the widest such gear is meant, not a spline or nut
+    runs: list[tuple[float, float, float, int]] = []
+    for start, end in _slices(mesh, frame):
+        count, width = _teeth_at(mesh, frame, 0.5 * (start + end))
+        if count is None:
+            continue
+        if runs and runs[-1][1] == start and runs[-1][3] == count:
+            runs[-1] = (runs[-1][0], end, max(runs[-1][2], width), count)
+        else:
+            runs.append((start, end, width, count))
+    if not runs:
+        return None
+    widest = max(run[2] for run in runs)
+    near = [run for run in runs if run[2] > 0.98 * widest]
+    low, high, _, _ = max(near, key=lambda run: run[1] - run[0])
+    return low, high
+
+
+def _teeth_at(mesh: Mesh, frame: Array, height: float) -> tuple[int | None, float]:
+    # tooth count and width of the outermost curve
+    curves = _sorted(section(mesh, frame, height))
+    if not curves:
+        return None, 0.0
+    return repeating_teeth(curves[0]), float(np.ptp(curves[0][:, 0]))
+
+
+def _slices(mesh: Mesh, frame: Array) -> list[tuple[float, float]]:
+    # between the planes in which corners gather: end faces, shoulders
+    along = mesh.vertices @ frame[2]
+    cells, counts = np.unique(np.round(along / _LEVEL).astype(np.int64), return_counts=True)
+    levels = cells[counts >= _FEWEST_CORNERS] * _LEVEL
+    levels = np.unique(np.concatenate([[along.min()], levels, [along.max()]]))
+    if len(levels) > _MOST_SLICES:
+        levels = np.linspace(along.min(), along.max(), _MOST_SLICES + 1)
+    wide = np.diff(levels) > 4.0 * _LEVEL
+    return [(float(a), float(b)) for a, b in zip(levels[:-1][wide], levels[1:][wide], strict=True)]

@@ -1,0 +1,199 @@
+"""Find the gears in a file: bodies or curves with teeth, their axes, teeth and helix angles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import final
+
+import numpy as np
+
+from toothspace.core.errors import GeometryError
+from toothspace.core.frozen import Points
+from toothspace.core.types import Array
+from toothspace.geometry.body_section import BodySection, SectionRequest
+from toothspace.geometry.cad_import import SOLID_SUFFIXES, load_body_sections, load_closed_curves
+from toothspace.geometry.curve import chord_heights, counter_clockwise, signed_area
+from toothspace.geometry.mesh_section import axis_frame
+from toothspace.geometry.profile_detection import DetectedGear, gear_profile_from_curve
+from toothspace.geometry.tooth_count import area_phase, repeating_teeth
+
+_LEAST_HELIX = np.deg2rad(0.1)
+_LEAST_SHIFT = 2e-6
+_CHORDS = 3.0
+
+
+@final
+@dataclass(frozen=True)
+class FoundGear:
+    """A gear in a file.
+
+    Parameters
+    ----------
+    name : str
+        Name of the body, empty without.
+    detected : DetectedGear
+        Teeth of its section.
+    body : int or None
+        Number of the body, the largest is 0; None in files of plane curves.
+    axis : ndarray, shape (3,)
+        Unit vector along the gear axis.
+    center : ndarray, shape (3,)
+        Point on the axis in the plane of the section. [m]
+    face_width : float or None
+        Length of the teeth; None in files of plane curves. [m]
+    helix_angle : float
+        Helix angle on the circle halfway up the teeth, positive for a right-hand helix, 0 for
+        spur teeth. [rad]
+    """
+
+    name: str
+    detected: DetectedGear
+    body: int | None
+    axis: Array
+    center: Array
+    face_width: float | None
+    helix_angle: float
+
+
+@final
+@dataclass(frozen=True)
+class FileContents:
+    """Gears and other bodies of a file.
+
+    Parameters
+    ----------
+    gears : tuple of FoundGear
+        Gears, largest tip circle first.
+    others : tuple of BodySection
+        Bodies without teeth.
+    """
+
+    gears: tuple[FoundGear, ...]
+    others: tuple[BodySection, ...]
+
+
+def find_gears(
+    path: Path | Points,
+    unit: float,
+    request: SectionRequest | None = None,
+    layer: str | None = None,
+    tooth_count: int | None = None,
+) -> FileContents:
+    """Find the gears in a CAD file or a file of points.
+
+    Parameters
+    ----------
+    path : Path or Points
+        File or points, as in ``cad_import.load_closed_curves``.
+    unit : float
+        Length of one unit of the file; STEP files carry their own. [m]
+    request : SectionRequest or None
+        Axis, plane and body of a solid file; None to find them.
+    layer : str or None
+        DXF layer; None for all.
+    tooth_count : int or None
+        Needed for the outline of a single pitch.
+
+    Returns
+    -------
+    FileContents
+        Gears and other bodies.
+
+    Raises
+    ------
+    GeometryError
+        For a file that cannot be read or holds no gear; the message names the section.
+    """
+    if isinstance(path, Path) and path.suffix.lower() in SOLID_SUFFIXES:
+        return _gears_of_solids(path, unit, request or SectionRequest())
+    curves = load_closed_curves(path, unit, layer=layer)
+    toothed = _outermost([curve for curve in curves if repeating_teeth(curve) is not None])
+    if tooth_count is not None or not toothed:
+        toothed = curves[:1]
+    gears = []
+    for curve in toothed:
+        detected = gear_profile_from_curve(curve, key=str(path), tooth_count=tooth_count)
+        center = np.array([*detected.center, 0.0])
+        gears.append(FoundGear("", detected, None, np.array([0.0, 0.0, 1.0]), center, None, 0.0))
+    return FileContents(_by_size(gears), ())
+
+
+def _gears_of_solids(path: Path, unit: float, request: SectionRequest) -> FileContents:
+    wanted = SectionRequest(request.axis, request.plane, request.body, request.part, teeth=True)
+    sections = load_body_sections(path, unit, wanted)
+    toothed = [cut for cut in sections if repeating_teeth(cut.curves[0]) is not None]
+    found, refused = [], []
+    for cut in toothed or sections[:1]:
+        try:
+            found.append(_gear(path, cut))
+        except GeometryError as error:
+            refused.append(error)
+    if not found:
+        raise refused[0]
+    gears = _by_size(found)
+    numbers = {gear.body for gear in gears}
+    return FileContents(gears, tuple(cut for cut in sections if cut.body not in numbers))
+
+
+def _gear(path: Path, cut: BodySection) -> FoundGear:
+    frame = axis_frame(cut.axis)
+    try:
+        detected = gear_profile_from_curve(cut.curves[0], key=str(path))
+    except GeometryError as error:
+        raise GeometryError(f"{error} ({_place(cut)})") from error
+    teeth = cut.teeth_extent
+    return FoundGear(
+        name=cut.name,
+        detected=detected,
+        body=cut.body,
+        axis=cut.axis,
+        center=frame.T @ np.array([*detected.center, cut.height]),
+        face_width=None if teeth is None else teeth[1] - teeth[0],
+        helix_angle=_helix_angle(cut, detected),
+    )
+
+
+def _place(cut: BodySection) -> str:
+    low, high = (1e3 * value for value in cut.extent)
+    along = ", ".join(f"{value:.4g}" for value in cut.axis)
+    return (
+        f"section of body {cut.body} at {cut.height * 1e3:.5g} mm of its extent {low:.5g} to "
+        f"{high:.5g} mm along ({along}); profile_axis and profile_plane choose another"
+    )
+
+
+def _helix_angle(cut: BodySection, detected: DetectedGear) -> float:
+    # turn of the teeth between two sections
+    if cut.second is None or cut.second_height == cut.height:
+        return 0.0
+    pitch = 2.0 * np.pi / detected.tooth_count
+    center = np.array(detected.center)
+    first, second = (
+        area_phase(counter_clockwise(curve) - center, detected.tooth_count)
+        for curve in (cut.curves[0], cut.second)
+    )
+    turn = (first - second + 0.5 * pitch) % pitch - 0.5 * pitch
+    radius = 0.5 * (detected.profile.root_radius + detected.profile.tip_radius)
+    shift = radius * abs(turn)
+    angle = float(np.arctan(radius * turn / (cut.height - cut.second_height)))
+    chords = max(detected.chord_height, float(chord_heights(cut.second).max(initial=0.0)))
+    if shift < max(_CHORDS * chords, _LEAST_SHIFT) or abs(angle) < _LEAST_HELIX:
+        return 0.0
+    return angle
+
+
+def _outermost(curves: list[Array]) -> list[Array]:
+    # a toothed bore lies inside its gear
+    import shapely
+
+    kept: list[Array] = []
+    for curve in sorted(curves, key=lambda c: -abs(signed_area(c))):
+        inside = shapely.Point(curve[0])
+        if not any(shapely.Polygon(other).contains(inside) for other in kept):
+            kept.append(curve)
+    return kept
+
+
+def _by_size(gears: list[FoundGear]) -> tuple[FoundGear, ...]:
+    return tuple(sorted(gears, key=lambda gear: -gear.detected.profile.tip_radius))
