@@ -1,99 +1,123 @@
-"""The validation book runs cases of its own and tells agreement from deviation."""
+"""The validation book shows published numbers beside ours with a verdict for each."""
 
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from toothspace.cli import main
-from toothspace.core.errors import CaseError
-from toothspace.report import validation_book
-from toothspace.report.validation_book import (
-    Check,
+from toothspace.core.errors import CaseError, ToothspaceError
+from toothspace.report.validation_book import summary_of, write_book
+from toothspace.validation import book
+from toothspace.validation.claim import (
+    Claim,
+    ComparedCurve,
+    Effort,
+    Evidence,
+    CurvePoints,
     ValidationSource,
-    find_validation,
-    run_validation,
-    write_book,
+    ComparedValue,
+    close,
+    holds,
 )
+from toothspace.validation.resources import case_file, columns
 
-SOURCE = """# Fall of a stone
+SOURCE = ValidationSource("galilei_1638", "Fall of a stone", "G. Galilei, Discorsi (1638), third day.")
+TIME = np.array([1.0, 2.0, 3.0])
 
-G. Galilei, Discorsi (1638), third day.
 
-Tolerance: one part in a hundred.
-"""
-TEST = """
-import pytest
+def _fall(gravity: float, margin: float):
+    def measure(effort: Effort) -> Evidence:
+        ours, published = 0.5 * gravity * TIME**2, 4.9 * TIME**2
+        return Evidence(
+            (close("way after 1 s", float(ours[0]), 4.9, "m", rel=0.01),),
+            (ComparedCurve("Way", "time (s)", "way (m)", CurvePoints(TIME, ours), CurvePoints(TIME, published), margin),),
+        )
 
-@pytest.mark.parametrize("time", [1.0, 2.0])
-def test_way(time: float) -> None:
-    assert 4.9 * time**2 == pytest.approx({factor} * time**2, rel=0.01)
+    return measure
 
-@pytest.mark.skip(reason="no stone")
-def test_splash() -> None: ...
-"""
+
+def _break(effort: Effort) -> Evidence:
+    raise ToothspaceError("no stone")
+
+
+CLAIMS = (
+    Claim("stone", SOURCE, "A stone falls.", "One in a hundred.", _fall(9.81, 0.1)),
+    Claim("feather", SOURCE, "So does a feather.", "One in a hundred.", _fall(9.0, 0.1)),
+    Claim("splash", SOURCE, "It splashes.", "The height is not published.", None),
+    Claim("lost", SOURCE, "It is lost.", "None.", _break),
+)
 
 
 @pytest.fixture
-def cases(tmp_path: Path) -> Path:
-    (tmp_path / "pyproject.toml").write_text("[tool.pytest.ini_options]\nmarkers = ['slow: x']\n")
-    for name, factor in (("galilei_1638", "4.9"), ("wrong_1700", "5.5")):
-        folder = tmp_path / "tests" / "validation" / name
-        folder.mkdir(parents=True)
-        (folder / "SOURCE.md").write_text(SOURCE)
-        (folder / f"test_{name}.py").write_text(TEST.format(factor=factor))
-    return tmp_path / "tests" / "validation"
+def examined():
+    return [book.examine(claim) for claim in CLAIMS]
 
 
-def test_verdicts_and_book(cases: Path, tmp_path: Path) -> None:
-    good, bad = run_validation(cases)
-    assert (good.name, good.title, good.verdict) == ("galilei_1638", "Fall of a stone", "agrees")
-    assert (good.count("agrees"), good.count("skipped"), good.count("deviates")) == (2, 1, 0)
-    assert good.paragraphs == (
-        "G. Galilei, Discorsi (1638), third day.",
-        "Tolerance: one part in a hundred.",
-    )
-    assert bad.verdict == "deviates"
-    assert bad.count("deviates") == 2
-    assert "5.5" in next(check.reason for check in bad.checks if check.verdict == "deviates")
-    page = write_book([good, bad], tmp_path / "book.html").read_text(encoding="utf-8")
-    assert page.count("<section") == 3
-    assert "2 of 3 agree" in page
+def test_verdicts(examined) -> None:
+    assert [one.verdict for one in examined] == ["pass", "fail", "cannot be had", "fail"]
+    assert examined[3].trouble == "no stone"
+    bad = examined[1].finding
+    assert bad.values[0].deviation == pytest.approx(4.5 / 4.9 - 1.0)
+    assert bad.curves[0].error == pytest.approx(0.4 * 9.0)
 
 
-def test_command(
-    cases: Path,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    given = ["validate", "--cases", str(cases), "-o", str(tmp_path / "book.html"), "--force"]
+def test_bounds_words_and_curves_for_the_eye() -> None:
+    assert ComparedValue("largest", 2.0, "m", high=1.0).verdict == "fail"
+    assert ComparedValue("largest", 1.0, "m", low=1.0).verdict == "pass"
+    assert math.isnan(ComparedValue("largest", 1.0, "m").deviation)
+    assert ComparedValue("no number", math.nan, "m", 0.0, 1.0).verdict == "fail"
+    assert holds("it moves", False, "words").verdict == "fail"
+    assert holds("it moves", True, "words").verdict == "pass"
+    free = ComparedCurve("ours alone", "x", "y", CurvePoints(TIME, TIME))
+    assert free.verdict == "pass"
+    assert math.isnan(free.error)
+
+
+def test_book_shows_both_numbers_the_curve_and_why_not(examined, tmp_path: Path) -> None:
+    page = write_book(examined, tmp_path / "book.html").read_text(encoding="utf-8")
+    assert "1 pass" in page
+    assert "2 fail" in page
+    assert "4.905" in page
+    assert "+0.10 %" in page
+    assert "-8.16 %" in page
+    assert "The height is not published." in page
+    assert "no stone" in page
+    assert page.count("<svg") == 2
+
+
+def test_summary_names_what_fails(examined) -> None:
+    found = summary_of(examined)
+    assert found["failing"] == ["feather", "lost"]
+    assert found["counts"] == {"pass": 1, "fail": 2, "cannot be had": 1}
+    assert found["status"] == "failed"
+    assert summary_of(examined[:3])["status"] == "done"
+
+
+def test_command(tmp_path: Path, monkeypatch, capsys) -> None:
+    given = ["validate", "-o", str(tmp_path / "book.html"), "--force"]
     assert main([*given, "--only", "newton"]) == 2
-    assert "allowed a part of galilei_1638, wrong_1700" in capsys.readouterr().err
-
-    def verdicts(*found: str) -> None:
-        sources = [
-            ValidationSource(name, "A fall", (), (Check("way", name, "", 0.5),)) for name in found
-        ]
-        monkeypatch.setattr(validation_book, "run_validation", lambda *_: sources)
-
-    verdicts("agrees")
-    assert main([*given, "--json"]) == 0
-    printed = json.loads(capsys.readouterr().out)
-    assert printed["status"] == "done"
-    assert printed["wall_time_s"] == 0.5
-    verdicts("agrees", "deviates")
-    assert main(given) == 3
-    assert capsys.readouterr().out.split() == ["agrees", "agrees", "deviates", "deviates"]
+    assert "allowed a part of raimondi_boyd_load" in capsys.readouterr().err
+    monkeypatch.setattr(book, "CLAIMS", CLAIMS)
+    assert main([*given, "--only", "stone", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["failing"] == []
+    assert main([*given, "--only", "feather", "--short"]) == 0
+    assert main([*given, "--only", "lost"]) == 3
     assert (tmp_path / "book.html").is_file()
 
 
-def test_a_place_without_cases_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    with pytest.raises(CaseError, match="found no validation cases"):
-        find_validation(tmp_path)
-    assert find_validation().name == "validation"
-    monkeypatch.setattr("toothspace.report.validation_book.find_spec", lambda _: None)
-    with pytest.raises(CaseError, match="no package 'pytest'"):
-        run_validation(tmp_path)
+def test_claims_have_names_of_their_own_and_a_reason() -> None:
+    keys = [claim.key for claim in book.CLAIMS]
+    assert len(set(keys)) == len(keys)
+    assert all(len(c.tolerance) > 10 and c.statement for c in book.CLAIMS)
+
+
+def test_data_and_cases_are_found() -> None:
+    assert columns("bertocchi_2013")["x"].size > 10
+    assert case_file("hysteresis_055").is_file()
+    with pytest.raises(CaseError, match="found no case 'newton'"):
+        case_file("newton")

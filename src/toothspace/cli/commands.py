@@ -409,27 +409,23 @@ def reduce(
     return 0 if summary["status"] == Status.DONE.name.lower() else _NUMERICAL_FAILURE
 
 
-def validate(folder: Path | None, only: str, book: Target, *, as_json: bool) -> int:
-    """Run the validation cases, write the book and print the verdicts; returns the exit code."""
-    from toothspace.report.validation_book import (
-        find_validation,
-        run_validation,
-        summary_of,
-        write_book,
-    )
+def validate(only: str, book: Target, *, short: bool, as_json: bool) -> int:
+    """Examine the claims, write the book and print the verdicts; returns the exit code."""
+    from toothspace.report.validation_book import summary_of, write_book
+    from toothspace.validation.book import examine_all, selected
 
-    target = book.checked()
-    with output.progress("validate:"):
-        sources = run_validation(find_validation(folder), only)
-    write_book(sources, target)
-    summary = summary_of(sources)
+    target, claims = book.checked(), selected(only)
+    with output.progress("validate:") as progress:
+        examined = examine_all(claims, "short" if short else "full", progress)
+    write_book(examined, target)
+    summary = summary_of(examined)
     if as_json:
         output.write(summary, as_json=True)
     else:
-        verdicts = summary["sources"].items()
+        verdicts = summary["claims"].items()
         output.write({name: found["verdict"] for name, found in verdicts}, as_json=False)
     output.message(f"Validation book: {target}")
-    return _NUMERICAL_FAILURE if summary["deviating"] else 0
+    return 0 if summary["status"] == "done" else _NUMERICAL_FAILURE
 
 
 def warmup(*, as_json: bool) -> int:

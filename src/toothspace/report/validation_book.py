@@ -1,143 +1,58 @@
-"""Validation book: published numbers against this version, with a verdict for each source."""
+"""Validation book: every published number, claim and figure with ours over it and a verdict."""
 
 from __future__ import annotations
 
-import subprocess
-import sys
-import tempfile
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from importlib.util import find_spec
+import math
+from collections.abc import Sequence
+from itertools import groupby
 from pathlib import Path
-from typing import Any, final
-from xml.etree import ElementTree as ET
+from typing import TYPE_CHECKING, Any
 
 import toothspace
-from toothspace.core.errors import CaseError
+from toothspace.plotting.style import BLUE, ORANGE, figure_to_svg, new_figure, styled
 from toothspace.core.files import write_text
+from toothspace.validation.claim import ComparedCurve, Examined, ComparedValue
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 _TEMPLATES = Path(__file__).parent / "templates"
-_FOLDER = Path("tests") / "validation"
+_VERDICTS = ("pass", "fail", "cannot be had")
 
 
-@final
-@dataclass(frozen=True)
-class Check:
-    """One comparison with published numbers.
-
-    Parameters
-    ----------
-    name : str
-        What is compared.
-    verdict : str
-        ``agrees``, ``deviates`` or ``skipped``.
-    reason : str
-        What deviates, in one line.
-    duration : float
-        Time that it took. [s]
-    """
-
-    name: str
-    verdict: str
-    reason: str
-    duration: float
-
-
-@final
-@dataclass(frozen=True)
-class ValidationSource:
-    """A publication and the comparisons with it.
+@styled
+def claim_figure(curves: Sequence[ComparedCurve]) -> Figure:
+    """Curves of one claim side by side, ours as a line over the published points.
 
     Parameters
     ----------
-    name : str
-        Folder, by custom author and year.
-    title : str
-        Heading of its ``SOURCE.md``.
-    paragraphs : tuple of str
-        The rest of that file: where the numbers come from, tolerances and why.
-    checks : tuple of Check
-        Comparisons.
+    curves : sequence of ComparedCurve
+        At least one.
     """
-
-    name: str
-    title: str
-    paragraphs: tuple[str, ...]
-    checks: tuple[Check, ...]
-
-    @property
-    def verdict(self) -> str:
-        """``agrees`` if every comparison does, ``deviates`` if one does not, else ``skipped``."""
-        found = {check.verdict for check in self.checks}
-        if "deviates" in found:
-            return "deviates"
-        return "agrees" if "agrees" in found else "skipped"
-
-    def count(self, verdict: str) -> int:
-        """Return the number of comparisons with a verdict. [-]."""
-        return sum(check.verdict == verdict for check in self.checks)
+    figure = new_figure(3.6 * max(len(curves), 2), 2.9)
+    for axes, curve in zip(figure.subplots(1, len(curves), squeeze=False)[0], curves, strict=True):
+        axes.plot(curve.ours.x, curve.ours.y, color=BLUE, label="toothspace")
+        if curve.published is not None:
+            place, value = curve.published.x, curve.published.y
+            axes.plot(place, value, "o", color=ORANGE, markersize=3.5, label="published")
+            axes.legend()
+        if curve.logarithmic:
+            axes.set_xscale("log")
+            axes.set_yscale("log")
+        axes.set(title=curve.name, xlabel=curve.x_label, ylabel=curve.y_label)
+    return figure
 
 
-def find_validation(folder: Path | None = None) -> Path:
-    """Return the folder of the validation cases: given, here, or beside the package.
-
-    Raises
-    ------
-    CaseError
-        If there is none: an installed package comes without its tests.
-    """
-    beside = Path(toothspace.__file__).resolve().parents[2] / _FOLDER
-    candidates = [folder] if folder is not None else [Path.cwd() / _FOLDER, beside]
-    for candidate in candidates:
-        if list(candidate.glob("*/SOURCE.md")):
-            return candidate
-    allowed = "a folder with */SOURCE.md, as tests/validation of a checkout of the sources"
-    raise CaseError(f"validate: found no validation cases in {candidates[-1]}, allowed {allowed}")
-
-
-def run_validation(folder: Path, selection: str = "") -> list[ValidationSource]:
-    """Compare this version with all publications.
+def write_book(examined: Sequence[Examined], path: Path) -> Path:
+    """Write the validation book as one HTML page that opens offline.
 
     Parameters
     ----------
-    folder : Path
-        Folder of the validation cases.
-    selection : str
-        Part of the names of those to run; empty runs all.
-
-    Returns
-    -------
-    list of ValidationSource
-        In the order of their names.
-
-    Raises
-    ------
-    CaseError
-        If pytest is missing, nothing is selected, or the cases cannot be run at all.
+    examined : sequence of Examined
+        Claims with what was found, those of one source together.
+    path : Path
+        HTML file.
     """
-    if find_spec("pytest") is None:
-        raise CaseError("validate: found no package 'pytest', allowed an environment with it")
-    chosen = [p.parent for p in sorted(folder.glob("*/SOURCE.md")) if selection in p.parent.name]
-    if not chosen:
-        known = ", ".join(p.parent.name for p in sorted(folder.glob("*/SOURCE.md")))
-        raise CaseError(f"validate: found no case {selection!r}, allowed a part of {known}")
-    with tempfile.TemporaryDirectory() as place:
-        report = Path(place) / "report.xml"
-        command = [
-            sys.executable, "-m", "pytest", "-q", "-m", "slow or not slow",
-            "-p", "no:cacheprovider", f"--junitxml={report}", "-o", "junit_family=xunit1",
-            *map(str, chosen),
-        ]  # fmt: skip
-        run = subprocess.run(command, cwd=_root(folder), capture_output=True, text=True)
-        if run.returncode not in {0, 1} or not report.is_file():
-            lines = (run.stdout + run.stderr).strip().splitlines() or ["nothing"]
-            raise CaseError(f"validate: found {lines[-1]!r} from pytest, allowed cases that run")
-        checks = _checks(report)
-    return [_source(path, checks.get(path.name, ())) for path in chosen]
-
-
-def write_book(sources: Sequence[ValidationSource], path: Path) -> Path:
-    """Write the validation book as one HTML page that opens offline."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     environment = Environment(
@@ -148,67 +63,84 @@ def write_book(sources: Sequence[ValidationSource], path: Path) -> Path:
         lstrip_blocks=True,
     )
     page = environment.get_template("validation.html.j2").render(
-        sources=sources,
+        chapters=[
+            {"source": source, "claims": [_shown(one) for one in found]}
+            for source, found in groupby(examined, key=lambda one: one.claim.source)
+        ],
+        counts=_counts(examined),
         version=toothspace.__version__,
         style=(_TEMPLATES / "report.css").read_text(encoding="utf-8"),
     )
     return write_text(path, page)
 
 
-def summary_of(sources: Sequence[ValidationSource]) -> dict[str, Any]:
-    """Return what ``toothspace validate --json`` prints."""
-    deviating = [source.name for source in sources if source.verdict == "deviates"]
+def _shown(one: Examined) -> dict[str, Any]:
+    curves = one.finding.curves
     return {
-        "sources": {
-            source.name: {
-                "title": source.title,
-                "verdict": source.verdict,
-                "agrees": source.count("agrees"),
-                "deviates": source.count("deviates"),
-                "skipped": source.count("skipped"),
-            }
-            for source in sources
-        },
-        "deviating": deviating,
-        "status": "deviates" if deviating else "done",
-        "wall_time_s": sum(check.duration for source in sources for check in source.checks),
+        "claim": one.claim,
+        "verdict": one.verdict,
+        "trouble": one.trouble,
+        "duration": one.duration,
+        "rows": [_row(value) for value in one.finding.values]
+        + [_error_row(c) for c in curves if c.published is not None],
+        "figure": figure_to_svg(claim_figure(curves)) if curves else "",
     }
 
 
-def _root(folder: Path) -> Path:
-    """Folder with the settings of the tests, above the validation cases."""
-    for parent in folder.resolve().parents:
-        if (parent / "pyproject.toml").is_file():
-            return parent
-    return folder
+def _row(value: ComparedValue) -> dict[str, str]:
+    published = f"{value.published:.4g}" if value.published is not None else value.words
+    deviation = "" if math.isnan(value.deviation) else f"{100.0 * value.deviation:+.2f} %"
+    return {
+        "name": value.name,
+        "published": published,
+        "ours": f"{value.ours:.4g}",
+        "unit": value.unit,
+        "deviation": deviation,
+        "allowed": _range(value.low, value.high),
+        "verdict": value.verdict,
+    }
 
 
-def _checks(report: Path) -> Mapping[str, tuple[Check, ...]]:
-    found: dict[str, list[Check]] = {}
-    for case in ET.parse(report).getroot().iter("testcase"):
-        path = Path(case.get("file") or case.get("classname", "").replace(".", "/"))
-        names = [part for part in path.parts if part not in {"tests", "validation"}]
-        if names:
-            found.setdefault(names[0], []).append(_check(case))
-    return {name: tuple(checks) for name, checks in found.items()}
+def _error_row(curve: ComparedCurve) -> dict[str, str]:
+    return {
+        "name": f"largest distance from the published points: {curve.name}",
+        "published": "0",
+        "ours": f"{curve.error:.4g}",
+        "unit": curve.y_label,
+        "deviation": "",
+        "allowed": "not judged" if math.isinf(curve.tolerance) else _range(0.0, curve.tolerance),
+        "verdict": curve.verdict,
+    }
 
 
-def _check(case: ET.Element) -> Check:
-    name = case.get("name", "").removeprefix("test_").replace("_", " ")
-    duration = float(case.get("time", "0"))
-    for kind in ("failure", "error"):
-        trouble = case.find(kind)
-        if trouble is not None:
-            return Check(name, "deviates", " ".join(trouble.get("message", "").split()), duration)
-    skipped = case.find("skipped")
-    if skipped is not None:
-        return Check(name, "skipped", " ".join(skipped.get("message", "").split()), duration)
-    return Check(name, "agrees", "", duration)
+def _range(low: float, high: float) -> str:
+    if math.isinf(low) and math.isinf(high):
+        return ""
+    if math.isinf(high):
+        return f"at least {low:.4g}"
+    if math.isinf(low):
+        return f"up to {high:.4g}"
+    return f"{low:.4g} to {high:.4g}"
 
 
-def _source(folder: Path, checks: Sequence[Check]) -> ValidationSource:
-    text = (folder / "SOURCE.md").read_text(encoding="utf-8")
-    blocks = [" ".join(block.split()) for block in text.split("\n\n") if block.strip()]
-    title = blocks[0].lstrip("# ") if blocks else folder.name
-    paragraphs = tuple(block.lstrip("# ") for block in blocks[1:])
-    return ValidationSource(folder.name, title, paragraphs, tuple(checks))
+def _counts(examined: Sequence[Examined]) -> dict[str, int]:
+    return {verdict: sum(one.verdict == verdict for one in examined) for verdict in _VERDICTS}
+
+
+def summary_of(examined: Sequence[Examined]) -> dict[str, Any]:
+    """Return what ``toothspace validate --json`` prints."""
+    return {
+        "claims": {
+            one.claim.key: {
+                "source": one.claim.source.key,
+                "verdict": one.verdict,
+                "values": [_row(value) for value in one.finding.values],
+                "trouble": one.trouble,
+            }
+            for one in examined
+        },
+        "counts": _counts(examined),
+        "failing": [one.claim.key for one in examined if one.verdict == "fail"],
+        "status": "done" if not any(one.trouble for one in examined) else "failed",
+        "wall_time_s": sum(one.duration for one in examined),
+    }

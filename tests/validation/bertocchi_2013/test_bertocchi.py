@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import csv
-from pathlib import Path
 
 import numpy as np
 
 from toothspace.films.plane.pad import Pad, Pocket
 from toothspace.films.reynolds.fluid import FilmFluid
+from toothspace.validation.resources import data_file
 
 
 def _reference() -> np.ndarray:
-    lines = (Path(__file__).parent / "reference.csv").read_text().splitlines()
+    lines = data_file("bertocchi_2013").read_text().splitlines()
     rows = list(csv.reader(lines))[1:]
     return np.array([[float(text.replace(",", ".")) for text in row] for row in rows])
 

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import csv
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from toothspace.films import JournalBearing
+from toothspace.validation.resources import data_file
 
-FOLDER = Path(__file__).parent
 DIAMETER, CLEARANCE, VISCOSITY = 0.1, 50e-6, 0.01
 
 
 def _rows(name: str, largest: float) -> list[dict[str, float]]:
-    rows = csv.DictReader((FOLDER / name).read_text().splitlines())
+    rows = csv.DictReader(data_file("butenschoen_1976", name).read_text().splitlines())
     numbers = [{key: float(text) for key, text in row.items()} for row in rows]
     return [row for row in numbers if abs(row["eps"]) <= largest]
 

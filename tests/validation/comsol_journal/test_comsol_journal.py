@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import csv
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from toothspace.films import Groove, JournalBearing
+from toothspace.validation.resources import data_file
 
-ROWS = list(csv.DictReader((Path(__file__).parent / "reference.csv").read_text().splitlines()))
+ROWS = list(csv.DictReader(data_file("comsol_journal").read_text().splitlines()))
 LOAD, SPEED = 40e3, 10000.0 * np.pi / 30.0
 
 

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import csv
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from toothspace.films import Groove, JournalBearing
+from toothspace.validation.resources import data_file
 
 ROWS = [
     {key: float(text) for key, text in row.items()}
-    for row in csv.DictReader((Path(__file__).parent / "reference.csv").read_text().splitlines())
+    for row in csv.DictReader(data_file("elrod_1981").read_text().splitlines())
 ]
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 from itertools import pairwise
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -27,6 +26,7 @@ from toothspace.films.journal.solution import JournalBearingSolution
 from toothspace.films.plane.film import PlaneFilm, PlanePoints
 from toothspace.films.reynolds.cavitation import CAVITATION
 from toothspace.films.reynolds.fluid import FilmFluid
+from toothspace.validation.resources import data_file
 
 RADIUS, HALF_WIDTH, CLEARANCE = 0.1, 0.1, 150e-6
 VISCOSITY = 9.29e-3
@@ -41,7 +41,7 @@ READ_TO = 12.5
 
 
 def _published(name: str) -> tuple[np.ndarray, np.ndarray]:
-    rows = list(csv.reader((Path(__file__).parent / name).read_text().splitlines()))[1:]
+    rows = list(csv.reader(data_file("freund_1995", name).read_text().splitlines()))[1:]
     angle, value = np.array(rows, dtype=float).T
     return angle, value
 

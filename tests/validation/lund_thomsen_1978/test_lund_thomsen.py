@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import csv
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from toothspace.films import Groove, JournalBearing, Lobes
+from toothspace.validation.resources import data_file
 
-ROWS = list(csv.DictReader((Path(__file__).parent / "reference.csv").read_text().splitlines()))
+ROWS = list(csv.DictReader(data_file("lund_thomsen_1978").read_text().splitlines()))
 RADIUS, CLEARANCE, VISCOSITY, SPEED = 0.05, 100e-6, 0.01, 100.0
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,8 +10,9 @@ from scipy.integrate import solve_ivp
 
 from toothspace.closures.set_valued_friction import STUCK, next_direction
 from toothspace.core.types import Array
+from toothspace.validation.resources import data_file
 
-REFERENCE = Path(__file__).parent / "reference.csv"
+REFERENCE = data_file("modelica_friction")
 INERTIA = (1.0, 0.05, 1.0)
 STIFFNESS, DAMPING = 160.0, 1.0
 CLUTCH, BRAKE = 80.0, 800.0

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import csv
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from toothspace.films import JournalBearing
+from toothspace.validation.resources import data_file
 
-ROWS = list(csv.DictReader((Path(__file__).parent / "reference.csv").read_text().splitlines()))
+ROWS = list(csv.DictReader(data_file("raimondi_boyd_1958").read_text().splitlines()))
 
 
 @pytest.mark.parametrize("cavitation", ["reynolds", "jfo"])

@@ -1,0 +1,77 @@
+"""All published claims, and running them."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+
+from toothspace.core.errors import CaseError, ToothspaceError
+from toothspace.studies.study import Progress
+from toothspace.validation import films, gerotor, lateral, reference_machines, startup
+from toothspace.validation.claim import Claim, Effort, Examined, Evidence
+
+CLAIMS: tuple[Claim, ...] = (
+    *films.CLAIMS,
+    *reference_machines.CLAIMS,
+    *startup.CLAIMS,
+    *lateral.CLAIMS,
+    *gerotor.CLAIMS,
+)
+"""Every published number, statement and figure that the package is held against."""
+
+
+def selected(part: str) -> tuple[Claim, ...]:
+    """Return the claims whose key or source contains a text; empty text returns all.
+
+    Parameters
+    ----------
+    part : str
+        Part of a name.
+
+    Raises
+    ------
+    CaseError
+        If there is none.
+    """
+    chosen = tuple(c for c in CLAIMS if part in c.key or part in c.source.key)
+    if not chosen:
+        known = ", ".join(claim.key for claim in CLAIMS)
+        raise CaseError(f"validate: found no claim {part!r}, allowed a part of {known}")
+    return chosen
+
+
+def examine(claim: Claim, effort: Effort = "full") -> Examined:
+    """Compute what a claim is about.
+
+    Parameters
+    ----------
+    claim : Claim
+        What is published.
+    effort : str
+        ``short`` for coarse grids and few points, ``full`` for those that tolerances stand for.
+
+    Returns
+    -------
+    Examined
+        With the trouble in words where the computation failed.
+    """
+    if claim.measure is None:
+        return Examined(claim, Evidence())
+    begun = time.perf_counter()
+    try:
+        finding, trouble = claim.measure(effort), ""
+    except ToothspaceError as error:
+        finding, trouble = Evidence(), str(error)
+    return Examined(claim, finding, trouble, time.perf_counter() - begun)
+
+
+def examine_all(
+    claims: Sequence[Claim], effort: Effort, progress: Progress | None = None
+) -> list[Examined]:
+    """Examine claims one after another."""
+    found = []
+    for k, claim in enumerate(claims):
+        if progress:
+            progress(k / len(claims), claim.key)
+        found.append(examine(claim, effort))
+    return found

@@ -1,0 +1,233 @@
+"""What a publication says, what this version finds, and the verdict."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal, final
+
+import numpy as np
+
+from toothspace.core.types import Array
+
+Verdict = Literal["pass", "fail", "cannot be had"]
+Effort = Literal["short", "full"]
+
+
+@final
+@dataclass(frozen=True)
+class ValidationSource:
+    """A publication.
+
+    Parameters
+    ----------
+    key : str
+        Short name, by custom author and year.
+    title : str
+        What it is about.
+    citation : str
+        Where to find it.
+    assumed : str
+        What it leaves open and is assumed here; empty if nothing.
+    """
+
+    key: str
+    title: str
+    citation: str
+    assumed: str = ""
+
+
+@final
+@dataclass(frozen=True)
+class ComparedValue:
+    """One number against a published number, bound or range.
+
+    Parameters
+    ----------
+    name : str
+        What it is.
+    ours : float
+        Number of this version, in ``unit``.
+    unit : str
+        Unit of all numbers.
+    low, high : float
+        Allowed range; infinite where there is no bound.
+    published : float or None
+        Published number, None where only words, a bound or a range are given.
+    words : str
+        What is published, where it is no number.
+    """
+
+    name: str
+    ours: float
+    unit: str
+    low: float = -math.inf
+    high: float = math.inf
+    published: float | None = None
+    words: str = ""
+
+    @property
+    def verdict(self) -> Verdict:
+        """Whether the number lies in its range."""
+        return "pass" if self.low <= self.ours <= self.high else "fail"
+
+    @property
+    def deviation(self) -> float:
+        """Deviation over the published number, or nan. [-]."""
+        if not self.published:
+            return math.nan
+        return self.ours / self.published - 1.0
+
+
+def close(
+    name: str, ours: float, published: float, unit: str, *, rel: float = 0.0, margin: float = 0.0
+) -> ComparedValue:
+    """ComparedValue that may deviate by a part of the published one, or by a margin in its unit."""
+    width = max(rel * abs(published), margin)
+    return ComparedValue(name, float(ours), unit, published - width, published + width, float(published))
+
+
+def holds(name: str, statement: bool, words: str) -> ComparedValue:
+    """Statement in words that is true (1) or not (0)."""
+    return ComparedValue(name, float(statement), "1 = true", 1.0, 1.0, None, words)
+
+
+@final
+@dataclass(frozen=True)
+class CurvePoints:
+    """Points of a curve.
+
+    Parameters
+    ----------
+    x, y : ndarray
+        Coordinates.
+    """
+
+    x: Array
+    y: Array
+
+
+@final
+@dataclass(frozen=True)
+class ComparedCurve:
+    """A curve over a published one.
+
+    Parameters
+    ----------
+    name : str
+        What is drawn.
+    x_label, y_label : str
+        Axes with units.
+    ours : CurvePoints
+        ComparedCurve of this version.
+    published : CurvePoints or None
+        Points of the publication; None where it shows no numbers and the figure is for the eye.
+    tolerance : float
+        Largest distance in y at a published point; infinite if the curve itself is not judged.
+    logarithmic : bool
+        Whether both axes are.
+    """
+
+    name: str
+    x_label: str
+    y_label: str
+    ours: CurvePoints
+    published: CurvePoints | None = None
+    tolerance: float = math.inf
+    logarithmic: bool = False
+
+    @property
+    def error(self) -> float:
+        """Largest distance at the published points, or nan. [unit of y]."""
+        if self.published is None:
+            return math.nan
+        order = np.argsort(self.ours.x)
+        found = np.interp(self.published.x, self.ours.x[order], self.ours.y[order])
+        return float(np.max(np.abs(found - self.published.y)))
+
+    @property
+    def verdict(self) -> Verdict:
+        """Whether all published points lie within the tolerance."""
+        if self.published is None or math.isinf(self.tolerance):
+            return "pass"
+        return "pass" if self.error <= self.tolerance else "fail"
+
+
+@final
+@dataclass(frozen=True)
+class Evidence:
+    """What one computation gives.
+
+    Parameters
+    ----------
+    values : tuple of ComparedValue
+        Numbers.
+    curves : tuple of ComparedCurve
+        Figures.
+    """
+
+    values: tuple[ComparedValue, ...] = ()
+    curves: tuple[ComparedCurve, ...] = ()
+
+
+@final
+@dataclass(frozen=True)
+class Claim:
+    """A published number, statement or figure.
+
+    Parameters
+    ----------
+    key : str
+        Unique short name.
+    source : ValidationSource
+        Publication.
+    statement : str
+        What it says.
+    tolerance : str
+        Why deviations of the allowed size are allowed; or why the claim cannot be examined.
+    measure : callable or None
+        Returns the finding at a given effort, ``short`` for coarse grids and few points; None if
+        the numbers cannot be had.
+    minutes : float
+        Rough duration of the full computation on one core. [min]
+    """
+
+    key: str
+    source: ValidationSource
+    statement: str
+    tolerance: str
+    measure: Callable[[Effort], Evidence] | None
+    minutes: float = 0.2
+
+
+@final
+@dataclass(frozen=True)
+class Examined:
+    """A claim with what was found.
+
+    Parameters
+    ----------
+    claim : Claim
+        What is published.
+    finding : Evidence
+        Numbers and curves, empty where they cannot be had.
+    trouble : str
+        Why the computation gave nothing, empty if it did.
+    duration : float
+        Time that it took. [s]
+    """
+
+    claim: Claim
+    finding: Evidence
+    trouble: str = ""
+    duration: float = 0.0
+
+    @property
+    def verdict(self) -> Verdict:
+        """``pass`` if every number and curve does."""
+        if self.claim.measure is None:
+            return "cannot be had"
+        parts: tuple[ComparedValue | ComparedCurve, ...] = (*self.finding.values, *self.finding.curves)
+        passed = bool(parts) and all(part.verdict == "pass" for part in parts)
+        return "pass" if passed and not self.trouble else "fail"

@@ -1,0 +1,451 @@
+"""Journal bearings and pads of the literature."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toothspace.closures.journal_friction import PUBLISHED_CURVE
+from toothspace.core.types import Array
+from toothspace.films import Groove, JournalBearing, Lobes, RoughSurfaces, sweep_friction
+from toothspace.films.plane.pad import Pad, Pocket
+from toothspace.films.reynolds.fluid import FilmFluid
+from toothspace.validation.claim import Claim, ComparedCurve, Effort, Evidence, CurvePoints, ValidationSource, ComparedValue, close
+from toothspace.validation.resources import columns
+
+RAIMONDI = ValidationSource(
+    "raimondi_boyd_1958",
+    "Full journal bearing",
+    "A. A. Raimondi, J. Boyd, A solution for the finite journal bearing, part III, ASLE Trans. 1 "
+    "(1958) 194-209; grid-converged finite differences (720 x 60) of the case that they tabulate.",
+)
+BUTENSCHOEN = ValidationSource(
+    "butenschoen_1976",
+    "Journal bearing of finite length, rotation and squeeze",
+    "H.-J. Butenschoen, dissertation, Karlsruhe 1976, "
+    "as tabulated in the tests of mboct-mbdyn-pkg.",
+)
+LUND = ValidationSource(
+    "lund_thomsen_1978",
+    "Bearing with two axial grooves, and two lobes: equilibrium and dynamic coefficients",
+    "J. W. Lund, K. K. Thomsen, in: Topics in Fluid Film Bearing and Rotor Bearing System Design, "
+    "ASME 1978, 1-28, as tabulated in the tests of petrobras/ross.",
+    "The attitude angle printed as 83.29 degrees is read as 85.29: it breaks the run of the row.",
+)
+ELROD = ValidationSource(
+    "elrod_1981",
+    "Mass-conserving journal bearing with one pressurised groove",
+    "H. G. Elrod, J. Lubr. Technol. 103 (1981) 350-354; runs of the public finite-volume program "
+    "fvm_elrod (simonpfeil).",
+)
+BERTOCCHI = ValidationSource(
+    "bertocchi_2013",
+    "Pad with a square pocket, compressible and piezoviscous",
+    "L. Bertocchi et al., Tribol. Int. 67 (2013) 61-71, digitised pressure along the centre line.",
+)
+COMSOL = ValidationSource(
+    "comsol_journal",
+    "Heavily loaded journal bearing at 10 000 rpm",
+    "COMSOL Multiphysics application library, elastohydrodynamic lubrication in a cylindrical "
+    "journal bearing, digitised mid-plane pressure.",
+    "Two supply grooves at 0 and 180 degrees, 10 degrees wide, where the published curve begins.",
+)
+PAWAR = ValidationSource(
+    "pawar_friction",
+    "Friction of the motor's journal bearing over the Sommerfeld number",
+    "A. Pawar, A. Vacca, M. Rigosi, Modelling and experimental validation of the dynamic startup "
+    "behavior of external spur gear motor, equation 2.7.",
+    "Roughness, hardness and clearance are not given: 0.15/0.30 um, 0.3 GPa, c/r 8.6e-4.",
+)
+
+
+def _raimondi(effort: Effort) -> Evidence:
+    rows = columns("raimondi_boyd_1958")
+    keep = rows["length_over_diameter"] == 1.0
+    ratio, published = rows["eccentricity_ratio"][keep], rows["sommerfeld_number"][keep]
+    grid = (240, 31) if effort == "full" else (120, 21)
+    rel = 0.007 if effort == "full" else 0.02
+    found, angles = [], []
+    for eccentricity in ratio:
+        bearing = JournalBearing(
+            diameter=0.02,
+            length=0.02,
+            radial_clearance=10e-6,
+            dynamic_viscosity=0.03,
+            grid=grid,
+            cavitation="reynolds",
+        )
+        film = bearing.solve(eccentricity=(float(eccentricity), 0.0), shaft_speed=200.0)
+        found.append(film.sommerfeld_number)
+        angles.append(float(np.degrees(film.attitude_angle)))
+    values = [
+        close(f"Sommerfeld number at eps = {e:g}", s, p, "-", rel=rel)
+        for e, s, p in zip(ratio, found, published, strict=True)
+    ]
+    values += [
+        close(
+            f"attitude angle at eps = {e:g}", a, p, "deg", margin=0.1 if effort == "full" else 0.4
+        )
+        for e, a, p in zip(ratio, angles, rows["attitude_angle_deg"][keep], strict=True)
+    ]
+    curve = ComparedCurve(
+        "Sommerfeld number, L/D = 1",
+        "eccentricity ratio",
+        "S",
+        CurvePoints(ratio, np.array(found)),
+        CurvePoints(ratio, published),
+    )
+    return Evidence(tuple(values), (curve,))
+
+
+def _butenschoen(effort: Effort) -> Evidence:
+    rows = columns("butenschoen_1976", "rotation.csv")
+    keep = (rows["B_over_D"] == 0.5) & (rows["eps"] <= 0.9)
+    if effort == "short":
+        keep &= np.arange(keep.size) % 2 == 0
+    grid = (240, 31) if effort == "full" else (120, 21)
+    rel = 0.007 if effort == "full" else 0.02
+    loads, flows = [], []
+    diameter, clearance, speed = 0.1, 50e-6, 100.0
+    for eccentricity in rows["eps"][keep]:
+        bearing = JournalBearing(
+            diameter=diameter,
+            length=0.5 * diameter,
+            radial_clearance=clearance,
+            dynamic_viscosity=0.01,
+            grid=grid,
+            cavitation="reynolds",
+        )
+        film = bearing.solve(eccentricity=(float(eccentricity), 0.0), shaft_speed=speed)
+        loads.append(film.sommerfeld_number_din)
+        flows.append(film.side_flow / ((diameter / 2) ** 3 * 2 * clearance / diameter * speed))
+    eps = rows["eps"][keep]
+    values = [
+        close(f"So at eps = {e:g}", s, p, "-", rel=rel)
+        for e, s, p in zip(eps, loads, rows["So"][keep], strict=True)
+    ]
+    values += [
+        close(f"side flow at eps = {e:g}", q, p, "-", rel=rel)
+        for e, q, p in zip(eps, flows, rows["Q"][keep], strict=True)
+    ]
+    curve = ComparedCurve(
+        "Load in pure rotation, B/D = 0.5",
+        "eccentricity ratio",
+        "So",
+        CurvePoints(eps, np.array(loads)),
+        CurvePoints(eps, rows["So"][keep]),
+    )
+    return Evidence(tuple(values), (curve,))
+
+
+def _lund(effort: Effort) -> Evidence:
+    rows = columns("lund_thomsen_1978")
+    from toothspace.validation.resources import data_file
+
+    names = [
+        line.split(",")[0]
+        for line in data_file("lund_thomsen_1978").read_text(encoding="utf-8").splitlines()[1:]
+    ]
+    radius, clearance, viscosity, speed = 0.05, 100e-6, 0.01, 100.0
+    worst, eccentricities, numbers = 0.0, [], []
+    picked = range(0, len(names), 1 if effort == "full" else 6)
+    for k in picked:
+        length = 2.0 * radius * rows["L_over_D"][k]
+        bearing = JournalBearing(
+            diameter=2.0 * radius,
+            length=length,
+            radial_clearance=clearance,
+            dynamic_viscosity=viscosity,
+            grid=(144, 21),
+            cavitation="reynolds",
+            grooves=tuple(
+                Groove(side * np.pi / 2, np.radians(20.0), length, 0.0) for side in (1.0, -1.0)
+            ),
+            lobes=Lobes(2, 0.5) if "elliptical" in names[k] else None,
+            end_pressure=0.0,
+            cavitation_pressure=0.0,
+        )
+        rate = speed / (2.0 * np.pi)
+        stiff = (radius / clearance) ** 2
+        load = viscosity * rate * 2.0 * radius * length * stiff / rows["S"][k]
+        film = bearing.equilibrium(load=(load, 0.0), shaft_speed=speed)
+        eccentricities.append(film.eccentricity_ratio)
+        found = np.concatenate(
+            [
+                (film.stiffness * clearance / load).ravel(),
+                (film.damping * clearance * speed / load).ravel(),
+            ]
+        )
+        headings = ("Kxx", "Kxy", "Kyx", "Kyy", "Bxx", "Bxy", "Bxy", "Byy")
+        table = np.array([rows[name][k] for name in headings])
+        worst = max(
+            worst, float(np.max(np.abs(found - table) / np.maximum(0.06 * np.abs(table), 0.02)))
+        )
+        numbers.append(rows["S"][k])
+    chosen = np.array(list(picked))
+    error = np.abs(np.array(eccentricities) - rows["eps"][chosen])
+    return Evidence(
+        (
+            ComparedValue(
+                "largest error of the eccentricity ratio",
+                float(error.max()),
+                "-",
+                0.0,
+                0.01,
+                None,
+                "table",
+            ),
+            ComparedValue(
+                "largest error of K and B over max(6 % of itself, 0.02)",
+                worst,
+                "-",
+                0.0,
+                1.0,
+                None,
+                "table",
+            ),
+        ),
+        (
+            ComparedCurve(
+                "Equilibrium",
+                "published eccentricity ratio",
+                "eccentricity ratio",
+                CurvePoints(rows["eps"][chosen], np.array(eccentricities)),
+                CurvePoints(rows["eps"][chosen], rows["eps"][chosen]),
+                0.01,
+            ),
+        ),
+    )
+
+
+def _elrod(effort: Effort) -> Evidence:
+    rows = columns("elrod_1981")
+    largest = 200 if effort == "short" else 400
+    values = []
+    for k in np.flatnonzero((rows["n_x"] <= largest) & (rows["n_x"] >= 200)):
+        length = float(rows["l_b_m"][k])
+        linear = bool(rows["guembel"][k])
+        bearing = JournalBearing(
+            diameter=float(rows["d_b_m"][k]),
+            length=length,
+            radial_clearance=float(rows["c_m"][k]),
+            dynamic_viscosity=float(rows["mu_Pas"][k]),
+            grid=(int(rows["n_x"][k]), int(rows["n_y"][k])),
+            cavitation="guembel" if linear else "jfo",
+            grooves=(
+                Groove(np.pi / 2, np.radians(15.0), 0.75 * length, float(rows["p_groove_Pa"][k])),
+            ),
+            end_pressure=0.0,
+            cavitation_pressure=0.0,
+        )
+        film = bearing.solve(
+            eccentricity=(float(rows["eps_h"][k]), float(rows["eps_v"][k])),
+            shaft_speed=float(rows["rpm"][k]) * np.pi / 30.0,
+        )
+        name = f"eps {rows['eps_h'][k]:g}, {int(rows['n_x'][k])} cells" + (
+            ", linear" if linear else ""
+        )
+        load = float(np.hypot(rows["F_h_N"][k], rows["F_v_N"][k]))
+        values.append(close(f"force, {name}", film.load, load, "N", rel=0.01))
+        values.append(
+            close(
+                f"friction, {name}", film.bush_friction_torque, rows["M_fr_Nm"][k], "N m", rel=0.005
+            )
+        )
+        values.append(
+            close(
+                f"side flow, {name}",
+                film.side_flow * 6e4,
+                -rows["V_dot_m3ps"][k] * 6e4,
+                "L/min",
+                rel=0.04,
+            )
+        )
+    return Evidence(tuple(values))
+
+
+def _bertocchi(effort: Effort) -> Evidence:
+    rows = columns("bertocchi_2013")
+    place, published = rows["x"], rows["p_small_pocket"]
+    pad = Pad(
+        length=20e-3,
+        width=10e-3,
+        inlet_height=1.1e-6,
+        outlet_height=1.0e-6,
+        fluid=FilmFluid(0.01, pressure_viscosity=1.2e-8, compressible=True),
+        pocket=Pocket(0.4e-6, 4e-3, 6e-3, 7e-3),
+        grid=(160, 80) if effort == "full" else (120, 60),
+        ambient_pressure=1e5,
+    )
+    film = pad.solve(speed=1.0)
+    along = film.pressure_centerline / 1e6
+    found = np.interp(place * pad.length, film.x, along)
+    peak = float(published.max())
+    rms = float(np.sqrt(np.mean((found - published) ** 2)))
+    return Evidence(
+        (
+            close("peak pressure", float(along.max()), peak, "MPa", rel=0.03),
+            ComparedValue(
+                "root mean square deviation over the peak",
+                rms / peak,
+                "-",
+                0.0,
+                0.03,
+                None,
+                "curve",
+            ),
+        ),
+        (
+            ComparedCurve(
+                "Pressure along the centre line",
+                "place over length",
+                "pressure (MPa)",
+                CurvePoints(film.x / pad.length, along),
+                CurvePoints(place, published),
+            ),
+        ),
+    )
+
+
+def _comsol(effort: Effort) -> Evidence:
+    rows = columns("comsol_journal")
+    bearing = JournalBearing(
+        diameter=0.2,
+        length=0.067,
+        radial_clearance=200e-6,
+        dynamic_viscosity=0.075,
+        pressure_viscosity=25e-9,
+        grid=(180, 21) if effort == "full" else (120, 21),
+        cavitation="jfo",
+        grooves=tuple(Groove(angle, np.radians(10.0), 0.067, 0.0) for angle in (0.0, np.pi)),
+        end_pressure=0.0,
+        cavitation_pressure=0.0,
+    )
+    film = bearing.equilibrium(load=(0.0, -40e3), shaft_speed=10000.0 * np.pi / 30.0)
+    pressure = film.pressure[:, 10] / 1e5
+    angle, published = rows["phi_deg"], rows["p_bar"]
+    peak = float(published.max())
+    return Evidence(
+        (close("peak pressure", float(pressure.max()), peak, "bar", rel=0.05),),
+        (
+            ComparedCurve(
+                "Pressure in the mid plane",
+                "angle (deg)",
+                "pressure (bar)",
+                CurvePoints(np.degrees(film.angle) % 360.0, pressure),
+                CurvePoints(angle, published),
+                0.07 * peak,
+            ),
+        ),
+    )
+
+
+def _friction(effort: Effort) -> Evidence:
+    bearing = JournalBearing(
+        diameter=18e-3,
+        length=19e-3,
+        radial_clearance=8.6e-4 * 9e-3,
+        dynamic_viscosity=0.026,
+        grid=(144, 15) if effort == "full" else (96, 11),
+        cavitation="jfo",
+        surfaces=RoughSurfaces(
+            moving_roughness=0.15e-6,
+            resting_roughness=0.3e-6,
+            correlation_length=15e-6,
+            effective_modulus=50e9,
+            hardness=0.3e9,
+            boundary_friction=0.0455,
+        ),
+    )
+    numbers = np.geomspace(0.001, 0.2, 16 if effort == "full" else 9)
+    sweep = sweep_friction(bearing, load=3000.0, sommerfeld_numbers=[float(s) for s in numbers])
+    found: Array = np.asarray(sweep.friction_coefficient)
+    level, slope = float(found[0]), _slope(numbers, found)
+    published = np.array([PUBLISHED_CURVE(s) for s in numbers]).ravel()
+    return Evidence(
+        (
+            close("friction coefficient at S = 0.001", level, float(published[0]), "-", rel=0.2),
+            close(
+                "least friction coefficient",
+                float(found.min()),
+                float(PUBLISHED_CURVE.minimum()[1]),
+                "-",
+                rel=0.2,
+            ),
+            close(
+                "slope between S = 0.05 and 0.2", slope, _slope(numbers, published), "-", rel=0.2
+            ),
+        ),
+        (
+            ComparedCurve(
+                "Friction coefficient",
+                "Sommerfeld number",
+                "friction coefficient",
+                CurvePoints(numbers, found),
+                CurvePoints(numbers, published),
+                logarithmic=True,
+            ),
+        ),
+    )
+
+
+def _slope(numbers: Array, friction: Array) -> float:
+    ends = np.interp([0.05, 0.2], numbers, friction)
+    return float((ends[1] - ends[0]) / 0.15)
+
+
+CLAIMS = (
+    Claim(
+        "raimondi_boyd_load",
+        RAIMONDI,
+        "Load and attitude angle over the eccentricity.",
+        "0.7 % and 0.1 degrees on 240 x 31 cells, the discretisation error of that grid with the "
+        "rounding of the reference; short: 2 % and 0.4 degrees on 120 x 21.",
+        _raimondi,
+    ),
+    Claim(
+        "butenschoen_rotation",
+        BUTENSCHOEN,
+        "Load and side flow in pure rotation.",
+        "0.7 % on 240 x 31 cells; short: 2 % on 120 x 21.",
+        _butenschoen,
+    ),
+    Claim(
+        "lund_thomsen_coefficients",
+        LUND,
+        "Eccentricity and eight dynamic coefficients.",
+        "Tables of three digits; 0.01 and 6 % plus 0.02 near zero.",
+        _lund,
+        1.0,
+    ),
+    Claim(
+        "elrod_groove",
+        ELROD,
+        "Force, friction and flow of a film that conserves mass.",
+        "1 % (a groove begins at grid nodes there, at its edges here), 0.5 %, 4 % (the reference "
+        "moves by 4.5 % between its grids).",
+        _elrod,
+        0.5,
+    ),
+    Claim(
+        "bertocchi_pocket",
+        BERTOCCHI,
+        "Pressure along the middle of a pocketed pad.",
+        "3 % of the peak; single digitised points are off by more.",
+        _bertocchi,
+    ),
+    Claim(
+        "comsol_pressure",
+        COMSOL,
+        "Pressure in the mid plane at 40 kN.",
+        "7 % of the peak, that of the digitisation.",
+        _comsol,
+    ),
+    Claim(
+        "pawar_eq_2_7",
+        PAWAR,
+        "mu = 0.04486 exp(-S/0.002681) + 0.01897 tanh(S/1.085) + 0.0006507.",
+        "20 % on level, minimum and slope: roughness and clearance are not published.",
+        _friction,
+        1.0,
+    ),
+)

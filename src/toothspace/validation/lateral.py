@@ -1,0 +1,229 @@
+"""Floating bearing of the fuel pump: position, films and nose pressure in the source's words."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+from toothspace.config import load_case
+from toothspace.core.status import Status
+from toothspace.core.types import Array
+from toothspace.studies.hysteresis import follow_pressures
+from toothspace.studies.lateral_points import LateralStudy
+from toothspace.studies.nose_pressure import solve_conditions
+from toothspace.validation.claim import (
+    Claim,
+    ComparedCurve,
+    Effort,
+    Evidence,
+    CurvePoints,
+    ValidationSource,
+    ComparedValue,
+    holds,
+)
+from toothspace.validation.resources import case_file
+
+SOURCE = ValidationSource(
+    "lateral_gap_friction",
+    "Position hysteresis of the floating bearing of a fuel pump",
+    "D. Thiagarajan, A. Vacca, S. Watkins, Mech. Syst. Signal Process. 129 (2019) 659-676.",
+    "The publication is normalised. Reference pressure 194 bar and speed 8500 rpm, gears, springs, "
+    "areas and grooves are reconstructed; the seal line (8.3 mm) is free.",
+)
+
+LARGEST_FILM = 4.0
+"""Mean film of a bearing that runs on its film; films of the source are of the order of 3. [um]"""
+
+MOVED = 0.05
+"""Change of position that counts as one. [um]"""
+
+_COARSE = ("run.film_grid=[84, 10]", "run.film_angles_per_pitch=4")
+
+
+@cache
+def _loop(name: str, effort: Effort) -> LateralStudy:
+    return follow_pressures(load_case(case_file(name), () if effort == "full" else _COARSE))
+
+
+@cache
+def _nose(effort: Effort) -> LateralStudy:
+    overrides = () if effort == "full" else _COARSE
+    return solve_conditions(load_case(case_file("nose_pressure"), overrides))
+
+
+def _films(study: LateralStudy) -> Array:
+    return np.array([float(np.mean(point.numbers.gaps)) for point in study.points]) * 1e6
+
+
+def _positions(study: LateralStudy) -> Array:
+    return np.array([point.numbers.position for point in study.points]) * 1e6
+
+
+def _curves(study: LateralStudy) -> tuple[ComparedCurve, ...]:
+    pressure = np.array(study.outlet_pressures) / 1e5
+    # a small offset keeps the way down apart when the curve is drawn over the pressure
+    return tuple(
+        ComparedCurve(
+            f"{name}, way up then down",
+            "point along the loop",
+            f"{name} (um)",
+            CurvePoints(np.arange(pressure.size, dtype=float), values),
+        )
+        for name, values in (("position", _positions(study)), ("mean film", _films(study)))
+    )
+
+
+def _loop_values(study: LateralStudy) -> list[ComparedValue]:
+    films = _films(study)
+    return [
+        holds("all points found", study.status is Status.DONE, "seven points or five"),
+        ComparedValue(
+            "largest mean film",
+            float(films.max()),
+            "um",
+            0.0,
+            LARGEST_FILM,
+            None,
+            "of the order of 3 um",
+        ),
+    ]
+
+
+def _first_set(effort: Effort) -> Evidence:
+    study = _loop("hysteresis_055", effort)
+    films, positions = _films(study), _positions(study)
+    top = films.size // 2
+    up, down = films[: top + 1], films[top:][::-1]
+    values = _loop_values(study)
+    for k in range(top):
+        values.append(
+            ComparedValue(
+                f"film growth from step {k + 1} to {k + 2}",
+                float(up[k + 1] - up[k]),
+                "um",
+                1e-3,
+                words="film thickness increases with increasing pressure",
+            )
+        )
+        values.append(
+            ComparedValue(
+                f"second leg above first at step {k + 1}",
+                float(down[k] - up[k]),
+                "um",
+                1e-3,
+                words="gap heights of the second leg are higher at the same pressure",
+            )
+        )
+    loop = float(np.max(positions[top:][::-1] - positions[: top + 1]))
+    values.append(
+        ComparedValue("largest gap between the legs, position", loop, "um", MOVED, words="Fig. 22: a loop")
+    )
+    return Evidence(tuple(values), _curves(study))
+
+
+def _second_set(effort: Effort) -> Evidence:
+    study = _loop("hysteresis_078", effort)
+    positions = _positions(study)
+    top = positions.size // 2
+    values = _loop_values(study)
+    for k in range(top):
+        values.append(
+            ComparedValue(
+                f"rise of position from step {k + 1} to {k + 2}",
+                float(positions[k + 1] - positions[k]),
+                "um",
+                1e-3,
+                words="captures the trend of the bearing movement",
+            )
+        )
+    values.append(
+        ComparedValue(
+            "largest gap between the legs, position",
+            float(np.max(positions[top:][::-1] - positions[: top + 1])),
+            "um",
+            MOVED,
+            words="Fig. 23: a loop",
+        )
+    )
+    return Evidence(tuple(values), _curves(study))
+
+
+def _nose_pressure(effort: Effort) -> Evidence:
+    study = _nose(effort)
+    positions = _positions(study).reshape(3, -1)
+    ranges = np.ptp(positions, axis=1)
+    speed = float(abs(positions[0, 0] - positions[1, 0]))
+    share = np.linspace(0.0, 25.0, positions.shape[1])
+    curves = tuple(
+        ComparedCurve(
+            f"position at {name}", "nose pressure (% of outlet)", "position (um)", CurvePoints(share, row)
+        )
+        for name, row in zip(("OC1", "OC2", "OC3"), positions, strict=True)
+    )
+    words = "nose pressure relevant at OC1 and OC2"
+    return Evidence(
+        (
+            holds("all points found", study.status is Status.DONE, "fifteen points"),
+            ComparedValue(
+                "change over the nose pressure at OC1", float(ranges[0]), "um", MOVED, words=words
+            ),
+            ComparedValue(
+                "change over the nose pressure at OC2", float(ranges[1]), "um", MOVED, words=words
+            ),
+            ComparedValue(
+                "change over the nose pressure at OC3",
+                float(ranges[2]),
+                "um",
+                0.0,
+                MOVED,
+                words="no influence at the highest outlet pressure",
+            ),
+            ComparedValue(
+                "change by speed, OC1 to OC2",
+                speed,
+                "um",
+                0.0,
+                float(max(ranges[0], ranges[1], MOVED)),
+                words="speed is secondary",
+            ),
+        ),
+        curves,
+    )
+
+
+CLAIMS = (
+    Claim(
+        "fuel_pump_loop_055",
+        SOURCE,
+        "Section 4.2: film thickness increases with pressure, is "
+        "higher on the second leg at the same pressure, and the position shows a loop.",
+        "Sign alone; films at most 4 um, as those of the source are of the order of 3.",
+        _first_set,
+        10.0,
+    ),
+    Claim(
+        "fuel_pump_loop_078",
+        SOURCE,
+        "Section 4.3: the trend of the bearing movement.",
+        "Sign alone; films at most 4 um.",
+        _second_set,
+        8.0,
+    ),
+    Claim(
+        "fuel_pump_nose",
+        SOURCE,
+        "Section 4.4: nose pressure matters at OC1 and OC2, not at OC3; speed is secondary.",
+        "A move counts from 0.05 um on.",
+        _nose_pressure,
+        15.0,
+    ),
+    Claim(
+        "fuel_pump_loop_numbers",
+        SOURCE,
+        "Figs. 22 and 23: measured positions in normalised units.",
+        "The reference length and the zero of the sensor are not published, so that "
+        "heights cannot be compared.",
+        None,
+    ),
+)

@@ -1,0 +1,246 @@
+"""Reference machines within the ranges of catalogues and publications."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from toothspace import api
+from toothspace.validation.claim import Claim, ComparedCurve, Effort, Evidence, CurvePoints, ValidationSource, ComparedValue
+from toothspace.validation.resources import case_file
+
+GEAR_MACHINES = ValidationSource(
+    "gear_machine_ranges",
+    "Gear pump and motor of 5 cm3/rev",
+    "Makers' performance curves of aluminium gear pumps and motors, groups 1 and 2 (Casappa "
+    "Polaris, DCAT 033; Bosch Rexroth AZPB, AZPF, AZMF): hydromechanical efficiency 0.88 to 0.93, "
+    "volumetric 0.93 to 0.99 at 1500 rpm, 200 bar, oil up to 80 degC. N. D. Manring, S. B. "
+    "Kasaragadda, J. Dyn. Sys. Meas. Control 125 (2003) 396-404: kinematic flow ripple.",
+    "Reconstruction from published main dimensions; backlash by ISO/TR 10064-2.",
+)
+FUEL_PUMP = ValidationSource(
+    "fuel_pump_ranges",
+    "Fuel pump of 43 cm3/rev",
+    "D. Thiagarajan, A. Vacca, S. Watkins, Mech. Syst. Signal Process. 129 (2019) 659-676 (main "
+    "dimensions, conditions); N. D. Manring, S. B. Kasaragadda (2003): kinematic flow ripple.",
+    "Reconstruction from published main dimensions; backlash by ISO/TR 10064-2.",
+)
+GEROTORS = ValidationSource(
+    "gerotor_ranges",
+    "Gerotor pumps of 5.6 and 6.2 cm3/rev",
+    "J. S. Cundiff, Fluid Power Circuits and Controls, 2001, chapter 4: measured volumetric "
+    "efficiency of a gerotor pump, 0.92 at 34 bar, 0.85 to 0.90 below 100 bar.",
+    "Own designs.",
+)
+MEASURED = ValidationSource(
+    "measured_machines",
+    "Measured machines with published dimensions",
+    "F. Zardin, E. Natali, M. Borghi, Energies 12 (2019) 2468; Actuators 15 (2026) 56.",
+)
+
+PEAK_LIMIT = 1.5
+DRAIN_LIMIT = 80.0
+_VAPOUR = 0.1
+
+
+@cache
+def _numbers(case: str, *overrides: str) -> dict[str, Any]:
+    return dict(api.simulate(api.load_case(case_file(case), overrides)).summary())
+
+
+def _machine(case: str, effort: Effort) -> dict[str, Any]:
+    short = ("run.samples_per_revolution=360",) if effort == "short" else ()
+    return _numbers(case, *short)
+
+
+def _efficiencies(numbers: dict[str, Any], ranges: dict[str, tuple[float, float]]) -> list[ComparedValue]:
+    return [
+        ComparedValue(
+            name.replace("_", " "), float(numbers[name]), "-", low, high, words=f"{low} to {high}"
+        )
+        for name, (low, high) in ranges.items()
+    ]
+
+
+def _pressures(numbers: dict[str, Any], *, fed: bool) -> list[ComparedValue]:
+    high = max(float(numbers["inlet_pressure_bar"]), float(numbers["outlet_pressure_bar"]))
+    found = [
+        ComparedValue(
+            "highest over working pressure",
+            float(numbers["max_chamber_pressure_bar"]) / high,
+            "-",
+            0.0,
+            PEAK_LIMIT,
+            words="relieved trapped volume",
+        )
+    ]
+    if fed:
+        found.append(
+            ComparedValue(
+                "lowest pressure of a space",
+                float(numbers["min_chamber_pressure_bar"]),
+                "bar",
+                _VAPOUR,
+                words="no vapour where the inlet is fed",
+            )
+        )
+    return found
+
+
+def _temperature(numbers: dict[str, Any]) -> ComparedValue:
+    return ComparedValue(
+        "drain temperature",
+        float(numbers["drain_temperature_degC"]),
+        "degC",
+        0.0,
+        DRAIN_LIMIT,
+        words="oil up to 80 degC",
+    )
+
+
+def _ripple(numbers: dict[str, Any], kinematic: float) -> ComparedValue:
+    return ComparedValue(
+        "flow ripple",
+        float(numbers["flow_ripple_percent"]),
+        "%",
+        0.5 * kinematic,
+        1.5 * kinematic,
+        kinematic,
+        "kinematic ripple of single-flank sealing",
+    )
+
+
+def _egm12(case: str, effort: Effort) -> Evidence:
+    numbers = _machine(case, effort)
+    ranges = {"volumetric_efficiency": (0.93, 0.99), "hydromechanical_efficiency": (0.88, 0.93)}
+    # a motor's return line feeds its spaces; the pump draws from a tank at 1 bar
+    parts = _efficiencies(numbers, ranges) + _pressures(numbers, fed=case == "egm12_motor")
+    return Evidence((*parts, _ripple(numbers, 15.7), _temperature(numbers)))
+
+
+def _motor(effort: Effort) -> Evidence:
+    return _egm12("egm12_motor", effort)
+
+
+def _pump(effort: Effort) -> Evidence:
+    return _egm12("egm12_pump", effort)
+
+
+def _fuel(effort: Effort) -> Evidence:
+    numbers = _machine("fuel14_pump", effort)
+    return Evidence((*_pressures(numbers, fed=True), _ripple(numbers, 14.0), _temperature(numbers)))
+
+
+def _gerotor(case: str, low: float, high: float, effort: Effort) -> Evidence:
+    numbers = _machine(case, effort)
+    parts = _efficiencies(numbers, {"volumetric_efficiency": (low, high)})
+    return Evidence((*parts, *_pressures(numbers, fed=False), _temperature(numbers)))
+
+
+def _trochoidal(effort: Effort) -> Evidence:
+    return _gerotor("gerotor_trochoidal", 0.90, 0.97, effort)
+
+
+def _cycloidal(effort: Effort) -> Evidence:
+    return _gerotor("gerotor_cycloidal", 0.85, 0.93, effort)
+
+
+def _map(effort: Effort) -> Evidence:
+    pressures = (20.0, 60.0, 140.0, 260.0) if effort == "full" else (20.0, 260.0)
+    speeds = (500.0, 1500.0, 3000.0) if effort == "full" else (1500.0, 3000.0)
+    values, curves = [], []
+    for speed in speeds:
+        found = [_map_point(speed, pressure) for pressure in pressures]
+        values += [
+            ComparedValue(
+                f"overall efficiency at {speed:g} rpm, {p:g} bar",
+                e,
+                "-",
+                1e-3,
+                1.0,
+                words="the motor turns its load",
+            )
+            for p, e in zip(pressures, found, strict=True)
+        ]
+        curves.append(
+            ComparedCurve(
+                f"Overall efficiency at {speed:g} rpm",
+                "pressure difference (bar)",
+                "efficiency",
+                CurvePoints(np.array(pressures), np.array(found)),
+            )
+        )
+    return Evidence(tuple(values), tuple(curves))
+
+
+def _map_point(speed: float, difference: float) -> float:
+    numbers = _numbers(
+        "egm12_motor",
+        f'operating_point.shaft_speed="{speed} rpm"',
+        f'operating_point.inlet_pressure="{difference + 1.0} bar"',
+        "run.samples_per_revolution=360",
+    )
+    return float(numbers["overall_efficiency"])
+
+
+_RANGES = (
+    "Ranges as published; peak below 1.5 times the working pressure; kinematic ripple within a "
+    "half of itself, as trapping and leakage add to it."
+)
+CLAIMS = (
+    Claim(
+        "egm12_motor",
+        GEAR_MACHINES,
+        "Efficiencies, trapped peak, ripple and temperature of the motor at 1500 rpm, 200 bar.",
+        _RANGES,
+        _motor,
+        0.3,
+    ),
+    Claim("egm12_pump", GEAR_MACHINES, "The same of the pump.", _RANGES, _pump, 0.3),
+    Claim(
+        "egm12_map",
+        GEAR_MACHINES,
+        "The motor turns its load from 20 to 260 bar and 500 to 3000 rpm.",
+        "Sign alone.",
+        _map,
+        1.0,
+    ),
+    Claim(
+        "fuel14_pump",
+        FUEL_PUMP,
+        "Trapped peak, vapour, ripple and temperature at 4675 rpm, 77.6 bar.",
+        _RANGES,
+        _fuel,
+        0.5,
+    ),
+    Claim(
+        "gerotor_trochoidal",
+        GEROTORS,
+        "Volumetric efficiency, peak and temperature at 2000 rpm, 20 bar.",
+        "0.02 round the measured pump, whose size differs.",
+        _trochoidal,
+    ),
+    Claim(
+        "gerotor_cycloidal",
+        GEROTORS,
+        "The same at 767 rpm, 40 bar.",
+        "Range published for pressures below 100 bar.",
+        _cycloidal,
+    ),
+    Claim(
+        "zardin_2019",
+        MEASURED,
+        "Losses of commercial pumps.",
+        "Gears, clearances and bearings are not published in full.",
+        None,
+    ),
+    Claim(
+        "actuators_2026",
+        MEASURED,
+        "Measured clearances and volumetric efficiency.",
+        "Tooth data and port timing are not published in full.",
+        None,
+    ),
+)

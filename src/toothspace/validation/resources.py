@@ -1,0 +1,61 @@
+"""Where reference data and cases lie, in a checkout and in an installed package."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import toothspace
+from toothspace.core.errors import CaseError
+from toothspace.core.types import Array
+
+_PACKAGE = Path(toothspace.__file__).resolve().parent
+
+
+def data_file(source: str, name: str = "reference.csv") -> Path:
+    """Return the file of published numbers of a source.
+
+    Parameters
+    ----------
+    source : str
+        Folder, by custom author and year.
+    name : str
+        File in that folder.
+    """
+    return _PACKAGE / "validation" / "data" / source / name
+
+
+def case_file(name: str) -> Path:
+    """Return a shipped case: beside the sources of a checkout, or in the installed package.
+
+    Parameters
+    ----------
+    name : str
+        Name without its ending.
+
+    Raises
+    ------
+    CaseError
+        If the installation has no such case.
+    """
+    places = (_PACKAGE.parents[1] / "cases", _PACKAGE / "cases")
+    for place in places:
+        path = place / f"{name}.toml"
+        if path.is_file():
+            return path
+    raise CaseError(f"validate: found no case {name!r}, allowed one of those in {places[-1]}")
+
+
+def columns(source: str, name: str = "reference.csv") -> dict[str, Array]:
+    """Read the numeric columns of a file of published numbers, by their heading."""
+    import csv
+
+    import numpy as np
+
+    rows = list(csv.reader(data_file(source, name).read_text(encoding="utf-8").splitlines()))
+    found = {}
+    for k, heading in enumerate(rows[0]):
+        try:
+            found[heading] = np.array([float(row[k].replace(",", ".")) for row in rows[1:]])
+        except ValueError:
+            continue
+    return found
