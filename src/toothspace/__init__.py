@@ -1,26 +1,29 @@
-"""Simulator of hydraulic gear machines: external gear pumps and motors, and gerotors.
+"""Simulator of hydraulic gear machines: external and internal gear pumps and motors, gerotors.
 
 >>> import toothspace as ts
 >>> case = ts.load_case("cases/egm12_motor.toml")  # doctest: +SKIP
 >>> solution = ts.simulate(case)  # doctest: +SKIP
 >>> solution.summary()["volumetric_efficiency"]  # doctest: +SKIP
+
+Names are imported on first use, so that the command line answers at once; type checkers read
+them from ``__init__.pyi``.
 """
 
-from __future__ import annotations
-
 import importlib
-from typing import Any
 
 __version__ = "0.1.0"
 
 _PUBLIC = {
-    "load_case": "toothspace.api",
-    "describe": "toothspace.api",
-    "simulate": "toothspace.api",
-    "simulate_all": "toothspace.api",
     "Case": "toothspace.case",
-    "Solution": "toothspace.results.solution",
-    "load_solution": "toothspace.results.io",
+    "load_case": "toothspace.case",
+    "describe": "toothspace.interactive",
+    "simulate": "toothspace.interactive",
+    "simulate_all": "toothspace.interactive",
+    "sweep": "toothspace.interactive",
+    "compare": "toothspace.interactive",
+    "Solution": "toothspace.interactive",
+    "load_solution": "toothspace.interactive",
+    "Quantity": "toothspace.core.units",
     "Status": "toothspace.core.status",
     "CaseError": "toothspace.core.errors",
     "GeometryError": "toothspace.core.errors",
@@ -31,10 +34,15 @@ _SUBPACKAGES = ("films",)
 __all__ = [*_PUBLIC, *_SUBPACKAGES, "__version__"]
 
 
-def __getattr__(name: str) -> Any:
-    """Import public names on first use, so that the command line answers at once."""
+def __getattr__(name: str) -> object:
+    """Import a public name on first use."""
     if name in _PUBLIC:
         return getattr(importlib.import_module(_PUBLIC[name]), name)
     if name in _SUBPACKAGES:
         return importlib.import_module(f"toothspace.{name}")
     raise AttributeError(f"module 'toothspace' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    """List the public names."""
+    return sorted(__all__)

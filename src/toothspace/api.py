@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from toothspace.case import Case
+from toothspace.case import Case, load_case
 from toothspace.case.fingerprint import fingerprint
 from toothspace.core.compiled import compile_seconds
 from toothspace.core.errors import CaseError
@@ -22,19 +22,6 @@ from toothspace.simulation.setup import Progress, Setup, fluid_of, known_pressur
 _KEPT_MACHINES = 4
 
 _machines: dict[str, MachineDescription] = {}
-
-
-def load_case(path: str | Path, overrides: Iterable[str] = ()) -> Case:
-    """Read a case file.
-
-    Raises
-    ------
-    CaseError
-        If the file asks for something impossible, in one line.
-    """
-    from toothspace.case import load_case as load
-
-    return load(Path(path), tuple(overrides))
 
 
 def describe(case: Case) -> MachineDescription:

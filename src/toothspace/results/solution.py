@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, final
+from typing import TYPE_CHECKING
 
 from toothspace.core.status import Status
 from toothspace.results import performance
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-@final
 @dataclass(frozen=True)
 class Solution:
     """Result of one run, complete or not.
@@ -51,9 +50,15 @@ class Solution:
     provenance: Mapping[str, str] = field(default_factory=dict)
     events: tuple[Event, ...] = ()
 
+    def __repr__(self) -> str:
+        samples = " x ".join(f"{name} {size}" for name, size in self.data.sizes.items())
+        title = self.provenance.get("title", "")
+        return f"<Solution {title!r}: {self.status.name.lower()}, {samples}>"
+
     def __getstate__(self) -> dict[str, object]:
         """State for another process, which cannot read what this one keeps on disk."""
-        return {**self.__dict__, "data": self.data.compute()}
+        kept = {entry.name: getattr(self, entry.name) for entry in fields(self)}
+        return {**kept, "data": self.data.compute()}
 
     def summary(self) -> dict[str, float | str]:
         """Return the summary numbers, with unit suffixes, status and wall time."""

@@ -1,0 +1,410 @@
+"""What a notebook or a script calls: cases in, solutions with figures and exports out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, final
+
+from toothspace import api
+from toothspace.case import Case, load_case
+from toothspace.case.study import SweepStudy
+from toothspace.core.errors import CaseError
+from toothspace.core.files import write_text
+from toothspace.model.description import MachineDescription
+from toothspace.results import io
+from toothspace.results import solution as results
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+    from toothspace.simulation.setup import Progress
+    from toothspace.studies.study import StudyResult
+
+_KEY_NUMBERS = 12
+
+
+@final
+class Solution(results.Solution):
+    """Result of one run with its figures, tables and report.
+
+    ``status``, ``data``, ``ledger``, ``statistics``, ``provenance``, ``events``, ``summary()`` and
+    ``save()`` are those of :class:`toothspace.results.solution.Solution`.
+    """
+
+    @cached_property
+    def description(self) -> MachineDescription | None:
+        """The machine, rebuilt from the case in the result; None if a file of it is gone."""
+        from toothspace.report.machine import machine_of
+
+        return machine_of(self)[0]
+
+    @property
+    def plot(self) -> Figures:
+        """Figures of the result, such as ``solution.plot.pressures()``."""
+        return Figures(self)
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return all samples as columns named ``variable`` or ``variable[label]``, SI units.
+
+        The index is the shaft angle [rad] or the time [s]; ``attrs["units"]`` holds the units.
+        """
+        import pandas as pd
+
+        axis = "time" if "time" in self.data.sizes else "shaft_angle"
+        columns: dict[str, Any] = {}
+        units: dict[str, str] = {}
+        for name, variable in self.data.data_vars.items():
+            if variable.dims[:1] != (axis,) or variable.ndim > 2:
+                continue
+            rest = variable.dims[1:]
+            labels = [f"[{label}]" for label in self._labels(rest[0])] if rest else [""]
+            for k, label in enumerate(labels):
+                columns[f"{name}{label}"] = variable.values[:, k] if rest else variable.values
+                units[f"{name}{label}"] = str(variable.attrs.get("units", "1"))
+        frame = pd.DataFrame(columns, index=pd.Index(self.data[axis].values, name=axis))
+        frame.attrs["units"] = units
+        return frame
+
+    def _labels(self, dimension: Any) -> list[Any]:
+        if dimension in self.data.coords:
+            return list(self.data[dimension].values.tolist())
+        return list(range(self.data.sizes[dimension]))
+
+    def to_csv(self, path: str | Path) -> Path:
+        """Write all samples as CSV, one column for each value, with ``name [unit]`` on top.
+
+        Parameters
+        ----------
+        path : str or Path
+            File to write.
+        """
+        frame = self.to_dataframe()
+        index = "s" if frame.index.name == "time" else "rad"
+        heads = [f"{name} [{unit}]" for name, unit in frame.attrs["units"].items()]
+        text = frame.to_csv(index_label=f"{frame.index.name} [{index}]", header=heads)
+        return write_text(Path(path), text)
+
+    def report(self, path: str | Path | None = None) -> Path:
+        """Write the HTML report and return its path.
+
+        Parameters
+        ----------
+        path : str or Path, optional
+            File to write; by default named after the case, in the current folder.
+        """
+        from toothspace.report import write_report
+
+        stem = Path(self.provenance.get("case_file") or "case").stem
+        return write_report(self, Path(f"{stem}.html") if path is None else path, self.description)
+
+    def _repr_html_(self) -> str:
+        from toothspace.plotting.style import figure_to_svg
+
+        rows = [
+            f"<tr><th style='text-align:left'>{escape(name)}</th><td>{_shown(value)}</td></tr>"
+            for name, value in list(self.summary().items())[:_KEY_NUMBERS]
+        ]
+        section = figure_to_svg(self.plot.section()) if "gear_section" in self.plot.names() else ""
+        head = escape(self.provenance.get("title", self.data.attrs.get("title", "")))
+        status = f"{self.status.name.lower()}: {self.status.value}"
+        table = f"<table>{''.join(rows)}</table>"
+        return f"<h4>{head}</h4><p>{escape(status)}</p>{table}<div>{section}</div>"
+
+
+def _shown(value: Any) -> str:
+    return f"{value:.5g}" if isinstance(value, float) else escape(str(value))
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Figures:
+    """Figures of a solution; each is an object of Matplotlib.
+
+    Raises
+    ------
+    CaseError
+        If the result cannot give the figure: the names of those it can are in the message.
+    """
+
+    solution: Solution
+
+    def names(self) -> list[str]:
+        """Return the names of the figures that the result can give."""
+        from toothspace.plotting.catalogue import available_figures
+
+        return [e.name for e in available_figures(self.solution, self.solution.description)]
+
+    def figure(self, name: str) -> Figure:
+        """Return the figure of a name."""
+        from toothspace.plotting.catalogue import available_figures
+
+        entries = available_figures(self.solution, self.solution.description)
+        for entry in entries:
+            if entry.name == name:
+                return entry.draw(self.solution, self.solution.description)
+        allowed = ", ".join(entry.name for entry in entries)
+        raise CaseError(f"figure: found {name!r}, allowed for this result {allowed}")
+
+    def section(self) -> Figure:
+        """Section of the machine, coloured by pressure."""
+        return self.figure("gear_section")
+
+    def pressures(self) -> Figure:
+        """Pressure of a chamber on its way round; over time where a run has a circuit."""
+        transient = "time" in self.solution.data.sizes
+        return self.figure("time_history" if transient else "chamber_pressure")
+
+    def ripple(self) -> Figure:
+        """Flow, pressure and torque over a turn, with their spectra."""
+        return self.figure("ripple")
+
+    def orbits(self) -> Figure:
+        """Path of the bodies inside their clearances."""
+        return self.figure("journal_orbits")
+
+    def forces(self) -> Figure:
+        """Pressure force on the bodies over a turn."""
+        return self.figure("force_polar")
+
+    def contacts(self) -> Figure:
+        """Contact forces of the teeth."""
+        rotors = "tooth_contact_forces" in self.names()
+        return self.figure("tooth_contact_forces" if rotors else "contact_forces")
+
+    def losses(self) -> Figure:
+        """Every loss of power."""
+        return self.figure("loss_bars")
+
+    def torques(self) -> Figure:
+        """Friction torque by mechanism."""
+        return self.figure("torque_breakdown")
+
+    def leakage(self) -> Figure:
+        """Leakage by path."""
+        return self.figure("leakage_by_path")
+
+    def wear(self) -> Figure:
+        """Depth that the gears cut into the casing."""
+        return self.figure("casing_wear")
+
+    def films(self) -> Figure:
+        """Lateral films: height, pressure and contact."""
+        return self.figure("lateral_films")
+
+    def volumes(self) -> Figure:
+        """Chamber volume and its derivative over the angle."""
+        return self.figure("volumes")
+
+    def openings(self) -> Figure:
+        """Open areas of a chamber over the angle."""
+        return self.figure("openings")
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Summary numbers of two results side by side.
+
+    Parameters
+    ----------
+    first, second : Solution
+        The results.
+    """
+
+    first: Solution
+    second: Solution
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return both values, their difference and its share of the first, by name."""
+        import pandas as pd
+
+        one, two = self.first.summary(), self.second.summary()
+        rows = {}
+        for name in (name for name in one if name in two):
+            a, b = one[name], two[name]
+            if isinstance(a, (int, float)) and isinstance(b, (int, float)):
+                share = (b - a) / abs(a) if a else float("nan")
+                rows[name] = (a, b, b - a, share)
+        columns = ["first", "second", "difference", "relative"]
+        return pd.DataFrame.from_dict(rows, orient="index", columns=columns)
+
+    def keys(self) -> dict[str, tuple[Any, Any]]:
+        """Return the keys in which the cases differ, with both values."""
+        one, two = (_leaves(_case_of(s).to_dict()) for s in (self.first, self.second))
+        names = [*one, *(name for name in two if name not in one)]
+        both = {name: (one.get(name), two.get(name)) for name in names}
+        return {name: values for name, values in both.items() if values[0] != values[1]}
+
+    def __repr__(self) -> str:
+        return f"<Comparison\n{self.to_dataframe().to_string(float_format='{:.5g}'.format)}>"
+
+    def _repr_html_(self) -> str:
+        keys = "".join(
+            f"<tr><th style='text-align:left'>{escape(name)}</th><td>{escape(str(a))}</td>"
+            f"<td>{escape(str(b))}</td></tr>"
+            for name, (a, b) in self.keys().items()
+        )
+        numbers = self.to_dataframe().to_html(float_format="{:.5g}".format)
+        return f"<table>{keys}</table>{numbers}"
+
+
+def _case_of(solution: results.Solution) -> Case:
+    folder = Path(solution.provenance.get("case_file", "")).parent
+    return Case.from_toml(solution.provenance.get("case_toml", ""), folder)
+
+
+def _leaves(tables: Mapping[str, Any], path: str = "") -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for name, value in tables.items():
+        if isinstance(value, Mapping):
+            found |= _leaves(value, f"{path}{name}.")
+        else:
+            found[f"{path}{name}"] = value
+    return found
+
+
+def _interactive(solution: results.Solution) -> Solution:
+    return Solution(**{f.name: getattr(solution, f.name) for f in fields(results.Solution)})
+
+
+def _as_case(case: Case | str | Path | Mapping[str, Any]) -> Case:
+    return case if isinstance(case, Case) else load_case(case)
+
+
+def describe(case: Case | str | Path) -> MachineDescription:
+    """Turn the machine of a case into its tables over the shaft angle.
+
+    Parameters
+    ----------
+    case : Case, str or Path
+        Case, or its file.
+    """
+    return api.describe(_as_case(case))
+
+
+def simulate(
+    case: Case | str | Path | Mapping[str, Any], progress: Progress | None = None, **overrides: Any
+) -> Solution:
+    """Run a case; a numerical failure is a status of the solution.
+
+    Parameters
+    ----------
+    case : Case, str, Path or mapping
+        Case, its file or its tables.
+    progress : callable, optional
+        Called with the finished share and a short text.
+    **overrides : object
+        Values of key paths as for :meth:`toothspace.Case.replace`, two underscores for the dot:
+        ``operating_point__shaft_speed="2000 rpm"``.
+
+    Raises
+    ------
+    CaseError
+        If the case asks for the impossible.
+
+    Examples
+    --------
+    >>> import toothspace as ts
+    >>> ts.simulate("cases/egm12_pump.toml", run__fidelity="ideal")  # doctest: +SKIP
+    """
+    given = _as_case(case)
+    if overrides:
+        values = {name.replace("__", "."): value for name, value in overrides.items()}
+        given = given.replace(values)
+    return _interactive(api.simulate(given, progress=progress))
+
+
+def simulate_all(
+    cases: Iterable[Case | str | Path], workers: int = 1
+) -> list[Solution | Exception]:
+    """Run several cases; a case that cannot run is returned as its exception.
+
+    Parameters
+    ----------
+    cases : iterable of Case, str or Path
+        Cases or their files.
+    workers : int
+        Processes.
+    """
+    found = api.simulate_all([_as_case(case) for case in cases], workers)
+    return [one if isinstance(one, Exception) else _interactive(one) for one in found]
+
+
+def load_solution(path: str | Path) -> Solution:
+    """Read a result file.
+
+    Parameters
+    ----------
+    path : str or Path
+        NetCDF file of ``Solution.save`` or ``toothspace run``.
+
+    Raises
+    ------
+    CaseError
+        If it is no such file.
+    """
+    return _interactive(io.load_solution(path))
+
+
+def compare(
+    first: results.Solution | str | Path, second: results.Solution | str | Path
+) -> Comparison:
+    """Put two results side by side.
+
+    Parameters
+    ----------
+    first, second : Solution, str or Path
+        Results, or their files.
+    """
+
+    def solution(given: results.Solution | str | Path) -> Solution:
+        if isinstance(given, Solution):
+            return given
+        return _interactive(given) if isinstance(given, results.Solution) else load_solution(given)
+
+    return Comparison(solution(first), solution(second))
+
+
+def sweep(
+    case: Case | str | Path,
+    vary: Mapping[str, Any],
+    *,
+    workers: int = 1,
+    folder: str | Path | None = None,
+    progress: Progress | None = None,
+) -> StudyResult:
+    """Run a case at all combinations of values; the last key runs fastest.
+
+    Parameters
+    ----------
+    case : Case, str or Path
+        Case with an operating point or a circuit; its own study does not count.
+    vary : mapping of key path to values
+        Lists, or ``{"from": ..., "to": ..., "count": ...}``; values as in a case file.
+    workers : int
+        Processes.
+    folder : str or Path, optional
+        Folder of the results; finished points found there are not run again.
+    progress : callable, optional
+        Called with the finished share and a short text.
+
+    Returns
+    -------
+    StudyResult
+        Summary numbers over ``point`` in ``data``.
+
+    Raises
+    ------
+    CaseError
+        If no point can be run.
+    """
+    from toothspace.studies.registry import run_study
+
+    study = replace(_as_case(case), study=SweepStudy(vary=vary))
+    resume = folder is not None and Path(folder).is_dir()
+    return run_study(study, folder, progress=progress, workers=workers, resume=resume)

@@ -1,0 +1,199 @@
+"""What notebooks and scripts call, as the documentation shows it."""
+
+from __future__ import annotations
+
+import pickle
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import toothspace as ts
+from tests.fake_solution import fake_solution
+from tests.study_cases import answer
+from toothspace import api, interactive
+from toothspace.case import Case
+from toothspace.core.signals import read_columns
+from toothspace.results.solution import Solution as Result
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+MOTOR = REPOSITORY / "cases" / "egm12_motor.toml"
+
+USER_SCRIPT = """
+import toothspace as ts
+
+case: ts.Case = ts.load_case("motor.toml")
+faster = case.replace({"operating_point.shaft_speed": ts.Quantity(2000, "rpm")})
+solution = ts.simulate(faster)
+efficiency = solution.summary()["volumetric_efficiency"]
+solution.plot.pressures().savefig("pressures.png")
+solution.to_csv("samples.csv")
+page = solution.report("motor.html").read_text()
+numbers = ts.compare(solution, ts.simulate("motor.toml")).to_dataframe()
+study = ts.sweep(case, {"machine.gears.module": ["2.5 mm", "2.75 mm"]})
+again: ts.Case = ts.Case.from_dict(case.to_dict())
+film = ts.films.JournalBearing
+done: bool = solution.status is ts.Status.DONE
+"""
+
+
+@pytest.fixture
+def ran(monkeypatch: pytest.MonkeyPatch) -> list[Case]:
+    """Replace the simulation by a made-up result; the cases that it was asked for."""
+    seen: list[Case] = []
+
+    def simulate(case: Case, progress: object = None) -> Result:
+        seen.append(case)
+        return fake_solution()
+
+    monkeypatch.setattr(api, "simulate", simulate)
+    return seen
+
+
+@pytest.fixture
+def solution(ran: list[Case]) -> ts.Solution:
+    return ts.simulate(MOTOR)
+
+
+def test_names_are_listed_and_all_exist() -> None:
+    assert set(dir(ts)) >= {"Case", "simulate", "compare", "sweep", "Quantity", "films"}
+    assert all(getattr(ts, name) is not None for name in ts.__all__)
+    with pytest.raises(AttributeError, match="nonexistent"):
+        ts.nonexistent  # type: ignore[attr-defined]  # noqa: B018
+
+
+def test_importing_the_package_imports_nothing_heavy() -> None:
+    code = (
+        "import sys, toothspace; print([m for m in ('numpy', 'numba', 'pint') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_stub_names_what_the_package_has() -> None:
+    stub = (REPOSITORY / "src" / "toothspace" / "__init__.pyi").read_text(encoding="utf-8")
+    named = {line.rpartition(" as ")[2] for line in stub.splitlines() if " as " in line}
+    assert named | {"__version__"} == set(ts.__all__)
+
+
+@pytest.mark.parametrize(
+    ("text", "wrong"),
+    [
+        (USER_SCRIPT, ""),
+        ("import toothspace as ts\nts.nonexistent()\n", "has no attribute"),
+        ("import toothspace as ts\nts.simulate(3)\n", "incompatible type"),
+        ("import toothspace as ts\nts.load_case('a').repalce({})\n", "has no attribute"),
+    ],
+    ids=["right", "name", "type", "method"],
+)
+def test_type_checker_reads_a_script_of_a_user(text: str, wrong: str, tmp_path: Path) -> None:
+    pytest.importorskip("mypy")
+    script = tmp_path / "script.py"
+    script.write_text(text, encoding="utf-8")
+    options = [
+        "--strict",
+        "--follow-imports=silent",
+        "--cache-dir",
+        str(REPOSITORY / ".mypy_cache"),
+    ]
+    command = [sys.executable, "-m", "mypy", *options, "--config-file=", str(script)]
+    done = subprocess.run(
+        command, capture_output=True, text=True, cwd=tmp_path, check=False,
+        env={"MYPYPATH": str(REPOSITORY / "src"), "PATH": ""},
+    )  # fmt: skip
+    assert (done.returncode == 0) is (wrong == ""), done.stdout
+    assert wrong in done.stdout
+
+
+def test_simulate_takes_paths_tables_and_overrides(ran: list[Case]) -> None:
+    ts.simulate(MOTOR, operating_point__shaft_speed="2000 rpm", run__fidelity="ideal")
+    ts.simulate(str(MOTOR), **{"machine.gears.face_width": ts.Quantity(8, "mm")})
+    ts.simulate(ts.load_case(MOTOR).to_dict())
+    assert ran[0].run.fidelity == "ideal"
+    assert ran[0].value("operating_point.shaft_speed") == pytest.approx(209.4395, rel=1e-6)
+    assert ran[1].machine.gears.face_width == 8e-3
+    assert ran[2] == ts.load_case(MOTOR)
+    with pytest.raises(ts.CaseError, match="fidelty"):
+        ts.simulate(MOTOR, run__fidelty="ideal")
+
+
+def test_several_cases(ran: list[Case]) -> None:
+    found = ts.simulate_all([MOTOR, ts.load_case(MOTOR)])
+    assert all(isinstance(one, ts.Solution) for one in found)
+
+
+def test_solution_is_shown_short(solution: ts.Solution) -> None:
+    assert len(repr(solution)) < 200
+    assert "done" in repr(solution)
+    assert type(pickle.loads(pickle.dumps(solution))) is ts.Solution
+    page = solution._repr_html_()
+    assert "volumetric_efficiency" in page
+    assert len(page) < 2_000_000
+
+
+def test_figures_are_objects_of_the_library(solution: ts.Solution) -> None:
+    for draw in (
+        solution.plot.pressures,
+        solution.plot.ripple,
+        solution.plot.losses,
+        solution.plot.torques,
+        solution.plot.leakage,
+        solution.plot.orbits,
+        solution.plot.forces,
+    ):
+        assert isinstance(draw(), Figure)
+    assert "chamber_pressure" in solution.plot.names()
+    with pytest.raises(ts.CaseError, match="figure: found 'portrait', allowed for this result"):
+        solution.plot.figure("portrait")
+
+
+def test_samples_as_table_and_file(solution: ts.Solution, tmp_path: Path) -> None:
+    frame = solution.to_dataframe()
+    assert frame.index.name == "shaft_angle"
+    assert np.array_equal(frame["shaft_torque"], solution.data["shaft_torque"])
+    assert any(name.startswith("chamber_pressure[") for name in frame.columns)
+    assert frame.attrs["units"]["shaft_torque"] == "N m"
+    file = solution.to_csv(tmp_path / "samples.csv")
+    columns = read_columns(file, {"shaft_angle": "rad", "shaft_torque": "N m"})
+    assert columns["shaft_torque"] == pytest.approx(frame["shaft_torque"].to_numpy(), rel=1e-12)
+
+
+def test_report_and_file(solution: ts.Solution, tmp_path: Path) -> None:
+    assert solution.report(tmp_path / "page.html").read_text(encoding="utf-8").startswith("<!")
+    again = ts.load_solution(solution.save(tmp_path / "result.nc"))
+    assert type(again) is ts.Solution
+    assert again.summary() == pytest.approx(solution.summary(), nan_ok=True)
+
+
+def test_two_results_side_by_side(solution: ts.Solution) -> None:
+    case = ts.load_case(MOTOR)
+    wide = case.replace({"machine.gears.face_width": "9 mm"})
+
+    def of(given: Case) -> interactive.Solution:
+        texts = {"case_toml": given.to_toml(), "case_file": str(given.source)}
+        return interactive.Solution(
+            solution.status, solution.data, solution.ledger, solution.statistics,
+            {**solution.provenance, **texts},
+        )  # fmt: skip
+
+    comparison = ts.compare(of(case), of(wide))
+    assert comparison.keys()["machine.gears.face_width"][1] == "9 mm"
+    row = comparison.to_dataframe().loc["volumetric_efficiency"]
+    assert row["difference"] == 0.0
+    assert "face_width" in comparison._repr_html_()
+    assert "volumetric_efficiency" in repr(comparison)
+
+
+def test_sweep_over_keys(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Answer:
+        def __init__(self, case: Case) -> None:
+            self.summary = lambda: {**answer(case), "status": "done"}
+
+    monkeypatch.setattr(api, "simulate", Answer)
+    clearances = ["15 um", ts.Quantity(20, "um"), "30 um"]
+    result = ts.sweep(MOTOR, {"machine.casing.radial_clearance": clearances})
+    found = result.data["volumetric_efficiency"].values
+    assert found == pytest.approx([1.0 - 1e-4 * c**2 for c in (15.0, 20.0, 30.0)], rel=1e-9)
