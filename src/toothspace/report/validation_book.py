@@ -15,6 +15,7 @@ from xml.etree import ElementTree as ET
 import toothspace
 from toothspace.core.errors import CaseError
 from toothspace.core.files import write_text
+from toothspace.library import shipped_folder
 
 _TEMPLATES = Path(__file__).parent / "templates"
 _FOLDER = Path("tests") / "validation"
@@ -79,19 +80,19 @@ class Source:
 
 
 def find_validation(folder: Path | None = None) -> Path:
-    """Return the folder of the validation cases: given, here, or beside the package.
+    """Return the folder of the validation cases: given, here, or that of the package.
 
     Raises
     ------
     CaseError
-        If there is none: an installed package comes without its tests.
+        If there is none.
     """
-    beside = Path(toothspace.__file__).resolve().parents[2] / _FOLDER
-    candidates = [folder] if folder is not None else [Path.cwd() / _FOLDER, beside]
+    shipped = shipped_folder(_FOLDER.parts[0]) / _FOLDER.parts[1]
+    candidates = [folder] if folder is not None else [Path.cwd() / _FOLDER, shipped]
     for candidate in candidates:
         if list(candidate.glob("*/SOURCE.md")):
             return candidate
-    allowed = "a folder with */SOURCE.md, as tests/validation of a checkout of the sources"
+    allowed = "a folder with */SOURCE.md, as tests/validation of the package"
     raise CaseError(f"validate: found no validation cases in {candidates[-1]}, allowed {allowed}")
 
 
@@ -126,6 +127,8 @@ def run_validation(folder: Path, selection: str = "") -> list[Source]:
         command = [
             sys.executable, "-m", "pytest", "-q", "-m", "slow or not slow",
             "-p", "no:cacheprovider", f"--junitxml={report}", "-o", "junit_family=xunit1",
+            "--import-mode=importlib", f"--rootdir={_root(folder)}",
+            "-o", f"pythonpath={_root(folder)}",
             *map(str, chosen),
         ]  # fmt: skip
         run = subprocess.run(command, cwd=_root(folder), capture_output=True, text=True)
@@ -176,11 +179,12 @@ def summary_of(sources: Sequence[Source]) -> dict[str, Any]:
 
 
 def _root(folder: Path) -> Path:
-    """Folder with the settings of the tests, above the validation cases."""
+    """Folder with the settings of the tests, or the one that the tests lie in."""
     for parent in folder.resolve().parents:
         if (parent / "pyproject.toml").is_file():
             return parent
-    return folder
+    inside = folder.resolve().parts[-2:] == _FOLDER.parts
+    return folder.resolve().parents[1] if inside else folder
 
 
 def _checks(report: Path) -> Mapping[str, tuple[Check, ...]]:
