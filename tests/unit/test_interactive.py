@@ -17,7 +17,6 @@ from tests.study_cases import answer
 from toothspace import api, interactive
 from toothspace.case import Case
 from toothspace.core.signals import read_columns
-from toothspace.results.io import save_solution
 from toothspace.results.solution import Solution as Result
 
 REPOSITORY = Path(__file__).resolve().parents[2]
@@ -164,7 +163,7 @@ def test_samples_as_table_and_file(solution: ts.Solution, tmp_path: Path) -> Non
 
 def test_report_and_file(solution: ts.Solution, tmp_path: Path) -> None:
     assert solution.report(tmp_path / "page.html").read_text(encoding="utf-8").startswith("<!")
-    again = ts.load_solution(save_solution(solution, tmp_path / "result.nc"))
+    again = ts.load_solution(solution.save(tmp_path / "result.nc"))
     assert type(again) is ts.Solution
     assert again.summary() == pytest.approx(solution.summary(), nan_ok=True)
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from toothspace.case.shipped import shipped_case
 from toothspace.cli import main
 from toothspace.core.errors import CaseError, ToothspaceError
 from toothspace.report.validation_book import summary_of, write_book
@@ -16,17 +17,19 @@ from toothspace.validation import book
 from toothspace.validation.claim import (
     Claim,
     ComparedCurve,
+    ComparedValue,
+    CurvePoints,
     Effort,
     Evidence,
-    CurvePoints,
     ValidationSource,
-    ComparedValue,
     close,
     holds,
 )
-from toothspace.validation.resources import case_file, columns
+from toothspace.validation.resources import columns
 
-SOURCE = ValidationSource("galilei_1638", "Fall of a stone", "G. Galilei, Discorsi (1638), third day.")
+SOURCE = ValidationSource(
+    "galilei_1638", "Fall of a stone", "G. Galilei, Discorsi (1638), third day."
+)
 TIME = np.array([1.0, 2.0, 3.0])
 
 
@@ -35,7 +38,16 @@ def _fall(gravity: float, margin: float):
         ours, published = 0.5 * gravity * TIME**2, 4.9 * TIME**2
         return Evidence(
             (close("way after 1 s", float(ours[0]), 4.9, "m", rel=0.01),),
-            (ComparedCurve("Way", "time (s)", "way (m)", CurvePoints(TIME, ours), CurvePoints(TIME, published), margin),),
+            (
+                ComparedCurve(
+                    "Way",
+                    "time (s)",
+                    "way (m)",
+                    CurvePoints(TIME, ours),
+                    CurvePoints(TIME, published),
+                    margin,
+                ),
+            ),
         )
 
     return measure
@@ -118,6 +130,6 @@ def test_claims_have_names_of_their_own_and_a_reason() -> None:
 
 def test_data_and_cases_are_found() -> None:
     assert columns("bertocchi_2013")["x"].size > 10
-    assert case_file("hysteresis_055").is_file()
+    assert shipped_case("hysteresis_055").is_file()
     with pytest.raises(CaseError, match="found no case 'newton'"):
-        case_file("newton")
+        shipped_case("newton")

@@ -7,6 +7,7 @@ case            the whole case: made, changed, written, hashed
 document        text of a file to tables with places, and tables to text
 overrides       values of key paths laid over tables
 rules           what several keys must fulfil together
+shipped         cases that come with the package
 json_schema     JSON Schema of all keys
 reference       reference page of all keys
 conditions      fluid, operating point, numerical settings of the run

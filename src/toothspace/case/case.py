@@ -24,6 +24,7 @@ from toothspace.case.document import (
 from toothspace.case.fingerprint import fingerprint
 from toothspace.case.overrides import CONDITIONS, split_override, with_values
 from toothspace.case.rules import broken_rules
+from toothspace.case.shipped import shipped_case
 from toothspace.case.stand_alone import FILMS, FilmTable, JournalBearingCase
 from toothspace.case.study import STUDIES
 from toothspace.core.errors import CaseError
@@ -323,7 +324,8 @@ def load_case(source: str | Path | Mapping[str, Any], overrides: Iterable[str] =
     Parameters
     ----------
     source : str, Path or mapping
-        TOML file, or tables as for :meth:`Case.from_dict`.
+        TOML file, name of a shipped case such as ``egm12_pump``, or tables as for
+        :meth:`Case.from_dict`.
     overrides : iterable of str
         ``key.path=value``, laid over the file before its values are read.
 
@@ -342,7 +344,9 @@ def load_case(source: str | Path | Mapping[str, Any], overrides: Iterable[str] =
         document, path = Document("case", dict(source)), None
     else:
         path = Path(source)
-        document = read_document(path, str(source))
+        if not path.suffix and path.name == str(source) and not path.exists():
+            path = shipped_case(path.name)
+        document = read_document(path, str(path) if path.name != str(source) else str(source))
     try:
         values = [split_override(override) for override in given]
     except KeyRuleError as error:

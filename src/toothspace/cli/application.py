@@ -228,6 +228,28 @@ def validate(
 
 
 @application.command()
+def init(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Shipped case, see 'cases'.")],
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Where to.")] = Path(),
+    force: Force = False,
+) -> int:
+    """Start from a shipped case: copy it with the files that it names."""
+    return commands.init(name, folder, force=force)
+
+
+@application.command()
+def cases(as_json: Json = False) -> int:
+    """List the shipped cases, which 'run' and 'init' know by name."""
+    return commands.cases(as_json=as_json)
+
+
+@application.command()
+def fluids(as_json: Json = False) -> int:
+    """List the fluids of the library."""
+    return commands.fluids(as_json=as_json)
+
+
+@application.command()
 def warmup(as_json: Json = False) -> int:
     """Compile everything that runs need, once, so that the first run starts at once."""
     return commands.warmup(as_json=as_json)

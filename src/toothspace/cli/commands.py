@@ -438,6 +438,37 @@ def warmup(*, as_json: bool) -> int:
     return 0
 
 
+def init(name: str, folder: Path, *, force: bool = False) -> int:
+    """Copy a shipped case with its files; returns the exit code."""
+    from toothspace.case.shipped import copy_case
+
+    written = copy_case(name, folder, replace=force)
+    for path in written:
+        output.message(f"Written: {path}")
+    output.message(f"Next: toothspace run {written[0]}")
+    return 0
+
+
+def cases(*, as_json: bool) -> int:
+    """List the shipped cases; returns the exit code."""
+    from toothspace.case.shipped import shipped_cases
+
+    output.write(shipped_cases(), as_json=as_json)
+    return 0
+
+
+def fluids(*, as_json: bool) -> int:
+    """List the fluids of the library with their range of temperature; returns the exit code."""
+    from toothspace.library import library_names, load_fluid
+
+    found = {}
+    for name in library_names("fluids"):
+        low, high = load_fluid(name)["temperature_range_degC"]
+        found[name] = f"{load_fluid(name)['title']}, {low:g} to {high:g} degC"
+    output.write(found, as_json=as_json)
+    return 0
+
+
 def schema() -> int:
     """Print the JSON Schema of the case file; returns the exit code."""
     from toothspace.case.json_schema import case_schema

@@ -14,9 +14,20 @@ from __future__ import annotations
 import tomllib
 from functools import cache
 from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 from toothspace.core.errors import CaseError
+
+
+def shipped_folder(name: str) -> Path:
+    """Return the folder ``cases`` or ``tests`` that comes with the package.
+
+    It lies within an installed package, and at the root of a checkout.
+    """
+    package = Path(__file__).resolve().parents[1]
+    inside = package / "shipped" / name
+    return inside if inside.is_dir() else package.parents[1] / name
 
 
 def library_names(kind: str) -> list[str]:

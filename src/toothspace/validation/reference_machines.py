@@ -8,8 +8,16 @@ from typing import Any
 import numpy as np
 
 from toothspace import api
-from toothspace.validation.claim import Claim, ComparedCurve, Effort, Evidence, CurvePoints, ValidationSource, ComparedValue
-from toothspace.validation.resources import case_file
+from toothspace.case.shipped import shipped_case
+from toothspace.validation.claim import (
+    Claim,
+    ComparedCurve,
+    ComparedValue,
+    CurvePoints,
+    Effort,
+    Evidence,
+    ValidationSource,
+)
 
 GEAR_MACHINES = ValidationSource(
     "gear_machine_ranges",
@@ -47,7 +55,7 @@ _VAPOUR = 0.1
 
 @cache
 def _numbers(case: str, *overrides: str) -> dict[str, Any]:
-    return dict(api.simulate(api.load_case(case_file(case), overrides)).summary())
+    return dict(api.simulate(api.load_case(shipped_case(case), overrides)).summary())
 
 
 def _machine(case: str, effort: Effort) -> dict[str, Any]:
@@ -55,7 +63,9 @@ def _machine(case: str, effort: Effort) -> dict[str, Any]:
     return _numbers(case, *short)
 
 
-def _efficiencies(numbers: dict[str, Any], ranges: dict[str, tuple[float, float]]) -> list[ComparedValue]:
+def _efficiencies(
+    numbers: dict[str, Any], ranges: dict[str, tuple[float, float]]
+) -> list[ComparedValue]:
     return [
         ComparedValue(
             name.replace("_", " "), float(numbers[name]), "-", low, high, words=f"{low} to {high}"

@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import toothspace
-from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
 
 _PACKAGE = Path(toothspace.__file__).resolve().parent
@@ -22,27 +21,6 @@ def data_file(source: str, name: str = "reference.csv") -> Path:
         File in that folder.
     """
     return _PACKAGE / "validation" / "data" / source / name
-
-
-def case_file(name: str) -> Path:
-    """Return a shipped case: beside the sources of a checkout, or in the installed package.
-
-    Parameters
-    ----------
-    name : str
-        Name without its ending.
-
-    Raises
-    ------
-    CaseError
-        If the installation has no such case.
-    """
-    places = (_PACKAGE.parents[1] / "cases", _PACKAGE / "cases")
-    for place in places:
-        path = place / f"{name}.toml"
-        if path.is_file():
-            return path
-    raise CaseError(f"validate: found no case {name!r}, allowed one of those in {places[-1]}")
 
 
 def columns(source: str, name: str = "reference.csv") -> dict[str, Array]:

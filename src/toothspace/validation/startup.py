@@ -7,9 +7,18 @@ from functools import cache
 import numpy as np
 
 from toothspace import api
+from toothspace.case.shipped import shipped_case
 from toothspace.results.solution import Solution
-from toothspace.validation.claim import Claim, ComparedCurve, Effort, Evidence, CurvePoints, ValidationSource, ComparedValue, close
-from toothspace.validation.resources import case_file
+from toothspace.validation.claim import (
+    Claim,
+    ComparedCurve,
+    ComparedValue,
+    CurvePoints,
+    Effort,
+    Evidence,
+    ValidationSource,
+    close,
+)
 
 SOURCE = ValidationSource(
     "motor_startup",
@@ -28,7 +37,7 @@ PUBLISHED_RATIO = 4.0
 def _cycle(case: str, effort: Effort) -> Solution:
     # the short version ends on the plateau, after the swings of the line
     overrides = ('circuit.duration="6 s"',) if effort == "short" else ()
-    return api.simulate(api.load_case(case_file(case), overrides))
+    return api.simulate(api.load_case(shipped_case(case), overrides))
 
 
 def _ratio(effort: Effort) -> Evidence:
@@ -55,7 +64,12 @@ def _over_time(solution: Solution) -> tuple[ComparedCurve, ...]:
     pressure = np.asarray(data["pressure_difference"]) / 1e5
     return (
         ComparedCurve("Fan speed over time", "time (s)", "speed (rpm)", CurvePoints(time, speed)),
-        ComparedCurve("Pressure difference over time", "time (s)", "pressure (bar)", CurvePoints(time, pressure)),
+        ComparedCurve(
+            "Pressure difference over time",
+            "time (s)",
+            "pressure (bar)",
+            CurvePoints(time, pressure),
+        ),
     )
 
 

@@ -1,0 +1,88 @@
+"""Cases that come with the package: listed, found by name, copied as a start."""
+
+from __future__ import annotations
+
+import difflib
+import shutil
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from toothspace.core.errors import CaseError
+from toothspace.library import shipped_folder
+
+
+def shipped_cases() -> dict[str, str]:
+    """Return the titles of all shipped cases by name."""
+    found = {}
+    for path in sorted(shipped_folder("cases").glob("*.toml")):
+        tables = tomllib.loads(path.read_text(encoding="utf-8"))
+        found[path.stem] = str(tables.get("title", ""))
+    return found
+
+
+def shipped_case(name: str) -> Path:
+    """Return the file of a shipped case.
+
+    Raises
+    ------
+    CaseError
+        If there is none of that name.
+    """
+    names = [path.stem for path in sorted(shipped_folder("cases").glob("*.toml"))]
+    if name not in names:
+        near = difflib.get_close_matches(name, names, n=1)
+        allowed = f"{near[0]} (did you mean that?)" if near else ", ".join(names)
+        raise CaseError(f"case: found {name!r}, allowed {allowed}")
+    return shipped_folder("cases") / f"{name}.toml"
+
+
+def copy_case(name: str, folder: Path, *, replace: bool = False) -> list[Path]:
+    """Copy a shipped case with the files that it names, its base included.
+
+    Parameters
+    ----------
+    name : str
+        Name of the case.
+    folder : Path
+        Where to; made if it is not there.
+    replace : bool
+        Whether files that exist are replaced.
+
+    Returns
+    -------
+    list of Path
+        The files written, the case first.
+
+    Raises
+    ------
+    CaseError
+        If there is no such case, or a file exists.
+    """
+    home = shipped_folder("cases")
+    sources = list(dict.fromkeys(_with_files(shipped_case(name))))
+    targets = [folder / source.relative_to(home) for source in sources]
+    for target in targets:
+        if target.exists() and not replace:
+            raise CaseError(f"{target}: found a file, allowed a new name, or --force to replace it")
+    for source, target in zip(sources, targets, strict=True):
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(source, target)
+    return targets
+
+
+def _with_files(path: Path) -> Iterator[Path]:
+    yield path
+    for text in _texts(tomllib.loads(path.read_text(encoding="utf-8"))):
+        named = path.parent / text
+        if "." in text and len(text) < 200 and named.is_file():
+            yield from _with_files(named) if named.suffix == ".toml" else [named]
+
+
+def _texts(value: Any) -> Iterator[str]:
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, (dict, list)):
+        for item in value.values() if isinstance(value, dict) else value:
+            yield from _texts(item)
