@@ -71,10 +71,9 @@ def test_public_names_are_made_of_known_words() -> None:
     assert not unknown, f"add a term to {GLOSSARY.name} or an ordinary word to {PLAIN.name}"
 
 
-def test_plain_words_are_in_order_and_in_use() -> None:
+def test_plain_words_are_in_order_and_no_terms() -> None:
     given = plain()
     assert given == sorted(set(given))
-    assert not set(given) - set(used())
     assert not set(given) & terms()
 
 
@@ -100,9 +99,12 @@ def test_an_unknown_word_is_seen() -> None:
 
 
 def test_no_class_name_stands_for_two_things() -> None:
+    """A class that extends one of its own name is the same thing with more to it."""
     places: dict[str, list[str]] = {}
     for source in SOURCES:
         for node in ast.walk(source.tree):
-            if isinstance(node, ast.ClassDef):
+            if not isinstance(node, ast.ClassDef):
+                continue
+            if node.name not in {ast.unparse(base).split(".")[-1] for base in node.bases}:
                 places.setdefault(node.name, []).append(source.label)
     assert not {name: found for name, found in places.items() if len(found) > 1}

@@ -258,7 +258,7 @@ def circuit_rows(
     drive: Array,
     schedules: tuple[Array, Array],
 ) -> tuple[Array, Array]:
-    """Rows of the elements and all schedules; tells the drive row where its own ones are.
+    """Rows of the elements and all schedules; the drive row learns where its own ones are.
 
     ``schedules`` are the prescribed shaft speed and the torque of the load over time.
     """

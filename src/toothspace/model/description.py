@@ -1,4 +1,4 @@
-"""The one seam: what a machine type tells the solver, as tables over angles.
+"""The one seam: what a machine type gives to the solver, as tables over angles.
 
 A machine type fills a :class:`MachineDescription`; model and solver see nothing else.
 

@@ -293,7 +293,7 @@ def solve_complementarity(
     Returns
     -------
     ComplementaritySolution
-        Fields and factored Jacobian. ``converged`` tells whether the active set settled.
+        Fields and factored Jacobian. ``converged`` says whether the active set settled.
 
     References
     ----------

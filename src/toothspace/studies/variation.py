@@ -48,11 +48,6 @@ class Axis:
     deviation: float = math.nan
     whole: bool = False
 
-    @property
-    def is_numeric(self) -> bool:
-        """Whether its values are numbers."""
-        return not any(isinstance(value, (str, bool)) for value in self.values)
-
     def written(self, number: Any) -> Any:
         """Return a value of the axis as it would stand in a case file."""
         if isinstance(number, (str, bool)):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -33,11 +32,11 @@ from toothspace.simulation.lateral.problem import (
 )
 from toothspace.simulation.lateral.torque import pressure_torque
 
-CLOSING = (0.28, 0.2, 0.14, 0.1, 0.07, 0.045, 0.03, 0.02, 0.01, 0.005)
+_CLOSING = (0.28, 0.2, 0.14, 0.1, 0.07, 0.045, 0.03, 0.02, 0.01, 0.005)
 """Closing forces that are added, over the force of the high-pressure area. [-]"""
-OPENING = (0.005, 0.01, 0.02)
+_OPENING = (0.005, 0.01, 0.02)
 """Opening forces that are added, over the force of the high-pressure area. [-]"""
-TILTING = (-0.006, -0.003, 0.0, 0.003, 0.006)
+_TILTING = (-0.006, -0.003, 0.0, 0.003, 0.006)
 """Moments that are added, over the force of the high-pressure area times the tip radius. [-]"""
 _START_GAP = 5e-6
 """Gap that the search begins with. [m]"""
@@ -87,8 +86,6 @@ def reduce_lateral(
     fluid: FluidLaw,
     run: LumpedRun,
     settings: LateralSettings,
-    loads: tuple[Sequence[float], Sequence[float], Sequence[float]] = (CLOSING, OPENING, TILTING),
-    progress: Callable[[float], None] | None = None,
 ) -> LateralReduction:
     """Solve the films in equilibrium at the pressures of a condition, with added loads.
 
@@ -102,11 +99,6 @@ def reduce_lateral(
         Lumped solution of a changed machine at the condition.
     settings : LateralSettings
         Grids and laws.
-    loads : tuple of sequences
-        Closing forces, opening forces and moments, over the force of the high-pressure area.
-        [-]
-    progress : callable, optional
-        Called with the finished share.
 
     Raises
     ------
@@ -127,16 +119,13 @@ def reduce_lateral(
     back = point.problem.loads.back
     load = axial_load(balance, point.problem.node_pressure)
     scale = balance.floating.high_pressure.area * (back.high - back.low)
-    closing, opening, tilting = loads
-    added = scale * np.concatenate([-np.sort(closing)[::-1], [0.0], np.sort(opening)])
+    added = scale * np.concatenate([-np.array(_CLOSING), [0.0], _OPENING])
     reach = balance.interfaces[0].face.outer_radius
-    tilts = np.sort(tilting) if balance.motion == "full" else np.zeros(1)
+    tilts = np.array(_TILTING) if balance.motion == "full" else np.zeros(1)
     turned = tilts * scale * reach
     table = np.full((5, added.size, turned.size), np.nan)
     for j, moment in enumerate(turned):
         table[:, :, j] = _column(point, fluid, added, float(moment))
-        if progress:
-            progress((j + 1) / turned.size)
     found = (table[3] > 0.0) & (point.status is Status.DONE)
     kept = found.all(axis=1) | (added <= 0.0)
     torque = lateral_torque_coefficient(description) * fluid.dynamic_viscosity
