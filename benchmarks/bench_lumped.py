@@ -20,10 +20,14 @@ from typing import Any
 
 import numba
 import numpy as np
-from numba.experimental import jitclass
+from llvmlite import ir
+from numba.core import types
+from numba.extending import intrinsic
 from scipy.integrate import solve_ivp
 
 from toothspace import api
+from toothspace.core.compilation.records import RecordAddress, pack
+from toothspace.core.compiled import njit
 from toothspace.model.assembly import System, assemble
 from toothspace.model.jacobian import jacobian
 from toothspace.model.system import error_weights, right_hand_side
@@ -78,26 +82,28 @@ class Problem:
         return int(self.system.arrays.size.core)
 
     def _bind(self) -> None:
-        # a box passes the arrays to compiled code as one pointer
-        box_type = jitclass([("arrays", numba.typeof(self.system.arrays))])(_Box)
-        self.box = box_type(self.system.arrays)
+        arrays = self.system.arrays
+        self.compiled = compiled_callbacks(numba.typeof(arrays))
+        # written once: packing the record at every call would cost more than the call
+        self._block = np.frombuffer(pack(arrays, "=" + numba.typeof(arrays).format), np.uint8)
+        self.address = self._block.ctypes.data
         self.full = self.start.copy()
         self.rate = np.zeros_like(self.full)
         self.matrix = np.zeros((self.full.size, self.core))
 
     def rates(self, t: float, y: Any, out: Any) -> None:
         """Rates of the core states."""
-        _rates(t, y, self.box, self.full, self.rate, out)
+        self.compiled.rates(t, y, self.address, self.full, self.rate, out)
 
     def slopes(self, t: float, y: Any, out: Any) -> None:
         """Jacobian of the core states."""
-        _slopes(t, y, self.box, self.full, self.matrix, out)
+        self.compiled.slopes(t, y, self.address, self.full, self.matrix, out)
 
     def _mean_weights(self, states: Any) -> Any:
         logarithms = []
         for state in states[::10]:
             one = np.empty(self.core)
-            _weights(0.0, state, self.box, one)
+            self.compiled.weights(0.0, state, self.address, one)
             logarithms.append(np.log(one))
         return np.exp(np.mean(logarithms, axis=0)) / self.condition.relative_tolerance
 
@@ -118,28 +124,42 @@ Run = tuple[float, Any, int, int]
 """Time [s], core states at the samples, right-hand sides, Jacobians."""
 
 
-class _Box:
-    def __init__(self, arrays):  # type: ignore[no-untyped-def]
-        self.arrays = arrays
+@dataclass(frozen=True)
+class Callbacks:
+    """Right-hand side, Jacobian and error weights as compiled functions of a record's address."""
+
+    rates: Callable[..., None]
+    slopes: Callable[..., None]
+    weights: Callable[..., None]
 
 
-@numba.njit
-def _rates(t, y, box, full, rate, out):  # type: ignore[no-untyped-def]
-    full[: y.size] = y
-    right_hand_side(t, full, box.arrays, rate)
-    out[:] = rate[: y.size]
+def compiled_callbacks(kind: RecordAddress) -> Callbacks:
+    """Callbacks for systems of one type."""
 
+    @intrinsic
+    def record(context, address):  # type: ignore[no-untyped-def]
+        def generate(context, builder, signature, values):  # type: ignore[no-untyped-def]
+            return builder.inttoptr(values[0], ir.IntType(8).as_pointer())
 
-@numba.njit
-def _slopes(t, y, box, full, matrix, out):  # type: ignore[no-untyped-def]
-    full[: y.size] = y
-    jacobian(t, full, box.arrays, matrix)
-    out[:, :] = matrix[: y.size, :]
+        return kind(types.int64), generate
 
+    @njit
+    def rates(t, y, address, full, rate, out):  # type: ignore[no-untyped-def]
+        full[: y.size] = y
+        right_hand_side(t, full, record(address), rate)
+        out[:] = rate[: y.size]
 
-@numba.njit
-def _weights(t, y, box, out):  # type: ignore[no-untyped-def]
-    error_weights(t, y, box.arrays, out)
+    @njit
+    def slopes(t, y, address, full, matrix, out):  # type: ignore[no-untyped-def]
+        full[: y.size] = y
+        jacobian(t, full, record(address), matrix)
+        out[:, :] = matrix[: y.size, :]
+
+    @njit
+    def weights(t, y, address, out):  # type: ignore[no-untyped-def]
+        error_weights(t, y, record(address), out)
+
+    return Callbacks(rates, slopes, weights)
 
 
 def run_package(problem: Problem, tolerance: float) -> Run:

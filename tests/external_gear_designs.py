@@ -1,4 +1,4 @@
-"""Reference designs 13a (12 teeth) and 13b (14 teeth) as parameters of the machine type."""
+"""Two external gear machines with 12 and 14 teeth as parameters of the machine type."""
 
 from __future__ import annotations
 

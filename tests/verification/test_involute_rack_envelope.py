@@ -62,7 +62,8 @@ def test_brute_force_rack_sees_a_wrong_fillet():
 
 
 def test_undercut_begins_at_the_limit_of_profile_shift():
-    # PHYSICS reference design a: limit 0.298 for 12 teeth, 20 deg, tip radius 0.38
+    # z sin^2(alpha) / 2 reached by the straight part of the rack: 1.25 - 0.38 (1 - sin(alpha))
+    # less 12 sin^2(20 deg) / 2 is 0.298; Litvin and Fuentes, Gear Geometry, 2004, chapter 10
     limit = GEARS["reference motor"].smallest_shift_without_undercut
     assert limit == pytest.approx(0.298, abs=5e-4)
     above = InvoluteGear(12, 2.75e-3, np.deg2rad(20.0), limit + 1e-4)

@@ -93,7 +93,7 @@ def fuel_pump():
 
 
 def test_motor_of_4_95_cm3(motor):
-    # expected: PHYSICS 13a
+    # by hand from the equations of ISO 21771:2007; rack with a dedendum of 1.25 modules
     assert motor.drive.base_radius * 1e3 == pytest.approx(15.505, abs=1e-3)
     assert motor.center_distance * 1e3 == pytest.approx(34.465, abs=1e-3)
     assert np.rad2deg(motor.operating_pressure_angle) == pytest.approx(25.87, abs=0.01)
@@ -119,7 +119,7 @@ def test_displacement_of_fuel_pump(fuel_pump, sealing, volume):
 
 
 def test_fuel_pump(fuel_pump):
-    # expected: PHYSICS 13b
+    # by hand from the equations of ISO 21771:2007
     assert fuel_pump.contact_ratio == pytest.approx(1.35, abs=1e-3)
     assert np.rad2deg(fuel_pump.operating_pressure_angle) == pytest.approx(25.1, abs=0.05)
     assert fuel_pump.normal_backlash * 1e3 == pytest.approx(0.05, abs=1e-3)
@@ -127,7 +127,8 @@ def test_fuel_pump(fuel_pump):
 
 
 def test_flow_ripple(motor, fuel_pump):
-    # expected: PHYSICS 12.1
+    # (pb^2 / 4) / (ra^2 - rw^2 - pb^2 / 12), dual flank with a quarter of pb^2: Manring and
+    # Kasaragadda, J. Dyn. Syst. Meas. Control 125 (2003) 396-404
     assert flow_ripple(motor) == pytest.approx(0.1569, abs=5e-5)
     assert flow_ripple(motor, "dual") == pytest.approx(0.0377, abs=5e-5)
     assert flow_ripple(fuel_pump) == pytest.approx(0.1403, abs=5e-5)
