@@ -59,5 +59,5 @@ def test_step_file_without_its_package_is_refused_in_one_line(repository: Path) 
         "    print(error)\n"
     )
     assert done.returncode == 0, done.stderr
-    assert "cadquery-ocp-novtk" in done.stdout or "toothspace[step]" in done.stdout
+    assert "cadquery-ocp-novtk" in done.stdout or "toothspace[cad]" in done.stdout
     assert len(done.stdout.splitlines()) == 1

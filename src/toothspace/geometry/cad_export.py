@@ -161,7 +161,7 @@ def face_prism_bytes(face: Callable[[], Any], width: float, target: Path) -> byt
     except ImportError as error:
         raise GeometryError(
             "export: found the suffix '.step' but not the package that writes it, allowed after "
-            "pip install 'toothspace[step]'"
+            "pip install 'toothspace[cad]'"
         ) from error
     from OCP.BRepPrimAPI import BRepPrimAPI_MakePrism
     from OCP.gp import gp_Vec

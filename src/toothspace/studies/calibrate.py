@@ -137,11 +137,11 @@ class _Model:
         }
 
     def _evaluate(self, values: Sequence[Mapping[str, Any]], evaluate: Evaluate) -> list[Record]:
-        progress = self.context.progress
+        report = self.context.progress
 
         def progress(_share: float, text: str) -> None:
-            if progress is not None:
-                progress(min(self.tried / self.budget, 1.0), f"{text}, {self.tried} sets tried")
+            if report is not None:
+                report(min(self.tried / self.budget, 1.0), f"{text}, {self.tried} sets tried")
 
         context = StudyContext(progress, self.context.workers, self.context.records)
         points = [point(self.case, entry) for entry in values]

@@ -146,18 +146,18 @@ class _TriedPoints:
 
     def _counting(self) -> StudyContext:
         """Progress over the whole search instead of one batch."""
-        progress, done, total = (
+        report, done, total = (
             self.context.progress,
             len(self.records),
             self.study.evaluation_count,
         )
-        if progress is None:
+        if report is None:
             return self.context
 
         def progress(_share: float, text: str) -> None:
             best = self.best()
             shown = "" if best is None else f", best {self.merit(self.records[best]):.6g}"
-            progress(min(done / total, 1.0), f"{text}, {done} tried{shown}")
+            report(min(done / total, 1.0), f"{text}, {done} tried{shown}")
 
         return StudyContext(progress, self.context.workers, self.context.records)
 
