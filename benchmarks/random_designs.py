@@ -1,10 +1,11 @@
 """Random machines at random conditions: how many runs finish, how well they balance.
 
 ``python -m benchmarks.random_designs --count 1000 --workers 2 -o designs.csv`` draws external
-gear machines and gerotors, pumps and motors, with and without relief grooves, 1 to 350 bar, 1 to
-8 000 rpm, -20 to 120 degC and clearances from 5 to 100 um, runs each in a process of its own,
-writes one row per design and prints a table. ``--only SEED`` writes the case of one design
-instead, to be run and looked at alone. Designs whose geometry is refused are drawn again.
+gear machines, gerotors and internal gears with a crescent, pumps and motors, with and without
+relief grooves, 1 to 350 bar, 1 to 8 000 rpm, -20 to 120 degC and clearances from 5 to 100 um, runs
+each in a process of its own, writes one row per design and prints a table. ``--only SEED`` prints
+the case of one design instead, to be run and looked at alone. Designs whose geometry is refused
+are drawn again.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ from toothspace.studies.workers import Workers
 CASES = Path(__file__).resolve().parent.parent / "cases"
 FLUIDS = ("iso_vg_32", "iso_vg_46")
 MASS_LIMIT, ENERGY_LIMIT = 1e-7, 1e-5
-FAMILIES = ("external_gear", "trochoidal", "cycloidal")
+FAMILIES = ("external_gear", "trochoidal", "cycloidal", "crescent")
 _TRIES = 200
 _NUMBERS = (
     "status",
@@ -122,6 +123,29 @@ def gerotor(kind: str, draw: random.Random) -> dict[str, Any]:
     return tables
 
 
+def crescent(draw: random.Random) -> dict[str, Any]:
+    """Internal gears with the teeth of the reference design and clearances of their own."""
+    tables = tables_of(f"crescent_{draw.choice(('pump', 'motor'))}")
+    machine = tables["machine"]
+    machine["pinion"]["face_width"] = f"{draw.uniform(15.0, 60.0):.2f} mm"
+    machine["pinion"]["normal_backlash"] = f"{draw.uniform(0.05, 0.3):.3f} mm"
+    machine["ring"]["radial_clearance"] = clearance(draw, 30.0, 100.0)
+    machine["filler"]["pinion_clearance"] = clearance(draw)
+    machine["filler"]["ring_clearance"] = clearance(draw)
+    machine["journal_bearings"]["radial_clearance"] = clearance(draw, 10.0, 60.0)
+    machine["lateral"]["side_gap"] = clearance(draw)
+    if draw.random() < 0.3:
+        del machine["relief_grooves"]
+    return tables
+
+
+def drawn(family: str, draw: random.Random) -> dict[str, Any]:
+    """Tables of one draw of a family, without its condition."""
+    if family == "external_gear":
+        return external_gear(draw)
+    return crescent(draw) if family == "crescent" else gerotor(family, draw)
+
+
 def condition(draw: random.Random, tables: dict[str, Any]) -> None:
     """Mode, fluid and operating point."""
     mode = draw.choice(("pump", "motor"))
@@ -146,7 +170,7 @@ def designs(seed: int) -> Iterator[str]:
     draw = random.Random(seed)
     family = FAMILIES[seed % len(FAMILIES)]
     for _ in range(_TRIES):
-        tables = external_gear(draw) if family == "external_gear" else gerotor(family, draw)
+        tables = drawn(family, draw)
         condition(draw, tables)
         tables["title"] = f"random design {seed}, {family}"
         yield document_text(tables)

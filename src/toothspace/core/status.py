@@ -11,7 +11,8 @@ class Status(Enum):
     DONE = "Done."
     NOT_CYCLIC = (
         "The run reached its last revolution before two successive revolutions agreed. "
-        "Raise run.max_revolutions, or set run.revolutions if the last state is enough."
+        "Raise run.max_revolutions while they come closer; where they no longer do, the machine "
+        "repeats itself after several revolutions: set run.revolutions."
     )
     STEP_TOO_SMALL = (
         "The time step fell below its limit. Look at the last events in the result; "
