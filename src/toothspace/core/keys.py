@@ -752,6 +752,8 @@ class KeyTable:
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
         rules: Callable[[Any], None] | None = cls.__dict__.get("__post_init__")
+        if rules is None and hasattr(cls, "__post_init__"):
+            return  # the base checks the values and its own rules
 
         def checked(self: Any) -> None:
             check_values(self)
