@@ -59,7 +59,7 @@ class SurfaceMesh:
 
 
 def merged(triangles: Array, tolerance: float) -> SurfaceMesh:
-    """Mesh of loose triangles, corners within a tolerance being one.
+    """Surface mesh of loose triangles, corners within a tolerance being one.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def merged(triangles: Array, tolerance: float) -> SurfaceMesh:
 
     Returns
     -------
-    Mesh
+    SurfaceMesh
         The mesh without triangles that collapse.
     """
     corners = np.ascontiguousarray(triangles.reshape(-1, 3)) + 0.0
