@@ -117,7 +117,7 @@ def gear(
     force: Force = False,
 ) -> int:
     """Find the gears in a CAD file and print what a drawing and a gear tester say."""
-    section = commands.GearSection(unit, axis, plane)
+    section = commands.GearFileOptions(unit, axis, plane)
     target = None if plot is None else commands.Target(plot, force)
     return commands.gear(file, section, distance, target, as_json=as_json)
 

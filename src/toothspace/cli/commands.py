@@ -137,7 +137,7 @@ class StudyOptions:
 
 @final
 @dataclass(frozen=True)
-class GearSection:
+class GearFileOptions:
     """How ``gear`` reads a file.
 
     Parameters
@@ -235,7 +235,7 @@ def geometry(
 
 def gear(
     file: Path,
-    section: GearSection,
+    section: GearFileOptions,
     distance: str | None,
     plot: Target | None,
     *,

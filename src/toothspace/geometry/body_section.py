@@ -11,7 +11,7 @@ import numpy as np
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
 from toothspace.geometry.curve import signed_area
-from toothspace.geometry.mesh_section import Mesh, axis_frame, likely_axes, section
+from toothspace.geometry.mesh_section import SurfaceMesh, axis_frame, likely_axes, section
 from toothspace.geometry.tooth_count import repeating_teeth
 
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
@@ -59,14 +59,14 @@ class SolidBody:
     ----------
     name : str
         Name in the file, empty without.
-    mesh : Mesh
+    mesh : SurfaceMesh
         Its surface, for a STEP body a coarse one.
     cut : callable
         Section curves for a frame and a height, as in ``mesh_section.section``.
     """
 
     name: str
-    mesh: Mesh
+    mesh: SurfaceMesh
     cut: Callable[[Array, float], list[Array]]
 
 
@@ -200,7 +200,7 @@ def _sorted(curves: list[Array]) -> list[Array]:
     return sorted(curves, key=lambda curve: -abs(signed_area(curve)))
 
 
-def _toothed_extent(mesh: Mesh, frame: Array) -> tuple[float, float] | None:
+def _toothed_extent(mesh: SurfaceMesh, frame: Array) -> tuple[float, float] | None:
     low, high = mesh.extent(frame[2])
     looks = [_teeth_at(mesh, frame, low + share * (high - low)) for share in _QUICK_LOOK]
     if looks[0][0] is not None and len({count for count, _ in looks}) == 1:
@@ -223,7 +223,7 @@ def _toothed_extent(mesh: Mesh, frame: Array) -> tuple[float, float] | None:
     return low, high
 
 
-def _teeth_at(mesh: Mesh, frame: Array, height: float) -> tuple[int | None, float]:
+def _teeth_at(mesh: SurfaceMesh, frame: Array, height: float) -> tuple[int | None, float]:
     # tooth count and width of the outermost curve
     curves = _sorted(section(mesh, frame, height))
     if not curves:
@@ -231,7 +231,7 @@ def _teeth_at(mesh: Mesh, frame: Array, height: float) -> tuple[int | None, floa
     return repeating_teeth(curves[0]), float(np.ptp(curves[0][:, 0]))
 
 
-def _slices(mesh: Mesh, frame: Array) -> list[tuple[float, float]]:
+def _slices(mesh: SurfaceMesh, frame: Array) -> list[tuple[float, float]]:
     # between the planes in which corners gather: end faces, shoulders
     along = mesh.vertices @ frame[2]
     cells, counts = np.unique(np.round(along / _LEVEL).astype(np.int64), return_counts=True)

@@ -167,7 +167,7 @@ def face_prism_bytes(face: Callable[[], Any], width: float, target: Path) -> byt
     from OCP.gp import gp_Vec
     from OCP.STEPControl import STEPControl_AsIs, STEPControl_Writer
 
-    from toothspace.geometry.solid_import import silence_ocp
+    from toothspace.geometry.ocp import silence_ocp
 
     silence_ocp()
     solid = BRepPrimAPI_MakePrism(face(), gp_Vec(0.0, 0.0, width / _STEP_UNIT)).Shape()

@@ -26,7 +26,7 @@ _SNAP = np.deg2rad(0.2)
 
 @final
 @dataclass(frozen=True)
-class Mesh:
+class SurfaceMesh:
     """Triangles of one body.
 
     Parameters
@@ -58,8 +58,8 @@ class Mesh:
         return float(along.min()), float(along.max())
 
 
-def merged(triangles: Array, tolerance: float) -> Mesh:
-    """Mesh of loose triangles, corners within a tolerance being one.
+def merged(triangles: Array, tolerance: float) -> SurfaceMesh:
+    """Surface mesh of loose triangles, corners within a tolerance being one.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def merged(triangles: Array, tolerance: float) -> Mesh:
 
     Returns
     -------
-    Mesh
+    SurfaceMesh
         The mesh without triangles that collapse.
     """
     corners = np.ascontiguousarray(triangles.reshape(-1, 3)) + 0.0
@@ -84,7 +84,7 @@ def merged(triangles: Array, tolerance: float) -> Mesh:
     distinct = (
         (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])
     )
-    return Mesh(vertices, faces[distinct])
+    return SurfaceMesh(vertices, faces[distinct])
 
 
 def _joined(points: Array, tolerance: float) -> tuple[Array, NDArray[np.int64]]:
@@ -98,7 +98,7 @@ def _joined(points: Array, tolerance: float) -> tuple[Array, NDArray[np.int64]]:
     return points[representative], label.astype(np.int64)
 
 
-def separated(mesh: Mesh) -> list[Mesh]:
+def separated(mesh: SurfaceMesh) -> list[SurfaceMesh]:
     """Bodies of a mesh that do not touch one another, largest volume first."""
     a, b = mesh.faces[:, [0, 1]].T, mesh.faces[:, [1, 2]].T
     rows, columns = np.concatenate([a[0], b[0]]), np.concatenate([a[1], b[1]])
@@ -114,16 +114,16 @@ def separated(mesh: Mesh) -> list[Mesh]:
         if len(faces) == 0:
             continue
         used, packed = np.unique(faces, return_inverse=True)
-        bodies.append(Mesh(mesh.vertices[used], packed.reshape(-1, 3)))
+        bodies.append(SurfaceMesh(mesh.vertices[used], packed.reshape(-1, 3)))
     return sorted(bodies, key=lambda body: -body.volume)
 
 
-def section(mesh: Mesh, frame: Array, height: float) -> list[Array]:
+def section(mesh: SurfaceMesh, frame: Array, height: float) -> list[Array]:
     """Cut a closed mesh with a plane.
 
     Parameters
     ----------
-    mesh : Mesh
+    mesh : SurfaceMesh
         Closed body.
     frame : ndarray, shape (3, 3)
         Rows: x and y direction of the section and its normal.
@@ -181,12 +181,12 @@ def axis_frame(axis: Array) -> Array:
     return np.vstack([first, np.cross(normal, first), normal])
 
 
-def likely_axes(mesh: Mesh) -> list[Array]:
+def likely_axes(mesh: SurfaceMesh) -> list[Array]:
     r"""Directions that may be the axis of a body with teeth, best first.
 
     Parameters
     ----------
-    mesh : Mesh
+    mesh : SurfaceMesh
         One body.
 
     Returns
@@ -214,7 +214,7 @@ def likely_axes(mesh: Mesh) -> list[Array]:
     return [found, *others]
 
 
-def _edge_numbers(mesh: Mesh) -> NDArray[np.int64]:
+def _edge_numbers(mesh: SurfaceMesh) -> NDArray[np.int64]:
     pairs = np.sort(mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     return pairs[:, 0] * np.int64(len(mesh.vertices)) + pairs[:, 1]
 

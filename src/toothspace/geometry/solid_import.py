@@ -17,7 +17,7 @@ from toothspace.geometry.body_section import (
     SolidBody,
     cut_bodies,
 )
-from toothspace.geometry.mesh_section import Mesh, merged, section, separated
+from toothspace.geometry.mesh_section import SurfaceMesh, merged, section, separated
 
 _MERGE_TOLERANCES = (0.0, 1e-8, 1e-7, 1e-6)
 """Of the size of a file: distance up to which corners of its triangles are one. [-]"""
@@ -92,16 +92,7 @@ def section_step(path: Path, plane_z: float | None = None, body: int | None = No
     return [curve for cut in step_sections(path, request) for curve in cut.curves]
 
 
-def silence_ocp() -> None:
-    """Keep the STEP library from writing progress and complaints to standard output."""
-    from OCP.Message import Message
-
-    messenger = Message.DefaultMessenger_s()
-    for printer in list(messenger.Printers()):
-        messenger.RemovePrinter(printer)
-
-
-def _stl_bodies(path: Path, unit: float) -> list[Mesh]:
+def _stl_bodies(path: Path, unit: float) -> list[SurfaceMesh]:
     import trimesh
 
     _check_stl(path)
@@ -128,7 +119,7 @@ def _stl_bodies(path: Path, unit: float) -> list[Mesh]:
     return bodies
 
 
-def _simple_section(mesh: Mesh, frame: Array, height: float) -> list[Array]:
+def _simple_section(mesh: SurfaceMesh, frame: Array, height: float) -> list[Array]:
     return [_without_collinear(curve) for curve in section(mesh, frame, height)]
 
 

@@ -12,8 +12,8 @@ from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
 from toothspace.geometry.body_section import SolidBody
 from toothspace.geometry.chains import chain_closed
-from toothspace.geometry.mesh_section import Mesh, merged
-from toothspace.geometry.solid_import import silence_ocp
+from toothspace.geometry.mesh_section import SurfaceMesh, merged
+from toothspace.geometry.ocp import silence_ocp
 
 _UNIT = 1e-3
 _ANGULAR_DEFLECTION = 0.02
@@ -118,7 +118,7 @@ def _name(label: Any) -> str:
     return str(attribute.Get().ToExtString())
 
 
-def _mesh(solid: Any) -> Mesh:
+def _mesh(solid: Any) -> SurfaceMesh:
     from OCP.BRep import BRep_Tool
     from OCP.BRepMesh import BRepMesh_IncrementalMesh
     from OCP.TopLoc import TopLoc_Location
@@ -136,7 +136,7 @@ def _mesh(solid: Any) -> Mesh:
         numbers = [mesh.Triangle(k + 1).Get() for k in range(mesh.NbTriangles())]
         triangles.append(corners[np.array([tuple(row)[-3:] for row in numbers]) - 1])
     if not triangles:
-        return Mesh(np.zeros((1, 3)), np.zeros((0, 3), dtype=np.int64))
+        return SurfaceMesh(np.zeros((1, 3)), np.zeros((0, 3), dtype=np.int64))
     return merged(np.concatenate(triangles) * _UNIT, _JOIN)
 
 

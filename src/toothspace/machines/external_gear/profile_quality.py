@@ -15,6 +15,7 @@ from toothspace.geometry.involute import InvoluteGear
 from toothspace.geometry.profile_detection import DetectedGear
 from toothspace.machines.external_gear.assembly import Assembly, assemble
 from toothspace.machines.external_gear.spec import Gear
+from toothspace.machines.external_gear.trapped_volumes import trapped_volumes
 from toothspace.model.description import DesignCheck
 
 _LARGEST_CHORD = 2e-6
@@ -105,8 +106,6 @@ def profile_quality(assembly: Assembly, trapped: float) -> dict[str, object]:
 
 def _as_drawn(assembly: Assembly, trapped: float) -> dict[str, object]:
     # the same machine with rigid flanks as in the outline: the other end of the interval
-    from toothspace.machines.external_gear.summary import trapped_volumes
-
     spec = assembly.spec
     drawn = replace(spec, drive=_drawn(spec.drive), driven=_drawn(spec.driven))
     if spec.driven is spec.drive:

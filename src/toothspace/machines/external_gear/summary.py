@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from toothspace.gearing.meshing import contact_range, flow_over_pitch
-from toothspace.gearing.spaces import Spaces, section_areas
+from toothspace.gearing.meshing import flow_over_pitch
+from toothspace.gearing.spaces import Spaces
 from toothspace.geometry.design_rules import design_findings
 from toothspace.geometry.gear_pair import flow_ripple
 from toothspace.geometry.involute import tooth_form
@@ -19,6 +19,7 @@ from toothspace.machines.external_gear.profile_quality import (
     undercut_of,
 )
 from toothspace.machines.external_gear.strength import strength_checks
+from toothspace.machines.external_gear.trapped_volumes import trapped_volumes
 from toothspace.machines.external_gear.trapping import trapping_checks
 from toothspace.model.description import DesignCheck
 
@@ -67,36 +68,6 @@ def _backlash(assembly: Assembly) -> float:
     if assembly.pair is not None:
         return assembly.pair.normal_backlash
     return normal_play(assembly.profiles, assembly.mesh.center_distance)
-
-
-def trapped_volumes(assembly: Assembly, spaces: tuple[Spaces, Spaces]) -> tuple[float, float]:
-    """Volume between two consecutive loaded contacts when the second one begins, and its minimum.
-
-    Parameters
-    ----------
-    assembly : Assembly
-        Gears in mesh.
-    spaces : tuple of Spaces
-        Tooth spaces of both gears at the table nodes.
-
-    Returns
-    -------
-    tuple of float
-        Trapped volume and dead volume, which the mesh carries back. [m3]
-    """
-    drive, driven = spaces
-    mesh, width = assembly.mesh, assembly.face_width
-    pitch = 2.0 * mesh.half_pitch
-    start, end = contact_range(assembly)
-    # throat angle of the contact that lies behind
-    behind = np.linspace(start, max(end - pitch, start), 61)
-    left = assembly.loaded_is_left
-    lag = mesh.turn + 0.5 * assembly.teeth[1].pitch_angle
-    place_1 = behind if left else behind + pitch
-    place_2 = mesh.ratio * (behind + pitch) - lag
-    area = np.interp(place_1, drive.angles, section_areas(drive))
-    area += np.interp(place_2, driven.angles, section_areas(driven))
-    return float(area[0] * width), float(area.min() * width)
 
 
 def root_clearances(assembly: Assembly) -> tuple[float, float]:
