@@ -13,6 +13,14 @@ import shapely
 from tests.crescent_designs import crescent
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
+from toothspace.gearing.closest_points import (
+    FREE,
+    Closest,
+    Placement,
+    closest_points,
+    distance,
+    nearest_knots,
+)
 from toothspace.gearing.meshing import (
     FULL_TURN,
     contact_range,
@@ -186,3 +194,18 @@ def test_fouling_tips_and_trimming_are_seen() -> None:
     assert tip_clearance(involute_pair(close)) < 0.0
     with pytest.raises(GeometryError):
         assemble(close)
+
+
+def test_ends_of_a_wide_throat_are_the_closest_points() -> None:
+    """Flanks far apart have other common normals, too; areas jumped where one of them was taken."""
+    assembly = assemble(
+        replace(crescent(), pinion=replace(crescent().pinion, normal_backlash=5e-5))
+    )
+    (pinion, ring), mesh = assembly.teeth, assembly.mesh
+    for angle in np.deg2rad(np.linspace(-86.7, -86.4, 13)):
+        first = Placement(0.5 * np.pi + angle + mesh.half_pitch, 0.0)
+        second = Placement(-0.5 * np.pi - mesh.ratio * angle + mesh.turn, mesh.center_distance)
+        near = closest_points(pinion.right, first, ring.right, second)
+        knots = Closest(*nearest_knots(pinion.right, first, ring.right, second), FREE)
+        found = distance(pinion.right, first, ring.right, second, near)
+        assert found <= distance(pinion.right, first, ring.right, second, knots)

@@ -20,6 +20,7 @@ from toothspace.model.description import (
     FlowPath,
     MachineDescription,
 )
+from toothspace.model.film_faces import FILM, NO_BODY
 from toothspace.numerics.periodic_table import PeriodicTable
 
 CASES = Path(__file__).resolve().parents[2] / "cases"
@@ -149,13 +150,20 @@ def test_nodes_and_parts_that_are_named_exist(name: str) -> None:
 
 
 @every_machine
-def test_films_know_the_chamber_at_every_place_of_their_edge(name: str) -> None:
+def test_every_point_before_a_film_face_belongs_to_a_body_or_a_node(name: str) -> None:
+    """The edges of the films are covered: each chamber of the ring stands beside its face."""
     machine = described(name)
-    for film in machine.laterals:
-        if film.face is not None:
-            assert film.face.nodes.size == film.face.phases.size
-            assert set(film.face.nodes.tolist()) <= set(range(machine.chamber_count))
-            assert np.hypot(*(film.face.polygon - film.face.center).T).min() > film.inner_radius
+    turn = np.linspace(0.0, 2.0 * np.pi, 721)
+    for face in (film.face for film in machine.laterals if film.face is not None):
+        inside = np.linspace(face.inner_radius, face.outer_radius, 16)[1:-1, None]
+        x = face.center[0] + inside * np.cos(turn)
+        y = face.center[1] + inside * np.sin(turn)
+        for angle in ANGLES[:3]:
+            cells = face.face_map(float(angle), x.ravel(), y.ravel())
+            films = cells.node == FILM
+            assert np.all(cells.body[films] != NO_BODY)
+            assert np.all((cells.node[~films] >= 0) & (cells.node[~films] <= machine.drain_node))
+            assert set(face.chambers.nodes.tolist()) <= set(cells.node.tolist())
 
 
 @shipped
