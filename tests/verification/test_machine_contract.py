@@ -199,8 +199,7 @@ def places(face: FilmFace) -> tuple[Array, Array]:
     """Points of the machine frame between the rims of a face, from the inner one outwards."""
     turn = 2.0 * np.pi * (np.arange(211) + 0.5) / 211.0
     radius = np.linspace(1.0001 * face.inner_radius, 0.9999 * face.outer_radius, 40)
-    x, y = face.center
-    return x + np.outer(np.cos(turn), radius), y + np.outer(np.sin(turn), radius)
+    return face.places(turn, radius)
 
 
 @shipped
