@@ -20,7 +20,7 @@ from toothspace.model.description import (
     FlowPath,
     MachineDescription,
 )
-from toothspace.model.film_faces import FILM, NO_BODY
+from toothspace.model.film_faces import FILM, NO_BODY, FilmFace
 from toothspace.numerics.periodic_table import PeriodicTable
 
 CASES = Path(__file__).resolve().parents[2] / "cases"
@@ -149,21 +149,57 @@ def test_nodes_and_parts_that_are_named_exist(name: str) -> None:
     assert {"inlet_port", "outlet_port"} <= roles
 
 
+def faces_of(machine: MachineDescription) -> list[FilmFace]:
+    """Faces of all presets."""
+    found = [film.face for film in machine.laterals if film.face is not None]
+    shared, balance = machine.shared_faces, machine.lateral_balance
+    return [
+        *found,
+        *(() if shared is None else shared.covers),
+        *(() if balance is None else (interface.face for interface in balance.interfaces)),
+    ]
+
+
 @every_machine
-def test_every_point_before_a_film_face_belongs_to_a_body_or_a_node(name: str) -> None:
-    """The edges of the films are covered: each chamber of the ring stands beside its face."""
+def test_faces_have_a_film_a_chamber_or_a_recess_at_every_place(name: str) -> None:
+    """Film stands between a body and the wall; no chamber reaches the inner rim."""
     machine = described(name)
-    turn = np.linspace(0.0, 2.0 * np.pi, 721)
-    for face in (film.face for film in machine.laterals if film.face is not None):
-        inside = np.linspace(face.inner_radius, face.outer_radius, 16)[1:-1, None]
-        x = face.center[0] + inside * np.cos(turn)
-        y = face.center[1] + inside * np.sin(turn)
-        for angle in ANGLES[:3]:
-            cells = face.face_map(float(angle), x.ravel(), y.ravel())
-            films = cells.node == FILM
-            assert np.all(cells.body[films] != NO_BODY)
-            assert np.all((cells.node[~films] >= 0) & (cells.node[~films] <= machine.drain_node))
-            assert set(face.chambers.nodes.tolist()) <= set(cells.node.tolist())
+    for face in faces_of(machine):
+        assert {body.name for body in face.bodies} <= {body.name for body in machine.bodies}
+        assert face.chambers.nodes.size == face.chambers.phases.size
+        assert face.inner_node == machine.drain_node
+        walls = {machine.inlet_node, machine.outlet_node}
+        assert set(face.recesses.tolist()) <= walls
+        for angle in ANGLES:
+            node, body = face.face_map(float(angle), *places(face))
+            others = set(node[node != FILM].tolist()) - {face.inner_node} - walls
+            assert others <= set(range(machine.chamber_count))
+            assert others >= set(face.chambers.nodes.tolist())
+            assert np.all(body[node == FILM] != NO_BODY)
+            assert set(np.unique(body)) <= {NO_BODY, *range(len(face.bodies))}
+            edge = {FILM, face.inner_node, *face.recesses.tolist()}
+            assert set(node[:, 0].tolist()) <= edge
+
+
+@every_machine
+def test_faces_look_the_same_after_their_period_with_the_next_chambers(name: str) -> None:
+    machine = described(name)
+    for face in faces_of(machine):
+        before, after = (face.face_map(0.1 + turn, *places(face)) for turn in (0.0, face.period))
+        phases, nodes = face.chambers.phases, face.chambers.nodes
+        behind = np.cos(phases[:, None] - phases + face.chambers.pitch)
+        follows = np.append(np.arange(machine.drain_node + 1), FILM)
+        follows[nodes] = nodes[np.argmax(behind, axis=0)]
+        own = np.isin(before.node, [FILM, *nodes])
+        assert np.mean(own & (after.node != follows[before.node])) < 1e-3
+        assert np.mean(after.body != before.body) < 1e-3
+
+
+def places(face: FilmFace) -> tuple[Array, Array]:
+    """Points of the machine frame between the rims of a face, from the inner one outwards."""
+    turn = 2.0 * np.pi * (np.arange(211) + 0.5) / 211.0
+    radius = np.linspace(1.0001 * face.inner_radius, 0.9999 * face.outer_radius, 40)
+    return face.places(turn, radius)
 
 
 @shipped

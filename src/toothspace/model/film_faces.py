@@ -186,6 +186,11 @@ class FilmFace:
         own = (np.arange(self.sectors) - 0.5 * (self.sectors - 1)) * width
         return np.asarray((self.chambers.phases[:, None] + own).ravel())
 
+    def places(self, angle: Array, radius: Array) -> tuple[Array, Array]:
+        """Points of the machine frame at polar angles [rad] and radii about the axis. [m]."""
+        x, y = self.center
+        return x + np.outer(np.cos(angle), radius), y + np.outer(np.sin(angle), radius)
+
     def body_number(self, name: str) -> int:
         """Number of a body in the map."""
         return [body.name for body in self.bodies].index(name)

@@ -146,17 +146,14 @@ def _face_push(own: FilmInterface, angle: float, pressure: Array) -> tuple[Array
     face = own.face
     radius = _middles(np.linspace(face.inner_radius, face.outer_radius, _LANES + 1))
     turn = (np.arange(_ROWS) + 0.5) * 2.0 * np.pi / _ROWS
-    x = face.center[0] + np.cos(turn)[:, None] * radius
-    y = face.center[1] + np.sin(turn)[:, None] * radius
+    x, y = face.places(turn, radius)
     cells = face.face_map(angle, x, y)
-    tip = face.outer_radius * (1.0 + 1e-6)
-    rim = face.face_map(
-        angle, face.center[0] + tip * np.cos(turn), face.center[1] + tip * np.sin(turn)
-    )
+    tip = np.array([face.outer_radius * (1.0 + 1e-6)])
+    rim = face.face_map(angle, *face.places(turn, tip))
     land = cells.node == FILM
     edge = np.where(land.all(axis=1), face.outer_radius, radius[np.argmin(land, axis=1)])
     ramp = np.log(radius / face.inner_radius) / np.log(edge / face.inner_radius)[:, None]
-    bore, outside = pressure[face.inner_node], pressure[rim.node][:, None]
+    bore, outside = pressure[face.inner_node], pressure[rim.node]
     under = bore + (outside - bore) * np.clip(ramp, 0.0, 1.0)
     p = np.where(land, under, pressure[np.where(land, 0, cells.node)])
     body = face.body_number(own.body)

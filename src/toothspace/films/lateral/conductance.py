@@ -159,9 +159,9 @@ class _Grid:
 
     @property
     def points(self) -> tuple[Array, Array]:
-        chambers, (x, y) = self.face.chambers, self.face.center
+        chambers = self.face.chambers
         polar = chambers.zero_angle + chambers.direction * self.table_angle
-        return x + np.outer(np.cos(polar), self.radius), y + np.outer(np.sin(polar), self.radius)
+        return self.face.places(polar, self.radius)
 
     @property
     def area(self) -> Array:

@@ -109,9 +109,8 @@ class FaceGrid:
         body, (x0, y0) = face.body_number(self.interface.body), face.center
         x, y = self.points.x + x0, self.points.y + y0
         cells = face.face_map(shaft_angle, x, y)
-        tip = _BEYOND * face.outer_radius
-        x_rim, y_rim = tip * np.cos(self.angle) + x0, tip * np.sin(self.angle) + y0
-        rim = face.face_map(shaft_angle, x_rim, y_rim).node
+        tip = np.array([_BEYOND * face.outer_radius])
+        rim = face.face_map(shaft_angle, *face.places(self.angle, tip)).node[:, 0]
         open_face = face.open_wall(body, cells, x, y)
         return Mask(cells.node, np.asarray(cells.body == body), open_face, rim)
 

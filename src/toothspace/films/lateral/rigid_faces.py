@@ -162,8 +162,6 @@ def _given(face: FilmFace, pressure: Array, setting: FaceSetting) -> Array:
     """Pressure of the cells over chambers and recesses, NaN in the film. [Pa]."""
     polar = (np.arange(setting.grid[0]) + 0.5) * 2.0 * np.pi / setting.grid[0]
     rim = np.linspace(face.inner_radius, face.outer_radius, setting.grid[1] + 1)
-    radius = 0.5 * (rim[1:] + rim[:-1])
-    x = face.center[0] + np.outer(np.cos(polar), radius)
-    y = face.center[1] + np.outer(np.sin(polar), radius)
-    node = face.face_map(setting.shaft_angle, x, y).node
+    places = face.places(polar, 0.5 * (rim[1:] + rim[:-1]))
+    node = face.face_map(setting.shaft_angle, *places).node
     return np.where(node == FILM, np.nan, pressure[node])

@@ -71,9 +71,9 @@ def film_face(face: FaceOfGear, gap: float) -> FilmFace:
             FaceBody(BODIES[k], face.sections[k].center, face.sections[k].profile.tip_radius)
             for k in (face.gear, mate)
         ),
-        center=face.sections[face.gear].center,
+        center=face.own.center,
         inner_radius=0.5 * spec.journals.diameter,
-        outer_radius=face.sections[face.gear].profile.tip_radius,
+        outer_radius=face.own.profile.tip_radius,
         gap=gap,
         face_map=face,
         chambers=face.spaces,
