@@ -1,6 +1,6 @@
 """Gears drawn by independent programs, in every format, against the DIN formulas.
 
-Needs ``pip install 'toothspace[cad]'``.
+Needs ``pip install 'toothspace[generators]'``.
 """
 
 from __future__ import annotations
