@@ -17,7 +17,7 @@ from toothspace.case import Case
 from toothspace.case.case import machine_parameters
 from toothspace.core.keys import KeyTable, keys_of
 from toothspace.core.units import Quantity, exact_text, parse_quantity, to_si
-from toothspace.simulation.setup import provenance_of
+from toothspace.simulation.setup import fluid_of, provenance_of
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 CASES = sorted((REPOSITORY / "cases").glob("*.toml"))
@@ -189,6 +189,31 @@ def test_curves_may_be_arrays(motor: Case) -> None:
     assert grown.hash != case.hash
     with pytest.raises(ts.CaseError, match=r"gears.profile: found .*list of at least three"):
         from_file.replace({"machine.gears.profile": points[:, 0]})
+
+
+def test_fluids_may_be_columns(motor: Case, tmp_path: Path) -> None:
+    columns = {
+        "temperature [degC]": [40.0] * 3 + [60.0] * 3,
+        "pressure [bar]": [1.0, 150.0, 300.0] * 2,
+        "density [kg/m3]": [860.0, 868.0, 875.0, 848.0, 857.0, 864.0],
+        "dynamic_viscosity [mPa s]": [40.0, 56.0, 78.0, 17.0, 23.0, 31.0],
+    }
+    case = motor.replace({"fluid.table": {n: np.array(v) for n, v in columns.items()}})
+    assert case.fluid is not None
+    assert case.fluid.name is None
+    rows = [
+        ",".join(columns),
+        *(",".join(map(str, row)) for row in zip(*columns.values(), strict=True)),
+    ]
+    file = tmp_path / "oil.csv"
+    file.write_text("\n".join(rows), encoding="utf-8")
+    assert fluid_of(case) == fluid_of(motor.replace({"fluid.table": str(file)}))
+    assert Case.from_toml(case.to_toml()) == case
+    assert case.hash != motor.hash
+    with pytest.raises(ts.CaseError, match=r"fluid.table: found .*headings with lists of numbers"):
+        motor.replace({"fluid.table": {"density [kg/m3]": [1.0, 2.0], "pressure [bar]": [1.0]}})
+    with pytest.raises(ts.CaseError, match=r"fluid.table: .*row 1: found"):
+        motor.replace({"fluid.table": {"colour [1]": [1.0, 2.0]}})
 
 
 @pytest.mark.parametrize("unit", ["mm", "um", "bar", "rpm", "deg", "degC", "cm^3/rev", "1/GPa"])

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import final
 
 from toothspace.core.constants import ATMOSPHERIC_PRESSURE
+from toothspace.core.frozen import Columns
 from toothspace.core.keys import (
     Choice,
     Integer,
@@ -37,7 +38,9 @@ class FluidChoice(KeyTable):
     """``[fluid]``: a fluid of the library or a user table, and its state."""
 
     name: str | None = text("Fluid from the library.", default=None)
-    table: Path | None = file_path("Table of properties over temperature and pressure.", ".csv")
+    table: Path | Columns | None = file_path(
+        "Table of properties over temperature and pressure.", ".csv", columns=True
+    )
     temperature: float = quantity("degC", "Temperature of the fluid.", low=-60, high=250)
     free_air_fraction: float = number(
         "Free air over liquid volume at one atmosphere.", low=0, high=0.2, default=0.002
@@ -72,8 +75,8 @@ class FluidChoice(KeyTable):
             forbid(self, "because a table is given", "name")
 
     @property
-    def source(self) -> str | Path:
-        """Path of the table, or else the name in the library."""
+    def source(self) -> str | Path | Columns:
+        """The table, or else the name in the library."""
         return self.name or "" if self.table is None else self.table
 
 

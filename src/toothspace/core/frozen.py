@@ -1,7 +1,9 @@
-"""Values that cannot be changed and are compared by content: mappings and curves of points."""
+"""Values that cannot be changed and are compared by content: mappings, curves, tables."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any, NoReturn, final
 
 import numpy as np
@@ -72,3 +74,39 @@ class Points:
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Points, (self.tolist(),)
+
+
+@final
+@dataclass(frozen=True)
+class Columns:
+    """Columns of a table that stand in place of a CSV file.
+
+    Parameters
+    ----------
+    columns : mapping of str to array_like, shape (rows,)
+        Values by heading, as in the first line of the file: ``temperature [degC]``.
+    """
+
+    columns: Mapping[str, tuple[float, ...]]
+
+    def __post_init__(self) -> None:
+        values = {str(name): np.array(one, dtype=float) for name, one in self.columns.items()}
+        if not values or any(one.ndim != 1 for one in values.values()):
+            raise ValueError("found no columns of numbers")
+        if len({one.size for one in values.values()}) != 1:
+            raise ValueError("found columns of different length")
+        tuples = {name: tuple(one.tolist()) for name, one in values.items()}
+        object.__setattr__(self, "columns", FrozenDict(tuples))
+
+    @property
+    def name(self) -> str:
+        """What stands in place of a file name in messages."""
+        return repr(self)
+
+    def lines(self) -> list[list[str]]:
+        """Return heading and rows as the texts of a file."""
+        rows = zip(*self.columns.values(), strict=True)
+        return [list(self.columns), *([repr(value) for value in row] for row in rows)]
+
+    def __repr__(self) -> str:
+        return f"<table of {', '.join(self.columns)}>"

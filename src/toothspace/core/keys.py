@@ -25,7 +25,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, NoReturn, final
 
 from toothspace.core.errors import CaseError
-from toothspace.core.frozen import FrozenDict, Points
+from toothspace.core.frozen import Columns, FrozenDict, Points
 from toothspace.core.units import (
     as_text,
     dimension_name,
@@ -374,21 +374,27 @@ class Flag(Key):
 class FilePath(Key):
     """A file next to the case file that must exist; ``suffixes`` in lower case.
 
-    With ``points`` a list of points of a closed curve may stand in its place.
+    With ``points`` the points of a closed curve may stand in its place, with ``columns`` a table
+    of headings and values.
     """
 
     suffixes: tuple[str, ...]
     points: bool = False
+    columns: bool = False
 
     def allowed(self) -> str:
-        curve = ", or a list of at least three points [x, y]" if self.points else ""
-        return f"a file that exists ({', '.join(self.suffixes)}), relative to the case file{curve}"
+        other = ", or a list of at least three points [x, y]" if self.points else ""
+        other += ", or a table of its headings with lists of numbers" if self.columns else ""
+        endings = ", ".join(self.suffixes)
+        return f"a file that exists ({endings}), relative to the case file{other}"
 
-    def read(self, raw: Any, source: Source) -> Path | Points:
-        if self.points and not isinstance(raw, (str, Path)):
+    def read(self, raw: Any, source: Source) -> Path | Points | Columns:
+        if isinstance(raw, (Points, Columns)):
+            return raw
+        if not isinstance(raw, (str, Path)) and (self.points or self.columns):
             try:
-                return Points(raw)
-            except (TypeError, ValueError):
+                return Points(raw) if self.points else Columns(raw)
+            except (AttributeError, TypeError, ValueError):
                 self.fail(shown(raw))
         if not isinstance(raw, (str, Path)) or not str(raw).strip() or "\0" in str(raw):
             self.fail(shown(raw))
@@ -401,13 +407,18 @@ class FilePath(Key):
             self.fail(f"{name}, which {wrong}")
         return file
 
-    def written(self, value: Path | Points, file_text: FileText) -> Any:
+    def written(self, value: Path | Points | Columns, file_text: FileText) -> Any:
+        if isinstance(value, Columns):
+            return {name: list(values) for name, values in value.columns.items()}
         return value.tolist() if isinstance(value, Points) else file_text(value)
 
     def schema(self) -> Schema:
         names = [suffix.lstrip(".") for suffix in self.suffixes]
         endings = "|".join([*names, *(name.upper() for name in names)])
         file = {"type": "string", "pattern": rf"\.({endings})$"}
+        if self.columns:
+            numbers = {"type": "array", "items": {"type": "number"}}
+            return {"anyOf": [file, {"type": "object", "additionalProperties": numbers}]}
         if not self.points:
             return file
         pair = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
@@ -831,9 +842,16 @@ def text(doc: str, *, default: str | Any | None = MISSING) -> Any:
     return declare(Text(doc=doc), default)
 
 
-def file_path(doc: str, *suffixes: str, default: Any = None, points: bool = False) -> Any:
-    """Declare a file, given relative to the case file, or with ``points`` a curve."""
-    return declare(FilePath(doc=doc, suffixes=suffixes, points=points), default)
+def file_path(
+    doc: str,
+    *suffixes: str,
+    default: Any = None,
+    points: bool = False,
+    columns: bool = False,
+) -> Any:
+    """Declare a file, relative to the case file; or the curve or table that it would hold."""
+    key = FilePath(doc=doc, suffixes=suffixes, points=points, columns=columns)
+    return declare(key, default)
 
 
 def table(spec: type, doc: str, *, default: Any = MISSING) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from importlib import import_module
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -32,6 +33,7 @@ def machine_type(name: str) -> Any:
     raise CaseError(f"machine.type: found {name!r}, allowed {allowed}")
 
 
+@cache
 def machine_modules() -> dict[str, str]:
     """Return the package that provides each machine type, by name.
 

@@ -21,7 +21,7 @@ from toothspace.core.errors import CaseError
 
 
 def shipped_folder(name: str) -> Path:
-    """Return the folder ``cases`` or ``tests`` that comes with the package.
+    """Return a folder that comes with the package, such as ``cases``.
 
     It lies within an installed package, and at the root of a checkout.
     """

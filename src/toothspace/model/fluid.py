@@ -14,6 +14,7 @@ from toothspace.closures.vapour_pressure import clausius_clapeyron_pressure
 from toothspace.closures.viscosity import walther_constants, walther_viscosity
 from toothspace.core.constants import AIR_GAS_CONSTANT, ATMOSPHERIC_PRESSURE, ZERO_CELSIUS
 from toothspace.core.errors import CaseError
+from toothspace.core.frozen import Columns
 from toothspace.library import load_fluid
 from toothspace.model.fluid_table import fit_table
 
@@ -201,7 +202,7 @@ def library_liquid(name: str, temperature: float) -> LiquidState:
     )
 
 
-def table_liquid(path: Path, temperature: float) -> LiquidState:
+def table_liquid(path: Path | Columns, temperature: float) -> LiquidState:
     """Return the properties of a liquid from a user's table at a temperature.
 
     Parameters
@@ -229,23 +230,25 @@ def table_liquid(path: Path, temperature: float) -> LiquidState:
     )
 
 
-def highest_pressure(source: str | Path, temperature: float) -> float:
+def highest_pressure(source: str | Path | Columns, temperature: float) -> float:
     """Return the absolute pressure up to which the properties of a fluid are known. [Pa].
 
     Parameters
     ----------
-    source : str or Path
-        Name of a library fluid, or path of a table (CSV). [-]
+    source : str, Path or Columns
+        Name of a library fluid, or path or columns of a table (CSV). [-]
     temperature : float
         Absolute temperature. [K]
     """
+    if isinstance(source, Columns):
+        return fit_table(source, temperature).highest_pressure
     if isinstance(source, Path) or source.endswith(".csv"):
         return fit_table(Path(source), temperature).highest_pressure
     return float(load_fluid(source)["pressure_range_Pa"][1])
 
 
 def fluid_law(
-    source: str | Path,
+    source: str | Path | Columns,
     temperature: float,
     free_air_fraction: float = 0.002,
     dissolved_air_fraction: float | None = None,
@@ -258,8 +261,8 @@ def fluid_law(
 
     Parameters
     ----------
-    source : str or Path
-        Name of a library fluid, or path of a table (CSV). [-]
+    source : str, Path or Columns
+        Name of a library fluid, or path or columns of a table (CSV). [-]
     temperature : float
         Absolute temperature. [K]
     free_air_fraction : float
@@ -296,13 +299,15 @@ def fluid_law(
     return mixed_law(liquid, temperature, gas)._replace(viscosity_temperature=fall)
 
 
-def _liquid(source: str | Path, temperature: float) -> LiquidState:
-    if isinstance(source, Path) or source.endswith(".csv"):
+def _liquid(source: str | Path | Columns, temperature: float) -> LiquidState:
+    if isinstance(source, (Path, Columns)):
+        return table_liquid(source, temperature)
+    if source.endswith(".csv"):
         return table_liquid(Path(source), temperature)
     return library_liquid(source, temperature)
 
 
-def _viscosity_fall(source: str | Path, temperature: float, viscosity: float) -> float:
+def _viscosity_fall(source: str | Path | Columns, temperature: float, viscosity: float) -> float:
     """Relative fall of the viscosity per kelvin; one-sided at the end of the fluid's range."""
     for step in (1.0, -1.0):
         try:

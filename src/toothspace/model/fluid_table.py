@@ -19,6 +19,7 @@ import numpy as np
 
 from toothspace.core.constants import ZERO_CELSIUS
 from toothspace.core.errors import CaseError
+from toothspace.core.frozen import Columns
 from toothspace.core.types import Array
 from toothspace.core.units import compatible, to_si
 
@@ -81,11 +82,11 @@ class TableFit:
     highest_pressure: float
 
 
-def _fail(path: Path, place: str, found: object, allowed: str) -> NoReturn:
+def _fail(path: Path | Columns, place: str, found: object, allowed: str) -> NoReturn:
     raise CaseError(f"fluid.table: {path.name}, {place}: found {found}, allowed {allowed}")
 
 
-def _columns(path: Path, header: list[str]) -> dict[str, tuple[int, str]]:
+def _columns(path: Path | Columns, header: list[str]) -> dict[str, tuple[int, str]]:
     """Position and unit of every known column."""
     known, found = {**REQUIRED, **OPTIONAL}, {}
     for position, text in enumerate(header):
@@ -111,7 +112,7 @@ def _fits(unit: str, wanted: str) -> bool:
         return False
 
 
-def _number(path: Path, name: str, row: int, text: str, unit: str) -> float:
+def _number(path: Path | Columns, name: str, row: int, text: str, unit: str) -> float:
     place = f"column {name}, row {row}"
     try:
         value = to_si(float(text), unit)
@@ -124,11 +125,14 @@ def _number(path: Path, name: str, row: int, text: str, unit: str) -> float:
     return value
 
 
-def _read(path: Path) -> tuple[dict[str, Array], list[int]]:
+def _read(path: Path | Columns) -> tuple[dict[str, Array], list[int]]:
     """Columns of a table in SI units, and the row number of every entry."""
     try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            lines = [(k, line) for k, line in enumerate(csv.reader(file), start=1) if any(line)]
+        if isinstance(path, Columns):
+            lines = list(enumerate(path.lines(), start=1))
+        else:
+            with path.open(encoding="utf-8-sig", newline="") as file:
+                lines = [(k, line) for k, line in enumerate(csv.reader(file), start=1) if any(line)]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise CaseError(
             f"fluid.table: found {path} unreadable ({error}), allowed a CSV file"
@@ -146,7 +150,7 @@ def _read(path: Path) -> tuple[dict[str, Array], list[int]]:
 
 
 def _isotherm(
-    data: dict[str, Array], rows: list[int], level: float, path: Path
+    data: dict[str, Array], rows: list[int], level: float, path: Path | Columns
 ) -> dict[str, Array]:
     """Rows of one temperature in the order of pressure, checked."""
     chosen = np.flatnonzero(np.abs(data["temperature"] - level) < 1e-6)
@@ -186,13 +190,13 @@ def _fit_isotherm(line: dict[str, Array]) -> tuple[Array, float, float]:
     return np.array([rho0, 1.0 / a, b, level, slope / scale]), density_error, viscosity_error
 
 
-def fit_table(path: Path, temperature: float) -> TableFit:
+def fit_table(path: Path | Columns, temperature: float) -> TableFit:
     """Read a fluid table and fit the liquid's constants at a temperature.
 
     Parameters
     ----------
-    path : Path
-        CSV file, see the module. [-]
+    path : Path or Columns
+        CSV file, see the module, or its columns. [-]
     temperature : float
         Absolute temperature inside the range of the table. [K]
 

@@ -14,6 +14,7 @@ from typing import final
 import numpy as np
 
 from toothspace.core.errors import GeometryError
+from toothspace.core.frozen import Points
 from toothspace.core.types import Array
 from toothspace.core.units import to_si
 from toothspace.gearing.mesh_split import Mesh
@@ -243,16 +244,17 @@ def _pair_at(pinion: InvoluteGear, ring: RingGear, distance: float) -> InternalP
 
 
 def _curve_profile(
-    spec: CrescentParameters, file: Path, tooth_count: int | None, table: str
+    spec: CrescentParameters, file: Path | Points, tooth_count: int | None, table: str
 ) -> GearProfile:
     unit = to_si(1.0, spec.pinion.profile_unit)
     key = f"machine.{table}.profile"
-    return _detected(file, file.stat().st_mtime_ns, unit, tooth_count, key)
+    modified = file.stat().st_mtime_ns if isinstance(file, Path) else 0
+    return _detected(file, modified, unit, tooth_count, key)
 
 
 @lru_cache(maxsize=8)
 def _detected(
-    file: Path, _modified: int, unit: float, tooth_count: int | None, key: str
+    file: Path | Points, _modified: int, unit: float, tooth_count: int | None, key: str
 ) -> GearProfile:
     try:
         curve = load_closed_curves(file, unit)[0]

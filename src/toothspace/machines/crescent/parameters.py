@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, final
 
+from toothspace.core.frozen import Points
 from toothspace.core.keys import (
     KeyTable,
     choice,
@@ -61,9 +62,10 @@ class PinionParameters(KeyTable):
     roughness: float = quantity(
         "um", "Root mean square roughness of flanks and faces.", low=0, high=10, default=0.25e-6
     )
-    profile: Path | None = file_path(
+    profile: Path | Points | None = file_path(
         "Closed profile; replaces the generator, together with that of the ring.",
         *PROFILE_SUFFIXES,
+        points=True,
     )
     profile_unit: str = choice(
         "Length unit of the profile files.", "mm", "m", "um", "in", default="mm"
@@ -114,8 +116,8 @@ class RingParameters(KeyTable):
     roughness: float = quantity(
         "um", "Root mean square roughness of flanks and faces.", low=0, high=10, default=0.25e-6
     )
-    profile: Path | None = file_path(
-        "Closed curve of the teeth inside the ring.", *PROFILE_SUFFIXES
+    profile: Path | Points | None = file_path(
+        "Closed curve of the teeth inside the ring.", *PROFILE_SUFFIXES, points=True
     )
 
     def __post_init__(self) -> None:
