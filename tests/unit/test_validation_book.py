@@ -16,17 +16,19 @@ from toothspace.validation import book
 from toothspace.validation.claim import (
     Claim,
     ComparedCurve,
+    ComparedValue,
+    CurvePoints,
     Effort,
     Evidence,
-    CurvePoints,
     ValidationSource,
-    ComparedValue,
     close,
     holds,
 )
 from toothspace.validation.resources import case_file, columns
 
-SOURCE = ValidationSource("galilei_1638", "Fall of a stone", "G. Galilei, Discorsi (1638), third day.")
+SOURCE = ValidationSource(
+    "galilei_1638", "Fall of a stone", "G. Galilei, Discorsi (1638), third day."
+)
 TIME = np.array([1.0, 2.0, 3.0])
 
 
@@ -35,7 +37,16 @@ def _fall(gravity: float, margin: float):
         ours, published = 0.5 * gravity * TIME**2, 4.9 * TIME**2
         return Evidence(
             (close("way after 1 s", float(ours[0]), 4.9, "m", rel=0.01),),
-            (ComparedCurve("Way", "time (s)", "way (m)", CurvePoints(TIME, ours), CurvePoints(TIME, published), margin),),
+            (
+                ComparedCurve(
+                    "Way",
+                    "time (s)",
+                    "way (m)",
+                    CurvePoints(TIME, ours),
+                    CurvePoints(TIME, published),
+                    margin,
+                ),
+            ),
         )
 
     return measure

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import toothspace
-from toothspace.plotting.style import BLUE, ORANGE, figure_to_svg, new_figure, styled
 from toothspace.core.files import write_text
-from toothspace.validation.claim import ComparedCurve, Examined, ComparedValue
+from toothspace.plotting.style import BLUE, ORANGE, figure_to_svg, new_figure, styled
+from toothspace.validation.claim import ComparedCurve, ComparedValue, Examined
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

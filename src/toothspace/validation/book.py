@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from toothspace.core.errors import CaseError, ToothspaceError
 from toothspace.studies.study import Progress
 from toothspace.validation import films, gerotor, lateral, reference_machines, startup
-from toothspace.validation.claim import Claim, Effort, Examined, Evidence
+from toothspace.validation.claim import Claim, Effort, Evidence, Examined
 
 CLAIMS: tuple[Claim, ...] = (
     *films.CLAIMS,

@@ -83,9 +83,11 @@ class ComparedValue:
 def close(
     name: str, ours: float, published: float, unit: str, *, rel: float = 0.0, margin: float = 0.0
 ) -> ComparedValue:
-    """ComparedValue that may deviate by a part of the published one, or by a margin in its unit."""
+    """Value that may deviate by a part of the published one, or by a margin in its unit."""
     width = max(rel * abs(published), margin)
-    return ComparedValue(name, float(ours), unit, published - width, published + width, float(published))
+    return ComparedValue(
+        name, float(ours), unit, published - width, published + width, float(published)
+    )
 
 
 def holds(name: str, statement: bool, words: str) -> ComparedValue:
@@ -228,6 +230,9 @@ class Examined:
         """``pass`` if every number and curve does."""
         if self.claim.measure is None:
             return "cannot be had"
-        parts: tuple[ComparedValue | ComparedCurve, ...] = (*self.finding.values, *self.finding.curves)
+        parts: tuple[ComparedValue | ComparedCurve, ...] = (
+            *self.finding.values,
+            *self.finding.curves,
+        )
         passed = bool(parts) and all(part.verdict == "pass" for part in parts)
         return "pass" if passed and not self.trouble else "fail"

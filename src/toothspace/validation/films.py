@@ -9,7 +9,16 @@ from toothspace.core.types import Array
 from toothspace.films import Groove, JournalBearing, Lobes, RoughSurfaces, sweep_friction
 from toothspace.films.plane.pad import Pad, Pocket
 from toothspace.films.reynolds.fluid import FilmFluid
-from toothspace.validation.claim import Claim, ComparedCurve, Effort, Evidence, CurvePoints, ValidationSource, ComparedValue, close
+from toothspace.validation.claim import (
+    Claim,
+    ComparedCurve,
+    ComparedValue,
+    CurvePoints,
+    Effort,
+    Evidence,
+    ValidationSource,
+    close,
+)
 from toothspace.validation.resources import columns
 
 RAIMONDI = ValidationSource(

@@ -10,7 +10,15 @@ from toothspace import api
 from toothspace.results.ripple import spectrum
 from toothspace.results.solution import Solution
 from toothspace.results.tooth_contacts import ToothForces, tooth_forces
-from toothspace.validation.claim import Claim, ComparedCurve, Effort, Evidence, CurvePoints, ValidationSource, ComparedValue
+from toothspace.validation.claim import (
+    Claim,
+    ComparedCurve,
+    ComparedValue,
+    CurvePoints,
+    Effort,
+    Evidence,
+    ValidationSource,
+)
 from toothspace.validation.resources import case_file
 
 SOURCE = ValidationSource(
@@ -57,7 +65,11 @@ def _teeth(effort: Effort) -> Evidence:
                 words=words,
             ),
         ),
-        (ComparedCurve("Loaded teeth", "shaft angle (deg)", "teeth", CurvePoints(angle - angle[0], loaded)),),
+        (
+            ComparedCurve(
+                "Loaded teeth", "shaft angle (deg)", "teeth", CurvePoints(angle - angle[0], loaded)
+            ),
+        ),
     )
 
 
@@ -94,7 +106,9 @@ def _losses(effort: Effort) -> Evidence:
                 1.0,
                 words="gaps dominate, contact friction follows",
             ),
-            ComparedValue("contact friction", contact, "N m", 1e-4, words="contact friction is present"),
+            ComparedValue(
+                "contact friction", contact, "N m", 1e-4, words="contact friction is present"
+            ),
         )
     )
 
@@ -113,7 +127,12 @@ def _torque_over_speed(effort: Effort) -> Evidence:
         for a, b, first, later in zip(speeds, speeds[1:], torque, torque[1:], strict=False)
     )
     return Evidence(
-        values, (ComparedCurve("Mean torque", "shaft speed (rpm)", "torque (N m)", CurvePoints(speeds, torque)),)
+        values,
+        (
+            ComparedCurve(
+                "Mean torque", "shaft speed (rpm)", "torque (N m)", CurvePoints(speeds, torque)
+            ),
+        ),
     )
 
 
@@ -137,7 +156,11 @@ def _orders(effort: Effort) -> Evidence:
                 words="ripple of the teeth",
             ),
         ),
-        (ComparedCurve("Shaft torque", "shaft angle (deg)", "torque (N m)", CurvePoints(turn, torque)),),
+        (
+            ComparedCurve(
+                "Shaft torque", "shaft angle (deg)", "torque (N m)", CurvePoints(turn, torque)
+            ),
+        ),
     )
 
 

@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 
-from toothspace.config import load_case
+from toothspace.api import load_case
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.studies.hysteresis import follow_pressures
@@ -15,11 +15,11 @@ from toothspace.studies.nose_pressure import solve_conditions
 from toothspace.validation.claim import (
     Claim,
     ComparedCurve,
+    ComparedValue,
+    CurvePoints,
     Effort,
     Evidence,
-    CurvePoints,
     ValidationSource,
-    ComparedValue,
     holds,
 )
 from toothspace.validation.resources import case_file
@@ -117,7 +117,9 @@ def _first_set(effort: Effort) -> Evidence:
         )
     loop = float(np.max(positions[top:][::-1] - positions[: top + 1]))
     values.append(
-        ComparedValue("largest gap between the legs, position", loop, "um", MOVED, words="Fig. 22: a loop")
+        ComparedValue(
+            "largest gap between the legs, position", loop, "um", MOVED, words="Fig. 22: a loop"
+        )
     )
     return Evidence(tuple(values), _curves(study))
 
@@ -157,7 +159,10 @@ def _nose_pressure(effort: Effort) -> Evidence:
     share = np.linspace(0.0, 25.0, positions.shape[1])
     curves = tuple(
         ComparedCurve(
-            f"position at {name}", "nose pressure (% of outlet)", "position (um)", CurvePoints(share, row)
+            f"position at {name}",
+            "nose pressure (% of outlet)",
+            "position (um)",
+            CurvePoints(share, row),
         )
         for name, row in zip(("OC1", "OC2", "OC3"), positions, strict=True)
     )

@@ -8,7 +8,15 @@ from typing import Any
 import numpy as np
 
 from toothspace import api
-from toothspace.validation.claim import Claim, ComparedCurve, Effort, Evidence, CurvePoints, ValidationSource, ComparedValue
+from toothspace.validation.claim import (
+    Claim,
+    ComparedCurve,
+    ComparedValue,
+    CurvePoints,
+    Effort,
+    Evidence,
+    ValidationSource,
+)
 from toothspace.validation.resources import case_file
 
 GEAR_MACHINES = ValidationSource(
@@ -55,7 +63,9 @@ def _machine(case: str, effort: Effort) -> dict[str, Any]:
     return _numbers(case, *short)
 
 
-def _efficiencies(numbers: dict[str, Any], ranges: dict[str, tuple[float, float]]) -> list[ComparedValue]:
+def _efficiencies(
+    numbers: dict[str, Any], ranges: dict[str, tuple[float, float]]
+) -> list[ComparedValue]:
     return [
         ComparedValue(
             name.replace("_", " "), float(numbers[name]), "-", low, high, words=f"{low} to {high}"

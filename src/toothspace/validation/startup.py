@@ -8,7 +8,16 @@ import numpy as np
 
 from toothspace import api
 from toothspace.results.solution import Solution
-from toothspace.validation.claim import Claim, ComparedCurve, Effort, Evidence, CurvePoints, ValidationSource, ComparedValue, close
+from toothspace.validation.claim import (
+    Claim,
+    ComparedCurve,
+    ComparedValue,
+    CurvePoints,
+    Effort,
+    Evidence,
+    ValidationSource,
+    close,
+)
 from toothspace.validation.resources import case_file
 
 SOURCE = ValidationSource(
@@ -55,7 +64,12 @@ def _over_time(solution: Solution) -> tuple[ComparedCurve, ...]:
     pressure = np.asarray(data["pressure_difference"]) / 1e5
     return (
         ComparedCurve("Fan speed over time", "time (s)", "speed (rpm)", CurvePoints(time, speed)),
-        ComparedCurve("Pressure difference over time", "time (s)", "pressure (bar)", CurvePoints(time, pressure)),
+        ComparedCurve(
+            "Pressure difference over time",
+            "time (s)",
+            "pressure (bar)",
+            CurvePoints(time, pressure),
+        ),
     )
 
 
