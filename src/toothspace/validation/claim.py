@@ -83,7 +83,7 @@ class ComparedValue:
 def close(
     name: str, ours: float, published: float, unit: str, *, rel: float = 0.0, margin: float = 0.0
 ) -> ComparedValue:
-    """ComparedValue that may deviate by a part of the published one, or by a margin in its unit."""
+    """Value that may deviate by a part of the published one, or by a margin in its unit."""
     width = max(rel * abs(published), margin)
     return ComparedValue(
         name, float(ours), unit, published - width, published + width, float(published)

@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 
-from toothspace.case import load_case
+from toothspace.api import load_case
 from toothspace.case.shipped import shipped_case
 from toothspace.core.status import Status
 from toothspace.core.types import Array
