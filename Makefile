@@ -42,6 +42,8 @@ test: kernels  ## run the test suite (without the slow validation runs)
 
 validate: $(READY)  ## run slow tests and validation against published numbers
 	$(BIN)/python -m pytest -q -n $(WORKERS) --dist worksteal -m "slow or validation"
+	mkdir -p build
+	$(BIN)/toothspace validate -o build/validation_book.html --force
 
 bench: $(READY)  ## print the table of benchmarks
 	$(BIN)/python -m benchmarks
