@@ -207,7 +207,7 @@ def lateral_table(sizes: tuple[tuple[int, int], ...]) -> None:
             peers(sparse_matrix(stencil, free), rhs[free], setup + solve)
 
 
-@njit(cache=True)
+@njit
 def _triad(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> None:
     for k in range(a.size):
         a[k] = b[k] + 3.0 * c[k]

@@ -136,7 +136,7 @@ def force_polar(solution: Solution, description: MachineDescription | None = Non
         direction, size = np.arctan2(mean_y, mean_x), float(np.hypot(mean_x, mean_y))
         arrow = {"arrowstyle": "-|>", "color": ORANGE, "linewidth": 1.6, "shrinkA": 0, "shrinkB": 0}
         axes.annotate("", xy=(direction, size), xytext=(0.0, 0.0), arrowprops=arrow)
-        axes.set_ylim(0.0, 1.15 * float(np.max(np.hypot(x, y))))
+        axes.set_ylim(0.0, 1.15 * float(np.max(np.hypot(x, y))) or 1.0)
         axes.set_rlabel_position(np.degrees(direction) + 90.0)  # type: ignore[attr-defined]
         note = f"mean {size:.2f} kN at {np.degrees(direction) % 360:.0f}°"
         axes.set_title(f"{readable(body)}: {note}", pad=14)

@@ -1,0 +1,171 @@
+"""The three walks of docs/developer/extending.md, each done on something that does not exist."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.architecture.call_graph import CallGraph, Module, entry_points, package_graph
+from tests.architecture.sources import PACKAGE, REPOSITORY
+from toothspace import api
+from toothspace.core.status import Status
+from toothspace.report.html import write_report
+from toothspace.results import variables
+from toothspace.results.io import load_solution
+
+TYPE = """
+from dataclasses import dataclass
+from typing import final
+
+from tests.toy_machine import toy_machine
+
+
+@final
+@dataclass(frozen=True)
+class Toy:
+    name: str = "toy_cylinders"
+
+    def describe(self, spec):
+        return toy_machine(spec.angles)
+
+
+MACHINE = Toy()
+"""
+KEYS = """
+from dataclasses import dataclass
+from typing import final
+
+from toothspace.core.keys import choice, integer
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class ToyParameters:
+    mode: str = choice("What the machine is used as.", "pump", "motor")
+    angles: int = integer("Angles of the tables.", low=90, high=3600)
+
+    def assemble(self):
+        return self
+
+
+PARAMETERS = ToyParameters
+"""
+CASE = """
+schema = 1
+title = "Six cylinders"
+[machine]
+type = "toy_cylinders"
+mode = "pump"
+angles = 720
+[fluid]
+name = "iso_vg_46"
+temperature = "50 degC"
+[operating_point]
+shaft_speed = "1000 rpm"
+inlet_pressure = "2 bar"
+outlet_pressure = "20 bar"
+[run]
+fidelity = "{preset}"
+samples_per_revolution = 90
+"""
+
+
+@pytest.fixture
+def toy_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A package outside this repository, installed as far as Python can tell."""
+    package = tmp_path / "toy_cylinders"
+    package.mkdir()
+    (package / "__init__.py").write_text(TYPE, encoding="utf-8")
+    (package / "parameters.py").write_text(KEYS, encoding="utf-8")
+    installed = tmp_path / "toy_cylinders-1.0.dist-info"
+    installed.mkdir()
+    (installed / "METADATA").write_text("Name: toy-cylinders\nVersion: 1.0\n", encoding="utf-8")
+    entry = "[toothspace.machines]\ntoy_cylinders = toy_cylinders:MACHINE\n"
+    (installed / "entry_points.txt").write_text(entry, encoding="utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    importlib.invalidate_caches()
+    yield tmp_path
+    for name in ("toy_cylinders", "toy_cylinders.parameters"):
+        sys.modules.pop(name, None)
+
+
+@pytest.mark.parametrize("preset", ["ideal", "lumped"])
+def test_machine(toy_package: Path, preset: str) -> None:
+    """Two files and an entry point: it runs, balances and is reported under its own names."""
+    path = toy_package / "case.toml"
+    path.write_text(CASE.format(preset=preset), encoding="utf-8")
+    case = api.load_case(path)
+    solution = api.simulate(case)
+    assert solution.status is Status.DONE, solution.provenance.get("warnings")
+    summary = solution.summary()
+    flow = 60e3 * float(solution.data["outlet_flow_rate"].mean())
+    assert flow == pytest.approx(6.0, rel=0.1)  # six cylinders of 1 cm3 at 1000 rpm, l/min
+    assert float(summary["mean_torque_N_m"]) > 0.0
+    saved = load_solution(solution.save(toy_package / "result.nc"))
+    assert saved.summary() == pytest.approx(summary, nan_ok=True)
+    text = write_report(saved, toy_package / "report.html").read_text(encoding="utf-8")
+    assert "Six cylinders" in text
+    if preset == "lumped":
+        assert solution.ledger.energy_balance_error < 1e-3
+        assert solution.ledger.mass_balance_error < 1e-3
+        assert "lateral" in text
+
+
+def test_result_variable(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """One line: the reference page names it and a file keeps it with its unit."""
+    name = "toy_temperature"
+    with pytest.raises(KeyError, match=name):
+        variables.variable(name)
+    row = (name, "sample chamber", "K", "Temperature of the fluid in a chamber")
+    monkeypatch.setattr(variables, "_ROWS", (*variables._ROWS, row))
+    monkeypatch.setattr(variables, "VARIABLES", variables._variables())
+    assert f"| `{name}` | sample, chamber | K | {row[3]} |" in variables.reference_page()
+    data = variables.dataset_from(
+        {"shaft_angle": np.arange(3.0), "time": np.arange(3.0), name: np.full((3, 2), 320.0)},
+        {"chamber": ("a", "b")},
+    )
+    data.to_netcdf(tmp_path / "toy.nc", engine="h5netcdf")
+    import xarray as xr
+
+    with xr.open_dataset(tmp_path / "toy.nc", engine="h5netcdf") as kept:
+        assert kept[name].attrs["units"] == "K"
+        assert kept[name].dims == ("shaft_angle", "chamber")
+
+
+CLOSURE = "\n\n@inlined\ndef toy_friction(speed):\n    return speed\n"
+
+
+def graph_with(**changed: str) -> CallGraph:
+    """The package with other texts of some modules, dots written as double underscores."""
+    modules = dict(package_graph().modules)
+    for key, text in changed.items():
+        name = "toothspace." + key.replace("__", ".")
+        modules[name] = Module(name, ast.parse(text))
+    return CallGraph(modules.values())
+
+
+def test_friction_closure() -> None:
+    """A formula nobody calls is found; the call in the kernel of its phenomenon is enough."""
+    formulas = (PACKAGE / "closures" / "friction.py").read_text(encoding="utf-8") + CLOSURE
+    kernel = (PACKAGE / "model" / "drive.py").read_text(encoding="utf-8")
+    formula = ("toothspace.closures.friction", "toy_friction")
+    alone = graph_with(closures__friction=formulas)
+    assert formula not in alone.reached(entry_points(alone))
+    calling = kernel.replace("running_share", "toy_friction")
+    assert calling != kernel
+    called = graph_with(closures__friction=formulas, model__drive=calling)
+    assert formula in called.reached(entry_points(called))
+
+
+def test_the_page_names_files_that_are_there() -> None:
+    page = (REPOSITORY / "docs" / "developer" / "extending.md").read_text(encoding="utf-8")
+    named = [part.strip("`") for part in page.split() if part.startswith(("`src/", "`tests/"))]
+    paths = [name.rstrip("`.,;:)") for name in named if "<" not in name]
+    assert len(paths) > 6
+    assert [path for path in paths if not (REPOSITORY / path).exists()] == []
