@@ -14,6 +14,7 @@ import pytest
 from tests.architecture.call_graph import CallGraph, Module, entry_points, package_graph
 from tests.architecture.sources import PACKAGE, REPOSITORY
 from toothspace import api
+from toothspace.core.registry import machine_modules
 from toothspace.core.status import Status
 from toothspace.report.html import write_report
 from toothspace.results import variables
@@ -90,7 +91,9 @@ def toy_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Pat
     (installed / "entry_points.txt").write_text(entry, encoding="utf-8")
     monkeypatch.syspath_prepend(tmp_path)
     importlib.invalidate_caches()
+    machine_modules.cache_clear()
     yield tmp_path
+    machine_modules.cache_clear()
     for name in ("toy_cylinders", "toy_cylinders.parameters"):
         sys.modules.pop(name, None)
 
