@@ -85,7 +85,7 @@ class Problem:
         arrays = self.system.arrays
         self.compiled = compiled_callbacks(numba.typeof(arrays))
         # written once: packing the record at every call would cost more than the call
-        self._block = np.frombuffer(pack(arrays, "=" + numba.typeof(arrays).format), np.uint8)
+        self._block = block_of(arrays)
         self.address = self._block.ctypes.data
         self.full = self.start.copy()
         self.rate = np.zeros_like(self.full)
@@ -133,8 +133,8 @@ class Callbacks:
     weights: Callable[..., None]
 
 
-def compiled_callbacks(kind: RecordAddress) -> Callbacks:
-    """Callbacks for systems of one type."""
+def record_at(kind: RecordAddress) -> Callable[[int], Any]:
+    """Function of compiled code that takes an address for a record of a type."""
 
     @intrinsic
     def record(context, address):  # type: ignore[no-untyped-def]
@@ -142,6 +142,18 @@ def compiled_callbacks(kind: RecordAddress) -> Callbacks:
             return builder.inttoptr(values[0], ir.IntType(8).as_pointer())
 
         return kind(types.int64), generate
+
+    return record  # type: ignore[no-any-return]
+
+
+def block_of(record: tuple[Any, ...]) -> np.ndarray:
+    """Words of a record, valid as long as the returned array and those of the record live."""
+    return np.frombuffer(pack(record, "=" + numba.typeof(record).format), np.uint8)
+
+
+def compiled_callbacks(kind: RecordAddress) -> Callbacks:
+    """Callbacks for systems of one type."""
+    record = record_at(kind)
 
     @njit
     def rates(t, y, address, full, rate, out):  # type: ignore[no-untyped-def]

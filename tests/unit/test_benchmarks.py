@@ -1,0 +1,36 @@
+"""What the benchmarks compile for themselves."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numba
+import numpy as np
+
+from benchmarks.bench_films import bandwidth
+from benchmarks.bench_lumped import block_of, record_at
+from toothspace.core.compiled import njit, passed_by_address
+
+
+@passed_by_address
+class _Pair(NamedTuple):
+    values: np.ndarray
+    factor: float
+
+
+def test_a_record_is_read_from_its_address() -> None:
+    pair = _Pair(np.array([1.0, 2.0, 4.0]), 3.0)
+    record, block = record_at(numba.typeof(pair)), block_of(pair)
+
+    @njit
+    def scaled(address: int, k: int) -> float:
+        read = record(address)
+        return read.factor * read.values[k]
+
+    assert [scaled(block.ctypes.data, k) for k in range(3)] == [3.0, 6.0, 12.0]
+    pair.values[1] = 5.0
+    assert scaled(block.ctypes.data, 1) == 15.0
+
+
+def test_bandwidth_is_plausible() -> None:
+    assert 0.01 < bandwidth(1000) < 1e4  # GB/s
