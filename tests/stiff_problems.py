@@ -143,12 +143,12 @@ def finish(t, y, params, dydt, w, g):
 _initial_state, _advance = bind(NdfCallbacks(rhs, finish, jacobian, weights, event_values))
 
 
-@njit(cache=True)
+@njit
 def begin(params, program, settings, state, t0, y0):
     _initial_state(params, program, settings, state, t0, y0)
 
 
-@njit(cache=True)
+@njit
 def integrate(params, program, settings, state, record, t_end):
     return _advance(params, program, settings, state, record, t_end)
 

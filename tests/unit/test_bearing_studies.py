@@ -18,6 +18,7 @@ from toothspace.closures.real_contact import real_contact_share
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.films.lateral.housing_friction import BREAKAWAY_RATIO
+from toothspace.model.film_faces import FilmFace
 from toothspace.model.lateral_balance import HousingContact
 from toothspace.plotting.catalogue import FIGURES
 from toothspace.plotting.film_maps import lateral_films
@@ -168,13 +169,19 @@ def test_films_of_a_run_are_drawn_on_both_sides() -> None:
     assert all(name in one or name in one.coords for name in entry.needs)
 
 
+def _rough(face: FilmFace) -> FilmFace:
+    assert face.surfaces is not None
+    rough = replace(face.surfaces, moving_roughness=3e-7, resting_roughness=3e-7)
+    return replace(face, surfaces=rough)
+
+
 def test_real_contact_area_follows_the_asperity_pressure() -> None:
-    """Yielding spots carry 0.96 of the hardness; rings of the tests have smooth interfaces."""
+    """Plastic spots carry 0.96 of the hardness; rings of the tests have smooth interfaces."""
     point = _coupled()
     assert point.numbers.contact_force > 0.0
     assert point.numbers.real_contact_area == 0.0
     grids = [
-        replace(g, interface=replace(g.interface, moving_roughness=3e-7, resting_roughness=3e-7))
+        replace(g, interface=replace(g.interface, face=_rough(g.interface.face)))
         for g in point.problem.stack.grids
     ]
     states = [

@@ -7,6 +7,7 @@ import pytest
 from scipy.integrate import dblquad
 
 from tests.reference_formulas.rough_contact import pan_hamrock_film
+from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.friction import (
     lateral_film_torque,
     running_share,
@@ -156,13 +157,14 @@ def test_tilted_lateral_film(tilt: float) -> None:
 
 
 @njit
-def _compiled(speed: float) -> tuple[float, float, float]:
+def _compiled(speed: float, oil: FluidLaw, surface: FlankSurface) -> tuple[float, float, float]:
     return (
-        mesh_friction(9e4, 2e-3, speed, 5.0, OIL, SURFACE)[0],
+        mesh_friction(9e4, 2e-3, speed, 5.0, oil, surface)[0],
         lateral_film_torque(0.02, speed, 0.01, 0.02, 1e-5, 0.3),
         stribeck_friction(speed, 2.0, 1.0, 0.006)[0],
     )
 
 
 def test_compiled_friction_equals_python() -> None:
-    assert _compiled(0.4) == pytest.approx(_compiled.py_func(0.4), rel=1e-12)
+    given = 0.4, OIL, SURFACE
+    assert _compiled(*given) == pytest.approx(_compiled.py_func(*given), rel=1e-12)

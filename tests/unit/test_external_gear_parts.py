@@ -306,4 +306,5 @@ def test_strength_of_the_motor_at_260_bar() -> None:
     assert checks["flank pressure"].value == pytest.approx(918.0, rel=0.02)
     # six times 88 N/mm over some 5.5 mm of height and thickness
     assert 60.0 < checks["root stress"].value < 160.0
-    assert all(check.passed for check in checks.values())
+    strength = ("bearing specific load", "bearing p v", "flank pressure", "root stress")
+    assert all(checks[name].passed for name in strength)
