@@ -50,7 +50,8 @@ def pump_data(**changes: float) -> xr.Dataset:
 
 def pump_ledger() -> Ledger:
     energy = {"shaft": 100.0, "port_outlet": 80.0, "tooth_tip": 12.0, "journal_viscous": 8.0}
-    return Ledger(0.1, 10.0, {"inlet": 8.0e-3, "outlet": 8.0e-3}, energy)
+    mass = {"inlet": 8.0e-3, "outlet": 8.0e-3}
+    return Ledger(0.1, 10.0, mass, energy, {"tooth_tip": "Leakage over tooth tips"})
 
 
 def test_pump_efficiencies_by_hand() -> None:

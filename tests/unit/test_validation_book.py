@@ -131,5 +131,5 @@ def test_claims_have_names_of_their_own_and_a_reason() -> None:
 def test_data_and_cases_are_found() -> None:
     assert columns("bertocchi_2013")["x"].size > 10
     assert shipped_case("hysteresis_055").is_file()
-    with pytest.raises(CaseError, match="found no case 'newton'"):
+    with pytest.raises(CaseError, match="case: found 'newton'"):
         shipped_case("newton")

@@ -79,7 +79,10 @@ def test_halving_the_tolerance_changes_no_physical_number(name: str) -> None:
     tolerance = ts.load_case(CASES / f"{name}.toml").run.relative_tolerance
     half = f"run.relative_tolerance={tolerance / 2.0}"
     for key in PHYSICAL_NUMBERS:
-        assert number(key, name, half) == pytest.approx(number(key, name), rel=5e-4), key
+        # ripples and pressures: a hundredth of a percent point or of a bar shows nowhere
+        least = 0.01 if key.endswith(("ripple_percent", "bar")) else 0.0
+        wanted = pytest.approx(number(key, name), rel=5e-4, abs=least)
+        assert number(key, name, half) == wanted, key
 
 
 FAST = ('operating_point.shaft_speed="4000 rpm"', 'operating_point.outlet_pressure="50 bar"')
@@ -98,16 +101,18 @@ def test_throttled_suction_starves_a_fast_pump() -> None:
     assert delivery("0.4 bar") < 0.91 * atmospheric
 
 
+TIGHT = 'machine.gears.normal_backlash="20 um"'
 DUAL_CLOSING = 'machine.relief_grooves.closing_side_offset="1.826 mm"'
 
 
 @pytest.mark.parametrize("name", ["egm12_pump", "egm12_motor"])
 def test_space_that_opens_late_cavitates(name: str) -> None:
-    """Closing groove in dual-flank position, so that only the opening side differs."""
+    """Closing groove in dual-flank position and next to no backlash: only the opening side feeds."""
 
     def vapour(offset: str) -> float:
         opening = f'machine.relief_grooves.opening_side_offset="{offset}"'
-        return float(solved(name, DUAL_CLOSING, opening).data["chamber_vapour_fraction"].max())
+        run = solved(name, DUAL_CLOSING, opening, TIGHT)
+        return float(run.data["chamber_vapour_fraction"].max())
 
     assert vapour("5.5 mm") > 0.3
     assert vapour("3 mm") < 0.6 * vapour("5.5 mm")
@@ -135,8 +140,9 @@ def test_flow_ripple_peaks_at_the_tooth_frequency() -> None:
 def test_trapped_peak_grows_with_the_distance_of_the_closing_groove(name: str) -> None:
     far = 'machine.relief_grooves.closing_side_offset="4.2 mm"'
     base = number("max_chamber_pressure_bar", name)
-    assert number("max_chamber_pressure_bar", name, DUAL_CLOSING) < 0.6 * base
-    assert number("max_chamber_pressure_bar", name, far) > 1.05 * base
+    assert base < 1.25 * 200.0
+    assert number("max_chamber_pressure_bar", name, DUAL_CLOSING) < 1.01 * base
+    assert number("max_chamber_pressure_bar", name, far) > 3.0 * base
 
 
 @pytest.mark.parametrize(("name", "side"), [("egm12_pump", "inlet"), ("egm12_motor", "outlet")])
