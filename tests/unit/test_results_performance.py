@@ -85,7 +85,7 @@ def test_all_losses_warm_the_outlet_when_the_drain_is_internal() -> None:
 def test_an_external_drain_takes_its_heat_away() -> None:
     base = pump_ledger()
     mass = {"inlet": 8.0e-3, "outlet": 7.0e-3, "drain": 1.0e-3}
-    ledger = Ledger(base.duration, base.shaft_angle, mass, base.energy)
+    ledger = Ledger(base.duration, base.shaft_angle, mass, base.energy, base.path_losses)
     rise = performance.outlet_temperature(pump_data(), ledger) - 320.0
     assert rise == pytest.approx(12.0 / (7.0e-3 * 2000.0))
     drain = performance.drain_temperature(pump_data(), ledger) - 320.0
