@@ -107,7 +107,7 @@ DUAL_CLOSING = 'machine.relief_grooves.closing_side_offset="1.826 mm"'
 
 @pytest.mark.parametrize("name", ["egm12_pump", "egm12_motor"])
 def test_space_that_opens_late_cavitates(name: str) -> None:
-    """Closing groove in dual-flank position and next to no backlash: only the opening side feeds."""
+    """Dual-flank closing groove and next to no backlash: only the opening side feeds."""
 
     def vapour(offset: str) -> float:
         opening = f'machine.relief_grooves.opening_side_offset="{offset}"'
