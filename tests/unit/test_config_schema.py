@@ -108,7 +108,9 @@ def test_every_key_has_a_meaning(schema: dict[str, Any]) -> None:
 
 
 def test_quantities_state_unit_and_range(schema: dict[str, Any]) -> None:
-    gears = schema["properties"]["machine"]["oneOf"][0]["properties"]["gears"]["properties"]
+    machines = schema["properties"]["machine"]["oneOf"]
+    gears = next(m["properties"]["gears"] for m in machines if "gears" in m["properties"])
+    gears = gears["properties"]
     assert gears["module"]["x-unit"] == "mm"
     assert gears["module"]["x-minimum"] == 0.1
     assert "from 0.1 mm to 50 mm" in gears["module"]["description"]

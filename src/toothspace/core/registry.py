@@ -44,4 +44,5 @@ def machine_modules() -> dict[str, str]:
         file.parent.name: f"toothspace.machines.{file.parent.name}"
         for file in sorted(folder.glob("*/parameters.py"))
     }
-    return {point.name: point.module for point in entry_points(group=ENTRY_POINT_GROUP)} | built_in
+    shipped = {point.name: point.module for point in entry_points(group=ENTRY_POINT_GROUP)}
+    return dict(sorted((shipped | built_in).items()))

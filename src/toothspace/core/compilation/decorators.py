@@ -43,10 +43,9 @@ if PARTS:
         """Compile a function without the interpreter; options are those of ``numba.njit``."""
         if function is not None:
             return Kernel(function)
-        if options.get("parallel"):
-            # threads run functions that Numba makes on its own, outside of entries and parts
-            return numba.njit(cache=True, **options)
-        return lambda target: Kernel(target, None, options)
+        # in Numba's parallel loops parts give wrong numbers: their turns come one after another
+        serial = {name: value for name, value in options.items() if name != "parallel"}
+        return lambda target: Kernel(target, None, serial)
 
     def inlined(function: Any) -> Any:
         """Mark a formula that stays plain Python and is compiled where compiled code calls it."""
