@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from toothspace.gearing.gear_tables import ReliefGrooves
 from toothspace.gearing.numbering import number
 from toothspace.gearing.spaces import Spaces, drive_spaces, driven_spaces
 from toothspace.geometry.involute import InvoluteGear
@@ -16,7 +17,6 @@ from toothspace.machines.external_gear.spec import (
     Gear,
     JournalBearings,
     LateralGaps,
-    ReliefGrooves,
 )
 
 TWELVE = InvoluteGear(

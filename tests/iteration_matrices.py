@@ -2,9 +2,10 @@
 
 import numpy as np
 
+from tests.reference_formulas.full_jacobian import add_composition, jacobian
 from toothspace.core.types import Array
 from toothspace.model.assembly import System
-from toothspace.model.jacobian import add_composition, fill_jacobian, jacobian
+from toothspace.model.jacobian import fill_jacobian
 
 
 def assert_iteration_agrees(system: System, state: Array) -> None:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from tests.reference_formulas.involute_contact import contact_points
 from toothspace.core.types import Array
 from toothspace.geometry.curve import signed_area
-from toothspace.geometry.gear_pair import GearPair, contact_points
+from toothspace.geometry.gear_pair import GearPair
 from toothspace.geometry.gear_profile import GearProfile
 
 

@@ -6,7 +6,6 @@ from toothspace.geometry.curve import (
     CurveSegment,
     arc_lengths,
     counter_clockwise,
-    deviations,
     first_self_crossing,
     resample_by_curvature,
     sample_segments,
@@ -15,10 +14,7 @@ from toothspace.geometry.curve import (
 )
 from toothspace.geometry.polygon import (
     checked_polygon,
-    hydraulic_diameter,
     load_polygons,
-    overlap_area,
-    polygon_area,
 )
 
 SQUARE = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])
@@ -74,19 +70,6 @@ def test_resampling_follows_the_curvature():
     assert (points[:, 0] / 10.0) ** 2 + points[:, 1] ** 2 == pytest.approx(1.0, abs=1e-4)
     step = np.diff(arc_lengths(points))
     assert step[0] < 0.2 * step[50]
-
-
-def test_deviations_are_positive_outside():
-    reference = circle(1.0, 4000)
-    found = deviations(np.array([[1.1, 0.0], [0.0, 0.8]]), reference)
-    assert found == pytest.approx([0.1, -0.2], abs=1e-6)
-
-
-def test_areas_and_hydraulic_diameter():
-    assert polygon_area(SQUARE[::-1]) == 4.0
-    assert overlap_area(SQUARE, SQUARE + 1.0) == 1.0
-    assert hydraulic_diameter(SQUARE) == 2.0
-    assert hydraulic_diameter(circle(3.0, 2000)) == pytest.approx(6.0, rel=1e-5)
 
 
 @pytest.mark.parametrize(

@@ -1,13 +1,11 @@
 import numpy as np
 import pytest
 
+from tests.reference_formulas.involute_contact import contact_points, curvature_radii
 from toothspace.core.errors import GeometryError
 from toothspace.geometry.design_rules import design_findings
 from toothspace.geometry.gear_pair import (
     GearPair,
-    contact_points,
-    curvature_radii,
-    ideal_flow_per_radian,
     pair_from_backlash,
     pair_from_center_distance,
     trapped_volume_change,
@@ -59,7 +57,7 @@ def test_ideal_flow_is_the_area_swept_between_tip_and_contact(pair):
     first = pair.drive.tip_radius**2 - np.sum(points**2, axis=1)
     second = pair.driven.tip_radius**2 - np.sum((points - (0.0, pair.center_distance)) ** 2, axis=1)
     expected = 0.5 * 8e-3 * (first - pair.speed_ratio * second)
-    assert ideal_flow_per_radian(pair, 8e-3, position) == pytest.approx(expected, rel=1e-12)
+    assert pair.flow_per_radian(8e-3, position) == pytest.approx(expected, rel=1e-12)
 
 
 def test_play_between_profiles_is_half_the_backlash_and_shrinks_with_the_distance(pair):

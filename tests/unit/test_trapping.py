@@ -8,8 +8,9 @@ from dataclasses import replace
 import pytest
 
 from tests.external_gear_designs import egm12
+from toothspace.gearing.gear_tables import ReliefGrooves
 from toothspace.machines.external_gear.assembly import assemble
-from toothspace.machines.external_gear.spec import ReliefGrooves, WearIn
+from toothspace.machines.external_gear.spec import WearIn
 from toothspace.machines.external_gear.trapping import mesh_chain, trapping, trapping_checks
 
 BAR = 1e5

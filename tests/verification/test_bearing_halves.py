@@ -14,8 +14,9 @@ from toothspace.films.lateral.equilibrium import Equilibrium, SearchSettings, fi
 from toothspace.films.lateral.housing_friction import HousingFriction
 from toothspace.films.lateral.motion import Loads, StepSettings, state_at
 from toothspace.films.lateral.stack import Stack
+from toothspace.gearing.materials import Material
 from toothspace.machines.external_gear.describe import describe
-from toothspace.machines.external_gear.spec import FloatingBlock, Material, Spring
+from toothspace.machines.external_gear.spec import FloatingBlock, Spring
 
 APPROACH = 3e-13
 

@@ -15,7 +15,7 @@ import shapely
 
 from toothspace.geometry.gear_data import gear_data
 from toothspace.geometry.gear_finder import FoundGear, find_gears
-from toothspace.geometry.gear_pair import displacement_per_radian, pair_from_backlash
+from toothspace.geometry.gear_pair import pair_from_backlash
 from toothspace.geometry.involute import InvoluteGear
 
 WIDTH = 10e-3
@@ -157,7 +157,7 @@ def test_gears_of_other_programs(tmp_path: Path, number: int) -> None:
         assert data.standard, kind
         ideal = drawn.ideal(2.0 * detected.profile.tip_radius)
         pair = pair_from_backlash(ideal, ideal, BACKLASH)
-        volume = displacement_per_radian(pair, WIDTH)
+        volume = pair.displacement_per_radian(WIDTH)
         assert displacement(found, pair.center_distance) == pytest.approx(volume, rel=1e-3), kind
         if kind == "step":
             own_error = detected.involute.form_error

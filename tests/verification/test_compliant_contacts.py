@@ -10,11 +10,11 @@ import pytest
 
 from tests.contact_machine import contact_machine
 from tests.iteration_matrices import assert_iteration_agrees
+from tests.reference_formulas.full_jacobian import jacobian
 from toothspace.closures.bearing_map import build_journal_map, journal_force
 from toothspace.model.arrays import FILM_FORCE
 from toothspace.model.assembly import System, assemble
 from toothspace.model.fluid import fluid_law
-from toothspace.model.jacobian import jacobian
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.system import right_hand_side
 from toothspace.solver.compiled_model import observe

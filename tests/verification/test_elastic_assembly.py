@@ -20,6 +20,7 @@ from toothspace.core.types import Array
 from toothspace.elasticity import AreaPressure, InfluenceMatrix, influence_matrix
 from toothspace.films.lateral.elastic_faces import ElasticFaces
 from toothspace.films.lateral.stack import BackPressure, Snapshot
+from toothspace.gearing.materials import Material
 from toothspace.gearing.numbering import number
 from toothspace.machines.external_gear.assembly import Assembly, assemble
 from toothspace.machines.external_gear.balance import lateral_balance
@@ -34,7 +35,7 @@ from toothspace.machines.external_gear.elastic_bodies import (
 )
 from toothspace.machines.external_gear.films import FaceOfGear
 from toothspace.machines.external_gear.loads import BODIES
-from toothspace.machines.external_gear.spec import BodyFiles, FloatingBlock, Material, Spring
+from toothspace.machines.external_gear.spec import BodyFiles, FloatingBlock, Spring
 from toothspace.model.film_faces import FILM
 from toothspace.model.lateral_balance import BodyLoad, LateralBalance
 from toothspace.simulation.elastic import lateral_settings

@@ -40,12 +40,13 @@ from toothspace.films.lateral.elastic_faces import ElasticFaces, elastic_faces
 from toothspace.films.lateral.equilibrium import Equilibrium, SearchSettings, find_equilibrium
 from toothspace.films.lateral.motion import StepSettings, state_at
 from toothspace.films.lateral.stack import Stack
+from toothspace.gearing.materials import Material
 from toothspace.gearing.numbering import number
 from toothspace.machines.external_gear.assembly import assemble
 from toothspace.machines.external_gear.balance import lateral_balance
 from toothspace.machines.external_gear.elastic_assembly import ElasticAssembly
 from toothspace.machines.external_gear.elastic_bodies import MeshSize
-from toothspace.machines.external_gear.spec import BodyFiles, FloatingBlock, Material, Spring
+from toothspace.machines.external_gear.spec import BodyFiles, FloatingBlock, Spring
 from toothspace.model.lateral_balance import LateralBalance
 from toothspace.simulation.elastic import lateral_settings
 from toothspace.simulation.lateral.problem import LateralProblem, lateral_problem

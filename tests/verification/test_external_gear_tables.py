@@ -16,7 +16,7 @@ from toothspace.gearing.spaces import (
     section_area_rates,
     section_areas,
 )
-from toothspace.geometry.gear_pair import ideal_flow_per_radian, pair_from_backlash
+from toothspace.geometry.gear_pair import pair_from_backlash
 from toothspace.machines.external_gear import MACHINE
 from toothspace.machines.external_gear.assembly import Assembly, assemble
 from toothspace.model.description import MachineDescription
@@ -151,7 +151,7 @@ def test_ideal_flow_follows_the_contact(name: str) -> None:
     for shaft_angle in 2.0 * assembly.mesh.half_pitch * np.arange(41) / 41:
         spaces = spaces_at(assembly, shaft_angle)
         u, outlet = _outlet_side(assembly, spaces)
-        expected = float(ideal_flow_per_radian(pair, assembly.face_width, u))
+        expected = float(pair.flow_per_radian(assembly.face_width, u))
         exact, tabulated = 0.0, 0.0
         for family, own, there in zip(description.families, spaces, outlet, strict=True):
             exact -= assembly.face_width * section_area_rates(own)[there].sum()

@@ -14,7 +14,7 @@ from tests.gerotor_designs import CYCLOIDAL, TROCHOIDAL, machine
 from toothspace.core.registry import machine_type, machine_type_names
 from toothspace.core.status import Status
 from toothspace.machines.gerotor.describe import describe
-from toothspace.machines.gerotor.parameters import ShaftBearingParameters
+from toothspace.machines.shared_tables import ShaftBearingParameters
 from toothspace.model.description import MachineDescription
 from toothspace.results.solution import Solution
 from toothspace.solver.cyclic import successors

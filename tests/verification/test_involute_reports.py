@@ -3,12 +3,9 @@
 import numpy as np
 import pytest
 
+from tests.reference_formulas.involute_contact import curvature_radii
 from tests.reference_formulas.trapped_area import trapped_area
 from toothspace.geometry.gear_pair import (
-    curvature_radii,
-    displacement_per_radian,
-    flow_ripple,
-    ideal_flow_per_radian,
     pair_from_backlash,
     pair_from_center_distance,
     trapped_volume_change,
@@ -108,13 +105,13 @@ def test_motor_of_4_95_cm3(motor):
 
 @pytest.mark.parametrize(("sealing", "volume"), [("single", 4.949), ("dual", 5.144)])
 def test_displacement_of_motor(motor, sealing, volume):
-    found = displacement_per_radian(motor, 7.5e-3, sealing) * 2e6 * np.pi
+    found = motor.displacement_per_radian(7.5e-3, sealing) * 2e6 * np.pi
     assert found == pytest.approx(volume, rel=2e-4)
 
 
 @pytest.mark.parametrize(("sealing", "volume"), [("single", 43.01), ("dual", 44.5)])
 def test_displacement_of_fuel_pump(fuel_pump, sealing, volume):
-    found = displacement_per_radian(fuel_pump, 23.4e-3, sealing) * 2e6 * np.pi
+    found = fuel_pump.displacement_per_radian(23.4e-3, sealing) * 2e6 * np.pi
     assert found == pytest.approx(volume, rel=1e-3)
 
 
@@ -129,10 +126,10 @@ def test_fuel_pump(fuel_pump):
 def test_flow_ripple(motor, fuel_pump):
     # (pb^2 / 4) / (ra^2 - rw^2 - pb^2 / 12), dual flank with a quarter of pb^2: Manring and
     # Kasaragadda, J. Dyn. Syst. Meas. Control 125 (2003) 396-404
-    assert flow_ripple(motor) == pytest.approx(0.1569, abs=5e-5)
-    assert flow_ripple(motor, "dual") == pytest.approx(0.0377, abs=5e-5)
-    assert flow_ripple(fuel_pump) == pytest.approx(0.1403, abs=5e-5)
-    assert flow_ripple(fuel_pump, "dual") == pytest.approx(0.0339, abs=5e-5)
+    assert motor.flow_ripple() == pytest.approx(0.1569, abs=5e-5)
+    assert motor.flow_ripple("dual") == pytest.approx(0.0377, abs=5e-5)
+    assert fuel_pump.flow_ripple() == pytest.approx(0.1403, abs=5e-5)
+    assert fuel_pump.flow_ripple("dual") == pytest.approx(0.0339, abs=5e-5)
 
 
 def unequal_pair():
@@ -146,8 +143,8 @@ def unequal_pair():
 def test_mean_of_ideal_flow_is_displacement_for_unequal_gears():
     pair = unequal_pair()
     position = (np.arange(2000) + 0.5) / 2000 - 0.5
-    flow = ideal_flow_per_radian(pair, 10e-3, position * pair.base_pitch)
-    assert np.mean(flow) == pytest.approx(displacement_per_radian(pair, 10e-3), rel=1e-6)
+    flow = pair.flow_per_radian(10e-3, position * pair.base_pitch)
+    assert np.mean(flow) == pytest.approx(pair.displacement_per_radian(10e-3), rel=1e-6)
 
 
 @pytest.mark.parametrize("make", [unequal_pair, None], ids=["unequal", "motor"])

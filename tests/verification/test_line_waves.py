@@ -11,6 +11,7 @@ import pytest
 from scipy.special import jv
 
 from tests.conftest import REPOSITORY
+from tests.reference_formulas.full_jacobian import jacobian
 from toothspace import api
 from toothspace.case import Case
 from toothspace.case.plumbing import plumb
@@ -20,7 +21,6 @@ from toothspace.closures.viscosity import dynamic_viscosity
 from toothspace.core.errors import CaseError
 from toothspace.model.arrays import DENSITY, PRESSURE_BY_MASS
 from toothspace.model.assembly import System, assemble, node_places
-from toothspace.model.jacobian import jacobian
 from toothspace.results.solution import Solution
 from toothspace.simulation.setup import circuit_condition
 from toothspace.solver.initial import start_state

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from tests.iteration_matrices import assert_iteration_agrees
+from tests.reference_formulas.full_jacobian import jacobian
 from tests.toy_machine import toy_machine
 from toothspace.model.assembly import System, assemble
 from toothspace.model.fluid import fluid_law
-from toothspace.model.jacobian import jacobian
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.system import right_hand_side
 from toothspace.solver.cyclic import RunPlan, march_revolutions

@@ -9,10 +9,10 @@ import numpy as np
 
 import toothspace as ts
 from tests.iteration_matrices import assert_iteration_agrees
+from tests.reference_formulas.full_jacobian import jacobian
 from toothspace.api import fluid_of
 from toothspace.model.arrays import DRAG, HEIGHT, PRESENT_B
 from toothspace.model.assembly import System, assemble
-from toothspace.model.jacobian import jacobian
 from toothspace.model.system import right_hand_side
 from toothspace.simulation.setup import condition_of
 from toothspace.solver.cyclic import RunPlan, march_revolutions

@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 
 from toothspace.core.types import Array, BoolArray, IntArray
+from toothspace.geometry.curve import polar_moment
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.model.film_faces import FILM, NO_BODY, ChamberRing, FaceCells
 
@@ -90,6 +91,13 @@ class GearFace:
         own = self.section.contains(shaft_angle, x, y)
         node = np.where(own, FILM, self.spaces.nodes[self.spaces.nearest(shaft_angle, x, y)])
         return FaceCells(under_recesses(node, own, self.recesses, x, y), np.where(own, 0, NO_BODY))
+
+
+def tooth_fraction(profile: GearProfile) -> float:
+    """Part of the ring between root and tip that is tooth, weighted with r^2. [-]."""
+    tip, root = profile.tip_radius, profile.root_radius
+    teeth = polar_moment(profile.closed_polygon()) - 0.5 * np.pi * root**4
+    return float(teeth / (0.5 * np.pi * (tip**4 - root**4)))
 
 
 def under_recesses(

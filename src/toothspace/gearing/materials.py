@@ -1,4 +1,4 @@
-"""Elastic data of gear materials from the library."""
+"""Elastic data of machine materials from the library."""
 
 from __future__ import annotations
 
@@ -9,27 +9,39 @@ from toothspace.library import load_material
 
 
 @final
-@dataclass(frozen=True)
-class Solid:
-    """Elastic data of a material: modulus [Pa], Poisson ratio [-], hardness [Pa], density."""
+@dataclass(frozen=True, kw_only=True)
+class Material:
+    """Elastic data of a solid.
+
+    Parameters
+    ----------
+    elastic_modulus : float
+        Young's modulus. [Pa]
+    poisson_ratio : float
+        Poisson's ratio. [-]
+    hardness : float
+        Indentation hardness. [Pa]
+    density : float
+        Density. [kg/m3]
+    """
 
     elastic_modulus: float
     poisson_ratio: float
     hardness: float
-    density: float
+    density: float = 7850.0
 
 
-def solid(name: str, key: str) -> Solid:
+def library_material(name: str, key: str) -> Material:
     """Return a material of the library, or raise ``CaseError`` naming the key."""
     data = load_material(name, key)
-    return Solid(
-        float(data["elastic_modulus"]),
-        float(data["poisson_ratio"]),
-        float(data["hardness"]),
-        float(data["density"]),
+    return Material(
+        elastic_modulus=float(data["elastic_modulus"]),
+        poisson_ratio=float(data["poisson_ratio"]),
+        hardness=float(data["hardness"]),
+        density=float(data["density"]),
     )
 
 
-def reduced_modulus(first: Solid, second: Solid) -> float:
+def reduced_modulus(first: Material, second: Material) -> float:
     """Effective modulus E' = 2 / [(1 - nu1^2)/E1 + (1 - nu2^2)/E2]. [Pa]."""
     return 2.0 / sum((1.0 - m.poisson_ratio**2) / m.elastic_modulus for m in (first, second))

@@ -6,15 +6,16 @@ in ISO 21771; every formula then holds for external and internal pairs.
 
 from __future__ import annotations
 
-from typing import Protocol
+from dataclasses import dataclass
 
 import numpy as np
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
 from toothspace.gearing.mesh_split import Mesh, Throats, throats
-from toothspace.gearing.spaces import Spaces
+from toothspace.gearing.spaces import Spaces, drive_spaces, driven_spaces
 from toothspace.gearing.tooth import Tooth
+from toothspace.geometry.gear_pair import InvolutePair
 from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
 
 CONTACT_TOLERANCE = 1e-6
@@ -34,28 +35,95 @@ _GROWN_THROAT = 0.05
 _LEAST_RADIUS = 1e-4
 
 
-class MeshedGears(Protocol):
-    """What this module needs to know of two gears in mesh."""
+@dataclass(frozen=True, kw_only=True)
+class MeshedGears:
+    """Two gears in mesh with the loaded flanks in contact.
+
+    Parameters
+    ----------
+    teeth : tuple of Tooth
+        Flanks of drive and driven gear.
+    root_radii : tuple of float
+        Root circles, negative of a ring gear. [m]
+    mesh : Mesh
+        Relative position.
+    face_width : float
+        Width over which the gears mesh. [m]
+    loaded_is_left : bool
+        Whether the loaded flanks are the left ones (pump) or the right ones (motor).
+    pair : InvolutePair or None
+        Involute pair where both gears are given by parameters.
+    """
+
+    teeth: tuple[Tooth, Tooth]
+    root_radii: tuple[float, float]
+    mesh: Mesh
+    face_width: float
+    loaded_is_left: bool
+    pair: InvolutePair | None
 
     @property
-    def teeth(self) -> tuple[Tooth, Tooth]:
-        """Drive and driven tooth."""
+    def counts(self) -> tuple[int, int]:
+        """Tooth counts of drive and driven gear."""
+        drive, driven = self.teeth
+        return drive.tooth_count, abs(driven.tooth_count)
 
     @property
-    def mesh(self) -> Mesh:
-        """Relative position."""
+    def root_clearances(self) -> tuple[float, float]:
+        """Radial play of the mating tip in the roots of drive and driven gear. [m]."""
+        (drive, driven), distance = self.teeth, self.mesh.center_distance
+        first, second = self.root_radii
+        return distance - first - driven.tip_radius, distance - second - drive.tip_radius
 
     @property
-    def face_width(self) -> float:
-        """Width over which the gears mesh. [m]."""
-
-    @property
-    def loaded_is_left(self) -> bool:
-        """Whether the loaded flanks are the left ones (pump) or the right ones (motor)."""
+    def tip_lands(self) -> tuple[float, float]:
+        """Width of the tip lands of drive and driven gear. [m]."""
+        drive, driven = (abs(tooth.land_angle * tooth.tip_radius) for tooth in self.teeth)
+        return drive, driven
 
     @property
     def involute_path(self) -> tuple[float, float] | None:
         """Throat angles between which involutes touch, None to find them from gaps. [rad]."""
+        return None
+
+    def table_places(self, gear: int, nodes: int) -> Array:
+        """Places of a gear's table nodes in the sense of rotation, opposite to the mesh first.
+
+        Parameters
+        ----------
+        gear : int
+            0 for the drive gear, 1 for the driven gear.
+        nodes : int
+            About how many nodes the drive gear shall have.
+
+        Returns
+        -------
+        ndarray
+            Places; those of the driven gear leave out its turn into contact. [rad]
+
+        Notes
+        -----
+        Both gears have one even number of nodes on a pitch. All chambers are then at the same
+        fraction between their nodes, and interpolation errors of neighbours cancel.
+        """
+        per_pitch = 2 * max(round(0.5 * nodes / self.counts[0]), 2)
+        count = per_pitch * self.counts[gear]
+        return -np.pi + FULL_TURN * np.arange(count) / count
+
+    def spaces(self, nodes: int) -> tuple[Spaces, Spaces]:
+        """Tooth spaces of both gears at their table nodes, about so many on a turn."""
+        return self.spaces_at(self.table_places(0, nodes), self.table_places(1, nodes))
+
+    def spaces_at(self, drive_places: Array, driven_places: Array) -> tuple[Spaces, Spaces]:
+        """Tooth spaces at places in the sense of rotation [rad], those of the nodes of the tables.
+
+        A ring gear turns with the drive gear, so that its places in the mesh count backwards.
+        """
+        driven = np.sign(self.mesh.center_distance) * driven_places - self.mesh.turn
+        return (
+            drive_spaces(*self.teeth, self.mesh, drive_places),
+            driven_spaces(*self.teeth, self.mesh, driven),
+        )
 
 
 def lens_angle(own: float, other: float, distance: float) -> float:
@@ -257,6 +325,29 @@ def flow_over_pitch(gears: MeshedGears, samples: int = 1200) -> Array:
     flow = ideal_flow(gears, angles.ravel()).reshape(angles.shape)
     inside = (angles >= start) & (angles <= end)
     return np.asarray(np.max(np.where(inside, flow, 0.0), axis=1), dtype=float)
+
+
+def displacement(gears: MeshedGears) -> float:
+    """Geometric displacement per radian, single flank: closed form for involutes. [m3/rad]."""
+    if gears.pair is not None:
+        return gears.pair.displacement_per_radian(gears.face_width)
+    return float(np.mean(flow_over_pitch(gears)))
+
+
+def flow_ripple(gears: MeshedGears) -> float:
+    """Largest less smallest ideal flow over its mean: closed form for involutes. [-]."""
+    if gears.pair is not None:
+        return gears.pair.flow_ripple()
+    flow = flow_over_pitch(gears)
+    return float((flow.max() - flow.min()) / flow.mean())
+
+
+def contact_ratio(gears: MeshedGears) -> float:
+    """Mean number of tooth pairs in contact. [-]."""
+    if gears.pair is not None:
+        return gears.pair.contact_ratio
+    start, end = path_of_contact(gears)
+    return (end - start) / (2.0 * gears.mesh.half_pitch)
 
 
 def throat_width(gears: MeshedGears, side: Throats) -> Array:

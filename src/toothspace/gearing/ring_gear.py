@@ -17,6 +17,7 @@ from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array, FloatOrArray
 from toothspace.gearing.tooth import LEFT, RIGHT, Tooth, flank_spline
 from toothspace.geometry.curve import CurveSegment, sample_segments
+from toothspace.geometry.gear_pair import InvolutePair
 from toothspace.geometry.involute import InvoluteGear, ToothForm, involute_function, tooth_form
 
 _LEAST_TIP = 1.0 + 1e-6
@@ -173,8 +174,8 @@ def ring_tooth(ring: RingGear, points: int = 200) -> Tooth:
 
 @final
 @dataclass(frozen=True)
-class InternalPair:
-    r"""Pinion in a ring gear.
+class InternalPair(InvolutePair):
+    """Pinion in a ring gear.
 
     Parameters
     ----------
@@ -191,9 +192,19 @@ class InternalPair:
     center_distance: float
 
     @property
-    def ratio(self) -> float:
+    def speed_ratio(self) -> float:
         """Speed of the ring over that of the pinion. [-]."""
         return self.pinion.tooth_count / self.ring.tooth_count
+
+    @property
+    def tip_radii(self) -> tuple[float, float]:
+        """Tip circles of pinion and ring. [m]."""
+        return self.pinion.tip_radius, self.ring.tip_radius
+
+    @property
+    def base_pitch(self) -> float:
+        """Distance of consecutive contacts along the line of action. [m]."""
+        return self.pinion.base_pitch
 
     @property
     def base_difference(self) -> float:
@@ -208,7 +219,7 @@ class InternalPair:
     @property
     def pitch_radii(self) -> tuple[float, float]:
         """Radii of the operating pitch circles. [m]."""
-        pinion = self.center_distance * self.ratio / (1.0 - self.ratio)
+        pinion = self.center_distance * self.speed_ratio / (1.0 - self.speed_ratio)
         return pinion, pinion + self.center_distance
 
     @property
@@ -251,12 +262,6 @@ class InternalPair:
         return start - pitch, end - pitch
 
     @property
-    def contact_ratio(self) -> float:
-        """Mean number of tooth pairs in contact. [-]."""
-        start, end = self.path_of_contact
-        return (end - start) / self.pinion.base_pitch
-
-    @property
     def involute_margins(self) -> tuple[float, float]:
         """Roll length between fillet and deepest contact, on pinion and ring. [m].
 
@@ -266,71 +271,6 @@ class InternalPair:
         pinion_tip = _roll(self.pinion.base_radius, self.pinion_form.tip_form_radius)
         fillet = _roll(self.pinion.base_radius, self.pinion_form.form_radius)
         return ring_tip - fillet, self._ring_form_roll - self.roll_offset - pinion_tip
-
-    @property
-    def root_clearances(self) -> tuple[float, float]:
-        """Radial play of the mating tip in the roots of pinion and ring. [m]."""
-        return (
-            self.ring.tip_radius - self.center_distance - self.pinion.root_radius,
-            self.ring.root_radius - self.center_distance - self.pinion.tip_radius,
-        )
-
-    @property
-    def sealing_window(self) -> tuple[float, float]:
-        """Positions of the sealing contact over one base pitch, as near the pitch point as can be.
-
-        With two pairs in contact the one nearer to the pitch point gives more flow. [m]
-        """
-        start, end = self.path_of_contact
-        pitch = self.pinion.base_pitch
-        first = min(max(start, -0.5 * pitch), end - pitch)
-        return first, first + pitch
-
-    def flow_per_radian(self, face_width: float, position: FloatOrArray) -> FloatOrArray:
-        r"""Volume delivered per radian of the shaft while the sealing contact is at a position.
-
-        Parameters
-        ----------
-        face_width : float
-            Tooth length. [m]
-        position : float or ndarray
-            Distance of the sealing contact from the pitch point. [m]
-
-        Returns
-        -------
-        float or ndarray
-            Flow rate over shaft speed. [m3/rad]
-
-        Notes
-        -----
-        .. math:: \frac{Q}{\omega} = \frac{b}{2}\left[r_{a1}^2 - r_{w1}^2 + \frac{z_1}{z_2}
-            (r_{w2}^2 - r_{a2}^2) - \left(1 - \frac{z_1}{z_2}\right) u^2\right]
-
-        Validity: rigid fluid, no leakage, single flank.
-
-        References
-        ----------
-        .. [1] J. R. Colbourne, Gear shape and theoretical flow rate in internal gear pumps,
-           Trans. Can. Soc. Mech. Eng. 3 (1975) 215-223.
-        """
-        (first, second), ratio = self.pitch_radii, self.ratio
-        swept = self.pinion.tip_radius**2 - first**2
-        swept += ratio * (second**2 - self.ring.tip_radius**2)
-        return 0.5 * face_width * (swept - (1.0 - ratio) * np.asarray(position) ** 2)
-
-    def displacement_per_radian(self, face_width: float) -> float:
-        """Mean of :meth:`flow_per_radian` over a base pitch. [m3/rad]."""
-        first, last = self.sealing_window
-        mean_square = (last**3 - first**3) / (3.0 * (last - first))
-        return float(self.flow_per_radian(face_width, np.sqrt(mean_square)))
-
-    @property
-    def flow_ripple(self) -> float:
-        """Largest less smallest kinematic flow over its mean. [-]."""
-        ends = np.array(self.sealing_window)
-        least = 0.0 if ends[0] < 0.0 < ends[1] else np.abs(ends).min()
-        flow = np.asarray(self.flow_per_radian(1.0, np.array([least, np.abs(ends).max()])))
-        return float((flow[0] - flow[1]) / self.displacement_per_radian(1.0))
 
 
 def _roll(base: float, radius: float) -> float:

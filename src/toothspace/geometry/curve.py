@@ -132,6 +132,13 @@ def signed_area(points: Array) -> float:
     return float(0.5 * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
 
 
+def polar_moment(points: Array) -> float:
+    """Polar second moment of area of a closed curve about the origin, counter-clockwise. [m4]."""
+    p, q = points, np.roll(points, -1, axis=0)
+    cross = p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]
+    return float(np.sum(cross * np.sum(p * p + p * q + q * q, axis=1)) / 12.0)
+
+
 def counter_clockwise(points: Array) -> Array:
     """Run a closed curve counter-clockwise, beginning at the same point [m]."""
     if signed_area(points) >= 0.0:
@@ -197,30 +204,6 @@ def resample_by_curvature(points: Array, count: int) -> Array:
     chosen = np.interp(np.linspace(0.0, cumulative[-1], count + 1), cumulative, fine)
     chosen[-1] = along[-1]
     return np.asarray(spline(chosen))
-
-
-def deviations(points: Array, reference: Array) -> Array:
-    """Signed distance of points from a closed reference curve.
-
-    Parameters
-    ----------
-    points : ndarray
-        Points, shape (n, 2). [m]
-    reference : ndarray
-        Closed curve, shape (k, 2). [m]
-
-    Returns
-    -------
-    ndarray
-        Distance to the reference polygon, positive outside, shape (n,). [m]
-    """
-    import shapely
-
-    polygon = shapely.Polygon(reference)
-    shapely.prepare(polygon)
-    cloud = shapely.points(points)
-    distance = shapely.distance(cloud, polygon.exterior)
-    return np.where(shapely.contains(polygon, cloud), -distance, distance)
 
 
 def chord_heights(points: Array, largest_bend: float = np.deg2rad(45.0)) -> Array:

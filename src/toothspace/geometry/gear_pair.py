@@ -7,6 +7,7 @@ the driven gear's leading flank pushes the drive gear.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal, final
@@ -15,7 +16,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from toothspace.core.errors import GeometryError
-from toothspace.core.types import Array, FloatOrArray
+from toothspace.core.types import FloatOrArray
 from toothspace.geometry.involute import (
     InvoluteGear,
     ToothForm,
@@ -25,15 +26,139 @@ from toothspace.geometry.involute import (
 )
 from toothspace.geometry.mesh_clearance import flank_clearance as flank_clearance
 
-Mode = Literal["pump", "motor"]
 Sealing = Literal["single", "dual"]
 
 _LARGEST_OVERLAP = 1e-6
 
 
+class InvolutePair(ABC):
+    """What external and internal pairs of involute gears have in common.
+
+    Lengths along the line of action count from the pitch point.
+    """
+
+    @property
+    @abstractmethod
+    def speed_ratio(self) -> float:
+        """Speed of the driven gear over that of the drive gear, negative of an external pair."""
+
+    @property
+    @abstractmethod
+    def tip_radii(self) -> tuple[float, float]:
+        """Tip circles of drive and driven gear. [m]."""
+
+    @property
+    @abstractmethod
+    def pitch_radii(self) -> tuple[float, float]:
+        """Operating pitch radii of drive and driven gear. [m]."""
+
+    @property
+    @abstractmethod
+    def operating_pressure_angle(self) -> float:
+        """Angle of the line of action to the common tangent of the pitch circles. [rad]."""
+
+    @property
+    @abstractmethod
+    def base_pitch(self) -> float:
+        """Distance of consecutive contacts along the line of action. [m]."""
+
+    @property
+    @abstractmethod
+    def path_of_contact(self) -> tuple[float, float]:
+        """Positions at which a tooth pair begins and ends contact. [m]."""
+
+    @property
+    def contact_ratio(self) -> float:
+        """Mean number of tooth pairs in contact. [-]."""
+        start, end = self.path_of_contact
+        return (end - start) / self.base_pitch
+
+    def sealing_window(self, flank_sealing: Sealing = "single") -> tuple[float, float]:
+        """Positions of the sealing contact over one pitch, as near the pitch point as can be.
+
+        Parameters
+        ----------
+        flank_sealing : str
+            ``single``: one flank seals and the contact that seals moves over one base pitch;
+            ``dual``: both flanks seal, it moves over half a base pitch.
+
+        Returns
+        -------
+        tuple of float
+            Window: with two pairs in contact the one nearer to the pitch point gives more flow.
+            [m]
+        """
+        start, end = self.path_of_contact
+        span = self.base_pitch * (1.0 if flank_sealing == "single" else 0.5)
+        first = min(max(start, -0.5 * span), end - span)
+        return first, first + span
+
+    def flow_per_radian(self, face_width: float, position: FloatOrArray) -> FloatOrArray:
+        r"""Volume delivered per radian of the shaft while the sealing contact is at a position.
+
+        Parameters
+        ----------
+        face_width : float
+            Tooth length. [m]
+        position : float or ndarray
+            Distance of the sealing contact from the pitch point. [m]
+
+        Returns
+        -------
+        float or ndarray
+            Flow rate over shaft speed. [m3/rad]
+
+        Notes
+        -----
+        .. math:: \frac{Q}{\omega} = \frac{b}{2}\left[r_{a1}^2 - r_{w1}^2
+                  - i (r_{a2}^2 - r_{w2}^2) - (1 - i) u^2\right]
+
+        with the speed ratio :math:`i = \mp z_1/z_2` of an external or internal pair. Validity:
+        rigid fluid, no leakage.
+
+        References
+        ----------
+        .. [1] Manring, Kasaragadda, The theoretical flow ripple of an external gear pump, J. Dyn.
+           Sys. Meas. Control 125 (2003) 396-404, doi:10.1115/1.1592193.
+        .. [2] J. R. Colbourne, Gear shape and theoretical flow rate in internal gear pumps,
+           Trans. Can. Soc. Mech. Eng. 3 (1975) 215-223.
+        """
+        (tip_1, tip_2), (pitch_1, pitch_2) = self.tip_radii, self.pitch_radii
+        swept = tip_1**2 - pitch_1**2 - self.speed_ratio * (tip_2**2 - pitch_2**2)
+        return 0.5 * face_width * (swept - (1.0 - self.speed_ratio) * np.asarray(position) ** 2)
+
+    def displacement_per_radian(
+        self, face_width: float, flank_sealing: Sealing = "single"
+    ) -> float:
+        """Geometric displacement per radian of the shaft.
+
+        Parameters
+        ----------
+        face_width : float
+            Tooth length. [m]
+        flank_sealing : str
+            ``single`` or ``dual``, as in :meth:`sealing_window`.
+
+        Returns
+        -------
+        float
+            Mean of :meth:`flow_per_radian` over the window. [m3/rad]
+        """
+        first, last = self.sealing_window(flank_sealing)
+        mean_square = (first**2 + first * last + last**2) / 3.0
+        return float(self.flow_per_radian(face_width, np.sqrt(mean_square)))
+
+    def flow_ripple(self, flank_sealing: Sealing = "single") -> float:
+        """Largest less smallest ideal flow over its mean, ``single`` or ``dual`` sealing. [-]."""
+        ends = np.array(self.sealing_window(flank_sealing))
+        least = 0.0 if ends[0] < 0.0 < ends[1] else np.abs(ends).min()
+        flow = np.asarray(self.flow_per_radian(1.0, np.array([least, np.abs(ends).max()])))
+        return float((flow[0] - flow[1]) / self.displacement_per_radian(1.0, flank_sealing))
+
+
 @final
 @dataclass(frozen=True)
-class GearPair:
+class GearPair(InvolutePair):
     """Two gears at their operating centre distance; build it with one of the functions below.
 
     Parameters
@@ -57,6 +182,11 @@ class GearPair:
     def speed_ratio(self) -> float:
         """Speed of the driven gear over that of the drive gear, negative."""
         return -self.drive.tooth_count / self.driven.tooth_count
+
+    @property
+    def tip_radii(self) -> tuple[float, float]:
+        """Tip circles of drive and driven gear [m]."""
+        return self.drive.tip_radius, self.driven.tip_radius
 
     @property
     def pitch_radii(self) -> tuple[float, float]:
@@ -110,12 +240,6 @@ class GearPair:
         if form_2.undercut:
             end = min(end, roll_2 - _roll_length(self.driven, form_2.form_radius))
         return start, end
-
-    @property
-    def contact_ratio(self) -> float:
-        """Mean number of tooth pairs in contact."""
-        start, end = self.path_of_contact
-        return (end - start) / self.base_pitch
 
     @property
     def nominal_contact_ratio(self) -> float:
@@ -234,136 +358,6 @@ def pair_from_center_distance(
     return _checked(GearPair(drive, driven, max(center_distance, tight)))
 
 
-def contact_points(pair: GearPair, position: FloatOrArray, mode: Mode = "pump") -> Array:
-    """Points on the line of action.
-
-    Parameters
-    ----------
-    pair : GearPair
-        Gears in mesh.
-    position : float or ndarray
-        Distance from the pitch point along the motion of the contact. [m]
-    mode : str
-        ``pump``: the drive gear's leading flank; ``motor``: its trailing flank.
-
-    Returns
-    -------
-    ndarray
-        Points, shape (n, 2), frame of the module. [m]
-    """
-    along = np.atleast_1d(np.asarray(position, dtype=float))
-    sine = np.sin(pair.operating_pressure_angle) * (1.0 if mode == "pump" else -1.0)
-    cosine = np.cos(pair.operating_pressure_angle)
-    return np.column_stack([-cosine * along, pair.pitch_radii[0] + sine * along])
-
-
-def curvature_radii(
-    pair: GearPair, position: FloatOrArray, mode: Mode = "pump"
-) -> tuple[FloatOrArray, FloatOrArray]:
-    """Radii of curvature of the drive and the driven flank in contact.
-
-    Parameters
-    ----------
-    pair : GearPair
-        Gears in mesh.
-    position : float or ndarray
-        Distance from the pitch point along the motion of the contact. [m]
-    mode : str
-        ``pump`` or ``motor``.
-
-    Returns
-    -------
-    tuple of float or ndarray
-        Drive and driven radius, both convex and positive between the base circles. [m]
-    """
-    roll_1, roll_2 = pair.pitch_roll_lengths
-    outward = np.asarray(position) if mode == "pump" else -np.asarray(position)
-    return roll_1 + outward, roll_2 - outward
-
-
-def ideal_flow_per_radian(
-    pair: GearPair, face_width: float, position: FloatOrArray
-) -> FloatOrArray:
-    r"""Volume delivered per radian of the shaft while the sealing contact is at a position.
-
-    Parameters
-    ----------
-    pair : GearPair
-        Gears in mesh.
-    face_width : float
-        Tooth length. [m]
-    position : float or ndarray
-        Distance of the sealing contact from the pitch point. [m]
-
-    Returns
-    -------
-    float or ndarray
-        Flow rate over shaft speed. [m3/rad]
-
-    Notes
-    -----
-    .. math:: \frac{Q}{\omega} = \frac{b}{2}\left[r_{a1}^2 - r_{w1}^2
-              + \frac{r_{w1}}{r_{w2}} (r_{a2}^2 - r_{w2}^2)
-              - \left(1 + \frac{r_{w1}}{r_{w2}}\right) u^2\right]
-
-    Validity: rigid fluid, no leakage.
-
-    References
-    ----------
-    .. [1] Manring, Kasaragadda, The theoretical flow ripple of an external gear pump, J. Dyn. Sys.
-       Meas. Control 125 (2003) 396-404, doi:10.1115/1.1592193.
-    """
-    ratio = -pair.speed_ratio
-    return 0.5 * face_width * (_swept(pair) - (1.0 + ratio) * np.asarray(position) ** 2)
-
-
-def displacement_per_radian(
-    pair: GearPair, face_width: float, flank_sealing: Sealing = "single"
-) -> float:
-    r"""Geometric displacement per radian of the shaft.
-
-    Parameters
-    ----------
-    pair : GearPair
-        Gears in mesh.
-    face_width : float
-        Tooth length. [m]
-    flank_sealing : str
-        ``single``: one flank seals and the contact that seals moves over one base pitch; ``dual``:
-        both flanks seal, it moves over half a base pitch.
-
-    Returns
-    -------
-    float
-        Mean of ``ideal_flow_per_radian`` over one pitch, contacts symmetric to the pitch point.
-        [m3/rad]
-    """
-    ratio = -pair.speed_ratio
-    span = pair.base_pitch * (1.0 if flank_sealing == "single" else 0.5)
-    return float(0.5 * face_width * (_swept(pair) - (1.0 + ratio) * span**2 / 12.0))
-
-
-def flow_ripple(pair: GearPair, flank_sealing: Sealing = "single") -> float:
-    """Peak to peak of the ideal flow over its mean.
-
-    Parameters
-    ----------
-    pair : GearPair
-        Gears in mesh.
-    flank_sealing : str
-        ``single`` or ``dual``, as in ``displacement_per_radian``.
-
-    Returns
-    -------
-    float
-        Ripple. [-]
-    """
-    ratio = -pair.speed_ratio
-    span = pair.base_pitch * (1.0 if flank_sealing == "single" else 0.5)
-    largest = 0.5 * (1.0 + ratio) * span**2 / 4.0
-    return float(largest / displacement_per_radian(pair, 1.0, flank_sealing))
-
-
 def trapped_volume_change(pair: GearPair, face_width: float) -> float:
     r"""Volume by which the sealed mesh chamber shrinks from the second contact to its minimum.
 
@@ -390,12 +384,6 @@ def trapped_volume_change(pair: GearPair, face_width: float) -> float:
     distance = min(start + 0.5 * pair.base_pitch, 0.0)
     ratio = 1.0 - pair.speed_ratio
     return float(0.5 * face_width * ratio * pair.base_pitch * distance**2 / pair.drive.base_radius)
-
-
-def _swept(pair: GearPair) -> float:
-    (pitch_1, pitch_2), ratio = pair.pitch_radii, -pair.speed_ratio
-    outer = pair.drive.tip_radius**2 - pitch_1**2
-    return outer + ratio * (pair.driven.tip_radius**2 - pitch_2**2)
 
 
 def _roll_length(gear: InvoluteGear, radius: float) -> float:

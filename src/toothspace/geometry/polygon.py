@@ -1,11 +1,10 @@
-"""Polygons of casings, ports and relief grooves: checks, areas, overlaps."""
+"""Polygons of casings, ports and relief grooves, checked."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 import numpy as np
-import shapely
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
@@ -83,19 +82,3 @@ def load_polygons(path: Path, unit: float, layer: str | None = None) -> list[Arr
 
     curves = load_closed_curves(path, unit, layer=layer)
     return [checked_polygon(curve, path.name) for curve in curves]
-
-
-def polygon_area(points: Array) -> float:
-    """Area inside a closed curve, without regard to its orientation [m2]."""
-    return float(shapely.Polygon(points).area)
-
-
-def overlap_area(first: Array, second: Array) -> float:
-    """Area common to two polygons [m2]."""
-    return float(shapely.Polygon(first).intersection(shapely.Polygon(second)).area)
-
-
-def hydraulic_diameter(points: Array) -> float:
-    """Four times the area over the perimeter of a closed curve [m]."""
-    polygon = shapely.Polygon(points)
-    return float(4.0 * polygon.area / polygon.length)

@@ -29,7 +29,6 @@ from toothspace.model.arrays import (
     ELEMENT_KIND,
     EXCHANGE_BY_GAS,
     EXCHANGE_BY_PRESSURE,
-    EXCHANGE_RATE,
     FLOW,
     FLOW_BY_HEIGHT,
     FLOW_BY_PRESSURE,
@@ -54,23 +53,14 @@ from toothspace.model.circuit import update_elements
 from toothspace.model.drive import add_coupling
 from toothspace.model.fluid_column import FLUID_COLUMN, add_column
 from toothspace.model.ledger import GAS_MASS, MASS
-from toothspace.model.system import evaluate
-
-
-@kernel
-def jacobian(t: float, state: Array, s: SystemArrays, matrix: Array) -> None:
-    """Derivatives of all rates with respect to the core states; energy rows are left out."""
-    evaluate(s, state)
-    fill_rates(t, state, s, matrix)
-    add_pressure_changes(s, matrix)
-    add_composition(s, state, matrix)
 
 
 @kernel
 def fill_jacobian(t: float, state: Array, s: SystemArrays, matrix: Array, basis: Array) -> None:
     """Derivatives of all rates by the unknowns at the state last evaluated, and their basis.
 
-    Left out are energy rows and :func:`add_composition`, which is slow against a step. The rows of
+    Left out are energy rows, and what changes with the composition at constant pressure, which is
+    slow against a step. The rows of
     port masses and port gas stand, so that mass balances close to round-off. Angle and speed of
     a free shaft are left to the iteration: its inertia makes their feedback within a step weak.
     """
@@ -109,43 +99,6 @@ def fill_basis(s: SystemArrays, basis: Array) -> None:
             by_volume = node[i, PRESSURE_BY_VOLUME] * stiffness
             for k in range(size.motions):
                 basis[size.mass + d, size.position + k] = by_volume * values[i, CHANNEL_MOTION + k]
-
-
-@kernel
-def add_pressure_changes(s: SystemArrays, matrix: Array) -> None:
-    """Turn derivatives at constant pressure into those at constant mass."""
-    node, values, size = s.node, s.chamber_values, s.size
-    for row in range(matrix.shape[0]):
-        for i in range(size.nodes):
-            d = s.dynamic_index[i]
-            if d < 0 or matrix[row, size.mass + d] == 0.0:
-                continue
-            by_pressure = matrix[row, size.mass + d] / node[i, PRESSURE_BY_MASS]
-            matrix[row, size.gas + d] += by_pressure * node[i, PRESSURE_BY_GAS]
-            if i < size.chambers:
-                by_volume = by_pressure * node[i, PRESSURE_BY_VOLUME]
-                for k in range(size.motions):
-                    matrix[row, size.position + k] += by_volume * values[i, CHANNEL_MOTION + k]
-
-
-@kernel
-def add_composition(s: SystemArrays, state: Array, matrix: Array) -> None:
-    """Derivatives through density and gas content at constant pressure, by mass and gas mass."""
-    size = s.size
-    for entry in range(s.paths.open[-1]):
-        j = s.paths.open[entry]
-        flow = s.path[j, FLOW]
-        source = s.path_index[j, NODE_A] if flow > 0.0 else s.path_index[j, PRESENT_B]
-        d = s.dynamic_index[source]
-        if d >= 0 and flow != 0.0:
-            carried = flow / state[size.mass + d]
-            add_flow_change(s, j, size.mass + d, carried, 0.0, matrix)
-            add_flow_change(s, j, size.gas + d, 0.0, carried, matrix)
-    for i in range(size.nodes):
-        d = s.dynamic_index[i]
-        if d >= 0:
-            by_mass = s.node[i, EXCHANGE_RATE] - s.node[i, EXCHANGE_BY_GAS] * s.node[i, GAS]
-            matrix[size.gas + d, size.mass + d] += by_mass
 
 
 @kernel

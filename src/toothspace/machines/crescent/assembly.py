@@ -6,7 +6,7 @@ outlet; both gears turn counter-clockwise.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import final
@@ -17,8 +17,10 @@ from toothspace.core.errors import GeometryError
 from toothspace.core.frozen import Points
 from toothspace.core.types import Array
 from toothspace.core.units import to_si
+from toothspace.gearing.gear_tables import ReliefGrooves
+from toothspace.gearing.materials import Material, library_material
 from toothspace.gearing.mesh_split import Mesh
-from toothspace.gearing.meshing import in_contact, lens_angle
+from toothspace.gearing.meshing import MeshedGears, in_contact, lens_angle
 from toothspace.gearing.ring_gear import (
     InternalPair,
     RingGear,
@@ -27,11 +29,10 @@ from toothspace.gearing.ring_gear import (
     ring_tooth,
 )
 from toothspace.gearing.ring_profile import RingProfile, profile_outline, profile_tooth
-from toothspace.gearing.spaces import Spaces, drive_spaces, driven_spaces
 from toothspace.gearing.tooth import Tooth, tooth_curves
 from toothspace.geometry.cad_import import load_closed_curves
 from toothspace.geometry.gear_profile import GearProfile
-from toothspace.geometry.involute import InvoluteGear, generate_profile, tooth_form
+from toothspace.geometry.involute import InvoluteGear, generate_profile
 from toothspace.geometry.profile_detection import gear_profile_from_curve
 from toothspace.machines.crescent.parameters import CrescentParameters
 
@@ -39,8 +40,8 @@ POINTS_PER_TOOTH = 200
 
 
 @final
-@dataclass(frozen=True)
-class CrescentAssembly:
+@dataclass(frozen=True, kw_only=True)
+class CrescentAssembly(MeshedGears):
     """Pinion and ring in mesh with the loaded flanks in contact.
 
     Parameters
@@ -51,12 +52,10 @@ class CrescentAssembly:
         Profile of the pinion.
     ring_curve : ndarray, shape (n, 2)
         Teeth of the ring about its centre, a tooth on the y axis. [m]
-    root_radius : float
-        Root circle of the ring, outside its teeth. [m]
-    teeth : tuple of Tooth
-        Flanks of pinion and ring.
-    mesh : Mesh
-        Relative position.
+    materials : tuple of Material
+        Materials of pinion and ring.
+    grooves : ReliefGrooves or None
+        Relief grooves of the covers, None without.
     pair : InternalPair or None
         Involute pair where both gears are given by parameters.
     """
@@ -64,20 +63,9 @@ class CrescentAssembly:
     spec: CrescentParameters
     pinion: GearProfile
     ring_curve: Array
-    root_radius: float
-    teeth: tuple[Tooth, Tooth]
-    mesh: Mesh
+    materials: tuple[Material, Material]
+    grooves: ReliefGrooves | None
     pair: InternalPair | None
-
-    @property
-    def face_width(self) -> float:
-        """Axial width of both gears. [m]."""
-        return self.spec.pinion.face_width
-
-    @property
-    def counts(self) -> tuple[int, int]:
-        """Tooth counts of pinion and ring."""
-        return self.teeth[0].tooth_count, -self.teeth[1].tooth_count
 
     @property
     def ratio(self) -> float:
@@ -95,38 +83,9 @@ class CrescentAssembly:
         return self.teeth[0].tip_radius, -self.teeth[1].tip_radius
 
     @property
-    def loaded_is_left(self) -> bool:
-        """Whether the loaded flanks are the left ones (pump) or the right ones (motor)."""
-        return self.spec.mode == "pump"
-
-    @property
-    def involute_path(self) -> None:
-        """Path of contact in closed form; here it is found from the gaps."""
-        return None
-
-    def table_places(self, gear: int, nodes: int) -> Array:
-        """Places of the table nodes of a gear in the sense of rotation, opposite the mesh first.
-
-        Both gears have one even number of nodes on a pitch, so that interpolation errors of
-        neighbours cancel. [rad]
-        """
-        per_pitch = 2 * max(round(0.5 * nodes / self.counts[0]), 2)
-        count = per_pitch * self.counts[gear]
-        return -np.pi + 2.0 * np.pi * np.arange(count) / count
-
-    def spaces(self, nodes: int) -> tuple[Spaces, Spaces]:
-        """Tooth spaces of both gears at their table nodes, about so many on a turn."""
-        return self.spaces_at(self.table_places(0, nodes), self.table_places(1, nodes))
-
-    def spaces_at(self, pinion_places: Array, ring_places: Array) -> tuple[Spaces, Spaces]:
-        """Tooth spaces at places in the sense of rotation [rad].
-
-        Places of the ring leave out its turn into contact.
-        """
-        return (
-            drive_spaces(*self.teeth, self.mesh, pinion_places),
-            driven_spaces(*self.teeth, self.mesh, -ring_places - self.mesh.turn),
-        )
+    def root_radius(self) -> float:
+        """Root circle of the ring, outside its teeth. [m]."""
+        return -self.root_radii[1]
 
 
 def assemble(spec: CrescentParameters) -> CrescentAssembly:
@@ -153,25 +112,39 @@ def assemble(spec: CrescentParameters) -> CrescentAssembly:
             "or of none"
         )
     if spec.pinion.profile is None or spec.ring.profile is None:
-        return _generated(spec)
-    pinion = _curve_profile(spec, spec.pinion.profile, spec.pinion.tooth_count, "pinion")
-    spaces = _curve_profile(spec, spec.ring.profile, spec.ring.tooth_count, "ring")
-    ring = RingProfile(spaces)
-    assert spec.pinion.center_distance is not None
-    teeth = tooth_curves(pinion), profile_tooth(ring)
-    mesh = _mesh(teeth, spec.pinion.center_distance)
-    curve = profile_outline(ring, 0.5 * np.pi)
-    return _touching(CrescentAssembly(spec, pinion, curve, ring.root_radius, teeth, mesh, None))
-
-
-def _generated(spec: CrescentParameters) -> CrescentAssembly:
-    pair = involute_pair(spec)
-    pinion = generate_profile(pair.pinion, POINTS_PER_TOOTH)
-    teeth = tooth_curves(pinion), ring_tooth(pair.ring, POINTS_PER_TOOTH)
-    mesh = _mesh(teeth, pair.center_distance)
-    curve = ring_outline(pair.ring, POINTS_PER_TOOTH, 0.5 * np.pi)
-    root = pair.ring.root_radius
-    return _touching(CrescentAssembly(spec, pinion, curve, root, teeth, mesh, pair))
+        pair = involute_pair(spec)
+        pinion = generate_profile(pair.pinion, POINTS_PER_TOOTH)
+        teeth = tooth_curves(pinion), ring_tooth(pair.ring, POINTS_PER_TOOTH)
+        curve = ring_outline(pair.ring, POINTS_PER_TOOTH, 0.5 * np.pi)
+        distance, root = pair.center_distance, pair.ring.root_radius
+    else:
+        pair, distance = None, spec.pinion.center_distance or 0.0
+        pinion = _curve_profile(spec, spec.pinion.profile, spec.pinion.tooth_count, "pinion")
+        spaces = _curve_profile(spec, spec.ring.profile, spec.ring.tooth_count, "ring")
+        ring = RingProfile(spaces)
+        teeth = tooth_curves(pinion), profile_tooth(ring)
+        curve, root = profile_outline(ring, 0.5 * np.pi), ring.root_radius
+    loaded_is_left, grooves = spec.mode == "pump", spec.relief_grooves
+    try:
+        mesh = in_contact(teeth, _centred_mesh(teeth, distance), loaded_is_left)
+    except GeometryError as error:
+        raise GeometryError(f"machine.pinion: {error}") from error
+    return CrescentAssembly(
+        teeth=teeth,
+        root_radii=(pinion.root_radius, -root),
+        mesh=mesh,
+        face_width=spec.pinion.face_width,
+        loaded_is_left=loaded_is_left,
+        pair=pair,
+        spec=spec,
+        pinion=pinion,
+        ring_curve=curve,
+        materials=(
+            library_material(spec.pinion.material, "machine.pinion.material"),
+            library_material(spec.ring.material, "machine.ring.material"),
+        ),
+        grooves=grooves.grooves("machine.") if grooves else None,
+    )
 
 
 def involute_pair(spec: CrescentParameters) -> InternalPair:
@@ -183,30 +156,14 @@ def involute_pair(spec: CrescentParameters) -> InternalPair:
         If a tooth or the mesh is impossible.
     """
     pinion, ring = spec.pinion, spec.ring
-    assert pinion.tooth_count is not None
+    gear = pinion.involute_gear("machine.pinion")
     assert ring.tooth_count is not None
-    assert pinion.module is not None
-    assert pinion.pressure_angle is not None
     assert ring.tip_diameter is not None
-    try:
-        gear = InvoluteGear(
-            tooth_count=pinion.tooth_count,
-            module=pinion.module,
-            pressure_angle=pinion.pressure_angle,
-            profile_shift=pinion.profile_shift,
-            tip_diameter=pinion.tip_diameter,
-            dedendum=pinion.dedendum,
-            tool_tip_radius=pinion.tool_tip_radius,
-            tip_rounding=pinion.tip_rounding,
-        )
-        tooth_form(gear)
-    except GeometryError as error:
-        raise GeometryError(f"machine.pinion.{error}") from error
     try:
         spaces = InvoluteGear(
             tooth_count=ring.tooth_count,
-            module=pinion.module,
-            pressure_angle=pinion.pressure_angle,
+            module=gear.module,
+            pressure_angle=gear.pressure_angle,
             profile_shift=ring.profile_shift,
             tip_diameter=ring.root_diameter,
             tip_rounding=ring.root_fillet,
@@ -266,7 +223,7 @@ def _detected(
         raise GeometryError(f"{key}: {file.name} has no teeth, allowed {allowed}") from error
 
 
-def _mesh(teeth: tuple[Tooth, Tooth], distance: float) -> Mesh:
+def _centred_mesh(teeth: tuple[Tooth, Tooth], distance: float) -> Mesh:
     pinion, ring = teeth
     first, second = pinion.tip_radius, -ring.tip_radius
     if not second - first < distance < first + second:
@@ -282,11 +239,3 @@ def _mesh(teeth: tuple[Tooth, Tooth], distance: float) -> Mesh:
         lens_drive=lens_angle(pinion.tip_radius, ring.tip_radius, -distance),
         lens_driven=-lens_angle(ring.tip_radius, pinion.tip_radius, -distance),
     )
-
-
-def _touching(centred: CrescentAssembly) -> CrescentAssembly:
-    try:
-        mesh = in_contact(centred.teeth, centred.mesh, centred.loaded_is_left)
-    except GeometryError as error:
-        raise GeometryError(f"machine.pinion: {error}") from error
-    return replace(centred, mesh=mesh)

@@ -106,16 +106,5 @@ def cover_recesses(assembly: CrescentAssembly) -> dict[str, Array]:
 
 def relief_polygons(assembly: CrescentAssembly) -> dict[str, Array]:
     """Outlines of the relief grooves, named by the port that they join. [m]."""
-    grooves = assembly.spec.relief_grooves
-    if grooves is None:
-        return {}
-    height = assembly.mesh.pitch_radii[0]
-    low, high = (height + s * 0.5 * grooves.radial_extent for s in (-1.0, 1.0))
-    found = {}
-    for port, sign, offset in (
-        ("outlet", 1.0, grooves.closing_side_offset),
-        ("inlet", -1.0, grooves.opening_side_offset),
-    ):
-        near, far = sign * offset, sign * (offset + grooves.width)
-        found[port] = np.array([[near, low], [far, low], [far, high], [near, high]])
-    return found
+    grooves = assembly.grooves
+    return {} if grooves is None else grooves.outlines(assembly.mesh.pitch_radii[0])

@@ -5,106 +5,70 @@ from __future__ import annotations
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.gearing.gear_face import GearFace, GearSection
-from toothspace.gearing.materials import reduced_modulus, solid
+from toothspace.gearing.flank_contacts import FlankPair, mesh_motions
+from toothspace.gearing.gear_face import GearFace, GearSection, tooth_fraction
+from toothspace.gearing.materials import library_material
 from toothspace.gearing.numbering import Numbering
-from toothspace.geometry.curve import signed_area
+from toothspace.gearing.space_paths import FACES
+from toothspace.geometry.curve import polar_moment, signed_area
 from toothspace.machines.crescent.assembly import CrescentAssembly
 from toothspace.machines.crescent.filler import cover_recesses, filler_outline, relief_polygons
-from toothspace.model.description import Body, LumpedJournalBearing, LumpedLateralFilm, Motion
+from toothspace.machines.shared_bearings import gear_on_shaft, ring_bearing, shaft_bearings
+from toothspace.model.description import Body, LumpedJournalBearing, LumpedLateralFilm
 from toothspace.model.film_faces import ChamberRing, FaceBody, FilmFace
 
 BODIES = ("pinion", "ring_gear")
-MOTIONS = (
-    Motion("pinion", "x"),
-    Motion("pinion", "y"),
-    Motion("ring_gear", "x"),
-    Motion("ring_gear", "y"),
-    Motion("ring_gear", "rotation"),
-)
+MOTIONS = mesh_motions(BODIES)
 """Micro-motions; the pinion's rotation is the shaft angle."""
 
-HOUSING_MATERIAL = "cast_iron"
-"""Material of the bore round the ring."""
-
-FACES = 2
-_PINION_BEARINGS = 2
-_CORRELATION_LENGTH = 10e-6
 _CIRCLE = 361
+
+
+def flank_pair(assembly: CrescentAssembly) -> FlankPair:
+    """What touches at the flanks."""
+    pinion, ring = assembly.spec.pinion, assembly.spec.ring
+    return FlankPair(
+        bodies=BODIES,
+        materials=assembly.materials,
+        roughness=(pinion.roughness, ring.roughness),
+        profile_shifts=(pinion.profile_shift, 0.0),
+    )
 
 
 def bodies(assembly: CrescentAssembly) -> tuple[Body, Body]:
     """Pinion with its shaft, and ring."""
-    spec, width = assembly.spec, assembly.face_width
-    steel = solid(spec.pinion.material, "machine.pinion.material")
-    journal = spec.journal_bearings
-    radius = 0.5 * journal.diameter
-    shaft = steel.density * np.pi * radius**2 * _PINION_BEARINGS * journal.length
-    outline = assembly.pinion.closed_polygon()
-    pinion = Body(
-        name=BODIES[0],
-        center=(0.0, 0.0),
-        speed_ratio=1.0,
-        mass=float(steel.density * width * assembly.pinion.area + shaft),
-        inertia=float(steel.density * width * polar_moment(outline) + 0.5 * shaft * radius**2),
-        role="shaft",
-    )
-    metal = solid(spec.ring.material, "machine.ring.material")
+    spec, width, (steel, metal) = assembly.spec, assembly.face_width, assembly.materials
+    pinion = gear_on_shaft(BODIES[0], assembly.pinion, width, steel, spec.journal_bearings)
     outside = 0.5 * spec.ring.outer_diameter
     area = np.pi * outside**2 - signed_area(assembly.ring_curve)
-    polar = 0.5 * np.pi * outside**4 - polar_moment(assembly.ring_curve)
     ring = Body(
         name=BODIES[1],
         center=(0.0, assembly.mesh.center_distance),
         speed_ratio=assembly.ratio,
         mass=float(metal.density * width * area),
-        inertia=float(metal.density * width * polar),
+        inertia=float(metal.density * width * _ring_moment(assembly)),
         role="driven",
     )
     return pinion, ring
 
 
-def polar_moment(outline: Array) -> float:
-    """Polar second moment of area of a closed outline about its origin. [m4]."""
-    p, q = outline, np.roll(outline, -1, axis=0)
-    cross = p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]
-    return float(np.sum(cross * np.sum(p * p + p * q + q * q, axis=1)) / 12.0)
+def _ring_moment(assembly: CrescentAssembly) -> float:
+    """Polar second moment of area of the ring's section. [m4]."""
+    outside = 0.5 * assembly.spec.ring.outer_diameter
+    return 0.5 * np.pi * outside**4 - polar_moment(assembly.ring_curve)
 
 
-def journal_bearings(
-    assembly: CrescentAssembly,
-) -> tuple[LumpedJournalBearing, LumpedJournalBearing]:
+def journal_bearings(assembly: CrescentAssembly) -> tuple[LumpedJournalBearing, ...]:
     """Bearings of the pinion's shaft, and the film round the ring."""
-    spec = assembly.spec
-    journal, ring = spec.journal_bearings, spec.ring
-    bush = solid(journal.material, "machine.journal_bearings.material")
-    steel = solid(spec.pinion.material, "machine.pinion.material")
-    metal, bore = solid(ring.material, "machine.ring.material"), solid(HOUSING_MATERIAL, "")
+    journal, ring, (steel, metal) = (
+        assembly.spec.journal_bearings, assembly.spec.ring, assembly.materials,
+    )  # fmt: skip
+    bush = library_material(journal.material, "machine.journal_bearings.material")
+    size = ring.outer_diameter, assembly.face_width, ring.radial_clearance
+    roughness = ring.roughness, ring.bore_roughness
     return (
-        LumpedJournalBearing(
-            body=BODIES[0],
-            count=_PINION_BEARINGS,
-            diameter=journal.diameter,
-            length=journal.length,
-            radial_clearance=journal.radial_clearance,
-            roughness=float(np.hypot(journal.roughness_shaft, journal.roughness_bush)),
-            correlation_length=_CORRELATION_LENGTH,
-            effective_modulus=reduced_modulus(steel, bush),
-            hardness=min(steel.hardness, bush.hardness),
-            boundary_friction=journal.boundary_friction,
-        ),
-        LumpedJournalBearing(
-            body=BODIES[1],
-            count=1,
-            diameter=ring.outer_diameter,
-            length=assembly.face_width,
-            radial_clearance=ring.radial_clearance,
-            roughness=float(np.hypot(ring.roughness, ring.bore_roughness)),
-            correlation_length=_CORRELATION_LENGTH,
-            effective_modulus=reduced_modulus(metal, bore),
-            hardness=min(metal.hardness, bore.hardness),
-            boundary_friction=ring.boundary_friction,
-        ),
+        shaft_bearings(BODIES[0], journal, steel, bush),
+        ring_bearing(BODIES[1], size, roughness, metal, ring.boundary_friction),
     )
 
 
@@ -113,11 +77,6 @@ def lateral_films(
 ) -> tuple[LumpedLateralFilm, LumpedLateralFilm]:
     """Films on the faces of both gears; that of the ring drags over its whole section."""
     gap, profile = assembly.spec.lateral.side_gap, assembly.pinion
-    ring = 0.5 * np.pi * (profile.tip_radius**4 - profile.root_radius**4)
-    outline = profile.closed_polygon()
-    teeth = polar_moment(outline) - 0.5 * np.pi * profile.root_radius**4
-    outside = 0.5 * assembly.spec.ring.outer_diameter
-    section = 0.5 * np.pi * outside**4 - polar_moment(assembly.ring_curve)
     return (
         LumpedLateralFilm(
             body=BODIES[0],
@@ -126,7 +85,7 @@ def lateral_films(
             inner_radius=0.5 * assembly.spec.journal_bearings.diameter,
             root_radius=profile.root_radius,
             outer_radius=profile.tip_radius,
-            tooth_area_fraction=float(teeth / ring),
+            tooth_area_fraction=tooth_fraction(profile),
             face=pinion_face(assembly, numbering),
         ),
         LumpedLateralFilm(
@@ -135,9 +94,9 @@ def lateral_films(
             height=gap,
             inner_radius=assembly.tip_radii[1],
             root_radius=assembly.root_radius,
-            outer_radius=outside,
+            outer_radius=0.5 * assembly.spec.ring.outer_diameter,
             tooth_area_fraction=1.0,
-            drag=float(section / gap),
+            drag=_ring_moment(assembly) / gap,
         ),
     )
 

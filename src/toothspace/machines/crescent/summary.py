@@ -6,12 +6,11 @@ import numpy as np
 import shapely
 
 from toothspace.core.types import Array
-from toothspace.gearing.meshing import contact_range, flow_over_pitch
+from toothspace.gearing.meshing import contact_ratio, displacement, flow_ripple
 from toothspace.gearing.ring_gear import InternalPair
 from toothspace.gearing.spaces import Spaces, section_areas
 from toothspace.geometry.involute import involute_function
 from toothspace.machines.crescent.assembly import CrescentAssembly
-from toothspace.machines.crescent.contacts import displacement
 from toothspace.machines.crescent.filler import filler_edges, filler_thickness
 from toothspace.model.description import DesignCheck
 
@@ -38,8 +37,6 @@ def geometry_summary(
         Design-rule report.
     """
     pair = assembly.pair
-    flow = flow_over_pitch(assembly)
-    ripple = float((flow.max() - flow.min()) / flow.mean())
     sealed = [sealed_teeth(assembly, gear) for gear in (0, 1)]
     dead = assembly.face_width * sum(float(section_areas(s).min()) for s in spaces)
     angle = None if pair is None else float(np.rad2deg(pair.operating_pressure_angle))
@@ -48,9 +45,9 @@ def geometry_summary(
         "contact_ratio": contact_ratio(assembly),
         "center_distance_mm": -assembly.mesh.center_distance * 1e3,
         "operating_pressure_angle_deg": angle,
-        "flow_ripple_percent": 100.0 * (ripple if pair is None else pair.flow_ripple),
-        "tip_land_mm": min(abs(t.land_angle * t.tip_radius) for t in assembly.teeth) * 1e3,
-        "root_clearance_mm": min(root_clearances(assembly)) * 1e3,
+        "flow_ripple_percent": 100.0 * flow_ripple(assembly),
+        "tip_land_mm": min(assembly.tip_lands) * 1e3,
+        "root_clearance_mm": min(assembly.root_clearances) * 1e3,
         "filler_thickness_mm": filler_thickness(assembly) * 1e3,
         "sealed_pinion_teeth": sealed[0],
         "sealed_ring_teeth": sealed[1],
@@ -61,20 +58,6 @@ def geometry_summary(
             if not check.passed
         ],
     }
-
-
-def contact_ratio(assembly: CrescentAssembly) -> float:
-    """Mean number of tooth pairs in contact. [-]."""
-    if assembly.pair is not None:
-        return assembly.pair.contact_ratio
-    start, end = contact_range(assembly)
-    return (end - start) / (2.0 * assembly.mesh.half_pitch)
-
-
-def root_clearances(assembly: CrescentAssembly) -> tuple[float, float]:
-    """Radial play of the mating tip in the roots of pinion and ring. [m]."""
-    (pinion, ring), distance = assembly.tip_radii, -assembly.mesh.center_distance
-    return ring - distance - assembly.pinion.root_radius, assembly.root_radius - distance - pinion
 
 
 def sealed_teeth(assembly: CrescentAssembly, gear: int) -> float:
@@ -106,7 +89,7 @@ def tip_clearance(pair: InternalPair) -> float:
     operating = involute_function(pair.operating_pressure_angle)
     tip_1 = involute_function(np.arccos(pair.pinion.base_radius / first))
     tip_2 = involute_function(np.arccos(pair.ring.base_radius / second))
-    lead = theta_1 + tip_1 - operating - (theta_2 + tip_2 - operating) / pair.ratio
+    lead = theta_1 + tip_1 - operating - (theta_2 + tip_2 - operating) / pair.speed_ratio
     return float(first * lead)
 
 
@@ -165,7 +148,7 @@ def _mesh_checks(assembly: CrescentAssembly) -> list[DesignCheck]:
             "Teeth that overlap anywhere in a pitch cannot turn.",
         ),
     ]  # fmt: skip
-    for name, clearance in zip(("pinion", "ring"), root_clearances(assembly), strict=True):
+    for name, clearance in zip(("pinion", "ring"), assembly.root_clearances, strict=True):
         least = _LEAST_ROOT_CLEARANCE * module
         checks.append(
             DesignCheck(
@@ -177,8 +160,8 @@ def _mesh_checks(assembly: CrescentAssembly) -> list[DesignCheck]:
                 "Bearing play moves the pinion towards the ring, so the mating tip needs room.",
             )
         )
-    for name, tooth in zip(("pinion", "ring"), assembly.teeth, strict=True):
-        land, least = abs(tooth.land_angle * tooth.tip_radius), _LEAST_LAND * module
+    for name, land in zip(("pinion", "ring"), assembly.tip_lands, strict=True):
+        least = _LEAST_LAND * module
         checks.append(
             DesignCheck(
                 f"tip land, {name}",

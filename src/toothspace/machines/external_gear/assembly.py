@@ -8,16 +8,15 @@ from typing import final
 import numpy as np
 
 from toothspace.core.errors import GeometryError
-from toothspace.core.types import Array
 from toothspace.gearing.mesh_split import Mesh
 from toothspace.gearing.meshing import (
     LARGEST_OVERLAP,
+    MeshedGears,
     in_contact,
     lens_angle,
     overlap_error,
     smallest_gap,
 )
-from toothspace.gearing.spaces import Spaces, drive_spaces, driven_spaces
 from toothspace.gearing.tooth import Tooth, tooth_curves
 from toothspace.geometry.gear_pair import (
     GearPair,
@@ -36,8 +35,8 @@ _DEEP_OVERLAP = 2e-5
 
 
 @final
-@dataclass(frozen=True)
-class Assembly:
+@dataclass(frozen=True, kw_only=True)
+class Assembly(MeshedGears):
     """Two gears in mesh with the loaded flanks in contact.
 
     Parameters
@@ -46,34 +45,13 @@ class Assembly:
         Machine.
     profiles : tuple of GearProfile
         Drive and driven profile.
-    teeth : tuple of Tooth
-        Drive and driven flanks.
-    mesh : Mesh
-        Relative position.
     pair : GearPair or None
         Involute pair where both gears are given by parameters.
     """
 
     spec: ExternalGearSpec
     profiles: tuple[GearProfile, GearProfile]
-    teeth: tuple[Tooth, Tooth]
-    mesh: Mesh
     pair: GearPair | None
-
-    @property
-    def face_width(self) -> float:
-        """Width over which the gears mesh. [m]."""
-        return min(self.spec.drive.face_width, self.spec.driven.face_width)
-
-    @property
-    def counts(self) -> tuple[int, int]:
-        """Tooth counts."""
-        return self.teeth[0].tooth_count, self.teeth[1].tooth_count
-
-    @property
-    def loaded_is_left(self) -> bool:
-        """Whether the loaded flanks are the left ones (pump) or the right ones (motor)."""
-        return self.spec.mode == "pump"
 
     @property
     def involute_path(self) -> tuple[float, float] | None:
@@ -104,39 +82,6 @@ class Assembly:
         throat = sense * (place - half + self.mesh.half_pitch)
         return float(throat.min()), float(throat.max())
 
-    def spaces(self, nodes: int) -> tuple[Spaces, Spaces]:
-        """Tooth spaces of both gears at their table nodes, about so many on a turn."""
-        return (
-            drive_spaces(*self.teeth, self.mesh, self.node_places(0, nodes)),
-            driven_spaces(*self.teeth, self.mesh, self.node_places(1, nodes)),
-        )
-
-    def node_places(self, gear: int, nodes: int) -> Array:
-        """Places of a gear's table nodes from the centre line.
-
-        Parameters
-        ----------
-        gear : int
-            0 for the drive gear, 1 for the driven gear.
-        nodes : int
-            About how many nodes the drive gear shall have.
-
-        Returns
-        -------
-        ndarray
-            Places, beginning opposite to the mesh. [rad]
-
-        Notes
-        -----
-        Both gears have one even number of nodes on a pitch, and the driven gear's table angle
-        leaves out its turn into contact. All chambers are then at the same fraction between
-        their nodes, and interpolation errors of neighbours cancel.
-        """
-        per_pitch = 2 * max(round(0.5 * nodes / self.counts[0]), 2)
-        count = per_pitch * self.counts[gear]
-        offset = -self.mesh.turn if gear == 1 else 0.0
-        return -np.pi + 2.0 * np.pi * np.arange(count) / count + offset
-
 
 def assemble(spec: ExternalGearSpec) -> Assembly:
     """Put the gears of a machine into mesh.
@@ -163,7 +108,17 @@ def assemble(spec: ExternalGearSpec) -> Assembly:
     mesh = _centred_mesh(teeth, distance)
     if pair is None:
         _check_room(profiles, distance)
-    return Assembly(spec, profiles, teeth, in_contact(teeth, mesh, spec.mode == "pump"), pair)
+    loaded_is_left = spec.mode == "pump"
+    return Assembly(
+        teeth=teeth,
+        root_radii=(profiles[0].root_radius, profiles[1].root_radius),
+        mesh=in_contact(teeth, mesh, loaded_is_left),
+        face_width=min(spec.drive.face_width, spec.driven.face_width),
+        loaded_is_left=loaded_is_left,
+        pair=pair,
+        spec=spec,
+        profiles=profiles,
+    )
 
 
 def _profile(gear: Gear) -> GearProfile:

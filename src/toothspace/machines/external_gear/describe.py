@@ -2,85 +2,62 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import final
-
-from toothspace.core.types import Array
-from toothspace.gearing.numbering import FULL_TURN, Numbering, number
-from toothspace.gearing.spaces import (
-    Spaces,
-    area_by_motion,
-    section_area_rates,
-    section_areas,
-)
-from toothspace.machines.external_gear.assembly import Assembly, assemble
+from toothspace.gearing.flank_contacts import flank_contacts, rigid_mesh
+from toothspace.gearing.meshing import displacement
+from toothspace.gearing.numbering import number
+from toothspace.machines.external_gear.assembly import assemble
 from toothspace.machines.external_gear.balance import lateral_balance
-from toothspace.machines.external_gear.contacts import displacement, rigid_mesh
 from toothspace.machines.external_gear.films import lateral_films
-from toothspace.machines.external_gear.flank_contacts import flank_contacts
-from toothspace.machines.external_gear.flow_paths import flow_paths
+from toothspace.machines.external_gear.flow_paths import flow_paths, tooth_spaces
 from toothspace.machines.external_gear.loads import (
     BODIES,
     MOTIONS,
     bodies,
+    flank_pair,
     journal_bearings,
     outlines,
 )
 from toothspace.machines.external_gear.spec import ExternalGearSpec
 from toothspace.machines.external_gear.summary import design_checks, geometry_summary
-from toothspace.model.description import ChamberFamily, MachineDescription, RunningIn
-from toothspace.numerics.periodic_table import smooth_table, table_from_exact_slopes
-
-DEFAULT_NODES = 720
-
-
-@final
-@dataclass(frozen=True)
-class ExternalGearMachine:
-    """The machine type: two external gears in a casing."""
-
-    name: str = "external_gear"
-
-    def describe(self, spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescription:
-        """Tables and data of a machine.
-
-        Parameters
-        ----------
-        spec : ExternalGearSpec
-            Parameters.
-        nodes : int
-            Table nodes on one turn of each gear.
-
-        Returns
-        -------
-        MachineDescription
-            What the solver needs.
-
-        Raises
-        ------
-        GeometryError
-            If the gears cannot be built or put into mesh.
-        """
-        return describe(spec, nodes)
+from toothspace.machines.shared_tables import DEFAULT_NODES, MachineType
+from toothspace.model.description import MachineDescription, RunningIn
 
 
 def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescription:
-    """Tables and data of a machine; see :meth:`ExternalGearMachine.describe`."""
+    """Tables and data of a machine.
+
+    Parameters
+    ----------
+    spec : ExternalGearSpec
+        Parameters.
+    nodes : int
+        About how many table nodes on one turn of the drive gear.
+
+    Returns
+    -------
+    MachineDescription
+        What the solver needs.
+
+    Raises
+    ------
+    GeometryError
+        If the gears cannot be built or put into mesh.
+    """
     assembly = assemble(spec)
     numbering = number(assembly.counts)
     spaces = assembly.spaces(nodes)
-    families = tuple(_family(assembly, numbering, spaces[gear], gear) for gear in (0, 1))
+    drive, driven = tooth_spaces(assembly, numbering, spaces)
     return MachineDescription(
         name="external_gear",
         mode=spec.mode,
         displacement=displacement(assembly),
         bodies=bodies(assembly),
         motions=MOTIONS,
-        families=families,
+        families=(drive.chambers(BODIES[0]), driven.chambers(BODIES[1])),
         paths=flow_paths(assembly, numbering, spaces),
         journals=journal_bearings(assembly),
         laterals=lateral_films(assembly, numbering),
-        contacts=flank_contacts(assembly, numbering, spaces[0]),
+        contacts=flank_contacts(assembly, flank_pair(assembly), numbering, spaces[0]),
         mesh=rigid_mesh(assembly),
         seal_torque=spec.seal_torque,
         startup=spec.startup,
@@ -95,19 +72,6 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
     )
 
 
-def _family(assembly: Assembly, numbering: Numbering, spaces: Spaces, gear: int) -> ChamberFamily:
-    width = (assembly.spec.drive, assembly.spec.driven)[gear].face_width
-    volume: Array = width * section_areas(spaces)
-    slope = width * section_area_rates(spaces) / spaces.angle_ratio
-    return ChamberFamily(
-        name=BODIES[gear],
-        angle_ratio=spaces.angle_ratio,
-        phases=numbering.space_phases[gear],
-        volume=table_from_exact_slopes(FULL_TURN, volume, slope),
-        volume_by_motion=smooth_table(FULL_TURN, width * area_by_motion(spaces)),
-    )
-
-
 def _running_in(spec: ExternalGearSpec) -> RunningIn | None:
     wear = spec.casing.wear_in
     if wear is None:
@@ -115,5 +79,5 @@ def _running_in(spec: ExternalGearSpec) -> RunningIn | None:
     return RunningIn(wear.pressure, wear.shaft_speed, wear.temperature)
 
 
-MACHINE = ExternalGearMachine()
+MACHINE = MachineType("external_gear", describe)
 """The machine type found through the entry point."""

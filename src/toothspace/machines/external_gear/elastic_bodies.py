@@ -24,10 +24,10 @@ from toothspace.elasticity.loads import (
 )
 from toothspace.elasticity.mesh import Prism, disc
 from toothspace.elasticity.surfaces import PlaneSurface
+from toothspace.gearing.materials import Material
 from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.external_gear.gear_flanks import flank_loads
 from toothspace.machines.external_gear.loads import groove_polygons
-from toothspace.machines.external_gear.spec import Material
 
 BearingSide = Literal["floating", "solid"]
 

@@ -9,7 +9,8 @@ import numpy as np
 import shapely
 
 from toothspace.core.types import Array, BoolArray, IntArray
-from toothspace.gearing.gear_face import GearFace, GearSection
+from toothspace.gearing.gear_face import GearFace, GearSection, tooth_fraction
+from toothspace.gearing.materials import reduced_modulus
 from toothspace.gearing.numbering import Numbering
 from toothspace.gearing.outlines import space_outline
 from toothspace.gearing.spaces import Spaces, drive_spaces, driven_spaces
@@ -17,8 +18,6 @@ from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.external_gear.loads import (
     BODIES,
     groove_polygons,
-    reduced_modulus,
-    tooth_fraction,
 )
 from toothspace.model.description import LumpedLateralFilm
 from toothspace.model.film_faces import (

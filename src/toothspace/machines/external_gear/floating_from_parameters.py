@@ -7,12 +7,10 @@ from typing import Any, cast
 
 import shapely
 
-from toothspace.core.errors import GeometryError
 from toothspace.core.keys import KeyRuleError
 from toothspace.core.types import Array
-from toothspace.geometry.cad_import import load_closed_curves
-from toothspace.geometry.polygon import checked_polygon
-from toothspace.library import load_material
+from toothspace.gearing.gear_tables import read_contours
+from toothspace.gearing.materials import library_material
 from toothspace.machines.external_gear import floating_parameters as own
 from toothspace.machines.external_gear import parameter_tables as keys
 from toothspace.machines.external_gear import spec
@@ -31,15 +29,9 @@ def floating_block(machine: keys.ExternalGearTables) -> spec.FloatingBlock | Non
     given = machine.floating_bearing
     if given is None or given.high_pressure_area is None:
         return None
-    data = load_material(given.material, f"{_TABLE}.material")
     housing = given.housing_contact or own.HousingContactParameters()
     return spec.FloatingBlock(
-        material=spec.Material(
-            elastic_modulus=data["elastic_modulus"],
-            poisson_ratio=data["poisson_ratio"],
-            hardness=data["hardness"],
-            density=data["density"],
-        ),
+        material=library_material(given.material, f"{_TABLE}.material"),
         length=given.length or machine.journal_bearings.length,
         roughness=given.roughness,
         mass=given.mass,
@@ -97,11 +89,7 @@ def _nose(nose: own.NoseParameters | None) -> dict[str, Any]:
 
 def _contour(path: Path, key: str) -> Array:
     """Only polygon of a file. [m]."""
-    try:
-        curves = load_closed_curves(path, 1e-3, None, None, None)
-        polygons = [checked_polygon(curve, path.name) for curve in curves]
-    except GeometryError as error:
-        raise GeometryError(f"{key}: {error}") from error
+    polygons = read_contours(path, key)
     if len(polygons) != 1:
         found = f"{len(polygons)} polygons in {path.name}"
         raise KeyRuleError(key, found, "one polygon")

@@ -23,8 +23,8 @@ from toothspace.core.keys import (
     table,
     text,
 )
+from toothspace.gearing.gear_tables import CONTOUR_SUFFIXES
 
-CONTOUR_SUFFIXES = (".txt", ".csv", ".dxf")
 _STEP = (".step", ".stp")
 _FORCE = QuantityKey(unit="N", low=-1e6, high=1e6)
 _POINT = Row(items=(QuantityKey(unit="mm"), QuantityKey(unit="mm")))

@@ -24,13 +24,18 @@ from toothspace.core.keys import (
     table,
     text,
 )
-from toothspace.machines.external_gear.floating_parameters import (
+from toothspace.gearing.gear_tables import (
     CONTOUR_SUFFIXES,
+    PROFILE_SUFFIXES,
+    MeshingGearParameters,
+    ReliefGrooveParameters,
+)
+from toothspace.machines.external_gear.floating_parameters import (
     ElasticBodiesParameters,
     FloatingBearingParameters,
 )
+from toothspace.machines.shared_tables import LinedBearingParameters, MachineTables, PortParameters
 
-PROFILE_SUFFIXES = (".txt", ".csv", ".dxf", ".stl", ".step", ".stp")
 PROFILE_KEYS = (
     "profile_unit",
     "profile_layer",
@@ -68,49 +73,9 @@ def forbid_unread(gear: GearParameters | DrivenGearParameters) -> None:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class GearParameters(KeyTable):
+class GearParameters(MeshingGearParameters):
     """``[machine.gears]``: rack-generated involute teeth, or a profile from a file."""
 
-    tooth_count: int | None = integer("Number of teeth.", low=5, high=200, default=None)
-    module: float | None = quantity(
-        "mm", "Module of the generating rack.", low=0.1, high=50, default=None
-    )
-    pressure_angle: float | None = quantity(
-        "deg", "Pressure angle of the generating rack.", low=10, high=35, default=None
-    )
-    profile_shift: float = number(
-        "Shift of the rack away from the gear, in modules.", low=-1.0, high=1.5, default=0.0
-    )
-    dedendum: float = number(
-        "Depth of the tooth below the reference line, in modules.", low=0.5, high=2.0, default=1.25
-    )
-    tool_tip_radius: float | None = number(
-        "Radius of the rack tip, in modules; default 0.38, or the full radius if that is less.",
-        low=0.0,
-        high=0.6,
-        default=None,
-    )
-    tip_diameter: float | None = quantity(
-        "mm", "Diameter of the tip circle.", above=0, high=1000, default=None
-    )
-    tip_rounding: float = quantity(
-        "mm", "Radius of the edge between flank and tip.", low=0, high=5, default=0.1e-3
-    )
-    face_width: float = quantity("mm", "Axial width of the gear.", above=0, high=500)
-    normal_backlash: float | None = quantity(
-        "mm", "Play between the flanks along the line of action.", low=0, high=2, default=None
-    )
-    center_distance: float | None = quantity(
-        "mm", "Distance of the gear centres.", above=0, high=1000, default=None
-    )
-    material: str = text("Material from the library.", default="steel_16CrNi4")
-    roughness: float = quantity(
-        "um", "Root mean square roughness of flanks and faces.", low=0, high=10, default=0.25e-6
-    )
-    profile: Path | Points | None = file_path(
-        "Closed tooth or gear profile; replaces the generator.", *PROFILE_SUFFIXES, points=True
-    )
-    profile_unit: str = choice("Length unit of the profile.", "mm", "m", "um", "in", default="mm")
     profile_layer: str | None = text("Layer of a DXF file; default all.", default=None)
     profile_axis: str | None = choice(
         "Gear axis in a solid file; default found by symmetry.", "x", "y", "z", default=None
@@ -135,13 +100,7 @@ class GearParameters(KeyTable):
     )
 
     def __post_init__(self) -> None:
-        if self.profile is None:
-            reason = "unless a profile file is given"
-            require(self, reason, "tooth_count", "module", "pressure_angle", "tip_diameter")
-        if self.normal_backlash is None:
-            require(self, "unless normal_backlash is given", "center_distance")
-        else:
-            forbid(self, "because normal_backlash is given", "center_distance")
+        super().__post_init__()
         forbid_unread(self)
 
 
@@ -245,61 +204,6 @@ class BearingBlockParameters(KeyTable):
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class JournalBearingParameters(KeyTable):
-    """``[machine.journal_bearings]``: two equal bearings on each gear."""
-
-    diameter: float = quantity("mm", "Journal diameter.", above=0, high=500)
-    length: float = quantity("mm", "Length of each bearing.", above=0, high=500)
-    radial_clearance: float = quantity("um", "Bush radius minus journal radius.", low=1, high=500)
-    roughness_shaft: float = quantity(
-        "um", "Root mean square roughness of the journal.", low=0, high=10, default=0.15e-6
-    )
-    roughness_bush: float = quantity(
-        "um", "Root mean square roughness of the bush.", low=0, high=10, default=0.30e-6
-    )
-    boundary_friction: float = number(
-        "Friction coefficient of touching asperities.", low=0, high=1, default=0.05
-    )
-    material: str = text("Running layer of the bush.", default="ptfe_lined_bush")
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class ReliefGrooveParameters(KeyTable):
-    """``[machine.relief_grooves]``: per bushing face."""
-
-    closing_side_offset: float | None = quantity(
-        "mm",
-        "From the centre line to the edge of the groove on the side where trapped volume shrinks.",
-        low=-50,
-        high=100,
-        default=None,
-    )
-    opening_side_offset: float | None = quantity(
-        "mm",
-        "From the centre line to the edge of the groove on the side where trapped volume grows.",
-        low=-50,
-        high=100,
-        default=None,
-    )
-    width: float = quantity("mm", "Extent along x.", above=0, high=200, default=10e-3)
-    radial_extent: float = quantity(
-        "mm", "Extent along y, centred on the pitch point.", above=0, high=200, default=10e-3
-    )
-    depth: float = quantity("mm", "Depth into the face.", above=0, high=100, default=1.5e-3)
-    contour: Path | None = file_path(
-        "Closed groove polygons in the machine frame, right of the centre line the closing side.",
-        *CONTOUR_SUFFIXES,
-    )
-
-    def __post_init__(self) -> None:
-        if self.contour is None:
-            reason = "unless a contour file is given"
-            require(self, reason, "closing_side_offset", "opening_side_offset")
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
 class LateralParameters(KeyTable):
     """``[machine.lateral]``: films between gear faces and bushings."""
 
@@ -375,31 +279,10 @@ class StartupParameters(KeyTable):
     breakaway_speed: float = quantity("rad/s", "Speed of the friction peak.", above=0, high=1000)
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
-class PortParameters(KeyTable):
-    """``[machine.inlet]`` and ``[machine.outlet]``."""
-
-    volume: float = quantity(
-        "cm^3", "Fluid volume between machine and line.", low=0.1, high=1e5, default=50e-6
-    )
-
-
-@dataclass(frozen=True, kw_only=True)
-class ExternalGearTables(KeyTable):
+class ExternalGearTables(MachineTables):
     """Tables and keys of ``[machine]`` for external gears."""
 
-    mode: str = choice("What the machine is used as.", "pump", "motor")
-    drain: str | None = choice(
-        "Node that collects the drain; default the low-pressure port.",
-        "inlet",
-        "outlet",
-        "external",
-        default=None,
-    )
-    drain_pressure: float | None = quantity(
-        "bar", "Absolute pressure of an external drain.", above=0, high=100, default=None
-    )
     gears: GearParameters = table(GearParameters, "Both gears.")
     driven_gear: DrivenGearParameters | None = table(
         DrivenGearParameters, "Where the driven gear differs.", default=None
@@ -408,8 +291,8 @@ class ExternalGearTables(KeyTable):
     bearing_blocks: BearingBlockParameters | None = table(
         BearingBlockParameters, "Seat of the bearing blocks in the housing.", default=None
     )
-    journal_bearings: JournalBearingParameters = table(
-        JournalBearingParameters, "Journal bearings of both gears."
+    journal_bearings: LinedBearingParameters = table(
+        LinedBearingParameters, "Journal bearings of both gears."
     )
     relief_grooves: ReliefGrooveParameters | None = table(
         ReliefGrooveParameters, "Relief grooves; leave out for none.", default=None
@@ -425,9 +308,3 @@ class ExternalGearTables(KeyTable):
     startup: StartupParameters | None = table(StartupParameters, "Friction at rest.", default=None)
     inlet: PortParameters = table(PortParameters, "Inlet volume.", default=PortParameters())
     outlet: PortParameters = table(PortParameters, "Outlet volume.", default=PortParameters())
-
-    def __post_init__(self) -> None:
-        if self.drain == "external":
-            require(self, 'with drain = "external"', "drain_pressure")
-        else:
-            forbid(self, 'unless drain = "external"', "drain_pressure")

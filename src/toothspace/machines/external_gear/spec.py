@@ -10,34 +10,12 @@ from pathlib import Path
 from typing import Literal, final
 
 from toothspace.core.types import Array
+from toothspace.gearing.gear_tables import ReliefGrooves
+from toothspace.gearing.materials import Material
 from toothspace.geometry.gear_finder import FoundGear
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear
 from toothspace.model.description import StartupFriction
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class Material:
-    """Elastic data of a solid.
-
-    Parameters
-    ----------
-    elastic_modulus : float
-        Young's modulus. [Pa]
-    poisson_ratio : float
-        Poisson's ratio. [-]
-    hardness : float
-        Indentation hardness. [Pa]
-    density : float
-        Density. [kg/m3]
-    """
-
-    elastic_modulus: float
-    poisson_ratio: float
-    hardness: float
-    density: float = 7850.0
-
 
 CARBURISED_STEEL = Material(elastic_modulus=206e9, poisson_ratio=0.3, hardness=7e9)
 """Case-hardened gear steel 16CrNi4."""
@@ -150,34 +128,6 @@ class JournalBearings:
     material: Material = LINED_STEEL_BUSH
     correlation_length: float = 10e-6
     seat_clearance: float = 0.0
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class ReliefGrooves:
-    """Relief grooves in both faces: closing side (+x) to the outlet, opening side to the inlet.
-
-    Parameters
-    ----------
-    closing_side_offset, opening_side_offset : float
-        Distance of the groove edge from the centre line. [m]
-    width : float
-        Extent along x beyond the edge. [m]
-    radial_extent : float
-        Extent along y, centred on the pitch point. [m]
-    depth : float
-        Depth into the face. [m]
-    closing_contour, opening_contour : ndarray, shape (points, 2), or None
-        Closed polygons in the machine frame that replace the rectangles. [m]
-    """
-
-    closing_side_offset: float
-    opening_side_offset: float
-    width: float = 10e-3
-    radial_extent: float = 10e-3
-    depth: float = 1.5e-3
-    closing_contour: Array | None = None
-    opening_contour: Array | None = None
 
 
 @final

@@ -7,10 +7,11 @@ import numpy as np
 from toothspace.closures.contact_cylindrical import hertz_pressure
 from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.core.types import Array
+from toothspace.gearing.flank_contacts import rigid_mesh
+from toothspace.gearing.materials import reduced_modulus
+from toothspace.gearing.meshing import displacement
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.machines.external_gear.assembly import Assembly
-from toothspace.machines.external_gear.contacts import displacement, rigid_mesh
-from toothspace.machines.external_gear.loads import reduced_modulus
 from toothspace.model.description import DesignCheck
 
 RADIAL_LOAD_COEFFICIENT = 0.85

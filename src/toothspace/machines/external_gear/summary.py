@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from toothspace.gearing.meshing import flow_over_pitch
+from toothspace.gearing.meshing import contact_ratio, displacement, flow_ripple
 from toothspace.gearing.spaces import Spaces
 from toothspace.geometry.design_rules import design_findings
-from toothspace.geometry.gear_pair import flow_ripple
 from toothspace.geometry.involute import tooth_form
 from toothspace.geometry.mesh_clearance import normal_play
 from toothspace.machines.external_gear.assembly import Assembly
-from toothspace.machines.external_gear.contacts import contact_ratio, displacement
 from toothspace.machines.external_gear.profile_quality import (
     profile_checks,
     profile_quality,
@@ -45,14 +43,14 @@ def geometry_summary(assembly: Assembly, spaces: tuple[Spaces, Spaces]) -> dict[
         **tooth_data(assembly),
         "displacement_cm3_per_rev": per_turn * 1e6,
         "contact_ratio": contact_ratio(assembly),
-        "tip_land_mm": min(t.land_angle * t.tip_radius for t in assembly.teeth) * 1e3,
+        "tip_land_mm": min(assembly.tip_lands) * 1e3,
         "undercut": _undercut(assembly),
-        "root_clearance_mm": min(root_clearances(assembly)) * 1e3,
+        "root_clearance_mm": min(assembly.root_clearances) * 1e3,
         "center_distance_mm": assembly.mesh.center_distance * 1e3,
         "normal_backlash_mm": _backlash(assembly) * 1e3,
         "base_diameter_mm": _base_diameter(assembly),
         "operating_pressure_angle_deg": _pressure_angle(assembly),
-        "flow_ripple_percent": 100.0 * _ripple(assembly),
+        "flow_ripple_percent": 100.0 * flow_ripple(assembly),
         "trapped_volume_mm3": trapped * 1e9,
         "dead_volume_mm3": dead * 1e9,
         **profile_quality(assembly, trapped),
@@ -68,15 +66,6 @@ def _backlash(assembly: Assembly) -> float:
     if assembly.pair is not None:
         return assembly.pair.normal_backlash
     return normal_play(assembly.profiles, assembly.mesh.center_distance)
-
-
-def root_clearances(assembly: Assembly) -> tuple[float, float]:
-    """Radial play of the mating tip in the roots of drive and driven gear. [m]."""
-    (drive, driven), distance = assembly.profiles, assembly.mesh.center_distance
-    return (
-        distance - drive.root_radius - driven.tip_radius,
-        distance - driven.root_radius - drive.tip_radius,
-    )
 
 
 def design_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
@@ -96,7 +85,7 @@ def _geometry_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
             DesignCheck(f.name, f.value, f.unit, f.allowed, f.passed, f.reason) for f in findings
         )
     ratio = contact_ratio(assembly)
-    clearance = min(root_clearances(assembly))
+    clearance = min(assembly.root_clearances)
     return (
         DesignCheck(
             "contact ratio", ratio, "1", "1.05 to 2", 1.05 <= ratio <= 2.0,
@@ -109,13 +98,6 @@ def _geometry_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
         ),
         *profile_checks(assembly),
     )  # fmt: skip
-
-
-def _ripple(assembly: Assembly) -> float:
-    if assembly.pair is not None:
-        return flow_ripple(assembly.pair)
-    flow = flow_over_pitch(assembly)
-    return float((flow.max() - flow.min()) / flow.mean())
 
 
 def _undercut(assembly: Assembly) -> bool:

@@ -15,13 +15,13 @@ from toothspace.closures.gap_flow import curved_gap_conductance
 from toothspace.closures.orifice import DISCHARGE_COEFFICIENT, orifice_conductance
 from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.core.types import Array, IntArray
+from toothspace.gearing.gear_tables import ReliefGrooves
 from toothspace.gearing.mesh_split import Throats
-from toothspace.gearing.meshing import relative_radius
+from toothspace.gearing.meshing import displacement, relative_radius
 from toothspace.gearing.spaces import Spaces, section_areas
 from toothspace.machines.external_gear.assembly import Assembly
-from toothspace.machines.external_gear.contacts import displacement
 from toothspace.machines.external_gear.flow_paths import grooves_by_port, mouth_lengths
-from toothspace.machines.external_gear.spec import ReliefGrooves, WearIn
+from toothspace.machines.external_gear.spec import WearIn
 from toothspace.model.description import DesignCheck
 
 PEAK_LIMIT = 1.5

@@ -5,20 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.gearing.materials import reduced_modulus, solid
-from toothspace.geometry.curve import signed_area
+from toothspace.gearing.materials import library_material
+from toothspace.geometry.curve import polar_moment, signed_area
 from toothspace.machines.gerotor.flow_paths import shaft_radius
 from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.pockets import Pockets
 from toothspace.machines.gerotor.ports import Ports
+from toothspace.machines.shared_bearings import HOUSING_MATERIAL, ring_bearing, shaft_bearings
 from toothspace.model.description import Body, LumpedJournalBearing, LumpedLateralFilm, Motion
 
 BODIES = ("inner_rotor", "outer_rotor")
-HOUSING_MATERIAL = "cast_iron"
-"""Material of the bore round the outer rotor and of the shaft's bushes."""
-
-CORRELATION_LENGTH = 10e-6
-_BEARINGS = 2
 _CIRCLE_POINTS = 361
 
 
@@ -38,7 +34,7 @@ def motion_columns(parameters: GerotorParameters) -> tuple[int, ...]:
 def bodies(parameters: GerotorParameters, pocket: Pockets) -> tuple[Body, Body]:
     """Both rotors: sections times face width; the shaft fills the inner rotor's bore."""
     rotors, width = pocket.rotors, parameters.rotors.face_width
-    density = solid(parameters.rotors.material, "machine.rotors.material").density
+    density = library_material(parameters.rotors.material, "machine.rotors.material").density
     radius = 0.5 * parameters.housing.outer_rotor_diameter
     inner = density * width * signed_area(rotors.inner)
     rim = density * width * (np.pi * radius**2 - signed_area(rotors.outer))
@@ -63,49 +59,23 @@ def bodies(parameters: GerotorParameters, pocket: Pockets) -> tuple[Body, Body]:
     )
 
 
-def polar_moment(outline: Array) -> float:
-    """Polar second moment of area of a closed outline about its origin. [m4]."""
-    p, q = outline, np.roll(outline, -1, axis=0)
-    cross = p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]
-    return float(np.sum(cross * np.sum(p * p + p * q + q * q, axis=1)) / 12.0)
-
-
 def journal_bearings(parameters: GerotorParameters) -> tuple[LumpedJournalBearing, ...]:
     """Film round the outer rotor, and the bearings of an inner rotor's shaft."""
     rotors, housing = parameters.rotors, parameters.housing
-    own, bore = solid(rotors.material, "machine.rotors.material"), solid(HOUSING_MATERIAL, "")
-    found = [
-        LumpedJournalBearing(
-            body="outer_rotor",
-            count=1,
-            diameter=housing.outer_rotor_diameter,
-            length=rotors.face_width,
-            radial_clearance=housing.radial_clearance,
-            roughness=float(np.hypot(rotors.roughness, housing.roughness)),
-            correlation_length=CORRELATION_LENGTH,
-            effective_modulus=reduced_modulus(own, bore),
-            hardness=min(own.hardness, bore.hardness),
-            boundary_friction=parameters.contact.boundary_friction,
-            end_condition="no_flow" if housing.end_condition == "no_flow" else "pressure",
-        )
-    ]
+    own = library_material(rotors.material, "machine.rotors.material")
+    film = ring_bearing(
+        "outer_rotor",
+        (housing.outer_rotor_diameter, rotors.face_width, housing.radial_clearance),
+        (rotors.roughness, housing.roughness),
+        own,
+        parameters.contact.boundary_friction,
+        "no_flow" if housing.end_condition == "no_flow" else "pressure",
+    )
     shaft = parameters.journal_bearings
-    if shaft is not None:
-        found.append(
-            LumpedJournalBearing(
-                body="inner_rotor",
-                count=_BEARINGS,
-                diameter=shaft.diameter,
-                length=shaft.length,
-                radial_clearance=shaft.radial_clearance,
-                roughness=float(np.hypot(shaft.roughness_shaft, shaft.roughness_bush)),
-                correlation_length=CORRELATION_LENGTH,
-                effective_modulus=reduced_modulus(own, bore),
-                hardness=min(own.hardness, bore.hardness),
-                boundary_friction=shaft.boundary_friction,
-            )
-        )
-    return tuple(found)
+    if shaft is None:
+        return (film,)
+    bush = library_material(HOUSING_MATERIAL, "")
+    return film, shaft_bearings("inner_rotor", shaft, own, bush)
 
 
 def shear_height(parameters: GerotorParameters) -> float:

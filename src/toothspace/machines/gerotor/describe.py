@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal, final
-
 import numpy as np
 
 from toothspace.machines.gerotor.bodies import (
@@ -24,6 +21,7 @@ from toothspace.machines.gerotor.ports import ports_of
 from toothspace.machines.gerotor.profiles import rotors_from
 from toothspace.machines.gerotor.summary import design_checks, geometry_summary, warnings
 from toothspace.machines.gerotor.timing import timing_of
+from toothspace.machines.shared_tables import DEFAULT_NODES, MachineType
 from toothspace.model.description import ChamberFamily, MachineDescription
 from toothspace.numerics.periodic_table import (
     monotone_table,
@@ -31,41 +29,27 @@ from toothspace.numerics.periodic_table import (
     table_from_exact_slopes,
 )
 
-DEFAULT_NODES = 720
-
-
-@final
-@dataclass(frozen=True)
-class GerotorMachine:
-    """The machine type: an inner rotor that turns an outer one with one more tooth."""
-
-    name: str = "gerotor"
-
-    def describe(self, spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDescription:
-        """Tables and data of a machine.
-
-        Parameters
-        ----------
-        spec : GerotorParameters
-            Parameters.
-        nodes : int
-            About how many table nodes on one turn of the outer rotor.
-
-        Returns
-        -------
-        MachineDescription
-            What the solver needs.
-
-        Raises
-        ------
-        GeometryError
-            If the rotors cannot be built.
-        """
-        return describe(spec, nodes)
-
 
 def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDescription:
-    """Tables and data of a machine; see :meth:`GerotorMachine.describe`."""
+    """Tables and data of a machine.
+
+    Parameters
+    ----------
+    spec : GerotorParameters
+        Parameters.
+    nodes : int
+        About how many table nodes on one turn of the outer rotor.
+
+    Returns
+    -------
+    MachineDescription
+        What the solver needs.
+
+    Raises
+    ------
+    GeometryError
+        If the rotors cannot be built.
+    """
     pocket = pockets(spec.rotors, rotors_from(spec.rotors), nodes)
     ports = ports_of(spec.ports, pocket, 0.5 * spec.housing.outer_rotor_diameter)
     timing = timing_of(ports, pocket)
@@ -75,7 +59,7 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
     ratio = contact_ratio(contacts, float(np.median(pocket.path.gap)))
     return MachineDescription(
         name="gerotor",
-        mode="pump" if spec.mode == "pump" else "motor",
+        mode=spec.use,
         displacement=spec.rotors.face_width * pocket.area_per_radian,
         bodies=bodies(spec, pocket),
         motions=motions(spec),
@@ -87,7 +71,7 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
         contacts=contacts,
         seal_torque=0.0 if spec.seals is None else spec.seals.shaft_seal_torque,
         port_volumes=(spec.inlet.volume, spec.outlet.volume),
-        drain=_drain(spec),
+        drain=spec.drain_node,
         drain_pressure=spec.drain_pressure or 1e5,
         outlines=outlines(spec, pocket, ports),
         geometry_summary=geometry_summary(spec, pocket, timing)
@@ -125,12 +109,5 @@ def _film_family(spec: GerotorParameters, motion_count: int) -> ChamberFamily:
     )
 
 
-def _drain(spec: GerotorParameters) -> Literal["inlet", "outlet", "external"]:
-    if spec.drain == "external":
-        return "external"
-    default = "inlet" if spec.mode == "pump" else "outlet"
-    return "inlet" if (spec.drain or default) == "inlet" else "outlet"
-
-
-MACHINE = GerotorMachine()
+MACHINE = MachineType("gerotor", describe)
 """The machine type found through the entry point."""

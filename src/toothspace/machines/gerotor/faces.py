@@ -10,12 +10,8 @@ import shapely
 
 from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.gearing.gear_face import under_recesses
-from toothspace.gearing.materials import reduced_modulus, solid
-from toothspace.machines.gerotor.bodies import (
-    BODIES,
-    CORRELATION_LENGTH,
-    HOUSING_MATERIAL,
-)
+from toothspace.gearing.materials import library_material, reduced_modulus
+from toothspace.machines.gerotor.bodies import BODIES
 from toothspace.machines.gerotor.flow_paths import (
     lobe_phases,
     pocket_phases,
@@ -24,6 +20,7 @@ from toothspace.machines.gerotor.flow_paths import (
 from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.pockets import FULL_TURN, Pockets
 from toothspace.machines.gerotor.ports import Ports, throat_place
+from toothspace.machines.shared_bearings import CORRELATION_LENGTH, HOUSING_MATERIAL
 from toothspace.model.film_faces import (
     FILM,
     NO_BODY,
@@ -153,8 +150,8 @@ def shared_faces(parameters: GerotorParameters, pocket: Pockets, ports: Ports) -
 
 
 def _surfaces(parameters: GerotorParameters) -> FaceSurfaces:
-    own = solid(parameters.rotors.material, "machine.rotors.material")
-    cover = solid(HOUSING_MATERIAL, "")
+    own = library_material(parameters.rotors.material, "machine.rotors.material")
+    cover = library_material(HOUSING_MATERIAL, "")
     return FaceSurfaces(
         moving_roughness=parameters.rotors.roughness,
         resting_roughness=parameters.housing.roughness,

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.ndimage import minimum_filter1d
 
 from toothspace.core.types import Array
-from toothspace.gearing.materials import reduced_modulus, solid
+from toothspace.gearing.materials import library_material, reduced_modulus
 from toothspace.machines.gerotor.bodies import BODIES, motions
 from toothspace.machines.gerotor.contact_search import placed_rotors
 from toothspace.machines.gerotor.contact_table import APART, LobeContact, fading, lobe_contacts
@@ -75,7 +75,7 @@ def rotor_contacts(parameters: GerotorParameters, rotors: Rotors) -> tuple[Conta
     tuple of ContactPair
         See :func:`lobe_pairs`.
     """
-    material = solid(parameters.rotors.material, "machine.rotors.material")
+    material = library_material(parameters.rotors.material, "machine.rotors.material")
     mechanics = LobeMechanics(
         bodies=BODIES,
         motions=motions(parameters),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, final
+from typing import final
 
 from toothspace.core.frozen import Points
 from toothspace.core.keys import (
@@ -19,9 +19,13 @@ from toothspace.core.keys import (
     table,
     text,
 )
-
-PROFILE_SUFFIXES = (".txt", ".csv", ".dxf", ".stl", ".step", ".stp")
-CONTOUR_SUFFIXES = (".txt", ".csv", ".dxf")
+from toothspace.gearing.gear_tables import CONTOUR_SUFFIXES, PROFILE_SUFFIXES
+from toothspace.machines.shared_tables import (
+    MachineTables,
+    PortParameters,
+    ShaftBearingParameters,
+    ShaftSealParameters,
+)
 
 
 @final
@@ -205,57 +209,9 @@ class ContactParameters(KeyTable):
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class ShaftBearingParameters(KeyTable):
-    """``[machine.journal_bearings]``: bearings of a floating inner rotor's shaft."""
-
-    diameter: float = quantity("mm", "Journal diameter.", above=0, high=500)
-    length: float = quantity("mm", "Length of each bearing.", above=0, high=500)
-    radial_clearance: float = quantity("um", "Bush radius minus journal radius.", low=1, high=500)
-    roughness_shaft: float = quantity(
-        "um", "Root mean square roughness of the journal.", low=0, high=10, default=0.15e-6
-    )
-    roughness_bush: float = quantity(
-        "um", "Root mean square roughness of the bush.", low=0, high=10, default=0.30e-6
-    )
-    boundary_friction: float = number(
-        "Friction coefficient of touching asperities.", low=0, high=1, default=0.05
-    )
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class ShaftSealParameters(KeyTable):
-    """``[machine.seals]``."""
-
-    shaft_seal_torque: float = quantity("N m", "Friction of the shaft seal.", low=0, high=100)
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class PortVolumeParameters(KeyTable):
-    """``[machine.inlet]`` and ``[machine.outlet]``."""
-
-    volume: float = quantity(
-        "cm^3", "Fluid volume between machine and line.", low=0.1, high=1e5, default=50e-6
-    )
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class GerotorParameters(KeyTable):
+class GerotorParameters(MachineTables):
     """``[machine]`` with ``type = "gerotor"``."""
 
-    mode: str = choice("What the machine is used as.", "pump", "motor")
-    drain: str | None = choice(
-        "Node that collects the drain; default the low-pressure port.",
-        "inlet",
-        "outlet",
-        "external",
-        default=None,
-    )
-    drain_pressure: float | None = quantity(
-        "bar", "Absolute pressure of an external drain.", above=0, high=100, default=None
-    )
     rotors: RotorParameters = table(RotorParameters, "Inner and outer rotor.")
     housing: HousingParameters = table(HousingParameters, "Radial film of the outer rotor.")
     ports: PortContourParameters = table(
@@ -272,22 +228,8 @@ class GerotorParameters(KeyTable):
         default=None,
     )  # fmt: skip
     seals: ShaftSealParameters | None = table(ShaftSealParameters, "Shaft seal.", default=None)
-    inlet: PortVolumeParameters = table(
-        PortVolumeParameters, "Inlet volume.", default=PortVolumeParameters()
-    )
-    outlet: PortVolumeParameters = table(
-        PortVolumeParameters, "Outlet volume.", default=PortVolumeParameters()
-    )
-
-    def __post_init__(self) -> None:
-        if self.drain == "external":
-            require(self, 'with drain = "external"', "drain_pressure")
-        else:
-            forbid(self, 'unless drain = "external"', "drain_pressure")
-
-    def assemble(self) -> Any:
-        """Return the definition of the machine: these parameters themselves."""
-        return self
+    inlet: PortParameters = table(PortParameters, "Inlet volume.", default=PortParameters())
+    outlet: PortParameters = table(PortParameters, "Outlet volume.", default=PortParameters())
 
 
 PARAMETERS = GerotorParameters

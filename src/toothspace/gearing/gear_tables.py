@@ -1,0 +1,252 @@
+"""Keys of meshing gears and of relief grooves, and the involute tooth and outlines they mean."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, final
+
+import numpy as np
+
+from toothspace.core.errors import GeometryError
+from toothspace.core.frozen import Points
+from toothspace.core.keys import (
+    KeyRuleError,
+    KeyTable,
+    choice,
+    file_path,
+    forbid,
+    integer,
+    number,
+    quantity,
+    require,
+    text,
+)
+from toothspace.core.types import Array
+from toothspace.geometry.cad_import import load_closed_curves
+from toothspace.geometry.involute import InvoluteGear, tooth_form
+from toothspace.geometry.polygon import checked_polygon
+
+PROFILE_SUFFIXES = (".txt", ".csv", ".dxf", ".stl", ".step", ".stp")
+"""Files that may hold a profile."""
+CONTOUR_SUFFIXES = (".txt", ".csv", ".dxf")
+"""Files that may hold a plane contour."""
+
+_TOOTH_KEYS = (
+    "tooth_count",
+    "module",
+    "pressure_angle",
+    "profile_shift",
+    "dedendum",
+    "tool_tip_radius",
+    "tip_diameter",
+    "tip_rounding",
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeshingGearParameters(KeyTable):
+    """``[machine.gears]``: rack-generated involute teeth, or a profile from a file."""
+
+    tooth_count: int | None = integer("Number of teeth.", low=5, high=200, default=None)
+    module: float | None = quantity(
+        "mm", "Module of the generating rack.", low=0.1, high=50, default=None
+    )
+    pressure_angle: float | None = quantity(
+        "deg", "Pressure angle of the generating rack.", low=10, high=35, default=None
+    )
+    profile_shift: float = number(
+        "Shift of the rack away from the gear, in modules.", low=-1.0, high=1.5, default=0.0
+    )
+    dedendum: float = number(
+        "Depth of the tooth below the reference line, in modules.", low=0.5, high=2.0, default=1.25
+    )
+    tool_tip_radius: float | None = number(
+        "Radius of the rack tip, in modules; default 0.38, or the full radius if that is less.",
+        low=0.0,
+        high=0.6,
+        default=None,
+    )
+    tip_diameter: float | None = quantity(
+        "mm", "Diameter of the tip circle.", above=0, high=1000, default=None
+    )
+    tip_rounding: float = quantity(
+        "mm", "Radius of the edge between flank and tip.", low=0, high=5, default=0.1e-3
+    )
+    face_width: float = quantity("mm", "Axial width of the gear.", above=0, high=500)
+    normal_backlash: float | None = quantity(
+        "mm", "Play between the flanks along the line of action.", low=0, high=2, default=None
+    )
+    center_distance: float | None = quantity(
+        "mm", "Distance of the gear centres.", above=0, high=1000, default=None
+    )
+    material: str = text("Material from the library.", default="steel_16CrNi4")
+    roughness: float = quantity(
+        "um", "Root mean square roughness of flanks and faces.", low=0, high=10, default=0.25e-6
+    )
+    profile: Path | Points | None = file_path(
+        "Closed tooth or gear profile; replaces the generator.", *PROFILE_SUFFIXES, points=True
+    )
+    profile_unit: str = choice("Length unit of the profile.", "mm", "m", "um", "in", default="mm")
+
+    def __post_init__(self) -> None:
+        if self.profile is None:
+            reason = "unless a profile file is given"
+            require(self, reason, "tooth_count", "module", "pressure_angle", "tip_diameter")
+        if self.normal_backlash is None:
+            require(self, "unless normal_backlash is given", "center_distance")
+        else:
+            forbid(self, "because normal_backlash is given", "center_distance")
+
+    def involute_gear(self, table: str) -> InvoluteGear:
+        """Return the generated gear.
+
+        Raises
+        ------
+        GeometryError
+            If the tooth is impossible, with the key in the given table.
+        """
+        values: dict[str, Any] = {name: getattr(self, name) for name in _TOOTH_KEYS}
+        try:
+            tooth = InvoluteGear(**values)
+            tooth_form(tooth)
+        except GeometryError as error:
+            raise GeometryError(f"{table}.{error}") from error
+        return tooth
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class ReliefGrooveParameters(KeyTable):
+    """``[machine.relief_grooves]``: in each face beside the gears."""
+
+    closing_side_offset: float | None = quantity(
+        "mm",
+        "From the centre line to the edge of the groove on the side where trapped volume shrinks.",
+        low=-50,
+        high=100,
+        default=None,
+    )
+    opening_side_offset: float | None = quantity(
+        "mm",
+        "From the centre line to the edge of the groove on the side where trapped volume grows.",
+        low=-50,
+        high=100,
+        default=None,
+    )
+    width: float = quantity("mm", "Extent along x.", above=0, high=200, default=10e-3)
+    radial_extent: float = quantity(
+        "mm", "Extent along y, centred on the pitch point.", above=0, high=200, default=10e-3
+    )
+    depth: float = quantity("mm", "Depth into the face.", above=0, high=100, default=1.5e-3)
+    contour: Path | None = file_path(
+        "Closed groove polygons in the machine frame, right of the centre line the closing side.",
+        *CONTOUR_SUFFIXES,
+    )
+
+    def __post_init__(self) -> None:
+        if self.contour is None:
+            reason = "unless a contour file is given"
+            require(self, reason, "closing_side_offset", "opening_side_offset")
+
+    def grooves(self, table: str = "") -> ReliefGrooves:
+        """Return the grooves, their contours read from the file; messages name the table above.
+
+        Raises
+        ------
+        CaseError
+            If the file is damaged, or holds two polygons on one side.
+        """
+        key = f"{table}relief_grooves.contour"
+        sides = _groove_sides(self.contour, key) if self.contour else (None, None)
+        return ReliefGrooves(
+            closing_side_offset=_offset(self.closing_side_offset, sides[0], 1.0),
+            opening_side_offset=_offset(self.opening_side_offset, sides[1], -1.0),
+            width=self.width,
+            radial_extent=self.radial_extent,
+            depth=self.depth,
+            closing_contour=sides[0],
+            opening_contour=sides[1],
+        )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class ReliefGrooves:
+    """Relief grooves in both faces: closing side (+x) to the outlet, opening side to the inlet.
+
+    Parameters
+    ----------
+    closing_side_offset, opening_side_offset : float
+        Distance of the groove edge from the centre line. [m]
+    width : float
+        Extent along x beyond the edge. [m]
+    radial_extent : float
+        Extent along y, centred on the pitch point. [m]
+    depth : float
+        Depth into the face. [m]
+    closing_contour, opening_contour : ndarray, shape (points, 2), or None
+        Closed polygons in the machine frame that replace the rectangles. [m]
+    """
+
+    closing_side_offset: float
+    opening_side_offset: float
+    width: float = 10e-3
+    radial_extent: float = 10e-3
+    depth: float = 1.5e-3
+    closing_contour: Array | None = None
+    opening_contour: Array | None = None
+
+    def outlines(self, pitch_point: float) -> dict[str, Array]:
+        """Outlines named by the port that they join, about a height of the pitch point [m]. [m]."""
+        low, high = (pitch_point + s * 0.5 * self.radial_extent for s in (-1.0, 1.0))
+        sides = (
+            ("outlet", 1.0, self.closing_side_offset, self.closing_contour),
+            ("inlet", -1.0, self.opening_side_offset, self.opening_contour),
+        )
+        found = {}
+        for port, sign, offset, contour in sides:
+            near, far = sign * offset, sign * (offset + self.width)
+            box = np.array([[near, low], [far, low], [far, high], [near, high]])
+            found[port] = box if contour is None else contour
+        return found
+
+
+def _offset(given: float | None, contour: Array | None, side: float) -> float:
+    if given is not None:
+        return given
+    return 0.0 if contour is None else float((side * contour[:, 0]).min())
+
+
+def _groove_sides(file: Path, key: str) -> tuple[Array | None, Array | None]:
+    found: dict[bool, Array] = {}
+    for polygon in read_contours(file, key):
+        closing = bool(polygon[:, 0].mean() > 0.0)
+        if closing in found:
+            side = "right" if closing else "left"
+            raise KeyRuleError(
+                key,
+                f"two polygons {side} of the centre line in {file.name}",
+                "one polygon on each side",
+            )
+        found[closing] = polygon
+    return found.get(True), found.get(False)
+
+
+def read_contours(file: Path | Points, key: str) -> list[Array]:
+    """Closed polygons of a file in millimetres. [m].
+
+    Raises
+    ------
+    GeometryError
+        If it cannot be read, with the key.
+    """
+    try:
+        curves = load_closed_curves(file, 1e-3)
+        return [checked_polygon(curve, file.name) for curve in curves]
+    except GeometryError as error:
+        raise GeometryError(f"{key}: {error}") from error
+    except Exception as error:
+        # readers of damaged CAD files fail in ways of their own
+        found = f"{file.name} that cannot be read ({type(error).__name__})"
+        raise GeometryError(f"{key}: found {found}, allowed an intact file") from error

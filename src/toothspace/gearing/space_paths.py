@@ -1,0 +1,289 @@
+"""Flow paths of the tooth spaces of a gear pair, and the chambers that they join."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from toothspace.closures.gap_flow import ring_sector_gap
+from toothspace.core.types import Array, IntArray
+from toothspace.gearing.mesh_split import Throats
+from toothspace.gearing.meshing import (
+    MeshedGears,
+    gap_by_motion,
+    relative_radius,
+    throat_drag,
+    throat_width,
+)
+from toothspace.gearing.numbering import FULL_TURN, Numbering
+from toothspace.gearing.openings import port_lengths
+from toothspace.gearing.spaces import Spaces, area_by_motion, section_area_rates, section_areas
+from toothspace.model.description import ChamberFamily, FlowPath
+from toothspace.model.path_category import (
+    DRAIN,
+    INLET_GROOVE,
+    INLET_PORT,
+    LATERAL,
+    OUTLET_GROOVE,
+    OUTLET_PORT,
+    PathCategory,
+)
+from toothspace.numerics.periodic_table import monotone_table, smooth_table, table_from_exact_slopes
+
+FLANK = PathCategory("flank", "flanks", "#56B4E9", "mesh")
+FACES = 2
+"""Faces of a gear."""
+
+_PORTS = {"inlet": INLET_PORT, "outlet": OUTLET_PORT}
+_GROOVES = {"inlet": INLET_GROOVE, "outlet": OUTLET_GROOVE}
+
+
+def smooth_step(t: Array) -> Array:
+    """Rise from 0 to 1 while the argument does, without a kink. [-]."""
+    t = np.clip(t, 0.0, 1.0)
+    return t * t * (3.0 - 2.0 * t)
+
+
+def flank_paths(
+    gears: MeshedGears, numbering: Numbering, spaces: Spaces, tip_rounding: float
+) -> tuple[FlowPath, FlowPath]:
+    """Throats of the drive spaces: ahead to the last driven space, behind to the next one.
+
+    Parameters
+    ----------
+    gears : MeshedGears
+        Gears in mesh.
+    numbering : Numbering
+        Phases and nodes.
+    spaces : Spaces
+        Tooth spaces of the drive gear.
+    tip_rounding : float
+        Radius of an edge between flank and tip. [m]
+
+    Returns
+    -------
+    tuple of FlowPath
+        Leading and trailing throats.
+    """
+
+    def path(name: str, side: Throats, *, leading: bool) -> FlowPath:
+        met = np.mod(numbering.met_spaces - (1 if leading else 0), gears.counts[1])
+        radius = relative_radius(side, tip_rounding)
+        geometry = np.column_stack([side.gap, throat_width(gears, side), radius])
+        return FlowPath(
+            name=name,
+            category=FLANK,
+            kind="curved_gap",
+            nodes_a=numbering.nodes[0],
+            nodes_b=numbering.nodes[1][met],
+            angle_ratio=1.0,
+            phases=numbering.space_phases[0],
+            geometry=monotone_table(FULL_TURN, geometry),
+            height_by_motion=monotone_table(FULL_TURN, gap_by_motion(gears, side)),
+            drag_speed=monotone_table(FULL_TURN, throat_drag(gears, side, leading=leading)),
+            partner_shift=numbering.partner_shift,
+        )
+
+    return (
+        path("flank_leading", spaces.right, leading=True),
+        path("flank_trailing", spaces.left, leading=False),
+    )
+
+
+@final
+@dataclass(frozen=True)
+class ToothSpaces:
+    """Tooth spaces of one gear as chambers with their paths; names end with that of the gear.
+
+    Parameters
+    ----------
+    gears : MeshedGears
+        Gears in mesh.
+    numbering : Numbering
+        Phases and nodes.
+    spaces : Spaces
+        Tooth spaces of the gear at the table nodes.
+    label : str
+        End of the names of the paths.
+    width : float
+        Face width of the gear. [m]
+    """
+
+    gears: MeshedGears
+    numbering: Numbering
+    spaces: Spaces
+    label: str
+    width: float
+
+    @property
+    def gear(self) -> int:
+        """0 for the drive gear, 1 for the driven gear."""
+        return 0 if self.spaces.is_drive else 1
+
+    @property
+    def nodes(self) -> IntArray:
+        """Nodes of the spaces."""
+        return self.numbering.nodes[self.gear]
+
+    def chambers(self, name: str) -> ChamberFamily:
+        """Volumes of the spaces, with exact slopes."""
+        ratio = self.numbering.ratios[self.gear]
+        volume: Array = self.width * section_areas(self.spaces)
+        slope = self.width * section_area_rates(self.spaces) / ratio
+        return ChamberFamily(
+            name=name,
+            angle_ratio=ratio,
+            phases=self.numbering.space_phases[self.gear],
+            volume=table_from_exact_slopes(FULL_TURN, volume, slope),
+            volume_by_motion=smooth_table(FULL_TURN, self.width * area_by_motion(self.spaces)),
+        )
+
+    def tips(
+        self, name: str, category: PathCategory, clearance: Array | float, cover: Array,
+        motion: Array, worn_by: str | None = None,
+    ) -> FlowPath:  # fmt: skip
+        """Gap between tooth tips and the wall round them, from the space behind to that ahead.
+
+        Parameters
+        ----------
+        name : str
+            Begin of its name.
+        category : PathCategory
+            What it is booked under.
+        clearance : ndarray or float
+            Height over the places. [m]
+        cover : ndarray
+            Part of a tip that seals. [-]
+        motion : ndarray, shape (places, 5)
+            Derivative of the height by the micro-motions. [-]
+        worn_by : str or None
+            Body that cuts into the wall.
+
+        Returns
+        -------
+        FlowPath
+            The path.
+        """
+        tooth, count = self.gears.teeth[self.gear], cover.size
+        speed = abs(tooth.tip_radius) * self.numbering.ratios[self.gear]
+        geometry = np.empty((count, 3))
+        geometry[:, 0] = clearance
+        geometry[:, 1] = self.width * cover
+        geometry[:, 2] = tooth.land_angle * tooth.tip_radius
+        return FlowPath(
+            name=f"{name}_{self.label}",
+            category=category,
+            kind="parallel_gap",
+            nodes_a=np.roll(self.nodes, -1),
+            nodes_b=self.nodes,
+            angle_ratio=self.numbering.ratios[self.gear],
+            phases=self.numbering.tooth_phases[self.gear],
+            geometry=monotone_table(FULL_TURN, geometry),
+            height_by_motion=smooth_table(FULL_TURN, motion),
+            drag_speed=monotone_table(FULL_TURN, np.full(count, 0.5 * speed)),
+            shear_speed=monotone_table(FULL_TURN, np.full(count, speed)),
+            throat_speed=speed,
+            worn_by=worn_by,
+        )
+
+    def mouths(self, edges: tuple[float, float]) -> list[FlowPath]:
+        """Openings at the tip circle between mesh and the edges of inlet and outlet [rad]."""
+        tables = {}
+        for port, length in zip(_PORTS, port_lengths(self.spaces, edges), strict=True):
+            diameter = 2.0 * self.width * length / (self.width + length)
+            tables[port] = np.column_stack([self.width * length, diameter])
+        return self._to_ports("port", _PORTS, tables, 1.0)
+
+    def recesses(self, tables: Mapping[str, Array]) -> list[FlowPath]:
+        """Openings into the recesses of the ports in both faces: area [m2] and diameter [m]."""
+        return self._to_ports("recess", _PORTS, tables, FACES)
+
+    def grooves(self, tables: Mapping[str, Array]) -> list[FlowPath]:
+        """Openings into the relief grooves of both faces: area [m2] and diameter [m]."""
+        return self._to_ports("groove", _GROOVES, tables, FACES)
+
+    def _to_ports(
+        self,
+        name: str,
+        categories: Mapping[str, PathCategory],
+        tables: Mapping[str, Array],
+        multiplicity: float,
+    ) -> list[FlowPath]:
+        return [
+            FlowPath(
+                name=f"{name}_{port}_{self.label}",
+                category=categories[port],
+                kind="orifice",
+                nodes_a=self.nodes,
+                nodes_b=np.full_like(self.nodes, getattr(self.numbering, port)),
+                angle_ratio=self.numbering.ratios[self.gear],
+                phases=self.numbering.space_phases[self.gear],
+                geometry=monotone_table(FULL_TURN, table),
+                multiplicity=multiplicity,
+            )
+            for port, table in tables.items()
+        ]
+
+    def lateral(self, height: float, space_area: float) -> FlowPath:
+        """Gaps over the tooth faces, from the space behind to the space ahead.
+
+        Parameters
+        ----------
+        height : float
+            Film height. [m]
+        space_area : float
+            Area of a space up to the tip circle, out of mesh. [m2]
+
+        Returns
+        -------
+        FlowPath
+            A land as wide as the teeth are high and as long as they are thick in the mean.
+        """
+        tip, root = (abs(r) for r in (self.spaces.own.tip_radius, self.gears.root_radii[self.gear]))
+        depth, middle = abs(tip - root), 0.5 * (tip + root)
+        ring = np.pi * abs(tip**2 - root**2) / self.nodes.size
+        row = np.array([height, depth, (ring - space_area) / depth])
+        speed = middle * self.numbering.ratios[self.gear]
+        return FlowPath(
+            name=f"lateral_{self.label}",
+            category=LATERAL,
+            kind="parallel_gap",
+            nodes_a=np.roll(self.nodes, -1),
+            nodes_b=self.nodes,
+            angle_ratio=self.numbering.ratios[self.gear],
+            phases=self.numbering.tooth_phases[self.gear],
+            geometry=monotone_table(FULL_TURN, np.tile(row, (4, 1))),
+            drag_speed=monotone_table(FULL_TURN, np.full(4, 0.5 * speed)),
+            multiplicity=FACES,
+        )
+
+    def drain(self, height: float, radii: tuple[float, float]) -> FlowPath:
+        """Gaps over the land behind the tooth roots, to the drain.
+
+        Parameters
+        ----------
+        height : float
+            Film height. [m]
+        radii : tuple of float
+            Inner and outer radius of the land, which leaks as a ring sector does. [m]
+
+        Returns
+        -------
+        FlowPath
+            The path, :func:`~toothspace.closures.gap_flow.ring_sector_gap`.
+        """
+        row = np.array([height, *ring_sector_gap(*radii, FULL_TURN / self.nodes.size)])
+        return FlowPath(
+            name=f"drain_{self.label}",
+            category=DRAIN,
+            kind="parallel_gap",
+            nodes_a=self.nodes,
+            nodes_b=np.full_like(self.nodes, self.numbering.drain),
+            angle_ratio=self.numbering.ratios[self.gear],
+            phases=self.numbering.space_phases[self.gear],
+            geometry=monotone_table(FULL_TURN, np.tile(row, (4, 1))),
+            multiplicity=FACES,
+        )

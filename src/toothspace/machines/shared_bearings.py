@@ -1,0 +1,155 @@
+"""Journal bearings of shafts and of rings in a bore, and a gear with its shaft, from their data."""
+
+from __future__ import annotations
+
+from typing import Literal, Protocol
+
+import numpy as np
+
+from toothspace.gearing.materials import Material, library_material, reduced_modulus
+from toothspace.geometry.curve import polar_moment
+from toothspace.geometry.gear_profile import GearProfile
+from toothspace.model.description import Body, LumpedJournalBearing
+
+HOUSING_MATERIAL = "cast_iron"
+"""Material of the bore round a ring."""
+
+BEARINGS = 2
+"""Bearings of a shaft."""
+
+CORRELATION_LENGTH = 10e-6
+"""Half-height correlation length of machined surfaces. [m]"""
+
+
+class _ShaftBearing(Protocol):
+    @property
+    def diameter(self) -> float: ...
+    @property
+    def length(self) -> float: ...
+    @property
+    def radial_clearance(self) -> float: ...
+    @property
+    def roughness_shaft(self) -> float: ...
+    @property
+    def roughness_bush(self) -> float: ...
+    @property
+    def boundary_friction(self) -> float: ...
+
+
+def shaft_bearings(
+    body: str, bearing: _ShaftBearing, shaft: Material, bush: Material, seat_clearance: float = 0.0
+) -> LumpedJournalBearing:
+    """Two equal bearings of a shaft.
+
+    Parameters
+    ----------
+    body : str
+        Body on the shaft.
+    bearing : object with the keys of ``[machine.journal_bearings]``
+        Size and surfaces.
+    shaft, bush : Material
+        Materials.
+    seat_clearance : float
+        Radial clearance of what holds the bearings, in the housing. [m]
+
+    Returns
+    -------
+    LumpedJournalBearing
+        The bearings.
+    """
+    return LumpedJournalBearing(
+        body=body,
+        count=BEARINGS,
+        diameter=bearing.diameter,
+        length=bearing.length,
+        radial_clearance=bearing.radial_clearance,
+        roughness=float(np.hypot(bearing.roughness_shaft, bearing.roughness_bush)),
+        correlation_length=CORRELATION_LENGTH,
+        effective_modulus=reduced_modulus(shaft, bush),
+        hardness=min(shaft.hardness, bush.hardness),
+        boundary_friction=bearing.boundary_friction,
+        seat_clearance=seat_clearance,
+    )
+
+
+def ring_bearing(
+    body: str,
+    size: tuple[float, float, float],
+    roughness: tuple[float, float],
+    ring: Material,
+    boundary_friction: float,
+    end_condition: Literal["pressure", "no_flow"] = "pressure",
+) -> LumpedJournalBearing:
+    """Film round a body that turns in the bore of the housing.
+
+    Parameters
+    ----------
+    body : str
+        The ring.
+    size : tuple of float
+        Outside diameter, width and radial clearance. [m]
+    roughness : tuple of float
+        Root mean square roughness of ring and bore. [m]
+    ring : Material
+        Material of the ring.
+    boundary_friction : float
+        Friction coefficient of touching asperities. [-]
+    end_condition : str
+        Both ends of the film: ``pressure`` or ``no_flow``.
+
+    Returns
+    -------
+    LumpedJournalBearing
+        The bearing.
+    """
+    diameter, width, clearance = size
+    bore = library_material(HOUSING_MATERIAL, "")
+    return LumpedJournalBearing(
+        body=body,
+        count=1,
+        diameter=diameter,
+        length=width,
+        radial_clearance=clearance,
+        roughness=float(np.hypot(*roughness)),
+        correlation_length=CORRELATION_LENGTH,
+        effective_modulus=reduced_modulus(ring, bore),
+        hardness=min(ring.hardness, bore.hardness),
+        boundary_friction=boundary_friction,
+        end_condition=end_condition,
+    )
+
+
+def gear_on_shaft(
+    name: str, profile: GearProfile, width: float, material: Material, bearing: _ShaftBearing
+) -> Body:
+    """Gear of a profile with the journals of its shaft, at the origin, driven by the shaft.
+
+    Parameters
+    ----------
+    name : str
+        Name of the body.
+    profile : GearProfile
+        Section of the gear.
+    width : float
+        Face width. [m]
+    material : Material
+        Material of gear and shaft.
+    bearing : object with the keys of ``[machine.journal_bearings]``
+        Bearings of the shaft.
+
+    Returns
+    -------
+    Body
+        Section times face width, plus the journals.
+    """
+    radius, density = 0.5 * bearing.diameter, material.density
+    shaft = density * np.pi * radius**2 * BEARINGS * bearing.length
+    polar = density * width * polar_moment(profile.closed_polygon())
+    return Body(
+        name=name,
+        center=(0.0, 0.0),
+        speed_ratio=1.0,
+        mass=float(density * profile.area * width + shaft),
+        inertia=float(polar + 0.5 * shaft * radius**2),
+        role="shaft",
+    )

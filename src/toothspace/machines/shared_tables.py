@@ -1,0 +1,112 @@
+"""Tables and keys of ``[machine]`` that several machine types have, and the machine type itself."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal, cast, final
+
+from toothspace.core.keys import KeyTable, choice, forbid, number, quantity, require, text
+from toothspace.model.description import MachineDescription
+
+DEFAULT_NODES = 720
+"""About how many table nodes stand on one turn."""
+
+
+@final
+@dataclass(frozen=True)
+class MachineType:
+    """A machine type as it is found by name.
+
+    Parameters
+    ----------
+    name : str
+        Name in ``machine.type``.
+    describe : callable
+        From the definition of a machine, and optionally about how many table nodes on a turn, to
+        its description; ``GeometryError`` if it cannot be built.
+    """
+
+    name: str
+    describe: Callable[..., MachineDescription]
+
+
+@dataclass(frozen=True, kw_only=True)
+class MachineTables(KeyTable):
+    """``[machine]``: what every pump and motor has."""
+
+    mode: str = choice("What the machine is used as.", "pump", "motor")
+    drain: str | None = choice(
+        "Node that collects the drain; default the low-pressure port.",
+        "inlet",
+        "outlet",
+        "external",
+        default=None,
+    )
+    drain_pressure: float | None = quantity(
+        "bar", "Absolute pressure of an external drain.", above=0, high=100, default=None
+    )
+
+    def __post_init__(self) -> None:
+        if self.drain == "external":
+            require(self, 'with drain = "external"', "drain_pressure")
+        else:
+            forbid(self, 'unless drain = "external"', "drain_pressure")
+
+    @property
+    def use(self) -> Literal["pump", "motor"]:
+        """What the machine is used as."""
+        return cast(Literal["pump", "motor"], self.mode)
+
+    @property
+    def drain_node(self) -> Literal["inlet", "outlet", "external"]:
+        """Node that collects the drain."""
+        low = "inlet" if self.mode == "pump" else "outlet"
+        return cast(Literal["inlet", "outlet", "external"], self.drain or low)
+
+    def assemble(self) -> Any:
+        """Return the definition of the machine: these keys themselves."""
+        return self
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShaftBearingParameters(KeyTable):
+    """``[machine.journal_bearings]``: two equal bearings of a shaft."""
+
+    diameter: float = quantity("mm", "Journal diameter.", above=0, high=500)
+    length: float = quantity("mm", "Length of each bearing.", above=0, high=500)
+    radial_clearance: float = quantity("um", "Bush radius minus journal radius.", low=1, high=500)
+    roughness_shaft: float = quantity(
+        "um", "Root mean square roughness of the journal.", low=0, high=10, default=0.15e-6
+    )
+    roughness_bush: float = quantity(
+        "um", "Root mean square roughness of the bush.", low=0, high=10, default=0.30e-6
+    )
+    boundary_friction: float = number(
+        "Friction coefficient of touching asperities.", low=0, high=1, default=0.05
+    )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class LinedBearingParameters(ShaftBearingParameters):
+    """``[machine.journal_bearings]``: two equal bearings on each shaft, with a running layer."""
+
+    material: str = text("Running layer of the bush.", default="ptfe_lined_bush")
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class ShaftSealParameters(KeyTable):
+    """``[machine.seals]``."""
+
+    shaft_seal_torque: float = quantity("N m", "Friction of the shaft seal.", low=0, high=100)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PortParameters(KeyTable):
+    """``[machine.inlet]`` and ``[machine.outlet]``."""
+
+    volume: float = quantity(
+        "cm^3", "Fluid volume between machine and line.", low=0.1, high=1e5, default=50e-6
+    )
