@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, final
 
 from toothspace.case.circuit import Circuit
-from toothspace.case.conditions import FluidChoice, OperatingPoint, RunSettings
+from toothspace.case.conditions import FluidChoice, HeatSettings, OperatingPoint, RunSettings
 from toothspace.case.document import (
     Document,
     document_text,
@@ -92,6 +92,8 @@ class Case(KeyTable):
         Stand-alone pad or lateral film.
     study : object or None
         One of the classes in :mod:`toothspace.case.study`.
+    heat : HeatSettings
+        Temperatures of oil, bodies and films.
     run : RunSettings
         Fidelity and numerical settings.
     source : Path or None
@@ -128,6 +130,11 @@ class Case(KeyTable):
     )
     study: Any = declare(
         Variant(tag="kind", variants=STUDIES, doc="Study that drives the condition."), None
+    )
+    heat: HeatSettings = table(
+        HeatSettings,
+        "Temperatures of oil, bodies and films at an operating point.",
+        default=HeatSettings(),
     )
     run: RunSettings = table(RunSettings, "Fidelity and numerical settings.", default=RunSettings())
     source: Path | None = field(default=None, compare=False)

@@ -101,6 +101,56 @@ class OperatingPoint(KeyTable):
 
 @final
 @dataclass(frozen=True, kw_only=True)
+class HeatSettings(KeyTable):
+    """``[heat]``: temperatures of oil, bodies and films at an operating point."""
+
+    model: str = choice(
+        "``network``: heat flows between oil, bodies, films and casing give the temperatures; "
+        "``coupled``: these also thin the oil in lateral and journal films; ``adiabatic``: all "
+        "heat of the bearings stays in the drain.",
+        "network",
+        "coupled",
+        "adiabatic",
+        default="network",
+    )
+    running_time: float | None = quantity(
+        "s",
+        "Time after a start at the temperature of the fluid; steady if not given.",
+        above=0,
+        high=1e6,
+        default=None,
+    )
+    oil_conductivity: float = quantity(
+        "W/(m K)", "Thermal conductivity of the oil.", above=0, high=10, default=0.13
+    )
+    ambient_temperature: float = quantity(
+        "degC", "Temperature of the surroundings.", low=-60, high=150, default=293.15
+    )
+    housing_conductance: float = quantity(
+        "W/K",
+        "Heat flow from the casing to the surroundings per temperature difference.",
+        low=0,
+        high=1e4,
+        default=0.0,
+    )
+    bearing_flushing: float = quantity(
+        "L/min",
+        "Oil of the supply that flows through all bearings besides the leakage.",
+        low=0,
+        high=1000,
+        default=0.0,
+    )
+    casing_heat_capacity: float = quantity(
+        "J/K",
+        "Heat capacity of casing and bearing blocks.",
+        above=0,
+        high=1e6,
+        default=1000.0,
+    )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
 class InterfaceChoice(KeyTable):
     """``[run.interfaces]``: models of single interfaces in place of those of the preset."""
 

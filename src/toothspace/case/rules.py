@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any, Protocol
 
 from toothspace.case.circuit import Circuit
-from toothspace.case.conditions import FluidChoice, OperatingPoint, RunSettings
+from toothspace.case.conditions import FluidChoice, HeatSettings, OperatingPoint, RunSettings
 from toothspace.case.overrides import CONDITIONS
 from toothspace.case.stand_alone import FilmTable, JournalBearingCase, LateralFilmCase
 from toothspace.case.study import BalanceSweepStudy, HysteresisStudy, NosePressureStudy
@@ -17,6 +17,8 @@ from toothspace.model.operating_point import OperatingCondition
 
 LEAST_LOAD = 5e3
 """Smallest mean pressure drop that a load orifice can be sized for. [Pa]."""
+
+_HEAT_PRESETS = ("lumped", "films")
 
 
 class CaseTables(Protocol):
@@ -63,6 +65,11 @@ class CaseTables(Protocol):
         ...  # pragma: no cover
 
     @property
+    def heat(self) -> HeatSettings:
+        """Temperatures of oil, bodies and films."""
+        ...  # pragma: no cover
+
+    @property
     def run(self) -> RunSettings:
         """Fidelity and numerical settings."""
         ...  # pragma: no cover
@@ -85,6 +92,11 @@ def broken_rules(case: CaseTables) -> Iterator[Problem]:
     if case.run.film_tables is not None and case.run.fidelity != "lumped":
         found = f"tables with {case.run.fidelity!r}"
         yield Problem("run.film_tables", found, "fidelity 'lumped'")
+    if case.heat != HeatSettings() and (
+        given[0] != "operating_point" or case.run.fidelity not in _HEAT_PRESETS
+    ):
+        found = f"a table [heat] with [{given[0]}] and fidelity {case.run.fidelity!r}"
+        yield Problem("heat", found, "[operating_point] and fidelity 'lumped' or 'films'")
     if case.fluid is not None:
         yield from _fluid(case)
     if case.operating_point is not None:

@@ -78,6 +78,10 @@ _NAMES = {
     "kg * m / s ** 2": "a force",
     "kg * m ** 2 / s ** 2": "a torque",
     "m ** 3 / rad": "a displacement",
+    "m ** 3 / s": "a flow",
+    "kg * m / K / s ** 3": "a thermal conductivity",
+    "kg * m ** 2 / K / s ** 3": "a heat flow per temperature difference",
+    "kg * m ** 2 / K / s ** 2": "a heat capacity",
 }
 
 

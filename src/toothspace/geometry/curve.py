@@ -139,6 +139,11 @@ def polar_moment(points: Array) -> float:
     return float(np.sum(cross * np.sum(p * p + p * q + q * q, axis=1)) / 12.0)
 
 
+def closed_length(points: Array) -> float:
+    """Length of a closed polygon. [m]."""
+    return float(np.hypot(*(points - np.roll(points, 1, axis=0)).T).sum())
+
+
 def counter_clockwise(points: Array) -> Array:
     """Run a closed curve counter-clockwise, beginning at the same point [m]."""
     if signed_area(points) >= 0.0:

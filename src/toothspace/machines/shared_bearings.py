@@ -7,7 +7,7 @@ from typing import Literal, Protocol
 import numpy as np
 
 from toothspace.gearing.materials import Material, library_material, reduced_modulus
-from toothspace.geometry.curve import polar_moment
+from toothspace.geometry.curve import closed_length, polar_moment
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.model.description import Body, LumpedJournalBearing
 
@@ -152,4 +152,5 @@ def gear_on_shaft(
         mass=float(density * profile.area * width + shaft),
         inertia=float(polar + 0.5 * shaft * radius**2),
         role="shaft",
+        wetted_area=width * closed_length(profile.closed_polygon()),
     )

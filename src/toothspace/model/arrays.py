@@ -82,7 +82,7 @@ CURVED_GAP, PARALLEL_GAP, ORIFICE = range(3)
     FAMILY_COUNT,
     PARTNER_SHIFT,
 ) = range(8)
-MULTIPLICITY, MINIMUM_HEIGHT, THROAT_SPEED, CARRIED_SHARE = range(4)
+MULTIPLICITY, MINIMUM_HEIGHT, THROAT_SPEED, CARRIED_SHARE, GAP_VISCOSITY = range(5)
 
 # Columns of ``chamber_values``: volume, dV/d(mesh rotation), dV/d(each free motion).
 CHANNEL_VOLUME, CHANNEL_MESH, CHANNEL_MOTION = range(3)
@@ -153,8 +153,9 @@ MOTION_COLUMNS = 8
     FILM_Y,
     CURVES,  # loads with a friction curve, zero without
     DRIVEN_SENSE,  # sense of rotation of a driven body, zero of any other
-) = range(16)
-JOURNAL_COLUMNS = 16
+    JOURNAL_VISCOSITY,  # over that of the fluid
+) = range(17)
+JOURNAL_COLUMNS = 17
 
 # Columns of ``friction_curves``, one row per bearing and load
 (

@@ -48,6 +48,7 @@ from toothspace.model.arrays import (
     FILM_X,
     FILM_Y,
     JOURNAL_CLEARANCE,
+    JOURNAL_VISCOSITY,
     LATERAL_DRAG,
     LENGTH,
     MOTION_RATIO,
@@ -107,8 +108,8 @@ def update_film_forces(s: SystemArrays, state: Array) -> None:
         ey = state[size.position + ky] - journal[j, BUSH_Y]
         vx, vy = state[size.velocity + kx], state[size.velocity + ky]
         speed, c = journal[j, SPEED_RATIO] * state[1], journal[j, JOURNAL_CLEARANCE]
-        scale = journal[j, BEARINGS] * viscosity * journal[j, LENGTH]
-        scale *= (journal[j, RADIUS] / c) ** 3
+        scale = journal[j, BEARINGS] * viscosity * journal[j, JOURNAL_VISCOSITY]
+        scale *= journal[j, LENGTH] * (journal[j, RADIUS] / c) ** 3
         nodes = s.film.nodes[int(journal[j, FILM_MAP])]
         film = JournalMap(nodes, s.film.logarithm_step, s.film.length_over_diameter)
         force = journal_force(ex, ey, vx, vy, speed, c, scale, film)
@@ -221,8 +222,9 @@ def journal_torques(s: SystemArrays, state: Array, j: int) -> tuple[float, float
     limited = min(ratio, HIGHEST_FILM_RATIO)
     speed = abs(journal[j, SPEED_RATIO] * state[1])
     turning = np.sign(journal[j, SPEED_RATIO]) * s.drive[DIRECTION]
+    viscosity = s.fluid.dynamic_viscosity * journal[j, JOURNAL_VISCOSITY]
     shear = journal[j, BEARINGS] * journal_shear_torque(
-        limited, speed, s.fluid.dynamic_viscosity, radius, journal[j, LENGTH], c
+        limited, speed, viscosity, radius, journal[j, LENGTH], c
     )
     solved, _ = asperity_value(s.asperity, j, SHEAR, s.constant.asperity_range, ratio)
     shear *= solved
@@ -247,9 +249,8 @@ def curve_torques(s: SystemArrays, state: Array, j: int, force: float) -> tuple[
     radius = row[RADIUS]
     speed = abs(row[SPEED_RATIO] * state[1])
     load, clearance = max(force, LEAST_FORCE) / row[BEARINGS], row[JOURNAL_CLEARANCE]
-    number = sommerfeld_number(
-        speed, load, s.fluid.dynamic_viscosity, radius, row[LENGTH], clearance
-    )
+    viscosity = s.fluid.dynamic_viscosity * row[JOURNAL_VISCOSITY]
+    number = sommerfeld_number(speed, load, viscosity, radius, row[LENGTH], clearance)
     lower, share = _curve_place(s, j, load)
     film, boundary = 0.0, 0.0
     for k, part in ((lower, 1.0 - share), (lower + 1, share)):

@@ -79,6 +79,8 @@ class Body:
     role : str
         ``shaft``: the body that sits on the drive shaft; ``driven``: turned by it through the
         teeth, whichever way; ``floating``: does not turn.
+    wetted_area : float
+        Area of the teeth that the oil in the chambers wets. [m2]
     """
 
     name: str
@@ -87,6 +89,7 @@ class Body:
     mass: float
     inertia: float
     role: BodyRole
+    wetted_area: float = 0.0
 
 
 def categories_of(paths: Iterable[FlowPath]) -> tuple[PathCategory, ...]:
@@ -148,6 +151,8 @@ class LumpedJournalBearing:
         Solved film in place of the closed form.
     friction : FrictionCurves or None
         Friction coefficient over load and Sommerfeld number, in place of the closed form.
+    viscosity_ratio : float
+        Viscosity in the film over that of the fluid. [-]
     """
 
     body: str
@@ -164,6 +169,7 @@ class LumpedJournalBearing:
     end_condition: Literal["pressure", "no_flow"] = "pressure"
     solved: SolvedJournal | None = None
     friction: FrictionCurves | None = None
+    viscosity_ratio: float = 1.0
 
 
 @final
@@ -192,6 +198,8 @@ class LumpedLateralFilm:
         [m3]
     asperity_share : float
         Part of the torque that touching asperities cause. [-]
+    viscosity_ratio : float
+        Viscosity in the film over that of the fluid. [-]
     """
 
     body: str
@@ -205,6 +213,7 @@ class LumpedLateralFilm:
     face: FilmFace | None = None
     drag: float | None = None
     asperity_share: float = 0.0
+    viscosity_ratio: float = 1.0
 
 
 @final

@@ -61,6 +61,7 @@ def journal_data(
             0.0,
             0 if j.friction is None else len(j.friction.loads),
             np.sign(bodies[j.body].speed_ratio) if bodies[j.body].role == "driven" else 0.0,
+            j.viscosity_ratio,
         )
         for j, place in zip(journals, places, strict=True)
     ]
@@ -220,11 +221,11 @@ def lateral_drag(description: MachineDescription) -> dict[str, float]:
 def lateral_face_torque(film: LumpedLateralFilm) -> float:
     """Torque of the film on one face per viscosity and speed of the body. [m3]."""
     if film.drag is not None:
-        return film.drag
+        return film.viscosity_ratio * film.drag
     full = lateral_film_torque(
         1.0, 1.0, film.inner_radius, film.root_radius, film.height, film.tilt
     )
     ring = lateral_film_torque(
         1.0, 1.0, film.root_radius, film.outer_radius, film.height, film.tilt
     )
-    return float(full + film.tooth_area_fraction * ring)
+    return float(film.viscosity_ratio * (full + film.tooth_area_fraction * ring))

@@ -65,7 +65,10 @@ def with_lateral_films(
         Leakage over that of the closed form. [-]
     """
     share = max(1.0 + extra_share, 0.0)
-    laterals = tuple(replace(f, drag=share * lateral_face_torque(f)) for f in description.laterals)
+    laterals = tuple(
+        replace(f, drag=share * lateral_face_torque(f), viscosity_ratio=1.0)
+        for f in description.laterals
+    )
     changed = with_lateral_leakage(description, leakage_factor)
     return replace(changed, laterals=laterals, lateral_table=None)
 

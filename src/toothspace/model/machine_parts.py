@@ -116,6 +116,8 @@ class FlowPath:
         Body that cuts the gap deeper by running-in where it would touch the casing.
     minimum_height : float
         Residual height that the gap keeps, level of the roughness. [m]
+    viscosity_ratio : float
+        Viscosity in the gap over that of the fluid at its ends. [-]
     """
 
     name: str
@@ -135,6 +137,7 @@ class FlowPath:
     partner_shift: int = 0
     worn_by: str | None = None
     minimum_height: float = 1e-6
+    viscosity_ratio: float = 1.0
 
     @property
     def count(self) -> int:

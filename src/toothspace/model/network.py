@@ -53,6 +53,7 @@ from toothspace.model.arrays import (
     FLOW,
     FLOW_BY_HEIGHT,
     FLOW_BY_PRESSURE,
+    GAP_VISCOSITY,
     GAS,
     GAS_ENTHALPY,
     GAS_RATE,
@@ -140,7 +141,8 @@ def update_ends(s: SystemArrays) -> None:
         drop = node[a, PRESSURE] - node[b, PRESSURE]
         path[j, DROP] = drop
         path[j, INFLOW_DENSITY] = node[a, DENSITY] if drop >= 0.0 else node[b, DENSITY]
-        path[j, MEAN_VISCOSITY] = node[a, ROOT_VISCOSITY] * node[b, ROOT_VISCOSITY]
+        mean = node[a, ROOT_VISCOSITY] * node[b, ROOT_VISCOSITY]
+        path[j, MEAN_VISCOSITY] = s.path_data[j, GAP_VISCOSITY] * mean
 
 
 @kernel

@@ -122,6 +122,7 @@ def path_arrays(
             np.repeat([path.minimum_height for path in paths], counts),
             np.repeat([path.throat_speed for path in paths], counts),
             np.repeat([float(path.drags_opening_only) for path in paths], counts),
+            np.repeat([path.viscosity_ratio for path in paths], counts),
         ]
     ).astype(float)
     starts = np.searchsorted(index[:, 0], range(len(_KINDS) + 1))

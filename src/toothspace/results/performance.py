@@ -82,13 +82,16 @@ def mean_torque(data: xr.Dataset, ledger: Ledger) -> float:
 
 
 def outlet_temperature(data: xr.Dataset, ledger: Ledger) -> float:
-    r"""Quasi-steady temperature at the outlet. [K].
+    r"""Mean temperature at the outlet. [K].
 
     Notes
     -----
-    :math:`\Delta T = P_{loss}/(\dot m c_p)`. An external drain takes the heat of
-    :data:`DRAIN_HEAT` with it; an internal one returns it to the stream.
+    That of the heat network, if the run has one, else :math:`\Delta T = P_{loss}/(\dot m c_p)`:
+    an external drain takes the heat of :data:`DRAIN_HEAT` with it; an internal one returns it
+    to the stream.
     """
+    if "temperature" in data:
+        return float(data["temperature"].sel(heat_node="outlet"))
     heat = ledger.loss_energy
     if ledger.mass.get("drain", 0.0) > 0.0:
         heat -= _drain_heat(ledger)
@@ -97,12 +100,24 @@ def outlet_temperature(data: xr.Dataset, ledger: Ledger) -> float:
 
 
 def drain_temperature(data: xr.Dataset, ledger: Ledger) -> float:
-    """Quasi-steady temperature of the drain flow, external or internal. [K].
+    """Mean temperature of the drain flow, external or internal. [K].
 
-    An upper bound: no heat is conducted into the housing.
+    That of the heat network, if the run has one, else an upper bound without any heat that is
+    conducted into bodies and casing.
     """
-    mass = ledger.mass.get("drain", 0.0) or _internal_drain_mass(data, ledger)
+    if "temperature" in data:
+        return float(data["temperature"].sel(heat_node="drain"))
+    mass = ledger.duration * drain_flow(data, ledger)
     return float(data["fluid_temperature"]) + _rise(data, _drain_heat(ledger), mass)
+
+
+def drain_flow(data: xr.Dataset, ledger: Ledger) -> float:
+    """Mean mass flow from the chambers to the drain, external or internal. [kg/s]."""
+    outside = ledger.mass.get("drain", 0.0)
+    if outside:
+        return outside / ledger.duration
+    flow_rate = means_by_label(data, "leakage").get(DRAIN.name, 0.0)
+    return flow_rate * float(data["inlet_density"])
 
 
 def _rise(data: xr.Dataset, heat: float, mass: float) -> float:
@@ -171,7 +186,18 @@ def _operating_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
         "inlet_temperature_degC": float(data["fluid_temperature"]) - ZERO_CELSIUS,
         "outlet_temperature_degC": outlet_temperature(data, ledger) - ZERO_CELSIUS,
         "drain_temperature_degC": drain_temperature(data, ledger) - ZERO_CELSIUS,
+        **_film_temperature(data),
     }
+
+
+def _film_temperature(data: xr.Dataset) -> dict[str, float]:
+    """Highest mean temperature of a lateral or journal film of the heat network."""
+    if "temperature" not in data:
+        return {}
+    films = data["temperature"][data["heat_node"].str.contains("_film.")]
+    if films.size == 0:
+        return {}
+    return {"highest_film_temperature_degC": float(films.max()) - ZERO_CELSIUS}
 
 
 def _loss_numbers(data: xr.Dataset) -> dict[str, float]:
@@ -203,11 +229,6 @@ def means_by_label(data: xr.Dataset, name: str) -> Mapping[str, float]:
     array = data[name].mean(str(data[name].dims[0]))
     labels = array[array.dims[0]].values
     return {str(label): float(value) for label, value in zip(labels, array.values, strict=True)}
-
-
-def _internal_drain_mass(data: xr.Dataset, ledger: Ledger) -> float:
-    flow_rate = means_by_label(data, "leakage").get(DRAIN.name, 0.0)
-    return flow_rate * float(data["inlet_density"]) * ledger.duration
 
 
 def _drain_heat(ledger: Ledger) -> float:

@@ -112,6 +112,7 @@ _ROWS: tuple[tuple[str, str, str, str], ...] = (
     ("film_deformation", "film film_row film_column", "m", "Elastic deformation of the surfaces"),
     ("film_fraction", "film film_row film_column", "1", "Part of the gap filled with liquid"),
     ("film_temperature", "film", "K", "Mean temperature of a film"),
+    ("temperature", "heat_node", "K", "Mean temperature of oil, bodies and films"),
     ("film_angle", "film_row", "rad", "Angle of cells about the axis of their film, from x to y"),
     ("film_radius", "film film_column", "m", "Radius of cells about the axis of their film"),
     ("film_center_x", "film", "m", "Axis of a film"),
@@ -220,6 +221,7 @@ LABEL_DIMENSIONS: Mapping[str, str] = {
     "port": "port or relief groove",
     "node": "node of the circuit",
     "film": "lubricating film",
+    "heat_node": "oil, body or film of the heat network",
     "mass_entry": "mass account of the ledger",
     "energy_entry": "energy account of the ledger",
 }

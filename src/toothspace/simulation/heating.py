@@ -1,14 +1,146 @@
-"""Heat balance of films whose viscosity follows the temperature of the fluid of a case."""
+"""Temperatures of a machine and of films, and how they thin the oil."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+import numpy as np
+
 from toothspace.case import Case
+from toothspace.core.constants import ZERO_CELSIUS
 from toothspace.core.errors import CaseError
+from toothspace.core.status import Status
 from toothspace.films.thermal import HIGHEST_RISE, FilmHeating, HeatBalance
+from toothspace.model.description import MachineDescription
 from toothspace.model.fluid import LiquidState, library_liquid, table_liquid
+from toothspace.model.heat_network import (
+    HeatExchange,
+    HeatFlows,
+    HeatNetwork,
+    heat_network,
+    journal_node,
+    lateral_node,
+)
+from toothspace.model.path_category import LATERAL_PATHS
+from toothspace.results.performance import drain_flow
+from toothspace.results.solution import Solution, warned
+from toothspace.results.variables import dataset_from
 
 _FIFTIETH = 0.02
 """Accuracy of the highest temperature that a liquid is known at. [K]"""
+
+
+_AGREED = 0.1
+"""Change of a film temperature between two rounds that is left. [K]"""
+_ROUNDS = 12
+_NOT_AGREED = (
+    "Temperatures still change by {:.2g} K from round to round: the viscosities in the films are "
+    "not those of the temperatures shown."
+)
+
+
+def run_with_heat(
+    case: Case,
+    description: MachineDescription,
+    run: Callable[[MachineDescription], Solution],
+) -> Solution:
+    """Solution of a machine with the temperatures of its oil, bodies and films.
+
+    Parameters
+    ----------
+    case : Case
+        Case with an operating point and ``[heat]``.
+    description : MachineDescription
+        Its machine, with films as cold as the fluid.
+    run : callable
+        Solution of a machine whose films have other viscosities.
+    """
+    solution = run(description)
+    if case.heat.model == "adiabatic" or solution.status is not Status.DONE:
+        return solution
+    found = _temperatures(case, description, solution)
+    if case.heat.model == "network":
+        return _with_temperatures(solution, *found)
+    change = np.inf
+    for _ in range(_ROUNDS):
+        warm = _warmed(case, description, found[1])
+        solution, before = run(warm), found[1]
+        if solution.status is not Status.DONE:
+            return solution
+        found = _temperatures(case, description, solution)
+        change = max(abs(found[1][name] - before[name]) for name in before)
+        if change < _AGREED:
+            return _with_temperatures(solution, *found)
+    solution = _with_temperatures(solution, *found)
+    provenance = warned(solution.provenance, _NOT_AGREED.format(change))
+    return replace(solution, provenance=provenance)
+
+
+def _temperatures(
+    case: Case, description: MachineDescription, solution: Solution
+) -> tuple[HeatNetwork, dict[str, float]]:
+    """Network at the mean powers and flows of a solution, and its temperatures. [K]."""
+    assert case.fluid is not None
+    heat, ledger = case.heat, solution.ledger
+    flows = HeatFlows(
+        shaft_speed=ledger.shaft_angle / ledger.duration,
+        losses={name: ledger.energy.get(name, 0.0) / ledger.duration for name in ledger.losses},
+        through_flow=abs(ledger.mass.get("inlet", 0.0)) / ledger.duration,
+        drain_flow=drain_flow(solution.data, ledger),
+    )
+    exchange = HeatExchange(
+        oil_conductivity=heat.oil_conductivity,
+        ambient_temperature=heat.ambient_temperature,
+        housing_conductance=heat.housing_conductance,
+        bearing_flushing=heat.bearing_flushing,
+        casing_heat_capacity=heat.casing_heat_capacity,
+    )
+    supply = case.fluid.temperature
+    network = heat_network(description, liquid_of(case), supply, flows, exchange)
+    if heat.running_time is None:
+        return network, network.steady()
+    return network, network.after(heat.running_time)
+
+
+def _warmed(
+    case: Case, description: MachineDescription, temperature: Mapping[str, float]
+) -> MachineDescription:
+    """Machine whose lateral and journal films have the viscosity of their temperatures."""
+    cold = liquid_of(case).dynamic_viscosity
+
+    def ratio(node: str) -> float:
+        try:
+            return liquid_of(case, temperature[node]).dynamic_viscosity / cold
+        except CaseError as error:
+            asked = f"heat.model: found films of {temperature[node] - ZERO_CELSIUS:.0f} degC"
+            raise CaseError(f"{asked}, allowed temperatures that the fluid is known at") from error
+
+    laterals = tuple(
+        replace(film, viscosity_ratio=ratio(lateral_node(film.body)))
+        for film in description.laterals
+    )
+    journals = tuple(
+        replace(journal, viscosity_ratio=ratio(journal_node(journal.body)))
+        for journal in description.journals
+    )
+    beside = float(np.mean([film.viscosity_ratio for film in laterals])) if laterals else 1.0
+    paths = tuple(
+        replace(path, viscosity_ratio=beside) if path.category in LATERAL_PATHS else path
+        for path in description.paths
+    )
+    return replace(description, laterals=laterals, journals=journals, paths=paths)
+
+
+def _with_temperatures(
+    solution: Solution, network: HeatNetwork, temperature: Mapping[str, float]
+) -> Solution:
+    found = dataset_from(
+        {"temperature": list(temperature.values())}, {"heat_node": list(temperature)}
+    )
+    data = solution.data.merge(found, combine_attrs="override")
+    statistics = {**solution.statistics, "warm_up_time": network.warm_up_time}
+    return replace(solution, data=data, statistics=statistics)
 
 
 def lateral_heating(case: Case) -> FilmHeating | None:

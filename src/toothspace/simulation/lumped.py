@@ -16,6 +16,7 @@ from toothspace.model.operating_point import OperatingCondition
 from toothspace.results.solution import Solution
 from toothspace.simulation.film_tables import with_film_tables
 from toothspace.simulation.films import with_solved_films
+from toothspace.simulation.heating import run_with_heat
 from toothspace.simulation.lateral.table_lookup import run_with_table
 from toothspace.simulation.presets import interface_models, interface_text
 from toothspace.simulation.running_in import CUT_SHORT, WornMachine, run_in
@@ -90,7 +91,11 @@ def run_in_machine(setup: Setup) -> RunInMachine:
 def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
     """Cyclic state of a case at its operating point."""
     machine = run_in_machine(setup)
-    return machine.worn.marked(machine.solve(setup.condition, progress=progress))
+
+    def run(changed: MachineDescription) -> Solution:
+        return machine.solve(setup.condition, changed, progress)
+
+    return machine.worn.marked(run_with_heat(setup.case, machine.description, run))
 
 
 def _march(

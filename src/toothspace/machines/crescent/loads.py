@@ -10,7 +10,7 @@ from toothspace.gearing.gear_face import GearFace, GearSection, tooth_fraction
 from toothspace.gearing.materials import library_material
 from toothspace.gearing.numbering import Numbering
 from toothspace.gearing.space_paths import FACES
-from toothspace.geometry.curve import polar_moment, signed_area
+from toothspace.geometry.curve import closed_length, polar_moment, signed_area
 from toothspace.machines.crescent.assembly import CrescentAssembly
 from toothspace.machines.crescent.filler import cover_recesses, filler_outline, relief_polygons
 from toothspace.machines.shared_bearings import gear_on_shaft, ring_bearing, shaft_bearings
@@ -48,6 +48,7 @@ def bodies(assembly: CrescentAssembly) -> tuple[Body, Body]:
         mass=float(metal.density * width * area),
         inertia=float(metal.density * width * _ring_moment(assembly)),
         role="driven",
+        wetted_area=width * closed_length(assembly.ring_curve),
     )
     return pinion, ring
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from toothspace.core.types import Array
 from toothspace.gearing.materials import library_material
-from toothspace.geometry.curve import polar_moment, signed_area
+from toothspace.geometry.curve import closed_length, polar_moment, signed_area
 from toothspace.machines.gerotor.flow_paths import shaft_radius
 from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.pockets import Pockets
@@ -47,6 +47,7 @@ def bodies(parameters: GerotorParameters, pocket: Pockets) -> tuple[Body, Body]:
             float(inner),
             density * width * polar_moment(rotors.inner),
             "shaft",
+            width * closed_length(rotors.inner),
         ),
         Body(
             "outer_rotor",
@@ -55,6 +56,7 @@ def bodies(parameters: GerotorParameters, pocket: Pockets) -> tuple[Body, Body]:
             float(rim),
             density * width * polar,
             "driven",
+            width * closed_length(rotors.outer),
         ),
     )
 

@@ -1,0 +1,326 @@
+r"""Temperatures of oil, bodies and films of a machine: a small network of heat flows.
+
+Oil enters at the temperature of the supply, takes up what is throttled in the chambers and what
+the bodies give to it, and leaves through the outlet. A part leaks beside the faces, flows on
+through the bearings and is the drain. Films conduct to the two bodies between which they lie,
+teeth and walls exchange heat with the oil in the chambers:
+
+.. math::
+
+    C_i \dot T_i = Q_i + \sum_j G_{ij} (T_j - T_i) + \sum_j \dot m_{ji} c\, (T_j - T_i)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from scipy.linalg import expm
+
+from toothspace.closures.heat_transfer import film_wall_conductance, turning_body_coefficient
+from toothspace.core.types import Array
+from toothspace.model.description import MachineDescription
+from toothspace.model.films import lateral_face_torque
+from toothspace.model.fluid import LiquidState
+from toothspace.model.path_category import DRAIN, LATERAL
+
+OIL, WALLS, DRAIN_OIL, OUTLET = "chambers", "casing", "drain", "outlet"
+"""Nodes besides the bodies and their films."""
+_LEAST = 1e-6
+"""Conductance that gives oil at rest and dry bodies a temperature. [W/K]"""
+STEEL_HEAT_CAPACITY = 460.0
+"""Specific heat capacity of steel. [J/(kg K)]"""
+
+
+def lateral_node(body: str) -> str:
+    """Name of the film beside the faces of a body."""
+    return f"lateral_film.{body}"
+
+
+def journal_node(body: str) -> str:
+    """Name of the film in the bearings of a body."""
+    return f"journal_film.{body}"
+
+
+@final
+@dataclass(frozen=True)
+class HeatExchange:
+    """What the network needs besides the machine.
+
+    Parameters
+    ----------
+    oil_conductivity : float
+        Thermal conductivity of the oil. [W/(m K)]
+    ambient_temperature : float
+        Temperature round the machine. [K]
+    housing_conductance : float
+        Heat flow from the casing to the surroundings per temperature difference. [W/K]
+    bearing_flushing : float
+        Oil of the supply that flows through the bearings besides the leakage. [m3/s]
+    casing_heat_capacity : float
+        Heat capacity of casing and bearing blocks. [J/K]
+    """
+
+    oil_conductivity: float
+    ambient_temperature: float
+    housing_conductance: float
+    bearing_flushing: float
+    casing_heat_capacity: float
+
+
+@final
+@dataclass(frozen=True)
+class HeatFlows:
+    """Mean powers and flows of a run that heat and carry heat.
+
+    Parameters
+    ----------
+    shaft_speed : float
+        Mean speed of the shaft. [rad/s]
+    losses : mapping of str to float
+        Dissipated power by the accounts of the energy ledger. [W]
+    through_flow : float
+        Mass that enters by the supply port per time. [kg/s]
+    drain_flow : float
+        Mass that leaks from the chambers to the drain per time. [kg/s]
+    """
+
+    shaft_speed: float
+    losses: Mapping[str, float]
+    through_flow: float
+    drain_flow: float
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class HeatNetwork:
+    """Linear balance of heat flows between the nodes of a machine.
+
+    Parameters
+    ----------
+    names : tuple of str
+        Nodes.
+    power : ndarray
+        Heat produced in each node. [W]
+    exchange : ndarray, shape (nodes, nodes)
+        Conductance between two nodes, symmetric. [W/K]
+    streams : ndarray, shape (nodes, nodes)
+        Heat capacity of the oil that flows from one node (row) to another (column). [W/K]
+    from_supply : ndarray
+        The same from the supply to each node. [W/K]
+    supply_temperature : float
+        Temperature of the supply. [K]
+    to_ambient : ndarray
+        Conductance to the surroundings. [W/K]
+    ambient_temperature : float
+        Temperature of the surroundings. [K]
+    heat_capacity : ndarray
+        Heat capacity of each node. [J/K]
+    """
+
+    names: tuple[str, ...]
+    power: Array
+    exchange: Array
+    streams: Array
+    from_supply: Array
+    supply_temperature: float
+    to_ambient: Array
+    ambient_temperature: float
+    heat_capacity: Array
+
+    def _balance(self) -> tuple[Array, Array]:
+        """Matrix and right-hand side of ``C dT/dt = b - A T``. [W/K], [W]."""
+        into = self.streams.sum(axis=0) + self.from_supply + self.to_ambient
+        matrix = np.diag(self.exchange.sum(axis=1) + into) - self.exchange - self.streams.T
+        given = self.power + self.from_supply * self.supply_temperature
+        return matrix, given + self.to_ambient * self.ambient_temperature
+
+    def steady(self) -> dict[str, float]:
+        """Temperatures that last. [K]."""
+        matrix, given = self._balance()
+        return self._named(np.asarray(np.linalg.solve(matrix, given), dtype=float))
+
+    def after(self, duration: float) -> dict[str, float]:
+        """Temperatures a time after the machine was as warm as its supply. [K].
+
+        Parameters
+        ----------
+        duration : float
+            Time at the same powers and flows. [s]
+        """
+        matrix, given = self._balance()
+        lasting = np.linalg.solve(matrix, given)
+        fading = expm(-matrix / self.heat_capacity[:, None] * duration)
+        return self._named(lasting + fading @ (self.supply_temperature - lasting))
+
+    @property
+    def warm_up_time(self) -> float:
+        """Time constant of the slowest part of warming up. [s]."""
+        matrix, _ = self._balance()
+        rates = np.linalg.eigvals(matrix / self.heat_capacity[:, None])
+        return float(1.0 / np.min(rates.real))
+
+    def _named(self, temperature: Array) -> dict[str, float]:
+        return dict(zip(self.names, temperature.tolist(), strict=True))
+
+
+def heat_network(
+    description: MachineDescription,
+    liquid: LiquidState,
+    supply_temperature: float,
+    flows: HeatFlows,
+    exchange: HeatExchange,
+) -> HeatNetwork:
+    """Network of a machine at the mean powers and flows of a run.
+
+    Parameters
+    ----------
+    description : MachineDescription
+        The machine.
+    liquid : LiquidState
+        Its oil at the temperature of the supply.
+    supply_temperature : float
+        Temperature of the oil that enters. [K]
+    flows : HeatFlows
+        Powers and flows of the run.
+    exchange : HeatExchange
+        Conductivity, surroundings and flushing.
+
+    Returns
+    -------
+    HeatNetwork
+        Nodes: oil of the chambers, bodies, casing with bearing blocks, films, drain, outlet.
+
+    Notes
+    -----
+    Throttling and the shear of tip gaps heat the oil of the chambers, contacts heat all bodies,
+    the seal heats the shaft. Lateral and journal losses are shared among the bodies as their
+    drag is. The walls round the chambers have the wetted area of the bodies. A body and the
+    casing have one temperature each, so temperatures within them are left out.
+    """
+    capacity = liquid.density * liquid.specific_heat_capacity
+    bodies = [body.name for body in description.bodies]
+    faces = [film.body for film in description.laterals]
+    bearings = [journal.body for journal in description.journals]
+    names = (
+        OIL, OUTLET, DRAIN_OIL, WALLS, *bodies, *map(lateral_node, faces),
+        *map(journal_node, bearings),
+    )  # fmt: skip
+    place = {name: k for k, name in enumerate(names)}
+    conductance, streams = np.zeros((2, len(names), len(names)))
+    power, supply, ambient, heat_capacity = np.zeros((4, len(names)))
+
+    def join(first: str, second: str, value: float) -> None:
+        conductance[place[first], place[second]] += value
+        conductance[place[second], place[first]] += value
+
+    losses = dict(flows.losses)
+    seal, contact = losses.pop("shaft_seal", 0.0), 0.0
+    for account in ("mesh_friction", "contact_friction", "contact_damping"):
+        contact += losses.pop(account, 0.0)
+    beside = sum(losses.pop(k, 0.0) for k in ("lateral_viscous", "lateral_asperity"))
+    beside += losses.pop(LATERAL.account, 0.0) + losses.pop(DRAIN.account, 0.0)
+    journals = sum(losses.pop(k, 0.0) for k in ("journal_viscous", "journal_asperity"))
+    for outside in ("circuit", "coupling", "startup"):
+        losses.pop(outside, None)
+    power[place[OIL]] = sum(losses.values()) + (0.0 if faces else beside)
+    power[place[DRAIN_OIL]] = 0.0 if bearings else journals
+
+    number = liquid.dynamic_viscosity * liquid.specific_heat_capacity / exchange.oil_conductivity
+    for body in description.bodies:
+        power[place[body.name]] = contact / len(bodies) + (seal if body.role == "shaft" else 0.0)
+        heat_capacity[place[body.name]] = STEEL_HEAT_CAPACITY * body.mass
+        wetted = _LEAST
+        if body.wetted_area > 0.0:
+            wetted += body.wetted_area * turning_body_coefficient(
+                exchange.oil_conductivity,
+                _diameter(description, body.name),
+                body.speed_ratio * flows.shaft_speed,
+                liquid.dynamic_viscosity / liquid.density,
+                number,
+            )
+        join(body.name, OIL, wetted)
+        join(WALLS, OIL, wetted)
+    ambient[place[WALLS]] = exchange.housing_conductance
+    heat_capacity[place[WALLS]] = exchange.casing_heat_capacity
+
+    ratio = {body.name: abs(body.speed_ratio) for body in description.bodies}
+    drag = [f.faces * lateral_face_torque(f) * ratio[f.body] ** 2 for f in description.laterals]
+    for film, share in zip(description.laterals, _shares(drag), strict=True):
+        node = lateral_node(film.body)
+        full = np.pi * (film.root_radius**2 - film.inner_radius**2)
+        teeth = film.tooth_area_fraction * np.pi * (film.outer_radius**2 - film.root_radius**2)
+        area = film.faces * (full + teeth)
+        wall = film_wall_conductance(exchange.oil_conductivity, area, film.height)
+        join(node, film.body, wall)
+        join(node, WALLS, wall)
+        power[place[node]] = share * beside
+        heat_capacity[place[node]] = capacity * area * film.height
+    shear = [
+        j.count * j.length * j.diameter**3 / j.radial_clearance * ratio[j.body] ** 2
+        for j in description.journals
+    ]
+    for journal, share in zip(description.journals, _shares(shear), strict=True):
+        node = journal_node(journal.body)
+        area = journal.count * np.pi * journal.diameter * journal.length
+        clearance = journal.radial_clearance
+        wall = film_wall_conductance(exchange.oil_conductivity, area, clearance)
+        join(node, journal.body, wall)
+        join(node, WALLS, wall)
+        power[place[node]] = share * journals
+        heat_capacity[place[node]] = capacity * area * clearance
+
+    leak = max(flows.drain_flow, 0.0) * liquid.specific_heat_capacity
+    flushing = exchange.bearing_flushing * capacity
+    for name in faces:
+        part, node = leak / len(faces), lateral_node(name)
+        streams[place[OIL], place[node]] += part
+        streams[place[node], place[journal_node(name) if name in bearings else DRAIN_OIL]] += part
+    for name in bearings:
+        node = journal_node(name)
+        supply[place[node]] = flushing / len(bearings)
+        streams[place[node], place[DRAIN_OIL]] = streams[:, place[node]].sum() + supply[place[node]]
+    drained = streams[:, place[DRAIN_OIL]].sum()
+    through = flows.through_flow * liquid.specific_heat_capacity
+    supply[place[OIL]] = max(through - flushing, 0.0)
+    leaves = through - (drained if description.drain != "inlet" else 0.0)
+    streams[place[OIL], place[OUTLET]] = max(leaves, 0.0)
+    if description.drain != "external":
+        target = OIL if description.drain == "inlet" else OUTLET
+        streams[place[DRAIN_OIL], place[target]] = drained
+    heat_capacity[place[OIL]] = capacity * _chamber_volume(description)
+    heat_capacity[place[OUTLET]] = capacity * description.port_volumes[1]
+    heat_capacity[place[DRAIN_OIL]] = heat_capacity[place[OIL]] if drained > 0.0 else _LEAST
+    join(OUTLET, OIL, _LEAST)
+    join(DRAIN_OIL, WALLS, _LEAST)
+    return HeatNetwork(
+        names=names,
+        power=power,
+        exchange=conductance,
+        streams=streams,
+        from_supply=supply,
+        supply_temperature=supply_temperature,
+        to_ambient=ambient,
+        ambient_temperature=exchange.ambient_temperature,
+        heat_capacity=heat_capacity,
+    )
+
+
+def _shares(weights: list[float]) -> Array:
+    total = sum(weights)
+    return np.asarray(weights) / total if total > 0.0 else np.full(len(weights), 0.0)
+
+
+def _diameter(description: MachineDescription, body: str) -> float:
+    """Diameter at the teeth of a body, or of what it wets if it has no film beside it. [m]."""
+    for film in description.laterals:
+        if film.body == body:
+            return 2.0 * film.outer_radius
+    outline = description.outlines[body]
+    return 2.0 * float(np.hypot(*outline.T).max())
+
+
+def _chamber_volume(description: MachineDescription) -> float:
+    return float(sum(family.volume(family.phases)[..., 0].sum() for family in description.families))

@@ -1,0 +1,74 @@
+"""Temperatures in runs: films thin their oil, the heat balance closes, misuse is refused."""
+
+from __future__ import annotations
+
+import pytest
+
+import toothspace as ts
+from toothspace.case.shipped import shipped_case
+from toothspace.core.constants import ZERO_CELSIUS
+from toothspace.core.errors import CaseError
+from toothspace.model.fluid import library_liquid
+
+CASE = shipped_case("egm12_motor")
+QUICK = ["run.samples_per_revolution=180", "run.relative_tolerance=1e-5"]
+
+
+def summary(*overrides: str):
+    solution = ts.simulate(ts.load_case(CASE, [*QUICK, *overrides]))
+    return solution, solution.summary()
+
+
+@pytest.fixture(scope="module")
+def network():
+    return summary()
+
+
+@pytest.fixture(scope="module")
+def coupled():
+    return summary("heat.model=coupled")
+
+
+def test_network_leaves_the_run_as_it_is(network) -> None:
+    _, numbers = network
+    solution, adiabatic = summary("heat.model=adiabatic")
+    assert "temperature" not in solution.data
+    assert numbers["overall_efficiency"] == adiabatic["overall_efficiency"]
+    outlet = numbers["outlet_temperature_degC"]
+    assert outlet == pytest.approx(adiabatic["outlet_temperature_degC"], abs=5e-3)
+    assert numbers["drain_temperature_degC"] < adiabatic["drain_temperature_degC"] - 10.0
+
+
+def test_oil_stays_within_the_temperatures_of_real_machines(coupled) -> None:
+    _, numbers = coupled
+    assert 55.0 < numbers["drain_temperature_degC"] < 80.0
+    assert 55.0 < numbers["highest_film_temperature_degC"] < 80.0
+
+
+def test_warm_films_are_thinner_in_friction_and_leakage(network, coupled) -> None:
+    cold, warm = network[1], coupled[1]
+    film = warm["highest_film_temperature_degC"] + ZERO_CELSIUS
+    ratio = library_liquid("iso_vg_46", film).dynamic_viscosity
+    ratio /= library_liquid("iso_vg_46", 50.0 + ZERO_CELSIUS).dynamic_viscosity
+    lateral = warm["torque_loss_lateral_viscous_N_m"] / cold["torque_loss_lateral_viscous_N_m"]
+    assert lateral == pytest.approx(ratio, rel=0.01)
+    leakage = warm["leakage_drain_L_per_min"] / cold["leakage_drain_L_per_min"]
+    # part of the drop is the dynamic head of the flow in the gap
+    assert (1.0 / ratio) ** 0.8 < leakage < 1.0 / ratio
+    assert warm["hydromechanical_efficiency"] > cold["hydromechanical_efficiency"]
+    assert warm["volumetric_efficiency"] < cold["volumetric_efficiency"]
+
+
+def test_soon_after_the_start_films_are_as_cold_as_the_supply(network) -> None:
+    solution, numbers = summary("heat.running_time='1 ms'")
+    assert numbers["highest_film_temperature_degC"] == pytest.approx(50.0, abs=1.0)
+    assert solution.statistics["warm_up_time"] == network[0].statistics["warm_up_time"]
+
+
+@pytest.mark.parametrize(
+    ("case", "override"),
+    [("egm12_motor", "run.fidelity=elastic"), ("startup_blocked", "heat.model=coupled")],
+)
+def test_heat_is_refused_where_it_would_be_ignored(case: str, override: str) -> None:
+    with pytest.raises(CaseError, match="heat: found"):
+        ts.load_case(shipped_case(case), [override, "heat.oil_conductivity='0.12 W/(m K)'"])
