@@ -12,7 +12,7 @@ Nodes of the network are numbered: chambers of the families in their order, then
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal, final
 
@@ -296,6 +296,9 @@ class MachineDescription:
     outlines : mapping of name to ndarray, shape (points, 2)
         Closed polygons for drawing: one per body (own frame, at shaft angle zero), plus
         ``casing``, grooves and ports in the machine frame. [m]
+    chamber_outlines : callable or None
+        From a shaft angle to the outlines of the chambers in the machine frame, for drawing; None
+        if the machine type gives none. [rad], [m]
     geometry_summary : mapping
         Numbers of ``toothspace geometry --json``, names with unit suffix.
     checks : tuple of DesignCheck
@@ -324,6 +327,7 @@ class MachineDescription:
     shared_faces: SharedFaces | None = None
     rings_on_films: bool = False
     outlines: Mapping[str, Array] = field(default_factory=dict)
+    chamber_outlines: Callable[[float], Sequence[Array]] | None = None
     geometry_summary: Mapping[str, object] = field(default_factory=dict)
     checks: tuple[DesignCheck, ...] = ()
 

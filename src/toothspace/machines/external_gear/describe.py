@@ -5,6 +5,7 @@ from __future__ import annotations
 from toothspace.gearing.flank_contacts import flank_contacts, rigid_mesh
 from toothspace.gearing.meshing import displacement
 from toothspace.gearing.numbering import number
+from toothspace.gearing.outlines import SpaceOutlines
 from toothspace.machines.external_gear.assembly import assemble
 from toothspace.machines.external_gear.balance import lateral_balance
 from toothspace.machines.external_gear.films import lateral_films
@@ -67,6 +68,7 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
         running_in=_running_in(spec),
         lateral_balance=lateral_balance(assembly, numbering),
         outlines=outlines(assembly),
+        chamber_outlines=SpaceOutlines(assembly, numbering),
         geometry_summary=geometry_summary(assembly, spaces),
         checks=design_checks(assembly),
     )
