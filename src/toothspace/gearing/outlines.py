@@ -13,6 +13,7 @@ from toothspace.gearing.meshing import MeshedGears
 from toothspace.gearing.numbering import FULL_TURN, Numbering
 from toothspace.gearing.spaces import Spaces
 from toothspace.gearing.tooth import Flank, Tooth
+from toothspace.geometry.curve import turned
 
 _ARC_STEP = np.deg2rad(1.0)
 
@@ -123,8 +124,7 @@ def _placed(side: _Side, keep: Array) -> Array:
     inside = np.hypot(*starts.T) < radius * np.cos(0.5 * _ARC_STEP)
     clear = inside if radius > 0.0 else np.hypot(*starts.T) > -radius / np.cos(0.5 * _ARC_STEP)
     points = np.vstack([starts, tip])[keep & np.append(clear, True)]
-    c, s = np.cos(side.turn), np.sin(side.turn)
-    return np.asarray(points @ np.array([[c, s], [-s, c]]) + side.center, dtype=float)
+    return turned(points, side.turn) + side.center
 
 
 def _flank_points(side: _Side) -> Array:

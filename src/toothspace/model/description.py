@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Literal, final
 import numpy as np
 
 from toothspace.closures.journal_friction import FrictionCurves
+from toothspace.core.design_check import DesignCheck
 from toothspace.core.types import Array
 from toothspace.model.angle_tables import AngleTable, angle_tables, tables_dataset
 from toothspace.model.contact_pair import CONTACT_CHANNELS, ContactPair, RigidMesh
@@ -225,19 +226,6 @@ class RunningIn:
     pressure: float
     shaft_speed: float
     temperature: float
-
-
-@final
-@dataclass(frozen=True)
-class DesignCheck:
-    """One line of the design-rule report: value, allowed range, verdict, why it matters."""
-
-    name: str
-    value: float
-    unit: str
-    allowed: str
-    passed: bool
-    reason: str
 
 
 @final

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from toothspace.core.types import Array
+from toothspace.geometry.curve import turned
 from toothspace.model.description import Body, MachineDescription
 from toothspace.plotting.style import (
     GREY,
@@ -33,10 +34,8 @@ _WALL = 0.08  # drawn thickness of the housing over its height
 
 def turned_outline(description: MachineDescription, body: Body, shaft_angle: float) -> Array:
     """Outline of a body in the frame of the machine at a shaft angle. [m]."""
-    turn = body.speed_ratio * shaft_angle
-    rotation = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
-    points = description.outlines[body.name] @ rotation.T + np.asarray(body.center)
-    return np.asarray(points)
+    points = turned(description.outlines[body.name], body.speed_ratio * shaft_angle)
+    return points + np.asarray(body.center)
 
 
 def turned_section(description: MachineDescription, body: Body, shaft_angle: float) -> Any:

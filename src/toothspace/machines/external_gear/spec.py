@@ -15,7 +15,7 @@ from toothspace.gearing.materials import Material
 from toothspace.geometry.gear_finder import FoundGear
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear
-from toothspace.model.description import StartupFriction
+from toothspace.model.description import RunningIn, StartupFriction
 
 CARBURISED_STEEL = Material(elastic_modulus=206e9, poisson_ratio=0.3, hardness=7e9)
 """Case-hardened gear steel 16CrNi4."""
@@ -55,26 +55,6 @@ class Gear:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class WearIn:
-    """Condition at which the gears cut their track into the casing before use.
-
-    Parameters
-    ----------
-    pressure : float
-        Pressure on the high-pressure side. [Pa]
-    shaft_speed : float
-        Shaft speed. [rad/s]
-    temperature : float
-        Fluid temperature. [K]
-    """
-
-    pressure: float
-    shaft_speed: float
-    temperature: float
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
 class Casing:
     """Bore round both gears.
 
@@ -87,7 +67,7 @@ class Casing:
     contour : ndarray, shape (points, 2), or None
         Section of the casing as a closed polygon; replaces clearance and angles where it
         departs from the bores: beyond three clearances the space counts as port. [m]
-    wear_in : WearIn or None
+    wear_in : RunningIn or None
         Running-in condition; None leaves the casing unworn.
     """
 
@@ -95,7 +75,7 @@ class Casing:
     inlet_angle: float
     outlet_angle: float
     contour: Array | None = None
-    wear_in: WearIn | None = None
+    wear_in: RunningIn | None = None
 
 
 @final
