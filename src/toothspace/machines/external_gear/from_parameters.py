@@ -14,7 +14,7 @@ from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear
 from toothspace.machines.external_gear import parameter_tables as keys
 from toothspace.machines.external_gear import spec
-from toothspace.machines.external_gear.floating_from_parameters import body_files, floating_block
+from toothspace.machines.external_gear.floating_from_parameters import floating_block
 from toothspace.machines.external_gear.gear_files import check_unit, detected_gear
 from toothspace.machines.external_gear.shaft_seal import seal_torque
 from toothspace.model.description import RunningIn, StartupFriction
@@ -52,7 +52,7 @@ def spec_from(machine: keys.ExternalGearTables) -> spec.ExternalGearSpec:
         lateral=_lateral(machine.lateral),
         grooves=machine.relief_grooves.grooves() if machine.relief_grooves else None,
         floating_block=floating_block(machine),
-        body_files=body_files(machine),
+        body_files=machine.elastic_bodies,
         mode=machine.use,
         center_distance=machine.gears.center_distance,
         normal_backlash=machine.gears.normal_backlash,

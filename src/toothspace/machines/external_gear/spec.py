@@ -6,7 +6,6 @@ Frame: origin at the drive gear, y towards the driven gear, x towards the outlet
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Literal, final
 
 from toothspace.core.types import Array
@@ -15,6 +14,7 @@ from toothspace.gearing.materials import Material
 from toothspace.geometry.gear_finder import FoundGear
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear
+from toothspace.machines.external_gear.floating_parameters import ElasticBodiesParameters
 from toothspace.model.description import RunningIn, StartupFriction
 
 CARBURISED_STEEL = Material(elastic_modulus=206e9, poisson_ratio=0.3, hardness=7e9)
@@ -232,29 +232,6 @@ class FloatingBlock:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class BodyFiles:
-    """STEP files of elastic bodies; None: swept from the parameters.
-
-    Parameters
-    ----------
-    floating_bearing, solid_bearing : Path or None
-        Bearings, in the frame of the machine with z = 0 on the film face.
-    drive_gear, driven_gear : Path or None
-        Gears, about their own axis with the first tooth on x and z = 0 in the middle of the face
-        width.
-    edge_length : float or None
-        Longest edge of the elements. [m]
-    """
-
-    floating_bearing: Path | None = None
-    solid_bearing: Path | None = None
-    drive_gear: Path | None = None
-    driven_gear: Path | None = None
-    edge_length: float | None = None
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
 class ExternalGearSpec:
     """Everything that defines an external gear machine.
 
@@ -270,7 +247,7 @@ class ExternalGearSpec:
         Relief grooves of the faces, None without.
     floating_block : FloatingBlock or None
         Force balance of the floating bearing, None without.
-    body_files : BodyFiles or None
+    body_files : ElasticBodiesParameters or None
         Files of elastic bodies, None without.
     lateral : LateralGaps
         Lateral films.
@@ -299,7 +276,7 @@ class ExternalGearSpec:
     lateral: LateralGaps
     grooves: ReliefGrooves | None = None
     floating_block: FloatingBlock | None = None
-    body_files: BodyFiles | None = None
+    body_files: ElasticBodiesParameters | None = None
     mode: Literal["pump", "motor"] = "pump"
     center_distance: float | None = None
     normal_backlash: float | None = None
