@@ -128,8 +128,11 @@ def test_cells_fill_the_fluid_of_the_gears_once(name: str, shaft_angle: float) -
 
 def test_a_ring_is_drawn_with_its_hole() -> None:
     description = api.describe(api.load_case(CASES / "crescent_pump.toml"))
-    ring = turned_section(description, description.bodies[1], 0.3)
-    assert len(ring.interiors) == 1
+    for angle in np.linspace(0.0, 2.0, 21):
+        ring = turned_section(description, description.bodies[1], float(angle))
+        assert ring.geom_type == "Polygon"
+        assert len(ring.interiors) == 1
+        assert len(ring.exterior.coords) < 400
 
 
 def test_opening_windows_enclose_the_open_area() -> None:

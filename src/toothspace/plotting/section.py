@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.geometry.curve import turned
 from toothspace.model.description import Body, MachineDescription
 from toothspace.plotting.style import (
     GREY,
@@ -32,17 +31,15 @@ _DRAWN_ERROR = 4e-6  # what drawn outlines may deviate
 _WALL = 0.08  # drawn thickness of the housing over its height
 
 
-def turned_outline(description: MachineDescription, body: Body, shaft_angle: float) -> Array:
-    """Outline of a body in the frame of the machine at a shaft angle. [m]."""
-    points = turned(description.outlines[body.name], body.speed_ratio * shaft_angle)
-    return points + np.asarray(body.center)
-
-
 def turned_section(description: MachineDescription, body: Body, shaft_angle: float) -> Any:
     """Section of a body in the frame of the machine at a shaft angle, a ring with its hole. [m]."""
     import shapely
+    from shapely.affinity import rotate, translate
 
-    return shapely.make_valid(shapely.Polygon(turned_outline(description, body, shaft_angle)))
+    # the two sides of the cut through a ring coincide before it is turned
+    section = shapely.make_valid(shapely.Polygon(description.outlines[body.name]))
+    turn = body.speed_ratio * shaft_angle
+    return translate(rotate(section, turn, origin=(0.0, 0.0), use_radians=True), *body.center)
 
 
 def fluid_cells(description: MachineDescription, shaft_angle: float) -> list[Any]:
