@@ -51,6 +51,19 @@ PATHS = [category.name for category in CATEGORIES]
 LEAKAGES = [0.9e-6, 0.15e-6, 0.8e-6, 1.1e-6]
 
 
+def _sectors(shaft_angle: float) -> list[Array]:
+    """Sectors between the teeth of both gears, out to the tip circle."""
+    found = []
+    for center, sense in ((0.0, 1.0), (CENTER_DISTANCE, -1.0)):
+        for k in range(TEETH):
+            middle = sense * (shaft_angle + TURN * k / TEETH)
+            angle = middle + np.linspace(-0.5, 0.5, 9) * TURN / TEETH
+            arc = np.column_stack([np.cos(angle), np.sin(angle)])
+            ring = np.vstack([ROOT_RADIUS * arc, TIP_RADIUS * arc[::-1]])
+            found.append(ring + np.array([0.0, center]))
+    return found
+
+
 def fake_description() -> MachineDescription:
     """Two gears with rounded teeth, ports as window functions."""
     nodes = TURN * np.arange(360) / 360
@@ -93,8 +106,9 @@ def fake_description() -> MachineDescription:
             "drive_gear": _gear(0.0),
             "driven_gear": _gear(np.pi / TEETH),
             "casing": _casing(),
-            "outlet_groove": np.array([[3.6, 12], [10, 12], [10, 22], [3.6, 22]]) * 1e-3,
+            "groove_outlet": np.array([[3.6, 12], [10, 12], [10, 22], [3.6, 22]]) * 1e-3,
         },
+        chamber_outlines=_sectors,
         geometry_summary={
             "displacement_cm3_per_rev": 4.949,
             "contact_ratio": 1.31,

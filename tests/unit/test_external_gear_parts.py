@@ -26,8 +26,8 @@ from toothspace.machines.external_gear import MACHINE
 from toothspace.machines.external_gear.assembly import assemble
 from toothspace.machines.external_gear.casing import bore
 from toothspace.machines.external_gear.flow_paths import bore_cover
-from toothspace.machines.external_gear.spec import CARBURISED_STEEL, Casing, Gear, WearIn
-from toothspace.model.description import MachineDescription
+from toothspace.machines.external_gear.spec import CARBURISED_STEEL, Casing, Gear
+from toothspace.model.description import MachineDescription, RunningIn
 
 
 @pytest.fixture(scope="module")
@@ -193,7 +193,7 @@ def test_trapped_volume_is_never_closed_nor_short_circuited(pump: MachineDescrip
 def test_drain_and_running_in_follow_mode_and_casing() -> None:
     assert MACHINE.describe(egm12("pump"), nodes=72).drain == "inlet"
     assert MACHINE.describe(egm12("motor"), nodes=72).drain == "outlet"
-    wear = WearIn(pressure=260e5, shaft_speed=157.1, temperature=323.15)
+    wear = RunningIn(pressure=260e5, shaft_speed=157.1, temperature=323.15)
     spec = egm12("pump")
     worn = replace(spec, casing=replace(spec.casing, wear_in=wear))
     running_in = MACHINE.describe(worn, nodes=72).running_in
@@ -294,7 +294,7 @@ def test_displacement_of_unequal_gears_equals_the_mean_flow() -> None:
 
 def test_strength_of_the_motor_at_260_bar() -> None:
     """Hand values: 9.8 MPa on the bushes; 660 N on the flank, 0.9 GPa at R = 3.76 mm."""
-    wear = WearIn(pressure=260e5, shaft_speed=157.1, temperature=323.15)
+    wear = RunningIn(pressure=260e5, shaft_speed=157.1, temperature=323.15)
     spec = egm12("motor")
     spec = replace(spec, casing=replace(spec.casing, wear_in=wear))
     checks = {check.name: check for check in MACHINE.describe(spec, nodes=72).checks}

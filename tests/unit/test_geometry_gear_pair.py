@@ -3,7 +3,7 @@ import pytest
 
 from tests.reference_formulas.involute_contact import contact_points, curvature_radii
 from toothspace.core.errors import GeometryError
-from toothspace.geometry.design_rules import design_findings
+from toothspace.geometry.design_rules import pair_checks
 from toothspace.geometry.gear_pair import (
     GearPair,
     pair_from_backlash,
@@ -123,7 +123,7 @@ def test_impossible_pairs_are_refused(build, message):
 
 
 def test_reference_motor_passes_every_design_rule():
-    findings = design_findings(pair_from_backlash(MOTOR, MOTOR, 1.1e-4), 7.63e-3)
+    findings = pair_checks(pair_from_backlash(MOTOR, MOTOR, 1.1e-4), 7.63e-3)
     assert [finding.name for finding in findings if not finding.passed] == []
     assert all(finding.reason.endswith(".") and len(finding.reason) > 40 for finding in findings)
     values = {finding.name: finding.value for finding in findings}
@@ -154,7 +154,7 @@ def test_reference_motor_passes_every_design_rule():
     ],
 )
 def test_design_rule_fails_where_it_should(drive, driven, backlash, rule):
-    findings = design_findings(pair_from_backlash(drive, driven, backlash), 7.5e-3)
+    findings = pair_checks(pair_from_backlash(drive, driven, backlash), 7.5e-3)
     failed = [finding.name for finding in findings if not finding.passed]
     assert rule in failed
 
@@ -163,7 +163,7 @@ def test_contact_below_the_involute_is_reported_as_interference():
     drive = InvoluteGear(20, 3e-3, tool_tip_radius=0.2)
     driven = InvoluteGear(100, 3e-3, tip_diameter=308e-3)
     pair = GearPair(drive, driven, 180.2e-3)
-    failed = [f.name for f in design_findings(pair, 1e-2) if not f.passed]
+    failed = [f.name for f in pair_checks(pair, 1e-2) if not f.passed]
     assert "fillet interference, drive gear" in failed
     assert "fillet interference, driven gear" not in failed
 

@@ -34,8 +34,9 @@ from toothspace.machines.external_gear.elastic_bodies import (
     gear_body,
 )
 from toothspace.machines.external_gear.films import FaceOfGear
+from toothspace.machines.external_gear.floating_parameters import ElasticBodiesParameters
 from toothspace.machines.external_gear.loads import BODIES
-from toothspace.machines.external_gear.spec import BodyFiles, FloatingBlock, Spring
+from toothspace.machines.external_gear.spec import FloatingBlock, Spring
 from toothspace.model.film_faces import FILM
 from toothspace.model.lateral_balance import BodyLoad, LateralBalance
 from toothspace.simulation.elastic import lateral_settings
@@ -344,7 +345,7 @@ def test_loads_follow_pressures_and_forces_above_the_low_pressure() -> None:
 def _with_file(path: Path, **changes: object) -> ElasticAssembly:
     """Bodies whose floating bearing is that of a file."""
     assembly = _assembly()
-    files = BodyFiles(floating_bearing=path, **changes)  # type: ignore[arg-type]
+    files = ElasticBodiesParameters(floating_bearing=path, **changes)  # type: ignore[arg-type]
     spec = replace(assembly.spec, body_files=files)
     return replace(_bodies(_balance()), assembly=replace(assembly, spec=spec), size=SIZE)
 
@@ -442,7 +443,7 @@ def test_case_names_the_files(tmp_path: Path) -> None:
     key = "machine.elastic_bodies.floating_bearing"
     found = load_case(case, (f'{key}="{path}"', 'machine.elastic_bodies.edge_length="3 mm"'))
     files = found.machine_spec.body_files
-    assert files == BodyFiles(floating_bearing=path, edge_length=3e-3)
+    assert files == ElasticBodiesParameters(floating_bearing=path, edge_length=3e-3)
     with pytest.raises(CaseError, match=r"elastic_bodies\.drive_gear: found .*no\.step"):
         load_case(case, ('machine.elastic_bodies.drive_gear="no.step"',))
 

@@ -46,7 +46,8 @@ from toothspace.machines.external_gear.assembly import assemble
 from toothspace.machines.external_gear.balance import lateral_balance
 from toothspace.machines.external_gear.elastic_assembly import ElasticAssembly
 from toothspace.machines.external_gear.elastic_bodies import MeshSize
-from toothspace.machines.external_gear.spec import BodyFiles, FloatingBlock, Spring
+from toothspace.machines.external_gear.floating_parameters import ElasticBodiesParameters
+from toothspace.machines.external_gear.spec import FloatingBlock, Spring
 from toothspace.model.lateral_balance import LateralBalance
 from toothspace.simulation.elastic import lateral_settings
 from toothspace.simulation.lateral.problem import LateralProblem, lateral_problem
@@ -160,7 +161,9 @@ def test_mirrored_halves_bend_alike(
 
 def test_files_are_refused_for_halves(tmp_path: Path) -> None:
     bodies = _bodies(_balance())
-    files = BodyFiles(floating_bearing=tmp_path / "block.step")
+    file = tmp_path / "block.step"
+    file.touch()
+    files = ElasticBodiesParameters(floating_bearing=file)
     spec = replace(bodies.assembly.spec, body_files=files)
     given = replace(bodies, assembly=replace(bodies.assembly, spec=spec))
     with pytest.raises(GeometryError, match=r"floating_bearing: found a file of a split bearing"):

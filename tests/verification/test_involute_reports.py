@@ -1,5 +1,7 @@
 """Gear geometry against published reports and the two reference designs."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -145,6 +147,19 @@ def test_mean_of_ideal_flow_is_displacement_for_unequal_gears():
     position = (np.arange(2000) + 0.5) / 2000 - 0.5
     flow = pair.flow_per_radian(10e-3, position * pair.base_pitch)
     assert np.mean(flow) == pytest.approx(pair.displacement_per_radian(10e-3), rel=1e-6)
+
+
+def test_sealing_contact_stays_on_a_one_sided_path(motor):
+    """A short driven tip ends the path before half a pitch: the window moves to the other side."""
+    short = replace(motor.driven, tip_diameter=38.4e-3)
+    pair = pair_from_backlash(motor.drive, short, 2e-5)
+    start, end = pair.path_of_contact
+    assert -0.5 * pair.base_pitch < start < end - pair.base_pitch
+    assert pair.sealing_window() == (start, start + pair.base_pitch)
+    position = start + (np.arange(4000) + 0.5) / 4000 * pair.base_pitch
+    flow = np.asarray(pair.flow_per_radian(10e-3, position))
+    assert pair.displacement_per_radian(10e-3) == pytest.approx(flow.mean(), rel=1e-6)
+    assert pair.flow_ripple() == pytest.approx(np.ptp(flow) / flow.mean(), rel=1e-3)
 
 
 @pytest.mark.parametrize("make", [unequal_pair, None], ids=["unequal", "motor"])

@@ -9,7 +9,6 @@ import shapely
 from numpy.typing import NDArray
 
 from toothspace.core.types import Array
-from toothspace.gearing.mesh_split import Throats
 from toothspace.gearing.outlines import space_outline
 from toothspace.gearing.spaces import Spaces
 from toothspace.gearing.tooth import Tooth
@@ -36,8 +35,12 @@ def port_lengths(spaces: Spaces, edges: tuple[float, float]) -> tuple[Array, Arr
     lens = _lens(spaces, own=True)
     # the left flank of a drive space is on the tooth behind, that of a driven space ahead
     sides = (spaces.left, spaces.right) if spaces.is_drive else (spaces.right, spaces.left)
-    behind, ahead = (_corner(spaces, side) for side in sides)
-    last, first = (_along(spaces, side) for side in sides)
+    gear = "drive" if spaces.is_drive else "driven"
+    behind, ahead, last, first = (
+        _with_rotation(spaces.own, getattr(side, f"{gear}_{place}"))
+        for place in ("corner", "along")
+        for side in sides
+    )
     turn = 2.0 * np.pi
     inlet = _overlap(np.maximum(first, behind), ahead, lens, inlet_edge)
     inlet += _overlap(behind + turn, ahead + turn, lens, inlet_edge)
@@ -62,16 +65,6 @@ def _beyond_lens(spaces: Spaces) -> tuple[Array, Array]:
 
 def _lens(spaces: Spaces, *, own: bool) -> float:
     return abs(spaces.mesh.lens_drive if spaces.is_drive == own else spaces.mesh.lens_driven)
-
-
-def _corner(spaces: Spaces, side: Throats) -> Array:
-    place = side.drive_corner if spaces.is_drive else side.driven_corner
-    return _with_rotation(spaces.own, place)
-
-
-def _along(spaces: Spaces, side: Throats) -> Array:
-    place = side.drive_along if spaces.is_drive else side.driven_along
-    return _with_rotation(spaces.own, place)
 
 
 def _with_rotation(tooth: Tooth, place: Array) -> Array:
@@ -116,7 +109,10 @@ def groove_openings(
         return {}
     reach = max(_reach(spaces, groove) for groove in polygons.values())
     near = np.flatnonzero(np.abs(spaces.angles) < reach)
-    shapes = _valid(np.array([shapely.Polygon(space_outline(spaces, int(k))) for k in near]))
+    shapes = np.array([shapely.Polygon(space_outline(spaces, int(k))) for k in near])
+    # touching flanks may cross by rounding errors
+    crossed = ~shapely.is_valid(shapes)
+    shapes[crossed] = shapely.buffer(shapes[crossed], 0.0)
     found = {}
     for name, groove in polygons.items():
         table = np.zeros((spaces.angles.size, 2))
@@ -144,10 +140,3 @@ def _reach(spaces: Spaces, groove: Array) -> float:
     x, y = (groove - spaces.center).T
     rise = y if spaces.is_drive or spaces.own.tip_radius < 0.0 else -y
     return float(np.max(np.abs(np.arctan2(x, rise))) + abs(spaces.own.pitch_angle))
-
-
-def _valid(shapes: NDArray[np.object_]) -> NDArray[np.object_]:
-    # touching flanks may cross by rounding errors
-    crossed = ~shapely.is_valid(shapes)
-    shapes[crossed] = shapely.buffer(shapes[crossed], 0.0)
-    return shapes

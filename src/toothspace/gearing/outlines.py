@@ -9,8 +9,11 @@ import numpy as np
 
 from toothspace.core.types import Array
 from toothspace.gearing.mesh_split import Throats
+from toothspace.gearing.meshing import MeshedGears
+from toothspace.gearing.numbering import FULL_TURN, Numbering
 from toothspace.gearing.spaces import Spaces
 from toothspace.gearing.tooth import Flank, Tooth
+from toothspace.geometry.curve import turned
 
 _ARC_STEP = np.deg2rad(1.0)
 
@@ -27,6 +30,34 @@ class _Side:
     along: float
     corner: float
     point: Array
+
+
+@final
+@dataclass(frozen=True)
+class SpaceOutlines:
+    """Outlines of all tooth spaces of a gear pair over the shaft angle.
+
+    Parameters
+    ----------
+    gears : MeshedGears
+        Gears in mesh.
+    numbering : Numbering
+        Phases of the spaces.
+    """
+
+    gears: MeshedGears
+    numbering: Numbering
+
+    def __call__(self, shaft_angle: float) -> list[Array]:
+        """Outlines at a shaft angle [rad], in the order of the chambers. [m]."""
+        first, second = (
+            np.mod(phases + ratio * shaft_angle, FULL_TURN) - np.pi
+            for phases, ratio in zip(
+                self.numbering.space_phases, self.numbering.ratios, strict=True
+            )
+        )
+        both = self.gears.spaces_at(first, second)
+        return [space_outline(own, k) for own in both for k in range(own.angles.size)]
 
 
 def space_outline(spaces: Spaces, index: int) -> Array:
@@ -93,8 +124,7 @@ def _placed(side: _Side, keep: Array) -> Array:
     inside = np.hypot(*starts.T) < radius * np.cos(0.5 * _ARC_STEP)
     clear = inside if radius > 0.0 else np.hypot(*starts.T) > -radius / np.cos(0.5 * _ARC_STEP)
     points = np.vstack([starts, tip])[keep & np.append(clear, True)]
-    c, s = np.cos(side.turn), np.sin(side.turn)
-    return np.asarray(points @ np.array([[c, s], [-s, c]]) + side.center, dtype=float)
+    return turned(points, side.turn) + side.center
 
 
 def _flank_points(side: _Side) -> Array:

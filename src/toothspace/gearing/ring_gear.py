@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array, FloatOrArray
 from toothspace.gearing.tooth import LEFT, RIGHT, Tooth, flank_spline
-from toothspace.geometry.curve import CurveSegment, sample_segments
+from toothspace.geometry.curve import CurveSegment, polar, sample_segments
 from toothspace.geometry.gear_pair import InvolutePair
 from toothspace.geometry.involute import InvoluteGear, ToothForm, involute_function, tooth_form
 
@@ -97,14 +97,14 @@ class RingGear:
         rounding, land = self.space.tip_rounding, pitch - form.tip_half_angle
         rounded = float(rounding > 0.0)
         segments = [
-            CurveSegment(lambda u: _polar(self.tip_radius, corner * u), (0.0, 0.0)),
+            CurveSegment(lambda u: polar(self.tip_radius, corner * u), (0.0, 0.0)),
             CurveSegment(self._flank, (0.0, rounded)),
         ]
         if rounded:
             segments.append(CurveSegment(self._fillet, (1.0, 0.7)))
         segments.append(
             CurveSegment(
-                lambda u: _polar(self.root_radius, land + (pitch - land) * u), (0.7 * rounded, 0.0)
+                lambda u: polar(self.root_radius, land + (pitch - land) * u), (0.7 * rounded, 0.0)
             )
         )
         return sample_segments(segments, points)
@@ -115,21 +115,17 @@ class RingGear:
             np.sqrt(r**2 - base**2) for r in (self.tip_radius, self.form.tip_form_radius)
         )
         radius = np.hypot(base, lower + (upper - lower) * u)
-        return _polar(radius, np.asarray(self.half_angle(radius)))
+        return polar(radius, np.asarray(self.half_angle(radius)))
 
     def _fillet(self, u: Array) -> Array:
         form, rounding = self.form, self.space.tip_rounding
-        start = _polar(
+        start = polar(
             np.array([form.tip_form_radius]), np.asarray(self.half_angle(form.tip_form_radius))
         )[0]
         turn = np.pi / self.tooth_count - form.tip_half_angle
-        center = _polar(self.root_radius - rounding, np.array([turn]))[0]
+        center = polar(self.root_radius - rounding, np.array([turn]))[0]
         first = float(np.arctan2(*(start - center)[::-1]))
-        return np.asarray(center + _polar(rounding, first + (turn - first) * u), dtype=float)
-
-
-def _polar(radius: FloatOrArray, angle: Array) -> Array:
-    return np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])
+        return np.asarray(center + polar(rounding, first + (turn - first) * u), dtype=float)
 
 
 def ring_outline(ring: RingGear, points: int, rotation: float) -> Array:

@@ -9,6 +9,7 @@ import numpy as np
 
 from toothspace.core.types import Array
 from toothspace.gearing.tooth import LEFT, RIGHT, Tooth, flank_spline
+from toothspace.geometry.curve import turned
 from toothspace.geometry.gear_profile import GearProfile
 
 _LAND = 2e-4
@@ -49,8 +50,7 @@ class RingProfile:
         radius = np.hypot(*half.T)
         last = int(np.argmax(radius < self.tip_radius * (1.0 + _LAND)))
         turn = np.pi / self.spaces.tooth_count - np.arctan2(half[0, 1], half[0, 0])
-        c, s = np.cos(turn), np.sin(turn)
-        corner = half[: last + 1] @ np.array([[c, s], [-s, c]])
+        corner = turned(half[: last + 1], turn)
         corner[-1] *= self.tip_radius / np.hypot(*corner[-1])
         return np.asarray(corner, dtype=float)
 

@@ -201,6 +201,10 @@ class ToothSpaces:
         """Openings into the recesses of the ports in both faces: area [m2] and diameter [m]."""
         return self._to_ports("recess", _PORTS, tables, FACES)
 
+    def notches(self, tables: Mapping[str, Array]) -> list[FlowPath]:
+        """Openings to the ports through notches in the wall: area [m2] and diameter [m]."""
+        return self._to_ports("notch", _PORTS, tables, 1.0)
+
     def grooves(self, tables: Mapping[str, Array]) -> list[FlowPath]:
         """Openings into the relief grooves of both faces: area [m2] and diameter [m]."""
         return self._to_ports("groove", _GROOVES, tables, FACES)

@@ -113,9 +113,10 @@ def flank_spline(points: Array, breaks: Array, side: float, tip_radius: float) -
     """
     knots = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
     cuts = [0, *_corners(points, breaks), len(points) - 1]
-    pieces = [
-        _cubic(knots[first : last + 1], points[first : last + 1]) for first, last in pairwise(cuts)
-    ]
+    pieces = []
+    for first, last in pairwise(cuts):
+        c = CubicSpline(knots[first : last + 1], points[first : last + 1]).c[::-1]
+        pieces.append(np.hstack([c[:, :, 0].T, c[:, :, 1].T]))
     coefficients = np.ascontiguousarray(np.vstack(pieces))
     area = np.concatenate([[0.0], np.cumsum(_segment_areas(knots, coefficients))])
     x, y = np.sign(tip_radius) * points[-1]
@@ -132,11 +133,6 @@ def _corners(points: Array, breaks: Array) -> list[int]:
         if abs(turn) > _TANGENT_JUMP * np.hypot(*before) * np.hypot(*after):
             found.append(k)
     return found
-
-
-def _cubic(knots: Array, points: Array) -> Array:
-    spline = CubicSpline(knots, points)
-    return np.hstack([spline.c[::-1, :, 0].T, spline.c[::-1, :, 1].T])
 
 
 def _segment_areas(knots: Array, coefficients: Array) -> Array:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -114,40 +113,24 @@ def _present(path: Path) -> Path:
 def _read(
     path: Path, unit: float, plane_z: float | None, layer: str | None, body: int | None
 ) -> list[Array]:
+    # heavy readers are imported for the format at hand only
     suffix = path.suffix.lower()
-    readers: dict[str, Callable[[], list[Array]]] = {
-        ".dxf": lambda: _dxf(path, unit, layer),
-        ".stl": lambda: _stl(path, unit, plane_z, body),
-        ".step": lambda: _step(path, plane_z, body),
-        ".stp": lambda: _step(path, plane_z, body),
-    }
-    readers.update({text: lambda: _text(path, unit) for text in TEXT_SUFFIXES})
-    if suffix not in readers:
-        raise GeometryError(
-            f"{path}: found the suffix {suffix or 'none'!r}, allowed {', '.join(SUFFIXES)}"
-        )
-    return readers[suffix]()
+    if suffix in TEXT_SUFFIXES:
+        from toothspace.geometry.point_file import read_point_file
 
+        return read_point_file(path, unit)
+    if suffix == ".dxf":
+        from toothspace.geometry.dxf_import import read_dxf
 
-def _text(path: Path, unit: float) -> list[Array]:
-    from toothspace.geometry.point_file import read_point_file
+        return read_dxf(path, unit, layer)
+    if suffix == ".stl":
+        from toothspace.geometry.solid_import import section_stl
 
-    return read_point_file(path, unit)
+        return section_stl(path, unit, plane_z, body)
+    if suffix in STEP_SUFFIXES:
+        from toothspace.geometry.solid_import import section_step
 
-
-def _dxf(path: Path, unit: float, layer: str | None) -> list[Array]:
-    from toothspace.geometry.dxf_import import read_dxf
-
-    return read_dxf(path, unit, layer)
-
-
-def _stl(path: Path, unit: float, plane_z: float | None, body: int | None) -> list[Array]:
-    from toothspace.geometry.solid_import import section_stl
-
-    return section_stl(path, unit, plane_z, body)
-
-
-def _step(path: Path, plane_z: float | None, body: int | None) -> list[Array]:
-    from toothspace.geometry.solid_import import section_step
-
-    return section_step(path, plane_z, body)
+        return section_step(path, plane_z, body)
+    raise GeometryError(
+        f"{path}: found the suffix {suffix or 'none'!r}, allowed {', '.join(SUFFIXES)}"
+    )

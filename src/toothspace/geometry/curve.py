@@ -8,7 +8,7 @@ from typing import final
 
 import numpy as np
 
-from toothspace.core.types import Array
+from toothspace.core.types import Array, FloatOrArray
 
 _FINE = 801
 
@@ -130,6 +130,18 @@ def signed_area(points: Array) -> float:
     """Area inside a closed curve of shape (n, 2), positive if counter-clockwise [m2]."""
     x, y = (points - points.mean(axis=0)).T
     return float(0.5 * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
+
+
+def polar(radius: FloatOrArray, angle: Array) -> Array:
+    """Points at radii [m] and angles [rad], shape (n, 2). [m]."""
+    return np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])
+
+
+def turned(points: Array, angle: FloatOrArray) -> Array:
+    """Points [m], shape (..., 2), turned counter-clockwise by angles [rad]. [m]."""
+    c, s = np.cos(angle), np.sin(angle)
+    x, y = points[..., 0], points[..., 1]
+    return np.stack([c * x - s * y, s * x + c * y], axis=-1)
 
 
 def polar_moment(points: Array) -> float:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import final
-
+from toothspace.core.design_check import DesignCheck
 from toothspace.geometry.gear_pair import GearPair, trapped_volume_change
 from toothspace.geometry.involute import InvoluteGear, ToothForm
 
@@ -21,38 +19,9 @@ The volume itself is some two: a thousandth of it compressed raises the pressure
 """
 
 
-@final
-@dataclass(frozen=True)
-class Finding:
-    """One line of the design-rule report.
-
-    Parameters
-    ----------
-    name : str
-        Rule.
-    value : float
-        Value found, in ``unit``.
-    unit : str
-        Unit of the value.
-    allowed : str
-        Allowed range in words.
-    passed : bool
-        Verdict.
-    reason : str
-        One sentence on why the rule matters.
-    """
-
-    name: str
-    value: float
-    unit: str
-    allowed: str
-    passed: bool
-    reason: str
-
-
-def design_findings(
+def pair_checks(
     pair: GearPair, face_width: float, *, vented: bool = True
-) -> tuple[Finding, ...]:
+) -> tuple[DesignCheck, ...]:
     """Geometric design rules of a gear pair.
 
     Parameters
@@ -66,48 +35,52 @@ def design_findings(
 
     Returns
     -------
-    tuple of Finding
+    tuple of DesignCheck
         Contact ratio, tip land, undercut, interference, root clearance, backlash, trapped volume.
     """
     gears = (("drive gear", pair.drive), ("driven gear", pair.driven))
-    findings = [_contact_ratio(pair)]
+    checks = [contact_ratio_check(pair.contact_ratio)]
     for index, (owner, gear) in enumerate(gears):
-        form = pair.forms[index]
-        findings.append(_tip_land(owner, gear, form))
-        findings.append(_undercut(owner, gear, form))
-        findings.append(_interference(owner, form, pair.involute_margins[index]))
-        findings.append(_root_clearance(owner, gear, pair.root_clearances[index]))
-    return (*findings, _backlash(pair), _trapped_volume(pair, face_width, vented=vented))
+        form, margin = pair.forms[index], pair.involute_margins[index]
+        land = form.tip_land_angle * gear.tip_radius
+        checks += [
+            tip_land_check(owner, land, gear.module),
+            undercut_check(owner, gear, form),
+            interference_check(owner, margin, allowed=form.undercut),
+            root_clearance_check(owner, pair.root_clearances[index], gear.module),
+        ]
+    return (*checks, _backlash(pair), _trapped_volume(pair, face_width, vented=vented))
 
 
-def _contact_ratio(pair: GearPair) -> Finding:
-    ratio = pair.contact_ratio
-    return Finding(
+def contact_ratio_check(ratio: float, largest: float = MAX_SPUR_CONTACT_RATIO) -> DesignCheck:
+    """Check of the mean number of tooth pairs in contact. [-]."""
+    return DesignCheck(
         name="contact ratio",
         value=ratio,
         unit="1",
-        allowed=f"{MIN_CONTACT_RATIO:g} to {MAX_SPUR_CONTACT_RATIO:g}",
-        passed=MIN_CONTACT_RATIO <= ratio <= MAX_SPUR_CONTACT_RATIO,
+        allowed=f"{MIN_CONTACT_RATIO:g} to {largest:g}",
+        passed=MIN_CONTACT_RATIO <= ratio <= largest,
         reason="Below 1 the drive is handed over with a shock and the outlet opens to the inlet "
         "through the mesh; a high ratio traps more fluid.",
     )
 
 
-def _tip_land(owner: str, gear: InvoluteGear, form: ToothForm) -> Finding:
-    land = form.tip_land_angle * gear.tip_radius
-    return Finding(
+def tip_land_check(owner: str, land: float, module: float) -> DesignCheck:
+    """Check of the width of a tip land. [m]."""
+    return DesignCheck(
         name=f"tip land, {owner}",
         value=land * 1e3,
         unit="mm",
-        allowed=f"at least {MIN_TIP_LAND * gear.module * 1e3:.3g} mm ({MIN_TIP_LAND:g} modules)",
-        passed=land >= MIN_TIP_LAND * gear.module,
-        reason="The land is the seal between neighbouring tooth spaces and cuts the casing when "
-        "running in; a thin, hardened tip chips.",
+        allowed=f"at least {MIN_TIP_LAND * module * 1e3:.3g} mm ({MIN_TIP_LAND:g} modules)",
+        passed=land >= MIN_TIP_LAND * module,
+        reason="The land is the seal between neighbouring tooth spaces and meets the wall round "
+        "them; a thin, hardened tip chips.",
     )
 
 
-def _undercut(owner: str, gear: InvoluteGear, form: ToothForm) -> Finding:
-    return Finding(
+def undercut_check(owner: str, gear: InvoluteGear, form: ToothForm) -> DesignCheck:
+    """Check that the tool leaves the involute whole."""
+    return DesignCheck(
         name=f"undercut, {owner}",
         value=form.undercut_depth * 1e3,
         unit="mm",
@@ -118,28 +91,31 @@ def _undercut(owner: str, gear: InvoluteGear, form: ToothForm) -> Finding:
     )
 
 
-def _interference(owner: str, form: ToothForm, margin: float) -> Finding:
-    return Finding(
+def interference_check(owner: str, margin: float, *, allowed: bool = False) -> DesignCheck:
+    """Check of the roll length between fillet and deepest contact [m], if not allowed below 0."""
+    return DesignCheck(
         name=f"fillet interference, {owner}",
         value=margin * 1e3,
         unit="mm",
         allowed="at least 0 mm of roll length between fillet and deepest contact",
-        passed=margin >= 0.0 or form.undercut,
+        passed=margin >= 0.0 or allowed,
         reason="A mating tip that reaches below the involute runs on the root fillet, jams the "
         "gears and destroys tip and root.",
     )
 
 
-def _root_clearance(owner: str, gear: InvoluteGear, clearance: float) -> Finding:
-    return Finding(
+def root_clearance_check(
+    owner: str, clearance: float, module: float, least: float = MIN_ROOT_CLEARANCE
+) -> DesignCheck:
+    """Check of the play of the mating tip in a root [m], at least so many modules [-]."""
+    return DesignCheck(
         name=f"root clearance, {owner}",
         value=clearance * 1e3,
         unit="mm",
-        allowed=f"at least {MIN_ROOT_CLEARANCE * gear.module * 1e3:.3g} mm "
-        f"({MIN_ROOT_CLEARANCE:g} modules)",
-        passed=clearance >= MIN_ROOT_CLEARANCE * gear.module,
-        reason="Bearing play moves the gears together, so the mating tip needs room in the root; "
-        "too much room is dead volume that carries compressed fluid back.",
+        allowed=f"at least {least * module * 1e3:.3g} mm ({least:g} modules)",
+        passed=clearance >= least * module,
+        reason="Bearing play moves the gears into one another, so the mating tip needs room in the "
+        "root; too much room is dead volume that carries compressed fluid back.",
     )
 
 
@@ -175,10 +151,10 @@ def least_normal_backlash(module: float, center_distance: float) -> float:
     return (0.06e-3 + 0.0005 * center_distance + 0.03 * module) * 2.0 / 3.0
 
 
-def _backlash(pair: GearPair) -> Finding:
+def _backlash(pair: GearPair) -> DesignCheck:
     module, backlash = pair.drive.module, pair.normal_backlash
     least, most = least_normal_backlash(module, pair.center_distance), MAX_BACKLASH * module
-    return Finding(
+    return DesignCheck(
         name="normal backlash",
         value=backlash * 1e3,
         unit="mm",
@@ -191,11 +167,11 @@ def _backlash(pair: GearPair) -> Finding:
     )
 
 
-def _trapped_volume(pair: GearPair, face_width: float, *, vented: bool) -> Finding:
+def _trapped_volume(pair: GearPair, face_width: float, *, vented: bool) -> DesignCheck:
     change = trapped_volume_change(pair, face_width)
     share = _VENTED_SHARE if vented else _ENCLOSED_SHARE
     spacing = f"vented by relief grooves at most {pair.relief_groove_spacing * 1e3:.4g} mm apart"
-    return Finding(
+    return DesignCheck(
         name="trapped volume change",
         value=change * 1e9,
         unit="mm3",

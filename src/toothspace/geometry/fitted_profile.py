@@ -8,7 +8,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from toothspace.core.types import Array
-from toothspace.geometry.curve import CurveSegment, arc_lengths, sample_segments
+from toothspace.geometry.curve import CurveSegment, arc_lengths, polar, sample_segments
 from toothspace.geometry.gear_profile import GearProfile, InvoluteFlank
 
 _ROOT_POINTS = 120
@@ -93,8 +93,8 @@ def _rounding_path(radius: Array, angle: Array, flank: InvoluteFlank, tip_radius
     last = int(np.flatnonzero(radius <= end)[-1]) + 1
     half = float(flank.half_angle(end))
     shift = half - float(np.interp(end, radius[last - 1 : last + 1], angle[last - 1 : last + 1]))
-    outer = _polar(radius[last:], angle[last:] + shift)
-    path = np.vstack([outer[::-1], _polar(np.array([end]), np.array([half]))])
+    outer = polar(radius[last:], angle[last:] + shift)
+    path = np.vstack([outer[::-1], polar(np.array([end]), np.array([half]))])
     path[0] *= tip_radius / np.hypot(*path[0])
     return path
 
@@ -110,9 +110,9 @@ def _root_path(
     near = slice(first - 1, first + 1)
     shift = half - float(np.interp(end, radius[near], angle[near]))
     share = (radius[:first] - radius[0]) / max(end - radius[0], _TOUCH * end)
-    inner = _polar(radius[:first], angle[:first] + np.maximum(share, 0.0) * shift)
-    inner[0] = _polar(np.array([root_radius]), np.array([np.pi / tooth_count]))[0]
-    path = np.vstack([_polar(np.array([end]), np.array([half])), inner[::-1]])
+    inner = polar(radius[:first], angle[:first] + np.maximum(share, 0.0) * shift)
+    inner[0] = polar(np.array([root_radius]), np.array([np.pi / tooth_count]))[0]
+    path = np.vstack([polar(np.array([end]), np.array([half])), inner[::-1]])
     return _evenly(path)
 
 
@@ -138,7 +138,7 @@ def _along(path: Array) -> Callable[[Array], Array]:
 
 
 def _arc(radius: float, end: float) -> Callable[[Array], Array]:
-    return lambda u: _polar(np.full(len(u), radius), end * u)
+    return lambda u: polar(np.full(len(u), radius), end * u)
 
 
 def _involute(flank: InvoluteFlank, outer: float) -> Callable[[Array], Array]:
@@ -148,10 +148,6 @@ def _involute(flank: InvoluteFlank, outer: float) -> Callable[[Array], Array]:
     def curve(u: Array) -> Array:
         roll = upper + (lower - upper) * u
         angle = flank.base_half_angle - (roll / base - np.arctan(roll / base))
-        return _polar(np.hypot(base, roll), angle)
+        return polar(np.hypot(base, roll), angle)
 
     return curve
-
-
-def _polar(radius: Array, angle: Array) -> Array:
-    return np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])

@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array, FloatOrArray
-from toothspace.geometry.curve import CurveSegment, sample_segments
+from toothspace.geometry.curve import CurveSegment, polar, sample_segments
 from toothspace.geometry.gear_profile import GearProfile, InvoluteFlank
 from toothspace.geometry.involute_gear import InvoluteGear, involute_function
 
@@ -179,7 +179,7 @@ def involute_point(gear: InvoluteGear, radius: FloatOrArray) -> Array:
         Points, shape (n, 2), tooth centred on the x axis. [m]
     """
     radii = np.atleast_1d(np.asarray(radius, dtype=float))
-    return _polar(radii, np.asarray(gear.half_angle(radii)))
+    return polar(radii, np.asarray(gear.half_angle(radii)))
 
 
 def fillet_point(gear: InvoluteGear, corner_angle: FloatOrArray) -> Array:
@@ -199,7 +199,7 @@ def fillet_point(gear: InvoluteGear, corner_angle: FloatOrArray) -> Array:
         Points, shape (n, 2), tooth centred on the x axis. [m]
     """
     radii, space_angles = _fillet_polar(gear, np.atleast_1d(np.asarray(corner_angle, dtype=float)))
-    return _polar(radii, np.pi / gear.tooth_count - space_angles)
+    return polar(radii, np.pi / gear.tooth_count - space_angles)
 
 
 def _corner_center(gear: InvoluteGear) -> tuple[float, float]:
@@ -326,7 +326,7 @@ def _arc_segment(
     radius: float, span: tuple[float, float], crowding: tuple[float, float]
 ) -> CurveSegment:
     def curve(u: Array) -> Array:
-        return _polar(np.full(len(u), radius), span[0] + (span[1] - span[0]) * u)
+        return polar(np.full(len(u), radius), span[0] + (span[1] - span[0]) * u)
 
     return CurveSegment(curve, crowding)
 
@@ -339,22 +339,18 @@ def _flank_curve(gear: InvoluteGear, form: ToothForm) -> Callable[[Array], Array
     def curve(u: Array) -> Array:
         roll = upper + (lower - upper) * u
         angle = gear.base_half_angle - (roll / base - np.arctan(roll / base))
-        return _polar(np.hypot(base, roll), angle)
+        return polar(np.hypot(base, roll), angle)
 
     return curve
 
 
 def _rounding_arc(gear: InvoluteGear, form: ToothForm) -> Callable[[Array], Array]:
     radius = gear.tip_rounding
-    center = _polar(np.array([gear.tip_radius - radius]), np.array([form.tip_half_angle]))[0]
+    center = polar(np.array([gear.tip_radius - radius]), np.array([form.tip_half_angle]))[0]
     contact = involute_point(gear, form.tip_form_radius)[0] - center
     start, end = form.tip_half_angle, float(np.arctan2(contact[1], contact[0]))
 
     def curve(u: Array) -> Array:
-        return center + _polar(np.full(len(u), radius), start + (end - start) * u)
+        return center + polar(np.full(len(u), radius), start + (end - start) * u)
 
     return curve
-
-
-def _polar(radius: Array, angle: Array) -> Array:
-    return np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])

@@ -18,6 +18,7 @@ from toothspace.geometry.curve import (
     counter_clockwise,
     resample_by_curvature,
     signed_area,
+    turned,
 )
 from toothspace.geometry.fitted_profile import fitted_profile
 from toothspace.geometry.gear_profile import GearProfile
@@ -135,7 +136,7 @@ def gear_profile_from_curve(
     median = np.median(teeth, axis=0)
     turn = _flank_symmetry(median)
     folded = folded_points(checked - center, teeth_found, phase + turn)
-    found = _found(_turned(median, -turn), folded, teeth_found, points_per_tooth)
+    found = _found(turned(median, -turn), folded, teeth_found, points_per_tooth)
     return replace(
         found,
         center=(float(center[0]), float(center[1])),
@@ -154,7 +155,7 @@ def _found(
     smooth, turn = drawn, 0.0
     if fit is not None:
         turn = fit.turn
-        right, _, left = np.split(_round_land(_turned(tooth, -turn)),
+        right, _, left = np.split(_round_land(turned(tooth, -turn)),
                                   [_SECTION_POINTS, 2 * _SECTION_POINTS])  # fmt: skip
         smooth = fitted_profile(right, left, fit.flank, tooth_count, points_per_tooth)
     return DetectedGear(
@@ -206,13 +207,13 @@ def gear_profile_from_tooth(
             f"{np.rad2deg(pitch):.4g} deg between equal radii"
         )
     middle = 0.5 * (angle[0] + angle[-1])
-    centered = _turned(_smooth_open(ordered), -middle)
+    centered = turned(_smooth_open(ordered), -middle)
     tooth = _in_sections(centered, _tip_tolerance(centered))
     turn = _flank_symmetry(tooth)
-    closed = _turned(np.vstack([ordered, np.zeros((1, 2))]), -middle - turn)
+    closed = turned(np.vstack([ordered, np.zeros((1, 2))]), -middle - turn)
     folded = folded_points(closed, tooth_count, 0.0)
     folded = replace(folded, tooth=np.zeros_like(folded.tooth), tooth_count=1)
-    found = _found(_turned(tooth, -turn), folded, tooth_count, points_per_tooth)
+    found = _found(turned(tooth, -turn), folded, tooth_count, points_per_tooth)
     return replace(found, chord_height=_chord_height(closed), phase=middle + turn + found.phase)
 
 
@@ -229,11 +230,11 @@ def _single_pitch(points: Array, tooth_count: int, points_per_tooth: int, key: s
     radius = np.hypot(points[:, 0], points[:, 1])
     outer = points[radius > 1e-6 * radius.max()]
     toward = float(np.arctan2(outer[:, 1].mean(), outer[:, 0].mean()))
-    turned = _turned(outer, -toward)
-    radius, angle = np.hypot(turned[:, 0], turned[:, 1]), np.arctan2(turned[:, 1], turned[:, 0])
+    upright = turned(outer, -toward)
+    radius, angle = np.hypot(upright[:, 0], upright[:, 1]), np.arctan2(upright[:, 1], upright[:, 0])
     first = int(np.argmax(np.where(angle < angle.min() + 1e-6, radius, 0.0)))
     last = int(np.argmax(np.where(angle > angle.max() - 1e-6, radius, 0.0)))
-    path = np.roll(turned, -first, axis=0)[: (last - first) % len(turned) + 1]
+    path = np.roll(upright, -first, axis=0)[: (last - first) % len(upright) + 1]
     found = gear_profile_from_tooth(path, tooth_count, points_per_tooth, key)
     return replace(found, phase=(toward + found.phase) % (2.0 * np.pi / tooth_count))
 
@@ -312,7 +313,7 @@ def _teeth_in_sections(points: Array, tooth_count: int, phase: float, key: str) 
     angle = np.append(angle - turns, angle[0] - turns + 2.0 * np.pi)
     outline = np.vstack([outline, outline[:1]])
     pieces = [
-        _turned(_between(outline, angle, start + k * pitch, pitch, key), -(phase + k * pitch))
+        turned(_between(outline, angle, start + k * pitch, pitch, key), -(phase + k * pitch))
         for k in range(tooth_count)
     ]
     heights = [float(np.hypot(*piece.T).max()) for piece in pieces]
@@ -396,8 +397,7 @@ def _center_shift(teeth: Array, phase: float) -> Array:
     normal, length = _normals(median)
     gap = np.sum((teeth - median) * normal, axis=2)
     pitch = 2.0 * np.pi / len(teeth)
-    turned = [_turned(normal, phase + k * pitch) for k in range(len(teeth))]
-    directions = np.vstack(turned)
+    directions = np.vstack([turned(normal, phase + k * pitch) for k in range(len(teeth))])
     limit = 3.0 * np.median(np.abs(gap)) + 1e-12
     weight = np.minimum(1.0, limit / np.maximum(np.abs(gap.ravel()), 1e-15))
     weight *= np.tile(length, len(teeth))
@@ -472,8 +472,3 @@ def _joined_roots(points: Array, tooth_count: int) -> Array:
     joined[0] = radius * np.cos(half), -radius * np.sin(half)
     joined[-1] = radius * np.cos(half), radius * np.sin(half)
     return joined
-
-
-def _turned(points: Array, angle: float) -> Array:
-    cosine, sine = np.cos(angle), np.sin(angle)
-    return points @ np.array([[cosine, sine], [-sine, cosine]])

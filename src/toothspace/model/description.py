@@ -12,13 +12,14 @@ Nodes of the network are numbered: chambers of the families in their order, then
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal, final
 
 import numpy as np
 
 from toothspace.closures.journal_friction import FrictionCurves
+from toothspace.core.design_check import DesignCheck
 from toothspace.core.types import Array
 from toothspace.model.angle_tables import AngleTable, angle_tables, tables_dataset
 from toothspace.model.contact_pair import CONTACT_CHANNELS, ContactPair, RigidMesh
@@ -238,19 +239,6 @@ class RunningIn:
 
 @final
 @dataclass(frozen=True)
-class DesignCheck:
-    """One line of the design-rule report: value, allowed range, verdict, why it matters."""
-
-    name: str
-    value: float
-    unit: str
-    allowed: str
-    passed: bool
-    reason: str
-
-
-@final
-@dataclass(frozen=True)
 class StartupFriction:
     """Friction that holds the shaft at rest.
 
@@ -305,6 +293,9 @@ class MachineDescription:
     outlines : mapping of name to ndarray, shape (points, 2)
         Closed polygons for drawing: one per body (own frame, at shaft angle zero), plus
         ``casing``, grooves and ports in the machine frame. [m]
+    chamber_outlines : callable or None
+        From a shaft angle to the outlines of the chambers in the machine frame, for drawing; None
+        if the machine type gives none. [rad], [m]
     geometry_summary : mapping
         Numbers of ``toothspace geometry --json``, names with unit suffix.
     checks : tuple of DesignCheck
@@ -333,6 +324,7 @@ class MachineDescription:
     shared_faces: SharedFaces | None = None
     rings_on_films: bool = False
     outlines: Mapping[str, Array] = field(default_factory=dict)
+    chamber_outlines: Callable[[float], Sequence[Array]] | None = None
     geometry_summary: Mapping[str, object] = field(default_factory=dict)
     checks: tuple[DesignCheck, ...] = ()
 

@@ -71,7 +71,7 @@ def journal_data(
             len(journals), 3, _INTERVALS, 4
         ),
         asperity_range=span,
-        film=_stacked(maps),
+        film=maps[0]._replace(nodes=np.stack([one.nodes for one in maps])),
         curves=_friction_curves(journals),
     )
 
@@ -115,11 +115,6 @@ def _slenderness(journal: LumpedJournalBearing) -> float:
     if journal.end_condition == "no_flow":
         return LONG
     return round(journal.length / journal.diameter, 9)
-
-
-def _stacked(maps: list[JournalMap]) -> JournalMap:
-    """Maps of several bearings behind one another in one array."""
-    return maps[0]._replace(nodes=np.stack([one.nodes for one in maps]))
 
 
 def _rotation(description: MachineDescription, free: list[int], body: str) -> int:

@@ -74,7 +74,7 @@ def with_lateral_films(
 
 
 def with_lateral_leakage(description: MachineDescription, factor: float) -> MachineDescription:
-    """Widen the lateral and drain paths so that they leak by a factor more. [-]."""
+    """Raise the lateral and drain gaps so that they leak by a factor more. [-]."""
     paths = tuple(
         replace(p, geometry=_scaled(p.geometry, factor ** (1.0 / 3.0)))
         if p.category in LATERAL_PATHS
@@ -95,12 +95,7 @@ def chamber_pressures(
     description: MachineDescription, condition: OperatingCondition
 ) -> Callable[[float], Array]:
     """Quasi-static pressures of all nodes over the shaft angle. [Pa]."""
-    ports = {
-        "inlet": condition.inlet_pressure,
-        "outlet": condition.outlet_pressure,
-        "external": condition.drain_pressure,
-    }
-    rest = np.array([ports["inlet"], ports["outlet"], ports[description.drain]])
+    rest = condition.port_pressures(description.drain)
 
     def at(shaft_angle: float) -> Array:
         return np.concatenate([quasi_static_pressures(description, condition, shaft_angle), rest])
@@ -147,7 +142,8 @@ def axial_load(balance: LateralBalance, pressures: Callable[[float], Array]) -> 
 def _face_push(own: FilmInterface, angle: float, pressure: Array) -> tuple[Array, Array]:
     """Area and pressure over one side of a gear, each with its moment about x."""
     face = own.face
-    radius = _middles(np.linspace(face.inner_radius, face.outer_radius, _LANES + 1))
+    edges = np.linspace(face.inner_radius, face.outer_radius, _LANES + 1)
+    radius = 0.5 * (edges[1:] + edges[:-1])
     turn = (np.arange(_ROWS) + 0.5) * 2.0 * np.pi / _ROWS
     x, y = face.places(turn, radius)
     cells = face.face_map(angle, x, y)
@@ -166,10 +162,6 @@ def _face_push(own: FilmInterface, angle: float, pressure: Array) -> tuple[Array
         np.array([area.sum(), (area * y).sum()]),
         np.array([(p * area).sum(), (p * area * y).sum()]),
     )
-
-
-def _middles(edges: Array) -> Array:
-    return np.asarray(0.5 * (edges[1:] + edges[:-1]))
 
 
 def _back_push(balance: LateralBalance, pressure: Array, face: Array) -> Array:

@@ -68,3 +68,9 @@ class OperatingCondition:
         if self.free_shaft is None:
             return self.speed_schedule, np.zeros((0, 2))
         return self.speed_schedule, self.free_shaft.load_schedule
+
+    def port_pressures(self, drain: str) -> Array:
+        """Pressures of inlet, outlet and drain, joined to a port or outside. [Pa]."""
+        known = {"inlet": self.inlet_pressure, "outlet": self.outlet_pressure}
+        end = known.get(drain, self.drain_pressure)
+        return np.array([self.inlet_pressure, self.outlet_pressure, end])

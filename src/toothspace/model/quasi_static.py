@@ -27,9 +27,7 @@ def quasi_static_pressures(
     for path in description.paths:
         _add_path(matrix, path, shaft_angle)
     chambers = description.chamber_count
-    ports = np.array(
-        [condition.inlet_pressure, condition.outlet_pressure, _drain(description, condition)]
-    )
+    ports = condition.port_pressures(description.drain)
     diagonal = np.diag(matrix[:chambers].sum(axis=1) + 1e-30)
     system = diagonal - matrix[:chambers, :chambers]
     return np.linalg.solve(system, matrix[:chambers, chambers:] @ ports + 1e-30 * ports.min())
@@ -69,14 +67,6 @@ def mean_force(description: MachineDescription, condition: OperatingCondition) -
             total += pressure[start : start + family.count] @ family.volume_by_motion(angles)
             start += family.count
     return total / _ANGLES
-
-
-def _drain(description: MachineDescription, condition: OperatingCondition) -> float:
-    return {
-        "inlet": condition.inlet_pressure,
-        "outlet": condition.outlet_pressure,
-        "external": condition.drain_pressure,
-    }[description.drain]
 
 
 def _add_path(matrix: Array, path: FlowPath, shaft_angle: float) -> None:

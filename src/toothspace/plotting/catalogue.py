@@ -302,9 +302,7 @@ def _possible(
         return entry.chapter != "losses" or solution.ledger.loss_energy > 0.0
     if description is None:
         return False
-    names = {family.name for family in description.families}
-    gears = names <= {body.name for body in description.bodies} and len(names) == 2
-    return entry.name != "gear_section" or (gears and names <= set(description.outlines))
+    return entry.name != "gear_section" or description.chamber_outlines is not None
 
 
 def _turns_rotors(description: MachineDescription | None) -> bool:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, final
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.model.description import Body, ChamberFamily, MachineDescription
+from toothspace.model.description import Body, MachineDescription
 from toothspace.plotting.style import (
     GREY,
     INK,
@@ -32,121 +31,42 @@ _DRAWN_ERROR = 4e-6  # what drawn outlines may deviate
 _WALL = 0.08  # drawn thickness of the housing over its height
 
 
-@final
-@dataclass(frozen=True)
-class FluidCell:
-    """Fluid of one chamber as polygons.
+def turned_section(description: MachineDescription, body: Body, shaft_angle: float) -> Any:
+    """Section of a body in the frame of the machine at a shaft angle, a ring with its hole. [m]."""
+    import shapely
+    from shapely.affinity import rotate, translate
 
-    Parameters
-    ----------
-    chamber : int
-        Chamber, in the order of the description.
-    region : shapely geometry
-        Area that it fills. [m]
-    """
-
-    chamber: int
-    region: Any
-
-
-def turned_outline(description: MachineDescription, body: Body, shaft_angle: float) -> Array:
-    """Outline of a body in the frame of the machine at a shaft angle. [m]."""
+    # the two sides of the cut through a ring coincide before it is turned
+    section = shapely.make_valid(shapely.Polygon(description.outlines[body.name]))
     turn = body.speed_ratio * shaft_angle
-    rotation = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
-    points = description.outlines[body.name] @ rotation.T + np.asarray(body.center)
-    return np.asarray(points)
+    return translate(rotate(section, turn, origin=(0.0, 0.0), use_radians=True), *body.center)
 
 
-def fluid_cells(description: MachineDescription, shaft_angle: float) -> list[FluidCell]:
-    """Cut the fluid of an external gear machine into tooth spaces.
+def fluid_cells(description: MachineDescription, shaft_angle: float) -> list[Any]:
+    """Fluid of the chambers as polygons in the order of the chambers.
 
     Parameters
     ----------
     description : MachineDescription
-        Machine with one chamber family per gear, named like the gear.
+        Machine with outlines of its chambers.
     shaft_angle : float
         Shaft angle. [rad]
 
     Returns
     -------
-    list of FluidCell
-        Tooth spaces out to the tip circle. In the mesh, the pitch line divides the fluid
-        between the spaces of both gears; this serves drawing only.
+    list of shapely geometry
+        Areas that they fill. [m]
     """
     import shapely
 
-    outlines = [turned_outline(description, body, shaft_angle) for body in description.bodies]
-    solids = shapely.union_all([shapely.make_valid(shapely.Polygon(o)) for o in outlines])
-    cells = []
-    first = 0
-    for family in description.families:
-        index = description.body_index(family.name)
-        side = _own_side(description, index)
-        for k, angle in enumerate(_space_angles(description, family, shaft_angle)):
-            sector = _sector(description, index, angle, np.pi / family.count)
-            region = sector.intersection(side).difference(solids)
-            cells.append(FluidCell(first + k, region))
-        first += family.count
-    return cells
-
-
-def _sector(description: MachineDescription, body: int, angle: float, half_width: float) -> Any:
-    import shapely
-
-    center = np.asarray(description.bodies[body].center)
-    turns = np.linspace(angle - half_width, angle + half_width, 25)
-    arc = _tip_radius(description, body) * np.column_stack([np.cos(turns), np.sin(turns)])
-    return shapely.Polygon(np.vstack([center[None], center + arc]))
-
-
-def _own_side(description: MachineDescription, index: int) -> Any:
-    """Half plane of a gear, up to the pitch line."""
-    import shapely
-
-    centers = [np.asarray(body.center) for body in description.bodies]
-    ratios = [abs(body.speed_ratio) for body in description.bodies]
-    pitch = centers[0][1] + (centers[1][1] - centers[0][1]) * ratios[1] / sum(ratios[:2])
-    far = 10.0 * abs(centers[1][1] - centers[0][1])
-    return shapely.box(-far, -far, far, pitch) if index == 0 else shapely.box(-far, pitch, far, far)
+    assert description.chamber_outlines is not None
+    outlines = description.chamber_outlines(shaft_angle)
+    return [shapely.make_valid(shapely.Polygon(outline)) for outline in outlines]
 
 
 def _tip_radius(description: MachineDescription, body: int) -> float:
     points = description.outlines[description.bodies[body].name]
     return float(np.max(np.hypot(points[:, 0], points[:, 1])))
-
-
-def _space_angles(
-    description: MachineDescription, family: ChamberFamily, shaft_angle: float
-) -> Array:
-    """Direction of the middle of every tooth space in the frame of the machine. [rad].
-
-    The chamber with the smallest volume is in the middle of the mesh; its angle is
-    rounded to the nearest tooth space of the outline.
-    """
-    index = description.body_index(family.name)
-    body = description.bodies[index]
-    grid = np.linspace(0.0, family.volume.period, 721)
-    least = grid[np.argmin(family.volume(grid)[:, 0])]
-    direction = 0.5 * np.pi if index == 0 else -0.5 * np.pi
-    sense = np.sign(body.speed_ratio)
-    rough = direction + sense * (family.phases[0] - least)
-    first = _first_space(description.outlines[body.name], family.count)
-    pitch = 2.0 * np.pi / family.count
-    nearest = first + pitch * np.round((rough - first) / pitch)
-    turned = family.phases - family.phases[0] + family.angle_ratio * shaft_angle
-    return np.asarray(nearest + sense * turned)
-
-
-def _first_space(outline: Array, count: int) -> float:
-    """Direction of the middle of one tooth space in the body's own frame. [rad]."""
-    angle = np.unwrap(np.arctan2(outline[:, 1], outline[:, 0]))
-    order = np.argsort(np.mod(angle, 2.0 * np.pi))
-    known = np.mod(angle, 2.0 * np.pi)[order]
-    radius = np.hypot(outline[:, 0], outline[:, 1])[order]
-    grid = 2.0 * np.pi * np.arange(4096) / 4096
-    uniform = np.interp(grid, known, radius, period=2.0 * np.pi)
-    harmonic = np.sum(uniform * np.exp(-1j * count * grid))
-    return float((np.pi - np.angle(harmonic)) / count)
 
 
 @styled
@@ -155,7 +75,7 @@ def gear_section(
     description: MachineDescription,
     fractions: Sequence[float] = (0.0, 0.25, 0.5, 0.75),
 ) -> Figure:
-    """Section of an external gear machine with pressures as colour.
+    """Section of a machine with the pressures of its chambers as colour.
 
     Parameters
     ----------
@@ -225,10 +145,11 @@ def _draw_section(
         _fill(axes, port_region(description, port), facecolor=colour, linewidth=0.0)
         _name_port(axes, description, port, colour)
     pressure = np.asarray(data["chamber_pressure"]) / _BAR
-    for cell in fluid_cells(description, shaft_angle):
-        colour = colours(scale(pressure[cell.chamber]))
-        _fill(axes, cell.region, facecolor=colour, edgecolor=colour, linewidth=0.4)
+    for region, value in zip(fluid_cells(description, shaft_angle), pressure, strict=False):
+        colour = colours(scale(value))
+        _fill(axes, region, facecolor=colour, edgecolor=colour, linewidth=0.4)
     _draw_bodies(axes, description, shaft_angle)
+    _fill(axes, fixed_parts(description), facecolor=LIGHT, edgecolor=INK, linewidth=0.6)
     _draw_grooves(axes, description)
     axes.set_aspect("equal")
     axes.set_axis_off()
@@ -245,6 +166,19 @@ def housing_region(description: MachineDescription) -> Any:
     return bore.buffer(wall).difference(shapely.union_all([bore, *ducts]))
 
 
+def fixed_parts(description: MachineDescription) -> Any:
+    """What is drawn besides bodies, casing, ports and grooves: parts that stand still. [m]."""
+    import shapely
+
+    moving = {body.name for body in description.bodies}
+    parts = [
+        shapely.Polygon(outline)
+        for name, outline in description.outlines.items()
+        if name not in moving and not name.startswith(("casing", "port_", "groove_"))
+    ]
+    return shapely.union_all(parts)
+
+
 def _discs(description: MachineDescription) -> Any:
     import shapely
 
@@ -256,9 +190,11 @@ def _discs(description: MachineDescription) -> Any:
 
 
 def port_region(description: MachineDescription, port: str) -> Any:
-    """Duct from the mesh out through the housing, on the side of a port, for drawing. [m]."""
+    """Port as the machine gives it, or a duct from the mesh out through the housing. [m]."""
     import shapely
 
+    if f"port_{port}" in description.outlines:
+        return shapely.Polygon(description.outlines[f"port_{port}"])
     low, high = sorted(body.center[1] for body in description.bodies)
     middle, half = 0.5 * (low + high), 0.25 * (high - low)
     casing = description.outlines["casing"]
@@ -278,12 +214,14 @@ def _name_port(
     wall = _WALL * float(np.ptp(casing[:, 1]))
     far = float(np.max(np.abs(casing[:, 0]))) + 0.85 * wall
     left = port == "inlet"
-    light = float(np.dot(colour[:3], (0.3, 0.6, 0.1))) > 0.5
+    within = f"port_{port}" in description.outlines
+    light = within or float(np.dot(colour[:3], (0.3, 0.6, 0.1))) > 0.5
+    far = far + 0.5 * wall if within else far
     axes.text(
         (-far if left else far) * _MM,
         0.5 * (low + high) * _MM,
         port,
-        ha="left" if left else "right",
+        ha="left" if left != within else "right",
         va="center",
         fontsize=8,
         color=INK if light else "white",
@@ -291,10 +229,8 @@ def _name_port(
 
 
 def _draw_bodies(axes: Axes, description: MachineDescription, shaft_angle: float) -> None:
-    import shapely
-
     for body in description.bodies:
-        solid = shapely.Polygon(turned_outline(description, body, shaft_angle))
+        solid = turned_section(description, body, shaft_angle)
         _fill(axes, solid, facecolor=METAL, edgecolor=INK, linewidth=0.6)
         journal = next((j for j in description.journals if j.body == body.name), None)
         if journal is not None:

@@ -10,11 +10,12 @@ import numpy as np
 from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
 from toothspace.plotting.section import (
+    fixed_parts,
     fluid_cells,
     housing_region,
     port_region,
     top_of_scale,
-    turned_outline,
+    turned_section,
 )
 from toothspace.plotting.style import BLUE, CYCLE, GREY, INK, LIGHT, METAL, ORANGE, PRESSURE_COLOURS
 from toothspace.results.solution import Solution
@@ -68,7 +69,7 @@ def turning_section_chart(
     solution : Solution
         Result.
     description : MachineDescription
-        External gear machine that it belongs to.
+        Machine that it belongs to, with outlines of its chambers.
     frames : int
         Number of positions within one tooth pitch; fewer if the samples are coarser.
     """
@@ -100,7 +101,6 @@ def _section_traces(
     solution: Solution, description: MachineDescription, sample: int, top: float
 ) -> list[dict[str, Any]]:
     import matplotlib as mpl
-    import shapely
     from matplotlib.colors import to_hex
 
     colours = mpl.colormaps[PRESSURE_COLOURS]
@@ -114,14 +114,14 @@ def _section_traces(
         value = float(data[f"{port}_pressure"]) / _BAR
         colour = to_hex(colours(value / top))
         traces.append(_area(port_region(description, port), colour, f"{port}: {value:.1f} bar"))
-    for cell in fluid_cells(description, shaft_angle):
-        value = float(pressure[cell.chamber])
-        text = f"{labels[cell.chamber].replace('_', ' ')}: {value:.1f} bar"
-        traces.append(_area(cell.region, to_hex(colours(value / top)), text))
+    cells = fluid_cells(description, shaft_angle)
+    for region, value, label in zip(cells, pressure, labels, strict=False):
+        text = f"{label.replace('_', ' ')}: {value:.1f} bar"
+        traces.append(_area(region, to_hex(colours(value / top)), text))
     for body in description.bodies:
-        solid = shapely.Polygon(turned_outline(description, body, shaft_angle))
-        outline = np.asarray(solid.simplify(_DRAWN_ERROR).exterior.coords)
-        traces.append(_closed(outline, METAL, body.name.replace("_", " "), INK))
+        solid = turned_section(description, body, shaft_angle)
+        traces.append(_area(solid, METAL, body.name.replace("_", " "), INK))
+    traces.append(_area(fixed_parts(description), LIGHT, "part of the housing", INK))
     return traces
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from toothspace.gearing.flank_contacts import flank_contacts, rigid_mesh
 from toothspace.gearing.meshing import displacement
 from toothspace.gearing.numbering import number
+from toothspace.gearing.outlines import SpaceOutlines
 from toothspace.machines.crescent.assembly import assemble
 from toothspace.machines.crescent.flow_paths import flow_paths, tooth_spaces
 from toothspace.machines.crescent.loads import (
@@ -65,6 +66,7 @@ def describe(spec: CrescentParameters, nodes: int = DEFAULT_NODES) -> MachineDes
         drain=spec.drain_node,
         drain_pressure=spec.drain_pressure or 1e5,
         outlines=outlines(assembly),
+        chamber_outlines=SpaceOutlines(assembly, numbering),
         geometry_summary=geometry_summary(assembly, spaces, checks),
         checks=checks,
     )

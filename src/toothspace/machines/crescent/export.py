@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from toothspace.geometry.cad_export import export_gear
+from toothspace.geometry.curve import polar
 from toothspace.geometry.section_export import Section, export_section
 from toothspace.machines.crescent.assembly import assemble
 from toothspace.machines.crescent.filler import filler_outline
@@ -42,7 +43,7 @@ def export_profiles(spec: CrescentParameters, stem: Path, suffix: str) -> list[P
     paths = [stem.with_name(f"{stem.name}_{name}.{suffix}") for name in names]
     export_gear(assembly.pinion, paths[0], width)
     turns = 2.0 * np.pi * np.arange(_CIRCLE_POINTS) / _CIRCLE_POINTS
-    circle = 0.5 * spec.ring.outer_diameter * np.column_stack([np.cos(turns), np.sin(turns)])
+    circle = polar(0.5 * spec.ring.outer_diameter, turns)
     export_section(Section(circle, (assembly.ring_curve,)), paths[1], width)
     export_section(Section(filler_outline(assembly)), paths[2], width)
     return paths

@@ -13,6 +13,7 @@ from toothspace.geometry.curve import signed_area
 from toothspace.machines.crescent.assembly import CrescentAssembly
 from toothspace.machines.crescent.filler import cover_recesses, filler_edges, relief_polygons
 from toothspace.machines.crescent.loads import BODIES, MOTIONS
+from toothspace.machines.crescent.parameters import NotchParameters
 from toothspace.model.description import FlowPath
 from toothspace.model.path_category import PathCategory
 
@@ -48,6 +49,8 @@ def flow_paths(
         edges, gap = filler_edges(assembly, gear), spec.lateral.side_gap
         paths.append(_tip_path(assembly, own))
         paths.extend(own.mouths((edges.inlet, edges.outlet)))
+        if spec.filler.notch is not None:
+            paths.extend(own.notches({"outlet": notch_opening(assembly, own, spec.filler.notch)}))
         recesses = groove_openings(own.spaces, cover_recesses(assembly), spec.ports.depth)
         paths.extend(own.recesses(recesses))
         if grooves is not None:
@@ -84,6 +87,33 @@ def _tip_path(assembly: CrescentAssembly, own: ToothSpaces) -> FlowPath:
         motion[:, 2 * gear] = sign * np.sin(places)
         motion[:, 2 * gear + 1] = -sign * np.cos(places)
     return own.tips("tip", _TIPS[gear], clearance, filler_cover(assembly, gear, places), motion)
+
+
+def notch_opening(assembly: CrescentAssembly, own: ToothSpaces, notch: NotchParameters) -> Array:
+    """Opening of a tooth space to the outlet through the notch in the face of the filler.
+
+    Parameters
+    ----------
+    assembly : CrescentAssembly
+        Gears in mesh.
+    own : ToothSpaces
+        Spaces of one gear.
+    notch : NotchParameters
+        Size of the notch. [m]
+
+    Returns
+    -------
+    ndarray, shape (places, 2)
+        Section of the notch at the leading corner of the space [m2], its hydraulic diameter [m];
+        nothing any more once the trailing corner has left the filler.
+    """
+    tooth, count = own.spaces.own, own.spaces.angles.size
+    radius, half = abs(tooth.tip_radius), 0.5 * abs(abs(tooth.pitch_angle) - abs(tooth.land_angle))
+    end = FULL_TURN - filler_edges(assembly, own.gear).outlet
+    places = np.mod(-np.pi + FULL_TURN * np.arange(count) / count, FULL_TURN)
+    reach = np.clip(1.0 + (places + half - end) * radius / notch.length, 0.0, 1.0)
+    depth = notch.depth * reach * (1.0 - smooth_step((places - half - end) / half + 1.0))
+    return np.column_stack([notch.width * depth, 2.0 * notch.width * depth / (notch.width + depth)])
 
 
 def filler_cover(assembly: CrescentAssembly, gear: int, places: Array) -> Array:

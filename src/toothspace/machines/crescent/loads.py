@@ -10,7 +10,7 @@ from toothspace.gearing.gear_face import GearFace, GearSection, tooth_fraction
 from toothspace.gearing.materials import library_material
 from toothspace.gearing.numbering import Numbering
 from toothspace.gearing.space_paths import FACES
-from toothspace.geometry.curve import closed_length, polar_moment, signed_area
+from toothspace.geometry.curve import closed_length, polar_moment, signed_area, turned
 from toothspace.machines.crescent.assembly import CrescentAssembly
 from toothspace.machines.crescent.filler import cover_recesses, filler_outline, relief_polygons
 from toothspace.machines.shared_bearings import gear_on_shaft, ring_bearing, shaft_bearings
@@ -130,7 +130,7 @@ def outlines(assembly: CrescentAssembly) -> dict[str, Array]:
     turns = np.linspace(0.0, 2.0 * np.pi, _CIRCLE)
     circle = np.column_stack([np.cos(turns), np.sin(turns)])
     outside = 0.5 * assembly.spec.ring.outer_diameter
-    teeth = _turned(assembly.ring_curve, assembly.mesh.turn)
+    teeth = turned(assembly.ring_curve, assembly.mesh.turn)
     first = int(np.argmin(np.abs(np.arctan2(teeth[:, 1], teeth[:, 0]))))
     inside = np.roll(teeth, -first, axis=0)
     clearance = assembly.spec.ring.radial_clearance
@@ -142,8 +142,3 @@ def outlines(assembly: CrescentAssembly) -> dict[str, Array]:
         **{f"port_{name}": outline for name, outline in cover_recesses(assembly).items()},
         **{f"groove_{name}": outline for name, outline in relief_polygons(assembly).items()},
     }
-
-
-def _turned(points: Array, angle: float) -> Array:
-    c, s = np.cos(angle), np.sin(angle)
-    return np.asarray(points @ np.array([[c, s], [-s, c]]), dtype=float)

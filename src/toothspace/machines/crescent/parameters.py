@@ -96,6 +96,20 @@ class RingParameters(KeyTable):
 
 @final
 @dataclass(frozen=True, kw_only=True)
+class NotchParameters(KeyTable):
+    """``[machine.filler.notch]``: slot in each face of the filler, open at its outlet end."""
+
+    length: float = quantity(
+        "mm", "Along the face, from the outlet end against the rotation.", above=0, high=200
+    )
+    width: float = quantity("mm", "Extent along the axis.", above=0, high=100)
+    depth: float = quantity(
+        "mm", "Depth at the outlet end; it falls evenly to nothing.", above=0, high=20
+    )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
 class FillerParameters(KeyTable):
     """``[machine.filler]``: crescent between both tip circles."""
 
@@ -117,6 +131,11 @@ class FillerParameters(KeyTable):
         "none",
         "radial",
         default="none",
+    )
+    notch: NotchParameters | None = table(
+        NotchParameters,
+        "Precompression: lets pressure into the tooth spaces before they reach the outlet.",
+        default=None,
     )
 
 

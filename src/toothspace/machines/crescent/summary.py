@@ -5,17 +5,24 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from toothspace.core.types import Array
+from toothspace.core.design_check import DesignCheck, warnings_of
 from toothspace.gearing.meshing import contact_ratio, displacement, flow_ripple
 from toothspace.gearing.ring_gear import InternalPair
 from toothspace.gearing.spaces import Spaces, section_areas
+from toothspace.geometry.curve import turned
+from toothspace.geometry.design_rules import (
+    contact_ratio_check,
+    interference_check,
+    root_clearance_check,
+    tip_land_check,
+    undercut_check,
+)
 from toothspace.geometry.involute import involute_function
 from toothspace.machines.crescent.assembly import CrescentAssembly
 from toothspace.machines.crescent.filler import filler_edges, filler_thickness
-from toothspace.model.description import DesignCheck
 
-_LEAST_LAND = 0.2
 _LEAST_ROOT_CLEARANCE = 0.05
+_LARGEST_CONTACT_RATIO = 2.5
 _LEAST_FILLER = 0.2e-3
 _TRIMMING_STEPS = 24
 _OVERLAP = 1e-10
@@ -52,11 +59,7 @@ def geometry_summary(
         "sealed_pinion_teeth": sealed[0],
         "sealed_ring_teeth": sealed[1],
         "smallest_chamber_volumes_mm3": dead * 1e9,
-        "warnings": [
-            f"{check.name}: {check.value:.4g} {check.unit}, allowed {check.allowed}"
-            for check in checks
-            if not check.passed
-        ],
+        "warnings": warnings_of(checks),
     }
 
 
@@ -113,7 +116,7 @@ def overlap(assembly: CrescentAssembly) -> float:
     found = []
     for angle in 2.0 * assembly.mesh.half_pitch * np.arange(_ANGLES) / _ANGLES:
         turn = assembly.ratio * angle + assembly.mesh.turn
-        bore = shapely.Polygon(_turned(assembly.ring_curve, turn) + assembly.ring_center)
+        bore = shapely.Polygon(turned(assembly.ring_curve, turn) + assembly.ring_center)
         found.append(float(_pinion(assembly, angle).difference(bore).area))
     return max(found)
 
@@ -123,55 +126,25 @@ def _pinion(assembly: CrescentAssembly, angle: float) -> shapely.Polygon:
     return shapely.Polygon(assembly.pinion.closed_polygon(start + angle))
 
 
-def _turned(points: Array, angle: float) -> Array:
-    c, s = np.cos(angle), np.sin(angle)
-    return np.asarray(points @ np.array([[c, s], [-s, c]]), dtype=float)
-
-
 def design_checks(assembly: CrescentAssembly) -> tuple[DesignCheck, ...]:
     """Design-rule report of gears and filler."""
     return (*_mesh_checks(assembly), *_involute_checks(assembly), *_filler_checks(assembly))
 
 
 def _mesh_checks(assembly: CrescentAssembly) -> list[DesignCheck]:
-    ratio, fouled = contact_ratio(assembly), overlap(assembly)
-    pitch = 2.0 * assembly.mesh.half_pitch * assembly.mesh.pitch_radii[0]
-    module = pitch / np.pi
+    fouled, owners = overlap(assembly), ("pinion", "ring")
+    module = 2.0 * assembly.mesh.half_pitch * assembly.mesh.pitch_radii[0] / np.pi
     checks = [
-        DesignCheck(
-            "contact ratio", ratio, "1", "1.05 to 2.5", 1.05 <= ratio <= 2.5,
-            "Below 1 the drive is handed over with a shock and the outlet opens to the inlet "
-            "through the mesh.",
-        ),
+        contact_ratio_check(contact_ratio(assembly), _LARGEST_CONTACT_RATIO),
         DesignCheck(
             "overlap of the teeth", fouled * 1e6, "mm2", "0 mm2", fouled <= _OVERLAP,
             "Teeth that overlap anywhere in a pitch cannot turn.",
         ),
     ]  # fmt: skip
-    for name, clearance in zip(("pinion", "ring"), assembly.root_clearances, strict=True):
-        least = _LEAST_ROOT_CLEARANCE * module
-        checks.append(
-            DesignCheck(
-                f"root clearance, {name}",
-                clearance * 1e3,
-                "mm",
-                f"at least {least * 1e3:.3g} mm",
-                clearance >= least,
-                "Bearing play moves the pinion towards the ring, so the mating tip needs room.",
-            )
-        )
-    for name, land in zip(("pinion", "ring"), assembly.tip_lands, strict=True):
-        least = _LEAST_LAND * module
-        checks.append(
-            DesignCheck(
-                f"tip land, {name}",
-                land * 1e3,
-                "mm",
-                f"at least {least * 1e3:.3g} mm",
-                land >= least,
-                "The land is the seal between neighbouring tooth spaces at the filler.",
-            )
-        )
+    for owner, clearance in zip(owners, assembly.root_clearances, strict=True):
+        checks.append(root_clearance_check(owner, clearance, module, _LEAST_ROOT_CLEARANCE))
+    for owner, land in zip(owners, assembly.tip_lands, strict=True):
+        checks.append(tip_land_check(owner, land, module))
     return checks
 
 
@@ -179,23 +152,12 @@ def _involute_checks(assembly: CrescentAssembly) -> list[DesignCheck]:
     pair = assembly.pair
     if pair is None:
         return []
-    tip, trimmed = tip_clearance(pair), trimming_distance(assembly)
-    backlash = pair.normal_backlash
-    checks = [
-        DesignCheck(
-            f"involute interference, {name}", margin * 1e3, "mm",
-            "at least 0 mm of roll length between fillet and deepest contact", margin >= 0.0,
-            "A mating tip that reaches below the involute runs on the root fillet.",
-        )
-        for name, margin in zip(("pinion", "ring"), pair.involute_margins, strict=True)
-    ]  # fmt: skip
+    tip, trimmed, backlash = tip_clearance(pair), trimming_distance(assembly), pair.normal_backlash
+    first, second = pair.involute_margins
     return [
-        *checks,
-        DesignCheck(
-            "undercut, pinion", pair.pinion_form.undercut_depth * 1e3, "mm", "0 mm",
-            not pair.pinion_form.undercut,
-            "Undercut shortens the contact and weakens the tooth root.",
-        ),
+        interference_check("pinion", first),
+        interference_check("ring", second),
+        undercut_check("pinion", pair.pinion, pair.pinion_form),
         DesignCheck(
             "tip clearance in passing", tip * 1e3, "mm", "above 0 mm", tip > 0.0,
             "Where the tip circles cross, the tips of both gears pass each other; with few teeth "

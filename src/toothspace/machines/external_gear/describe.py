@@ -5,6 +5,7 @@ from __future__ import annotations
 from toothspace.gearing.flank_contacts import flank_contacts, rigid_mesh
 from toothspace.gearing.meshing import displacement
 from toothspace.gearing.numbering import number
+from toothspace.gearing.outlines import SpaceOutlines
 from toothspace.machines.external_gear.assembly import assemble
 from toothspace.machines.external_gear.balance import lateral_balance
 from toothspace.machines.external_gear.films import lateral_films
@@ -20,7 +21,7 @@ from toothspace.machines.external_gear.loads import (
 from toothspace.machines.external_gear.spec import ExternalGearSpec
 from toothspace.machines.external_gear.summary import design_checks, geometry_summary
 from toothspace.machines.shared_tables import DEFAULT_NODES, MachineType
-from toothspace.model.description import MachineDescription, RunningIn
+from toothspace.model.description import MachineDescription
 
 
 def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescription:
@@ -64,19 +65,13 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
         port_volumes=(spec.inlet_volume, spec.outlet_volume),
         drain=spec.drain or ("inlet" if spec.mode == "pump" else "outlet"),
         drain_pressure=spec.drain_pressure,
-        running_in=_running_in(spec),
+        running_in=spec.casing.wear_in,
         lateral_balance=lateral_balance(assembly, numbering),
         outlines=outlines(assembly),
+        chamber_outlines=SpaceOutlines(assembly, numbering),
         geometry_summary=geometry_summary(assembly, spaces),
         checks=design_checks(assembly),
     )
-
-
-def _running_in(spec: ExternalGearSpec) -> RunningIn | None:
-    wear = spec.casing.wear_in
-    if wear is None:
-        return None
-    return RunningIn(wear.pressure, wear.shaft_speed, wear.temperature)
 
 
 MACHINE = MachineType("external_gear", describe)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 from toothspace.geometry.cad_export import export_gear
-from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear, generate_profile
 from toothspace.machines.external_gear.spec import ExternalGearSpec
 
@@ -38,10 +37,8 @@ def export_profiles(spec: ExternalGearSpec, stem: Path, suffix: str) -> list[Pat
     paths = []
     for name, gear in gears.items():
         path = stem.with_name(f"{stem.name}_{name}.{suffix}")
-        export_gear(_profile(gear.tooth), path, gear.face_width)
+        tooth = gear.tooth
+        profile = generate_profile(tooth) if isinstance(tooth, InvoluteGear) else tooth
+        export_gear(profile, path, gear.face_width)
         paths.append(path)
     return paths
-
-
-def _profile(tooth: InvoluteGear | GearProfile) -> GearProfile:
-    return generate_profile(tooth) if isinstance(tooth, InvoluteGear) else tooth

@@ -53,20 +53,6 @@ def floating_block(machine: keys.ExternalGearTables) -> spec.FloatingBlock | Non
     )
 
 
-def body_files(machine: keys.ExternalGearTables) -> spec.BodyFiles | None:
-    """STEP files of elastic bodies, None without their table."""
-    given = machine.elastic_bodies
-    if given is None:
-        return None
-    return spec.BodyFiles(
-        floating_bearing=given.floating_bearing,
-        solid_bearing=given.solid_bearing,
-        drive_gear=given.drive_gear,
-        driven_gear=given.driven_gear,
-        edge_length=given.edge_length,
-    )
-
-
 def _high_pressure(area: own.PressureAreaParameters) -> dict[str, Any]:
     if area.contour is not None:
         contour = _contour(area.contour, f"{_TABLE}.high_pressure_area.contour")

@@ -12,13 +12,12 @@ from toothspace.gearing.materials import library_material
 from toothspace.geometry.gear_pair import pair_from_backlash, pair_from_center_distance
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear
-from toothspace.geometry.profile_detection import DetectedGear
 from toothspace.machines.external_gear import parameter_tables as keys
 from toothspace.machines.external_gear import spec
-from toothspace.machines.external_gear.floating_from_parameters import body_files, floating_block
+from toothspace.machines.external_gear.floating_from_parameters import floating_block
 from toothspace.machines.external_gear.gear_files import check_unit, detected_gear
 from toothspace.machines.external_gear.shaft_seal import seal_torque
-from toothspace.model.description import StartupFriction
+from toothspace.model.description import RunningIn, StartupFriction
 
 
 def spec_from(machine: keys.ExternalGearTables) -> spec.ExternalGearSpec:
@@ -53,7 +52,7 @@ def spec_from(machine: keys.ExternalGearTables) -> spec.ExternalGearSpec:
         lateral=_lateral(machine.lateral),
         grooves=machine.relief_grooves.grooves() if machine.relief_grooves else None,
         floating_block=floating_block(machine),
-        body_files=body_files(machine),
+        body_files=machine.elastic_bodies,
         mode=machine.use,
         center_distance=machine.gears.center_distance,
         normal_backlash=machine.gears.normal_backlash,
@@ -116,18 +115,20 @@ def _driven_keys(machine: keys.ExternalGearTables) -> keys.GearParameters:
 
 def _gear(gear: keys.GearParameters, table: str) -> spec.Gear:
     found = None if gear.profile is None else detected_gear(gear, gear.profile, table)
+    tooth: InvoluteGear | GearProfile
+    if found is None:
+        tooth = gear.involute_gear(table)
+    else:
+        drawn = gear.profile_flank == "drawn"
+        tooth = found.detected.drawn if drawn else found.detected.profile
     return spec.Gear(
-        tooth=gear.involute_gear(table) if found is None else _tooth(gear, found.detected),
+        tooth=tooth,
         face_width=gear.face_width,
         material=library_material(gear.material, f"{table}.material"),
         roughness=gear.roughness,
         tip_rounding=gear.tip_rounding,
         found=found,
     )
-
-
-def _tooth(gear: keys.GearParameters, detected: DetectedGear) -> GearProfile:
-    return detected.drawn if gear.profile_flank == "drawn" else detected.profile
 
 
 def _casing(casing: keys.CasingParameters) -> spec.Casing:
@@ -137,10 +138,7 @@ def _casing(casing: keys.CasingParameters) -> spec.Casing:
         inlet_angle=casing.inlet_angle,
         outlet_angle=casing.outlet_angle,
         contour=None if file is None else read_contours(file, "casing.contour")[0],
-        wear_in=wear
-        and spec.WearIn(
-            pressure=wear.pressure, shaft_speed=wear.shaft_speed, temperature=wear.temperature
-        ),
+        wear_in=wear and RunningIn(wear.pressure, wear.shaft_speed, wear.temperature),
     )
 
 

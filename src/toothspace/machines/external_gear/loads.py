@@ -8,6 +8,7 @@ import numpy as np
 
 from toothspace.core.types import Array
 from toothspace.gearing.flank_contacts import FlankPair, mesh_motions
+from toothspace.geometry.curve import polar
 from toothspace.geometry.involute import InvoluteGear
 from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.shared_bearings import gear_on_shaft, shaft_bearings
@@ -82,6 +83,6 @@ def _figure_eight(assembly: Assembly) -> Array:
     high = np.arccos((distance**2 + upper**2 - lower**2) / (2.0 * distance * upper))
     below = np.linspace(low, 2.0 * np.pi - low, 180) + 0.5 * np.pi
     above = np.linspace(high, 2.0 * np.pi - high, 180) - 0.5 * np.pi
-    first = lower * np.column_stack([np.cos(below), np.sin(below)])
-    second = upper * np.column_stack([np.cos(above), np.sin(above)])
+    first = polar(lower, below)
+    second = polar(upper, above)
     return np.vstack([first[:-1], second[:-1] + np.array([0.0, distance])])

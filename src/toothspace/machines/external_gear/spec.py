@@ -6,7 +6,6 @@ Frame: origin at the drive gear, y towards the driven gear, x towards the outlet
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Literal, final
 
 from toothspace.core.types import Array
@@ -15,7 +14,8 @@ from toothspace.gearing.materials import Material
 from toothspace.geometry.gear_finder import FoundGear
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear
-from toothspace.model.description import StartupFriction
+from toothspace.machines.external_gear.floating_parameters import ElasticBodiesParameters
+from toothspace.model.description import RunningIn, StartupFriction
 
 CARBURISED_STEEL = Material(elastic_modulus=206e9, poisson_ratio=0.3, hardness=7e9)
 """Case-hardened gear steel 16CrNi4."""
@@ -55,26 +55,6 @@ class Gear:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class WearIn:
-    """Condition at which the gears cut their track into the casing before use.
-
-    Parameters
-    ----------
-    pressure : float
-        Pressure on the high-pressure side. [Pa]
-    shaft_speed : float
-        Shaft speed. [rad/s]
-    temperature : float
-        Fluid temperature. [K]
-    """
-
-    pressure: float
-    shaft_speed: float
-    temperature: float
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
 class Casing:
     """Bore round both gears.
 
@@ -87,7 +67,7 @@ class Casing:
     contour : ndarray, shape (points, 2), or None
         Section of the casing as a closed polygon; replaces clearance and angles where it
         departs from the bores: beyond three clearances the space counts as port. [m]
-    wear_in : WearIn or None
+    wear_in : RunningIn or None
         Running-in condition; None leaves the casing unworn.
     """
 
@@ -95,7 +75,7 @@ class Casing:
     inlet_angle: float
     outlet_angle: float
     contour: Array | None = None
-    wear_in: WearIn | None = None
+    wear_in: RunningIn | None = None
 
 
 @final
@@ -252,29 +232,6 @@ class FloatingBlock:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class BodyFiles:
-    """STEP files of elastic bodies; None: swept from the parameters.
-
-    Parameters
-    ----------
-    floating_bearing, solid_bearing : Path or None
-        Bearings, in the frame of the machine with z = 0 on the film face.
-    drive_gear, driven_gear : Path or None
-        Gears, about their own axis with the first tooth on x and z = 0 in the middle of the face
-        width.
-    edge_length : float or None
-        Longest edge of the elements. [m]
-    """
-
-    floating_bearing: Path | None = None
-    solid_bearing: Path | None = None
-    drive_gear: Path | None = None
-    driven_gear: Path | None = None
-    edge_length: float | None = None
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
 class ExternalGearSpec:
     """Everything that defines an external gear machine.
 
@@ -290,7 +247,7 @@ class ExternalGearSpec:
         Relief grooves of the faces, None without.
     floating_block : FloatingBlock or None
         Force balance of the floating bearing, None without.
-    body_files : BodyFiles or None
+    body_files : ElasticBodiesParameters or None
         Files of elastic bodies, None without.
     lateral : LateralGaps
         Lateral films.
@@ -319,7 +276,7 @@ class ExternalGearSpec:
     lateral: LateralGaps
     grooves: ReliefGrooves | None = None
     floating_block: FloatingBlock | None = None
-    body_files: BodyFiles | None = None
+    body_files: ElasticBodiesParameters | None = None
     mode: Literal["pump", "motor"] = "pump"
     center_distance: float | None = None
     normal_backlash: float | None = None

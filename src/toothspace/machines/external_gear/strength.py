@@ -6,7 +6,6 @@ import numpy as np
 
 from toothspace.closures.contact_cylindrical import hertz_pressure
 from toothspace.core.constants import ATMOSPHERIC_PRESSURE
-from toothspace.core.types import Array
 from toothspace.gearing.flank_contacts import rigid_mesh
 from toothspace.gearing.materials import reduced_modulus
 from toothspace.gearing.meshing import displacement
@@ -107,20 +106,14 @@ def root_stress(assembly: Assembly, force: float) -> float:
 
 
 def _bending(profile: GearProfile, line_load: float) -> float:
-    right, left = (_half_thickness(flank) for flank in (profile.right_flank, profile.left_flank))
     radii = np.linspace(profile.root_radius, profile.tip_radius, 80)[8:60]
-    thickness = _at(radii, right) + _at(radii, left)
+    thickness = np.zeros(radii.size)
+    for flank in (profile.right_flank, profile.left_flank):
+        radius = np.hypot(*flank.T)
+        order = np.argsort(radius)
+        thickness += np.interp(radii, radius[order], np.abs(flank[order, 1]))
     arm = profile.tip_radius - radii
     return float(np.max(6.0 * line_load * arm / thickness**2))
-
-
-def _half_thickness(flank: Array) -> tuple[Array, Array]:
-    order = np.argsort(np.hypot(*flank.T))
-    return np.hypot(*flank.T)[order], np.abs(flank[order, 1])
-
-
-def _at(radii: Array, half: tuple[Array, Array]) -> Array:
-    return np.asarray(np.interp(radii, *half), dtype=float)
 
 
 _WHY_LOAD = "The bearings carry the whole pressure force; too high a load wipes their lining."

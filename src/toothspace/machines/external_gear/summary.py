@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from toothspace.core.design_check import DesignCheck, warnings_of
 from toothspace.gearing.meshing import contact_ratio, displacement, flow_ripple
 from toothspace.gearing.spaces import Spaces
-from toothspace.geometry.design_rules import design_findings
-from toothspace.geometry.involute import tooth_form
+from toothspace.geometry.design_rules import contact_ratio_check, pair_checks
 from toothspace.geometry.mesh_clearance import normal_play
 from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.external_gear.profile_quality import (
@@ -19,7 +19,6 @@ from toothspace.machines.external_gear.profile_quality import (
 from toothspace.machines.external_gear.strength import strength_checks
 from toothspace.machines.external_gear.trapped_volumes import trapped_volumes
 from toothspace.machines.external_gear.trapping import trapping_checks
-from toothspace.model.description import DesignCheck
 
 
 def geometry_summary(assembly: Assembly, spaces: tuple[Spaces, Spaces]) -> dict[str, object]:
@@ -37,35 +36,32 @@ def geometry_summary(assembly: Assembly, spaces: tuple[Spaces, Spaces]) -> dict[
     dict
         Values by name; names carry their unit.
     """
-    per_turn = displacement(assembly) * 2.0 * np.pi
+    pair, distance = assembly.pair, assembly.mesh.center_distance
+    if pair is None:
+        backlash = normal_play(assembly.profiles, distance)
+        undercut = any(undercut_of(gear) for gear in (assembly.spec.drive, assembly.spec.driven))
+    else:
+        backlash, undercut = pair.normal_backlash, any(form.undercut for form in pair.forms)
+    first, second = (profile.base_radius for profile in assembly.profiles)
+    angle = np.arccos((first + second) / distance) if first and second else None
     trapped, dead = trapped_volumes(assembly, spaces)
     return {
         **tooth_data(assembly),
-        "displacement_cm3_per_rev": per_turn * 1e6,
+        "displacement_cm3_per_rev": displacement(assembly) * 2e6 * np.pi,
         "contact_ratio": contact_ratio(assembly),
         "tip_land_mm": min(assembly.tip_lands) * 1e3,
-        "undercut": _undercut(assembly),
+        "undercut": undercut,
         "root_clearance_mm": min(assembly.root_clearances) * 1e3,
-        "center_distance_mm": assembly.mesh.center_distance * 1e3,
-        "normal_backlash_mm": _backlash(assembly) * 1e3,
-        "base_diameter_mm": _base_diameter(assembly),
-        "operating_pressure_angle_deg": _pressure_angle(assembly),
+        "center_distance_mm": distance * 1e3,
+        "normal_backlash_mm": backlash * 1e3,
+        "base_diameter_mm": None if first is None else 2e3 * first,
+        "operating_pressure_angle_deg": None if angle is None else float(np.rad2deg(angle)),
         "flow_ripple_percent": 100.0 * flow_ripple(assembly),
         "trapped_volume_mm3": trapped * 1e9,
         "dead_volume_mm3": dead * 1e9,
         **profile_quality(assembly, trapped),
-        "warnings": [
-            f"{check.name}: {check.value:.4g} {check.unit}, allowed {check.allowed}"
-            for check in design_checks(assembly)
-            if not check.passed
-        ],
+        "warnings": warnings_of(design_checks(assembly)),
     }
-
-
-def _backlash(assembly: Assembly) -> float:
-    if assembly.pair is not None:
-        return assembly.pair.normal_backlash
-    return normal_play(assembly.profiles, assembly.mesh.center_distance)
 
 
 def design_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
@@ -80,39 +76,13 @@ def design_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
 def _geometry_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
     if assembly.pair is not None:
         vented = assembly.spec.grooves is not None
-        findings = design_findings(assembly.pair, assembly.face_width, vented=vented)
-        return tuple(
-            DesignCheck(f.name, f.value, f.unit, f.allowed, f.passed, f.reason) for f in findings
-        )
-    ratio = contact_ratio(assembly)
+        return pair_checks(assembly.pair, assembly.face_width, vented=vented)
     clearance = min(assembly.root_clearances)
     return (
-        DesignCheck(
-            "contact ratio", ratio, "1", "1.05 to 2", 1.05 <= ratio <= 2.0,
-            "Below 1 the drive is handed over with a shock and the outlet opens to the inlet "
-            "through the mesh.",
-        ),
+        contact_ratio_check(contact_ratio(assembly)),
         DesignCheck(
             "root clearance", clearance * 1e3, "mm", "above 0 mm", clearance > 0.0,
             "Bearing play moves the gears together, so the mating tip needs room in the root.",
         ),
         *profile_checks(assembly),
     )  # fmt: skip
-
-
-def _undercut(assembly: Assembly) -> bool:
-    if assembly.pair is None:
-        return any(undercut_of(gear) for gear in (assembly.spec.drive, assembly.spec.driven))
-    return any(tooth_form(gear).undercut for gear in (assembly.pair.drive, assembly.pair.driven))
-
-
-def _base_diameter(assembly: Assembly) -> float | None:
-    base = assembly.profiles[0].base_radius
-    return None if base is None else 2e3 * base
-
-
-def _pressure_angle(assembly: Assembly) -> float | None:
-    bases = [profile.base_radius for profile in assembly.profiles]
-    if bases[0] is None or bases[1] is None:
-        return None
-    return float(np.rad2deg(np.arccos((bases[0] + bases[1]) / assembly.mesh.center_distance)))

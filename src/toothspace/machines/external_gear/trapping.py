@@ -21,8 +21,7 @@ from toothspace.gearing.meshing import displacement, relative_radius
 from toothspace.gearing.spaces import Spaces, section_areas
 from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.external_gear.flow_paths import grooves_by_port, mouth_lengths
-from toothspace.machines.external_gear.spec import WearIn
-from toothspace.model.description import DesignCheck
+from toothspace.model.description import DesignCheck, RunningIn
 
 PEAK_LIMIT = 1.5
 """Highest pressure of a trapped space over the high pressure. [-]"""
@@ -190,7 +189,7 @@ def _throat(assembly: Assembly, side: Throats) -> Way:
     return Way(width * gap, curved_gap_conductance(gap, width, radius, VISCOSITY))
 
 
-def trapping(chain: MeshChain, assembly: Assembly, condition: WearIn) -> Trapping:
+def trapping(chain: MeshChain, assembly: Assembly, condition: RunningIn) -> Trapping:
     r"""Pressures of the spaces in the mesh, of an incompressible fluid at one shaft speed.
 
     Parameters
@@ -199,7 +198,7 @@ def trapping(chain: MeshChain, assembly: Assembly, condition: WearIn) -> Trappin
         Volumes and openings.
     assembly : Assembly
         Gears in mesh.
-    condition : WearIn
+    condition : RunningIn
         Absolute pressure of the high-pressure side, the other one at that of the atmosphere, and
         shaft speed.
 
@@ -250,7 +249,7 @@ def _exchange_drop(chain: MeshChain, speed: float) -> float:
     return float(0.5 * DENSITY * np.max(velocity**2, initial=0.0))
 
 
-def _pressures(chain: MeshChain, is_pump: bool, condition: WearIn) -> Array:
+def _pressures(chain: MeshChain, is_pump: bool, condition: RunningIn) -> Array:
     """Pressure of each space: flows over pressure drops of the last iterate, solved anew. [Pa]."""
     low, high = ATMOSPHERIC_PRESSURE, condition.pressure
     inlet, outlet = (low, high) if is_pump else (high, low)
@@ -333,14 +332,14 @@ def trapping_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
 
 
 def _estimate(
-    assembly: Assembly, spaces: tuple[Spaces, Spaces], grooves: ReliefGrooves, wear: WearIn
+    assembly: Assembly, spaces: tuple[Spaces, Spaces], grooves: ReliefGrooves, wear: RunningIn
 ) -> Trapping:
     moved = replace(assembly, spec=replace(assembly.spec, grooves=grooves))
     return trapping(mesh_chain(moved, spaces), moved, wear)
 
 
 def _closing_advice(
-    assembly: Assembly, spaces: tuple[Spaces, Spaces], grooves: ReliefGrooves, wear: WearIn
+    assembly: Assembly, spaces: tuple[Spaces, Spaces], grooves: ReliefGrooves, wear: RunningIn
 ) -> str:
     if grooves.closing_contour is not None:
         return " Bring the edge of the closing-side contour nearer to the centre line."
@@ -355,7 +354,7 @@ def _closing_advice(
 
 
 def _opening_advice(
-    assembly: Assembly, spaces: tuple[Spaces, Spaces], grooves: ReliefGrooves, wear: WearIn
+    assembly: Assembly, spaces: tuple[Spaces, Spaces], grooves: ReliefGrooves, wear: RunningIn
 ) -> str:
     if grooves.opening_contour is not None:
         return " Take the edge of the opening-side contour away from the centre line."

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from toothspace.core.types import Array
+from toothspace.geometry.curve import turned
 from toothspace.machines.gerotor.contact_search import (
     PlacedRotors,
     distance_to_inner,
     nearest_place,
     placed_rotors,
-    turned,
 )
 from toothspace.machines.gerotor.profiles import Rotors
 

@@ -13,6 +13,7 @@ from typing import final
 import numpy as np
 
 from toothspace.core.types import Array, BoolArray, IntArray
+from toothspace.geometry.curve import turned
 from toothspace.machines.gerotor.contour import Contour, contour
 from toothspace.machines.gerotor.profiles import Rotors
 
@@ -111,13 +112,6 @@ def placed_rotors(rotors: Rotors) -> PlacedRotors:
         rotors.eccentricity,
         rotors.inner_tooth_count,
     )
-
-
-def turned(points: Array, angle: Array) -> Array:
-    """Points turned by angles, broadcast. [m]."""
-    c, s = np.cos(angle), np.sin(angle)
-    x, y = points[..., 0], points[..., 1]
-    return np.stack([c * x - s * y, s * x + c * y], axis=-1)
 
 
 def distance_to_inner(rotors: PlacedRotors, angle: Array, place: Array) -> tuple[Array, Array]:

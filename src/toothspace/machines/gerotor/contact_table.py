@@ -20,6 +20,7 @@ import numpy as np
 from toothspace.core.errors import GeometryError
 from toothspace.core.files import draft_of
 from toothspace.core.types import Array, BoolArray, IntArray
+from toothspace.geometry.curve import turned
 from toothspace.machines.gerotor.contact_search import (
     Branch,
     ClosestPoints,
@@ -27,7 +28,6 @@ from toothspace.machines.gerotor.contact_search import (
     branches,
     closest_places,
     linked,
-    turned,
 )
 
 NODES_PER_PITCH = 120

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from toothspace.core.design_check import warnings_of
 from toothspace.machines.gerotor.bodies import (
     bodies,
     journal_bearings,
@@ -19,7 +20,7 @@ from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.pockets import FULL_TURN, Pockets, area_by_motion, pockets
 from toothspace.machines.gerotor.ports import ports_of
 from toothspace.machines.gerotor.profiles import rotors_from
-from toothspace.machines.gerotor.summary import design_checks, geometry_summary, warnings
+from toothspace.machines.gerotor.summary import design_checks, geometry_summary
 from toothspace.machines.gerotor.timing import timing_of
 from toothspace.machines.shared_tables import DEFAULT_NODES, MachineType
 from toothspace.model.description import ChamberFamily, MachineDescription
@@ -75,7 +76,7 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
         drain_pressure=spec.drain_pressure or 1e5,
         outlines=outlines(spec, pocket, ports),
         geometry_summary=geometry_summary(spec, pocket, timing)
-        | {"contact_ratio": ratio, "warnings": warnings(checks)},
+        | {"contact_ratio": ratio, "warnings": warnings_of(checks)},
         checks=checks,
     )
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from toothspace.core.types import Array
+from toothspace.geometry.curve import polar
 from toothspace.geometry.section_export import Section, export_section
 from toothspace.machines.gerotor.contact_table import export_contacts
 from toothspace.machines.gerotor.lobe_pairs import contacts_of
@@ -40,12 +40,13 @@ def export_profiles(spec: GerotorParameters, stem: Path, suffix: str) -> list[Pa
         If the rotors cannot be built or the format needs a package that is missing.
     """
     rotors = rotors_from(spec.rotors)
+    turns = 2.0 * np.pi * np.arange(_CIRCLE_POINTS) / _CIRCLE_POINTS
     shaft, rim = spec.rotors.shaft_diameter, spec.housing.outer_rotor_diameter
     inner, outer = Section(rotors.inner), Section(rotors.outer)
     if suffix != "txt":
-        bore = () if shaft is None else (_circle(0.5 * shaft),)
+        bore = () if shaft is None else (polar(0.5 * shaft, turns),)
         inner = Section(rotors.inner, bore)
-        outer = Section(_circle(0.5 * rim), (rotors.outer,))
+        outer = Section(polar(0.5 * rim, turns), (rotors.outer,))
     paths = []
     for name, section in (("inner", inner), ("outer", outer)):
         path = stem.with_name(f"{stem.name}_{name}.{suffix}")
@@ -55,8 +56,3 @@ def export_profiles(spec: GerotorParameters, stem: Path, suffix: str) -> list[Pa
         paths.append(stem.with_name(f"{stem.name}_contacts.txt"))
         export_contacts(paths[-1], contacts_of(rotors))
     return paths
-
-
-def _circle(radius: float) -> Array:
-    angle = 2.0 * np.pi * np.arange(_CIRCLE_POINTS) / _CIRCLE_POINTS
-    return radius * np.column_stack([np.cos(angle), np.sin(angle)])

@@ -12,6 +12,7 @@ from typing import final
 import numpy as np
 
 from toothspace.core.types import Array
+from toothspace.geometry.curve import polar
 from toothspace.machines.gerotor.closest_approach import closest_approach
 from toothspace.machines.gerotor.parameters import RotorParameters
 from toothspace.machines.gerotor.profiles import Rotors, trochoid_of
@@ -82,7 +83,7 @@ def lobe_path(parameters: RotorParameters, rotors: Rotors, place: Array) -> Lobe
 def _trochoidal(parameters: RotorParameters, rotors: Rotors, place: Array) -> LobePath:
     design = trochoid_of(parameters)
     angle = place - 0.5 * np.pi
-    center = design.generating_radius * np.column_stack([np.cos(angle), np.sin(angle)])
+    center = polar(design.generating_radius, angle)
     normal = center - rotors.pitch_point
     normal /= np.hypot(*normal.T)[:, None]
     half_pitch = np.pi / design.lobe_count

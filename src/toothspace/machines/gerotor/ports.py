@@ -10,6 +10,7 @@ import shapely
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
+from toothspace.geometry.curve import turned
 from toothspace.geometry.polygon import load_polygons
 from toothspace.machines.gerotor.parameters import PortContourParameters
 from toothspace.machines.gerotor.pockets import FULL_TURN, Pockets
@@ -230,16 +231,11 @@ def pocket_polygon(pocket: Pockets, node: int) -> Array:
         offset = 0.5 * pocket.path.gap[i] * pocket.path.normal[i]
         ends.append((pocket.path.point[i] - offset, pocket.path.point[i] + offset))
     inner_turn = turn * rotors.outer_tooth_count / rotors.inner_tooth_count
-    inner = _turned(rotors.inner, inner_turn) + rotors.inner_center
-    outer = _turned(rotors.outer, turn)
+    inner = turned(rotors.inner, inner_turn) + rotors.inner_center
+    outer = turned(rotors.outer, turn)
     upper = _between(outer, np.zeros(2), ends[0][1], ends[1][1])
     lower = _between(inner, rotors.inner_center, ends[0][0], ends[1][0])
     return np.vstack([ends[0][1], upper, ends[1][1], ends[1][0], lower[::-1], ends[0][0]])
-
-
-def _turned(points: Array, angle: float) -> Array:
-    cosine, sine = np.cos(angle), np.sin(angle)
-    return np.asarray(points @ np.array([[cosine, sine], [-sine, cosine]]), dtype=float)
 
 
 def _between(points: Array, center: Array, first: Array, last: Array) -> Array:

@@ -79,15 +79,6 @@ def _undercut_limit(parameters: GerotorParameters) -> float | None:
     return trochoid_of(parameters.rotors).no_undercut_limit * 1e3
 
 
-def warnings(checks: tuple[DesignCheck, ...]) -> list[str]:
-    """One line for every check that failed."""
-    return [
-        f"{check.name}: {check.value:.4g} {check.unit}, allowed {check.allowed}"
-        for check in checks
-        if not check.passed
-    ]
-
-
 def design_checks(
     parameters: GerotorParameters, pocket: Pockets, timing: Timing
 ) -> tuple[DesignCheck, ...]:

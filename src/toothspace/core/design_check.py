@@ -1,0 +1,45 @@
+"""Lines of the design-rule report."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import final
+
+
+@final
+@dataclass(frozen=True)
+class DesignCheck:
+    """One line of the design-rule report.
+
+    Parameters
+    ----------
+    name : str
+        Rule.
+    value : float
+        Value found, in ``unit``.
+    unit : str
+        Unit of the value.
+    allowed : str
+        Allowed range in words.
+    passed : bool
+        Verdict.
+    reason : str
+        One sentence on why the rule matters.
+    """
+
+    name: str
+    value: float
+    unit: str
+    allowed: str
+    passed: bool
+    reason: str
+
+
+def warnings_of(checks: Iterable[DesignCheck]) -> list[str]:
+    """One line for every check that failed."""
+    return [
+        f"{check.name}: {check.value:.4g} {check.unit}, allowed {check.allowed}"
+        for check in checks
+        if not check.passed
+    ]
