@@ -103,7 +103,7 @@ class PumpMap(KeyTable):
 @final
 @dataclass(frozen=True, kw_only=True)
 class Hose(KeyTable):
-    """``kind = "hose"``: line whose wall yields."""
+    """``kind = "hose"``: line with an elastic wall."""
 
     length: float = quantity("m", "Length.", above=0, high=1000)
     bore: float = quantity("mm", "Bore diameter.", above=0, high=500)

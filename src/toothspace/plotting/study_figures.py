@@ -125,19 +125,15 @@ def efficiency_contours(data: xr.Dataset) -> Figure:
 
 def _contours(axes: Axes, speed: Array, pressure: Array, values: Any) -> None:
     from matplotlib.patheffects import withStroke
+    from matplotlib.ticker import MaxNLocator
 
     high = float(values.max())
-    levels = _levels(max(float(values.min()), high - _SHOWN_RANGE), high)
+    low = max(float(values.min()), high - _SHOWN_RANGE)
+    levels = MaxNLocator(10, steps=[1, 2, 5, 10], min_n_ticks=4).tick_values(low, high)
     axes.contourf(speed, pressure, values, levels=levels, cmap=PRESSURE_COLOURS, extend="both")
     lines = axes.contour(speed, pressure, values, levels=levels, colors=INK, linewidths=0.7)
     for text in axes.clabel(lines, fmt="%g", fontsize=7.5):
         text.set_path_effects([withStroke(linewidth=2.0, foreground="white")])
-
-
-def _levels(low: float, high: float) -> Array:
-    from matplotlib.ticker import MaxNLocator
-
-    return np.asarray(MaxNLocator(10, steps=[1, 2, 5, 10], min_n_ticks=4).tick_values(low, high))
 
 
 @styled

@@ -143,6 +143,10 @@ def _ring(face: FilmFace, pressure: Array, setting: FaceSetting) -> LateralFilm:
     """Film about one body; the gap is fixed to the opposite face while its edges turn."""
     about_x, about_y = setting.tilt
     x, y = face.center
+    polar = (np.arange(setting.grid[0]) + 0.5) * 2.0 * np.pi / setting.grid[0]
+    rim = np.linspace(face.inner_radius, face.outer_radius, setting.grid[1] + 1)
+    places = face.places(polar, 0.5 * (rim[1:] + rim[:-1]))
+    node = face.face_map(setting.shaft_angle, *places).node
     return LateralFilm(
         inner_radius=face.inner_radius,
         outer_radius=face.outer_radius,
@@ -151,17 +155,8 @@ def _ring(face: FilmFace, pressure: Array, setting: FaceSetting) -> LateralFilm:
         tilt=setting.tilt,
         grid=setting.grid,
         inner_pressure=float(pressure[face.inner_node]),
-        given_pressure=_given(face, pressure, setting),
+        given_pressure=np.where(node == FILM, np.nan, pressure[node]),
         surfaces=setting.surfaces,
         cavitation=setting.cavitation,
         cavitation_pressure=setting.cavitation_pressure,
     )
-
-
-def _given(face: FilmFace, pressure: Array, setting: FaceSetting) -> Array:
-    """Pressure of the cells over chambers and recesses, NaN in the film. [Pa]."""
-    polar = (np.arange(setting.grid[0]) + 0.5) * 2.0 * np.pi / setting.grid[0]
-    rim = np.linspace(face.inner_radius, face.outer_radius, setting.grid[1] + 1)
-    places = face.places(polar, 0.5 * (rim[1:] + rim[:-1]))
-    node = face.face_map(setting.shaft_angle, *places).node
-    return np.where(node == FILM, np.nan, pressure[node])

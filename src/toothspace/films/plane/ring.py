@@ -143,7 +143,9 @@ class LateralFilm:
         step = 2.0 * np.pi / self.grid[0]
         face_angle = np.asarray(np.arange(self.grid[0] + 1) * step, dtype=np.float64)
         centre = self._gap(angle, radius)
-        slope = self._slope(angle, radius)
+        about_x, about_y = self.tilt
+        lean = about_x * np.cos(angle) + about_y * np.sin(angle)
+        slope = np.asarray(lean[:, None] * radius)
         gap = GapField(
             centre,
             self._gap(face_angle, radius),
@@ -168,11 +170,6 @@ class LateralFilm:
         about_x, about_y = self.tilt
         lean = about_x * np.sin(angle) - about_y * np.cos(angle)
         return np.ascontiguousarray(self.side_gap + lean[:, None] * radius)
-
-    def _slope(self, angle: Array, radius: Array) -> Array:
-        about_x, about_y = self.tilt
-        lean = about_x * np.cos(angle) + about_y * np.sin(angle)
-        return np.asarray(lean[:, None] * radius)
 
     def _metric(self, step: float, rim: Array, radius: Array, shaft_speed: float) -> FilmGrid:
         rows, lanes = self.grid
