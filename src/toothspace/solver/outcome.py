@@ -46,7 +46,7 @@ from toothspace.model.path_category import (
 )
 from toothspace.results.ledger import Ledger, ledger_from
 from toothspace.results.solution import Solution
-from toothspace.results.variables import dataset_from
+from toothspace.results.variables import LABELS, dataset_from
 from toothspace.solver.compiled_model import (
     Observation,
     column_energy_of,
@@ -357,7 +357,8 @@ def _contact_gaps(history: History) -> Array:
 
 def loss_values(history: History, seen: Observation) -> dict[str, Array]:
     """Friction torque and power by mechanism, at every sample."""
-    torque = seen.torque[:, : len(FRICTION_MECHANISMS)]
+    present = history.system.description.friction_mechanisms
+    torque = seen.torque[:, [FRICTION_MECHANISMS.index(name) for name in present]]
     return {"torque_loss": torque, "power_loss": torque * history.states[:, 1:2]}
 
 
@@ -402,9 +403,9 @@ def labels_of(system: System) -> dict[str, list[str]]:
         "chamber": description.chamber_labels,
         "body": [body.name for body in description.bodies],
         "journal": journal_bodies(system),
-        "axis": ["x", "y", "z"],
+        "axis": list(LABELS["axis"]),
         "contact": system.contact_labels,
         "path": [category.name for category in leakage_categories(system)],
-        "mechanism": list(FRICTION_MECHANISMS),
-        "port": ["inlet", "outlet", "drain", "inlet_groove", "outlet_groove"],
+        "mechanism": list(description.friction_mechanisms),
+        "port": list(LABELS["port"]),
     }

@@ -6,9 +6,10 @@ them into the geometry that the machine is built from.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import final
+from typing import ClassVar, final
 
 from toothspace.core.frozen import Points
 from toothspace.core.keys import (
@@ -388,6 +389,14 @@ class PortParameters(KeyTable):
 @dataclass(frozen=True, kw_only=True)
 class ExternalGearTables(KeyTable):
     """Tables and keys of ``[machine]`` for external gears."""
+
+    part_tables: ClassVar[Mapping[str, str]] = {
+        "running_in": "casing.wear_in",
+        "floating_bearing": "floating_bearing",
+        "elastic_bodies": "elastic_bodies",
+        "startup": "startup",
+    }
+    """Tables of parts that not every preset uses."""
 
     mode: str = choice("What the machine is used as.", "pump", "motor")
     drain: str | None = choice(
