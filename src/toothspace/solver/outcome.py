@@ -104,11 +104,7 @@ def solution_from(
     data = dataset_from(
         values,
         labels_of(system),
-        attributes={
-            "title": title,
-            "machine": system.description.name,
-            "mode": system.description.mode,
-        },
+        attributes=attributes_of(system.description, title),
     )
     return Solution(
         status=history.status,
@@ -394,6 +390,11 @@ def _path_values(system: System) -> dict[str, Array]:
         "path_label": np.array([category.label for category in kinds], dtype=str),
         "path_colour": np.array([category.colour for category in kinds], dtype=str),
     }
+
+
+def attributes_of(description: MachineDescription, title: str) -> dict[str, str]:
+    """What every result says of its machine besides the title of its case."""
+    return {"title": title, "machine": description.name, "mode": description.mode}
 
 
 def labels_of(system: System) -> dict[str, list[str]]:

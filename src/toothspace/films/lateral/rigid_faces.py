@@ -15,8 +15,8 @@ from toothspace.films.reynolds.fluid import FilmFluid
 from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
 from toothspace.model.description import MachineDescription
 from toothspace.model.film_faces import FILM, FilmFace
+from toothspace.model.lateral_load import chamber_pressures
 from toothspace.model.operating_point import OperatingCondition
-from toothspace.model.quasi_static import quasi_static_pressures
 
 
 @final
@@ -122,14 +122,7 @@ def solve_faces(
     known = {film.body: film.face for film in description.laterals if film.face is not None}
     if not known:
         raise CaseError("film.kind: found 'lateral', allowed is 'pad' for this machine type")
-    chambers = quasi_static_pressures(description, condition, setting.shaft_angle)
-    drain = {
-        "inlet": condition.inlet_pressure,
-        "outlet": condition.outlet_pressure,
-        "external": condition.drain_pressure,
-    }[description.drain]
-    ports = [condition.inlet_pressure, condition.outlet_pressure, drain]
-    pressure = np.concatenate([chambers, ports])
+    pressure = chamber_pressures(description, condition)(setting.shaft_angle)
     ratios = {body.name: body.speed_ratio for body in description.bodies}
     found = [
         _ring(face, pressure, setting).solve(shaft_speed=ratios[body] * condition.shaft_speed)
