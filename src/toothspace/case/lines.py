@@ -98,9 +98,7 @@ def _columns(
     radius, step = 0.5 * hose.bore, hose.length / hose.cells
     inertance = density * step / (np.pi * radius**2)
     renewal = diffusion / radius**2
-    liquid = 1.0 / float(liquid_bulk_modulus(_WALL_REFERENCE, fluid))
-    speed = 1.0 / np.sqrt(density * (liquid + wall_flexibility(hose, fluid)))
-    branches = memory_branches(float(2.0 * speed * hose.cells / hose.length) / renewal)
+    branches = memory_branches(_highest_rate(hose, density, fluid) / renewal)
     law = (
         inertance,
         8.0 * renewal * inertance,
@@ -110,3 +108,10 @@ def _columns(
     return tuple(
         CircuitElement("fluid_column", a, b, law, memory=memory) for a, b in pairwise(names)
     )
+
+
+def _highest_rate(hose: Hose, density: float, fluid: FluidLaw) -> float:
+    """Angular frequency of the shortest wave that the cells can carry. [rad/s]."""
+    liquid = 1.0 / float(liquid_bulk_modulus(_WALL_REFERENCE, fluid))
+    speed = 1.0 / np.sqrt(density * (liquid + wall_flexibility(hose, fluid)))
+    return float(2.0 * speed * hose.cells / hose.length)

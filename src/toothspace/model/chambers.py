@@ -40,7 +40,7 @@ from toothspace.model.arrays import (
     WALL_SLOPE,
     SystemArrays,
 )
-from toothspace.model.walls import fill_wall_volume
+from toothspace.model.walls import widen
 
 
 @kernel
@@ -73,7 +73,7 @@ def update_pressures(s: SystemArrays, state: Array) -> None:
             continue
         mass, gas_mass = state[size.mass + d], state[size.gas + d]
         if node[i, REST_VOLUME] > 0.0:
-            fill_wall_volume(node[i], mass, gas_mass / mass, fluid)
+            widen(node[i], mass, gas_mass / mass, fluid)
         update_pressure(node, i, mass, gas_mass, fluid)
         softer = 1.0 / (1.0 - node[i, WALL_SLOPE] * node[i, PRESSURE_BY_VOLUME])
         for column in (PRESSURE_BY_MASS, PRESSURE_BY_GAS, PRESSURE_BY_VOLUME):

@@ -14,7 +14,7 @@ from toothspace.model.films import lateral_face_torque
 from toothspace.model.lateral_balance import FilmInterface, LateralBalance
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.path_category import LATERAL_PATHS
-from toothspace.model.quasi_static import port_pressures, quasi_static_pressures
+from toothspace.model.quasi_static import quasi_static_pressures
 from toothspace.numerics.periodic_table import PeriodicTable
 
 _ROWS, _LANES, _ANGLES = 144, 24, 4
@@ -92,10 +92,15 @@ def chamber_pressures(
     description: MachineDescription, condition: OperatingCondition
 ) -> Callable[[float], Array]:
     """Quasi-static pressures of all nodes over the shaft angle. [Pa]."""
-    ports = port_pressures(description, condition)
+    ports = {
+        "inlet": condition.inlet_pressure,
+        "outlet": condition.outlet_pressure,
+        "external": condition.drain_pressure,
+    }
+    rest = np.array([ports["inlet"], ports["outlet"], ports[description.drain]])
 
     def at(shaft_angle: float) -> Array:
-        return np.concatenate([quasi_static_pressures(description, condition, shaft_angle), ports])
+        return np.concatenate([quasi_static_pressures(description, condition, shaft_angle), rest])
 
     return at
 

@@ -27,7 +27,9 @@ def quasi_static_pressures(
     for path in description.paths:
         _add_path(matrix, path, shaft_angle)
     chambers = description.chamber_count
-    ports = port_pressures(description, condition)
+    ports = np.array(
+        [condition.inlet_pressure, condition.outlet_pressure, _drain(description, condition)]
+    )
     diagonal = np.diag(matrix[:chambers].sum(axis=1) + 1e-30)
     system = diagonal - matrix[:chambers, :chambers]
     return np.linalg.solve(system, matrix[:chambers, chambers:] @ ports + 1e-30 * ports.min())
@@ -69,11 +71,12 @@ def mean_force(description: MachineDescription, condition: OperatingCondition) -
     return total / _ANGLES
 
 
-def port_pressures(description: MachineDescription, condition: OperatingCondition) -> Array:
-    """Pressures of inlet, outlet and the node that collects the drain. [Pa]."""
-    inlet, outlet = condition.inlet_pressure, condition.outlet_pressure
-    drains = {"inlet": inlet, "outlet": outlet, "external": condition.drain_pressure}
-    return np.array([inlet, outlet, drains[description.drain]])
+def _drain(description: MachineDescription, condition: OperatingCondition) -> float:
+    return {
+        "inlet": condition.inlet_pressure,
+        "outlet": condition.outlet_pressure,
+        "external": condition.drain_pressure,
+    }[description.drain]
 
 
 def _add_path(matrix: Array, path: FlowPath, shaft_angle: float) -> None:

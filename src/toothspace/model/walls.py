@@ -1,4 +1,4 @@
-r"""Volumes with elastic walls: hoses, and accumulators with a gas charge.
+r"""Volumes with walls that yield: hoses, and accumulators with a gas charge.
 
 .. math::
 
@@ -44,7 +44,7 @@ def wall_volume(node: Array, pressure: float) -> tuple[float, float]:
 
 
 @kernel
-def fill_wall_volume(node: Array, mass: float, gas: float, fluid: FluidLaw) -> None:
+def widen(node: Array, mass: float, gas: float, fluid: FluidLaw) -> None:
     """Find the volume at which wall and content have one pressure; Newton in a bracket."""
     if node[WALL_COMPLIANCE] == 0.0 and node[GAS_VOLUME] == 0.0:
         node[VOLUME] = node[REST_VOLUME]

@@ -171,15 +171,13 @@ def gear_section(
     Figure
         One panel per angle.
     """
-    from matplotlib.colors import Normalize
-
     angle = np.asarray(solution.data["shaft_angle"])
     pitch = 2.0 * np.pi / description.families[0].count
     columns = min(len(fractions), 2)
     rows = -(-len(fractions) // columns)
     figure = new_figure(3.5 * columns + 0.9, 5.3 * rows)
     panels = np.ravel(figure.subplots(rows, columns, squeeze=False))
-    scale = Normalize(0.0, top_of_scale(solution) / _BAR)
+    scale = _pressure_scale(solution)
     for axes, fraction in zip(panels, fractions, strict=False):
         sample = int(np.argmin(np.abs(angle - angle[0] - fraction * pitch)))
         _draw_section(axes, solution, description, sample, scale)
@@ -195,6 +193,12 @@ def top_of_scale(solution: Solution) -> float:
     """Pressure of the darkest colour: short peaks beyond 1.5 times the port pressure share it."""
     ports = max(float(solution.data[f"{port}_pressure"].max()) for port in ("inlet", "outlet"))
     return min(float(solution.data["chamber_pressure"].max()), 1.5 * ports)
+
+
+def _pressure_scale(solution: Solution) -> Normalize:
+    from matplotlib.colors import Normalize
+
+    return Normalize(0.0, top_of_scale(solution) / _BAR)
 
 
 def _colour_bar(figure: Figure, panels: Sequence[Axes], scale: Normalize, *, peaks: bool) -> None:
@@ -225,10 +229,7 @@ def _draw_section(
         colour = colours(scale(pressure[cell.chamber]))
         _fill(axes, cell.region, facecolor=colour, edgecolor=colour, linewidth=0.4)
     _draw_bodies(axes, description, shaft_angle)
-    for name, outline in description.outlines.items():
-        if "groove" in name:
-            closed = np.vstack([outline, outline[:1]]) * _MM
-            axes.plot(*closed.T, color=INK, linewidth=0.8, linestyle=(0, (4, 2)))
+    _draw_grooves(axes, description)
     axes.set_aspect("equal")
     axes.set_axis_off()
 
@@ -316,6 +317,13 @@ def _draw_sense(axes: Axes, center: Array, radius: float, speed_ratio: float) ->
     axes.annotate(
         "", xy=(arc[0, -1], arc[1, -1]), xytext=(arc[0, -4], arc[1, -4]), arrowprops=arrow
     )
+
+
+def _draw_grooves(axes: Axes, description: MachineDescription) -> None:
+    for name, outline in description.outlines.items():
+        if "groove" in name:
+            closed = np.vstack([outline, outline[:1]]) * _MM
+            axes.plot(*closed.T, color=INK, linewidth=0.8, linestyle=(0, (4, 2)))
 
 
 def _fill(axes: Axes, region: Any, **style: Any) -> None:

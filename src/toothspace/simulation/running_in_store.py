@@ -23,12 +23,16 @@ def load(key: str) -> dict[str, Array] | None:
 
 def save(key: str, depths: dict[str, Array]) -> None:
     """Store depths. [m]."""
-    files = list(folder().glob("*.npz"))
+    _forget_oldest(folder())
+    save_arrays(folder() / f"{key}.npz", depths)
+
+
+def _forget_oldest(place: Path) -> None:
+    files = list(place.glob("*.npz"))
     if len(files) >= _MOST_FILES:
         files.sort(key=_last_change)
         for path in files[: _MOST_FILES // 10]:
             path.unlink(missing_ok=True)
-    save_arrays(folder() / f"{key}.npz", depths)
 
 
 def _last_change(path: Path) -> float:

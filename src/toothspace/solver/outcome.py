@@ -96,7 +96,9 @@ def solution_from(
         **_chamber_values(history, seen),
         **body_values(history, seen),
         **loss_values(history, seen),
-        **_path_values(system, seen),
+        **_path_values(system),
+        "leakage": _leakage(system, seen),
+        "drag_torque": _drag_torque(system, seen),
         **extra,
     }
     data = dataset_from(
@@ -356,24 +358,38 @@ def loss_values(history: History, seen: Observation) -> dict[str, Array]:
     return {"torque_loss": torque, "power_loss": torque * history.states[:, 1:2]}
 
 
-def _path_values(system: System, seen: Observation) -> dict[str, Array]:
-    """Names, colours, leakage and drag of the paths of every category that leaks."""
-    kinds, condition = leakage_categories(system), system.condition
-    number = [system.categories.index(category) for category in kinds]
-    members = system.arrays.path_index[:, [CATEGORY]] == np.array(number)
+def _leakage(system: System, seen: Observation) -> Array:
+    """Flow that would lose the same power from the high to the low port, by path. [m3/s]."""
+    condition = system.condition
     span = abs(condition.inlet_pressure - condition.outlet_pressure)
     power = seen.path_flow * seen.path_drop / seen.density[:, [system.description.inlet_node]]
-    return {
-        "path_label": np.array([category.label for category in kinds], dtype=str),
-        "path_colour": np.array([category.colour for category in kinds], dtype=str),
-        "leakage": power @ members / span if span > 0.0 else 0.0 * power @ members,
-        "drag_torque": -(seen.path_drag * seen.path_drop) @ members,
-    }
+    return _by_path(system, power) / span if span > 0.0 else 0.0 * _by_path(system, power)
+
+
+def _drag_torque(system: System, seen: Observation) -> Array:
+    """Torque at the shaft of walls that drag fluid to higher pressure, by path. [N m]."""
+    return -_by_path(system, seen.path_drag * seen.path_drop)
+
+
+def _by_path(system: System, values: Array) -> Array:
+    """Sum over all paths of the same kind, shape (samples, kinds)."""
+    kinds = [system.categories.index(category) for category in leakage_categories(system)]
+    members = system.arrays.path_index[:, [CATEGORY]] == np.array(kinds)
+    return np.asarray(values @ members)
 
 
 def leakage_categories(system: System) -> list[PathCategory]:
     """Categories of the paths of a machine that leak, in the order of the dimension ``path``."""
     return [category for category in system.categories if category.role in LEAKAGES]
+
+
+def _path_values(system: System) -> dict[str, Array]:
+    """How reports name and colour the leakage paths."""
+    kinds = leakage_categories(system)
+    return {
+        "path_label": np.array([category.label for category in kinds], dtype=str),
+        "path_colour": np.array([category.colour for category in kinds], dtype=str),
+    }
 
 
 def attributes_of(description: MachineDescription, title: str) -> dict[str, str]:
