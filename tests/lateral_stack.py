@@ -30,6 +30,7 @@ from toothspace.model.lateral_balance import (
     LateralBalance,
     Patch,
 )
+from toothspace.studies.lateral_points import PointCondition
 
 INNER, OUTER, VISCOSITY = 10e-3, 25e-3, 1e-3
 AREA = np.pi * (OUTER**2 - INNER**2)
@@ -181,3 +182,11 @@ def loads(high: float, coulomb: float = 0.0, law: str = "stick") -> Loads:
 def pressures(high: float, low: float = LOW) -> np.ndarray:
     """Pressures of both nodes. [Pa]."""
     return np.array([low, high])
+
+
+def conditions(*pressures: float) -> tuple[PointCondition, ...]:
+    """Points of a study at outlet pressures. [Pa]."""
+    return tuple(
+        PointCondition(label=f"A, {k}", outlet_pressure=p, inlet_pressure=1e5, shaft_speed=1.0)
+        for k, p in enumerate(pressures)
+    )

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from tests.lateral_stack import loads, pressures, ring_stack
+from tests.lateral_stack import conditions, loads, pressures, ring_stack
 from toothspace.case import Case, load_case
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
@@ -55,14 +55,13 @@ def _points(pressure: tuple[float, ...], coulomb: float) -> tuple[StoredPoint, .
     return tuple(found)
 
 
-def _study(kind: str, pressure: tuple[float, ...], coulomb: float = 60.0) -> LateralStudy:
-    labels = tuple(f"A, {k}" for k in range(len(pressure)))
-    return LateralStudy(kind, labels, _points(pressure, coulomb), pressure)
+def _study(pressure: tuple[float, ...], coulomb: float = 60.0) -> LateralStudy:
+    return LateralStudy(conditions(*pressure), _points(pressure, coulomb))
 
 
 @pytest.fixture(scope="module")
 def study() -> LateralStudy:
-    return _study("hysteresis", UP_AND_DOWN)
+    return _study(UP_AND_DOWN)
 
 
 @pytest.fixture(scope="module")
@@ -77,12 +76,12 @@ def test_loop_area_is_positive_where_the_bearing_stays_away(study: LateralStudy)
     by_hand = np.trapezoid(x[2:][::-1], p[2:][::-1]) - np.trapezoid(x[:3], p[:3])
     assert hysteresis.loop_area(study) == pytest.approx(by_hand, rel=1e-12)
     assert by_hand > 0.0
-    free = hysteresis.loop_area(_study("hysteresis", UP_AND_DOWN, 0.0))
+    free = hysteresis.loop_area(_study(UP_AND_DOWN, 0.0))
     assert abs(free) < 0.02 * by_hand
 
 
-def test_result_lists_every_point_with_units(study: LateralStudy, case: Case) -> None:
-    result = study.result(case, {"loop_area_um_bar": 1.0})
+def test_result_lists_every_point_with_units(study: LateralStudy) -> None:
+    result = study.result({"loop_area_um_bar": 1.0})
     assert result.status is Status.DONE
     assert result.data["bearing_position_um"].attrs["units"] == "um"
     assert result.data["film_height"].dims == ("point", "film", "film_row", "film_column")
@@ -92,9 +91,8 @@ def test_result_lists_every_point_with_units(study: LateralStudy, case: Case) ->
 
 
 @pytest.mark.parametrize("kind", ["hysteresis", "nose_pressure"])
-def test_figures_and_page(kind: str, study: LateralStudy, case: Case, tmp_path: Path) -> None:
-    renamed = replace(study, kind=kind)
-    result = renamed.result(case, {})
+def test_figures_and_page(kind: str, study: LateralStudy, tmp_path: Path) -> None:
+    result = replace(study.result({}), kind=kind)
     figures = study_figures(kind, result.data)
     assert figures
     page = study_report_html(result)
@@ -133,7 +131,7 @@ class _Chain:
         if len(self.asked) == self.last:
             raise KeyboardInterrupt
         self.asked.append((condition.label, start))
-        return self.points[int(condition.label)]
+        return self.points[int(condition.label[-1])]
 
 
 @pytest.fixture
@@ -141,13 +139,10 @@ def loop(study: LateralStudy, monkeypatch: pytest.MonkeyPatch) -> Callable[..., 
     def run(records: Records, last: int = 99) -> tuple[_Chain, tuple[StoredPoint, ...]]:
         chain = _Chain(study.points, last)
         monkeypatch.setattr(lateral_points, "stored_point", lambda point: point)
-        conditions = [
-            PointCondition(label=str(k), outlet_pressure=p, inlet_pressure=1e5, shaft_speed=1.0)
-            for k, p in enumerate(UP_AND_DOWN)
-        ]
-        keys = [f"key {k}" for k in range(len(conditions))]
+        asked = conditions(*UP_AND_DOWN)
+        keys = [f"key {k}" for k in range(len(asked))]
         context = StudyContext(records=records)
-        return chain, lateral_points.follow(cast(Any, chain), conditions, 1e-6, context, keys)
+        return chain, lateral_points.follow(cast(Any, chain), asked, 1e-6, context, keys)
 
     return run
 
@@ -158,10 +153,10 @@ def test_interrupted_loop_goes_on_from_its_last_point(
     path = tmp_path / "out" / "points.jsonl"
     _, found = loop(Records(path), last=2)
     assert len(found) == 2
-    part = replace(study, points=found, labels=study.labels[:2], interrupted=True)
+    part = replace(study, points=found)
     assert part.status is Status.INTERRUPTED
     chain, found = loop(Records(path, resume=True))
-    assert [label for label, _ in chain.asked] == ["2", "3", "4"]
+    assert [label for label, _ in chain.asked] == ["A, 2", "A, 3", "A, 4"]
     np.testing.assert_array_equal(chain.asked[0][1], study.points[1].coordinates)
     whole = replace(study, points=found)
     xr.testing.assert_identical(whole.dataset(), study.dataset())

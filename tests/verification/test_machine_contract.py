@@ -21,6 +21,7 @@ from toothspace.model.description import (
     MachineDescription,
 )
 from toothspace.model.film_faces import FILM, NO_BODY, FilmFace
+from toothspace.model.ledger import FRICTION_MECHANISMS
 from toothspace.numerics.periodic_table import PeriodicTable
 
 CASES = Path(__file__).resolve().parents[2] / "cases"
@@ -232,3 +233,17 @@ def test_a_pump_driven_backwards_is_the_motor(name: str) -> None:
     for one, other in zip(pump.families, motor.families, strict=True):
         mirrored = other.volume(-angle)
         assert one.volume(angle) == pytest.approx(mirrored, rel=1e-5, abs=1e-13)
+
+
+@pytest.mark.parametrize("name", ["crescent_pump", "egm12_motor", "gerotor_trochoidal"])
+def test_friction_is_listed_by_the_mechanisms_of_the_machine(name: str) -> None:
+    """What the description does not name takes no energy in the ledger."""
+    case = api.load_case(CASES / f"{name}.toml")
+    case = replace(case, run=replace(case.run, until=None, revolutions=1))
+    solution, named = api.simulate(case), described(name).friction_mechanisms
+    assert tuple(solution.data["mechanism"].values) == named
+    others = set(FRICTION_MECHANISMS) - set(named)
+    assert others
+    assert not any(solution.ledger.energy[mechanism] for mechanism in others)
+    torque = solution.data["torque_loss"].mean("shaft_angle").values
+    assert torque[named.index("journal_viscous")] > 0.0

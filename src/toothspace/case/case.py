@@ -25,7 +25,7 @@ from toothspace.case.fingerprint import fingerprint
 from toothspace.case.overrides import CONDITIONS, split_override, with_values
 from toothspace.case.rules import broken_rules
 from toothspace.case.shipped import shipped_case
-from toothspace.case.stand_alone import FILMS, FilmTable, JournalBearingCase
+from toothspace.case.stand_alone import FILMS, FilmKeys, JournalBearingCase
 from toothspace.case.study import STUDIES
 from toothspace.core.errors import CaseError
 from toothspace.core.keys import (
@@ -125,7 +125,7 @@ class Case(KeyTable):
     bearing: JournalBearingCase | None = table(
         JournalBearingCase, "Stand-alone journal bearing.", default=None
     )
-    film: FilmTable | None = declare(
+    film: FilmKeys | None = declare(
         Variant(tag="kind", variants=FILMS, doc="Stand-alone film."), None
     )
     study: Any = declare(

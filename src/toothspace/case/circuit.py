@@ -60,10 +60,9 @@ class EfficiencyLine(KeyTable):
     per_100_bar: float = number("Change per 100 bar.", low=-1, high=1, default=0.0)
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
-class SpeedSource(KeyTable):
-    """``kind = "speed_source"``: prescribes the shaft speed."""
+class SpeedHistory(KeyTable):
+    """Speed over time, in the case or in a file."""
 
     speed: tuple[tuple[float, float], ...] | None = _over_time(_SPEED, "speed")
     speed_file: Path | None = file_path("Columns time [s] and speed [rpm].", ".csv", ".txt")
@@ -74,12 +73,16 @@ class SpeedSource(KeyTable):
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class PumpMap(KeyTable):
+class SpeedSource(SpeedHistory):
+    """``kind = "speed_source"``: prescribes the shaft speed."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class PumpMap(SpeedHistory):
     """``kind = "pump_map"``: supply pump with a map of volumetric efficiency."""
 
     displacement: float = quantity("cm^3/rev", "Displacement.", above=0, high=10000)
-    speed: tuple[tuple[float, float], ...] | None = _over_time(_SPEED, "speed")
-    speed_file: Path | None = file_path("Columns time [s] and speed [rpm].", ".csv", ".txt")
     volumetric_efficiency: EfficiencyLine = table(
         EfficiencyLine, "Efficiency over pressure.", default=EfficiencyLine(offset=1.0)
     )
@@ -96,14 +99,11 @@ class PumpMap(KeyTable):
         default=0.0,
     )
 
-    def __post_init__(self) -> None:
-        _check_history(self, "speed")
-
 
 @final
 @dataclass(frozen=True, kw_only=True)
 class Hose(KeyTable):
-    """``kind = "hose"``: line whose wall yields."""
+    """``kind = "hose"``: line with an elastic wall."""
 
     length: float = quantity("m", "Length.", above=0, high=1000)
     bore: float = quantity("mm", "Bore diameter.", above=0, high=500)

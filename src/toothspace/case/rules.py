@@ -8,7 +8,7 @@ from typing import Any, Protocol
 from toothspace.case.circuit import Circuit
 from toothspace.case.conditions import FluidChoice, HeatSettings, OperatingPoint, RunSettings
 from toothspace.case.overrides import CONDITIONS
-from toothspace.case.stand_alone import FilmTable, JournalBearingCase, LateralFilmCase
+from toothspace.case.stand_alone import FilmKeys, JournalBearingCase, LateralFilmCase
 from toothspace.case.study import BalanceSweepStudy, HysteresisStudy, NosePressureStudy
 from toothspace.core.errors import CaseError
 from toothspace.core.keys import Problem
@@ -55,7 +55,7 @@ class CaseTables(Protocol):
         ...  # pragma: no cover
 
     @property
-    def film(self) -> FilmTable | None:
+    def film(self) -> FilmKeys | None:
         """Stand-alone film."""
         ...  # pragma: no cover
 

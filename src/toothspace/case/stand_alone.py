@@ -35,7 +35,6 @@ _MOMENT = QuantityKey(unit="N m", low=-1e6, high=1e6)
 _MOST_STEPS = 100_000
 _TILT = QuantityKey(unit="rad", low=-0.1, high=0.1)
 _GRID_DOC = "Number of cells in both directions."
-_CAVITATION = ("jfo", "reynolds", "guembel")
 
 
 @final
@@ -112,13 +111,6 @@ class FilmSurfaces(KeyTable):
             raise KeyRuleError("contact_points", found, allowed)
 
 
-_SURFACES_DOC = "Roughness and contact; smooth walls without it."
-_HEAT_DOC = "Heat balance, from the temperature of the fluid; isothermal without."
-_BARUS_DOC = "Coefficient alpha of the viscosity mu exp(alpha p)."
-_DENSITY_DOC = "Density constant, or over the pressure after Dowson and Higginson."
-_DENSITIES = ("constant", "dowson_higginson")
-
-
 @final
 @dataclass(frozen=True, kw_only=True)
 class BearingGroove(KeyTable):
@@ -184,9 +176,39 @@ class ShaftOrbit(KeyTable):
             raise KeyRuleError("time_step", found, f"at most {_MOST_STEPS} steps")
 
 
+@dataclass(frozen=True, kw_only=True)
+class FilmKeys(KeyTable):
+    """Keys that films of all kinds share."""
+
+    dynamic_viscosity: float | None = quantity(
+        "Pa s", "Viscosity; or give a fluid.", above=0, high=100, default=None
+    )
+    cavitation_pressure: float = quantity(
+        "bar", "Absolute pressure in the cavity.", low=0, high=1000, default=0.0
+    )
+    cavitation: str = choice("Cavitation model.", "jfo", "reynolds", "guembel", default="jfo")
+    pressure_viscosity: float = quantity(
+        "1/GPa", "Coefficient alpha of the viscosity mu exp(alpha p).", low=0, high=100, default=0.0
+    )
+    density: str = choice(
+        "Density constant, or over the pressure after Dowson and Higginson.",
+        "constant",
+        "dowson_higginson",
+        default="constant",
+    )
+    surfaces: FilmSurfaces | None = table(
+        FilmSurfaces, "Roughness and contact; smooth walls without it.", default=None
+    )
+    heat: FilmHeat | None = table(
+        FilmHeat,
+        "Heat balance, from the temperature of the fluid; isothermal without.",
+        default=None,
+    )
+
+
 @final
 @dataclass(frozen=True, kw_only=True)
-class JournalBearingCase(KeyTable):
+class JournalBearingCase(FilmKeys):
     """``[bearing]``: either eccentricity or load is given."""
 
     diameter: float = quantity("mm", "Journal diameter.", above=0, high=2000)
@@ -195,9 +217,6 @@ class JournalBearingCase(KeyTable):
         "um", "Bush radius minus journal radius.", above=0, high=5000
     )
     shaft_speed: float = quantity("rpm", "Speed of the journal.", low=-100000, high=100000)
-    dynamic_viscosity: float | None = quantity(
-        "Pa s", "Viscosity; or give a fluid.", above=0, high=100, default=None
-    )
     eccentricity: tuple[float, float] | None = declare(
         Row(items=(_RATIO, _RATIO), doc="Displacement x, y over clearance."), None
     )
@@ -216,12 +235,10 @@ class JournalBearingCase(KeyTable):
     cavitation_pressure: float = quantity(
         "bar", "Absolute pressure in the cavity.", low=0, high=1000, default=1e5
     )
-    cavitation: str = choice("Cavitation model.", *_CAVITATION, default="jfo")
     grid: tuple[int, int] = declare(Row(items=(_CELLS, _CELLS), doc=_GRID_DOC), (200, 53))
     grooves: tuple[BearingGroove, ...] = declare(
         Items(item=Table(spec=BearingGroove), doc="Supply grooves.", low=0, high=100), ()
     )
-    surfaces: FilmSurfaces | None = table(FilmSurfaces, _SURFACES_DOC, default=None)
     lobes: BearingLobes | None = table(BearingLobes, "Lobes; a cylinder without.", default=None)
     bush_speed: float = quantity(
         "rpm", "Speed of the bush; grooves rest.", low=-100000, high=100000, default=0.0
@@ -238,9 +255,6 @@ class JournalBearingCase(KeyTable):
         "widest_gap",
         default="auto",
     )
-    pressure_viscosity: float = quantity("1/GPa", _BARUS_DOC, low=0, high=100, default=0.0)
-    density: str = choice(_DENSITY_DOC, *_DENSITIES, default="constant")
-    heat: FilmHeat | None = table(FilmHeat, _HEAT_DOC, default=None)
     orbit: ShaftOrbit | None = table(ShaftOrbit, "Motion in time; steady without.", default=None)
 
     def __post_init__(self) -> None:
@@ -266,26 +280,9 @@ class PadPocket(KeyTable):
     width: float = quantity("mm", "Extent across, centred.", above=0, high=2000)
 
 
-@dataclass(frozen=True, kw_only=True)
-class PlaneFilmKeys(KeyTable):
-    """Keys that the films of all kinds of plane faces share."""
-
-    dynamic_viscosity: float | None = quantity(
-        "Pa s", "Viscosity; or give a fluid.", above=0, high=100, default=None
-    )
-    cavitation_pressure: float = quantity(
-        "bar", "Absolute pressure in the cavity.", low=0, high=1000, default=0.0
-    )
-    cavitation: str = choice("Cavitation model.", *_CAVITATION, default="jfo")
-    pressure_viscosity: float = quantity("1/GPa", _BARUS_DOC, low=0, high=100, default=0.0)
-    density: str = choice(_DENSITY_DOC, *_DENSITIES, default="constant")
-    surfaces: FilmSurfaces | None = table(FilmSurfaces, _SURFACES_DOC, default=None)
-    heat: FilmHeat | None = table(FilmHeat, _HEAT_DOC, default=None)
-
-
 @final
 @dataclass(frozen=True, kw_only=True)
-class FilmCase(PlaneFilmKeys):
+class FilmCase(FilmKeys):
     """``[film]`` with ``kind = "pad"``: plane slider with linear height."""
 
     length: float = quantity("mm", "Extent along the motion.", above=0, high=2000)
@@ -311,7 +308,7 @@ class FilmCase(PlaneFilmKeys):
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class LateralFilmCase(PlaneFilmKeys):
+class LateralFilmCase(FilmKeys):
     """``[film]`` with ``kind = "lateral"``: film of a machine's bushing face at one angle."""
 
     side_gap: float = quantity("um", "Film height at the reference point.", above=0, high=1000)
@@ -329,7 +326,7 @@ class LateralFilmCase(PlaneFilmKeys):
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class RingFilmCase(PlaneFilmKeys):
+class RingFilmCase(FilmKeys):
     """``[film]`` with ``kind = "ring"``: plane ring or disc, its lower face turns."""
 
     inner_radius: float = quantity("mm", "Inner radius; zero for a disc.", low=0, high=2000)
@@ -357,9 +354,6 @@ class RingFilmCase(PlaneFilmKeys):
         if self.inner_pressure is None and self.outer_pressure is None:
             require(self, "unless inner_pressure is given", "outer_pressure")
 
-
-FilmTable = JournalBearingCase | PlaneFilmKeys
-"""A table ``[bearing]`` or ``[film]``."""
 
 FILMS: Mapping[str, type] = {
     "pad": FilmCase,

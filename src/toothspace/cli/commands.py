@@ -28,8 +28,6 @@ EXPORT_FORMATS = ("dxf", "stl", "step", "txt")
 _FILE_UNITS = ("mm", "m", "um", "in")
 PICTURE_SUFFIXES = (".png", ".svg", ".pdf")
 _NUMERICAL_FAILURE = 3
-_START_TABLE = "machine.startup"  # acts on a free shaft only, in a circuit
-_BEARING_TABLE = "machine.floating_bearing"
 _STUDY_FILES = ("points.jsonl", "study.nc", "summary.json")
 _BAD_INPUT = 2
 _INTERRUPTED = 130
@@ -171,6 +169,7 @@ def run(
             raise CaseError(f"{case_file}: {table}: found a stand-alone {table}, allowed {allowed}")
     target = Target(result or Path(f"{case_file.stem}.nc"), force).checked()
     from toothspace import api
+    from toothspace.simulation.presets import unused_tables
 
     try:
         with _file_named(case_file), output.progress(case.title) as progress:
@@ -185,7 +184,8 @@ def run(
             output.message(f"{case_file}: {solution.status.name.lower()}: {solution.status.value}")
         for warning in filter(None, solution.provenance.get("warnings", "").splitlines()):
             output.message(f"Warning: {warning}")
-        _tell_unused(case)
+        for path, reason in unused_tables(case).items():
+            output.message(f"Note: [{path}] is not used {reason}")
         output.message(f"Result: {kept or 'the numbers above only'}")
     if kept != target:
         return _BAD_INPUT
@@ -495,25 +495,6 @@ def _write_geometry(case: Case, description: Any, outputs: GeometryOutputs) -> N
         _plot(description, outputs.plot)
     if outputs.export is not None:
         _export(case, outputs.export)
-
-
-def _tell_unused(case: Case) -> None:
-    from toothspace.simulation.presets import PRESETS
-
-    bends = case.run.fidelity != "elastic" or case.run.deformation == "bodies"
-    if not bends and getattr(case.machine, "elastic_bodies", None) is not None:
-        law = f"run.deformation = {case.run.deformation!r}"
-        output.message(f"Note: [machine.elastic_bodies] is not used with {law}")
-    for path in PRESETS[case.run.fidelity].unused_tables:
-        if path == _START_TABLE and case.circuit is not None:
-            continue
-        if path == _BEARING_TABLE and case.run.film_tables is not None:
-            continue
-        value: Any = case
-        for name in path.split("."):
-            value = getattr(value, name, None)
-        if value is not None:
-            output.message(f"Note: [{path}] is not used by a run with {case.run.fidelity!r}")
 
 
 def _picture(path: Path) -> Path:

@@ -98,7 +98,9 @@ def influence_matrix(
 def _condensed(body: ElasticBody, scale: float) -> InfluenceMatrix:
     mesh = body.shape.mesh(scale)
     for film in body.films:
-        _check_face(film, mesh)
+        wrong = film.mismatch(mesh) if isinstance(film, PlaneSurface) else ""
+        if wrong:
+            raise GeometryError(f"elastic body: found {wrong}, allowed the face of the case there")
     columns = _columns(body, mesh)
     masses = np.repeat(nodal_masses(mesh, body.density), 3)
     mass = float(masses[::3].sum())
@@ -112,12 +114,6 @@ def _condensed(body: ElasticBody, scale: float) -> InfluenceMatrix:
         stiffness, held = _supported(body, mesh, stiffness)
         work = flexibility(stiffness, mesh.nodes, loads, held)
     return _evaluated(body, columns, work, rigid, (mass, center, len(mesh.elements)))
-
-
-def _check_face(film: FilmSurface, mesh: SolidMesh) -> None:
-    wrong = film.mismatch(mesh) if isinstance(film, PlaneSurface) else ""
-    if wrong:
-        raise GeometryError(f"elastic body: found {wrong}, allowed the face of the case there")
 
 
 def _columns(body: ElasticBody, mesh: SolidMesh) -> _Columns:

@@ -13,7 +13,6 @@ from typing import final
 import numpy as np
 
 from toothspace.core.errors import GeometryError
-from toothspace.core.types import Array, IntArray
 from toothspace.elasticity.mesh import SolidMesh, tetrahedral_mesh
 
 _STEP_UNIT = 1e-3
@@ -111,16 +110,13 @@ def _read(label: str, text: str) -> SolidMesh:
     number = np.full(int(nodes[:, 0].max()) + 1, -1, dtype=np.int64)
     number[nodes[:, 0].astype(np.int64)] = np.arange(len(nodes))
     elements = number[np.array(solid, dtype=np.int64)][:, _ORDER]
-    return _used(_STEP_UNIT * nodes[:, 1:4], elements)
+    used, index = np.unique(elements, return_inverse=True)
+    return tetrahedral_mesh(
+        (_STEP_UNIT * nodes[:, 1:4])[used], index.reshape(elements.shape).astype(np.int64)
+    )
 
 
 def _block(lines: list[str], name: str) -> list[str]:
     """Lines of a section without its count."""
     start = lines.index(f"${name}") + 2
     return lines[start : lines.index(f"$End{name}")]
-
-
-def _used(nodes: Array, elements: IntArray) -> SolidMesh:
-    """Mesh without nodes that belong to no element."""
-    used, index = np.unique(elements, return_inverse=True)
-    return tetrahedral_mesh(nodes[used], index.reshape(elements.shape).astype(np.int64))

@@ -26,6 +26,7 @@ from toothspace.model.contact_pair import CONTACT_CHANNELS, ContactPair, RigidMe
 from toothspace.model.film_faces import FilmFace, SharedFaces
 from toothspace.model.lateral_balance import LateralBalance
 from toothspace.model.lateral_table import LateralTable
+from toothspace.model.ledger import FRICTION_MECHANISMS
 from toothspace.model.machine_parts import (
     PATH_CHANNELS,
     ChamberFamily,
@@ -352,6 +353,22 @@ class MachineDescription:
     def path_categories(self) -> tuple[PathCategory, ...]:
         """What its flow paths are booked under, in the order in which they appear."""
         return categories_of(self.paths)
+
+    @property
+    def friction_mechanisms(self) -> tuple[str, ...]:
+        """Friction that the machine can have, of all that the ledger knows, in its order."""
+        present: set[str] = {contact.friction_account for contact in self.contacts}
+        present |= {"journal_viscous", "journal_asperity"} if self.journals else set()
+        present |= {"lateral_viscous", "lateral_asperity"} if self.laterals else set()
+        if any(path.shear_speed is not None for path in self.paths):
+            present.add("tip_shear")
+        if self.mesh is not None:
+            present.add("mesh_friction")
+        if self.seal_torque != 0.0:
+            present.add("shaft_seal")
+        if self.startup is not None:
+            present.add("startup")
+        return tuple(name for name in FRICTION_MECHANISMS if name in present)
 
     @property
     def chamber_labels(self) -> list[str]:

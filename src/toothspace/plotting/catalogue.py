@@ -76,28 +76,13 @@ def _of_machine(draw: Callable[[Solution, MachineDescription], Figure]) -> Draw:
     return drawn
 
 
-def _section(solution: Solution, description: MachineDescription | None) -> Figure:
-    assert description is not None
-    return section.gear_section(solution, description)
-
-
-def _volumes(solution: Solution, description: MachineDescription | None) -> Figure:
-    assert description is not None
-    return geometry.volumes(description)
-
-
-def _openings(solution: Solution, description: MachineDescription | None) -> Figure:
-    assert description is not None
-    return geometry.openings(description)
-
-
 FIGURES: tuple[FigureEntry, ...] = (
     FigureEntry(
         "gear_section",
         "Section with the pressure of every tooth space at four angles within one tooth pitch. "
         "Dashed: relief grooves.",
         "pressure",
-        _section,
+        _of_machine(section.gear_section),
         ("chamber_pressure",),
         needs_machine=True,
         sampled="steady",
@@ -185,14 +170,14 @@ FIGURES: tuple[FigureEntry, ...] = (
         "volumes",
         "Volume of a tooth space and its exact derivative. The smallest volume is in the mesh.",
         "geometry",
-        _volumes,
+        _of_machine(lambda _, machine: geometry.volumes(machine)),
         needs_machine=True,
     ),
     FigureEntry(
         "openings",
         "Open area from a tooth space to ports and relief grooves.",
         "geometry",
-        _openings,
+        _of_machine(lambda _, machine: geometry.openings(machine)),
         needs_machine=True,
     ),
     FigureEntry(
@@ -296,17 +281,15 @@ def _possible(
         return False
     if entry.sampled and not _sampled(entry.sampled, solution):
         return False
-    if entry.rotors is not None and entry.rotors != _turns_rotors(description):
+    if entry.rotors is not None and entry.rotors != (
+        description is not None and has_tooth_contacts(description)
+    ):
         return False
     if not entry.needs_machine:
         return entry.chapter != "losses" or solution.ledger.loss_energy > 0.0
     if description is None:
         return False
     return entry.name != "gear_section" or description.chamber_outlines is not None
-
-
-def _turns_rotors(description: MachineDescription | None) -> bool:
-    return description is not None and has_tooth_contacts(description)
 
 
 def _sampled(kind: str, solution: Solution) -> bool:

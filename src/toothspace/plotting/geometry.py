@@ -8,11 +8,7 @@ import numpy as np
 
 from toothspace.model.description import ChamberFamily, MachineDescription
 from toothspace.plotting.style import (
-    BLUE,
     CYCLE,
-    GREY,
-    INK,
-    METAL,
     angle_axis,
     new_figure,
     readable,
@@ -21,7 +17,6 @@ from toothspace.plotting.style import (
 from toothspace.plotting.windows import opening_area, openings_of
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 
@@ -78,41 +73,3 @@ def _has_ports(description: MachineDescription, family: ChamberFamily) -> bool:
         float(opening_area(description, family, category, angle).max()) > 0.0
         for category in openings_of(description)
     )
-
-
-@styled
-def geometry_overview(description: MachineDescription) -> Figure:
-    """Outlines of the machine beside volumes and openings of its first chamber family."""
-    figure = new_figure(10.0, 5.2)
-    grid = figure.add_gridspec(2, 2, width_ratios=(2, 3))
-    _draw_outlines(figure.add_subplot(grid[:, 0]), description)
-    family = description.families[0]
-    angle = np.linspace(0.0, family.volume.period, 721)
-    upper, lower = figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1])
-    upper.plot(np.degrees(angle), family.volume(angle)[:, 0] * 1e9)
-    upper.set_title(f"{readable(family.name)}: volume and openings of a chamber")
-    upper.set_ylabel("Volume (mm³)")
-    for category in openings_of(description):
-        area = opening_area(description, family, category, angle) * 1e6
-        if float(area.max()) > 0.0:
-            label = readable(category.label)
-            lower.plot(np.degrees(angle), area, color=category.colour, label=label)
-    lower.set_ylabel("Open area (mm²)")
-    lower.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, borderaxespad=0.2)
-    span = float(np.degrees(family.volume.period))
-    angle_axis(upper, "", span)
-    angle_axis(lower, "Chamber angle (deg)", span)
-    return figure
-
-
-def _draw_outlines(axes: Axes, description: MachineDescription) -> None:
-    bodies = {body.name: np.asarray(body.center) for body in description.bodies}
-    for name, points in description.outlines.items():
-        closed = 1e3 * (np.vstack([points, points[:1]]) + bodies.get(name, np.zeros(2)))
-        if name in bodies:
-            axes.fill(*closed.T, facecolor=METAL, edgecolor=INK, linewidth=0.7)
-        else:
-            axes.plot(*closed.T, color=GREY if name == "casing" else BLUE, linewidth=1.0)
-    axes.set_aspect("equal")
-    axes.set_title("Section (mm)")
-    axes.grid(visible=False)

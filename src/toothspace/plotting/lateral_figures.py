@@ -33,6 +33,10 @@ class StudyFigure:
 
 def hysteresis_figures(data: xr.Dataset) -> list[StudyFigure]:
     """Return loops of position, film, leakage and torque, and maps of the films."""
+    caption = (
+        "Smallest film, load that asperities carry, largest wear indicator and friction in the "
+        "housing: full line up, broken line down."
+    )
     return [
         StudyFigure(
             "positions",
@@ -40,7 +44,7 @@ def hysteresis_figures(data: xr.Dataset) -> list[StudyFigure]:
             "the outlet pressure: full line up, broken line down.",
             loops(data),
         ),
-        *_contact(data),
+        StudyFigure("contact", caption, loops(data, CONTACT_PANELS)),
         *_friction(data),
         *film_figures(data),
     ]
@@ -63,14 +67,6 @@ def film_figures(data: xr.Dataset) -> list[StudyFigure]:
         )
         found.append(StudyFigure("wear", caption, point_maps(data, WEAR)))
     return found
-
-
-def _contact(data: xr.Dataset) -> list[StudyFigure]:
-    caption = (
-        "Smallest film, load that asperities carry, largest wear indicator and friction in the "
-        "housing: full line up, broken line down."
-    )
-    return [StudyFigure("contact", caption, loops(data, CONTACT_PANELS))]
 
 
 def _friction(data: xr.Dataset) -> list[StudyFigure]:
@@ -113,17 +109,13 @@ def loops(data: xr.Dataset, panels: tuple[tuple[str, str], ...] = POSITION_PANEL
         axes.set_ylabel(label)
         axes.set_xlabel("Outlet pressure (bar)")
     if panels is POSITION_PANELS and "measured_relative_position_um" in data:
-        _lay_over(figure.axes[0], data)
+        # measured positions are relative: they begin where the computed ones do
+        first = float(data["bearing_position_um"][0])
+        pressure = data["measured_outlet_pressure_bar"].values
+        position = first + data["measured_relative_position_um"].values
+        figure.axes[0].plot(pressure, position, ":x", color=INK, ms=5, lw=0.8, label="measured")
     figure.axes[0].legend()
     return figure
-
-
-def _lay_over(axes: Axes, data: xr.Dataset) -> None:
-    """Measured relative positions, laid where the computed first point stands."""
-    first = float(data["bearing_position_um"][0])
-    pressure = data["measured_outlet_pressure_bar"].values
-    position = first + data["measured_relative_position_um"].values
-    axes.plot(pressure, position, ":x", color=INK, ms=5, lw=0.8, label="measured")
 
 
 def _loop(axes: Axes, data: xr.Dataset, name: str) -> None:

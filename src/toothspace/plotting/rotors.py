@@ -108,7 +108,9 @@ def contact_span(solution: Solution, description: MachineDescription) -> Figure:
     axes.set_theta_zero_location("N")
     place, force = found.place.ravel(), found.force.ravel()
     bins = np.linspace(0.0, _TURN, 361)
-    mean = _binned(place, force, bins)
+    count, _ = np.histogram(place, bins)
+    total, _ = np.histogram(place, bins, weights=force)
+    mean = np.asarray(total / np.maximum(count, 1))
     middle = 0.5 * (bins[:-1] + bins[1:])
     threshold = LOADED_SHARE * found.mean_total
     axes.bar(middle, np.where(mean > threshold, mean, 0.0), width=bins[1], color=BLUE)
@@ -118,12 +120,6 @@ def contact_span(solution: Solution, description: MachineDescription) -> Figure:
     axes.set_xticks(np.radians(range(0, 360, 45)))
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, -0.18), ncols=2)
     return figure
-
-
-def _binned(place: Array, values: Array, bins: Array) -> Array:
-    count, _ = np.histogram(place, bins)
-    total, _ = np.histogram(place, bins, weights=values)
-    return np.asarray(total / np.maximum(count, 1))
 
 
 def _single_pitch(axes: PolarAxes, middle: Array, mean: Array, teeth: int) -> None:

@@ -125,19 +125,15 @@ def efficiency_contours(data: xr.Dataset) -> Figure:
 
 def _contours(axes: Axes, speed: Array, pressure: Array, values: Any) -> None:
     from matplotlib.patheffects import withStroke
+    from matplotlib.ticker import MaxNLocator
 
     high = float(values.max())
-    levels = _levels(max(float(values.min()), high - _SHOWN_RANGE), high)
+    low = max(float(values.min()), high - _SHOWN_RANGE)
+    levels = MaxNLocator(10, steps=[1, 2, 5, 10], min_n_ticks=4).tick_values(low, high)
     axes.contourf(speed, pressure, values, levels=levels, cmap=PRESSURE_COLOURS, extend="both")
     lines = axes.contour(speed, pressure, values, levels=levels, colors=INK, linewidths=0.7)
     for text in axes.clabel(lines, fmt="%g", fontsize=7.5):
         text.set_path_effects([withStroke(linewidth=2.0, foreground="white")])
-
-
-def _levels(low: float, high: float) -> Array:
-    from matplotlib.ticker import MaxNLocator
-
-    return np.asarray(MaxNLocator(10, steps=[1, 2, 5, 10], min_n_ticks=4).tick_values(low, high))
 
 
 @styled
@@ -215,12 +211,19 @@ def scatter(data: xr.Dataset, path: str) -> Figure:
 
 
 def _panels(data: xr.Dataset) -> tuple[Figure, list[tuple[Axes, str]]]:
-    names = _shown_numbers(data)
-    rows = -(-len(names) // 2)
-    figure = new_figure(7.2, 0.4 + 2.4 * rows)
-    flat = list(figure.subplots(rows, 2, squeeze=False).flat)
-    for axes, name in zip(flat, names, strict=False):
+    figure, panels = _panels_of(_shown_numbers(data), 2, 0.4, 2.4)
+    for axes, name in panels:
         axes.set_ylabel(_label(name))
+    return figure, panels
+
+
+def _panels_of(
+    names: Sequence[str], columns: int, margin: float, height: float, *, sharex: bool = False
+) -> tuple[Figure, list[tuple[Axes, str]]]:
+    """Figure with one panel for each name; heights of margin and rows in inches."""
+    rows = -(-len(names) // columns)
+    figure = new_figure(7.2, margin + height * rows)
+    flat = list(figure.subplots(rows, columns, squeeze=False, sharex=sharex).flat)
     for axes in flat[len(names) :]:
         axes.set_visible(False)
     return figure, list(zip(flat, names, strict=False))
@@ -290,16 +293,14 @@ def effect_bars(data: xr.Dataset, kind: str) -> Figure:
     table = data[kind]
     names = [n for n in _shown_numbers(data) if n in table["result"].values]
     keys = [str(key) for key in table["key"].values]
-    figure = new_figure(7.2, 0.9 + 0.32 * len(keys) * -(-len(names) // 2) + 0.5 * len(names))
-    flat = list(figure.subplots(-(-len(names) // 2), 2, squeeze=False, sharex=True).flat)
-    for axes, name in zip(flat, names, strict=False):
+    margin = 0.9 + 0.5 * len(names)
+    figure, panels = _panels_of(names, 2, margin, 0.32 * len(keys), sharex=True)
+    for axes, name in panels:
         values = np.nan_to_num(table.sel(result=name).values)
         axes.barh([_short(key) for key in keys], values, color=BLUE, height=0.6)
         axes.axvline(0.0, color=GREY, lw=0.8)
         axes.set_title(_label(name))
         axes.invert_yaxis()
-    for axes in flat[len(names) :]:
-        axes.set_visible(False)
     return figure
 
 
@@ -344,15 +345,11 @@ def _calibrate(data: xr.Dataset) -> list[StudyFigure]:
 @styled
 def fit_comparison(data: xr.Dataset, names: Sequence[str]) -> Figure:
     """Fitted against measured: over time, or as deviations."""
-    rows = len(names) if "time" in data else -(-len(names) // 2)
-    figure = new_figure(7.2, 0.5 + 2.6 * rows)
-    flat = list(figure.subplots(rows, 1 if "time" in data else 2, squeeze=False).flat)
+    figure, panels = _panels_of(names, 1 if "time" in data else 2, 0.5, 2.6)
     used = data["used"].values.astype(bool)
-    for axes, name in zip(flat, names, strict=False):
+    for axes, name in panels:
         (_over_time if "time" in data else _deviations)(axes, data, name, used)
-    for axes in flat[len(names) :]:
-        axes.set_visible(False)
-    flat[0].legend()
+    panels[0][0].legend()
     return figure
 
 

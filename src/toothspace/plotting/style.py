@@ -118,16 +118,6 @@ def _shortened(outline: re.Match[str]) -> str:
     return re.sub(r"(\.\d\d)\d+", r"\1", outline.group())
 
 
-def figure_to_png(figure: Figure, resolution: float = 110.0) -> bytes:
-    """Render a figure as PNG; resolution in dots per inch."""
-    import matplotlib as mpl
-
-    buffer = io.BytesIO()
-    with mpl.rc_context(_RC):  # type: ignore[arg-type]
-        figure.savefig(buffer, format="png", dpi=resolution)
-    return buffer.getvalue()
-
-
 def save_figure(figure: Figure, path: str | Path) -> Path:
     """Write a figure to a file; the suffix says the format (png, svg, pdf)."""
     import matplotlib as mpl

@@ -46,26 +46,26 @@ def chamber_pressure_over_turn(
     figure = new_figure(7.2, 2.9 * len(families))
     for axes, family in zip(np.ravel(figure.subplots(len(families), 1)), families, strict=True):
         if family is None or description is None:
-            _pressure_of_first_chamber(axes, solution)
+            degrees = _degrees(solution)
+            axes.plot(degrees, np.asarray(solution.data["chamber_pressure"])[:, 0] / _BAR)
+            axes.set_title("Pressure of the first chamber")
+            axes.set_ylabel("Pressure (bar)")
+            angle_axis(axes, span=float(degrees[-1]))
             continue
         angle, pressure, gas = _over_own_angle(solution, description, family)
         axes.plot(angle, pressure, color=BLUE)
         if gas is not None and float(np.max(gas)) > 0.1:
-            _gas_axis(axes, angle, gas)
+            twin = axes.twinx()
+            twin.fill_between(angle, 100.0 * gas, color=GREEN, alpha=0.2, linewidth=0.0)
+            twin.set_ylim(0.0, 100.0)
+            twin.set_ylabel("Gas and vapour (vol %)", color=GREEN)
+            twin.grid(visible=False)
         _mark_windows(axes, description, family)
         span = float(np.degrees(family.volume.period))
         angle_axis(axes, f"Angle of the {readable(family.name).lower()} chamber (deg)", span)
         axes.set_ylabel("Pressure (bar)")
         axes.set_title(readable(family.name))
     return figure
-
-
-def _pressure_of_first_chamber(axes: Axes, solution: Solution) -> None:
-    degrees = _degrees(solution)
-    axes.plot(degrees, np.asarray(solution.data["chamber_pressure"])[:, 0] / _BAR)
-    axes.set_title("Pressure of the first chamber")
-    axes.set_ylabel("Pressure (bar)")
-    angle_axis(axes, span=float(degrees[-1]))
 
 
 def _over_own_angle(
@@ -82,14 +82,6 @@ def _over_own_angle(
     if "chamber_gas_fraction" in solution.data:
         gas = np.asarray(solution.data["chamber_gas_fraction"])[turn, column][order]
     return np.degrees(own[order]), pressure[order], gas
-
-
-def _gas_axis(axes: Axes, angle: Array, gas: Array) -> None:
-    twin = axes.twinx()
-    twin.fill_between(angle, 100.0 * gas, color=GREEN, alpha=0.2, linewidth=0.0)
-    twin.set_ylim(0.0, 100.0)
-    twin.set_ylabel("Gas and vapour (vol %)", color=GREEN)
-    twin.grid(visible=False)
 
 
 def _mark_windows(axes: Axes, description: MachineDescription, family: ChamberFamily) -> None:

@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Literal, final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from toothspace.model.ledger import FRICTION_MECHANISMS
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -195,20 +197,9 @@ CHANNELS = (
 LABELS: Mapping[str, tuple[str, ...]] = {
     "port": ("inlet", "outlet", "drain", "inlet_groove", "outlet_groove"),
     "axis": ("x", "y", "z"),
-    "mechanism": (
-        "journal_viscous",
-        "journal_asperity",
-        "lateral_viscous",
-        "lateral_asperity",
-        "tip_shear",
-        "mesh_friction",
-        "contact_damping",
-        "shaft_seal",
-        "startup",
-        "contact_friction",
-    ),
+    "mechanism": FRICTION_MECHANISMS,
 }
-"""Labels allowed along dimensions with fixed labels; other labels come from the machine."""
+"""Labels allowed along these dimensions, of which each machine has some; others are its own."""
 
 LABEL_DIMENSIONS: Mapping[str, str] = {
     "chamber": "chamber, named by family and number",
@@ -217,7 +208,7 @@ LABEL_DIMENSIONS: Mapping[str, str] = {
     "axis": "direction in the frame of the machine",
     "contact": "contact, named by pair and number",
     "path": "kind of leakage path, named by the machine",
-    "mechanism": "cause of a loss",
+    "mechanism": "cause of friction, those that the machine has",
     "port": "port or relief groove",
     "node": "node of the circuit",
     "film": "lubricating film",

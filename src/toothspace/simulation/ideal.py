@@ -18,6 +18,7 @@ from toothspace.results.solution import Solution
 from toothspace.results.variables import dataset_from
 from toothspace.simulation.presets import interface_models, interface_text
 from toothspace.simulation.setup import Progress, Setup, fluid_temperature, provenance_of
+from toothspace.solver.outcome import attributes_of
 
 _JOINING_GAP = 5e-6
 
@@ -72,6 +73,9 @@ def ideal_solution(
     motor = description.mode == "motor"
     pressure = np.where(to_outlet, condition.outlet_pressure, condition.inlet_pressure)
     torque = span * outflow
+    volumes = [
+        f.volume(f.phases + f.angle_ratio * shaft_angle[:, None]) for f in description.families
+    ]
     values = {
         "shaft_angle": shaft_angle,
         "time": shaft_angle / speed,
@@ -82,7 +86,7 @@ def ideal_solution(
         "inlet_pressure": np.full_like(shaft_angle, condition.inlet_pressure),
         "outlet_pressure": np.full_like(shaft_angle, condition.outlet_pressure),
         "chamber_pressure": pressure,
-        "chamber_volume": _volumes(description, shaft_angle),
+        "chamber_volume": np.concatenate([part[..., 0] for part in volumes], axis=1),
         "displacement": np.asarray(description.displacement),
         "inlet_density": np.asarray(density),
         "outlet_density": np.asarray(density),
@@ -92,11 +96,7 @@ def ideal_solution(
     data = dataset_from(
         values,
         {"chamber": description.chamber_labels, "body": [b.name for b in description.bodies]},
-        attributes={
-            "title": provenance.get("title", ""),
-            "machine": description.name,
-            "mode": description.mode,
-        },
+        attributes=attributes_of(description, provenance.get("title", "")),
     )
     volume = float(np.trapezoid(outflow, shaft_angle))
     ledger = ledger_from(
@@ -167,12 +167,5 @@ def _volume_rates(description: MachineDescription, shaft_angle: Array) -> Array:
     parts = [
         f.angle_ratio * f.volume.derivative(f.phases + f.angle_ratio * shaft_angle[:, None])
         for f in description.families
-    ]
-    return np.concatenate([part[..., 0] for part in parts], axis=1)
-
-
-def _volumes(description: MachineDescription, shaft_angle: Array) -> Array:
-    parts = [
-        f.volume(f.phases + f.angle_ratio * shaft_angle[:, None]) for f in description.families
     ]
     return np.concatenate([part[..., 0] for part in parts], axis=1)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from operator import attrgetter
 from types import MappingProxyType
 from typing import final
 
@@ -51,29 +52,25 @@ class Preset:
         The set in one sentence, for reports.
     interfaces : mapping of str to tuple of str
         Models that it offers for each interface, its own choice first; empty without films.
-    unused_tables : tuple of str
-        Optional tables of a case that this set does not use.
+    unused : tuple of str
+        Optional parts of a machine that this set does not use; the machine type says in
+        ``part_tables`` which of its tables describe them.
     """
 
     name: str
     content: str
     interfaces: Mapping[str, tuple[str, ...]]
-    unused_tables: tuple[str, ...] = ()
+    unused: tuple[str, ...] = ()
 
 
-_BALANCE_TABLES = (
-    "machine.floating_bearing",
-    "machine.elastic_bodies",
-    "machine.startup",
-    "study",
-)
+_BALANCE = ("floating_bearing", "elastic_bodies", "startup")
 _CONTACTS = {"tip": ("closed_form",), "contact": ("rigid", "compliant")}
 _PRESETS = (
     Preset(
         name="ideal",
         content="Kinematic flow and torque, no leakage, rigid fluid.",
         interfaces={},
-        unused_tables=("machine.casing.wear_in", *_BALANCE_TABLES),
+        unused=("running_in", *_BALANCE),
     ),
     Preset(
         name="lumped",
@@ -84,7 +81,7 @@ _PRESETS = (
             "lateral": ("closed_form", "reynolds", "table"),
             **_CONTACTS,
         },
-        unused_tables=_BALANCE_TABLES,
+        unused=_BALANCE,
     ),
     Preset(
         name="films",
@@ -94,7 +91,7 @@ _PRESETS = (
             "lateral": ("reynolds", "closed_form"),
             **_CONTACTS,
         },
-        unused_tables=_BALANCE_TABLES,
+        unused=_BALANCE,
     ),
     Preset(
         name="elastic",
@@ -104,12 +101,32 @@ _PRESETS = (
             "lateral": ("elastic",),
             **_CONTACTS,
         },
-        unused_tables=("machine.startup",),
+        unused=("startup",),
     ),
 )
 
 PRESETS: Mapping[str, Preset] = {preset.name: preset for preset in _PRESETS}
 """Fidelity presets by name."""
+
+
+def unused_tables(case: Case) -> dict[str, str]:
+    """Tables of a case that its run does not use, by their path, each with the reason."""
+    run, tables = case.run, getattr(case.machine, "part_tables", {})
+    reasons = dict.fromkeys(PRESETS[run.fidelity].unused, f"by a run with {run.fidelity!r}")
+    if case.circuit is not None:
+        reasons.pop("startup", None)  # a circuit lets the shaft turn freely
+    if run.film_tables is not None:
+        reasons.pop("floating_bearing", None)
+    if run.deformation != "bodies":
+        reasons.setdefault("elastic_bodies", f"with run.deformation = {run.deformation!r}")
+    given = {
+        f"machine.{tables[part]}": reason
+        for part, reason in reasons.items()
+        if part in tables and attrgetter(tables[part])(case.machine) is not None
+    }
+    if case.study is not None and run.fidelity != "elastic":
+        given["study"] = f"by a run with {run.fidelity!r}"
+    return given
 
 
 def interface_models(case: Case, tables: tuple[str, ...] = ()) -> dict[str, str]:

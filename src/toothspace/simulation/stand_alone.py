@@ -5,18 +5,18 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from inspect import signature
 from pathlib import Path
-from typing import Any, final
+from typing import Any, TypeVar, final
 
 import numpy as np
 
 from toothspace.case import Case
 from toothspace.case.stand_alone import (
     FilmCase,
-    FilmTable,
+    FilmKeys,
     JournalBearingCase,
     LateralFilmCase,
-    PlaneFilmKeys,
     RingFilmCase,
     ShaftOrbit,
 )
@@ -28,7 +28,7 @@ from toothspace.films.journal.bearing import JournalBearing
 from toothspace.films.journal.geometry import Groove, Lobes
 from toothspace.films.journal.shaft_motion import OrbitSettings, shaft_orbit
 from toothspace.films.journal.solution import JournalBearingSolution
-from toothspace.films.lateral.rigid_faces import FaceFilms, FaceSetting, solve_faces
+from toothspace.films.lateral.rigid_faces import FaceSetting, solve_faces
 from toothspace.films.plane.pad import Pad, Pocket
 from toothspace.films.plane.ring import LateralFilm
 from toothspace.films.reynolds.fluid import FilmFluid
@@ -45,6 +45,8 @@ from toothspace.films.thermal import Film, solve_heated
 from toothspace.model.description import MachineDescription
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.simulation.heating import film_heating, liquid_of
+
+T = TypeVar("T")
 
 FILE_SUFFIXES: Mapping[str, Callable[[FilmSolution, Path], None]] = {
     ".nc": save_film,
@@ -116,7 +118,7 @@ def _solved(solve: Callable[[], CaseFilms], fields: Path | None) -> dict[str, An
 
 
 def _heated(
-    case: Case, keys: FilmTable, solve: Callable[[float], Film], place: str = "film"
+    case: Case, keys: FilmKeys, solve: Callable[[float], Film], place: str = "film"
 ) -> tuple[Film, dict[str, Any]]:
     """Film at its viscosity, and the numbers of its heat balance if there is one."""
     if keys.heat is None:
@@ -136,10 +138,14 @@ def _heated(
 def _solve_journal(case: Case, keys: JournalBearingCase) -> CaseFilms:
     if keys.heat is not None and keys.orbit is not None:
         raise CaseError("bearing.heat: found an orbit, allowed a steady film")
+    own = {
+        "grooves": tuple(Groove(**vars(groove)) for groove in keys.grooves),
+        "lobes": None if keys.lobes is None else Lobes(**vars(keys.lobes)),
+    }
     film, heat = _heated(
         case,
         keys,
-        lambda viscosity: _journal_film(_bearing(keys, viscosity), keys),
+        lambda viscosity: _journal_film(_made(JournalBearing, keys, viscosity, **own), keys),
         "bearing",
     )
     summary = bearing_summary(film) | heat
@@ -196,10 +202,12 @@ def _orbit(
 
 
 def _solve_pad(case: Case, keys: FilmCase) -> CaseFilms:
+    p = keys.pocket
+    pocket = None if p is None else Pocket(p.depth, p.x, p.length, p.width)
     film, heat = _heated(
         case,
         keys,
-        lambda viscosity: _pad(keys, viscosity).solve(
+        lambda viscosity: _made(Pad, keys, viscosity, pocket=pocket).solve(
             speed=keys.speed, squeeze_velocity=keys.squeeze_velocity
         ),
     )
@@ -210,112 +218,45 @@ def _solve_ring(case: Case, keys: RingFilmCase) -> CaseFilms:
     film, heat = _heated(
         case,
         keys,
-        lambda viscosity: _ring(keys, viscosity).solve(
+        lambda viscosity: _made(LateralFilm, keys, viscosity).solve(
             shaft_speed=keys.shaft_speed, squeeze_velocity=keys.squeeze_velocity
         ),
     )
     return CaseFilms({"": film}, ring_summary(film) | heat)
 
 
-def _ring(keys: RingFilmCase, dynamic_viscosity: float) -> LateralFilm:
-    return LateralFilm(
-        inner_radius=keys.inner_radius,
-        outer_radius=keys.outer_radius,
-        side_gap=keys.side_gap,
-        fluid=_film_fluid(keys, dynamic_viscosity),
-        tilt=keys.tilt,
-        grid=keys.grid,
-        inner_pressure=keys.inner_pressure,
-        outer_pressure=keys.outer_pressure,
-        surfaces=_surfaces(keys),
-        cavitation=keys.cavitation,
-        cavitation_pressure=keys.cavitation_pressure,
-    )
-
-
 def _solve_faces(case: Case, keys: LateralFilmCase, machine: MachineDescription) -> CaseFilms:
-    faces, heat = _heated(case, keys, lambda viscosity: _machine_faces(keys, machine, viscosity))
-    films = dict(zip(faces.bodies, faces.films, strict=True))
-    return CaseFilms(films, faces_summary(faces) | heat)
-
-
-def _machine_faces(
-    keys: LateralFilmCase, description: MachineDescription, dynamic_viscosity: float
-) -> FaceFilms:
     condition = OperatingCondition(
         shaft_speed=keys.shaft_speed,
         inlet_pressure=keys.inlet_pressure,
         outlet_pressure=keys.outlet_pressure,
-        drain_pressure=description.drain_pressure,
+        drain_pressure=machine.drain_pressure,
     )
-    setting = FaceSetting(
-        side_gap=keys.side_gap,
-        fluid=_film_fluid(keys, dynamic_viscosity),
-        tilt=keys.tilt,
-        shaft_angle=keys.shaft_angle,
-        surfaces=_surfaces(keys),
-        cavitation=keys.cavitation,
-        cavitation_pressure=keys.cavitation_pressure,
-        grid=keys.grid,
+    faces, heat = _heated(
+        case,
+        keys,
+        lambda viscosity: solve_faces(machine, condition, _made(FaceSetting, keys, viscosity)),
     )
-    return solve_faces(description, condition, setting)
+    films = dict(zip(faces.bodies, faces.films, strict=True))
+    return CaseFilms(films, faces_summary(faces) | heat)
 
 
-def _film_fluid(keys: PlaneFilmKeys, dynamic_viscosity: float) -> FilmFluid:
+def _made(of: Callable[..., T], keys: FilmKeys, dynamic_viscosity: float, **other: Any) -> T:
+    """Film of a table: its keys have the names of the parameters."""
+    known = set(signature(of).parameters)
     compressible = keys.density == "dowson_higginson"
-    return FilmFluid(dynamic_viscosity, keys.pressure_viscosity, compressible)
+    given = {
+        **vars(keys),
+        "dynamic_viscosity": dynamic_viscosity,
+        "compressible": compressible,
+        "fluid": FilmFluid(dynamic_viscosity, keys.pressure_viscosity, compressible),
+        "surfaces": None if keys.surfaces is None else RoughSurfaces(**vars(keys.surfaces)),
+        **other,
+    }
+    return of(**{name: value for name, value in given.items() if name in known})
 
 
-def _surfaces(keys: FilmTable) -> RoughSurfaces | None:
-    """Rough surfaces of a film table; the keys have the names of the parameters."""
-    return None if keys.surfaces is None else RoughSurfaces(**vars(keys.surfaces))
-
-
-def _pad(keys: FilmCase, dynamic_viscosity: float) -> Pad:
-    pocket = None
-    if keys.pocket is not None:
-        p = keys.pocket
-        pocket = Pocket(p.depth, p.x, p.length, p.width)
-    return Pad(
-        length=keys.length,
-        width=keys.width,
-        inlet_height=keys.inlet_height,
-        outlet_height=keys.outlet_height,
-        fluid=_film_fluid(keys, dynamic_viscosity),
-        pocket=pocket,
-        grid=keys.grid,
-        cavitation=keys.cavitation,
-        ambient_pressure=keys.ambient_pressure,
-        cavitation_pressure=keys.cavitation_pressure,
-        side_condition=keys.side_condition,
-        surfaces=_surfaces(keys),
-    )
-
-
-def _bearing(keys: JournalBearingCase, dynamic_viscosity: float) -> JournalBearing:
-    grooves = tuple(
-        Groove(g.angle, g.width, g.length, g.pressure, g.position) for g in keys.grooves
-    )
-    return JournalBearing(
-        diameter=keys.diameter,
-        length=keys.length,
-        radial_clearance=keys.radial_clearance,
-        dynamic_viscosity=dynamic_viscosity,
-        grid=keys.grid,
-        cavitation=keys.cavitation,
-        grooves=grooves,
-        end_pressure=keys.end_pressure,
-        cavitation_pressure=keys.cavitation_pressure,
-        end_condition=keys.end_condition,
-        surfaces=_surfaces(keys),
-        lobes=None if keys.lobes is None else Lobes(**vars(keys.lobes)),
-        supply=keys.supply,
-        pressure_viscosity=keys.pressure_viscosity,
-        compressible=keys.density == "dowson_higginson",
-    )
-
-
-def _viscosity(case: Case, keys: FilmTable) -> float:
+def _viscosity(case: Case, keys: FilmKeys) -> float:
     """Dynamic viscosity of a film table, or of the fluid of the case at its temperature. [Pa s]."""
     if keys.dynamic_viscosity is not None:
         return float(keys.dynamic_viscosity)

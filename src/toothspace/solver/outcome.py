@@ -46,7 +46,7 @@ from toothspace.model.path_category import (
 )
 from toothspace.results.ledger import Ledger, ledger_from
 from toothspace.results.solution import Solution
-from toothspace.results.variables import dataset_from
+from toothspace.results.variables import LABELS, dataset_from
 from toothspace.solver.compiled_model import (
     Observation,
     column_energy_of,
@@ -104,11 +104,7 @@ def solution_from(
     data = dataset_from(
         values,
         labels_of(system),
-        attributes={
-            "title": title,
-            "machine": system.description.name,
-            "mode": system.description.mode,
-        },
+        attributes=attributes_of(system.description, title),
     )
     return Solution(
         status=history.status,
@@ -357,7 +353,8 @@ def _contact_gaps(history: History) -> Array:
 
 def loss_values(history: History, seen: Observation) -> dict[str, Array]:
     """Friction torque and power by mechanism, at every sample."""
-    torque = seen.torque[:, : len(FRICTION_MECHANISMS)]
+    present = history.system.description.friction_mechanisms
+    torque = seen.torque[:, [FRICTION_MECHANISMS.index(name) for name in present]]
     return {"torque_loss": torque, "power_loss": torque * history.states[:, 1:2]}
 
 
@@ -395,6 +392,11 @@ def _path_values(system: System) -> dict[str, Array]:
     }
 
 
+def attributes_of(description: MachineDescription, title: str) -> dict[str, str]:
+    """What every result says of its machine besides the title of its case."""
+    return {"title": title, "machine": description.name, "mode": description.mode}
+
+
 def labels_of(system: System) -> dict[str, list[str]]:
     """Labels of all dimensions of a result."""
     description = system.description
@@ -402,9 +404,9 @@ def labels_of(system: System) -> dict[str, list[str]]:
         "chamber": description.chamber_labels,
         "body": [body.name for body in description.bodies],
         "journal": journal_bodies(system),
-        "axis": ["x", "y", "z"],
+        "axis": list(LABELS["axis"]),
         "contact": system.contact_labels,
         "path": [category.name for category in leakage_categories(system)],
-        "mechanism": list(FRICTION_MECHANISMS),
-        "port": ["inlet", "outlet", "drain", "inlet_groove", "outlet_groove"],
+        "mechanism": list(description.friction_mechanisms),
+        "port": list(LABELS["port"]),
     }

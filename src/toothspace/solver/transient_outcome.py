@@ -27,7 +27,13 @@ from toothspace.results.stream import SampleStream
 from toothspace.results.variables import WITH_EXTREMES, dataset_from
 from toothspace.solver.compiled_model import Observation, observe
 from toothspace.solver.cyclic import History, Progress
-from toothspace.solver.outcome import body_values, labels_of, loss_values, window_ledger
+from toothspace.solver.outcome import (
+    attributes_of,
+    body_values,
+    labels_of,
+    loss_values,
+    window_ledger,
+)
 from toothspace.solver.transient import TimePlan, TransientMarch
 
 _AT_ONCE = 1e-12
@@ -63,11 +69,7 @@ def transient_solution(
         {**rows, **constants, **extra},
         {**labels_of(system), "node": list(_nodes(system))},
         sample="time",
-        attributes={
-            "title": title,
-            "machine": system.description.name,
-            "mode": system.description.mode,
-        },
+        attributes=attributes_of(system.description, title),
     )
     return Solution(
         status=march.status,
@@ -123,11 +125,15 @@ def _values(march: TransientMarch, times: Array, states: Array) -> dict[str, Arr
     sign = -1.0 if description.mode == "motor" else 1.0
     inlet, outlet = description.inlet_node, description.outlet_node
     nodes = list(_nodes(system).values())
+    torque = seen.torque[:, -1]
+    if system.condition.free_shaft is not None:
+        # friction that holds a shaft at rest is inside the machine
+        torque = np.where(states[:, 1] == 0.0, 0.0, torque)
     return {
         "shaft_angle": states[:, 0],
         "time": times,
         "shaft_speed": states[:, 1],
-        "shaft_torque": sign * _machine_torque(system, seen, states),
+        "shaft_torque": sign * torque,
         **_load_values(system, times, states),
         "supply_speed": _supply_speed(system, times),
         "pressure_difference": sign * (seen.pressure[:, outlet] - seen.pressure[:, inlet]),
@@ -140,13 +146,6 @@ def _values(march: TransientMarch, times: Array, states: Array) -> dict[str, Arr
         **body_values(history, seen),
         **loss_values(history, seen),
     }
-
-
-def _machine_torque(system: System, seen: Observation, states: Array) -> Array:
-    """Torque of the shaft on the machine; friction that holds a shaft at rest is inside."""
-    if system.condition.free_shaft is None:
-        return seen.torque[:, -1]
-    return np.where(states[:, 1] == 0.0, 0.0, seen.torque[:, -1])
 
 
 def _load_values(system: System, times: Array, states: Array) -> dict[str, Array]:

@@ -27,7 +27,7 @@ from toothspace.studies.lateral_points import LateralPoints, PointCondition, fil
 from toothspace.studies.records import DONE, Record
 from toothspace.studies.stored_point import point_key
 from toothspace.studies.study import Row, StudyContext, StudyResult, StudyTable, plain
-from toothspace.studies.tabulate import provenance, unit_of
+from toothspace.studies.tabulate import unit_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -89,13 +89,6 @@ class FilmTable:
 def run(case: Case, context: StudyContext) -> StudyResult:
     """Follow the outlet pressures for every balanced area and every friction coefficient.
 
-    Parameters
-    ----------
-    case : Case
-        Case with ``kind = "balance_sweep"``, an operating point and a floating bearing.
-    context : StudyContext
-        Progress, and records of tables that are finished.
-
     Returns
     -------
     StudyResult
@@ -112,13 +105,10 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     tables = film_tables(case, study, context)
     loops = follow_all(tables, study)
     return StudyResult(
-        kind="balance_sweep",
-        title=case.title,
         status=Status.DONE,
         data=_dataset(study, tables, loops),
         numbers=_numbers(study, tables, loops),
         tables=(_table(study, tables, loops),),
-        provenance=provenance(case),
     )
 
 
@@ -156,14 +146,7 @@ def _recorded(kept: Record) -> FilmTable:
 
 
 def _film_table(points: LateralPoints, pressure: float) -> FilmTable:
-    base = points.case.operating_point
-    assert base is not None
-    condition = PointCondition(
-        label="",
-        outlet_pressure=pressure,
-        inlet_pressure=base.inlet_pressure,
-        shaft_speed=base.shaft_speed,
-    )
+    condition = PointCondition.of(points.case, "", outlet_pressure=pressure)
     data, machine = points.lumped(condition).data, points.machine
     problem = lateral_problem(machine.description, machine.fluid, data, points.settings)
     rigid = replace(points.settings, angles=_PLANE_ANGLES, deformation="none")

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import TYPE_CHECKING, Any, final
+from typing import Any, final
 
 from toothspace.case import Case
 from toothspace.case.study import BearingMapStudy
@@ -14,23 +14,12 @@ from toothspace.core.units import from_si
 from toothspace.simulation.lateral.coupling import CoupledPoint
 from toothspace.studies.lateral_points import PointCondition, film_numbers, prepare, require_bearing
 from toothspace.studies.points import Point, collected, point, status_of
-from toothspace.studies.records import Record, failed_count
-from toothspace.studies.study import Row, StudyContext, StudyResult, StudyTable
-from toothspace.studies.tabulate import columns, map_dataset, provenance
-
-if TYPE_CHECKING:
-    import xarray as xr
+from toothspace.studies.study import StudyContext, StudyResult, StudyTable
+from toothspace.studies.tabulate import columns, map_dataset, point_lists
 
 
 def run(case: Case, context: StudyContext) -> StudyResult:
     """Find the equilibrium at every shaft speed and outlet pressure, each from the start gap.
-
-    Parameters
-    ----------
-    case : Case
-        Case with ``kind = "bearing_map"``, an operating point and a floating bearing.
-    context : StudyContext
-        Progress, workers and records.
 
     Returns
     -------
@@ -52,14 +41,20 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     points = [_point(case, *pair) for pair in pairs]
     evaluate = BearingNumbers(study.start_gap, study.coupling_rounds)
     records = collected(points, context, evaluate)
+    values = {
+        "shaft_speed_rpm": [from_si(speed, "rpm") for speed, _ in pairs],
+        "outlet_pressure_bar": [pressure * 1e-5 for _, pressure in pairs],
+    }
+    lists = {**values, **columns(records), "status": [r.status for r in records]}
+    axes = {
+        "shaft_speed": (study.shaft_speed, "rad/s"),
+        "outlet_pressure": (study.outlet_pressure, "Pa"),
+    }
     return StudyResult(
-        kind="bearing_map",
-        title=case.title,
         status=status_of(records),
-        data=_dataset(study, records),
-        numbers=_numbers(pairs, records),
-        tables=(_table(pairs, records),),
-        provenance=provenance(case),
+        data=map_dataset(axes, records),
+        numbers=point_lists(values, records),
+        tables=(StudyTable("points", tuple(lists), tuple(zip(*lists.values(), strict=True))),),
     )
 
 
@@ -94,14 +89,7 @@ class BearingNumbers:
 
     def __call__(self, case: Case) -> Mapping[str, Any]:
         """Return numbers of the films with the status, names with unit suffix."""
-        base = case.operating_point
-        assert base is not None
-        condition = PointCondition(
-            label=case.title,
-            outlet_pressure=base.outlet_pressure,
-            inlet_pressure=base.inlet_pressure,
-            shaft_speed=base.shaft_speed,
-        )
+        condition = PointCondition.of(case, case.title)
         points = replace(prepare(case, None, "bearing_map"), rounds=self.rounds)
         return point_numbers(points.solve(condition, self.start_gap))
 
@@ -115,33 +103,3 @@ def point_numbers(found: CoupledPoint) -> dict[str, Any]:
         "force_balance_error": found.equilibrium.balance.residual,
         "status": found.status.name.lower(),
     }
-
-
-def _dataset(study: BearingMapStudy, records: Sequence[Record]) -> xr.Dataset:
-    axes = {
-        "shaft_speed": (study.shaft_speed, "rad/s"),
-        "outlet_pressure": (study.outlet_pressure, "Pa"),
-    }
-    return map_dataset(axes, records)
-
-
-def _numbers(pairs: Sequence[tuple[float, float]], records: Sequence[Record]) -> dict[str, Any]:
-    return {
-        "points": len(records),
-        "points_failed": failed_count(records),
-        "shaft_speed_rpm": [from_si(speed, "rpm") for speed, _ in pairs],
-        "outlet_pressure_bar": [pressure * 1e-5 for _, pressure in pairs],
-        **columns(records),
-        "point_status": [r.status for r in records],
-    }
-
-
-def _table(pairs: Sequence[tuple[float, float]], records: Sequence[Record]) -> StudyTable:
-    found = columns(records)
-    rows: list[Row] = [
-        (from_si(speed, "rpm"), p * 1e-5, *(found[name][k] for name in found), records[k].status)
-        for k, (speed, p) in enumerate(pairs)
-    ]
-    return StudyTable(
-        "points", ("shaft_speed_rpm", "outlet_pressure_bar", *found, "status"), tuple(rows)
-    )

@@ -19,19 +19,11 @@ from toothspace.studies.measured import Measured, Signals, read_measured
 from toothspace.studies.points import Evaluate, evaluate_points, point, summary_numbers
 from toothspace.studies.records import Record
 from toothspace.studies.study import StudyContext, StudyResult, StudyTable
-from toothspace.studies.tabulate import provenance
 from toothspace.studies.variation import Axis, axes_of, written_values
 
 
 def run(case: Case, context: StudyContext) -> StudyResult:
     """Fit the keys of ``study.fit`` to the columns of ``study.data``.
-
-    Parameters
-    ----------
-    case : Case
-        Case with ``kind = "calibrate"``; with a circuit for signals over time.
-    context : StudyContext
-        Progress, workers and records.
 
     Returns
     -------
@@ -235,13 +227,10 @@ def _result(case: Case, status: Status, outcome: _Outcome) -> StudyResult:
         }
         tables = (_values_table(values), _errors_table(errors))
     return StudyResult(
-        kind="calibrate",
-        title=case.title,
         status=status,
         data=data,
         numbers=numbers,
         tables=tables,
-        provenance=provenance(case),
     )
 
 

@@ -18,7 +18,7 @@ from toothspace.studies.measured import read_measured
 from toothspace.studies.points import Point, collected, point, status_of
 from toothspace.studies.records import Record, failed_count
 from toothspace.studies.study import Row, StudyContext, StudyResult, StudyTable
-from toothspace.studies.tabulate import columns, provenance, unit_of
+from toothspace.studies.tabulate import columns, unit_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -43,13 +43,6 @@ _NUMBERS = (
 def run(case: Case, context: StudyContext) -> StudyResult:
     """Run the case as it stands and over ``study.tip_clearance`` and ``pressure_difference``.
 
-    Parameters
-    ----------
-    case : Case
-        Steady gerotor case with ``kind = "contact_span"``.
-    context : StudyContext
-        Progress, workers and records.
-
     Returns
     -------
     StudyResult
@@ -69,17 +62,17 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     waveforms = _waveforms(case)
     if study.measured is not None:
         waveforms = waveforms.merge(_measured(study.measured, case.operating_point.shaft_speed))
-    pairs = list(product(_clearances(case, study), _differences(case, study)))
+    rotors, ports = case.machine.rotors, case.operating_point
+    clearances = study.tip_clearance or (rotors.tip_clearance,)
+    own = ports.outlet_pressure - ports.inlet_pressure
+    pairs = list(product(clearances, study.pressure_difference or (own,)))
     points = [_point(case, *pair) for pair in pairs]
     records = collected(points, context, contact_numbers)
     return StudyResult(
-        kind="contact_span",
-        title=case.title,
         status=status_of(records),
         data=waveforms.merge(_dataset(pairs, records)),
         numbers=_numbers(pairs, records, waveforms),
         tables=(_table(pairs, records),),
-        provenance=provenance(case),
     )
 
 
@@ -175,18 +168,6 @@ def _torque(solution: Solution, angle: Array) -> Array:
     return np.asarray(
         np.interp(angle, own, np.asarray(solution.data["shaft_torque"]), period=2.0 * np.pi)
     )
-
-
-def _clearances(case: Case, study: ContactSpanStudy) -> Sequence[float]:
-    machine: Any = case.machine
-    return study.tip_clearance or (machine.rotors.tip_clearance,)
-
-
-def _differences(case: Case, study: ContactSpanStudy) -> Sequence[float]:
-    operating = case.operating_point
-    assert operating is not None
-    own = operating.outlet_pressure - operating.inlet_pressure
-    return study.pressure_difference or (own,)
 
 
 def _point(case: Case, clearance: float, difference: float) -> Point:

@@ -15,9 +15,9 @@ from toothspace.core.errors import CaseError
 from toothspace.core.units import from_si, parse_quantity
 from toothspace.studies.measured import read_measured
 from toothspace.studies.points import Point, collected, point, status_of
-from toothspace.studies.records import Record, failed_count
+from toothspace.studies.records import Record
 from toothspace.studies.study import Row, StudyContext, StudyResult, StudyTable
-from toothspace.studies.tabulate import columns, map_dataset, provenance, unit_of
+from toothspace.studies.tabulate import map_dataset, point_lists, unit_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -40,13 +40,6 @@ def run(case: Case, context: StudyContext) -> StudyResult:
 
     The low-pressure side stays as in ``[operating_point]``: the inlet of a pump, the outlet of
     a motor.
-
-    Parameters
-    ----------
-    case : Case
-        Case with ``kind = "efficiency_map"`` and an operating point.
-    context : StudyContext
-        Progress, workers and records.
 
     Returns
     -------
@@ -72,14 +65,21 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     pairs = list(product(study.shaft_speed, study.pressure_difference))
     points = [_point(case, speed, difference) for speed, difference in pairs]
     records = collected(points, context)
+    axes = {
+        "shaft_speed": (study.shaft_speed, "rad/s"),
+        "pressure_difference": (study.pressure_difference, "Pa"),
+    }
     return StudyResult(
-        kind="efficiency_map",
-        title=case.title,
         status=status_of(records),
-        data=_dataset(study, records).merge(_measured(case, study)),
-        numbers=_numbers(pairs, records),
+        data=map_dataset(axes, records).merge(_measured(case, study)),
+        numbers=point_lists(
+            {
+                "shaft_speed_rpm": [from_si(speed, "rpm") for speed, _ in pairs],
+                "pressure_difference_bar": [difference * 1e-5 for _, difference in pairs],
+            },
+            records,
+        ),
         tables=(_table(pairs, records),),
-        provenance=provenance(case),
     )
 
 
@@ -94,14 +94,6 @@ def _point(case: Case, speed: float, difference: float) -> Point:
         f"operating_point.{high_port}_pressure": f"{(low + difference) * 1e-5:.12g} bar",
     }
     return point(case, values)
-
-
-def _dataset(study: EfficiencyMapStudy, records: Sequence[Record]) -> xr.Dataset:
-    axes = {
-        "shaft_speed": (study.shaft_speed, "rad/s"),
-        "pressure_difference": (study.pressure_difference, "Pa"),
-    }
-    return map_dataset(axes, records)
 
 
 def _measured(case: Case, study: EfficiencyMapStudy) -> xr.Dataset:
@@ -146,19 +138,6 @@ def _measured_point(case: Case, path: Path, row: Mapping[str, Any]) -> tuple[flo
         allowed = "operating_point.shaft_speed and a port pressure of operating_point"
         raise CaseError(f"{path}: columns: found {sorted(row)}, allowed {allowed}")
     return speed, abs(known["outlet_pressure"] - known["inlet_pressure"])
-
-
-def _numbers(pairs: Sequence[tuple[float, float]], records: Sequence[Record]) -> dict[str, Any]:
-    found = columns(records)
-    found.pop("shaft_speed_rpm", None)
-    return {
-        "points": len(records),
-        "points_failed": failed_count(records),
-        "shaft_speed_rpm": [from_si(speed, "rpm") for speed, _ in pairs],
-        "pressure_difference_bar": [difference * 1e-5 for _, difference in pairs],
-        **found,
-        "point_status": [r.status for r in records],
-    }
 
 
 def _table(pairs: Sequence[tuple[float, float]], records: Sequence[Record]) -> StudyTable:

@@ -11,6 +11,7 @@ import numpy as np
 from toothspace.case import Case
 from toothspace.case.study import HysteresisStudy
 from toothspace.core.errors import CaseError
+from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.core.units import parse_quantity
 from toothspace.model.lateral_balance import HousingContact
@@ -36,13 +37,6 @@ _SAME = 0.02
 def run(case: Case, context: StudyContext) -> StudyResult:
     """Position, leakage and torque loss as the outlet pressure goes up and down.
 
-    Parameters
-    ----------
-    case : Case
-        Case with ``kind = "hysteresis"``, an operating point and a floating bearing.
-    context : StudyContext
-        Progress and records; points follow from one another, so one process computes them.
-
     Returns
     -------
     StudyResult
@@ -59,15 +53,15 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     measured = None if spec.measured is None else read_positions(spec.measured)
     study = follow_pressures(case, context)
     numbers: dict[str, Any] = {}
-    if not study.interrupted:
+    if study.status is not Status.INTERRUPTED:
         numbers["loop_area_um_bar"] = loop_area(study) * 1e6 * 1e-5
     highest = max(point.breakaway_force for point in study.points)
     curves = friction_curves(_contact(spec), highest)
     if measured is None:
-        return study.result(case, numbers, curves)
+        return study.result(numbers, curves)
     beside = lay_over(measured, spec.sensor_deflection or 0.0)
     numbers |= _deviations(study, beside)
-    return study.result(case, numbers, beside.merge(curves))
+    return study.result(numbers, beside.merge(curves))
 
 
 def _contact(spec: HysteresisStudy) -> HousingContact:
@@ -109,30 +103,17 @@ def follow_pressures(case: Case, context: StudyContext | None = None) -> Lateral
         raise CaseError('study.kind: found another study, allowed "hysteresis"')
     friction = _contact(study)
     points = replace(prepare(case, friction, "hysteresis"), rounds=study.coupling_rounds)
-    base = case.operating_point
-    assert base is not None
-    conditions = [
-        PointCondition(
-            label=f"{k + 1}: {pressure * 1e-5:.4g} bar",
-            outlet_pressure=pressure,
-            inlet_pressure=base.inlet_pressure,
-            shaft_speed=base.shaft_speed,
-        )
+    conditions = tuple(
+        PointCondition.of(case, f"{k + 1}: {pressure * 1e-5:.4g} bar", outlet_pressure=pressure)
         for k, pressure in enumerate(study.outlet_pressures)
-    ]
+    )
     asked = (study.start_gap, friction, study.coupling_rounds)
     keys = [
         point_key(case, "hysteresis", *asked, study.outlet_pressures[: k + 1])
         for k in range(len(conditions))
     ]
     found = follow(points, conditions, study.start_gap, context or StudyContext(), keys)
-    return LateralStudy(
-        "hysteresis",
-        tuple(c.label for c in conditions[: len(found)]),
-        found,
-        study.outlet_pressures[: len(found)],
-        interrupted=len(found) < len(conditions),
-    )
+    return LateralStudy(conditions, found)
 
 
 def read_positions(path: Path) -> tuple[Array, Array]:

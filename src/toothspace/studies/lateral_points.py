@@ -36,7 +36,7 @@ from toothspace.studies.stored_point import (
     stored_point,
 )
 from toothspace.studies.study import Progress, StudyContext, StudyResult, StudyTable
-from toothspace.studies.tabulate import provenance, unit_of
+from toothspace.studies.tabulate import unit_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -48,37 +48,64 @@ _LUMPED_REVOLUTIONS = 24
 
 
 @final
+@dataclass(frozen=True, kw_only=True)
+class PointCondition:
+    """One point of a study.
+
+    Parameters
+    ----------
+    label : str
+        Name.
+    outlet_pressure, inlet_pressure : float
+        Absolute pressures. [Pa]
+    shaft_speed : float
+        Shaft speed. [rad/s]
+    nose_pressure : float or None
+        Absolute pressure on the nose; None: the low pressure. [Pa]
+    """
+
+    label: str
+    outlet_pressure: float
+    inlet_pressure: float
+    shaft_speed: float
+    nose_pressure: float | None = None
+
+    @classmethod
+    def of(cls, case: Case, label: str, **given: float) -> PointCondition:
+        """Condition of a case with an operating point, but for what is given."""
+        point = case.operating_point
+        assert point is not None
+        names = ("outlet_pressure", "inlet_pressure", "shaft_speed")
+        return cls(label=label, **{name: getattr(point, name) for name in names} | given)
+
+
+@final
 @dataclass(frozen=True)
 class LateralStudy:
     """Points of a study in their order.
 
     Parameters
     ----------
-    kind : str
-        ``hysteresis`` or ``nose_pressure``.
-    labels : tuple of str
-        Names of the points.
+    conditions : tuple of PointCondition
+        What is asked for.
     points : tuple of StoredPoint
-        What was found.
-    outlet_pressures : tuple of float
-        Outlet pressures of the points. [Pa]
-    interrupted : bool
-        Whether points are missing at the end.
+        What was found; after an interrupt the points at the end are missing.
     """
 
-    kind: str
-    labels: tuple[str, ...]
+    conditions: tuple[PointCondition, ...]
     points: tuple[StoredPoint, ...]
-    outlet_pressures: tuple[float, ...]
-    interrupted: bool = False
 
     @property
     def status(self) -> Status:
         """Interrupted, else failure of the first point that failed, else done."""
-        failed = [p.status for p in self.points if p.status is not Status.DONE]
-        if self.interrupted:
+        if len(self.points) < len(self.conditions):
             return Status.INTERRUPTED
-        return failed[0] if failed else Status.DONE
+        return next((p.status for p in self.points if p.status is not Status.DONE), Status.DONE)
+
+    @property
+    def outlet_pressures(self) -> tuple[float, ...]:
+        """Outlet pressures of the points found. [Pa]."""
+        return tuple(c.outlet_pressure for c in self.conditions[: len(self.points)])
 
     def summary(self) -> dict[str, Any]:
         """Numbers of all points as lists, with unit suffixes."""
@@ -89,7 +116,7 @@ class LateralStudy:
             return {name: [one[name] for one in shown] for name in names}
 
         return {
-            "point": list(self.labels),
+            "point": [c.label for c in self.conditions[: len(self.points)]],
             "outlet_pressure_bar": [p * 1e-5 for p in self.outlet_pressures],
             "nose_pressure_bar": [p.nose_pressure * 1e-5 for p in self.points],
             **column("bearing_position_um"),
@@ -116,13 +143,14 @@ class LateralStudy:
         """Numbers over ``point`` and the fields of all films: at the last angle, wear over all."""
         import xarray as xr
 
+        lists = self.summary()
         data: dict[str, Any] = {
             name: ("point", np.asarray(values), {"units": unit_of(name)})
-            for name, values in self.summary().items()
+            for name, values in lists.items()
             if name not in ("point", "point_status")
         }
-        data["point_label"] = ("point", np.asarray(self.labels, dtype=str))
-        data["point_status"] = ("point", np.asarray(self.summary()["point_status"], dtype=str))
+        for name, key in (("point_label", "point"), ("point_status", "point_status")):
+            data[name] = ("point", np.asarray(lists[key], dtype=str))
         maps = [p.maps for p in self.points]
         for name in FIELDS:
             entry = variable(name)
@@ -134,21 +162,16 @@ class LateralStudy:
             coords[name] = (entry.dimensions, maps[0][name], {"units": entry.units})
         return xr.Dataset(data, coords=coords)
 
-    def result(
-        self, case: Case, numbers: Mapping[str, Any], beside: xr.Dataset | None = None
-    ) -> StudyResult:
+    def result(self, numbers: Mapping[str, Any], beside: xr.Dataset | None = None) -> StudyResult:
         """Return the study for files and reports, with numbers and data of its own."""
         lists = self.summary()
         rows = tuple(zip(*lists.values(), strict=True))
         data = self.dataset()
         return StudyResult(
-            kind=self.kind,
-            title=case.title,
             status=self.status,
             data=data if beside is None else data.merge(beside),
             numbers={**numbers, **lists},
             tables=(StudyTable("points", tuple(lists), rows),),
-            provenance=provenance(case),
         )
 
 
@@ -176,30 +199,6 @@ def _parts(numbers: Sequence[LateralNumbers]) -> dict[str, list[float]]:
     if numbers[0].positions.size > 1:
         found["second_position_um"] = [float(n.positions[1]) * 1e6 for n in numbers]
     return found
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class PointCondition:
-    """One point of a study.
-
-    Parameters
-    ----------
-    label : str
-        Name.
-    outlet_pressure, inlet_pressure : float
-        Absolute pressures. [Pa]
-    shaft_speed : float
-        Shaft speed. [rad/s]
-    nose_pressure : float or None
-        Absolute pressure on the nose; None: the low pressure. [Pa]
-    """
-
-    label: str
-    outlet_pressure: float
-    inlet_pressure: float
-    shaft_speed: float
-    nose_pressure: float | None = None
 
 
 @final

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import chain
 
 from toothspace.case import Case
 from toothspace.case.study import NoseCondition, NosePressureStudy
@@ -20,13 +21,6 @@ from toothspace.studies.study import StudyContext, StudyResult
 def run(case: Case, context: StudyContext) -> StudyResult:
     """Position of the bearing over the pressure on its nose at several conditions.
 
-    Parameters
-    ----------
-    case : Case
-        Case with ``kind = "nose_pressure"``, an operating point and a floating bearing.
-    context : StudyContext
-        Progress, and records of points that are finished.
-
     Returns
     -------
     StudyResult
@@ -37,7 +31,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     CaseError
         If the case has no operating point, no floating bearing or one without a nose.
     """
-    return solve_conditions(case, context).result(case, {})
+    return solve_conditions(case, context).result({})
 
 
 def solve_conditions(case: Case, context: StudyContext | None = None) -> LateralStudy:
@@ -81,13 +75,11 @@ def solve_conditions(case: Case, context: StudyContext | None = None) -> Lateral
             "allowed a patch with area and center"
         )
     context, shared = context or StudyContext(), (study.start_gap, friction)
-    conditions: list[PointCondition] = []
+    every = [_conditions(case, one, study.nose_pressure_fractions) for one in study.conditions]
     found: list[StoredPoint] = []
-    for k, condition in enumerate(study.conditions):
+    for k, asked in enumerate(every):
         if context.progress:
-            context.progress(k / len(study.conditions), condition.name)
-        asked = _conditions(case, condition, study.nose_pressure_fractions)
-        conditions += asked
+            context.progress(k / len(every), study.conditions[k].name)
         keys = [point_key(case, "nose_pressure", *shared, replace(c, label="")) for c in asked]
         new = points.solve_alike(asked, study.start_gap, context, keys)
         found += new
@@ -95,13 +87,7 @@ def solve_conditions(case: Case, context: StudyContext | None = None) -> Lateral
             break
     if not found:
         raise KeyboardInterrupt
-    return LateralStudy(
-        "nose_pressure",
-        tuple(c.label for c in conditions[: len(found)]),
-        tuple(found),
-        tuple(c.outlet_pressure for c in conditions[: len(found)]),
-        interrupted=len(found) < len(study.conditions) * len(study.nose_pressure_fractions),
-    )
+    return LateralStudy(tuple(chain.from_iterable(every)), tuple(found))
 
 
 def _conditions(

@@ -17,7 +17,7 @@ from toothspace.studies.least_squares import fit
 from toothspace.studies.points import Point, evaluate_points, point, require_some
 from toothspace.studies.records import Record, failed_count
 from toothspace.studies.study import StudyContext, StudyResult, StudyTable
-from toothspace.studies.tabulate import points_dataset, points_table, provenance
+from toothspace.studies.tabulate import points_dataset, points_table
 from toothspace.studies.variation import Axis, axes_of, unit_samples, written_values
 
 _INFEASIBLE = 1e12
@@ -26,13 +26,6 @@ _FAILED = 1e15
 
 def run(case: Case, context: StudyContext) -> StudyResult:
     """Search for the best values of ``study.vary``.
-
-    Parameters
-    ----------
-    case : Case
-        Case with ``kind = "optimise"``.
-    context : StudyContext
-        Progress, workers and records.
 
     Returns
     -------
@@ -80,8 +73,6 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     data.attrs["objective"] = study.objective or "targets"
     data.attrs["goal"] = study.goal
     return StudyResult(
-        kind="optimise",
-        title=case.title,
         status=status,
         data=data,
         numbers=search.numbers(best),
@@ -89,7 +80,6 @@ def run(case: Case, context: StudyContext) -> StudyResult:
             *search.best_table(best),
             points_table(search.axes, search.rows, search.records),
         ),
-        provenance=provenance(case),
     )
 
 
@@ -118,7 +108,7 @@ class _TriedPoints:
         size = max(5, min(max(10, 5 * keys), budget // 3))
         first = unit_samples(keys, "latin_hypercube", size, self.study.seed)
         found = differential_evolution(
-            lambda shares: self._costs(shares.T),
+            lambda shares: np.array([self._cost(record) for record in self._evaluate(shares.T)]),
             [(0.0, 1.0)] * keys,
             init=first,
             maxiter=max(budget // size - 1, 1),
@@ -171,9 +161,6 @@ class _TriedPoints:
                 allowed = ", ".join(record.numbers)
                 found = f"{missing[0]!r}, which is no result"
                 raise CaseError(f"{self.label}: study: found {found}, allowed {allowed}")
-
-    def _costs(self, shares: Array) -> Array:
-        return np.array([self._cost(record) for record in self._evaluate(shares)])
 
     def _cost(self, record: Record) -> float:
         if not record.succeeded:

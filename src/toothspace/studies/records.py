@@ -97,7 +97,7 @@ class Records:
         if path.is_file() and path.stat().st_size and not self._resume:
             # a forgotten --resume must not cost hours of computing
             path.replace(path.with_name(PREVIOUS_FILE_NAME))
-        _write(path, self._found.values())
+        write_text(path, "".join(_line(record) for record in self._found.values()))
         self._begun = True
 
     def get(self, key: str) -> Record | None:
@@ -125,10 +125,6 @@ def failed_count(records: Sequence[Record]) -> int:
 
 def _line(record: Record) -> str:
     return json.dumps(asdict(record)) + "\n"
-
-
-def _write(path: Path, records: Any) -> None:
-    write_text(path, "".join(_line(record) for record in records))
 
 
 def _read(path: Path) -> dict[str, Record]:

@@ -1,6 +1,8 @@
 """Studies by the value of ``study.kind``.
 
-A study is a module with a function ``run(case, context) -> StudyResult``.
+A study is a module with a function ``run(case, context) -> StudyResult``: the case has a table
+``[study]`` of its kind, the context gives progress, workers and records of finished points. An
+interrupt by the user ends a study with the points that are finished.
 """
 
 from __future__ import annotations
@@ -88,7 +90,10 @@ def run_study(
     CaseError
         If the case asks for the impossible.
     """
-    module = import_module(STUDY_MODULES[kind_of(case)])
+    from toothspace.simulation.setup import provenance_of
+
+    kind = kind_of(case)
+    module = import_module(STUDY_MODULES[kind])
     started = time.perf_counter()
     records = Records(None if folder is None else Path(folder) / FILE_NAME, resume=resume)
     try:
@@ -97,7 +102,13 @@ def run_study(
     except (CaseError, KeyboardInterrupt):
         records.withdraw()
         raise
-    result = replace(result, wall_time=time.perf_counter() - started)
+    result = replace(
+        result,
+        kind=kind,
+        title=case.title,
+        provenance=provenance_of(case),
+        wall_time=time.perf_counter() - started,
+    )
     if folder is not None:
         result.save(folder)
     return result

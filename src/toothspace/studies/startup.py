@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -19,10 +19,7 @@ from toothspace.core.units import from_si
 from toothspace.studies.points import Point, collected, point, status_of
 from toothspace.studies.records import Record, failed_count
 from toothspace.studies.study import Row, StudyContext, StudyResult, StudyTable
-from toothspace.studies.tabulate import columns, provenance, unit_of
-
-if TYPE_CHECKING:
-    import xarray as xr
+from toothspace.studies.tabulate import map_dataset
 
 COLUMNS = (
     ("breakaway_pressure_bar", "breakaway pressure (bar)"),
@@ -42,13 +39,6 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     The history of the supply speed keeps its form and takes the plateau speed as its largest
     value; start angles divide one tooth pitch evenly.
 
-    Parameters
-    ----------
-    case : Case
-        Case with ``kind = "startup"`` and a circuit with a supply pump.
-    context : StudyContext
-        Progress, workers and records.
-
     Returns
     -------
     StudyResult
@@ -65,22 +55,23 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     .. [1] ISO 4392-1:2002, Hydraulic fluid power - Determination of characteristics of motors -
        Part 1: At constant low speed and constant pressure.
     """
+    from toothspace import api
+
     study = case.study
     assert isinstance(study, StartupStudy)
     name, supply = _supply(case)
     speeds = study.plateau_speed or (float(supply[:, 1].max()),)
-    angles = _start_angles(case, study.start_angle_count)
+    pitch = 2.0 * math.pi / api.describe(case).families[0].count
+    angles = [k * pitch / study.start_angle_count for k in range(study.start_angle_count)]
     pairs = list(product(speeds, angles))
     points = [_point(case, name, supply, speed, angle) for speed, angle in pairs]
     records = collected(points, context)
+    axes = {"plateau_speed": (speeds, "rad/s"), "start_angle": (angles, "rad")}
     return StudyResult(
-        kind="startup",
-        title=case.title,
         status=status_of(records),
-        data=_dataset(speeds, angles, records),
+        data=map_dataset(axes, records),
         numbers=_numbers(pairs, records),
         tables=(_table(pairs, records), _starting_torque(records)),
-        provenance=provenance(case),
     )
 
 
@@ -94,14 +85,6 @@ def _supply(case: Case) -> tuple[str, Array]:
     raise CaseError(f"{case.source}: study.kind: found {found}, allowed a circuit with a supply")
 
 
-def _start_angles(case: Case, count: int) -> list[float]:
-    """Shaft angles that divide one tooth pitch. [rad]."""
-    from toothspace import api
-
-    pitch = 2.0 * math.pi / api.describe(case).families[0].count
-    return [k * pitch / count for k in range(count)]
-
-
 def _point(case: Case, name: str, supply: Array, speed: float, angle: float) -> Point:
     scaled = supply[:, 1] * speed / supply[:, 1].max()
     rows = [
@@ -113,24 +96,6 @@ def _point(case: Case, name: str, supply: Array, speed: float, angle: float) -> 
         "circuit.initial_shaft_angle": f"{math.degrees(angle):.12g} deg",
     }
     return point(case, values)
-
-
-def _dataset(
-    speeds: Sequence[float], angles: Sequence[float], records: Sequence[Record]
-) -> xr.Dataset:
-    import xarray as xr
-
-    shape, dims = (len(speeds), len(angles)), ("plateau_speed", "start_angle")
-    data: dict[str, Any] = {
-        name: (dims, np.asarray(values).reshape(shape), {"units": unit_of(name)})
-        for name, values in columns(records).items()
-    }
-    data["point_status"] = (dims, np.asarray([r.status for r in records]).reshape(shape))
-    axes = {
-        "plateau_speed": ("plateau_speed", np.asarray(speeds), {"units": "rad/s"}),
-        "start_angle": ("start_angle", np.asarray(angles), {"units": "rad"}),
-    }
-    return xr.Dataset(data, coords=axes)
 
 
 def _numbers(pairs: Sequence[tuple[float, float]], records: Sequence[Record]) -> dict[str, Any]:

@@ -99,7 +99,12 @@ def record_of(key: str, point: StoredPoint) -> Record:
         "lateral_numbers": asdict(point.numbers),
         "maps": {name: _packed(values) for name, values in point.maps.items()},
     }
-    return Record(key, point.status.name.lower(), plain(numbers), _message(point.status))
+    return Record(
+        key,
+        point.status.name.lower(),
+        plain(numbers),
+        "" if point.status is Status.DONE else point.status.value,
+    )
 
 
 def recorded_point(record: Record) -> StoredPoint:
@@ -127,10 +132,6 @@ def point_key(case: Case, *what: object) -> str:
     """
     text = "\n".join((case.at_point({}).hash, repr(what), toothspace.__version__))
     return hashlib.sha256(text.encode()).hexdigest()[:32]
-
-
-def _message(status: Status) -> str:
-    return "" if status is Status.DONE else status.value
 
 
 def _numbers(kept: Mapping[str, Any]) -> LateralNumbers:

@@ -33,7 +33,7 @@ class StudyContext:
     Parameters
     ----------
     progress : callable or None
-        Told what is done.
+        Called with the finished share and a short text.
     workers : Workers
         Who computes the points.
     records : Records
@@ -70,8 +70,6 @@ class StudyResult:
 
     Parameters
     ----------
-    kind, title : str
-        Value of ``study.kind``, and title of the case.
     status : Status
         Outcome; what was computed is kept if it failed.
     data : xarray.Dataset
@@ -80,18 +78,20 @@ class StudyResult:
         What ``toothspace study --json`` prints: names with unit suffix.
     tables : tuple of StudyTable
         Tables for people.
+    kind, title : str
+        Value of ``study.kind``, and title of the case; from :func:`run_study`, as what follows.
     provenance : mapping of str to str
         Where it comes from.
     wall_time : float
         Time that it took. [s]
     """
 
-    kind: str
-    title: str
     status: Status
     data: xr.Dataset
     numbers: Mapping[str, Any]
     tables: tuple[StudyTable, ...] = ()
+    kind: str = ""
+    title: str = ""
     provenance: Mapping[str, str] = field(default_factory=dict)
     wall_time: float = math.nan
 

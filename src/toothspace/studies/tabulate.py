@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from toothspace.case import Case
 from toothspace.studies.records import Record, failed_count
 from toothspace.studies.study import StudyTable
 from toothspace.studies.variation import Axis
@@ -107,32 +106,23 @@ def points_table(
     names = number_names(records)
     head = [f"{axis.path} ({axis.unit})" if axis.unit else axis.path for axis in axes]
     lines = [
-        (*map(_value, row), *(r.number(name) for name in names), r.status, r.message)
+        (
+            *(x if isinstance(x, str) else float(x) for x in row),
+            *(r.number(name) for name in names),
+            r.status,
+            r.message,
+        )
         for row, r in zip(rows, records, strict=True)
     ]
     return StudyTable("points", (*head, *names, "status", "message"), tuple(lines))
 
 
-def point_lists(
-    axes: Sequence[Axis], rows: Sequence[Sequence[Any]], records: Sequence[Record]
-) -> dict[str, Any]:
-    """Return what ``--json`` prints of points: lists in their order."""
-    values = {axis.path: [axis.written(row[k]) for row in rows] for k, axis in enumerate(axes)}
+def point_lists(values: Mapping[str, Sequence[Any]], records: Sequence[Record]) -> dict[str, Any]:
+    """Return what ``--json`` prints of points: their values and numbers, in their order."""
     return {
         "points": len(records),
         "points_failed": failed_count(records),
         **values,
-        **columns(records),
+        **{name: found for name, found in columns(records).items() if name not in values},
         "point_status": [r.status for r in records],
     }
-
-
-def _value(value: Any) -> float | str:
-    return value if isinstance(value, str) else float(value)
-
-
-def provenance(case: Case) -> dict[str, str]:
-    """Return where the result of a study comes from, as text."""
-    from toothspace.simulation.setup import provenance_of
-
-    return provenance_of(case)

@@ -19,19 +19,12 @@ from toothspace.studies.sensitivity import (
     statistics,
 )
 from toothspace.studies.study import Row, StudyContext, StudyResult, StudyTable
-from toothspace.studies.tabulate import columns, points_dataset, points_table, provenance
+from toothspace.studies.tabulate import columns, points_dataset, points_table
 from toothspace.studies.variation import Axis, axes_of, unit_samples, written_values
 
 
 def run(case: Case, context: StudyContext) -> StudyResult:
     """Run samples of ``study.vary`` and describe the scatter of every summary number.
-
-    Parameters
-    ----------
-    case : Case
-        Case with ``kind = "tolerance"``.
-    context : StudyContext
-        Progress, workers and records.
 
     Returns
     -------
@@ -57,8 +50,6 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     data = points_dataset(axes, rows, records)
     data.attrs["varied"] = " ".join(axis.path for axis in axes)
     return StudyResult(
-        kind="tolerance",
-        title=case.title,
         status=status_of(records),
         data=data.assign(_effect_arrays(axes, effects)),
         numbers=_numbers(study, records, plain, scatter, effects),
@@ -67,7 +58,6 @@ def run(case: Case, context: StudyContext) -> StudyResult:
             *(_effect_table(name, axes, found) for name, found in effects.items()),
             points_table(axes, rows, records),
         ),
-        provenance=provenance(case),
     )
 
 

@@ -22,39 +22,7 @@ _CHOICES = {
 class JournalDefinition:
     """What is known of a journal bearing before its film is solved.
 
-    Parameters
-    ----------
-    diameter : float
-        Bore of the bush. [m]
-    length : float
-        Axial length of the film. [m]
-    radial_clearance : float
-        Radius of the bush minus radius of the shaft. [m]
-    dynamic_viscosity : float
-        Dynamic viscosity. [Pa s]
-    grid : tuple of int
-        Cells round the circumference and along the axis. [-]
-    cavitation : {"jfo", "reynolds", "guembel"}
-        Mass-conserving film fraction, pressure obstacle, or clipped pressure.
-    grooves : tuple of Groove
-        Grooves of given pressure in the bush.
-    end_pressure : float
-        Absolute pressure beyond both ends. [Pa]
-    cavitation_pressure : float
-        Absolute pressure in the cavity. [Pa]
-    end_condition : {"pressure", "no_flow"}
-        Whether the ends are open or walls.
-    surfaces : RoughSurfaces, optional
-        Roughness and contact; the shaft is the moving wall. Smooth walls if not given.
-    lobes : Lobes, optional
-        Bore of lobes; the radial clearance is then that of each lobe's own circle.
-    pressure_viscosity : float
-        Coefficient of Barus, of mu exp(alpha p). [1/Pa]
-    compressible : bool
-        Whether the density follows the pressure after Dowson and Higginson.
-    supply : {"auto", "none", "widest_gap"}
-        Ideal axial supply line at end pressure on the widest gap. ``auto`` adds it where oil
-        could not enter otherwise: no grooves, and ends not above the cavitation pressure.
+    The fields are the parameters of :class:`~toothspace.films.journal.bearing.JournalBearing`.
     """
 
     diameter: float

@@ -24,9 +24,7 @@ from toothspace.films.reynolds.fluid import FilmFluid
 from toothspace.films.reynolds.linearised import pressure_responses
 from toothspace.films.reynolds.rough_surfaces import mean_gap
 from toothspace.films.reynolds.state import FilmHistory, exchange
-from toothspace.numerics.complementarity import ComplementaritySolution
 from toothspace.numerics.linear_system import PRESCRIBED
-from toothspace.numerics.structured_grid import CellBalance
 
 
 @final
@@ -142,7 +140,9 @@ class JournalBearingSolution:
     def cavitated_fraction(self) -> float:
         """Part of the film area at cavitation pressure with a film fraction below one. [-]."""
         film = self.film
-        empty = np.where(_cavitated(film.fields, film.balance), film.grid.area, 0.0)
+        empty = np.where(
+            (film.balance.mark != PRESCRIBED) & (film.fields.potential <= 0.0), film.grid.area, 0.0
+        )
         return float(empty.sum() / film.grid.area.sum())
 
     @property
@@ -215,11 +215,6 @@ class JournalBearingSolution:
         if self.bearing.grid[1] % 2:
             mirrored = mirrored[:, :-1]
         return np.concatenate([mirrored, values], axis=1)
-
-
-def _cavitated(fields: ComplementaritySolution, balance: CellBalance) -> Array:
-    """Cells at cavitation pressure that are not prescribed."""
-    return (balance.mark != PRESCRIBED) & (fields.potential <= 0.0)
 
 
 def load_derivatives(film: JournalField, fluid: FilmFluid, directions: tuple[int, ...]) -> Array:

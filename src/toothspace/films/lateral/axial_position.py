@@ -9,9 +9,9 @@ from toothspace.closures.contact_rough import asperity_pressure
 from toothspace.core.types import Array
 from toothspace.films.lateral.conductance import FaceConductance
 from toothspace.model.description import MachineDescription
-from toothspace.model.film_faces import FaceSurfaces, SharedFaces
+from toothspace.model.film_faces import FaceSurfaces
+from toothspace.model.lateral_load import chamber_pressures
 from toothspace.model.operating_point import OperatingCondition
-from toothspace.model.quasi_static import quasi_static_pressures
 
 _NO_FORCE = 1.0
 """Force below which a body counts as balanced: friction of the numbers. [N]"""
@@ -67,34 +67,17 @@ def axial_forces(
     """Mean force of both films on every body towards higher z. [N]."""
     faces = description.shared_faces
     assert faces is not None
-    lower, higher = films
-    total = np.zeros(len(faces.face.bodies))
+    (lower, higher), face = films, faces.face
+    pressures = chamber_pressures(description, condition)
+    total = np.zeros(len(face.bodies))
     for k, turn in enumerate(lower.turn):
-        angle = float(turn) / faces.face.chambers.angle_ratio
-        edges = _edge_pressures(description, faces, condition, angle)
+        angle = float(turn) / face.chambers.angle_ratio
+        nodes = pressures(angle)
+        sectors = np.full(face.sector_phases.size, nodes[faces.rim.chamber])
+        places = (face.chambers.nodes, face.recesses, [face.inner_node])
+        edges = np.concatenate([*(nodes[place] for place in places), sectors])
         total += (lower.area[k] - higher.area[k]) @ edges
     return total / lower.turn.size
-
-
-def _edge_pressures(
-    description: MachineDescription,
-    faces: SharedFaces,
-    condition: OperatingCondition,
-    shaft_angle: float,
-) -> Array:
-    chambers = quasi_static_pressures(description, condition, shaft_angle)
-    drain = {
-        "inlet": condition.inlet_pressure,
-        "outlet": condition.outlet_pressure,
-        "external": condition.drain_pressure,
-    }[description.drain]
-    ports = [condition.inlet_pressure, condition.outlet_pressure, drain]
-    nodes = np.concatenate([chambers, ports])
-    face = faces.face
-    sectors = np.full(face.sector_phases.size, nodes[faces.rim.chamber])
-    return np.concatenate(
-        [nodes[face.chambers.nodes], nodes[face.recesses], nodes[[face.inner_node]], sectors]
-    )
 
 
 def _lower_gap(force: float, area: float, play: float, face: FaceSurfaces) -> float:

@@ -192,7 +192,9 @@ class ElasticFaces:
         """
         grid = self.grids[index]
         if index not in self._on_bearing:
-            self._on_bearing[index] = self._bearing_spread(grid)
+            own, p, (x0, y0) = grid.interface, grid.points, grid.interface.face.center
+            placed = np.column_stack([p.x.ravel() + x0, p.y.ravel() + y0])
+            self._on_bearing[index] = self.bodies[own.bearing].interpolation("face", placed)
         key = self._twin(index), shaft_angle
         spread = self._on_body.get(key)
         if spread is None:
@@ -212,11 +214,6 @@ class ElasticFaces:
                 if np.array_equal(body.nodes[first], body.nodes[second]):
                     return k
         return index
-
-    def _bearing_spread(self, grid: FaceGrid) -> sp.csr_matrix:
-        own, p, (x0, y0) = grid.interface, grid.points, grid.interface.face.center
-        placed = np.column_stack([p.x.ravel() + x0, p.y.ravel() + y0])
-        return self.bodies[own.bearing].interpolation("face", placed)
 
     def _body_spread(self, grid: FaceGrid, shaft_angle: float) -> sp.csr_matrix:
         own = grid.interface

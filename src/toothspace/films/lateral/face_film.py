@@ -44,7 +44,7 @@ _SHEARED = 1e-9
 _SHRINK = 0.3
 """Part to which a step of the faces may shrink a gap. [-]"""
 _GROWTH = 3.0
-"""Factor by which a step of the faces may widen a gap. [-]"""
+"""Factor by which a step of the faces may open a gap. [-]"""
 _OVERLAP = 0.5
 """Overlap of rough walls that a step of the faces may add, over the roughness. [-]"""
 

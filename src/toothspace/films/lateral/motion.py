@@ -223,8 +223,15 @@ def levers_of(stack: Stack) -> list[Array]:
 def _solve(task: _StepTask, former: Balance, slides: tuple[int, ...] | None) -> Balance:
     """Newton's method for positions, with friction of given sense or a smooth law for None."""
     settings, stack = task.settings, task.stack
-    states: tuple[StackState, ...] = _matched(former, task)
-    deformation = _begun(task, states, former)
+    states = former.states
+    if len(states) != len(task.snapshots):
+        states = states[:1] * len(task.snapshots)
+    angles = [snapshot.shaft_angle for snapshot in task.snapshots]
+    kept = settings.fineness, former.responses
+    frequency = 0.0 if task.previous is None else 1.0 / task.duration
+    deformation = DeformationIteration(states, angles, settings.memory, *kept, frequency)
+    # where the deformation is kept, forces show no derivative with the positions alone
+    repeated = settings.jacobian_age > 1 and settings.memory == 0
     q = task.start + _HEAD * task.duration * task.velocity
     jacobian, age = deformation.serving(former.jacobian, former.age)
     best, error, failures, number = np.inf, np.inf, 0, 0
@@ -270,28 +277,11 @@ def _solve(task: _StepTask, former: Balance, slides: tuple[int, ...] | None) -> 
             break
         step = deformation.follow(states, step, step / task.duration)
         ahead = found.force - _matrix(task, jacobian, found.drag) @ step
-        predicted = (step, ahead) if _informative(settings, steady, best) else None
+        # what is left near the goal is the noise of films that are solved no closer
+        informative = repeated and steady and best > _NOISE * settings.force_tolerance
+        predicted = (step, ahead) if informative else None
         q = q + step
     return _balance(task, states, found, v, slides, best, number)
-
-
-def _begun(
-    task: _StepTask, states: tuple[StackState, ...], former: Balance
-) -> DeformationIteration:
-    """Deformation before the step."""
-    settings, angles = task.settings, [snapshot.shaft_angle for snapshot in task.snapshots]
-    frequency = 0.0 if task.previous is None else 1.0 / task.duration
-    kept = settings.fineness, former.responses
-    return DeformationIteration(states, angles, settings.memory, *kept, frequency)
-
-
-def _informative(settings: StepSettings, steady: bool, residual: float) -> bool:
-    """Whether forces of the next pass show their derivative with the positions.
-
-    What is left near the goal is the noise of films that are solved no closer.
-    """
-    repeated = settings.jacobian_age > 1 and settings.memory == 0
-    return repeated and steady and residual > _NOISE * settings.force_tolerance
 
 
 def _decided(
@@ -343,13 +333,6 @@ def _balance(
         iterations,
         converged=False,
     )
-
-
-def _matched(former: Balance, task: _StepTask) -> tuple[StackState, ...]:
-    """Former states, one for every snapshot."""
-    if len(former.states) == len(task.snapshots):
-        return former.states
-    return tuple(former.states[0] for _ in task.snapshots)
 
 
 def _forces(

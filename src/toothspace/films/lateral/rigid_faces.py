@@ -15,8 +15,8 @@ from toothspace.films.reynolds.fluid import FilmFluid
 from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
 from toothspace.model.description import MachineDescription
 from toothspace.model.film_faces import FILM, FilmFace
+from toothspace.model.lateral_load import chamber_pressures
 from toothspace.model.operating_point import OperatingCondition
-from toothspace.model.quasi_static import quasi_static_pressures
 
 
 @final
@@ -122,14 +122,7 @@ def solve_faces(
     known = {film.body: film.face for film in description.laterals if film.face is not None}
     if not known:
         raise CaseError("film.kind: found 'lateral', allowed is 'pad' for this machine type")
-    chambers = quasi_static_pressures(description, condition, setting.shaft_angle)
-    drain = {
-        "inlet": condition.inlet_pressure,
-        "outlet": condition.outlet_pressure,
-        "external": condition.drain_pressure,
-    }[description.drain]
-    ports = [condition.inlet_pressure, condition.outlet_pressure, drain]
-    pressure = np.concatenate([chambers, ports])
+    pressure = chamber_pressures(description, condition)(setting.shaft_angle)
     ratios = {body.name: body.speed_ratio for body in description.bodies}
     found = [
         _ring(face, pressure, setting).solve(shaft_speed=ratios[body] * condition.shaft_speed)
@@ -143,6 +136,10 @@ def _ring(face: FilmFace, pressure: Array, setting: FaceSetting) -> LateralFilm:
     """Film about one body; the gap is fixed to the opposite face while its edges turn."""
     about_x, about_y = setting.tilt
     x, y = face.center
+    polar = (np.arange(setting.grid[0]) + 0.5) * 2.0 * np.pi / setting.grid[0]
+    rim = np.linspace(face.inner_radius, face.outer_radius, setting.grid[1] + 1)
+    places = face.places(polar, 0.5 * (rim[1:] + rim[:-1]))
+    node = face.face_map(setting.shaft_angle, *places).node
     return LateralFilm(
         inner_radius=face.inner_radius,
         outer_radius=face.outer_radius,
@@ -151,17 +148,8 @@ def _ring(face: FilmFace, pressure: Array, setting: FaceSetting) -> LateralFilm:
         tilt=setting.tilt,
         grid=setting.grid,
         inner_pressure=float(pressure[face.inner_node]),
-        given_pressure=_given(face, pressure, setting),
+        given_pressure=np.where(node == FILM, np.nan, pressure[node]),
         surfaces=setting.surfaces,
         cavitation=setting.cavitation,
         cavitation_pressure=setting.cavitation_pressure,
     )
-
-
-def _given(face: FilmFace, pressure: Array, setting: FaceSetting) -> Array:
-    """Pressure of the cells over chambers and recesses, NaN in the film. [Pa]."""
-    polar = (np.arange(setting.grid[0]) + 0.5) * 2.0 * np.pi / setting.grid[0]
-    rim = np.linspace(face.inner_radius, face.outer_radius, setting.grid[1] + 1)
-    places = face.places(polar, 0.5 * (rim[1:] + rim[:-1]))
-    node = face.face_map(setting.shaft_angle, *places).node
-    return np.where(node == FILM, np.nan, pressure[node])

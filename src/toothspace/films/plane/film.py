@@ -15,7 +15,13 @@ from toothspace.core.types import Array
 from toothspace.films.reynolds.equation import FilmGrid, FluidField, GapField
 from toothspace.films.reynolds.fluid import FilmFluid
 from toothspace.films.reynolds.linearised import pressure_responses
-from toothspace.films.reynolds.rough_surfaces import SMOOTH, FlowLaw, mean_gap
+from toothspace.films.reynolds.rough_surfaces import (
+    SMOOTH,
+    FlowLaw,
+    RoughSurfaces,
+    contact_field,
+    mean_gap,
+)
 from toothspace.films.reynolds.state import (
     Exchange,
     FilmHistory,
@@ -174,6 +180,87 @@ class PlaneSolution:
         responses = self.responses(changes)
         table = -np.array([self.load(response) for response in responses]).T
         return table[:, :3], table[:, 3:]
+
+
+class FaceSolution:
+    """What solved films between two faces have in common."""
+
+    plane: PlaneSolution
+
+    @property
+    def surfaces(self) -> RoughSurfaces | None:
+        """Roughness and contact of the walls; None if they are smooth."""
+        raise NotImplementedError
+
+    def _whole(self, values: Array) -> Array:
+        """Values of all cells from those of the solved part."""
+        return values
+
+    def history(self, time_step: float) -> FilmHistory:
+        """What the film holds, as the past of a film one time step later. [s]."""
+        return self.plane.history(time_step)
+
+    @property
+    def status(self) -> Status:
+        """Whether there is a solution and cavity boundary and fluid state settled."""
+        return self.plane.status
+
+    @property
+    def pressure(self) -> Array:
+        """Absolute pressure of the cells. [Pa]."""
+        return self._whole(self.plane.pressure)
+
+    @property
+    def film_fraction(self) -> Array:
+        """Film fraction of the cells. [-]."""
+        return self._whole(self.plane.fields.saturation)
+
+    @property
+    def gap_height(self) -> Array:
+        """Gap height of the cells, recesses included. [m]."""
+        gap = self.plane.film.gap
+        return self._whole(gap.centre + gap.step)
+
+    @property
+    def contact_pressure(self) -> Array:
+        """Asperity pressure of the cells, zero in recesses of given pressure. [Pa]."""
+        return self._whole(self._contact()[0])
+
+    def _contact(self) -> tuple[Array, Array]:
+        """Asperity pressure of the solved cells and its derivative with the gap. [Pa, Pa/m]."""
+        film, surfaces = self.plane.film, self.surfaces
+        if surfaces is None:
+            return np.zeros_like(film.gap.centre), np.zeros_like(film.gap.centre)
+        height = film.gap.centre + film.gap.step
+        values = contact_field(height, surfaces.roughness, surfaces.contact_table())
+        given = film.grid.mark == PRESCRIBED
+        return np.where(given, 0.0, values[0]), np.where(given, 0.0, values[1])
+
+    @property
+    def contact_load(self) -> float:
+        """Part of the force along z that touching asperities carry. [N]."""
+        film = self.plane.film
+        return film.weight * float((self._contact()[0] * film.grid.area).sum())
+
+    @property
+    def outflow(self) -> float:
+        """Flow out over all edges and those of given cells, where it leaves. [m3/s]."""
+        return self.plane.exchange.outflow
+
+    @property
+    def max_pressure(self) -> float:
+        """Highest absolute pressure. [Pa]."""
+        return float(self.plane.pressure.max())
+
+    @property
+    def cavitated_fraction(self) -> float:
+        """Part of the area at cavitation pressure. [-]."""
+        return self.plane.cavitated_fraction()
+
+    @property
+    def mass_balance_error(self) -> float:
+        """Sum of the cell residuals over the through-flow. [-]."""
+        return self.plane.mass_balance_error()
 
 
 def solve_plane(film: PlaneFilm, history: FilmHistory | None = None) -> PlaneSolution:

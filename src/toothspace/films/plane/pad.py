@@ -11,10 +11,10 @@ import numpy as np
 
 from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.core.errors import CaseError
-from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.films.journal.geometry import wall_stress
 from toothspace.films.plane.film import (
+    FaceSolution,
     PlaneFilm,
     PlaneSolution,
     cartesian_points,
@@ -23,7 +23,7 @@ from toothspace.films.plane.film import (
 from toothspace.films.reynolds.cavitation import CAVITATION
 from toothspace.films.reynolds.equation import FilmGrid, GapField
 from toothspace.films.reynolds.fluid import FilmFluid
-from toothspace.films.reynolds.rough_surfaces import SMOOTH, RoughSurfaces, contact_field
+from toothspace.films.reynolds.rough_surfaces import SMOOTH, RoughSurfaces
 from toothspace.films.reynolds.state import FilmHistory
 from toothspace.numerics.complementarity import face_flows
 
@@ -222,7 +222,7 @@ class Pad:
 
 @final
 @dataclass(frozen=True)
-class PadSolution:
+class PadSolution(FaceSolution):
     """Film under a pad."""
 
     pad: Pad
@@ -234,30 +234,10 @@ class PadSolution:
     plane: PlaneSolution
     """Fields on the solved part of the pad."""
 
-    def history(self, time_step: float) -> FilmHistory:
-        """What the film holds, as the past of a film one time step later. [s]."""
-        return self.plane.history(time_step)
-
     @property
-    def status(self) -> Status:
-        """Whether there is a solution and cavity boundary and fluid state settled."""
-        return self.plane.status
-
-    @property
-    def pressure(self) -> Array:
-        """Absolute pressure over x and y, whole pad. [Pa]."""
-        return self._whole(self.plane.pressure)
-
-    @property
-    def film_fraction(self) -> Array:
-        """Film fraction over x and y, whole pad. [-]."""
-        return self._whole(self.plane.fields.saturation)
-
-    @property
-    def gap_height(self) -> Array:
-        """Gap height over x and y, pocket included, whole pad. [m]."""
-        gap = self.plane.film.gap
-        return self._whole(gap.centre + gap.step)
+    def surfaces(self) -> RoughSurfaces | None:
+        """Roughness and contact of the walls."""
+        return self.pad.surfaces
 
     @property
     def x(self) -> Array:
@@ -281,20 +261,8 @@ class PadSolution:
         load = self.plane.load(self._carried())
         return float(-load[2] / load[0]) if load[0] != 0.0 else float("nan")
 
-    @property
-    def contact_pressure(self) -> Array:
-        """Asperity pressure over x and y, whole pad. [Pa]."""
-        return self._whole(self._contact())
-
-    def _contact(self) -> Array:
-        surfaces, gap = self.pad.surfaces, self.plane.film.gap
-        if surfaces is None:
-            return np.zeros_like(gap.centre)
-        height = gap.centre + gap.step
-        return contact_field(height, surfaces.roughness, surfaces.contact_table())[0]
-
     def _carried(self) -> Array:
-        return self.plane.pressure - self.pad.ambient_pressure + self._contact()
+        return self.plane.pressure - self.pad.ambient_pressure + self._contact()[0]
 
     @property
     def friction(self) -> float:
@@ -310,12 +278,6 @@ class PadSolution:
         """Drag on the pad along the motion, positive at positive speed. [N]."""
         sliding, pattern, pressure = self._drag
         return sliding + pattern - pressure + self.contact_friction
-
-    @property
-    def contact_load(self) -> float:
-        """Part of the load that touching asperities carry. [N]."""
-        film = self.plane.film
-        return film.weight * float((self._contact() * film.grid.area).sum())
 
     @property
     def contact_friction(self) -> float:
@@ -376,30 +338,10 @@ class PadSolution:
         return flow_x, flow_y
 
     @property
-    def outflow(self) -> float:
-        """Flow out through all edges, where it leaves. [m3/s]."""
-        return self.plane.exchange.outflow
-
-    @property
     def dissipated_power(self) -> float:
         """Power that becomes heat: of the sliding wall and of the approaching pad. [W]."""
         film = self.plane.load(self.plane.pressure - self.pad.ambient_pressure)
         return self.friction * self.speed - float(film[0]) * self.squeeze_velocity
-
-    @property
-    def max_pressure(self) -> float:
-        """Highest absolute pressure. [Pa]."""
-        return float(self.plane.pressure.max())
-
-    @property
-    def cavitated_fraction(self) -> float:
-        """Part of the area at cavitation pressure. [-]."""
-        return self.plane.cavitated_fraction()
-
-    @property
-    def mass_balance_error(self) -> float:
-        """Sum of the cell residuals over the through-flow. [-]."""
-        return self.plane.mass_balance_error()
 
     @property
     def pressure_centerline(self) -> Array:

@@ -9,10 +9,10 @@ from typing import final
 import numpy as np
 
 from toothspace.core.errors import CaseError
-from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.films.journal.geometry import wall_stress
 from toothspace.films.plane.film import (
+    FaceSolution,
     PlaneFilm,
     PlaneSolution,
     polar_points,
@@ -24,7 +24,6 @@ from toothspace.films.reynolds.fluid import FilmFluid
 from toothspace.films.reynolds.rough_surfaces import (
     SMOOTH,
     RoughSurfaces,
-    contact_field,
     refuse_deep_contact,
 )
 from toothspace.films.reynolds.state import FilmHistory
@@ -143,7 +142,9 @@ class LateralFilm:
         step = 2.0 * np.pi / self.grid[0]
         face_angle = np.asarray(np.arange(self.grid[0] + 1) * step, dtype=np.float64)
         centre = self._gap(angle, radius)
-        slope = self._slope(angle, radius)
+        about_x, about_y = self.tilt
+        lean = about_x * np.cos(angle) + about_y * np.sin(angle)
+        slope = np.asarray(lean[:, None] * radius)
         gap = GapField(
             centre,
             self._gap(face_angle, radius),
@@ -168,11 +169,6 @@ class LateralFilm:
         about_x, about_y = self.tilt
         lean = about_x * np.sin(angle) - about_y * np.cos(angle)
         return np.ascontiguousarray(self.side_gap + lean[:, None] * radius)
-
-    def _slope(self, angle: Array, radius: Array) -> Array:
-        about_x, about_y = self.tilt
-        lean = about_x * np.cos(angle) + about_y * np.sin(angle)
-        return np.asarray(lean[:, None] * radius)
 
     def _metric(self, step: float, rim: Array, radius: Array, shaft_speed: float) -> FilmGrid:
         rows, lanes = self.grid
@@ -211,7 +207,7 @@ class LateralFilm:
 
 @final
 @dataclass(frozen=True)
-class LateralSolution:
+class LateralSolution(FaceSolution):
     """Film between two faces, one rotating."""
 
     lateral: LateralFilm
@@ -223,41 +219,10 @@ class LateralSolution:
     plane: PlaneSolution
     """Fields, mass balance, stiffness and damping."""
 
-    def history(self, time_step: float) -> FilmHistory:
-        """What the film holds, as the past of a film one time step later. [s]."""
-        return self.plane.history(time_step)
-
     @property
-    def status(self) -> Status:
-        """Whether there is a solution and cavity boundary and fluid state settled."""
-        return self.plane.status
-
-    @property
-    def pressure(self) -> Array:
-        """Absolute pressure over angle and radius. [Pa]."""
-        return self.plane.pressure
-
-    @property
-    def film_fraction(self) -> Array:
-        """Film fraction over angle and radius. [-]."""
-        return self.plane.fields.saturation
-
-    @property
-    def gap_height(self) -> Array:
-        """Gap height over angle and radius, recesses included. [m]."""
-        gap = self.plane.film.gap
-        return np.asarray(gap.centre + gap.step)
-
-    @property
-    def contact_pressure(self) -> Array:
-        """Asperity pressure over angle and radius, zero in recesses. [Pa]."""
-        surfaces = self.lateral.surfaces
-        gap = self.plane.film.gap
-        if surfaces is None:
-            return np.zeros_like(gap.centre)
-        height = gap.centre + gap.step
-        pressure, _ = contact_field(height, surfaces.roughness, surfaces.contact_table())
-        return np.where(self.plane.film.grid.mark == PRESCRIBED, 0.0, pressure)
+    def surfaces(self) -> RoughSurfaces | None:
+        """Roughness and contact of the walls."""
+        return self.lateral.surfaces
 
     def coefficients(self) -> tuple[Array, Array]:
         """Stiffness and damping 3x3 for lift of the upper face and its rotations about x and y.
@@ -270,13 +235,9 @@ class LateralSolution:
 
     def _contact_stiffness(self) -> Array:
         """Part of the stiffness that asperities add. [N/m, N/rad, N m/rad]."""
-        surfaces, film = self.lateral.surfaces, self.plane.film
-        if surfaces is None:
-            return np.zeros((3, 3))
-        height = film.gap.centre + film.gap.step
-        _, slope = contact_field(height, surfaces.roughness, surfaces.contact_table())
-        softer = np.where(film.grid.mark == PRESCRIBED, 0.0, -slope * film.grid.area)
-        lift = np.stack([np.ones_like(height), film.points.y, -film.points.x])
+        film = self.plane.film
+        softer = -self._contact()[1] * film.grid.area
+        lift = np.stack([np.ones_like(softer), film.points.y, -film.points.x])
         return np.asarray(np.einsum("ikl,jkl,kl->ij", lift, lift, softer))
 
     @property
@@ -310,11 +271,6 @@ class LateralSolution:
             return 0.0
         push = self.contact_pressure * self.plane.film.grid.area * self.lateral.radius
         return float(np.sign(self.shaft_speed) * surfaces.boundary_friction * push.sum())
-
-    @property
-    def contact_load(self) -> float:
-        """Part of the force along z that touching asperities carry. [N]."""
-        return float((self.contact_pressure * self.plane.film.grid.area).sum())
 
     @property
     def power_loss(self) -> float:
@@ -362,28 +318,8 @@ class LateralSolution:
         return np.where(b.mark == PRESCRIBED, net, 0.0)
 
     @property
-    def outflow(self) -> float:
-        """Flow out over rims and edges of given cells, where it leaves. [m3/s]."""
-        return self.plane.exchange.outflow
-
-    @property
     def dissipated_power(self) -> float:
         """Power that becomes heat: of rotation, approach, and pressures at the edges. [W]."""
         free = np.where(self.plane.film.grid.mark == PRESCRIBED, 0.0, self.plane.pressure)
         approach = float(self.plane.load(free)[0]) * self.squeeze_velocity
         return self.plane.exchange.power - self.friction_torque * self.shaft_speed - approach
-
-    @property
-    def max_pressure(self) -> float:
-        """Highest absolute pressure. [Pa]."""
-        return float(self.plane.pressure.max())
-
-    @property
-    def cavitated_fraction(self) -> float:
-        """Part of the film area at cavitation pressure. [-]."""
-        return self.plane.cavitated_fraction()
-
-    @property
-    def mass_balance_error(self) -> float:
-        """Sum of the cell residuals over the through-flow. [-]."""
-        return self.plane.mass_balance_error()

@@ -6,9 +6,10 @@ them into the geometry that the machine is built from.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import final
+from typing import ClassVar, final
 
 from toothspace.core.frozen import Points
 from toothspace.core.keys import (
@@ -282,6 +283,14 @@ class StartupParameters(KeyTable):
 @dataclass(frozen=True, kw_only=True)
 class ExternalGearTables(MachineTables):
     """Tables and keys of ``[machine]`` for external gears."""
+
+    part_tables: ClassVar[Mapping[str, str]] = {
+        "running_in": "casing.wear_in",
+        "floating_bearing": "floating_bearing",
+        "elastic_bodies": "elastic_bodies",
+        "startup": "startup",
+    }
+    """Tables of parts that not every preset uses."""
 
     gears: GearParameters = table(GearParameters, "Both gears.")
     driven_gear: DrivenGearParameters | None = table(

@@ -22,7 +22,6 @@ from toothspace.simulation.lateral.coupling import (
 from toothspace.simulation.lateral.loads import face_deflection
 from toothspace.simulation.lateral.problem import (
     LateralNumbers,
-    LateralProblem,
     film_fields,
     film_places,
 )
@@ -114,11 +113,14 @@ def elastic_solution(point: CoupledPoint, steps: int, progress: Progress | None 
     data = data.set_coords(list(film_places(stack)))
     status = point.status if march.converged else Status.NOT_CONVERGED
     status = Status.INTERRUPTED if march.interrupted else status
+    force, moment = axial_load(point.problem.stack.balance, point.problem.node_pressure)
+    rise = point.temperature_rise
     statistics = {
         **point.solution.statistics,
         **_statistics(point),
-        **_axial_load(point.problem),
-        **_warmth(point),
+        "lateral_axial_force": force,
+        "lateral_axial_moment": moment,
+        **({} if rise is None else {"lateral_temperature_rise": rise}),
         "floating_bearing_preload": stack.balance.floating.preload.size,
         "lateral_iterations": float(sum(march.iterations)),
         "lateral_equilibrium_residual": point.equilibrium.balance.residual,
@@ -159,16 +161,6 @@ def equilibrium_warning(point: CoupledPoint) -> str:
 def _entry(name: str, value: object) -> tuple[tuple[str, ...], object, dict[str, str]]:
     entry = VARIABLES[name]
     return entry.dimensions, value, {"long_name": entry.long_name, "units": entry.units}
-
-
-def _axial_load(problem: LateralProblem) -> dict[str, float]:
-    force, moment = axial_load(problem.stack.balance, problem.node_pressure)
-    return {"lateral_axial_force": force, "lateral_axial_moment": moment}
-
-
-def _warmth(point: CoupledPoint) -> dict[str, float]:
-    rise = point.temperature_rise
-    return {} if rise is None else {"lateral_temperature_rise": rise}
 
 
 def _statistics(point: CoupledPoint) -> dict[str, float]:

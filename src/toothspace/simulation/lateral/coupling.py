@@ -210,7 +210,12 @@ class _LeakageSearch:
         found = _settle(problem, begun)
         if leakage <= 0.0 or found.numbers.leakage <= 0.0:
             return found
-        trial = _trial(self._log_leakage_factor, leakage, problem, begun, found)
+        moved = problem.stack.opening @ (found.balance.position - begun.position)
+        excess = float(np.log(found.numbers.leakage / leakage))
+        sense = int(np.sign(moved)) if abs(moved) > _STILL else 0
+        trial = Trial(
+            self._log_leakage_factor, leakage, problem, found.balance.position, excess, sense
+        )
         self._known.append(trial)
         self._ends = _ends(self._known)
         if self._ends is None:
@@ -286,19 +291,6 @@ def _settle(
     warm = settle_heated(problem, begun, problem.settings.heating, temperatures)
     numbers = numbers_of(warm.problem, warm.equilibrium.balance)
     return SettledBearing(warm.problem, warm.equilibrium, numbers, warm.temperatures, warm.agreed)
-
-
-def _trial(
-    log_leakage_factor: float,
-    leakage: float,
-    problem: LateralProblem,
-    begun: Balance,
-    found: SettledBearing,
-) -> Trial:
-    moved = problem.stack.opening @ (found.balance.position - begun.position)
-    excess = float(np.log(found.numbers.leakage / leakage))
-    sense = int(np.sign(moved)) if abs(moved) > _STILL else 0
-    return Trial(log_leakage_factor, leakage, problem, found.balance.position, excess, sense)
 
 
 def _ends(trials: list[Trial]) -> tuple[Trial, Trial] | None:

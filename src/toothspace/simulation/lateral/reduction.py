@@ -24,7 +24,6 @@ from toothspace.simulation.lateral.coupling import (
     path_leakage,
 )
 from toothspace.simulation.lateral.problem import (
-    LateralProblem,
     LateralSettings,
     balance_of,
     lateral_problem,
@@ -130,7 +129,12 @@ def reduce_lateral(
     kept = found.all(axis=1) | (added <= 0.0)
     torque = lateral_torque_coefficient(description) * fluid.dynamic_viscosity
     torque *= point.problem.stack.shaft_speed
-    leakage = _closed_leakage(description, point)
+    # closed forms leak with the cube of the height
+    wide, plain = (
+        next(p for p in machine.paths if p.category in LATERAL_PATHS).geometry.values[:, 0].max()
+        for machine in (point.description, description)
+    )
+    leakage = path_leakage(point.solution) / float(wide / plain) ** 3
     return LateralReduction(
         force=load[0] + added[kept],
         moment=load[1] + turned,
@@ -155,7 +159,9 @@ def _column(point: CoupledPoint, fluid: FluidLaw, added: Array, moment: float) -
     for way in (range(middle, -1, -1), range(middle + 1, added.size)):
         now = point.equilibrium.balance
         for k in way:
-            problem = _problem_at(point, fluid, float(added[k]), moment)
+            moved = _loaded(balance_of(point.description), float(added[k]), moment)
+            machine = replace(point.description, lateral_balance=moved)
+            problem = lateral_problem(machine, fluid, point.solution.data, point.problem.settings)
             rest = problem.settle(problem.continued(now.position))
             numbers = numbers_of(problem, rest.balance)
             held = rest.settled and not leaning(problem.stack, rest.balance.position)
@@ -164,23 +170,6 @@ def _column(point: CoupledPoint, fluid: FluidLaw, added: Array, moment: float) -
             found[:, k] = torque, numbers.leakage, numbers.smallest_gap, held, still
             now = rest.balance if held else now
     return found
-
-
-def _problem_at(
-    point: CoupledPoint, fluid: FluidLaw, force: float, moment: float
-) -> LateralProblem:
-    moved = _loaded(balance_of(point.description), force, moment)
-    machine = replace(point.description, lateral_balance=moved)
-    return lateral_problem(machine, fluid, point.solution.data, point.problem.settings)
-
-
-def _closed_leakage(description: MachineDescription, point: CoupledPoint) -> float:
-    """Leakage of the closed forms at the pressures of the point. [m3/s]."""
-    wide, plain = (
-        next(p for p in machine.paths if p.category in LATERAL_PATHS).geometry.values[:, 0].max()
-        for machine in (point.description, description)
-    )
-    return path_leakage(point.solution) / float(wide / plain) ** 3
 
 
 def _loaded(balance: LateralBalance, force: float, moment: float) -> LateralBalance:
