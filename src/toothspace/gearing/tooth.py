@@ -6,11 +6,11 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from toothspace.core.compiled import inlined
 from toothspace.core.types import Array
 from toothspace.geometry.gear_profile import GearProfile
+from toothspace.numerics.spline import spline_coefficients
 
 LEFT = 1.0
 """Counter-clockwise side of a tooth that points outwards."""
@@ -114,7 +114,8 @@ def flank_spline(points: Array, breaks: Array, side: float, tip_radius: float) -
     knots = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
     cuts = [0, *_corners(points, breaks), len(points) - 1]
     pieces = [
-        _cubic(knots[first : last + 1], points[first : last + 1]) for first, last in pairwise(cuts)
+        spline_coefficients(knots[first : last + 1], points[first : last + 1]).reshape(-1, 8)
+        for first, last in pairwise(cuts)
     ]
     coefficients = np.ascontiguousarray(np.vstack(pieces))
     area = np.concatenate([[0.0], np.cumsum(_segment_areas(knots, coefficients))])
@@ -132,11 +133,6 @@ def _corners(points: Array, breaks: Array) -> list[int]:
         if abs(turn) > _TANGENT_JUMP * np.hypot(*before) * np.hypot(*after):
             found.append(k)
     return found
-
-
-def _cubic(knots: Array, points: Array) -> Array:
-    spline = CubicSpline(knots, points)
-    return np.hstack([spline.c[::-1, :, 0].T, spline.c[::-1, :, 1].T])
 
 
 def _segment_areas(knots: Array, coefficients: Array) -> Array:

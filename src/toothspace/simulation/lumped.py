@@ -14,9 +14,6 @@ from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.results.solution import Solution
-from toothspace.simulation.film_tables import with_film_tables
-from toothspace.simulation.films import with_solved_films
-from toothspace.simulation.lateral.table_lookup import run_with_table
 from toothspace.simulation.presets import interface_models, interface_text
 from toothspace.simulation.running_in import CUT_SHORT, WornMachine, run_in
 from toothspace.simulation.setup import Progress, Setup, fluid_temperature, provenance_of
@@ -69,8 +66,13 @@ class RunInMachine:
             history = _march(self.case, changed, self.fluid, condition, progress)
             return solution_from(history, self.provenance, self.extra, self.case.title)
 
+        machine = description or self.description
+        if machine.lateral_table is None:
+            return run(machine)
+        from toothspace.simulation.lateral.table_lookup import run_with_table
+
         slide = float(self.fluid.dynamic_viscosity) * condition.shaft_speed
-        return run_with_table(description or self.description, run, slide)
+        return run_with_table(machine, run, slide)
 
 
 def run_in_machine(setup: Setup) -> RunInMachine:
@@ -78,9 +80,13 @@ def run_in_machine(setup: Setup) -> RunInMachine:
     worn, tables = run_in(setup), setup.case.run.film_tables
     description, tabulated = worn.description, tuple[str, ...]()
     if tables is not None:
+        from toothspace.simulation.film_tables import with_film_tables
+
         description, tabulated = with_film_tables(description, tables)
     models = interface_models(setup.case, tabulated)
     if "reynolds" in models.values():
+        from toothspace.simulation.films import with_solved_films
+
         description = with_solved_films(description, setup.condition, models)
     extra = {"fluid_temperature": np.asarray(fluid_temperature(setup.case)), **worn.values}
     provenance = {**provenance_of(setup.case), "interfaces": interface_text(models)}

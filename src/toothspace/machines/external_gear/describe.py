@@ -14,7 +14,6 @@ from toothspace.gearing.spaces import (
     section_areas,
 )
 from toothspace.machines.external_gear.assembly import Assembly, assemble
-from toothspace.machines.external_gear.balance import lateral_balance
 from toothspace.machines.external_gear.contacts import displacement, rigid_mesh
 from toothspace.machines.external_gear.films import lateral_films
 from toothspace.machines.external_gear.flank_contacts import flank_contacts
@@ -29,6 +28,7 @@ from toothspace.machines.external_gear.loads import (
 from toothspace.machines.external_gear.spec import ExternalGearSpec
 from toothspace.machines.external_gear.summary import design_checks, geometry_summary
 from toothspace.model.description import ChamberFamily, MachineDescription, RunningIn
+from toothspace.model.lateral_balance import LateralBalance
 from toothspace.numerics.periodic_table import smooth_table, table_from_exact_slopes
 
 DEFAULT_NODES = 720
@@ -88,7 +88,7 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
         drain=spec.drain or ("inlet" if spec.mode == "pump" else "outlet"),
         drain_pressure=spec.drain_pressure,
         running_in=_running_in(spec),
-        lateral_balance=lateral_balance(assembly, numbering),
+        lateral_balance=None if spec.floating_block is None else _balance(assembly, numbering),
         outlines=outlines(assembly),
         geometry_summary=geometry_summary(assembly, spaces),
         checks=design_checks(assembly),
@@ -106,6 +106,13 @@ def _family(assembly: Assembly, numbering: Numbering, spaces: Spaces, gear: int)
         volume=table_from_exact_slopes(FULL_TURN, volume, slope),
         volume_by_motion=smooth_table(FULL_TURN, width * area_by_motion(spaces)),
     )
+
+
+def _balance(assembly: Assembly, numbering: Numbering) -> LateralBalance:
+    # with the bodies that bend, most of the machine's modules
+    from toothspace.machines.external_gear.balance import lateral_balance
+
+    return lateral_balance(assembly, numbering)
 
 
 def _running_in(spec: ExternalGearSpec) -> RunningIn | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import fields, replace
 from pathlib import Path
-from typing import Any, Literal, cast
+from typing import TYPE_CHECKING, Any, Literal, cast
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.frozen import Points
@@ -15,14 +15,15 @@ from toothspace.geometry.gear_pair import pair_from_backlash, pair_from_center_d
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear, tooth_form
 from toothspace.geometry.polygon import checked_polygon
-from toothspace.geometry.profile_detection import DetectedGear
 from toothspace.library import load_material
 from toothspace.machines.external_gear import parameter_tables as keys
 from toothspace.machines.external_gear import spec
 from toothspace.machines.external_gear.floating_from_parameters import body_files, floating_block
-from toothspace.machines.external_gear.gear_files import check_unit, detected_gear
 from toothspace.machines.external_gear.shaft_seal import seal_torque
 from toothspace.model.description import StartupFriction
+
+if TYPE_CHECKING:
+    from toothspace.geometry.profile_detection import DetectedGear
 
 _TOOTH_KEYS = (
     "tooth_count",
@@ -57,8 +58,14 @@ def spec_from(machine: keys.ExternalGearTables) -> spec.ExternalGearSpec:
     driven_keys = _driven_keys(machine)
     drive = _gear(machine.gears, "gears")
     driven = drive if driven_keys == machine.gears else _gear(driven_keys, "driven_gear")
-    check_unit(machine, machine.gears, drive, "gears")
-    check_unit(machine, driven_keys, driven, "driven_gear")
+    for table, given, built in (
+        ("gears", machine.gears, drive),
+        ("driven_gear", driven_keys, driven),
+    ):
+        if built.found is not None:
+            from toothspace.machines.external_gear.gear_files import check_unit
+
+            check_unit(machine, given, built.found.detected.profile, table)
     _check_pair(machine, drive, driven)
     return spec.ExternalGearSpec(
         drive=drive,
@@ -130,7 +137,11 @@ def _driven_keys(machine: keys.ExternalGearTables) -> keys.GearParameters:
 
 
 def _gear(gear: keys.GearParameters, table: str) -> spec.Gear:
-    found = None if gear.profile is None else detected_gear(gear, gear.profile, table)
+    found = None
+    if gear.profile is not None:
+        from toothspace.machines.external_gear.gear_files import detected_gear
+
+        found = detected_gear(gear, gear.profile, table)
     return spec.Gear(
         tooth=_generated(gear, table) if found is None else _tooth(gear, found.detected),
         face_width=gear.face_width,

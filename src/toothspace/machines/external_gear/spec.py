@@ -7,13 +7,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal, final
+from typing import TYPE_CHECKING, Literal, final
 
 from toothspace.core.types import Array
-from toothspace.geometry.gear_finder import FoundGear
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear
 from toothspace.model.description import StartupFriction
+
+if TYPE_CHECKING:
+    from toothspace.geometry.gear_finder import FoundGear
 
 
 @final
