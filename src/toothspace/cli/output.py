@@ -49,7 +49,7 @@ def write(summary: Mapping[str, Any], *, as_json: bool) -> None:
         return
     width = max((len(name) for name in values), default=0)
     for name, value in values.items():
-        line(f"{name:<{width}}  {_shown(value)}")
+        line(f"{name:<{width}}  {shown(value)}")
 
 
 def write_tables(groups: Mapping[str, Any]) -> None:
@@ -60,15 +60,25 @@ def write_tables(groups: Mapping[str, Any]) -> None:
             write({f"  {key}": value for key, value in item.items()}, as_json=False)
 
 
-def _shown(value: Any) -> str:
+def write_comparison(pairs: Mapping[str, tuple[float, float]]) -> None:
+    """Write pairs of numbers with their difference, also in percent of the first."""
+    width = max((len(name) for name in pairs), default=0)
+    line(f"{'':<{width}}  {'first':>12} {'second':>12} {'difference':>12} {'':>9}")
+    for name, (one, two) in pairs.items():
+        share = f"{100.0 * (two - one) / abs(one):+.2f} %" if one else "-"
+        line(f"{name:<{width}}  {one:12.6g} {two:12.6g} {two - one:12.4g} {share:>9}")
+
+
+def shown(value: Any) -> str:
+    """Return a value as short text."""
     if isinstance(value, float):
         return f"{value:.6g}"
     if isinstance(value, list) and len(value) > _LONGEST_LIST and _are_numbers(value):
-        return f"{len(value)} values, {_shown(min(value))} to {_shown(max(value))}"
+        return f"{len(value)} values, {shown(min(value))} to {shown(max(value))}"
     if isinstance(value, list):
-        return ", ".join(_shown(item) for item in value) or "none"
+        return ", ".join(shown(item) for item in value) or "none"
     if isinstance(value, dict):
-        return ", ".join(f"{name} {_shown(item)}" for name, item in value.items()) or "none"
+        return ", ".join(f"{name} {shown(item)}" for name, item in value.items()) or "none"
     return "-" if value is None else str(value)
 
 

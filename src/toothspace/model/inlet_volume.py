@@ -13,7 +13,6 @@ starves.
 
 from __future__ import annotations
 
-
 from toothspace.closures.aeration import gas_exchange_rate
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.numerics.roots import root_between

@@ -42,19 +42,18 @@ def spline_coefficients(knots: Array, values: Array) -> Array:
 def _slopes(step: Array, rise: Array) -> Array:
     if len(step) == 1:
         return rise[[0, 0]]
-    middle = (step[1:, None] * rise[:-1] + step[:-1, None] * rise[1:]) / (step[:-1] + step[1:])[:, None]
+    both = (step[:-1] + step[1:])[:, None]
+    middle = (step[1:, None] * rise[:-1] + step[:-1, None] * rise[1:]) / both
     if len(step) == 2:
         return np.vstack([2.0 * rise[:1] - middle, middle, 2.0 * rise[1:] - middle])
     nodes = len(step) + 1
     matrix, right = np.zeros((nodes, nodes)), np.empty((nodes, rise.shape[1]))
     inner = np.arange(1, nodes - 1)
     matrix[inner, inner - 1], matrix[inner, inner + 1] = step[1:], step[:-1]
-    matrix[inner, inner] = 2.0 * (step[:-1] + step[1:])
-    right[1:-1] = 3.0 * (step[:-1] + step[1:])[:, None] * middle
+    matrix[inner, inner] = 2.0 * both[:, 0]
+    right[1:-1] = 3.0 * both * middle
     for end, second, near, far in ((0, 1, 0, 1), (-1, -2, -1, -2)):
-        both = step[near] + step[far]
-        matrix[end, [end, second]] = step[far], both
-        right[end] = (
-            (step[near] + 2.0 * both) * step[far] * rise[near] + step[near] ** 2 * rise[far]
-        ) / both
+        a, b = step[near], step[far]
+        matrix[end, [end, second]] = b, a + b
+        right[end] = ((3.0 * a + 2.0 * b) * b * rise[near] + a**2 * rise[far]) / (a + b)
     return np.linalg.solve(matrix, right)

@@ -69,6 +69,7 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
     assembly = assemble(spec)
     numbering = number(assembly.counts)
     spaces = assembly.spaces(nodes)
+    checks = design_checks(assembly)
     families = tuple(_family(assembly, numbering, spaces[gear], gear) for gear in (0, 1))
     return MachineDescription(
         name="external_gear",
@@ -90,8 +91,8 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
         running_in=_running_in(spec),
         lateral_balance=None if spec.floating_block is None else _balance(assembly, numbering),
         outlines=outlines(assembly),
-        geometry_summary=geometry_summary(assembly, spaces),
-        checks=design_checks(assembly),
+        geometry_summary=geometry_summary(assembly, spaces, checks),
+        checks=checks,
     )
 
 

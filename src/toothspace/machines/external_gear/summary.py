@@ -24,7 +24,9 @@ from toothspace.machines.external_gear.trapping import trapping_checks
 from toothspace.model.description import DesignCheck
 
 
-def geometry_summary(assembly: Assembly, spaces: tuple[Spaces, Spaces]) -> dict[str, object]:
+def geometry_summary(
+    assembly: Assembly, spaces: tuple[Spaces, Spaces], checks: tuple[DesignCheck, ...]
+) -> dict[str, object]:
     """Numbers of the geometry report.
 
     Parameters
@@ -33,6 +35,8 @@ def geometry_summary(assembly: Assembly, spaces: tuple[Spaces, Spaces]) -> dict[
         Gears in mesh.
     spaces : tuple of Spaces
         Tooth spaces of both gears at the table nodes.
+    checks : tuple of DesignCheck
+        Design-rule report, whose failures are named.
 
     Returns
     -------
@@ -58,7 +62,7 @@ def geometry_summary(assembly: Assembly, spaces: tuple[Spaces, Spaces]) -> dict[
         **profile_quality(assembly, trapped),
         "warnings": [
             f"{check.name}: {check.value:.4g} {check.unit}, allowed {check.allowed}"
-            for check in design_checks(assembly)
+            for check in checks
             if not check.passed
         ],
     }
