@@ -78,7 +78,7 @@ MACHINE_TABLES = MachineTables()
 MACHINE_KEY = Variant(
     tag="type",
     variants=MACHINE_TABLES,
-    name_of_class=MACHINE_TABLES.name_of,
+    name_of_table=MACHINE_TABLES.name_of,
     doc="The machine; keys by its type.",
 )
 

@@ -638,17 +638,17 @@ def _without_named(
 class Variant(Key):
     """Sub-table whose key ``tag`` chooses the dataclass.
 
-    ``name_of_class`` gives the value of the tag where ``variants`` imports what it is asked for.
+    ``name_of_table`` gives the value of the tag where ``variants`` imports what it is asked for.
     """
 
     tag: str
     variants: Mapping[str, type]
-    name_of_class: Callable[[type], str] | None = None
+    name_of_table: Callable[[type], str] | None = None
 
     def name_of(self, value: Any) -> str:
         """Return the value of the tag that stands for an object, empty for others."""
-        if self.name_of_class is not None:
-            return self.name_of_class(type(value))
+        if self.name_of_table is not None:
+            return self.name_of_table(type(value))
         return next((name for name, spec in self.variants.items() if type(value) is spec), "")
 
     def holds(self, value: Any) -> bool:

@@ -56,4 +56,4 @@ def _slopes(step: Array, rise: Array) -> Array:
         a, b = step[near], step[far]
         matrix[end, [end, second]] = b, a + b
         right[end] = ((3.0 * a + 2.0 * b) * b * rise[near] + a**2 * rise[far]) / (a + b)
-    return np.linalg.solve(matrix, right)
+    return np.asarray(np.linalg.solve(matrix, right))

@@ -52,7 +52,7 @@ class Comparison:
     def losses(self) -> dict[str, tuple[float, float]]:
         """Return the mean power that each cause dissipates in both runs, by its name. [W]."""
         both = (self.first.ledger, self.second.ledger)
-        names = both[1].losses | both[0].losses
+        names = {**both[0].losses, **both[1].losses}
         found = {
             label: tuple(one.energy.get(key, 0.0) / one.duration for one in both)
             for key, label in names.items()
