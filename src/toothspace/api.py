@@ -13,12 +13,13 @@ from toothspace.case.fingerprint import fingerprint
 from toothspace.core.compiled import compile_seconds
 from toothspace.core.errors import CaseError
 from toothspace.core.processes import start_worker
+from toothspace.core.progress import Progress
 from toothspace.core.registry import machine_type
 from toothspace.model.description import MachineDescription
 from toothspace.results.credibility import with_warnings
 from toothspace.results.solution import Solution
 from toothspace.simulation import run
-from toothspace.simulation.setup import Progress, Setup, fluid_of, known_pressure, require_condition
+from toothspace.simulation.setup import Setup, fluid_of, known_pressure, require_condition
 
 _KEPT_MACHINES = 4
 

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
+    from toothspace.core.progress import Progress
     from toothspace.report.comparison import Comparison
-    from toothspace.simulation.setup import Progress
     from toothspace.studies.study import StudyResult
 
 _KEY_NUMBERS = 12

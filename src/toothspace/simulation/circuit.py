@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from toothspace.core.errors import CaseError
+from toothspace.core.progress import Progress
 from toothspace.model.assembly import assemble
 from toothspace.results.solution import Solution
 from toothspace.simulation.lumped import run_in_machine
-from toothspace.simulation.setup import Progress, Setup
+from toothspace.simulation.setup import Setup
 from toothspace.solver.transient import TimePlan, TransientMarch
 from toothspace.solver.transient_outcome import transient_solution
 
@@ -25,7 +26,7 @@ def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
         found = f"run.fidelity: found {run.fidelity!r}"
         raise CaseError(f"{found}, allowed 'lumped' with a [circuit]")
     condition = setup.condition
-    machine = run_in_machine(setup)
+    machine = run_in_machine(setup, progress)
     plan = TimePlan(
         case.circuit.duration,
         cells=run.time_samples,

@@ -10,13 +10,14 @@ import numpy as np
 from toothspace.case import Case
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.orifice import DISCHARGE_COEFFICIENT
+from toothspace.core.progress import UNKNOWN, Progress, tell
 from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.results.solution import Solution
 from toothspace.simulation.presets import interface_models, interface_text
 from toothspace.simulation.running_in import CUT_SHORT, WornMachine, run_in
-from toothspace.simulation.setup import Progress, Setup, fluid_temperature, provenance_of
+from toothspace.simulation.setup import Setup, fluid_temperature, provenance_of
 from toothspace.solver.accuracy import Assembled, march_to_balance
 from toothspace.solver.compiled_model import observe
 from toothspace.solver.cyclic import History, RunPlan, first_turn_state
@@ -75,9 +76,9 @@ class RunInMachine:
         return run_with_table(machine, run, slide)
 
 
-def run_in_machine(setup: Setup) -> RunInMachine:
+def run_in_machine(setup: Setup, progress: Progress | None = None) -> RunInMachine:
     """Run in the machine of a case, then give it its film tables and solved films."""
-    worn, tables = run_in(setup), setup.case.run.film_tables
+    worn, tables = run_in(setup, progress), setup.case.run.film_tables
     description, tabulated = worn.description, tuple[str, ...]()
     if tables is not None:
         from toothspace.simulation.film_tables import with_film_tables
@@ -87,6 +88,7 @@ def run_in_machine(setup: Setup) -> RunInMachine:
     if "reynolds" in models.values():
         from toothspace.simulation.films import with_solved_films
 
+        tell(progress, UNKNOWN, "journal and face films")
         description = with_solved_films(description, setup.condition, models)
     extra = {"fluid_temperature": np.asarray(fluid_temperature(setup.case)), **worn.values}
     provenance = {**provenance_of(setup.case), "interfaces": interface_text(models)}
@@ -95,7 +97,7 @@ def run_in_machine(setup: Setup) -> RunInMachine:
 
 def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
     """Cyclic state of a case at its operating point."""
-    machine = run_in_machine(setup)
+    machine = run_in_machine(setup, progress)
     return machine.worn.marked(machine.solve(setup.condition, progress=progress))
 
 

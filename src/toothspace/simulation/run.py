@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+from toothspace.core.progress import Progress
 from toothspace.results.solution import Solution
-from toothspace.simulation.setup import Progress, Setup
+from toothspace.simulation.setup import Setup
 
 Simulate = Callable[[Setup, Progress | None], Solution]
 
