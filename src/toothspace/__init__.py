@@ -10,8 +10,7 @@ them from ``__init__.pyi``.
 """
 
 import importlib
-
-__version__ = "0.1.0"
+from functools import cache
 
 _PUBLIC = {
     "Case": "toothspace.case",
@@ -38,9 +37,21 @@ def __getattr__(name: str) -> object:
     """Import a public name on first use."""
     if name in _PUBLIC:
         return getattr(importlib.import_module(_PUBLIC[name]), name)
+    if name == "__version__":
+        return _version()
     if name in _SUBPACKAGES:
         return importlib.import_module(f"toothspace.{name}")
     raise AttributeError(f"module 'toothspace' has no attribute {name!r}")
+
+
+@cache
+def _version() -> str:
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version("toothspace")
+    except PackageNotFoundError:
+        return "0+not.installed"
 
 
 def __dir__() -> list[str]:

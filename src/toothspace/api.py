@@ -13,12 +13,13 @@ from toothspace.case.fingerprint import fingerprint
 from toothspace.core.compiled import compile_seconds
 from toothspace.core.errors import CaseError
 from toothspace.core.processes import start_worker
+from toothspace.core.progress import Progress
 from toothspace.core.registry import machine_type
 from toothspace.model.description import MachineDescription
 from toothspace.results.credibility import with_warnings
 from toothspace.results.solution import Solution
-from toothspace.simulation import run, stand_alone
-from toothspace.simulation.setup import Progress, Setup, fluid_of, known_pressure, require_condition
+from toothspace.simulation import run
+from toothspace.simulation.setup import Setup, fluid_of, known_pressure, require_condition
 
 _KEPT_MACHINES = 4
 
@@ -97,6 +98,8 @@ def solve_bearing(case: Case, fields: Path | None = None) -> dict[str, Any]:
     dict
         Numbers with unit suffixes; forces and torques act on the shaft by the film.
     """
+    from toothspace.simulation import stand_alone
+
     return stand_alone.solve_bearing(case, fields)
 
 
@@ -115,6 +118,8 @@ def solve_film(case: Case, fields: Path | None = None) -> dict[str, Any]:
     dict
         Numbers with unit suffixes; the load of a pad is that of the pressure above ambient.
     """
+    from toothspace.simulation import stand_alone
+
     description = None if case.machine_spec is None else describe(case)
     return stand_alone.solve_film(case, description, fields)
 

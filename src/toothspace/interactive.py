@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-    from toothspace.simulation.setup import Progress
+    from toothspace.core.progress import Progress
+    from toothspace.report.comparison import Comparison
     from toothspace.studies.study import StudyResult
 
 _KEY_NUMBERS = 12
@@ -205,69 +206,6 @@ class Figures:
         return self.figure("openings")
 
 
-@final
-@dataclass(frozen=True, eq=False)
-class Comparison:
-    """Summary numbers of two results side by side.
-
-    Parameters
-    ----------
-    first, second : Solution
-        The results.
-    """
-
-    first: Solution
-    second: Solution
-
-    def to_dataframe(self) -> pd.DataFrame:
-        """Return both values, their difference and its share of the first, by name."""
-        import pandas as pd
-
-        one, two = self.first.summary(), self.second.summary()
-        rows = {}
-        for name in (name for name in one if name in two):
-            a, b = one[name], two[name]
-            if isinstance(a, (int, float)) and isinstance(b, (int, float)):
-                share = (b - a) / abs(a) if a else float("nan")
-                rows[name] = (a, b, b - a, share)
-        columns = ["first", "second", "difference", "relative"]
-        return pd.DataFrame.from_dict(rows, orient="index", columns=columns)
-
-    def keys(self) -> dict[str, tuple[Any, Any]]:
-        """Return the keys in which the cases differ, with both values."""
-        one, two = (_leaves(_case_of(s).to_dict()) for s in (self.first, self.second))
-        names = [*one, *(name for name in two if name not in one)]
-        both = {name: (one.get(name), two.get(name)) for name in names}
-        return {name: values for name, values in both.items() if values[0] != values[1]}
-
-    def __repr__(self) -> str:
-        return f"<Comparison\n{self.to_dataframe().to_string(float_format='{:.5g}'.format)}>"
-
-    def _repr_html_(self) -> str:
-        keys = "".join(
-            f"<tr><th style='text-align:left'>{escape(name)}</th><td>{escape(str(a))}</td>"
-            f"<td>{escape(str(b))}</td></tr>"
-            for name, (a, b) in self.keys().items()
-        )
-        numbers = self.to_dataframe().to_html(float_format="{:.5g}".format)
-        return f"<table>{keys}</table>{numbers}"
-
-
-def _case_of(solution: results.Solution) -> Case:
-    folder = Path(solution.provenance.get("case_file", "")).parent
-    return Case.from_toml(solution.provenance.get("case_toml", ""), folder)
-
-
-def _leaves(tables: Mapping[str, Any], path: str = "") -> dict[str, Any]:
-    found: dict[str, Any] = {}
-    for name, value in tables.items():
-        if isinstance(value, Mapping):
-            found |= _leaves(value, f"{path}{name}.")
-        else:
-            found[f"{path}{name}"] = value
-    return found
-
-
 def _interactive(solution: results.Solution) -> Solution:
     return Solution(**{f.name: getattr(solution, f.name) for f in fields(results.Solution)})
 
@@ -366,6 +304,8 @@ def compare(
         if isinstance(given, Solution):
             return given
         return _interactive(given) if isinstance(given, results.Solution) else load_solution(given)
+
+    from toothspace.report.comparison import Comparison
 
     return Comparison(solution(first), solution(second))
 

@@ -14,7 +14,7 @@ import pytest
 
 import toothspace as ts
 from toothspace.case import Case
-from toothspace.case.case import machine_parameters
+from toothspace.case.case import MACHINE_TABLES
 from toothspace.core.keys import KeyTable, keys_of
 from toothspace.core.units import Quantity, exact_text, parse_quantity, to_si
 from toothspace.simulation.setup import fluid_of, provenance_of
@@ -241,9 +241,9 @@ def test_every_table_of_the_shipped_machines_is_checked() -> None:
             for inner in (key, getattr(key, "item", None)):
                 if hasattr(inner, "spec"):
                     found += tables(inner.spec)
-                if hasattr(inner, "kinds"):
-                    found += [table for kind in inner.kinds().values() for table in tables(kind)]
+                if hasattr(inner, "variants"):
+                    found += [table for kind in inner.variants.values() for table in tables(kind)]
         return found
 
     assert all(issubclass(spec, KeyTable) for spec in tables(Case))
-    assert set(machine_parameters()) >= {"external_gear", "gerotor"}
+    assert set(MACHINE_TABLES) >= {"external_gear", "gerotor"}

@@ -235,6 +235,8 @@ def test_results_are_replaced_only_by_force(
     "arguments",
     [
         ["report", "result.nc", "-o", "there"],
+        ["compare", "result.nc", "result.nc", "-o", "there"],
+        ["gear", "gear.dxf", "--plot", "there"],
         ["geometry", str(MOTOR), "-o", "there"],
         ["geometry", str(MOTOR), "--plot", "there"],
         ["bearing", str(MOTOR.with_name("journal_bearing.toml")), "-o", "there"],

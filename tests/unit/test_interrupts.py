@@ -111,7 +111,7 @@ def marches(monkeypatch: pytest.MonkeyPatch, status: Status) -> list[RunPlan]:
     """Let every march end with a status; the plans that were asked for."""
     asked: list[RunPlan] = []
 
-    def march(_system: Any, plan: RunPlan) -> Any:
+    def march(_system: Any, plan: RunPlan, _progress: object) -> Any:
         asked.append(plan)
         return SimpleNamespace(status=status)
 

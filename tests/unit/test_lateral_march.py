@@ -80,7 +80,7 @@ def test_interrupt_beside_the_films_keeps_the_lumped_solution(
     )
     assert found.status is Status.INTERRUPTED
     assert found.data is lumped.data
-    assert reported == ["lateral films settle"]
+    assert reported == ["lateral films settle, round 1"]
 
 
 def test_interrupted_lumped_run_ends_the_point(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -127,7 +127,7 @@ class _Chain:
     def __init__(self, points: tuple[StoredPoint, ...], last: int) -> None:
         self.points, self.last, self.asked = points, last, []
 
-    def solve(self, condition: PointCondition, start: Any) -> StoredPoint:
+    def solve(self, condition: PointCondition, start: Any, _progress: object) -> StoredPoint:
         if len(self.asked) == self.last:
             raise KeyboardInterrupt
         self.asked.append((condition.label, start))

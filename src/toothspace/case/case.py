@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from importlib import import_module
@@ -54,15 +54,33 @@ _KEPT_MACHINES = 16
 _machines: dict[str, Any] = {}
 
 
-def machine_parameters() -> dict[str, type]:
-    """Return the class of the keys ``[machine]`` of every installed machine type."""
-    return {
-        name: import_module(f"{module}.parameters").PARAMETERS
-        for name, module in machine_modules().items()
-    }
+@final
+class MachineTables(Mapping[str, type]):
+    """Class of the keys ``[machine]`` of every installed machine type, imported when asked for."""
+
+    def __getitem__(self, name: str) -> type:
+        return import_module(f"{machine_modules()[name]}.parameters").PARAMETERS
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(machine_modules())
+
+    def __len__(self) -> int:
+        return len(machine_modules())
+
+    def name_of(self, spec: type) -> str:
+        """Return the machine type whose keys a class holds, empty for other classes."""
+        package = spec.__module__.removesuffix(".parameters")
+        named = (name for name, module in machine_modules().items() if module == package)
+        return next((name for name in named if self[name] is spec), "")
 
 
-MACHINE_KEY = Variant(tag="type", variants=machine_parameters, doc="The machine; keys by its type.")
+MACHINE_TABLES = MachineTables()
+MACHINE_KEY = Variant(
+    tag="type",
+    variants=MACHINE_TABLES,
+    name_of_table=MACHINE_TABLES.name_of,
+    doc="The machine; keys by its type.",
+)
 
 
 @final

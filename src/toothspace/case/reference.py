@@ -45,7 +45,7 @@ def _sections() -> Iterator[tuple[str, str]]:
 
 
 def _variants(path: str, key: keys.Variant) -> Iterator[tuple[str, str]]:
-    for name, spec in key.kinds().items():
+    for name, spec in key.variants.items():
         yield from _tables(path, spec, f'`[{path}]` with `{key.tag} = "{name}"`')
 
 

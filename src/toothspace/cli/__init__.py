@@ -11,6 +11,7 @@ output      summaries as text or JSON, messages, progress
 
 from __future__ import annotations
 
+import gc
 import os
 import sys
 from collections.abc import Sequence
@@ -23,6 +24,7 @@ EXIT_BAD_INPUT = 2
 EXIT_NUMERICAL_FAILURE = 3
 EXIT_UNEXPECTED = 70
 EXIT_INTERRUPTED = 130
+_OBJECTS_BETWEEN_COLLECTIONS = 100_000
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -38,6 +40,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     int
         0 done, 2 bad input, 3 numerical failure, 130 interrupted, 70 unexpected error. [-]
     """
+    # what imports leave behind stays to the end: looking through it again and again is in vain
+    gc.set_threshold(_OBJECTS_BETWEEN_COLLECTIONS)
     try:
         from toothspace.cli.application import application
 

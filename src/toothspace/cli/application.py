@@ -13,7 +13,6 @@ from toothspace.cli import commands
 application = typer.Typer(
     name="toothspace",
     help="Simulate hydraulic gear machines.",
-    add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -140,6 +139,21 @@ def report(
 ) -> int:
     """Write a self-contained HTML report of a result."""
     return commands.report(result, output, measured, force=force)
+
+
+@application.command()
+def compare(
+    first: Annotated[Path, typer.Argument(metavar="A.nc", help="Result of a run.")],
+    second: Annotated[Path, typer.Argument(metavar="B.nc", help="Result of another run.")],
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="PAGE.html", help="HTML file.")
+    ] = None,
+    as_json: Json = False,
+    force: Force = False,
+) -> int:
+    """Put two results side by side: keys, numbers, causes of loss."""
+    target = None if output is None else commands.Target(output, force)
+    return commands.compare(first, second, target, as_json=as_json)
 
 
 @application.command()

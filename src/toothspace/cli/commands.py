@@ -313,6 +313,27 @@ def _measured(path: Path) -> dict[str, Any]:
     return read_columns(path, {"time": "s", **(given or known)})
 
 
+def compare(first: Path, second: Path, page: Target | None, *, as_json: bool) -> int:
+    """Put two results side by side, as text, JSON or a page; returns the exit code."""
+    target = None if page is None else page.checked()
+    from toothspace.report.comparison import Comparison
+    from toothspace.results.io import load_solution
+
+    comparison = Comparison(load_solution(first), load_solution(second))
+    if as_json:
+        output.write(comparison.to_dict(), as_json=True)
+    else:
+        for name, (one, two) in comparison.keys().items():
+            output.line(f"{name}: {output.shown(one)} -> {output.shown(two)}")
+        output.write_comparison(comparison.numbers())
+        output.write_comparison({f"{n}, W": both for n, both in comparison.losses().items()})
+    for warning in comparison.warnings():
+        output.message(f"Warning: {warning}")
+    if target is not None:
+        output.message(f"Comparison: {comparison.write(target)}")
+    return 0
+
+
 def study(
     case_file: Path, options: StudyOptions, overrides: Sequence[str], *, as_json: bool
 ) -> int:

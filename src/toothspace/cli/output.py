@@ -5,14 +5,18 @@ from __future__ import annotations
 import json
 import math
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import time
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, final
+
+from toothspace.core.progress import Progress
 
 if TYPE_CHECKING:
     from toothspace.model.description import DesignCheck
 
-Progress = Callable[[float, str], None]
+_LINE_EVERY = 10.0
+"""Lines of progress are written at this distance where nobody watches. [s]"""
 
 _LONGEST_LIST = 20
 """Longer lists of numbers are shown by their range; JSON and the result hold all."""
@@ -49,7 +53,7 @@ def write(summary: Mapping[str, Any], *, as_json: bool) -> None:
         return
     width = max((len(name) for name in values), default=0)
     for name, value in values.items():
-        line(f"{name:<{width}}  {_shown(value)}")
+        line(f"{name:<{width}}  {shown(value)}")
 
 
 def write_tables(groups: Mapping[str, Any]) -> None:
@@ -60,15 +64,25 @@ def write_tables(groups: Mapping[str, Any]) -> None:
             write({f"  {key}": value for key, value in item.items()}, as_json=False)
 
 
-def _shown(value: Any) -> str:
+def write_comparison(pairs: Mapping[str, tuple[float, float]]) -> None:
+    """Write pairs of numbers with their difference, also in percent of the first."""
+    width = max((len(name) for name in pairs), default=0)
+    line(f"{'':<{width}}  {'first':>12} {'second':>12} {'difference':>12} {'':>9}")
+    for name, (one, two) in pairs.items():
+        share = f"{100.0 * (two - one) / abs(one):+.2f} %" if one else "-"
+        line(f"{name:<{width}}  {one:12.6g} {two:12.6g} {two - one:12.4g} {share:>9}")
+
+
+def shown(value: Any) -> str:
+    """Return a value as short text."""
     if isinstance(value, float):
         return f"{value:.6g}"
     if isinstance(value, list) and len(value) > _LONGEST_LIST and _are_numbers(value):
-        return f"{len(value)} values, {_shown(min(value))} to {_shown(max(value))}"
+        return f"{len(value)} values, {shown(min(value))} to {shown(max(value))}"
     if isinstance(value, list):
-        return ", ".join(_shown(item) for item in value) or "none"
+        return ", ".join(shown(item) for item in value) or "none"
     if isinstance(value, dict):
-        return ", ".join(f"{name} {_shown(item)}" for name, item in value.items()) or "none"
+        return ", ".join(f"{name} {shown(item)}" for name, item in value.items()) or "none"
     return "-" if value is None else str(value)
 
 
@@ -87,20 +101,50 @@ def write_checks(checks: Sequence[DesignCheck]) -> None:
 
 
 @contextmanager
-def progress(title: str) -> Iterator[Progress | None]:
-    """Show a bar on standard error while a run lasts; None where nobody watches."""
+def progress(title: str) -> Iterator[Progress]:
+    """Show on standard error how far a run is: a bar, or a line now and then without a terminal."""
     if not sys.stderr.isatty():
-        yield None
+        yield _Lines(title)
         return
     from rich.console import Console
-    from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
+    from rich.progress import BarColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
     from rich.progress import Progress as Bar
 
-    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TimeElapsedColumn(),
+        TimeRemainingColumn(elapsed_when_finished=True),
+    )
     with Bar(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(title, total=1.0)
+        task, before = bar.add_task(title, total=None), math.inf
 
-        def advance(fraction: float, text: str = "") -> None:
-            bar.update(task, completed=fraction, description=f"{title} {text}".strip())
+        def advance(share: float, text: str = "") -> None:
+            nonlocal task, before
+            known = math.isfinite(share)
+            if not share >= before:
+                # another phase, with a pace of its own
+                bar.remove_task(task)
+                task = bar.add_task(title, total=1.0 if known else None)
+            before = share if known else math.inf
+            done = share if known else 0.0
+            bar.update(task, completed=done, description=f"{title} {text}".strip())
 
         yield advance
+
+
+@final
+class _Lines:
+    """Progress as plain lines, none before a run has taken some time."""
+
+    def __init__(self, title: str) -> None:
+        self._title = title
+        self._shown = time.monotonic()
+
+    def __call__(self, share: float, text: str = "") -> None:
+        now = time.monotonic()
+        if now - self._shown < _LINE_EVERY:
+            return
+        self._shown = now
+        done = f", {100.0 * share:.0f} %" if math.isfinite(share) else ""
+        message(f"{self._title} {text}{done}".strip())

@@ -638,33 +638,30 @@ def _without_named(
 class Variant(Key):
     """Sub-table whose key ``tag`` chooses the dataclass.
 
-    ``variants`` may be a function where the choice is known at run time only.
+    ``name_of_table`` gives the value of the tag where ``variants`` imports what it is asked for.
     """
 
     tag: str
-    variants: Mapping[str, type] | Callable[[], Mapping[str, type]]
-
-    def kinds(self) -> Mapping[str, type]:
-        """Return the dataclass of every value of the tag."""
-        return self.variants() if callable(self.variants) else self.variants
+    variants: Mapping[str, type]
+    name_of_table: Callable[[type], str] | None = None
 
     def name_of(self, value: Any) -> str:
-        """Return the value of the tag that stands for an object."""
-        return next((name for name, spec in self.kinds().items() if type(value) is spec), "")
+        """Return the value of the tag that stands for an object, empty for others."""
+        if self.name_of_table is not None:
+            return self.name_of_table(type(value))
+        return next((name for name, spec in self.variants.items() if type(value) is spec), "")
 
     def holds(self, value: Any) -> bool:
         """Tell whether an object is one of the variants."""
         return bool(self.name_of(value))
 
     def allowed(self) -> str:
-        return f"a table with {self.tag} = one of {', '.join(self.kinds())}"
+        return f"a table with {self.tag} = one of {', '.join(self.variants)}"
 
     def read(self, raw: Any, source: Source) -> Any:
-        if self.holds(raw):
-            return raw
         if not isinstance(raw, Mapping):
-            self.fail(shown(raw))
-        name, kinds = raw.get(self.tag), self.kinds()
+            return raw if self.holds(raw) else self.fail(shown(raw))
+        name, kinds = raw.get(self.tag), self.variants
         if not isinstance(name, str) or name not in kinds:
             found = "nothing" if name is None else shown(name)
             raise KeyRuleError(self.tag, found, " or ".join(f"'{kind}'" for kind in kinds))
@@ -678,7 +675,7 @@ class Variant(Key):
         }
 
     def schema(self) -> Schema:
-        return {"oneOf": [self._kind(name, spec) for name, spec in self.kinds().items()]}
+        return {"oneOf": [self._kind(name, spec) for name, spec in self.variants.items()]}
 
     def _kind(self, name: str, spec: type) -> Schema:
         schema = Table(spec=spec).schema()

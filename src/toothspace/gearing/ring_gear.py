@@ -11,7 +11,6 @@ from functools import cached_property
 from typing import final
 
 import numpy as np
-from scipy.optimize import brentq
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array, FloatOrArray
@@ -19,6 +18,7 @@ from toothspace.gearing.tooth import LEFT, RIGHT, Tooth, flank_spline
 from toothspace.geometry.curve import CurveSegment, polar, sample_segments
 from toothspace.geometry.gear_pair import InvolutePair
 from toothspace.geometry.involute import InvoluteGear, ToothForm, involute_function, tooth_form
+from toothspace.numerics.roots import root_between
 
 _LEAST_TIP = 1.0 + 1e-6
 
@@ -328,5 +328,5 @@ def pair_from_backlash(
             f"{pinion.profile_shift:g} and a normal backlash of {normal_backlash * 1e3:.4g} mm, "
             "allowed a larger one (no operating pressure angle exists)"
         )
-    angle = brentq(lambda a: float(involute_function(a)) - target, 1e-9, 1.4, xtol=1e-15)
+    angle = root_between(lambda a: float(involute_function(a)) - target, 1e-9, 1.4, 1e-15)
     return InternalPair(pinion, ring, float(difference / np.cos(angle)))

@@ -6,11 +6,11 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from toothspace.core.compiled import inlined
 from toothspace.core.types import Array
 from toothspace.geometry.gear_profile import GearProfile
+from toothspace.numerics.spline import spline_coefficients
 
 LEFT = 1.0
 """Counter-clockwise side of a tooth that points outwards."""
@@ -113,10 +113,10 @@ def flank_spline(points: Array, breaks: Array, side: float, tip_radius: float) -
     """
     knots = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
     cuts = [0, *_corners(points, breaks), len(points) - 1]
-    pieces = []
-    for first, last in pairwise(cuts):
-        c = CubicSpline(knots[first : last + 1], points[first : last + 1]).c[::-1]
-        pieces.append(np.hstack([c[:, :, 0].T, c[:, :, 1].T]))
+    pieces = [
+        spline_coefficients(knots[first : last + 1], points[first : last + 1]).reshape(-1, 8)
+        for first, last in pairwise(cuts)
+    ]
     coefficients = np.ascontiguousarray(np.vstack(pieces))
     area = np.concatenate([[0.0], np.cumsum(_segment_areas(knots, coefficients))])
     x, y = np.sign(tip_radius) * points[-1]

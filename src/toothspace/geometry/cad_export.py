@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from toothspace.core.errors import GeometryError
+from toothspace.core.optional import package_of_extra
 from toothspace.core.types import Array
 from toothspace.geometry.gear_profile import GearProfile
 
@@ -87,8 +88,7 @@ def _text_bytes(profile: GearProfile, unit: float) -> bytes:
 
 
 def _dxf_bytes(profile: GearProfile, unit: float) -> bytes:
-    import ezdxf
-
+    ezdxf = package_of_extra("ezdxf", "cad", "export: found the format 'dxf'")
     drawing = ezdxf.new("R2010")
     drawing.header["$INSUNITS"] = _DXF_UNITS.get(unit, 0)
     outline = profile.closed_polygon() / unit
@@ -102,8 +102,8 @@ def _dxf_bytes(profile: GearProfile, unit: float) -> bytes:
 
 def _stl_bytes(profile: GearProfile, face_width: float, unit: float) -> bytes:
     import shapely
-    import trimesh
 
+    trimesh = package_of_extra("trimesh", "cad", "export: found the format 'stl'")
     outline = distinct_in_single_precision(profile.closed_polygon() / unit)
     vertices, triangles = _cap_triangles(shapely.Polygon(outline))
     solid = trimesh.creation.extrude_triangulation(vertices, triangles, height=face_width / unit)
@@ -156,13 +156,7 @@ def face_prism_bytes(face: Callable[[], Any], width: float, target: Path) -> byt
     GeometryError
         If the optional package for STEP files is missing.
     """
-    try:
-        import OCP.STEPControl  # noqa: F401
-    except ImportError as error:
-        raise GeometryError(
-            "export: found the suffix '.step' but not the package that writes it, allowed after "
-            "pip install 'toothspace[cad]'"
-        ) from error
+    package_of_extra("OCP.STEPControl", "cad", "export: found the suffix '.step'")
     from OCP.BRepPrimAPI import BRepPrimAPI_MakePrism
     from OCP.gp import gp_Vec
     from OCP.STEPControl import STEPControl_AsIs, STEPControl_Writer

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from toothspace.core.errors import GeometryError
+from toothspace.core.optional import package_of_extra
 from toothspace.core.types import Array
 from toothspace.geometry.chains import chain_closed
 
@@ -47,8 +48,7 @@ def read_dxf(path: Path, unit: float, layer: str | None = None) -> list[Array]:
 
 
 def _entities(path: Path, layer: str | None) -> list[Any]:
-    import ezdxf
-
+    ezdxf = package_of_extra("ezdxf", "cad", f"{path}: found a DXF file")
     try:
         drawing = ezdxf.readfile(path)
     except (OSError, ezdxf.DXFError, ValueError, StopIteration) as error:

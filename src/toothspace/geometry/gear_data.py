@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from scipy.optimize import brentq
 
 from toothspace.geometry.gear_profile import GearProfile, InvoluteFlank
 from toothspace.geometry.involute import involute_function
+from toothspace.numerics.roots import root_between
 
 _ANGLES = np.deg2rad([20.0, 14.5, 25.0, 15.0, 22.5, 17.5, 28.0, 30.0, 24.0, 18.0, 16.0])
 """Usual pressure angles, the commonest first. [rad]"""
@@ -117,7 +117,7 @@ def tip_rounding(flank: InvoluteFlank, tip_radius: float) -> float:
         return 0.0
     steps = np.linspace(0.0, largest, 200)
     below = next((step for step in steps if excess(step) <= 0.0), None)
-    return 0.0 if below is None else float(brentq(excess, 0.0, below))
+    return 0.0 if below is None else root_between(excess, 0.0, below)
 
 
 def _pressure_angle(

@@ -13,7 +13,6 @@ from functools import cached_property
 from typing import Literal, final
 
 import numpy as np
-from scipy.optimize import brentq
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import FloatOrArray
@@ -25,6 +24,7 @@ from toothspace.geometry.involute import (
     tooth_form,
 )
 from toothspace.geometry.mesh_clearance import flank_clearance as flank_clearance
+from toothspace.numerics.roots import root_between
 
 Sealing = Literal["single", "dual"]
 
@@ -320,7 +320,7 @@ def pair_from_backlash(
             f"profile_shift: found a sum of {drive.profile_shift + driven.profile_shift:g}, "
             f"allowed larger (no operating pressure angle exists)"
         )
-    angle = brentq(lambda a: float(involute_function(a)) - target, 1e-9, 1.4, xtol=1e-15)
+    angle = root_between(lambda a: float(involute_function(a)) - target, 1e-9, 1.4, 1e-15)
     return _checked(GearPair(drive, driven, float(total / np.cos(angle))))
 
 

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from scipy.optimize import brentq
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array, FloatOrArray
 from toothspace.geometry.curve import CurveSegment, polar, sample_segments
 from toothspace.geometry.gear_profile import GearProfile, InvoluteFlank
 from toothspace.geometry.involute_gear import InvoluteGear, involute_function
+from toothspace.numerics.roots import root_between
 
 __all__ = [
     "InvoluteGear",
@@ -240,10 +240,10 @@ def _undercut_corner(gear: InvoluteGear, last: float) -> float:
     def height(corner_angle: float) -> float:
         return float(_fillet_polar(gear, np.array([corner_angle]))[0][0]) - gear.base_radius
 
-    start = float(brentq(height, 0.0, last)) if height(0.0) < 0.0 < height(last) else 0.0
+    start = root_between(height, 0.0, last) if height(0.0) < 0.0 < height(last) else 0.0
     if gap(start) <= 0.0 or gap(last) >= 0.0:
         return float(start)
-    return float(brentq(gap, start, last, xtol=1e-15, rtol=1e-14))
+    return root_between(gap, start, last, 1e-15)
 
 
 def _check_neck(gear: InvoluteGear, fillet_end: float) -> None:
@@ -294,7 +294,7 @@ def _pointed_radius(gear: InvoluteGear) -> float:
     def excess(angle: float) -> float:
         return float(involute_function(angle)) - gear.base_half_angle
 
-    return float(gear.base_radius / np.cos(brentq(excess, 1e-6, 1.5)))
+    return float(gear.base_radius / np.cos(root_between(excess, 1e-6, 1.5)))
 
 
 def _half_tooth(gear: InvoluteGear, form: ToothForm) -> list[CurveSegment]:

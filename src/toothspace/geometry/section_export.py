@@ -13,6 +13,7 @@ from typing import Any, final
 import numpy as np
 
 from toothspace.core.errors import GeometryError
+from toothspace.core.optional import package_of_extra
 from toothspace.core.types import Array
 from toothspace.geometry.cad_export import (
     EXPORT_SUFFIXES,
@@ -92,8 +93,7 @@ def _text_bytes(section: Section) -> bytes:
 
 
 def _dxf_bytes(section: Section) -> bytes:
-    import ezdxf
-
+    ezdxf = package_of_extra("ezdxf", "cad", "export: found the format 'dxf'")
     drawing = ezdxf.new("R2010")
     drawing.header["$INSUNITS"] = _DXF_MILLIMETRES
     for curve in section.curves:
@@ -107,8 +107,8 @@ def _dxf_bytes(section: Section) -> bytes:
 
 def _stl_bytes(section: Section, width: float) -> bytes:
     import shapely
-    import trimesh
 
+    trimesh = package_of_extra("trimesh", "cad", "export: found the format 'stl'")
     curves = [distinct_in_single_precision(c / _MILLIMETRE) for c in section.curves]
     polygon = shapely.Polygon(curves[0], curves[1:])
     vertices = np.vstack(curves)

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from toothspace.core.errors import GeometryError
+from toothspace.core.optional import package_of_extra
 from toothspace.core.types import Array
 from toothspace.geometry.body_section import (
     BodySection,
@@ -93,8 +94,7 @@ def section_step(path: Path, plane_z: float | None = None, body: int | None = No
 
 
 def _stl_bodies(path: Path, unit: float) -> list[SurfaceMesh]:
-    import trimesh
-
+    trimesh = package_of_extra("trimesh", "cad", f"{path}: found an STL file")
     _check_stl(path)
     try:
         loaded = trimesh.load_mesh(path, file_type="stl", process=False)

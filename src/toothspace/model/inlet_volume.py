@@ -13,10 +13,9 @@ starves.
 
 from __future__ import annotations
 
-from scipy.optimize import brentq
-
 from toothspace.closures.aeration import gas_exchange_rate
 from toothspace.closures.fluid_law import FluidLaw
+from toothspace.numerics.roots import root_between
 
 _TOLERANCE = 1e-14
 
@@ -46,4 +45,4 @@ def inlet_gas_fraction(pressure: float, residence_time: float, law: FluidLaw) ->
     highest = 1.1 * law.total_gas_mass_fraction + law.nuclei_mass_fraction
     if excess(0.0) <= 0.0 or excess(highest) >= 0.0:
         return feed
-    return float(brentq(excess, 0.0, highest, xtol=_TOLERANCE * highest))
+    return root_between(excess, 0.0, highest, _TOLERANCE * highest)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from toothspace.core.errors import CaseError
+from toothspace.core.progress import Progress
 from toothspace.model.assembly import assemble
 from toothspace.results.solution import Solution
-from toothspace.simulation.lateral.table_lookup import with_table_load
 from toothspace.simulation.lumped import run_in_machine
-from toothspace.simulation.setup import Progress, Setup
+from toothspace.simulation.setup import Setup
 from toothspace.solver.transient import TimePlan, TransientMarch
 from toothspace.solver.transient_outcome import transient_solution
 
@@ -26,7 +26,7 @@ def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
         found = f"run.fidelity: found {run.fidelity!r}"
         raise CaseError(f"{found}, allowed 'lumped' with a [circuit]")
     condition = setup.condition
-    machine = run_in_machine(setup)
+    machine = run_in_machine(setup, progress)
     plan = TimePlan(
         case.circuit.duration,
         cells=run.time_samples,
@@ -35,4 +35,8 @@ def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
     )
     march = TransientMarch(assemble(machine.description, setup.fluid, condition), plan)
     ended = transient_solution(march, machine.provenance, machine.extra, case.title, progress)
-    return machine.worn.marked(with_table_load(machine.description, condition, ended))
+    if machine.description.lateral_table is not None:
+        from toothspace.simulation.lateral.table_lookup import with_table_load
+
+        ended = with_table_load(machine.description, condition, ended)
+    return machine.worn.marked(ended)

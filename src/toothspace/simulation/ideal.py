@@ -9,6 +9,7 @@ import numpy as np
 
 from toothspace.closures.density import mixture_density
 from toothspace.closures.fluid_law import FluidLaw
+from toothspace.core.progress import Progress
 from toothspace.core.status import Status
 from toothspace.core.types import Array, BoolArray
 from toothspace.model.description import FlowPath, MachineDescription
@@ -17,7 +18,7 @@ from toothspace.results.ledger import ledger_from
 from toothspace.results.solution import Solution
 from toothspace.results.variables import dataset_from
 from toothspace.simulation.presets import interface_models, interface_text
-from toothspace.simulation.setup import Progress, Setup, fluid_temperature, provenance_of
+from toothspace.simulation.setup import Setup, fluid_temperature, provenance_of
 from toothspace.solver.outcome import attributes_of
 
 _JOINING_GAP = 5e-6

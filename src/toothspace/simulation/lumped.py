@@ -10,17 +10,15 @@ import numpy as np
 from toothspace.case import Case
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.orifice import DISCHARGE_COEFFICIENT
+from toothspace.core.progress import UNKNOWN, Progress, tell
 from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.results.solution import Solution
-from toothspace.simulation.film_tables import with_film_tables
-from toothspace.simulation.films import with_solved_films
 from toothspace.simulation.heating import run_with_heat
-from toothspace.simulation.lateral.table_lookup import run_with_table
 from toothspace.simulation.presets import interface_models, interface_text
 from toothspace.simulation.running_in import CUT_SHORT, WornMachine, run_in
-from toothspace.simulation.setup import Progress, Setup, fluid_temperature, provenance_of
+from toothspace.simulation.setup import Setup, fluid_temperature, provenance_of
 from toothspace.solver.accuracy import Assembled, march_to_balance
 from toothspace.solver.compiled_model import observe
 from toothspace.solver.cyclic import History, RunPlan, first_turn_state
@@ -70,18 +68,28 @@ class RunInMachine:
             history = _march(self.case, changed, self.fluid, condition, progress)
             return solution_from(history, self.provenance, self.extra, self.case.title)
 
+        machine = description or self.description
+        if machine.lateral_table is None:
+            return run(machine)
+        from toothspace.simulation.lateral.table_lookup import run_with_table
+
         slide = float(self.fluid.dynamic_viscosity) * condition.shaft_speed
-        return run_with_table(description or self.description, run, slide)
+        return run_with_table(machine, run, slide)
 
 
-def run_in_machine(setup: Setup) -> RunInMachine:
+def run_in_machine(setup: Setup, progress: Progress | None = None) -> RunInMachine:
     """Run in the machine of a case, then give it its film tables and solved films."""
-    worn, tables = run_in(setup), setup.case.run.film_tables
+    worn, tables = run_in(setup, progress), setup.case.run.film_tables
     description, tabulated = worn.description, tuple[str, ...]()
     if tables is not None:
+        from toothspace.simulation.film_tables import with_film_tables
+
         description, tabulated = with_film_tables(description, tables)
     models = interface_models(setup.case, tabulated)
     if "reynolds" in models.values():
+        from toothspace.simulation.films import with_solved_films
+
+        tell(progress, UNKNOWN, "journal and face films")
         description = with_solved_films(description, setup.condition, models)
     extra = {"fluid_temperature": np.asarray(fluid_temperature(setup.case)), **worn.values}
     provenance = {**provenance_of(setup.case), "interfaces": interface_text(models)}
@@ -90,7 +98,7 @@ def run_in_machine(setup: Setup) -> RunInMachine:
 
 def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
     """Cyclic state of a case at its operating point."""
-    machine = run_in_machine(setup)
+    machine = run_in_machine(setup, progress)
 
     def run(changed: MachineDescription) -> Solution:
         return machine.solve(setup.condition, changed, progress)

@@ -9,6 +9,7 @@ import numpy as np
 
 from toothspace.case.fingerprint import fingerprint
 from toothspace.core.constants import ATMOSPHERIC_PRESSURE
+from toothspace.core.progress import Progress, part
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.model.assembly import assemble
@@ -69,7 +70,7 @@ class WornMachine:
         }
 
 
-def run_in(setup: Setup) -> WornMachine:
+def run_in(setup: Setup, progress: Progress | None = None) -> WornMachine:
     """Cut the casing at the break-in condition; taken from disk if it was computed before.
 
     Raises
@@ -95,7 +96,9 @@ def run_in(setup: Setup) -> WornMachine:
     depths = running_in_store.load(key)
     if depths is None:
         plan = replace(_PLAN, max_steps=case.run.max_steps)
-        history = march_revolutions(assemble(description, fluid, condition), plan)
+        history = march_revolutions(
+            assemble(description, fluid, condition), plan, part(progress, "running-in")
+        )
         if history.status is Status.INTERRUPTED:
             raise KeyboardInterrupt
         depths = running_in_depths(history)

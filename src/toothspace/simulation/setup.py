@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import platform
-from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.metadata import version
 from typing import final
@@ -19,9 +18,6 @@ from toothspace.core.errors import CaseError
 from toothspace.model.description import MachineDescription
 from toothspace.model.fluid import fluid_law, highest_pressure
 from toothspace.model.operating_point import OperatingCondition
-
-Progress = Callable[[float, str], None]
-"""Called with the finished share of a run and a short text."""
 
 _EXPECTED_PRESSURE = 50e5
 _BEYOND_BREAKAWAY = 1.5

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import final
 
 from toothspace.closures.fluid_law import FluidLaw
+from toothspace.core.progress import Progress
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.model.assembly import System, assemble
@@ -14,7 +15,6 @@ from toothspace.model.description import MachineDescription
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.solver.cyclic import (
     History,
-    Progress,
     RunPlan,
     first_turn_state,
     march_revolutions,

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import final
 
 import numpy as np
 
+from toothspace.core.progress import UNKNOWN, Progress, tell
 from toothspace.core.status import Status
 from toothspace.core.types import Array, IntArray
 from toothspace.model.arrays import CLEARANCE
@@ -16,9 +16,6 @@ from toothspace.model.description import MachineDescription
 from toothspace.results.events import Event
 from toothspace.solver.initial import start_state
 from toothspace.solver.integrator import March, Piece, start_march
-
-Progress = Callable[[float, str], None]
-"""Called with the finished share (0 to 1) and a short text."""
 
 _CYCLIC_PRESSURE = 2e-4
 _CYCLIC_POSITION = 2e-3
@@ -89,8 +86,7 @@ def march_revolutions(
             if piece.status is not Status.DONE:
                 return _history(march, piece, piece.status, done)
             done = k + 1
-            if progress:
-                progress(done / limit, f"revolution {done}")
+            tell(progress, done / limit if plan.revolutions else UNKNOWN, f"revolution {done}")
             if previous is not None:
                 changes.append(_change(system, previous, piece))
             previous = piece

@@ -9,13 +9,13 @@ from typing import final
 import numpy as np
 
 from toothspace.closures.set_valued_friction import STUCK, next_direction
+from toothspace.core.progress import Progress
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.model.arrays import BREAKAWAY, DIRECTION, DRIVING_TORQUE, FREE, HOLDING_TORQUE
 from toothspace.model.assembly import System
 from toothspace.results.events import Event
 from toothspace.solver.compiled_model import hold_shaft
-from toothspace.solver.cyclic import Progress
 from toothspace.solver.initial import start_state
 from toothspace.solver.integrator import March, start_march
 

@@ -10,6 +10,7 @@ import numpy as np
 from toothspace.closures.aeration import gas_volume_fraction, vapour_fraction
 from toothspace.closures.density import mixture_density
 from toothspace.core.interrupts import interrupts_held
+from toothspace.core.progress import Progress
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.model.arrays import (
@@ -26,7 +27,7 @@ from toothspace.results.solution import Solution
 from toothspace.results.stream import SampleStream
 from toothspace.results.variables import WITH_EXTREMES, dataset_from
 from toothspace.solver.compiled_model import Observation, observe
-from toothspace.solver.cyclic import History, Progress
+from toothspace.solver.cyclic import History
 from toothspace.solver.outcome import (
     attributes_of,
     body_values,

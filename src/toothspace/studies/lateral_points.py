@@ -12,6 +12,7 @@ import numpy as np
 from toothspace.api import set_up
 from toothspace.case import Case
 from toothspace.core.errors import CaseError
+from toothspace.core.progress import Progress, part, tell
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
@@ -35,7 +36,7 @@ from toothspace.studies.stored_point import (
     recorded_point,
     stored_point,
 )
-from toothspace.studies.study import Progress, StudyContext, StudyResult, StudyTable
+from toothspace.studies.study import StudyContext, StudyResult, StudyTable
 from toothspace.studies.tabulate import unit_of
 
 if TYPE_CHECKING:
@@ -376,9 +377,10 @@ def follow(
     found: list[StoredPoint] = []
     now: Array | float = start_gap
     for k, (condition, key) in enumerate(zip(conditions, keys, strict=True)):
-        if context.progress:
-            context.progress(k / len(conditions), condition.label)
-        point = _kept_or_solved(context, key, partial(points.solve, condition, now))
+        share = k / len(conditions)
+        tell(context.progress, share, condition.label)
+        told = part(context.progress, condition.label, share, share)
+        point = _kept_or_solved(context, key, partial(points.solve, condition, now, told))
         if point is None:
             break
         found.append(point)

@@ -14,6 +14,7 @@ from toothspace.case import Case
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.journal_friction import FrictionCurve
 from toothspace.core.errors import CaseError
+from toothspace.core.progress import Progress, part, tell
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.films.journal.mixed_lubrication import (
@@ -29,7 +30,7 @@ from toothspace.simulation.elastic import lateral_settings
 from toothspace.simulation.film_tables import JOURNAL_SIZES, KINDS, lateral_sizes
 from toothspace.simulation.lateral.reduction import reduce_lateral
 from toothspace.simulation.lumped import run_in_machine
-from toothspace.simulation.setup import Progress, circuit_condition, condition_of, provenance_of
+from toothspace.simulation.setup import circuit_condition, condition_of, provenance_of
 
 LOAD_LEVELS = (1.0 / 30.0, 0.1, 1.0 / 3.0, 1.0, 3.0)
 """Loads of the sweeps over the mean load of the condition. [-]"""
@@ -52,12 +53,15 @@ class ReduceInput:
         Fluid at the temperature of the case.
     condition : OperatingCondition
         Condition of the case.
+    progress : callable, optional
+        Told what is done.
     """
 
     case: Case
     description: MachineDescription
     fluid: FluidLaw
     condition: OperatingCondition
+    progress: Progress | None = None
 
 
 def reduce_films(
@@ -89,9 +93,8 @@ def reduce_films(
     _check(given, wanted)
     parts = []
     for k, kind in enumerate(wanted):
-        if progress:
-            progress(k / len(wanted), kind)
-        parts.append(REDUCED[kind].reduce(given))
+        own = part(progress, kind, k / len(wanted), (k + 1) / len(wanted))
+        parts.append(REDUCED[kind].reduce(replace(given, progress=own)))
     tables = xr.merge(parts, join="exact", compat="no_conflicts", combine_attrs="drop_conflicts")
     tables.attrs |= {KINDS: " ".join(wanted), **provenance_of(case)}
     return tables
@@ -154,7 +157,8 @@ def reduce_journals(given: ReduceInput) -> xr.Dataset:
     viscosity = float(given.fluid.dynamic_viscosity)
     sweeps: list[list[FrictionSweep]] = []
     loads: list[list[float]] = []
-    for journal in description.journals:
+    for number, journal in enumerate(description.journals):
+        tell(given.progress, number / len(description.journals), f"friction of {journal.body}")
         mean = _load_of(description, journal, force)
         bearing = machine_bearing(journal, viscosity)
         loads.append([part * mean for part in LOAD_LEVELS])
@@ -257,12 +261,15 @@ def reduce_lateral_films(given: ReduceInput) -> xr.Dataset:
     """
     case = given.case
     # the films of this machine are what is to be found
-    machine = run_in_machine(api.set_up(replace(case, run=replace(case.run, film_tables=None))))
+    machine = run_in_machine(
+        api.set_up(replace(case, run=replace(case.run, film_tables=None))), given.progress
+    )
     found = reduce_lateral(
         machine.description,
         given.fluid,
         lambda changed: machine.solve(given.condition, changed),
         lateral_settings(case),
+        given.progress,
     )
     over = ("lateral_force", "lateral_moment")
     columns = {

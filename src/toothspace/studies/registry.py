@@ -16,8 +16,9 @@ from pathlib import Path
 from toothspace.case import Case
 from toothspace.case.study import STUDIES
 from toothspace.core.errors import CaseError
+from toothspace.core.progress import Progress
 from toothspace.studies.records import FILE_NAME, Records
-from toothspace.studies.study import Progress, StudyContext, StudyResult
+from toothspace.studies.study import StudyContext, StudyResult
 from toothspace.studies.workers import Workers
 
 STUDY_MODULES: Mapping[str, str] = {

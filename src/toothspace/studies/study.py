@@ -6,21 +6,19 @@ import csv
 import io
 import json
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
 from toothspace.core.files import write_text
+from toothspace.core.progress import Progress
 from toothspace.core.status import Status
 from toothspace.studies.records import Records
 from toothspace.studies.workers import Workers
 
 if TYPE_CHECKING:
     import xarray as xr
-
-Progress = Callable[[float, str], None]
-"""Called with the finished share (0 to 1) and a short text."""
 
 Row = Sequence[float | str]
 

@@ -87,7 +87,9 @@ def _executor(count: int, scheduler: str) -> Executor:
         from distributed import Client  # type: ignore[import-not-found, unused-ignore]
     except ImportError as error:
         found = "no package 'distributed'"
-        raise CaseError(f"--scheduler: found {found}, allowed an installed Dask") from error
+        raise CaseError(
+            f"--scheduler: found {found}, allowed after pip install 'toothspace[cluster]'"
+        ) from error
     executor: Executor = Client(scheduler).get_executor()
     return executor
 

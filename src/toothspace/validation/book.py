@@ -6,7 +6,7 @@ import time
 from collections.abc import Sequence
 
 from toothspace.core.errors import CaseError, ToothspaceError
-from toothspace.studies.study import Progress
+from toothspace.core.progress import Progress
 from toothspace.validation import films, gerotor, lateral, reference_machines, startup
 from toothspace.validation.claim import Claim, Effort, Evidence, Examined
 

@@ -26,6 +26,7 @@ from typing import Any, final
 import numba
 import numpy as np
 from numba.core.compiler import CompileResult
+from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
 
 _PACKAGE = Path(__file__).resolve().parents[2]
@@ -120,7 +121,8 @@ class EntryCache:
             data = path.read_bytes()
             if hashlib.sha256(data[_DIGEST:]).digest() != data[:_DIGEST]:
                 raise ValueError("damaged")
-            target_context.refresh()
+            # what compiling needs beyond the memory manager is loaded when something is compiled
+            rtsys.initialize(target_context)
             result = CompileResult._rebuild(target_context, *pickle.loads(data[_DIGEST:]))
         except _UNREADABLE:
             return None

@@ -39,8 +39,8 @@ _SHARED = 0.01
 _SIDES: tuple[Side, ...] = ("floating", "solid")
 
 
-def lateral_balance(assembly: Assembly, numbering: Numbering) -> LateralBalance | None:
-    """Films beside the gears and the floating bearing; None without.
+def lateral_balance(assembly: Assembly, numbering: Numbering) -> LateralBalance:
+    """Films beside the gears and the floating bearing.
 
     Raises
     ------
@@ -48,8 +48,7 @@ def lateral_balance(assembly: Assembly, numbering: Numbering) -> LateralBalance 
         If high-pressure area and nose are larger than the back face.
     """
     block = assembly.spec.floating_block
-    if block is None:
-        return None
+    assert block is not None
     drain = assembly.spec.drain or ("inlet" if assembly.spec.mode == "pump" else "outlet")
     ports = {"inlet": numbering.inlet, "outlet": numbering.outlet, "external": numbering.drain}
     pump = assembly.spec.mode == "pump"

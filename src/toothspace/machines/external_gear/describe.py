@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from toothspace.gearing.flank_contacts import flank_contacts, rigid_mesh
 from toothspace.gearing.meshing import displacement
-from toothspace.gearing.numbering import number
+from toothspace.gearing.numbering import Numbering, number
 from toothspace.gearing.outlines import SpaceOutlines
-from toothspace.machines.external_gear.assembly import assemble
-from toothspace.machines.external_gear.balance import lateral_balance
+from toothspace.machines.external_gear.assembly import Assembly, assemble
 from toothspace.machines.external_gear.films import lateral_films
 from toothspace.machines.external_gear.flow_paths import flow_paths, tooth_spaces
 from toothspace.machines.external_gear.loads import (
@@ -22,6 +21,7 @@ from toothspace.machines.external_gear.spec import ExternalGearSpec
 from toothspace.machines.external_gear.summary import design_checks, geometry_summary
 from toothspace.machines.shared_tables import DEFAULT_NODES, MachineType
 from toothspace.model.description import MachineDescription
+from toothspace.model.lateral_balance import LateralBalance
 
 
 def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescription:
@@ -48,6 +48,7 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
     numbering = number(assembly.counts)
     spaces = assembly.spaces(nodes)
     drive, driven = tooth_spaces(assembly, numbering, spaces)
+    checks = design_checks(assembly)
     return MachineDescription(
         name="external_gear",
         mode=spec.mode,
@@ -66,12 +67,19 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
         drain=spec.drain or ("inlet" if spec.mode == "pump" else "outlet"),
         drain_pressure=spec.drain_pressure,
         running_in=spec.casing.wear_in,
-        lateral_balance=lateral_balance(assembly, numbering),
+        lateral_balance=None if spec.floating_block is None else _balance(assembly, numbering),
         outlines=outlines(assembly),
         chamber_outlines=SpaceOutlines(assembly, numbering),
-        geometry_summary=geometry_summary(assembly, spaces),
-        checks=design_checks(assembly),
+        geometry_summary=geometry_summary(assembly, spaces, checks),
+        checks=checks,
     )
+
+
+def _balance(assembly: Assembly, numbering: Numbering) -> LateralBalance:
+    # with the bodies that bend, most of the machine's modules
+    from toothspace.machines.external_gear.balance import lateral_balance
+
+    return lateral_balance(assembly, numbering)
 
 
 MACHINE = MachineType("external_gear", describe)

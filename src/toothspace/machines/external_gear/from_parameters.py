@@ -15,7 +15,7 @@ from toothspace.geometry.involute import InvoluteGear
 from toothspace.machines.external_gear import parameter_tables as keys
 from toothspace.machines.external_gear import spec
 from toothspace.machines.external_gear.floating_from_parameters import floating_block
-from toothspace.machines.external_gear.gear_files import check_unit, detected_gear
+from toothspace.machines.external_gear.gear_files import detected_gear
 from toothspace.machines.external_gear.shaft_seal import seal_torque
 from toothspace.model.description import RunningIn, StartupFriction
 
@@ -41,8 +41,14 @@ def spec_from(machine: keys.ExternalGearTables) -> spec.ExternalGearSpec:
     driven_keys = _driven_keys(machine)
     drive = _gear(machine.gears, "gears")
     driven = drive if driven_keys == machine.gears else _gear(driven_keys, "driven_gear")
-    check_unit(machine, machine.gears, drive, "gears")
-    check_unit(machine, driven_keys, driven, "driven_gear")
+    for table, given, built in (
+        ("gears", machine.gears, drive),
+        ("driven_gear", driven_keys, driven),
+    ):
+        if built.found is not None:
+            from toothspace.machines.external_gear.gear_files import check_unit
+
+            check_unit(machine, given, built.found.detected.profile, table)
     _check_pair(machine, drive, driven)
     return spec.ExternalGearSpec(
         drive=drive,

@@ -15,7 +15,6 @@ from toothspace.geometry.gear_data import gear_data
 from toothspace.geometry.gear_finder import FoundGear, find_gears
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.machines.external_gear import parameter_tables as keys
-from toothspace.machines.external_gear import spec
 
 _UNITS = ("mm", "m", "um", "in")
 _MODULES = (0.1e-3, 50e-3)
@@ -84,7 +83,7 @@ def _found(source: _Source, key: str) -> FoundGear:
 
 
 def check_unit(
-    machine: keys.ExternalGearTables, gear: keys.GearParameters, built: spec.Gear, table: str
+    machine: keys.ExternalGearTables, gear: keys.GearParameters, drawn: GearProfile, table: str
 ) -> None:
     """Refuse a profile whose size fits the machine in another unit only.
 
@@ -93,9 +92,6 @@ def check_unit(
     KeyRuleError
         With the unit in which the gear fits.
     """
-    if built.found is None:
-        return
-    drawn = built.found.detected.profile
     if _fits(machine, gear, drawn):
         return
     own = to_si(1.0, gear.profile_unit)

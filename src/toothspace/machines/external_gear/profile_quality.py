@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from toothspace.core.errors import GeometryError
 from toothspace.gearing.meshing import path_of_contact
 from toothspace.geometry.gear_data import GearData, gear_data
-from toothspace.geometry.gear_finder import FoundGear
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear
-from toothspace.geometry.profile_detection import DetectedGear
 from toothspace.machines.external_gear.assembly import Assembly, assemble
 from toothspace.machines.external_gear.spec import Gear
 from toothspace.machines.external_gear.trapped_volumes import trapped_volumes
 from toothspace.model.description import DesignCheck
+
+if TYPE_CHECKING:
+    from toothspace.geometry.gear_finder import FoundGear
+    from toothspace.geometry.profile_detection import DetectedGear
 
 _LARGEST_CHORD = 2e-6
 _LARGEST_FORM_ERROR = 4e-3

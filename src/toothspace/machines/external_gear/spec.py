@@ -6,16 +6,18 @@ Frame: origin at the drive gear, y towards the driven gear, x towards the outlet
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, final
+from typing import TYPE_CHECKING, Literal, final
 
 from toothspace.core.types import Array
 from toothspace.gearing.gear_tables import ReliefGrooves
 from toothspace.gearing.materials import Material
-from toothspace.geometry.gear_finder import FoundGear
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear
 from toothspace.machines.external_gear.floating_parameters import ElasticBodiesParameters
 from toothspace.model.description import RunningIn, StartupFriction
+
+if TYPE_CHECKING:
+    from toothspace.geometry.gear_finder import FoundGear
 
 CARBURISED_STEEL = Material(elastic_modulus=206e9, poisson_ratio=0.3, hardness=7e9)
 """Case-hardened gear steel 16CrNi4."""

@@ -21,7 +21,9 @@ from toothspace.machines.external_gear.trapped_volumes import trapped_volumes
 from toothspace.machines.external_gear.trapping import trapping_checks
 
 
-def geometry_summary(assembly: Assembly, spaces: tuple[Spaces, Spaces]) -> dict[str, object]:
+def geometry_summary(
+    assembly: Assembly, spaces: tuple[Spaces, Spaces], checks: tuple[DesignCheck, ...]
+) -> dict[str, object]:
     """Numbers of the geometry report.
 
     Parameters
@@ -30,6 +32,8 @@ def geometry_summary(assembly: Assembly, spaces: tuple[Spaces, Spaces]) -> dict[
         Gears in mesh.
     spaces : tuple of Spaces
         Tooth spaces of both gears at the table nodes.
+    checks : tuple of DesignCheck
+        Design-rule report, whose failures are named.
 
     Returns
     -------
@@ -60,7 +64,7 @@ def geometry_summary(assembly: Assembly, spaces: tuple[Spaces, Spaces]) -> dict[
         "trapped_volume_mm3": trapped * 1e9,
         "dead_volume_mm3": dead * 1e9,
         **profile_quality(assembly, trapped),
-        "warnings": warnings_of(design_checks(assembly)),
+        "warnings": warnings_of(checks),
     }
 
 

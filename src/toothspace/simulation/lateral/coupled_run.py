@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from toothspace.closures.fluid_law import FluidLaw
+from toothspace.core.progress import UNKNOWN, Progress, tell
 from toothspace.core.status import Status
 from toothspace.films.lateral.stops import leaning
 from toothspace.model.description import MachineDescription
@@ -25,7 +26,6 @@ from toothspace.simulation.lateral.problem import (
     film_fields,
     film_places,
 )
-from toothspace.solver.cyclic import Progress
 
 
 def coupled_solution(
@@ -58,8 +58,7 @@ def coupled_solution(
         done.append(run(changed))
         if done[-1].status is Status.INTERRUPTED:
             raise KeyboardInterrupt
-        if progress:
-            progress(1.0, "lateral films settle")
+        tell(progress, UNKNOWN, f"lateral films settle, round {len(done)}")
         return done[-1]
 
     try:

@@ -12,6 +12,7 @@ from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.real_contact import real_contact_share
 from toothspace.closures.viscosity import HIGHEST_PRESSURE
 from toothspace.core.errors import CaseError
+from toothspace.core.progress import Progress
 from toothspace.core.types import Array
 from toothspace.films.lateral.deformation import Fineness
 from toothspace.films.lateral.equilibrium import (
@@ -45,7 +46,6 @@ from toothspace.model.lateral_balance import FilmInterface, LateralBalance
 from toothspace.numerics.parallel import cores_for_fields
 from toothspace.simulation.lateral.history import LateralTrack
 from toothspace.simulation.lateral.loads import loaded_bodies, node_pressures
-from toothspace.solver.cyclic import Progress
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -8,6 +8,7 @@ from typing import final
 import numpy as np
 
 from toothspace.closures.fluid_law import FluidLaw
+from toothspace.core.progress import UNKNOWN, Progress, tell
 from toothspace.core.status import Status
 from toothspace.core.types import Array, BoolArray
 from toothspace.films.lateral.stops import leaning
@@ -85,6 +86,7 @@ def reduce_lateral(
     fluid: FluidLaw,
     run: LumpedRun,
     settings: LateralSettings,
+    progress: Progress | None = None,
 ) -> LateralReduction:
     """Solve the films in equilibrium at the pressures of a condition, with added loads.
 
@@ -98,6 +100,8 @@ def reduce_lateral(
         Lumped solution of a changed machine at the condition.
     settings : LateralSettings
         Grids and laws.
+    progress : callable, optional
+        Told how many columns of the table are done.
 
     Raises
     ------
@@ -114,6 +118,7 @@ def reduce_lateral(
     """
     balance = balance_of(description)
     free = replace(description, lateral_balance=_loaded(balance, 0.0, 0.0), lateral_table=None)
+    tell(progress, UNKNOWN, "films and chambers at the condition")
     point = couple_point(free, fluid, run, PointRequest(settings=settings, start=_START_GAP))
     back = point.problem.loads.back
     load = axial_load(balance, point.problem.node_pressure)
@@ -124,6 +129,7 @@ def reduce_lateral(
     turned = tilts * scale * reach
     table = np.full((5, added.size, turned.size), np.nan)
     for j, moment in enumerate(turned):
+        tell(progress, j / turned.size, f"moment {j + 1} of {turned.size}")
         table[:, :, j] = _column(point, fluid, added, float(moment))
     found = (table[3] > 0.0) & (point.status is Status.DONE)
     kept = found.all(axis=1) | (added <= 0.0)

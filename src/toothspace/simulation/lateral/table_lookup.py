@@ -54,14 +54,12 @@ def with_table_load(
     Parameters
     ----------
     description : MachineDescription
-        Machine of the run; without a lateral table the solution stays as it is.
+        Machine of the run, with a lateral table.
     condition : OperatingCondition
         Condition at the pressure that the run was expected to reach.
     solution : Solution
         Its solution.
     """
-    if description.lateral_table is None:
-        return solution
     force, moment = axial_load(balance_of(description), chamber_pressures(description, condition))
     span = abs(condition.outlet_pressure - condition.inlet_pressure)
     return replace(
@@ -81,7 +79,7 @@ def run_with_table(description: MachineDescription, run: LumpedRun, slide: float
     Parameters
     ----------
     description : MachineDescription
-        Machine; without a lateral table it is run once, as it is.
+        Machine with a lateral table.
     run : callable
         Lumped solution of a changed machine at the condition.
     slide : float
@@ -99,8 +97,7 @@ def run_with_table(description: MachineDescription, run: LumpedRun, slide: float
     factor of the condition that the table was made at.
     """
     table = description.lateral_table
-    if table is None:
-        return run(description)
+    assert table is not None
     known: list[tuple[float, float]] = []
     force, moment = table.condition_load
     for number in range(1, _ROUNDS + 1):

@@ -1,0 +1,105 @@
+"""From nothing but Python to a report: ``python -m benchmarks.first_contact``.
+
+Builds the wheel, installs it in a fresh environment and prints how long each step took and
+how large the environment is. The package index that pip is set up with must answer.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import venv
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+_MEBIBYTE = 2**20
+
+
+def build(kind: str, target: Path) -> Path:
+    """Build the ``wheel`` or the ``sdist`` of this checkout into a folder."""
+    command = [sys.executable, "-m", "hatchling", "build", "-t", kind, "-d", str(target)]
+    subprocess.run(command, check=True, cwd=ROOT, capture_output=True)
+    (built,) = target.glob("*.whl" if kind == "wheel" else "*.tar.gz")
+    return built
+
+
+class Environment:
+    """A fresh environment, and an empty folder to work in that knows of no checkout.
+
+    Parameters
+    ----------
+    folder : Path
+        Where both are made.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.place = folder / "environment"
+        self.work = folder / "work"
+        self.work.mkdir()
+        venv.create(self.place, with_pip=True)
+        self.programs = self.place / ("Scripts" if os.name == "nt" else "bin")
+        hidden = ("PYTHONPATH", "PYTHONDONTWRITEBYTECODE", "VIRTUAL_ENV")
+        self.variables = {name: v for name, v in os.environ.items() if name not in hidden}
+        self.variables["TOOTHSPACE_CACHE"] = str(folder / "cache")
+
+    def run(self, program: str, *arguments: str) -> subprocess.CompletedProcess[str]:
+        """Run a program of the environment in the empty folder."""
+        path = shutil.which(program, path=str(self.programs))
+        return subprocess.run(
+            [path or program, *arguments],
+            cwd=self.work,
+            env=self.variables,
+            capture_output=True,
+            text=True,
+        )
+
+    def install(self, wheel: Path) -> subprocess.CompletedProcess[str]:
+        """Install a wheel with all that it asks for."""
+        return self.run("python", "-m", "pip", "install", "--quiet", str(wheel))
+
+    def size(self) -> int:
+        """Bytes of the whole environment."""
+        return sum(f.lstat().st_size for f in self.place.rglob("*") if not f.is_dir())
+
+
+def _timed(name: str, step: Callable[[], object]) -> float:
+    began = time.perf_counter()
+    done = step()
+    if isinstance(done, subprocess.CompletedProcess) and done.returncode:
+        sys.exit(f"{name}: {done.stderr}")
+    seconds = time.perf_counter() - began
+    print(f"{name:44s}{seconds:8.1f} s", flush=True)
+    return seconds
+
+
+def main(commands: Sequence[str] = ()) -> None:
+    """Print the table."""
+    commands = commands or (
+        "init egm12_pump",
+        "run egm12_pump.toml",
+        "report egm12_pump.nc",
+        "run egm12_pump.toml --force",
+    )
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        wheel = build("wheel", folder)
+        print(f"{wheel.name}, {wheel.stat().st_size / _MEBIBYTE:.1f} MiB")
+        environment = Environment(folder)
+        total = _timed("pip install", lambda: environment.install(wheel))
+        for command in commands:
+            arguments = command.split()
+            total += _timed(
+                f"toothspace {command}",
+                lambda given=arguments: environment.run("toothspace", *given),  # type: ignore[misc]
+            )
+        print(f"{'in all':44s}{total:8.1f} s")
+        print(f"{'environment':44s}{environment.size() / _MEBIBYTE:8.0f} MiB")
+
+
+if __name__ == "__main__":
+    main()

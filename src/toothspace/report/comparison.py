@@ -1,0 +1,180 @@
+"""Two results side by side: their numbers, their losses, and whether they can be compared."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from html import escape
+from math import isnan
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, final
+
+from toothspace.case import Case
+from toothspace.core.files import write_text
+from toothspace.core.status import Status
+from toothspace.report.wording import format_value, quantity
+from toothspace.results.solution import Solution
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_TEMPLATES = Path(__file__).parent / "templates"
+_TITLES = ("title", "base")
+"""Keys that change no number."""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Summary numbers of two results side by side.
+
+    Parameters
+    ----------
+    first, second : Solution
+        The results.
+    """
+
+    first: Solution
+    second: Solution
+
+    def numbers(self) -> dict[str, tuple[float, float]]:
+        """Return what both summaries hold, but for the time that the runs took."""
+        one, two = self.first.summary(), self.second.summary()
+        return {
+            name: (float(value), float(two[name]))
+            for name, value in one.items()
+            if isinstance(value, (int, float))
+            and isinstance(two.get(name), (int, float))
+            and name not in {"wall_time_s", "real_time_factor"}
+        }
+
+    def losses(self) -> dict[str, tuple[float, float]]:
+        """Return the mean power that each cause dissipates in both runs, by its name. [W]."""
+        both = (self.first.ledger, self.second.ledger)
+        names = {**both[0].losses, **both[1].losses}
+        found = {
+            label: tuple(one.energy.get(key, 0.0) / one.duration for one in both)
+            for key, label in names.items()
+        }
+        return {label: (a, b) for label, (a, b) in found.items() if a or b}
+
+    @cached_property
+    def _keys(self) -> dict[str, tuple[Any, Any]]:
+        one, two = (_leaves(_case_of(s).to_dict()) for s in (self.first, self.second))
+        both = {name: (one.get(name), two.get(name)) for name in {**one, **two}}
+        return {name: values for name, values in both.items() if values[0] != values[1]}
+
+    def keys(self) -> dict[str, tuple[Any, Any]]:
+        """Return the keys in which the cases differ, with both values."""
+        return dict(self._keys)
+
+    def warnings(self) -> list[str]:
+        """Return why a difference may not come from one changed key, a line for each reason."""
+        changed = [name for name in self._keys if name not in _TITLES]
+        physical = [name for name in changed if name.partition(".")[0] != "run"]
+        found = []
+        if "machine.type" in changed:
+            found.append("The machines are of different types.")
+        if len(physical) > 1:
+            found.append(
+                f"The cases differ in {len(physical)} keys, so that no difference belongs to one "
+                f"of them: {', '.join(physical)}."
+            )
+        if settings := [name for name in changed if name not in physical]:
+            found.append(f"The runs have other settings: {', '.join(settings)}.")
+        versions = [s.provenance.get("package_version", "") for s in (self.first, self.second)]
+        if versions[0] != versions[1]:
+            found.append(f"The results come from versions {versions[0]} and {versions[1]}.")
+        for place, one in (("first", self.first), ("second", self.second)):
+            if one.status is not Status.DONE:
+                found.append(f"The {place} run is no result: {one.status.value}.")
+        return found
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return both values, their difference and its share of the first, by name."""
+        import pandas as pd
+
+        columns = ["first", "second", "difference", "relative"]
+        rows = {name: _row(*both) for name, both in self.numbers().items()}
+        return pd.DataFrame.from_dict(rows, orient="index", columns=columns)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return keys, numbers, losses and warnings as one object for JSON."""
+        return {
+            "keys": {name: list(values) for name, values in self._keys.items()},
+            "numbers": {name: _row(*both) for name, both in self.numbers().items()},
+            "losses_W": {name: _row(*both) for name, both in self.losses().items()},
+            "warnings": self.warnings(),
+        }
+
+    def write(self, path: str | Path) -> Path:
+        """Write the comparison as one HTML page that opens offline, and return its path.
+
+        Parameters
+        ----------
+        path : str or Path
+            HTML file.
+        """
+        from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+        environment = Environment(
+            loader=FileSystemLoader(_TEMPLATES),
+            autoescape=True,
+            undefined=StrictUndefined,
+            trim_blocks=True,
+            lstrip_blocks=True,
+        )
+        page = environment.get_template("comparison.html.j2").render(
+            titles=[s.provenance.get("title", "") for s in (self.first, self.second)],
+            warnings=self.warnings(),
+            keys=self._keys,
+            numbers=[_shown_number(name, *both) for name, both in self.numbers().items()],
+            losses=[(name, "W", *_shown_row(*both)) for name, both in self.losses().items()],
+            style=(_TEMPLATES / "report.css").read_text(encoding="utf-8"),
+        )
+        return write_text(Path(path), page)
+
+    def __repr__(self) -> str:
+        return f"<Comparison\n{self.to_dataframe().to_string(float_format='{:.5g}'.format)}>"
+
+    def _repr_html_(self) -> str:
+        keys = "".join(
+            f"<tr><th style='text-align:left'>{escape(name)}</th><td>{escape(str(a))}</td>"
+            f"<td>{escape(str(b))}</td></tr>"
+            for name, (a, b) in self._keys.items()
+        )
+        numbers = self.to_dataframe().to_html(float_format="{:.5g}".format)
+        return f"<table>{keys}</table>{numbers}"
+
+
+def _row(first: float, second: float) -> tuple[float, float, float, float]:
+    share = (second - first) / abs(first) if first else float("nan")
+    return first, second, second - first, share
+
+
+def _shown_row(first: float, second: float) -> tuple[str, str, str, str]:
+    *values, share = _row(first, second)
+    one, two, difference = (format_value(value) for value in values)
+    return one, two, difference, "" if isnan(share) else f"{100.0 * share:+.2f} %"
+
+
+def _shown_number(name: str, first: float, second: float) -> tuple[str, ...]:
+    label = quantity(name, first)
+    scale = 100.0 if label.unit == "%" and name.endswith("_efficiency") else 1.0
+    return label.label, label.unit, *_shown_row(scale * first, scale * second)
+
+
+def _case_of(solution: Solution) -> Case:
+    folder = Path(solution.provenance.get("case_file", "")).parent
+    return Case.from_toml(solution.provenance.get("case_toml", ""), folder)
+
+
+def _leaves(tables: Mapping[str, Any], path: str = "") -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for name, value in tables.items():
+        if isinstance(value, Mapping):
+            found |= _leaves(value, f"{path}{name}.")
+        else:
+            found[f"{path}{name}"] = value
+    return found
