@@ -113,9 +113,7 @@ def joined(path: str, key: str) -> str:
 class Problems(list[Problem]):
     """Problems of several keys, raised together once all of them are read."""
 
-    def of(
-        self, path: str, read: Callable[[Any, Source], Any], raw: Any, source: Source
-    ) -> Any:
+    def of(self, path: str, read: Callable[[Any, Source], Any], raw: Any, source: Source) -> Any:
         """Return what ``read`` returns for a value; keep its problems under a path."""
         try:
             return read(raw, replace(source, path=joined(source.path, path)))
