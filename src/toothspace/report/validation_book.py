@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _TEMPLATES = Path(__file__).parent / "templates"
+_FEW = 12
+"""Points up to which each is marked."""
 _VERDICTS = ("pass", "fail", "cannot be had")
 
 
@@ -32,7 +34,8 @@ def claim_figure(curves: Sequence[ComparedCurve]) -> Figure:
     """
     figure = new_figure(3.6 * max(len(curves), 2), 2.9)
     for axes, curve in zip(figure.subplots(1, len(curves), squeeze=False)[0], curves, strict=True):
-        axes.plot(curve.ours.x, curve.ours.y, color=BLUE, label="toothspace")
+        marker = "." if curve.ours.x.size <= _FEW else None
+        axes.plot(curve.ours.x, curve.ours.y, color=BLUE, marker=marker, label="toothspace")
         if curve.published is not None:
             place, value = curve.published.x, curve.published.y
             axes.plot(place, value, "o", color=ORANGE, markersize=3.5, label="published")
