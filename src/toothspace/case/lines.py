@@ -58,7 +58,7 @@ def wall_flexibility(hose: Hose, fluid: FluidLaw) -> float:
     return 1.0 / hose.effective_bulk_modulus - 1.0 / liquid
 
 
-def yielding_wall(name: str, node: CircuitNode, hose: Hose, fluid: FluidLaw) -> LineParts:
+def relaxed_wall(name: str, node: CircuitNode, hose: Hose, fluid: FluidLaw) -> LineParts:
     r"""Part of the wall of a hose that yields late, behind a resistance.
 
     Parameters

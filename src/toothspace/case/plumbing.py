@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from toothspace.case import circuit as keys
-from toothspace.case.lines import LineCell, end_cell, line_parts, wall_flexibility, yielding_wall
+from toothspace.case.lines import LineCell, end_cell, line_parts, relaxed_wall, wall_flexibility
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.viscosity import dynamic_viscosity
 from toothspace.core.constants import ATMOSPHERIC_PRESSURE
@@ -86,7 +86,7 @@ def plumb(
     for name, hose in circuit.elements.items():
         if isinstance(hose, keys.Hose) and hose.wall_stiffening > 1.0:
             own = next(node for node in nodes if node.name == names[name, 0])
-            lines.append(yielding_wall(name, own, hose, fluid))
+            lines.append(relaxed_wall(name, own, hose, fluid))
     return CircuitNetwork(
         nodes=(*nodes, *(node for line in lines for node in line.nodes)),
         elements=(
