@@ -87,7 +87,6 @@ class ShaftBearingParameters(KeyTable):
     )
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class LinedBearingParameters(ShaftBearingParameters):
     """``[machine.journal_bearings]``: two equal bearings on each shaft, with a running layer."""

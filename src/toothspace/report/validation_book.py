@@ -10,13 +10,16 @@ from typing import TYPE_CHECKING, Any
 
 import toothspace
 from toothspace.core.files import write_text
+from toothspace.plotting.film_maps import HEIGHT, point_maps
 from toothspace.plotting.style import BLUE, ORANGE, figure_to_svg, new_figure, styled
-from toothspace.validation.claim import ComparedCurve, ComparedValue, Examined
+from toothspace.validation.claim import ComparedCurve, ComparedValue, Evidence, Examined
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _TEMPLATES = Path(__file__).parent / "templates"
+_FEW = 12
+"""Points up to which each is marked."""
 _VERDICTS = ("pass", "fail", "cannot be had")
 
 
@@ -31,7 +34,8 @@ def claim_figure(curves: Sequence[ComparedCurve]) -> Figure:
     """
     figure = new_figure(3.6 * max(len(curves), 2), 2.9)
     for axes, curve in zip(figure.subplots(1, len(curves), squeeze=False)[0], curves, strict=True):
-        axes.plot(curve.ours.x, curve.ours.y, color=BLUE, label="toothspace")
+        marker = "." if curve.ours.x.size <= _FEW else None
+        axes.plot(curve.ours.x, curve.ours.y, color=BLUE, marker=marker, label="toothspace")
         if curve.published is not None:
             place, value = curve.published.x, curve.published.y
             axes.plot(place, value, "o", color=ORANGE, markersize=3.5, label="published")
@@ -83,8 +87,13 @@ def _shown(one: Examined) -> dict[str, Any]:
         "duration": one.duration,
         "rows": [_row(value) for value in one.finding.values]
         + [_error_row(c) for c in curves if c.published is not None],
-        "figure": figure_to_svg(claim_figure(curves)) if curves else "",
+        "figures": [figure_to_svg(figure) for figure in _figures(one.finding)],
     }
+
+
+def _figures(finding: Evidence) -> list[Figure]:
+    curves = [claim_figure(finding.curves)] if finding.curves else []
+    return curves + ([] if finding.films is None else [point_maps(finding.films, HEIGHT)])
 
 
 def _row(value: ComparedValue) -> dict[str, str]:

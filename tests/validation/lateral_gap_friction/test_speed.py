@@ -105,11 +105,17 @@ def test_nose_matters_at_low_pressure_alone_and_speed_less_in_a_window(
 @pytest.mark.validation
 @pytest.mark.slow
 def test_claims_about_nose_and_speed_on_the_shipped_case() -> None:
-    """Low pressure fast, low pressure slow, high pressure fast, five nose pressures each."""
+    """Low pressure fast, low pressure slow, high pressure fast, five nose pressures each.
+
+    Against the source, friction holds the bearing at low pressure and speed, and speed is more
+    than secondary (claim ``fuel_pump_nose`` of the validation book, which fails).
+    """
     study = solve_conditions(load_case(CASES / "nose_pressure.toml"))
     assert study.status is Status.DONE
     position = np.array([point.numbers.position for point in study.points]).reshape(3, 5)
     fast, slow, high = position
-    assert np.ptp(fast) > 0.5e-6
+    assert np.ptp(fast) > TELL
     assert np.ptp(high) < TELL
-    assert abs(fast[0] - slow[0]) < 0.1 * np.ptp(fast)
+    held = [abs(p.numbers.friction_force) / p.breakaway_force for p in study.points[5:10]]
+    assert np.ptp(slow) < TELL
+    assert 0.3 < min(held) < max(held) < 0.8

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import fields, replace
 from typing import Any
 
+from toothspace.closures.journal_friction import PUBLISHED
 from toothspace.core.errors import GeometryError
 from toothspace.core.keys import KeyRuleError, Problem
 from toothspace.gearing.gear_tables import read_contours
@@ -159,6 +160,7 @@ def _journals(machine: keys.ExternalGearTables) -> spec.JournalBearings:
         boundary_friction=bearing.boundary_friction,
         material=library_material(bearing.material, "journal_bearings.material"),
         seat_clearance=blocks.radial_clearance if blocks else 0.0,
+        friction=PUBLISHED if bearing.friction == "published_curve" else None,
     )
 
 

@@ -48,7 +48,10 @@ def journal_bearings(assembly: Assembly) -> tuple[LumpedJournalBearing, ...]:
     spec = assembly.spec
     bearing = spec.journals
     return tuple(
-        shaft_bearings(name, bearing, gear.material, bearing.material, bearing.seat_clearance)
+        replace(
+            shaft_bearings(name, bearing, gear.material, bearing.material, bearing.seat_clearance),
+            friction=bearing.friction,
+        )
         for name, gear in zip(BODIES, (spec.drive, spec.driven), strict=True)
     )
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, final
 
+from toothspace.closures.journal_friction import FrictionCurves
 from toothspace.core.types import Array
 from toothspace.gearing.gear_tables import ReliefGrooves
 from toothspace.gearing.materials import Material
@@ -99,6 +100,8 @@ class JournalBearings:
         Half-height correlation length of the combined roughness. [m]
     seat_clearance : float
         Radial clearance of the bearing blocks in the housing. [m]
+    friction : FrictionCurves or None
+        Friction coefficient over Sommerfeld number and load; None: from film and asperities.
     """
 
     diameter: float
@@ -110,6 +113,7 @@ class JournalBearings:
     material: Material = LINED_STEEL_BUSH
     correlation_length: float = 10e-6
     seat_clearance: float = 0.0
+    friction: FrictionCurves | None = None
 
 
 @final

@@ -1,7 +1,7 @@
-"""Where the balance ratio of the fuel pump must lie, and both friction laws of the housing.
+"""Sensitivity of a floating bearing to area and friction, and both friction laws of the housing.
 
-Run ``python docs/pictures/balance_window.py`` from the root of the repository (some minutes):
-the study ``balance_sweep`` on the loops of both hysteresis cases.
+Run ``python docs/pictures/bearing_sensitivity.py`` from the root of the repository (some minutes):
+the study ``balance_sweep`` on the loop of a hysteresis case.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 
 from toothspace.case import load_case
 from toothspace.films.lateral.housing_friction import HousingFriction
-from toothspace.plotting.bearing_figures import area_sensitivity, friction_sensitivity, window_on
+from toothspace.plotting.bearing_figures import area_sensitivity, friction_sensitivity
 from toothspace.plotting.style import BLUE, ORANGE, new_figure, save_figure, styled
 from toothspace.studies import StudyContext, balance_sweep
 
@@ -32,16 +32,6 @@ def swept(name: str):
         held = result.data["claim_holds"].values[k, 0].astype(bool)
         print(name, claim, result.data["balance_ratio"].values[held].round(4))
     return loop.title, result.data
-
-
-@styled
-def windows(found):
-    """Gaps over the balance ratio with the claims that hold, one panel per case."""
-    figure = new_figure(7.2, 3.2 * len(found))
-    for axes, (title, data) in zip(np.ravel(figure.subplots(len(found), 1)), found, strict=True):
-        window_on(axes, data.isel(friction_coefficient=0))
-        axes.set_title(title)
-    return figure
 
 
 @styled
@@ -66,7 +56,6 @@ def friction_laws():
 if __name__ == "__main__":
     mpl.use("Agg")
     save_figure(friction_laws(), HERE / "housing_friction.png")
-    first, second = swept("hysteresis_055"), swept("hysteresis_078")
-    save_figure(windows((first, second)), HERE / "balance_window.png")
+    first = swept("hysteresis_055")
     save_figure(area_sensitivity(first[1]), HERE / "area_sensitivity.png")
     save_figure(friction_sensitivity(first[1]), HERE / "friction_sensitivity.png")
