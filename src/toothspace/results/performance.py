@@ -14,7 +14,7 @@ import numpy as np
 from toothspace.core.constants import ZERO_CELSIUS
 from toothspace.model.path_category import DRAIN
 from toothspace.results import ripple
-from toothspace.results.ledger import Ledger
+from toothspace.results.ledger import Ledger, loss_causes
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -130,7 +130,7 @@ def summary_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
         "mass_balance_error": ledger.mass_balance_error,
         "energy_balance_error": ledger.energy_balance_error,
     }
-    return {**numbers, **_operating_numbers(data, ledger), **_loss_numbers(data)}
+    return {**numbers, **_operating_numbers(data, ledger), **_loss_numbers(data, ledger)}
 
 
 def transient_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
@@ -174,13 +174,33 @@ def _operating_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
     }
 
 
-def _loss_numbers(data: xr.Dataset) -> dict[str, float]:
+def _loss_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
     leakage = means_by_label(data, "leakage")
     torque = means_by_label(data, "torque_loss")
+    causes = dict.fromkeys(("trapping", "throttling", "leakage", "friction", "other"), 0.0)
+    for entry in loss_causes(ledger):
+        causes[entry.cause] += entry.power
+    lost = lost_flow_rate(data, ledger)
+    flows = {f"leakage_{k}": v for k, v in leakage.items()}
+    flows |= {"lost_flow": lost, "mesh_exchange_flow": lost - sum(leakage.values())}
     return {
-        **{f"leakage_{k}_L_per_min": v * _LITRE_PER_MINUTE for k, v in leakage.items()},
+        **{f"power_loss_{cause}_W": power for cause, power in causes.items()},
+        **{f"{k}_L_per_min": v * _LITRE_PER_MINUTE for k, v in flows.items()},
         **{f"torque_loss_{k}_N_m": v for k, v in torque.items()},
     }
+
+
+def lost_flow_rate(data: xr.Dataset, ledger: Ledger) -> float:
+    """Flow that the volumetric efficiency lacks, at the density of the inlet. [m3/s].
+
+    Leakage through the gaps and the rest, ``mesh_exchange_flow``: what meshing chambers exchange
+    beyond the geometric displacement, and what all chambers keep or give back as they are
+    compressed, filled and emptied; negative where they give back.
+    """
+    density, motor = float(data["inlet_density"]), _is_motor(data)
+    mass = ledger.mass.get("inlet" if motor else "outlet", 0.0)
+    lost = density * float(data["displacement"]) * ledger.shaft_angle - mass
+    return _ratio(-lost if motor else lost, density * ledger.duration)
 
 
 def means_by_label(data: xr.Dataset, name: str) -> Mapping[str, float]:

@@ -88,7 +88,7 @@ _ROWS: tuple[tuple[str, str, str, str], ...] = (
         "leakage",
         "sample path",
         "m3/s",
-        "Flow from high to low pressure that would lose the same power",
+        "Flow from the high to the low port, each by the share of the way that it falls",
     ),
     (
         "drag_torque",

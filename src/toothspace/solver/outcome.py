@@ -13,7 +13,7 @@ from toothspace.closures.density import (
     mixture_pressure,
 )
 from toothspace.closures.enthalpy import partial_enthalpies
-from toothspace.core.types import Array
+from toothspace.core.types import Array, BoolArray
 from toothspace.model.arrays import (
     BUSH_X,
     BUSH_Y,
@@ -91,13 +91,14 @@ def solution_from(
     """
     system = history.system
     seen = observe(system.arrays, history.states)
+    trapped = trapped_flows(history, seen)
     values = {
         **_port_values(history, seen),
         **_chamber_values(history, seen),
         **body_values(history, seen),
         **loss_values(history, seen),
         **_path_values(system),
-        "leakage": _leakage(system, seen),
+        "leakage": _leakage(system, seen, trapped),
         "drag_torque": _drag_torque(system, seen),
         **extra,
     }
@@ -113,26 +114,35 @@ def solution_from(
     return Solution(
         status=history.status,
         data=data,
-        ledger=window_ledger(history).with_note("trapped_volume", trapped_loss(history, seen)),
+        ledger=window_ledger(history).with_trapping(_trapped_losses(history, seen, trapped)),
         statistics=history.statistics,
         provenance=provenance,
         events=history.events,
     )
 
 
-def trapped_loss(history: History, seen: Observation) -> float:
-    """Throttling in grooves and flanks of chambers that are sealed from both ports. [J]."""
+def trapped_flows(history: History, seen: Observation) -> BoolArray:
+    """Paths in grooves and mesh at an end of which a chamber is sealed from both ports."""
     system, size = history.system, history.system.arrays.size
     ports = _openings(system.description, history.states[:, 0])[..., :2]
     sealed = np.zeros((history.times.size, size.nodes), dtype=bool)
     sealed[:, : size.chambers] = ports.max(axis=2) <= 0.0
-    trapped = np.array([category.role in _TRAPPED for category in system.categories])
-    inside = trapped[system.arrays.path_index[:, CATEGORY]]
+    roles = np.array([category.role in _TRAPPED for category in system.categories])
+    inside = roles[system.arrays.path_index[:, CATEGORY]]
     first = sealed[:, system.arrays.path_index[:, NODE_A]]
     second = np.take_along_axis(sealed, seen.path_partner, axis=1)
-    flows = inside & (first | second) & (seen.path_flow != 0.0)
-    power = np.sum(np.where(flows, seen.path_loss, 0.0), axis=1)
-    return float(np.trapezoid(power, history.times))
+    return np.asarray(inside & (first | second) & (seen.path_flow != 0.0))
+
+
+def _trapped_losses(history: History, seen: Observation, trapped: BoolArray) -> dict[str, float]:
+    """Throttling of trapped fluid in grooves and mesh, by account. [J]."""
+    power = np.trapezoid(np.where(trapped, seen.path_loss, 0.0), history.times, axis=0)
+    account = history.system.arrays.path_index[:, CATEGORY]
+    return {
+        category.account: float(power[account == k].sum())
+        for k, category in enumerate(history.system.categories)
+        if category.role in _TRAPPED
+    }
 
 
 def window_ledger(history: History) -> Ledger:
@@ -361,12 +371,20 @@ def loss_values(history: History, seen: Observation) -> dict[str, Array]:
     return {"torque_loss": torque, "power_loss": torque * history.states[:, 1:2]}
 
 
-def _leakage(system: System, seen: Observation) -> Array:
-    """Flow that would lose the same power from the high to the low port, by path. [m3/s]."""
-    condition = system.condition
-    span = abs(condition.inlet_pressure - condition.outlet_pressure)
-    power = seen.path_flow * seen.path_drop / seen.density[:, [system.description.inlet_node]]
-    return _by_path(system, power) / span if span > 0.0 else 0.0 * _by_path(system, power)
+def _leakage(system: System, seen: Observation, trapped: BoolArray) -> Array:
+    """Flow from the high to the low port, by path. [m3/s].
+
+    A flow counts with the share of the way between the port pressures that it falls; what
+    trapped chambers exchange with one another is part of the displacement.
+    """
+    description = system.description
+    ports = seen.pressure[:, [description.inlet_node, description.outlet_node]]
+    low, span = ports.min(axis=1, keepdims=True), np.ptp(ports, axis=1, keepdims=True)
+    height = np.clip((seen.pressure - low) / np.where(span > 0.0, span, np.inf), 0.0, 1.0)
+    fall = height[:, system.arrays.path_index[:, NODE_A]]
+    fall = fall - np.take_along_axis(height, seen.path_partner, axis=1)
+    flow = np.where(trapped, 0.0, seen.path_flow)
+    return _by_path(system, flow * fall / seen.density[:, [description.inlet_node]])
 
 
 def _drag_torque(system: System, seen: Observation) -> Array:
