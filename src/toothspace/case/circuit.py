@@ -100,10 +100,9 @@ class PumpMap(KeyTable):
         _check_history(self, "speed")
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
-class Hose(KeyTable):
-    """``kind = "hose"``: line whose wall yields."""
+class Line(KeyTable):
+    """Length, bore and wall of a line."""
 
     length: float = quantity("m", "Length.", above=0, high=1000)
     bore: float = quantity("mm", "Bore diameter.", above=0, high=500)
@@ -116,12 +115,6 @@ class Hose(KeyTable):
     wall_modulus: float | None = quantity(
         "GPa", "Elastic modulus of the wall.", above=0, high=300, default=None
     )
-    model: str = choice(
-        "One volume, or waves with friction that depends on frequency.",
-        "lumped",
-        "transmission_line",
-        default="lumped",
-    )
     cells: int = integer("Cells of a transmission line.", low=2, high=200, default=16)
 
     def __post_init__(self) -> None:
@@ -130,6 +123,25 @@ class Hose(KeyTable):
             require(self, "unless effective_bulk_modulus is given", *names)
         else:
             forbid(self, "because effective_bulk_modulus is given", *names)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class PortLine(Line):
+    """``[operating_point.line]``: line with waves between working port and load or source."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Hose(Line):
+    """``kind = "hose"``: line whose wall yields."""
+
+    model: str = choice(
+        "One volume, or waves with friction that depends on frequency.",
+        "lumped",
+        "transmission_line",
+        default="lumped",
+    )
 
     @property
     def carries_waves(self) -> bool:

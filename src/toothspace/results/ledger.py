@@ -56,7 +56,7 @@ CHANGE_ENTRIES: Mapping[str, str] = {
 """Energies kept in the machine over the window. [J]"""
 
 NOTE_ENTRIES: Mapping[str, str] = {
-    "load_orifice": "dissipated in the load, after the outlet",
+    "load_orifice": "dissipated in line and load, beyond the port",
     "trapped_volume": "trapping: groove and mesh throttling while a chamber is sealed",
 }
 """Reported beside the balance, not further entries of it. [J]"""

@@ -52,6 +52,12 @@ _ROWS: tuple[tuple[str, str, str, str], ...] = (
     ("shaft_torque", "sample", "N m", "Shaft torque, absorbed by a pump, delivered by a motor"),
     ("inlet_flow_rate", "sample", "m3/s", "Flow into the machine at inlet pressure"),
     ("outlet_flow_rate", "sample", "m3/s", "Flow out of the machine at outlet pressure"),
+    (
+        "line_flow_rate",
+        "sample",
+        "m3/s",
+        "Flow from the working port of a pump into its line or load, or from a line into a motor",
+    ),
     ("inlet_pressure", "sample", "Pa", "Absolute pressure at the inlet"),
     ("outlet_pressure", "sample", "Pa", "Absolute pressure at the outlet"),
     (

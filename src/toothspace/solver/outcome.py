@@ -19,6 +19,8 @@ from toothspace.model.arrays import (
     BUSH_Y,
     CATEGORY,
     CONTACT_ENERGY,
+    ELEMENT_A,
+    ELEMENT_B,
     FREE,
     GAS,
     INERTIA,
@@ -27,9 +29,10 @@ from toothspace.model.arrays import (
     MOTION_RATIO,
     MOTION_X,
     NODE_A,
+    NODE_B,
     PRESSURE,
 )
-from toothspace.model.assembly import System
+from toothspace.model.assembly import System, node_places
 from toothspace.model.contact_data import loaded_contacts
 from toothspace.model.description import MachineDescription
 from toothspace.model.ledger import (
@@ -154,6 +157,8 @@ def window_ledger(history: History) -> Ledger:
     entries = dict(change)
     load_work = entries.pop("shaft_load")
     valves = entries.pop("circuit") + entries.pop(CIRCUIT_ORIFICE.account, 0.0)
+    beyond = 0.0 if system.condition.over_time else valves
+    motor = system.description.mode == "motor"
     for name in ("mass_load", "mass_supply", *(f"gas_{port}" for port in PORT_NODES)):
         entries.pop(name)
     energy = {port: _port_energy(system, port, change) for port in PORT_NODES}
@@ -162,14 +167,16 @@ def window_ledger(history: History) -> Ledger:
         "mass_inlet": -change["mass_inlet"] - change["mass_supply"],
         "mass_outlet": change["mass_outlet"] + change["mass_load"],
         "mass_stored_change": stored_mass(system, last) - stored_mass(system, first),
-        "port_inlet": -energy["inlet"] - energy["supply"],
-        "circuit": valves,
-        "port_outlet": energy["outlet"] + load,
+        "port_inlet": -energy["inlet"] - energy["supply"] - motor * beyond,
+        "circuit": valves - beyond,
+        "port_outlet": energy["outlet"] + load + (not motor) * beyond,
         "port_drain": energy["drain"],
         "stored_change": stored_energy(system, last) - stored_energy(system, first),
         "kinetic_change": kinetic_energy(system, last) - kinetic_energy(system, first),
         "elastic_change": elastic_energy(system, last) - elastic_energy(system, first),
     }
+    if beyond:
+        entries["load_orifice"] = change.get(LOAD_ORIFICE.account, 0.0) + beyond
     if system.condition.free_shaft:
         entries["shaft"] = -load_work
     return ledger_from(
@@ -231,10 +238,6 @@ def _port_values(history: History, seen: Observation) -> dict[str, Array]:
     description, fluid = system.description, system.arrays.fluid
     feed = fluid.feed_gas_mass_fraction
     inlet, outlet = description.inlet_node, description.outlet_node
-    column = {name: k for k, name in enumerate(LEDGER_NAMES)}
-    ledger = history.states[:, system.arrays.size.core :]
-    into_outlet = _rate(ledger[:, column["mass_outlet"]] + ledger[:, column["mass_load"]], history)
-    from_inlet = _rate(-ledger[:, column["mass_inlet"]], history)
     sign = -1.0 if description.mode == "motor" else 1.0
     mean_in, mean_out = seen.pressure[:, inlet].mean(), seen.pressure[:, outlet].mean()
     return {
@@ -244,8 +247,9 @@ def _port_values(history: History, seen: Observation) -> dict[str, Array]:
         "shaft_torque": sign * seen.torque[:, -1],
         "inlet_pressure": seen.pressure[:, inlet],
         "outlet_pressure": seen.pressure[:, outlet],
-        "inlet_flow_rate": from_inlet / seen.density[:, inlet],
-        "outlet_flow_rate": into_outlet / seen.density[:, outlet],
+        "inlet_flow_rate": -into_port(history, seen, "inlet") / seen.density[:, inlet],
+        "outlet_flow_rate": into_port(history, seen, "outlet") / seen.density[:, outlet],
+        **_line_flow(history, seen),
         "displacement": np.asarray(description.displacement),
         "inlet_density": np.asarray(mixture_density(mean_in, feed, fluid)),
         "outlet_density": np.asarray(mixture_density(mean_out, feed, fluid)),
@@ -253,15 +257,46 @@ def _port_values(history: History, seen: Observation) -> dict[str, Array]:
     }
 
 
-def _rate(mass: Array, history: History) -> Array:
-    """Mean flow about each sample, from the integrated mass.
+def _line_flow(history: History, seen: Observation) -> dict[str, Array]:
+    """Flow between the working port and its line or load, in the direction of the machine's."""
+    condition = history.system.condition
+    if condition.circuit is None and condition.load_area == 0.0:
+        return {}
+    motor = history.system.description.mode == "motor"
+    port = "inlet" if motor else "outlet"
+    node = node_places(history.system.description, condition)[port]
+    flow = _leaving(history.system, seen, node) / seen.density[:, node]
+    return {"line_flow_rate": -flow if motor else flow}
 
-    Wide ports turn pressure errors within tolerance into noise of the momentary flow. A run that
+
+def into_port(history: History, seen: Observation, port: str) -> Array:
+    """Mass flow from the machine into a port, from masses and what goes on from there. [kg/s].
+
+    Wide ports turn pressure errors within tolerance into noise of their own flow. A run that
     failed in its first interval has none.
     """
+    system = history.system
+    node = node_places(system.description, system.condition)[port]
+    d, size = int(system.arrays.dynamic_index[node]), system.arrays.size
+    column = size.core + LEDGER_NAMES.index(f"mass_{port}") if d < 0 else size.mass + d
     if history.times.size < 2:
-        return np.full(mass.shape, np.nan)
-    return np.gradient(mass, history.times)
+        return np.full(history.times.size, np.nan)
+    stored = np.gradient(history.states[:, column], history.times)
+    return np.asarray(stored + _leaving(system, seen, node))
+
+
+def _leaving(system: System, seen: Observation, node: int) -> Array:
+    """Mass flow from a node into elements, orifices and the load beyond the machine. [kg/s]."""
+    arrays = system.arrays
+    flow = np.zeros(seen.path_flow.shape[0])
+    for j, element in enumerate(arrays.elements):
+        flow += seen.element_flow[:, j] * (element[ELEMENT_A] == node)
+        flow -= seen.element_flow[:, j] * (element[ELEMENT_B] == node)
+    for j, index in enumerate(arrays.path_index):
+        if system.categories[index[CATEGORY]].role in ("circuit", "load"):
+            flow += seen.path_flow[:, j] * (index[NODE_A] == node)
+            flow -= seen.path_flow[:, j] * (index[NODE_B] == node)
+    return flow
 
 
 def _chamber_values(history: History, seen: Observation) -> dict[str, Array]:
