@@ -139,6 +139,13 @@ def _columns(
     )
 
 
+def characteristic_impedance(line: Line, pressure: float, fluid: FluidLaw) -> float:
+    """Pressure over flow of a wave in a line without friction, rho c / A. [Pa s/m3]."""
+    density = float(mixture_density(pressure, fluid.feed_gas_mass_fraction, fluid))
+    compliance = 1.0 / float(liquid_bulk_modulus(pressure, fluid)) + wall_flexibility(line, fluid)
+    return float(np.sqrt(density / compliance) / (0.25 * np.pi * line.bore**2))
+
+
 def _highest_rate(hose: Line, density: float, fluid: FluidLaw) -> float:
     """Angular frequency of the shortest wave that the cells can carry. [rad/s]."""
     liquid = 1.0 / float(liquid_bulk_modulus(_WALL_REFERENCE, fluid))
