@@ -12,6 +12,9 @@ from toothspace.core.types import Array, ComplexArray
 if TYPE_CHECKING:
     import xarray as xr
 
+AGREEMENT = 2e-4
+"""Share of the mean by which revolutions that count as equal may differ: the floor of spectra."""
+
 _TURN = 2.0 * np.pi
 _PORTS = ("inlet", "outlet")
 
@@ -98,6 +101,14 @@ def spectrum(shaft_angle: Array, signal: Array) -> Spectrum:
     amplitude[0] = coefficients[0].real
     phase = np.angle(coefficients * np.exp(-1j * order * angle[0]))
     return Spectrum(order, amplitude, phase)
+
+
+def resolved_spectrum(shaft_angle: Array, signal: Array) -> Spectrum:
+    """Orders above zero whose amplitude exceeds :data:`AGREEMENT` of the mean; else as ``spectrum``."""
+    found = spectrum(shaft_angle, signal)
+    floor = AGREEMENT * max(abs(float(np.mean(signal))), np.finfo(float).tiny)
+    kept = (found.order > 0.5) & (found.amplitude > floor)
+    return Spectrum(found.order[kept], found.amplitude[kept], found.phase[kept])
 
 
 def harmonics(shaft_angle: Array, signal: Array, orders: Array) -> ComplexArray:
