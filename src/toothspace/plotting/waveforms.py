@@ -139,7 +139,11 @@ def bearing_force_spectra(
     """Force of the journal bearings on every body that they carry over one turn, its spectrum."""
     data = solution.data
     signals = [
-        (np.linalg.norm(np.asarray(data["journal_force"].sel(body=body)), axis=1) / 1e3, label, color)
+        (
+            np.linalg.norm(np.asarray(data["journal_force"].sel(body=body)), axis=1) / 1e3,
+            label,
+            color,
+        )
         for body, label, color in (
             (body, f"{readable(str(body))} (kN)", color)
             for body, color in zip(data["journal"].values, (BLUE, ORANGE, GREEN), strict=False)

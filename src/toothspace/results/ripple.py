@@ -16,7 +16,7 @@ AGREEMENT = 2e-4
 """Share of the mean by which revolutions that count as equal may differ: the floor of spectra."""
 
 _TURN = 2.0 * np.pi
-_PORTS = ("inlet", "outlet")
+PORTS = ("inlet", "outlet")
 
 
 @final
@@ -227,9 +227,9 @@ def flow_ripple_percent(data: xr.Dataset) -> float:
 
 def pulsating_side(data: xr.Dataset) -> str:
     """Return the port with the larger pressure ripple; the working port if there is none."""
-    ptp = {side: float(np.ptp(np.asarray(data[f"{side}_pressure"]))) for side in _PORTS}
+    ptp = {side: float(np.ptp(np.asarray(data[f"{side}_pressure"]))) for side in PORTS}
     working = working_side(data)
-    other = next(side for side in _PORTS if side != working)
+    other = next(side for side in PORTS if side != working)
     return other if ptp[other] > ptp[working] else working
 
 
