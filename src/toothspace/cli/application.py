@@ -127,7 +127,7 @@ def report(
     result: Annotated[Path, typer.Argument(metavar="RESULT.nc", help="Result of a run.")],
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", help="HTML or PDF file by its suffix; default RESULT.html."),
+        typer.Option("-o", "--output", help="HTML or PDF by suffix; default RESULT.html."),
     ] = None,
     measured: Annotated[
         Path | None,

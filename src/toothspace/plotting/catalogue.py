@@ -91,6 +91,11 @@ def _openings(solution: Solution, description: MachineDescription | None) -> Fig
     return geometry.openings(description)
 
 
+def _timing(solution: Solution, description: MachineDescription | None) -> Figure:
+    assert description is not None
+    return geometry.groove_timing(description)
+
+
 FIGURES: tuple[FigureEntry, ...] = (
     FigureEntry(
         "gear_section",
@@ -195,6 +200,14 @@ FIGURES: tuple[FigureEntry, ...] = (
         "Volume of a tooth space and its exact derivative. The smallest volume is in the mesh.",
         "geometry",
         _volumes,
+        needs_machine=True,
+    ),
+    FigureEntry(
+        "groove_timing",
+        "Groove timing: ports and grooves that every tooth space is open to over one turn, and "
+        "openings with the trapped volume where it is smallest.",
+        "geometry",
+        _timing,
         needs_machine=True,
     ),
     FigureEntry(

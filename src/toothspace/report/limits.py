@@ -47,7 +47,7 @@ class Limit(NamedTuple):
 
 
 def limits_of(solution: Solution, description: MachineDescription | None) -> list[Limit]:
-    """Return the limits of a steady result: pressure, filling, film, bushes, contact, cavitation."""
+    """Return the limits of a steady result: pressure, filling, films, contact, cavitation."""
     if "shaft_angle" not in solution.data.sizes or "chamber_pressure" not in solution.data:
         return []
     found = [*_pressures(solution), _cavitation(solution)]

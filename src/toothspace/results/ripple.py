@@ -104,7 +104,7 @@ def spectrum(shaft_angle: Array, signal: Array) -> Spectrum:
 
 
 def resolved_spectrum(shaft_angle: Array, signal: Array) -> Spectrum:
-    """Orders above zero whose amplitude exceeds :data:`AGREEMENT` of the mean; else as ``spectrum``."""
+    """Spectrum without the mean and without amplitudes below :data:`AGREEMENT` of it."""
     found = spectrum(shaft_angle, signal)
     floor = AGREEMENT * max(abs(float(np.mean(signal))), np.finfo(float).tiny)
     kept = (found.order > 0.5) & (found.amplitude > floor)
