@@ -18,7 +18,7 @@ _LINE = 0.19
 _COLUMNS = 96
 
 
-class _Line(NamedTuple):
+class Line(NamedTuple):
     """Cells of a line with their places from the left margin [in]; places below zero end there."""
 
     cells: tuple[tuple[float, str], ...]
@@ -43,7 +43,7 @@ def write_document(
         Figures in their order, one page each.
     """
     with draft_of(path) as draft, pdf_pages(draft, contents["title"]) as keep:
-        lines = list(_lines(contents))
+        lines = list(document_lines(contents))
         count = int((_HEIGHT - 2.0 * _MARGIN) / _LINE)
         for first in range(0, len(lines), count):
             keep(_text_page(lines[first : first + count]))
@@ -53,7 +53,7 @@ def write_document(
     return path
 
 
-def _text_page(lines: Sequence[_Line]) -> Figure:
+def _text_page(lines: Sequence[Line]) -> Figure:
     from matplotlib.figure import Figure
 
     page = Figure(figsize=(_WIDTH, _HEIGHT))
@@ -80,12 +80,12 @@ def _text_page(lines: Sequence[_Line]) -> Figure:
     return page
 
 
-def _lines(contents: Mapping[str, Any]) -> Iterator[_Line]:
+def document_lines(contents: Mapping[str, Any]) -> Iterator[Line]:
     """All text of the document, line by line."""
-    yield _Line(((0.0, contents["title"]),), 14.0, "bold")
-    yield _Line(())
+    yield Line(((0.0, contents["title"]),), 14.0, "bold")
+    yield Line(())
     status = contents["status"].name.lower().replace("_", " ")
-    yield _Line(((0.0, f"{contents['machine']} {contents['mode']}, {status}"),), colour=GREY)
+    yield Line(((0.0, f"{contents['machine']} {contents['mode']}, {status}"),), colour=GREY)
     yield from _paragraph(contents["verdict"])
     for warning in contents["warnings"]:
         yield from _paragraph(warning, ORANGE)
@@ -97,8 +97,8 @@ def _lines(contents: Mapping[str, Any]) -> Iterator[_Line]:
     for limit in contents["limits"]:
         colour = ORANGE if limit.verdict == "exceeded" else INK
         cells = (0.0, limit.label), (-5.2, limit.value), (5.3, limit.allowed)
-        yield _Line(cells, colour=colour)
-        yield _Line(((0.2, f"{limit.verdict}; {limit.source}"),), 7.0, colour=GREY, rule=True)
+        yield Line(cells, colour=colour)
+        yield Line(((0.2, f"{limit.verdict}; {limit.source}"),), 7.0, colour=GREY, rule=True)
     checks = [
         (shown.label, f"{shown.value} {shown.unit}", "met" if check.passed else "not met")
         for check, shown in contents["checks"]
@@ -112,34 +112,34 @@ def _lines(contents: Mapping[str, Any]) -> Iterator[_Line]:
     for name, value in contents["provenance"]:
         yield from _paragraph(f"{name}: {value}", gap=False)
     for line in contents["case_toml"].splitlines():
-        yield _Line(((0.0, line[:_COLUMNS]),), 7.0)
+        yield Line(((0.0, line[:_COLUMNS]),), 7.0)
 
 
-def _heading(title: str) -> Iterator[_Line]:
-    yield _Line(())
-    yield _Line(((0.0, title),), 10.5, "bold", rule=True)
+def _heading(title: str) -> Iterator[Line]:
+    yield Line(())
+    yield Line(((0.0, title),), 10.5, "bold", rule=True)
 
 
-def _paragraph(text: str, colour: str = INK, *, gap: bool = True) -> Iterator[_Line]:
+def _paragraph(text: str, colour: str = INK, *, gap: bool = True) -> Iterator[Line]:
     for line in wrap(text, _COLUMNS):
-        yield _Line(((0.0, line),), colour=colour)
+        yield Line(((0.0, line),), colour=colour)
     if gap:
-        yield _Line((), 4.0)
+        yield Line((), 4.0)
 
 
-def _table(title: str, rows: Sequence[tuple[str, ...]]) -> Iterator[_Line]:
+def _table(title: str, rows: Sequence[tuple[str, ...]]) -> Iterator[Line]:
     yield from _heading(title)
     for row in rows:
         places = (0.0, -5.4, -6.6)
-        yield _Line(tuple(zip(places, row, strict=False)), rule=True)
+        yield Line(tuple(zip(places, row, strict=False)), rule=True)
 
 
-def _causes(groups: Sequence[Mapping[str, Any]]) -> Iterator[_Line]:
+def _causes(groups: Sequence[Mapping[str, Any]]) -> Iterator[Line]:
     yield from _heading("Losses by cause: power, points of efficiency, leakage")
     for group in groups:
         cells = (0.0, group["cause"].capitalize()), (-4.2, f"{group['power']} W")
-        yield _Line((*cells, (-5.4, f"{group['share']} %")), weight="bold", rule=True)
+        yield Line((*cells, (-5.4, f"{group['share']} %")), weight="bold", rule=True)
         for row in group["rows"]:
             flow = f"{row['flow']} L/min" if row["flow"] else ""
             cells = (0.2, row["label"]), (-4.2, f"{row['power']} W"), (-5.4, f"{row['share']} %")
-            yield _Line((*cells, (-6.7, flow)), rule=True)
+            yield Line((*cells, (-6.7, flow)), rule=True)

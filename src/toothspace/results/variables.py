@@ -97,6 +97,12 @@ _ROWS: tuple[tuple[str, str, str, str], ...] = (
         "Flow from the high to the low port, each by the share of the way that it falls",
     ),
     (
+        "equivalent_leakage",
+        "sample path",
+        "m3/s",
+        "Flow from the high to the low port that would lose the same power, trapping included",
+    ),
+    (
         "drag_torque",
         "sample path",
         "N m",

@@ -102,6 +102,7 @@ def solution_from(
         **loss_values(history, seen),
         **_path_values(system),
         "leakage": _leakage(system, seen, trapped),
+        "equivalent_leakage": _equivalent_leakage(system, seen),
         "drag_torque": _drag_torque(system, seen),
         **extra,
     }
@@ -420,6 +421,14 @@ def _leakage(system: System, seen: Observation, trapped: BoolArray) -> Array:
     fall = fall - np.take_along_axis(height, seen.path_partner, axis=1)
     flow = np.where(trapped, 0.0, seen.path_flow)
     return _by_path(system, flow * fall / seen.density[:, [description.inlet_node]])
+
+
+def _equivalent_leakage(system: System, seen: Observation) -> Array:
+    """Flow that would lose the same power from the high to the low port, by path. [m3/s]."""
+    condition = system.condition
+    span = abs(condition.inlet_pressure - condition.outlet_pressure)
+    power = seen.path_flow * seen.path_drop / seen.density[:, [system.description.inlet_node]]
+    return _by_path(system, power) / (span or np.inf)
 
 
 def _drag_torque(system: System, seen: Observation) -> Array:
