@@ -195,7 +195,7 @@ def _causes(solution: Solution, summary: Mapping[str, object]) -> list[dict[str,
 
 def _flow(summary: Mapping[str, object], account: str) -> str:
     value = summary.get(f"leakage_{account}_L_per_min") if account else None
-    return format_value(value) if value is not None else ""
+    return format_value(round(value, 5)) if isinstance(value, float) else ""
 
 
 def _machine(solution: Solution, description: MachineDescription | None) -> dict[str, Any]:
