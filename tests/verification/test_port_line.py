@@ -53,7 +53,7 @@ def test_line_takes_nothing_from_the_machine() -> None:
 
 
 def test_pressure_over_flow_at_the_port_is_the_impedance_of_line_and_orifice() -> None:
-    """Transmission line with frequency-dependent friction, ended by 2 dp / q, first harmonics."""
+    """Transmission line with frequency-dependent friction, ended by 2 dp / q: admittances."""
     case, data = api.load_case(CASE), pumped().data
     assert case.operating_point is not None
     line, fluid = case.operating_point.line, api.fluid_of(case)
@@ -75,7 +75,8 @@ def test_pressure_over_flow_at_the_port_is_the_impedance_of_line_and_orifice() -
     end = 2.0 * (PRESSURE - 1e5) / flow
     total = own * (end + own * np.tanh(wave)) / (own + end * np.tanh(wave))
     expected = 1.0 / (1.0 / total - half)
-    assert found == pytest.approx(expected, rel=0.05)
+    # cells shift the resonances a little, so admittances are held over that of the endless line
+    assert np.max(np.abs(own * (1.0 / found - 1.0 / expected))) < 0.02
 
 
 def test_source_impedance_is_that_of_the_outlet_volume() -> None:

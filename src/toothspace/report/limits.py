@@ -18,6 +18,7 @@ _PEAK = 1.5
 _FULL_FILM = 3.0
 _BUSH_PRESSURE, _BUSH_SPEED, _BUSH_PV = 140.0, 5.0, 10.0
 _FLANK_PRESSURE = 1500.0
+_OIL_TEMPERATURE = 80.0
 
 _BUSH = "metal-polymer bushes in oil, GGB data sheets DU, DP4-B; judged where films are not full"
 
@@ -50,7 +51,7 @@ def limits_of(solution: Solution, description: MachineDescription | None) -> lis
     """Return the limits of a steady result: pressure, filling, films, contact, cavitation."""
     if "shaft_angle" not in solution.data.sizes or "chamber_pressure" not in solution.data:
         return []
-    found = [*_pressures(solution), _cavitation(solution)]
+    found = [*_pressures(solution), *_temperature(solution), _cavitation(solution)]
     if description is None:
         return found
     found += [*_filling(solution, description), *_bearings(solution, description)]
@@ -70,6 +71,14 @@ def _pressures(solution: Solution) -> Iterator[Limit]:
     peak = float(data["chamber_pressure"].max())
     source = "a working pressure and a half, usual peak in pressure limits of makers"
     yield _judged("Highest chamber pressure", peak / _BAR, _PEAK * high / _BAR, "bar", source)
+
+
+def _temperature(solution: Solution) -> Iterator[Limit]:
+    """Oil in the drain; no heat goes into the housing, so what is found is an upper bound."""
+    found = float(solution.summary()["drain_temperature_degC"])
+    if np.isfinite(found):
+        source = "oil and seals of makers' data sheets; an upper bound, without heat to the housing"
+        yield _judged("Drain temperature", found, _OIL_TEMPERATURE, "°C", source)
 
 
 def _cavitation(solution: Solution) -> Limit:

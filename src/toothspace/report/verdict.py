@@ -88,6 +88,8 @@ def warnings_of(solution: Solution, description: MachineDescription | None) -> l
     if cavitating:
         times = "once" if cavitating == 1 else f"{cavitating} times"
         found.append(f"Cavitation begins {times} in the evaluation window; see events.")
+    if _number(solution.summary(), "overall_efficiency") < 0.0:
+        found.append("The machine delivers no power: losses exceed what is supplied.")
     return found + (_machine_warnings(description) if description is not None else [])
 
 
