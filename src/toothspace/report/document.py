@@ -141,5 +141,5 @@ def _causes(groups: Sequence[Mapping[str, Any]]) -> Iterator[Line]:
         yield Line((*cells, (-5.4, f"{group['share']} %")), weight="bold", rule=True)
         for row in group["rows"]:
             flow = f"{row['flow']} L/min" if row["flow"] else ""
-            cells = (0.2, row["label"]), (-4.2, f"{row['power']} W"), (-5.4, f"{row['share']} %")
-            yield Line((*cells, (-6.7, flow)), rule=True)
+            parts = (0.2, row["label"]), (-4.2, f"{row['power']} W"), (-5.4, f"{row['share']} %")
+            yield Line((*parts, (-6.7, flow)), rule=True)
