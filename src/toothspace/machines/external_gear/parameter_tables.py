@@ -205,8 +205,6 @@ class BearingBlockParameters(KeyTable):
 
 @final
 @dataclass(frozen=True, kw_only=True)
-@final
-@dataclass(frozen=True, kw_only=True)
 class JournalBearingParameters(LinedBearingParameters):
     """``[machine.journal_bearings]``: two equal bearings on each gear."""
 
