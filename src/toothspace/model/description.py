@@ -230,7 +230,11 @@ class RunningIn:
 @final
 @dataclass(frozen=True)
 class DesignCheck:
-    """One line of the design-rule report: value, allowed range, verdict, why it matters."""
+    """One line of the design-rule report: value, allowed range, verdict, why it matters.
+
+    ``of_drawing``: whether it judges the file that the machine was read from rather than the
+    design, so that every run tells it.
+    """
 
     name: str
     value: float
@@ -238,6 +242,15 @@ class DesignCheck:
     allowed: str
     passed: bool
     reason: str
+    of_drawing: bool = False
+
+    @property
+    def sentence(self) -> str:
+        """What was found, what is allowed and why."""
+        name = self.name.replace("_", " ")
+        unit = "" if self.unit in {"", "1", "-"} else f" {self.unit}"
+        found = f"{name[:1].upper()}{name[1:]} is {self.value:.4g}{unit}"
+        return f"{found}, allowed {self.allowed}. {self.reason}"
 
 
 @final
@@ -300,6 +313,9 @@ class MachineDescription:
         Numbers of ``toothspace geometry --json``, names with unit suffix.
     checks : tuple of DesignCheck
         Design-rule report.
+    as_drawn : mapping of str to str
+        Keys of a case that give the machine with what its files hold in place of what was fitted
+        to it, where the two differ more than they should; a run is then made with both.
     """
 
     name: str
@@ -326,6 +342,7 @@ class MachineDescription:
     outlines: Mapping[str, Array] = field(default_factory=dict)
     geometry_summary: Mapping[str, object] = field(default_factory=dict)
     checks: tuple[DesignCheck, ...] = ()
+    as_drawn: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def chamber_count(self) -> int:

@@ -26,6 +26,7 @@ from toothspace.machines.external_gear.loads import (
     journal_bearings,
     outlines,
 )
+from toothspace.machines.external_gear.profile_quality import as_drawn
 from toothspace.machines.external_gear.spec import ExternalGearSpec
 from toothspace.machines.external_gear.summary import design_checks, geometry_summary
 from toothspace.model.description import ChamberFamily, MachineDescription, RunningIn
@@ -92,6 +93,7 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
         outlines=outlines(assembly),
         geometry_summary=geometry_summary(assembly, spaces),
         checks=design_checks(assembly),
+        as_drawn=as_drawn(assembly),
     )
 
 
