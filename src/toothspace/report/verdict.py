@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from toothspace.model.description import DesignCheck, MachineDescription
+from toothspace.model.description import MachineDescription
 from toothspace.results.ledger import power_ledger
 from toothspace.results.solution import Solution
 

@@ -10,7 +10,9 @@ from toothspace.core.errors import GeometryError
 from toothspace.core.frozen import Points
 from toothspace.core.keys import KeyRuleError, Problem
 from toothspace.core.types import Array
+from toothspace.core.units import to_si
 from toothspace.geometry.cad_import import load_closed_curves
+from toothspace.geometry.gear_finder import FoundGear
 from toothspace.geometry.gear_pair import pair_from_backlash, pair_from_center_distance
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear, tooth_form
@@ -22,7 +24,15 @@ from toothspace.machines.external_gear import spec
 from toothspace.machines.external_gear.floating_from_parameters import body_files, floating_block
 from toothspace.machines.external_gear.gear_files import check_unit, detected_gear
 from toothspace.machines.external_gear.shaft_seal import seal_torque
+from toothspace.machines.external_gear.solid_contours import (
+    casing_contour,
+    distance_in_file,
+    groove_contours,
+    is_solid,
+)
 from toothspace.model.description import StartupFriction
+
+_GROOVE_DEPTH = 1.5e-3
 
 _TOOTH_KEYS = (
     "tooth_count",
@@ -59,18 +69,19 @@ def spec_from(machine: keys.ExternalGearTables) -> spec.ExternalGearSpec:
     driven = drive if driven_keys == machine.gears else _gear(driven_keys, "driven_gear")
     check_unit(machine, machine.gears, drive, "gears")
     check_unit(machine, driven_keys, driven, "driven_gear")
-    _check_pair(machine, drive, driven)
+    in_file = distance_in_file(machine, drive, driven)
+    distance = _check_pair(machine, drive, driven, in_file)
     return spec.ExternalGearSpec(
         drive=drive,
         driven=driven,
-        casing=_casing(machine.casing),
+        casing=_casing(machine, drive, driven),
         journals=_journals(machine),
         lateral=_lateral(machine.lateral),
-        grooves=_grooves(machine.relief_grooves),
+        grooves=_grooves(machine, drive, driven, distance),
         floating_block=floating_block(machine),
         body_files=body_files(machine),
         mode=cast(Literal["pump", "motor"], machine.mode),
-        center_distance=machine.gears.center_distance,
+        center_distance=in_file or machine.gears.center_distance,
         normal_backlash=machine.gears.normal_backlash,
         drain=cast(Literal["inlet", "outlet", "external"] | None, machine.drain),
         drain_pressure=1e5 if machine.drain_pressure is None else machine.drain_pressure,
@@ -88,20 +99,27 @@ def _startup(startup: keys.StartupParameters | None) -> StartupFriction | None:
     return StartupFriction(startup.breakaway_torque, startup.breakaway_speed, additive)
 
 
-def _check_pair(machine: keys.ExternalGearTables, drive: spec.Gear, driven: spec.Gear) -> None:
+def _check_pair(
+    machine: keys.ExternalGearTables,
+    drive: spec.Gear,
+    driven: spec.Gear,
+    in_file: float | None,
+) -> float:
+    # returns the centre distance, of profiles with a given backlash about
     first, second = drive.tooth, driven.tooth
     root = min(gear.root_radius for gear in (first, second))
     if machine.journal_bearings.diameter >= 2.0 * root:
         found = f"{machine.journal_bearings.diameter * 1e3:.5g} mm"
         allowed = f"below the root diameter of the gears, {root * 2e3:.5g} mm"
         raise KeyRuleError("journal_bearings.diameter", found, allowed)
+    distance = in_file or machine.gears.center_distance
     if not (isinstance(first, InvoluteGear) and isinstance(second, InvoluteGear)):
-        return
+        return distance or first.tip_radius + second.root_radius
     try:
-        if machine.gears.center_distance is not None:
-            pair_from_center_distance(first, second, machine.gears.center_distance)
-        else:
-            pair_from_backlash(first, second, machine.gears.normal_backlash or 0.0)
+        if distance is not None:
+            return pair_from_center_distance(first, second, distance).center_distance
+        backlash = machine.gears.normal_backlash or 0.0
+        return pair_from_backlash(first, second, backlash).center_distance
     except GeometryError as error:
         table = "" if str(error).startswith("driven_gear") else "gears."
         raise GeometryError(f"{table}{error}") from error
@@ -121,6 +139,8 @@ def _driven_keys(machine: keys.ExternalGearTables) -> keys.GearParameters:
             f.name: f.default for f in fields(base) if f.name in keys.PROFILE_KEYS
         }
         base = replace(base, profile=machine.driven_gear.profile, **own)
+    elif {"profile_part", "profile_body"} & given.keys():
+        base = replace(base, profile_part=None, profile_body=None)
     try:
         return replace(base, **given)
     except KeyRuleError as error:
@@ -133,12 +153,19 @@ def _gear(gear: keys.GearParameters, table: str) -> spec.Gear:
     found = None if gear.profile is None else detected_gear(gear, gear.profile, table)
     return spec.Gear(
         tooth=_generated(gear, table) if found is None else _tooth(gear, found.detected),
-        face_width=gear.face_width,
+        face_width=_face_width(gear, found, table),
         material=_material(gear.material, f"{table}.material"),
         roughness=gear.roughness,
         tip_rounding=gear.tip_rounding,
         found=found,
     )
+
+
+def _face_width(gear: keys.GearParameters, found: FoundGear | None, table: str) -> float:
+    width = gear.face_width or (found and found.face_width)
+    if not width:
+        raise KeyRuleError(f"{table}.face_width", "nothing", "compulsory: the file has none")
+    return width
 
 
 def _tooth(gear: keys.GearParameters, detected: DetectedGear) -> GearProfile:
@@ -165,13 +192,18 @@ def _material(name: str, key: str) -> spec.Material:
     )
 
 
-def _casing(casing: keys.CasingParameters) -> spec.Casing:
+def _casing(machine: keys.ExternalGearTables, drive: spec.Gear, driven: spec.Gear) -> spec.Casing:
+    casing, contour = machine.casing, None
+    if is_solid(casing.contour):
+        contour = casing_contour(machine, drive, driven)
+    elif casing.contour is not None:
+        contour = _contours(casing.contour, "casing.contour", casing.contour_unit)[0]
     wear = casing.wear_in
     return spec.Casing(
         radial_clearance=casing.radial_clearance,
-        inlet_angle=casing.inlet_angle,
-        outlet_angle=casing.outlet_angle,
-        contour=None if casing.contour is None else _contours(casing.contour, "casing.contour")[0],
+        inlet_angle=casing.inlet_angle or 0.0,
+        outlet_angle=casing.outlet_angle or 0.0,
+        contour=contour,
         wear_in=wear
         and spec.WearIn(
             pressure=wear.pressure, shaft_speed=wear.shaft_speed, temperature=wear.temperature
@@ -201,16 +233,27 @@ def _lateral(lateral: keys.LateralParameters) -> spec.LateralGaps:
     return spec.LateralGaps(side_gap_floating=floating, side_gap_solid=solid, tilt=lateral.tilt)
 
 
-def _grooves(grooves: keys.ReliefGrooveParameters | None) -> spec.ReliefGrooves | None:
+def _grooves(
+    machine: keys.ExternalGearTables, drive: spec.Gear, driven: spec.Gear, distance: float
+) -> spec.ReliefGrooves | None:
+    grooves = machine.relief_grooves
     if grooves is None:
         return None
-    sides = _groove_sides(grooves.contour) if grooves.contour else (None, None)
+    sides: tuple[Array | None, Array | None] = (None, None)
+    depth = grooves.depth or _GROOVE_DEPTH
+    if grooves.contour is not None:
+        if is_solid(grooves.contour):
+            polygons, depth = groove_contours(machine, drive, driven, distance)
+        else:
+            key = "relief_grooves.contour"
+            polygons = _contours(grooves.contour, key, grooves.contour_unit)
+        sides = _groove_sides(polygons, grooves.contour.name)
     return spec.ReliefGrooves(
         closing_side_offset=_offset(grooves.closing_side_offset, sides[0], 1.0),
         opening_side_offset=_offset(grooves.opening_side_offset, sides[1], -1.0),
         width=grooves.width,
         radial_extent=grooves.radial_extent,
-        depth=grooves.depth,
+        depth=depth,
         closing_contour=sides[0],
         opening_contour=sides[1],
     )
@@ -222,24 +265,24 @@ def _offset(given: float | None, contour: Array | None, side: float) -> float:
     return 0.0 if contour is None else float((side * contour[:, 0]).min())
 
 
-def _groove_sides(file: Path) -> tuple[Array | None, Array | None]:
+def _groove_sides(polygons: list[Array], file: str) -> tuple[Array | None, Array | None]:
     found: dict[bool, Array] = {}
-    for polygon in _contours(file, "relief_grooves.contour"):
+    for polygon in polygons:
         closing = bool(polygon[:, 0].mean() > 0.0)
         if closing in found:
             side = "right" if closing else "left"
             raise KeyRuleError(
                 "relief_grooves.contour",
-                f"two polygons {side} of the centre line in {file.name}",
+                f"two polygons {side} of the centre line in {file}",
                 "one polygon on each side",
             )
         found[closing] = polygon
     return found.get(True), found.get(False)
 
 
-def _contours(file: Path | Points, key: str) -> list[Array]:
+def _contours(file: Path | Points, key: str, unit: str) -> list[Array]:
     try:
-        curves = load_closed_curves(file, 1e-3)
+        curves = load_closed_curves(file, to_si(1.0, unit))
         return [checked_polygon(curve, file.name) for curve in curves]
     except GeometryError as error:
         raise GeometryError(f"{key}: {error}") from error

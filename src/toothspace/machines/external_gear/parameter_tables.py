@@ -41,6 +41,9 @@ PROFILE_KEYS = (
 )
 """Keys that say how one file is read."""
 
+SOLID_SUFFIXES = (".stl", ".step", ".stp")
+OUTLETS = ("+x", "-x", "+y", "-y", "+z", "-z")
+
 _STEP, _STL, _DXF = (".step", ".stp"), (".stl",), (".dxf",)
 _READ_FROM = {
     "profile_layer": _DXF,
@@ -63,6 +66,19 @@ def forbid_unread(gear: GearParameters | DrivenGearParameters) -> None:
     if suffix in _STEP and gear.profile_unit not in (None, "mm"):
         raise KeyRuleError(
             "profile_unit", repr(gear.profile_unit), "leave this key out: STEP files have their own"
+        )
+
+
+def forbid_solid_keys(table: CasingParameters | ReliefGrooveParameters, *names: str) -> None:
+    """Refuse keys of solids beside a contour of another kind."""
+    suffix = "" if table.contour is None else table.contour.suffix.lower()
+    if suffix not in SOLID_SUFFIXES:
+        forbid(table, f"unless the contour is a solid ({', '.join(SOLID_SUFFIXES)})", *names)
+    elif suffix in _STEP and table.contour_unit != "mm":
+        raise KeyRuleError(
+            "contour_unit",
+            repr(table.contour_unit),
+            "leave this key out: STEP files have their own",
         )
 
 
@@ -96,12 +112,22 @@ class GearParameters(KeyTable):
     tip_rounding: float = quantity(
         "mm", "Radius of the edge between flank and tip.", low=0, high=5, default=0.1e-3
     )
-    face_width: float = quantity("mm", "Axial width of the gear.", above=0, high=500)
+    face_width: float | None = quantity(
+        "mm",
+        "Axial width of the gear; default that of the teeth in a solid file.",
+        above=0,
+        high=500,
+        default=None,
+    )
     normal_backlash: float | None = quantity(
         "mm", "Play between the flanks along the line of action.", low=0, high=2, default=None
     )
     center_distance: float | None = quantity(
-        "mm", "Distance of the gear centres.", above=0, high=1000, default=None
+        "mm",
+        "Distance of the gear centres; default that of both gears in one solid file.",
+        above=0,
+        high=1000,
+        default=None,
     )
     material: str = text("Material from the library.", default="steel_16CrNi4")
     roughness: float = quantity(
@@ -138,9 +164,12 @@ class GearParameters(KeyTable):
         if self.profile is None:
             reason = "unless a profile file is given"
             require(self, reason, "tooth_count", "module", "pressure_angle", "tip_diameter")
-        if self.normal_backlash is None:
+        solid = isinstance(self.profile, Path) and self.profile.suffix.lower() in SOLID_SUFFIXES
+        if not solid:
+            require(self, "unless the gear comes from a solid file", "face_width")
+        if self.normal_backlash is None and not solid:
             require(self, "unless normal_backlash is given", "center_distance")
-        else:
+        elif self.normal_backlash is not None:
             forbid(self, "because normal_backlash is given", "center_distance")
         forbid_unread(self)
 
@@ -213,24 +242,45 @@ class CasingParameters(KeyTable):
     radial_clearance: float = quantity(
         "um", "Bore radius minus tip radius, before wear.", low=1, high=1000
     )
-    inlet_angle: float = quantity(
+    inlet_angle: float | None = quantity(
         "deg",
-        "From the mesh side of the centre line to the inlet port edge along the bore.",
+        "From the mesh side of the centre line to the inlet port edge along the bore; default of "
+        "a contour.",
         low=5,
         high=170,
+        default=None,
     )
-    outlet_angle: float = quantity(
+    outlet_angle: float | None = quantity(
         "deg",
-        "From the mesh side of the centre line to the outlet port edge along the bore.",
+        "From the mesh side of the centre line to the outlet port edge along the bore; default of "
+        "a contour.",
         low=5,
         high=170,
+        default=None,
     )
     contour: Path | None = file_path(
-        "Section of the casing as a closed polygon.", *CONTOUR_SUFFIXES
+        "Section of the casing as a closed polygon, or the casing as a solid.",
+        *CONTOUR_SUFFIXES,
+        *SOLID_SUFFIXES,
+    )
+    contour_unit: str = choice("Length unit of the contour.", "mm", "m", "um", "in", default="mm")
+    contour_body: int | None = integer(
+        "Casing in a solid file, the largest body is 0.", low=0, high=1000, default=None
+    )
+    contour_part: str | None = text("Name of the casing in a STEP file.", default=None)
+    contour_plane: float | None = quantity(
+        "mm",
+        "Height of the section through a solid along the axis; default the middle of the teeth.",
+        default=None,
     )
     wear_in: WearInParameters | None = table(
         WearInParameters, "Running-in condition; leave out for an unworn casing.", default=None
     )
+
+    def __post_init__(self) -> None:
+        if self.contour is None:
+            require(self, "unless a contour file is given", "inlet_angle", "outlet_angle")
+        forbid_solid_keys(self, "contour_body", "contour_part", "contour_plane")
 
 
 @final
@@ -286,13 +336,27 @@ class ReliefGrooveParameters(KeyTable):
     radial_extent: float = quantity(
         "mm", "Extent along y, centred on the pitch point.", above=0, high=200, default=10e-3
     )
-    depth: float = quantity("mm", "Depth into the face.", above=0, high=100, default=1.5e-3)
-    contour: Path | None = file_path(
-        "Closed groove polygons in the machine frame, right of the centre line the closing side.",
-        *CONTOUR_SUFFIXES,
+    depth: float | None = quantity(
+        "mm",
+        "Depth into the face; default 1.5 mm, or that of a solid.",
+        above=0,
+        high=100,
+        default=None,
     )
+    contour: Path | None = file_path(
+        "Closed groove polygons in the machine frame, right of the centre line the closing side; "
+        "or the bearing block as a solid.",
+        *CONTOUR_SUFFIXES,
+        *SOLID_SUFFIXES,
+    )
+    contour_unit: str = choice("Length unit of the contour.", "mm", "m", "um", "in", default="mm")
+    contour_body: int | None = integer(
+        "Bearing block in a solid file, the largest body is 0.", low=0, high=1000, default=None
+    )
+    contour_part: str | None = text("Name of the bearing block in a STEP file.", default=None)
 
     def __post_init__(self) -> None:
+        forbid_solid_keys(self, "contour_body", "contour_part")
         if self.contour is None:
             reason = "unless a contour file is given"
             require(self, reason, "closing_side_offset", "opening_side_offset")
@@ -390,6 +454,12 @@ class ExternalGearTables(KeyTable):
     """Tables and keys of ``[machine]`` for external gears."""
 
     mode: str = choice("What the machine is used as.", "pump", "motor")
+    outlet_toward: str | None = choice(
+        "Direction in the file of the gears from their centre line towards the outlet, where "
+        "casing or bearing block come from that file.",
+        *OUTLETS,
+        default=None,
+    )
     drain: str | None = choice(
         "Node that collects the drain; default the low-pressure port.",
         "inlet",
