@@ -92,5 +92,5 @@ def test_direction_of_the_outlet_is_asked_for(drawn: Case) -> None:
 
 
 def test_one_gear_twice_is_not_a_pair(drawn: Case) -> None:
-    with pytest.raises(CaseError, match="driven_gear.profile_part: found body"):
+    with pytest.raises(CaseError, match=r"driven_gear\.profile_part: found body"):
         drawn.replace({"machine.driven_gear": None})

@@ -411,9 +411,11 @@ class MachineDescription:
 
 
 def _deepened(path: FlowPath, depth: Array) -> FlowPath:
-    table = path.geometry
-    step = table.period / table.values.shape[0]
-    values, slopes = table.values.copy(), table.slopes.copy()
-    values[:, 0] += depth
-    slopes[:, 0] += (np.roll(depth, -1) - np.roll(depth, 1)) / (2.0 * step)
-    return replace(path, geometry=PeriodicTable(table.period, values, slopes))
+    def deeper(table: PeriodicTable) -> PeriodicTable:
+        step = table.period / table.values.shape[0]
+        values, slopes = table.values.copy(), table.slopes.copy()
+        values[:, 0] += depth
+        slopes[:, 0] += (np.roll(depth, -1) - np.roll(depth, 1)) / (2.0 * step)
+        return PeriodicTable(table.period, values, slopes)
+
+    return replace(path, geometry=deeper(path.geometry), own=tuple(map(deeper, path.own)))

@@ -53,6 +53,8 @@ class ChamberFamily:
     volume_by_motion : PeriodicTable, one channel per motion of the description
         Derivative of the volume with respect to every micro-motion. It is also the
         generalised force of the chamber's pressure on that motion. [m3/m] or [m3/rad]
+    own : tuple of PeriodicTable
+        Volume of each chamber where teeth differ, in place of the one that all share. [m3]
 
     Notes
     -----
@@ -64,6 +66,7 @@ class ChamberFamily:
     phases: Array
     volume: PeriodicTable
     volume_by_motion: PeriodicTable
+    own: tuple[PeriodicTable, ...] = ()
 
     @property
     def count(self) -> int:
@@ -116,6 +119,8 @@ class FlowPath:
         Body that cuts the gap deeper by running-in where it would touch the casing.
     minimum_height : float
         Residual height that the gap keeps, level of the roughness. [m]
+    own : tuple of PeriodicTable
+        Geometry of each path where teeth differ, in place of the one that all share.
     """
 
     name: str
@@ -135,6 +140,7 @@ class FlowPath:
     partner_shift: int = 0
     worn_by: str | None = None
     minimum_height: float = 1e-6
+    own: tuple[PeriodicTable, ...] = ()
 
     @property
     def count(self) -> int:

@@ -26,6 +26,7 @@ from toothspace.machines.external_gear.loads import (
     journal_bearings,
     outlines,
 )
+from toothspace.machines.external_gear.own_teeth import own_teeth
 from toothspace.machines.external_gear.profile_quality import as_drawn
 from toothspace.machines.external_gear.spec import ExternalGearSpec
 from toothspace.machines.external_gear.summary import design_checks, geometry_summary
@@ -71,6 +72,16 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
     numbering = number(assembly.counts)
     spaces = assembly.spaces(nodes)
     families = tuple(_family(assembly, numbering, spaces[gear], gear) for gear in (0, 1))
+    paths = flow_paths(assembly, numbering, spaces)
+    contacts = flank_contacts(assembly, numbering, spaces[0])
+    own = own_teeth(assembly, numbering, spaces)
+    if own is not None:
+        widths = spec.drive.face_width, spec.driven.face_width
+        families = tuple(own.family(families[gear], gear, widths[gear]) for gear in (0, 1))
+        paths = tuple(own.path(path) for path in paths)
+        loaded, coast = contacts
+        left = assembly.loaded_is_left
+        contacts = own.contact(loaded, is_left=left), own.contact(coast, is_left=not left)
     return MachineDescription(
         name="external_gear",
         mode=spec.mode,
@@ -78,10 +89,10 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
         bodies=bodies(assembly),
         motions=MOTIONS,
         families=families,
-        paths=flow_paths(assembly, numbering, spaces),
+        paths=paths,
         journals=journal_bearings(assembly),
         laterals=lateral_films(assembly, numbering),
-        contacts=flank_contacts(assembly, numbering, spaces[0]),
+        contacts=contacts,
         mesh=rigid_mesh(assembly),
         seal_torque=spec.seal_torque,
         startup=spec.startup,

@@ -6,7 +6,7 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any, Literal, cast
 
-from toothspace.core.errors import GeometryError
+from toothspace.core.errors import CaseError, GeometryError
 from toothspace.core.frozen import Points
 from toothspace.core.keys import KeyRuleError, Problem
 from toothspace.core.types import Array
@@ -15,9 +15,10 @@ from toothspace.geometry.cad_import import load_closed_curves
 from toothspace.geometry.gear_finder import FoundGear
 from toothspace.geometry.gear_pair import pair_from_backlash, pair_from_center_distance
 from toothspace.geometry.gear_profile import GearProfile
-from toothspace.geometry.involute import InvoluteGear, tooth_form
+from toothspace.geometry.involute import InvoluteGear, generate_profile, tooth_form
 from toothspace.geometry.polygon import checked_polygon
 from toothspace.geometry.profile_detection import DetectedGear
+from toothspace.geometry.tooth_deviations import ToothDeviations, read_tooth_deviations
 from toothspace.library import load_material
 from toothspace.machines.external_gear import parameter_tables as keys
 from toothspace.machines.external_gear import spec
@@ -151,14 +152,43 @@ def _driven_keys(machine: keys.ExternalGearTables) -> keys.GearParameters:
 
 def _gear(gear: keys.GearParameters, table: str) -> spec.Gear:
     found = None if gear.profile is None else detected_gear(gear, gear.profile, table)
+    tooth = _generated(gear, table) if found is None else _tooth(gear, found.detected)
     return spec.Gear(
-        tooth=_generated(gear, table) if found is None else _tooth(gear, found.detected),
+        tooth=tooth,
         face_width=_face_width(gear, found, table),
         material=_material(gear.material, f"{table}.material"),
         roughness=gear.roughness,
         tip_rounding=gear.tip_rounding,
         found=found,
+        deviations=_deviations(gear, tooth, found, table),
     )
+
+
+def _deviations(
+    gear: keys.GearParameters,
+    tooth: InvoluteGear | GearProfile,
+    found: FoundGear | None,
+    table: str,
+) -> ToothDeviations | None:
+    if gear.profile_teeth == "own" and found is not None:
+        if found.detected.deviations is None:
+            allowed = "involute flanks on a whole gear, or 'equal'"
+            raise KeyRuleError(f"{table}.profile_teeth", "'own'", allowed)
+        return found.detected.deviations
+    if gear.tooth_deviations is None:
+        return None
+    profile = generate_profile(tooth) if isinstance(tooth, InvoluteGear) else tooth
+    if profile.involute is None:
+        raise KeyRuleError(f"{table}.tooth_deviations", "a file", "involute flanks only")
+    file = gear.tooth_deviations
+    try:
+        return read_tooth_deviations(file, profile.involute, profile.tooth_count)
+    except CaseError as error:
+        text = f"{table}.tooth_deviations: {error}".replace(str(file), file.name)
+        raise GeometryError(text) from error
+    except (ArithmeticError, LookupError, ValueError) as error:
+        text = f"{table}.tooth_deviations: {file.name}: found {error}, allowed a tester's file"
+        raise GeometryError(text) from error
 
 
 def _face_width(gear: keys.GearParameters, found: FoundGear | None, table: str) -> float:

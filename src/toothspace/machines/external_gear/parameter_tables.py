@@ -42,6 +42,7 @@ PROFILE_KEYS = (
 """Keys that say how one file is read."""
 
 SOLID_SUFFIXES = (".stl", ".step", ".stp")
+DEVIATION_SUFFIXES = (".csv", ".mka")
 OUTLETS = ("+x", "-x", "+y", "-y", "+z", "-z")
 
 _STEP, _STL, _DXF = (".step", ".stp"), (".stl",), (".dxf",)
@@ -159,8 +160,20 @@ class GearParameters(KeyTable):
         "drawn",
         default="fitted",
     )
+    profile_teeth: str = choice(
+        "All teeth as the one that fits them, or each as in the outline.",
+        "equal",
+        "own",
+        default="equal",
+    )
+    tooth_deviations: Path | None = file_path(
+        "Deviations of every tooth from a gear tester.", *DEVIATION_SUFFIXES
+    )
 
     def __post_init__(self) -> None:
+        if self.profile_teeth == "own":
+            require(self, 'with profile_teeth = "own"', "profile")
+            forbid(self, 'with profile_teeth = "own"', "tooth_deviations")
         if self.profile is None:
             reason = "unless a profile file is given"
             require(self, reason, "tooth_count", "module", "pressure_angle", "tip_diameter")
@@ -217,6 +230,15 @@ class DrivenGearParameters(KeyTable):
         "fitted",
         "drawn",
         default=None,
+    )
+    profile_teeth: str | None = choice(
+        "All teeth as the one that fits them, or each as in the outline.",
+        "equal",
+        "own",
+        default=None,
+    )
+    tooth_deviations: Path | None = file_path(
+        "Deviations of every tooth from a gear tester.", *DEVIATION_SUFFIXES
     )
 
     def __post_init__(self) -> None:

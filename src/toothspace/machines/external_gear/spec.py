@@ -13,6 +13,7 @@ from toothspace.core.types import Array
 from toothspace.geometry.gear_finder import FoundGear
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear
+from toothspace.geometry.tooth_deviations import ToothDeviations
 from toothspace.model.description import StartupFriction
 
 
@@ -65,6 +66,8 @@ class Gear:
         Radius of the edge between flank and tip, for throats that end at a sharp corner. [m]
     found : FoundGear or None
         What the profile file held; None for generated teeth.
+    deviations : ToothDeviations or None
+        Deviations of every tooth from the tooth; None where all are equal.
     """
 
     tooth: InvoluteGear | GearProfile
@@ -73,6 +76,7 @@ class Gear:
     roughness: float = 0.25e-6
     tip_rounding: float = 0.1e-3
     found: FoundGear | None = None
+    deviations: ToothDeviations | None = None
 
 
 @final
