@@ -121,8 +121,8 @@ def pump(*overrides: str):
 
 
 def test_even_excess_is_a_thicker_tooth(tmp_path: Path) -> None:
-    """All flanks of both gears 4 um thicker equal teeth of a larger profile shift."""
-    excess = np.full((12, len(ROLL)), 4e-6)
+    """All flanks of the drive gear 8 um thicker."""
+    excess = np.full((12, len(ROLL)), 8e-6)
     file = table_file(tmp_path / "gear.csv", excess, excess)
     measured = api.describe(pump(f"machine.gears.tooth_deviations={file}"))
     even = api.describe(pump())
@@ -134,7 +134,7 @@ def test_even_excess_is_a_thicker_tooth(tmp_path: Path) -> None:
     open_ = np.flatnonzero(complete & (gap < gap[complete].min() + 1e-7))
     assert len(open_) > 20
     for own in found.own:
-        # the driven gear turns back by both excesses, the coast flanks lose them twice
+        # the driven gear turns back by the excess, the coast flanks lose it twice
         change = (own.values - plain.geometry.values)[open_, 0]
         assert np.abs(change + 16e-6).max() < 1e-7
     loaded = next(path for path in measured.paths if path.name == "flank_trailing")
@@ -144,7 +144,7 @@ def test_even_excess_is_a_thicker_tooth(tmp_path: Path) -> None:
     width = 7.63e-3
     length = np.hypot(*np.diff(PROFILE.left_flank, axis=0).T).sum()
     far = np.arange(lost.shape[1]) < 0.1 * lost.shape[1]
-    assert lost[:, far] == pytest.approx(2.0 * 4e-6 * length * width, rel=2e-2)
+    assert lost[:, far] == pytest.approx(2.0 * 8e-6 * length * width, rel=2e-2)
 
 
 def test_one_high_flank_turns_the_driven_gear_once(tmp_path: Path) -> None:
@@ -156,27 +156,32 @@ def test_one_high_flank_turns_the_driven_gear_once(tmp_path: Path) -> None:
     assembly = assemble(case.machine_spec)
     own = own_teeth(assembly, number(assembly.counts), assembly.spaces(720))
     base = FLANK.base_radius
-    # the high flanks of both gears do not meet
     assert np.ptp(own.turn) * base == pytest.approx(5e-6, rel=1e-2)
     assert 0.05 < np.mean(np.abs(own.turn) > 1e-5) < 0.4
 
 
-def test_run_out_ripples_the_flow_once_a_revolution(tmp_path: Path) -> None:
-    """An eccentric drive gear: flanks move as a sine of the tooth; flow of order one."""
-    radius = 20e-6
+def eccentric(folder: Path, radius: float) -> Path:
+    """Drive gear whose teeth stand off the axis: each flank moves by a sine of its place."""
     angle = 2.0 * np.pi * np.arange(12) / 12.0
-    left = np.repeat((radius * np.sin(angle + 0.35))[:, None], len(ROLL), axis=1)
-    right = np.repeat((-radius * np.sin(angle - 0.35))[:, None], len(ROLL), axis=1)
-    file = table_file(tmp_path / "gear.csv", left, right)
+    turn = np.arccos(FLANK.base_radius / 17.28e-3)
+    left = np.repeat((radius * np.sin(angle + turn))[:, None], len(ROLL), axis=1)
+    right = np.repeat((-radius * np.sin(angle - turn))[:, None], len(ROLL), axis=1)
+    return table_file(folder / f"gear_{radius * 1e6:.0f}.csv", left, right)
+
+
+def test_run_out_ripples_the_flow_once_a_revolution(tmp_path: Path) -> None:
+    """Order one follows the run-out, about as the driven gear's speed: e/(2 rb) of the flow."""
     orders = []
-    for extra in ([], [f"machine.gears.tooth_deviations={file}"]):
-        solution = api.simulate(pump(*extra))
+    for radius in (0.0, 10e-6, 20e-6):
+        file = eccentric(tmp_path, radius)
+        solution = api.simulate(pump(f"machine.gears.tooth_deviations={file}"))
         flow = np.asarray(solution.data["outlet_flow_rate"])[:-1]
-        orders.append(np.abs(np.fft.rfft(flow))[:13] / len(flow) / abs(flow.mean()))
-    even, own = orders
-    assert even[1] < 1e-5
-    assert own[1] > 20.0 * even[1]
-    assert own[1] > 2e-4
+        orders.append(2.0 * np.abs(np.fft.rfft(flow))[1] / len(flow) / flow.mean())
+    even, small, large = orders
+    assert even < 1e-5
+    assert large == pytest.approx(2.0 * small, rel=0.05)
+    wanted = 20e-6 / (2.0 * FLANK.base_radius)
+    assert 0.5 * wanted < large < 1.5 * wanted
 
 
 @pytest.mark.parametrize(

@@ -41,7 +41,7 @@ def read_step_sections(path: Path, request: SectionRequest) -> list[BodySection]
     kept = _place_of(path, request)
     known = load_arrays(kept)
     if known is None:
-        known = _read_in_process(path, request)
+        known = read_in_process(path, request)
         keep_arrays(kept, known, _MOST_KEPT)
     return _unpacked(known)
 
@@ -56,7 +56,8 @@ def _place_of(path: Path, request: SectionRequest) -> Path:
     return CACHE_FOLDER.parent / "sections" / f"{digest.hexdigest()[:32]}.npz"
 
 
-def _read_in_process(path: Path, request: SectionRequest) -> dict[str, Any]:
+def read_in_process(path: Path, request: SectionRequest) -> dict[str, Any]:
+    """Sections of a STEP file as arrays by name, read anew; see ``solid_import.step_sections``."""
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder) / "sections.npz"
         order = {"file": str(path.resolve()), "target": str(target), "request": asdict(request)}

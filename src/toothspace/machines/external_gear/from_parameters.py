@@ -127,14 +127,15 @@ def _check_pair(
 
 
 def _driven_keys(machine: keys.ExternalGearTables) -> keys.GearParameters:
+    # a measured gear is one of its kind: its deviations are not those of the other gear
+    base = replace(machine.gears, tooth_deviations=None)
     if machine.driven_gear is None:
-        return machine.gears
+        return base
     given = {
         f.name: getattr(machine.driven_gear, f.name)
         for f in fields(machine.driven_gear)
         if getattr(machine.driven_gear, f.name) is not None
     }
-    base = machine.gears
     if machine.driven_gear.profile is not None:
         own: dict[str, Any] = {
             f.name: f.default for f in fields(base) if f.name in keys.PROFILE_KEYS
