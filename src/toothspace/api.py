@@ -16,8 +16,8 @@ from toothspace.core.processes import start_worker
 from toothspace.core.progress import Progress
 from toothspace.core.registry import machine_type
 from toothspace.model.description import MachineDescription
-from toothspace.results.credibility import with_warnings
-from toothspace.results.solution import Solution
+from toothspace.results.credibility import with_interval, with_warnings
+from toothspace.results.solution import Solution, warned
 from toothspace.simulation import run
 from toothspace.simulation.setup import Setup, fluid_of, known_pressure, require_condition
 
@@ -62,11 +62,23 @@ def simulate(case: Case, progress: Progress | None = None) -> Solution:
     """
     started, compiled = time.perf_counter(), compile_seconds()
     setup = set_up(case)
-    solution = with_warnings(run.simulate(setup, progress), known_pressure(setup))
+    checks = setup.description.checks
+    solution = with_warnings(run.simulate(setup, progress), known_pressure(setup), checks)
+    if setup.description.as_drawn:
+        solution = _with_both_flanks(case, solution)
     compiling = compile_seconds() - compiled
     wall = time.perf_counter() - started - compiling
     times = {"wall_time": wall, "compile_time": compiling}
     return replace(solution, statistics={**solution.statistics, **times})
+
+
+def _with_both_flanks(case: Case, solution: Solution) -> Solution:
+    try:
+        setup = set_up(case.replace(describe(case).as_drawn))
+    except CaseError as error:
+        text = f"Flanks as in the file cannot be computed with: {error}"
+        return replace(solution, provenance=warned(solution.provenance, text))
+    return with_interval(solution, run.simulate(setup, None))
 
 
 def simulate_all(cases: Iterable[Case], workers: int = 1) -> list[Solution | Exception]:

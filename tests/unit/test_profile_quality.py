@@ -100,6 +100,27 @@ def test_form_error_gives_an_interval_and_a_warning(tmp_path: Path) -> None:
     assert drawn.drive.tooth is drawn.drive.found.detected.drawn
 
 
+def test_run_tells_form_error_and_what_the_flanks_of_the_file_would_give(tmp_path: Path) -> None:
+    points = wavy(outline(400), 1e-5, 1.5e-3)
+    keys = ["machine.gears.center_distance=34.52 mm", "run.fidelity=ideal"]
+    case = case_of(tmp_path, points, *keys)
+    solution = api.simulate(case)
+    told = solution.provenance["warnings"]
+    assert "Form error of the profile is" in told
+    assert "Flanks as in the file, not the involute that fits them, give" in told
+    drawn = api.simulate(case.replace({"machine.gears.profile_flank": "drawn"}))
+    for name in ("flow_ripple_percent", "mean_flow_L_per_min"):
+        found = solution.statistics[f"as_drawn_{name}"]
+        assert found == pytest.approx(drawn.summary()[name], rel=1e-9)
+        assert found != solution.summary()[name]
+
+
+def test_run_of_a_smooth_profile_is_one_run_without_warnings(tmp_path: Path) -> None:
+    solution = api.simulate(case_of(tmp_path, outline(), "run.fidelity=ideal"))
+    assert "profile" not in solution.provenance.get("warnings", "")
+    assert not [name for name in solution.statistics if name.startswith("as_drawn")]
+
+
 @pytest.mark.parametrize("count", [9, 17])
 def test_tooth_count_of_an_outline_thinned_by_a_simplifier(count: int) -> None:
     gear = InvoluteGear(count, 2e-3, profile_shift=0.1)

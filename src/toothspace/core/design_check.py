@@ -26,6 +26,9 @@ class DesignCheck:
         Verdict.
     reason : str
         One sentence on why the rule matters.
+    of_drawing : bool
+        Whether it judges the file that the machine was read from rather than the design, so that
+        every run tells it.
     """
 
     name: str
@@ -34,6 +37,15 @@ class DesignCheck:
     allowed: str
     passed: bool
     reason: str
+    of_drawing: bool = False
+
+    @property
+    def sentence(self) -> str:
+        """What was found, what is allowed and why."""
+        name = self.name.replace("_", " ")
+        unit = "" if self.unit in {"", "1", "-"} else f" {self.unit}"
+        found = f"{name[:1].upper()}{name[1:]} is {self.value:.4g}{unit}"
+        return f"{found}, allowed {self.allowed}. {self.reason}"
 
 
 def warnings_of(checks: Iterable[DesignCheck]) -> list[str]:

@@ -23,15 +23,20 @@ from toothspace.core.keys import (
     text,
 )
 from toothspace.core.types import Array
+from toothspace.core.units import to_si
 from toothspace.geometry.cad_import import load_closed_curves
 from toothspace.geometry.involute import InvoluteGear, tooth_form
 from toothspace.geometry.polygon import checked_polygon
 
 PROFILE_SUFFIXES = (".txt", ".csv", ".dxf", ".stl", ".step", ".stp")
 """Files that may hold a profile."""
+SOLID_SUFFIXES = (".stl", ".step", ".stp")
+"""Files that hold solids."""
 CONTOUR_SUFFIXES = (".txt", ".csv", ".dxf")
 """Files that may hold a plane contour."""
 
+GROOVE_DEPTH = 1.5e-3
+"""Depth of a groove where none is given. [m]"""
 _TOOTH_KEYS = (
     "tooth_count",
     "module",
@@ -73,12 +78,22 @@ class MeshingGearParameters(KeyTable):
     tip_rounding: float = quantity(
         "mm", "Radius of the edge between flank and tip.", low=0, high=5, default=0.1e-3
     )
-    face_width: float = quantity("mm", "Axial width of the gear.", above=0, high=500)
+    face_width: float | None = quantity(
+        "mm",
+        "Axial width of the gear; default that of the teeth in a solid file.",
+        above=0,
+        high=500,
+        default=None,
+    )
     normal_backlash: float | None = quantity(
         "mm", "Play between the flanks along the line of action.", low=0, high=2, default=None
     )
     center_distance: float | None = quantity(
-        "mm", "Distance of the gear centres.", above=0, high=1000, default=None
+        "mm",
+        "Distance of the gear centres; default that of both gears in one solid file.",
+        above=0,
+        high=1000,
+        default=None,
     )
     material: str = text("Material from the library.", default="steel_16CrNi4")
     roughness: float = quantity(
@@ -93,9 +108,12 @@ class MeshingGearParameters(KeyTable):
         if self.profile is None:
             reason = "unless a profile file is given"
             require(self, reason, "tooth_count", "module", "pressure_angle", "tip_diameter")
-        if self.normal_backlash is None:
+        solid = isinstance(self.profile, Path) and self.profile.suffix.lower() in SOLID_SUFFIXES
+        if not solid:
+            require(self, "unless the gear comes from a solid file", "face_width")
+        if self.normal_backlash is None and not solid:
             require(self, "unless normal_backlash is given", "center_distance")
-        else:
+        elif self.normal_backlash is not None:
             forbid(self, "because normal_backlash is given", "center_distance")
 
     def involute_gear(self, table: str) -> InvoluteGear:
@@ -115,7 +133,6 @@ class MeshingGearParameters(KeyTable):
         return tooth
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class ReliefGrooveParameters(KeyTable):
     """``[machine.relief_grooves]``: in each face beside the gears."""
@@ -138,7 +155,13 @@ class ReliefGrooveParameters(KeyTable):
     radial_extent: float = quantity(
         "mm", "Extent along y, centred on the pitch point.", above=0, high=200, default=10e-3
     )
-    depth: float = quantity("mm", "Depth into the face.", above=0, high=100, default=1.5e-3)
+    depth: float | None = quantity(
+        "mm",
+        "Depth into the face; default 1.5 mm, or that of a solid.",
+        above=0,
+        high=100,
+        default=None,
+    )
     contour: Path | None = file_path(
         "Closed groove polygons in the machine frame, right of the centre line the closing side.",
         *CONTOUR_SUFFIXES,
@@ -158,13 +181,24 @@ class ReliefGrooveParameters(KeyTable):
             If the file is damaged, or holds two polygons on one side.
         """
         key = f"{table}relief_grooves.contour"
-        sides = _groove_sides(self.contour, key) if self.contour else (None, None)
+        polygons = read_contours(self.contour, key) if self.contour else []
+        return self.outlined(polygons, self.depth or GROOVE_DEPTH, key)
+
+    def outlined(self, polygons: list[Array], depth: float, key: str) -> ReliefGrooves:
+        """Return the grooves with outlines in place of the rectangles and a depth. [m].
+
+        Raises
+        ------
+        KeyRuleError
+            If two polygons lie on one side, with the key.
+        """
+        sides = _groove_sides(polygons, self.contour.name if self.contour else "", key)
         return ReliefGrooves(
             closing_side_offset=_offset(self.closing_side_offset, sides[0], 1.0),
             opening_side_offset=_offset(self.opening_side_offset, sides[1], -1.0),
             width=self.width,
             radial_extent=self.radial_extent,
-            depth=self.depth,
+            depth=depth,
             closing_contour=sides[0],
             opening_contour=sides[1],
         )
@@ -218,23 +252,23 @@ def _offset(given: float | None, contour: Array | None, side: float) -> float:
     return 0.0 if contour is None else float((side * contour[:, 0]).min())
 
 
-def _groove_sides(file: Path, key: str) -> tuple[Array | None, Array | None]:
+def _groove_sides(polygons: list[Array], file: str, key: str) -> tuple[Array | None, Array | None]:
     found: dict[bool, Array] = {}
-    for polygon in read_contours(file, key):
+    for polygon in polygons:
         closing = bool(polygon[:, 0].mean() > 0.0)
         if closing in found:
             side = "right" if closing else "left"
             raise KeyRuleError(
                 key,
-                f"two polygons {side} of the centre line in {file.name}",
+                f"two polygons {side} of the centre line in {file}",
                 "one polygon on each side",
             )
         found[closing] = polygon
     return found.get(True), found.get(False)
 
 
-def read_contours(file: Path | Points, key: str) -> list[Array]:
-    """Closed polygons of a file in millimetres. [m].
+def read_contours(file: Path | Points, key: str, unit: str = "mm") -> list[Array]:
+    """Closed polygons of a file in a unit of length. [m].
 
     Raises
     ------
@@ -242,7 +276,7 @@ def read_contours(file: Path | Points, key: str) -> list[Array]:
         If it cannot be read, with the key.
     """
     try:
-        curves = load_closed_curves(file, 1e-3)
+        curves = load_closed_curves(file, to_si(1.0, unit))
         return [checked_polygon(curve, file.name) for curve in curves]
     except GeometryError as error:
         raise GeometryError(f"{key}: {error}") from error

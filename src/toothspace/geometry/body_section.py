@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import final
 
 import numpy as np
@@ -11,15 +12,20 @@ import numpy as np
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
 from toothspace.geometry.curve import signed_area
-from toothspace.geometry.mesh_section import SurfaceMesh, axis_frame, likely_axes, section
+from toothspace.geometry.mesh_section import (
+    SurfaceMesh,
+    axis_frame,
+    flat_levels,
+    likely_axes,
+    section,
+)
 from toothspace.geometry.tooth_count import repeating_teeth
 
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
-_MOST_SLICES = 24
+_MOST_LAYERS = 24
+_THINNEST = 4e-6
+"""Thinner layers are edges, not parts of a body. [m]"""
 _QUICK_LOOK = (0.02, 0.5, 0.98)
-_FEWEST_CORNERS = 8
-_LEVEL = 1e-6
-"""Corners of a mesh this close along the axis lie in one plane. [m]"""
 _SECOND = 0.2
 """Of the toothed length, from its begin: place of the second section. [-]"""
 
@@ -31,8 +37,9 @@ class SectionRequest:
 
     Parameters
     ----------
-    axis : str or None
-        ``x``, ``y`` or ``z``; None: the axis of symmetry where teeth are wanted, else z.
+    axis : str, tuple of float or None
+        ``x``, ``y``, ``z`` or a unit vector; None: the axis of symmetry where teeth are wanted,
+        else z.
     plane : float or None
         Height of the section along the axis; None: middle of the teeth or of the body. [m]
     body : int or None
@@ -41,13 +48,18 @@ class SectionRequest:
         Name of one body; None for all.
     teeth : bool
         Whether to look for teeth.
+    face_towards : float or None
+        Height towards which a body turns its face: in place of one section, one through the layer
+        behind that face and one through the layer that follows, between flat faces across the
+        axis. [m]
     """
 
-    axis: str | None = None
+    axis: str | tuple[float, float, float] | None = None
     plane: float | None = None
     body: int | None = None
     part: str | None = None
     teeth: bool = False
+    face_towards: float | None = None
 
 
 @final
@@ -96,6 +108,8 @@ class BodySection:
         Height of a second section through the teeth. [m]
     second : ndarray or None
         Its largest curve, on the mesh of the body. [m]
+    layer : tuple of float or None
+        Flat faces between which the section was cut. [m]
     """
 
     body: int
@@ -107,6 +121,7 @@ class BodySection:
     curves: list[Array]
     second_height: float = 0.0
     second: Array | None = None
+    layer: tuple[float, float] | None = None
 
 
 def cut_bodies(file: str, bodies: list[SolidBody], request: SectionRequest) -> list[BodySection]:
@@ -133,7 +148,7 @@ def cut_bodies(file: str, bodies: list[SolidBody], request: SectionRequest) -> l
     """
     ordered = sorted(bodies, key=lambda body: -body.mesh.volume)
     numbers = _chosen(file, ordered, request)
-    found = [_cut(number, ordered[number], request) for number in numbers]
+    found = [cut for number in numbers for cut in _cuts(number, ordered[number], request)]
     sections = [cut for cut in found if cut.curves]
     if not sections:
         low = min(cut.extent[0] for cut in found) * 1e3
@@ -159,19 +174,28 @@ def _chosen(file: str, bodies: list[SolidBody], request: SectionRequest) -> list
     return [request.body]
 
 
-def _cut(number: int, body: SolidBody, request: SectionRequest) -> BodySection:
-    if request.axis is not None:
-        axes = [np.array(AXES[request.axis])]
-    else:
-        axes = likely_axes(body.mesh) if request.teeth else [np.array(AXES["z"])]
-    if request.teeth:
-        for axis in axes:
-            teeth = _toothed_extent(body.mesh, axis_frame(axis))
-            if teeth is not None:
-                return _section(number, body, axis, teeth, request.plane)
+def _cuts(number: int, body: SolidBody, request: SectionRequest) -> list[BodySection]:
+    given = request.axis
     # a body without teeth is cut across z unless told otherwise
-    axis = axes[0] if request.axis is not None else np.array(AXES["z"])
-    return _section(number, body, axis, None, request.plane)
+    axis = np.array(AXES[given] if isinstance(given, str) else given or AXES["z"])
+    if request.teeth:
+        for likely in likely_axes(body.mesh) if given is None else [axis]:
+            teeth = _toothed_extent(body.mesh, axis_frame(likely))
+            if teeth is not None:
+                return [_section(number, body, likely, teeth, request.plane)]
+    if request.face_towards is None:
+        return [_section(number, body, axis, None, request.plane)]
+    layers = _layers_from(body.mesh, axis, request.face_towards)[:2]
+    return [
+        replace(_section(number, body, axis, None, 0.5 * sum(layer)), layer=layer)
+        for layer in layers
+    ]
+
+
+def _layers_from(mesh: SurfaceMesh, axis: Array, height: float) -> list[tuple[float, float]]:
+    # between flat faces across the axis, from the end nearest to a height
+    layers = _layers(mesh, axis)
+    return layers if abs(layers[0][0] - height) < abs(layers[-1][1] - height) else layers[::-1]
 
 
 def _section(
@@ -205,9 +229,9 @@ def _toothed_extent(mesh: SurfaceMesh, frame: Array) -> tuple[float, float] | No
     looks = [_teeth_at(mesh, frame, low + share * (high - low)) for share in _QUICK_LOOK]
     if looks[0][0] is not None and len({count for count, _ in looks}) == 1:
         return low, high
-    # neighbouring slices with one tooth count; the widest such gear is meant, not a spline or nut
+    # neighbouring layers with one tooth count; the widest such gear is meant, not a spline or nut
     runs: list[tuple[float, float, float, int]] = []
-    for start, end in _slices(mesh, frame):
+    for start, end in _layers(mesh, frame[2]):
         count, width = _teeth_at(mesh, frame, 0.5 * (start + end))
         if count is None:
             continue
@@ -231,13 +255,9 @@ def _teeth_at(mesh: SurfaceMesh, frame: Array, height: float) -> tuple[int | Non
     return repeating_teeth(curves[0]), float(np.ptp(curves[0][:, 0]))
 
 
-def _slices(mesh: SurfaceMesh, frame: Array) -> list[tuple[float, float]]:
-    # between the planes in which corners gather: end faces, shoulders
-    along = mesh.vertices @ frame[2]
-    cells, counts = np.unique(np.round(along / _LEVEL).astype(np.int64), return_counts=True)
-    levels = cells[counts >= _FEWEST_CORNERS] * _LEVEL
-    levels = np.unique(np.concatenate([[along.min()], levels, [along.max()]]))
-    if len(levels) > _MOST_SLICES:
-        levels = np.linspace(along.min(), along.max(), _MOST_SLICES + 1)
-    wide = np.diff(levels) > 4.0 * _LEVEL
-    return [(float(a), float(b)) for a, b in zip(levels[:-1][wide], levels[1:][wide], strict=True)]
+def _layers(mesh: SurfaceMesh, axis: Array) -> list[tuple[float, float]]:
+    # between flat faces across the axis: end faces, shoulders, bottoms of recesses
+    levels = flat_levels(mesh, axis)
+    if len(levels) > _MOST_LAYERS:
+        levels = [float(level) for level in np.linspace(levels[0], levels[-1], _MOST_LAYERS + 1)]
+    return [(low, high) for low, high in pairwise(levels) if high - low > _THINNEST]

@@ -21,6 +21,7 @@ from toothspace.geometry.tooth_count import area_phase, repeating_teeth
 _LEAST_HELIX = np.deg2rad(0.1)
 _LEAST_SHIFT = 2e-6
 _CHORDS = 3.0
+_PARALLEL = 1e-4
 
 
 @final
@@ -117,6 +118,14 @@ def find_gears(
         center = np.array([*detected.center, 0.0])
         gears.append(FoundGear("", detected, None, np.array([0.0, 0.0, 1.0]), center, None, 0.0))
     return FileContents(_by_size(gears), ())
+
+
+def axis_distance(first: FoundGear, second: FoundGear) -> float | None:
+    """Distance of the axes of two gears of one file, None unless they are parallel. [m]."""
+    if np.linalg.norm(np.cross(first.axis, second.axis)) > _PARALLEL:
+        return None
+    between = second.center - first.center
+    return float(np.linalg.norm(between - first.axis * (between @ first.axis)))
 
 
 def _gears_of_solids(path: Path, unit: float, request: SectionRequest) -> FileContents:

@@ -9,10 +9,8 @@ import numpy as np
 
 from toothspace.geometry.flank_deviation import ProfileDeviation
 from toothspace.geometry.gear_data import gear_data
-from toothspace.geometry.gear_finder import FileContents, FoundGear
+from toothspace.geometry.gear_finder import FileContents, FoundGear, axis_distance
 from toothspace.geometry.mesh_clearance import normal_play
-
-_PARALLEL = 1e-4
 
 
 def file_report(contents: FileContents, center_distance: float | None = None) -> dict[str, object]:
@@ -130,12 +128,9 @@ def _deviation_numbers(side: str, deviation: ProfileDeviation) -> dict[str, obje
 
 def pair_report(first: FoundGear, second: FoundGear) -> dict[str, object]:
     """Centre distance and backlash of two gears on parallel axes that reach one another."""
-    if np.linalg.norm(np.cross(first.axis, second.axis)) > _PARALLEL:
-        return {}
-    between = second.center - first.center
-    distance = float(np.linalg.norm(between - first.axis * (between @ first.axis)))
+    distance = axis_distance(first, second)
     tips = first.detected.profile.tip_radius, second.detected.profile.tip_radius
-    if not max(tips) < distance < sum(tips):
+    if distance is None or not max(tips) < distance < sum(tips):
         return {}
     return _at_distance(first, second, distance)
 

@@ -314,6 +314,28 @@ def _distance(radius: Array, angle: Array, unknowns: Array, side: float) -> Arra
     return np.asarray(np.minimum(base, radius) * (angle - offset + roll))
 
 
+def distance_from_involute(
+    radius: Array, angle: Array, flank: InvoluteFlank
+) -> tuple[Array, Array]:
+    """Roll length and distance along the normal of points beside an involute flank.
+
+    Parameters
+    ----------
+    radius, angle : ndarray
+        Polar coordinates, angles from the tooth axis towards the flank. [m], [rad]
+    flank : InvoluteFlank
+        The involute.
+
+    Returns
+    -------
+    tuple of ndarray
+        Roll length, 0 inside the base circle, and distance, positive for excess material. [m]
+    """
+    unknowns = np.array([flank.base_radius, flank.base_half_angle, flank.base_half_angle])
+    roll = np.sqrt(np.maximum(radius**2 - flank.base_radius**2, 0.0))
+    return roll, _distance(radius, angle, unknowns, LEFT)
+
+
 def _first_guess(sides: dict[float, FlankPoints], low: float, high: float) -> Array:
     best, guess = np.inf, np.zeros(3)
     for base in high * np.linspace(0.5, 0.995, 100):

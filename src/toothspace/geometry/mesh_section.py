@@ -22,6 +22,12 @@ _UPRIGHT = 0.3
 _CHAIN_DISTANCE = 3.0
 """Of the chord height: lower and upper corners this close lie on one cylinder surface. [-]"""
 _SNAP = np.deg2rad(0.2)
+_FLAT = 1e-7
+"""Of 1: how far the cosine between a flat face's normal and the axis may be off. [-]"""
+_LEVEL = 1e-6
+"""Flat faces this close along the axis are one. [m]"""
+_LEAST_FACE = 1e-4
+"""Of the surface of the body: smaller flat faces do not count. [-]"""
 
 
 @final
@@ -179,6 +185,19 @@ def axis_frame(axis: Array) -> Array:
     first -= normal * (first @ normal)
     first /= np.linalg.norm(first)
     return np.vstack([first, np.cross(normal, first), normal])
+
+
+def flat_levels(mesh: SurfaceMesh, axis: Array) -> list[float]:
+    """Heights of the ends of a body and of its flat faces across an axis, ascending. [m]."""
+    a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
+    doubled = np.cross(b - a, c - a)
+    area = np.linalg.norm(doubled, axis=1)
+    flat = np.abs(doubled @ axis) > (1.0 - _FLAT) * area
+    cells = np.round((a @ axis)[flat] / _LEVEL).astype(np.int64)
+    levels, number = np.unique(cells, return_inverse=True)
+    large = np.bincount(number, area[flat], len(levels)) > _LEAST_FACE * area.sum()
+    ends = np.round(np.array(mesh.extent(axis)) / _LEVEL).astype(np.int64)
+    return [float(level) * _LEVEL for level in np.union1d(levels[large], ends)]
 
 
 def likely_axes(mesh: SurfaceMesh) -> list[Array]:

@@ -23,8 +23,11 @@ from toothspace.geometry.curve import (
 from toothspace.geometry.fitted_profile import fitted_profile
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute_fit import (
+    LEFT,
+    RIGHT,
     FlankPoints,
     InvoluteFit,
+    distance_from_involute,
     fit_involute,
     folded_points,
 )
@@ -36,6 +39,7 @@ from toothspace.geometry.tooth_count import (
     centroid,
     repeating_teeth,
 )
+from toothspace.geometry.tooth_deviations import ToothDeviations, even_nodes
 
 _CORNER_ANGLE = np.deg2rad(20.0)
 _SECTION_POINTS = 1501
@@ -69,6 +73,8 @@ class DetectedGear:
         Number of teeth.
     tooth_deviation : ndarray
         Largest distance of each tooth from the median tooth, shape (tooth_count,). [m]
+    deviations : ToothDeviations or None
+        Deviations of every tooth from the fit; None without one, or in an outline of one pitch.
     """
 
     profile: GearProfile
@@ -79,6 +85,7 @@ class DetectedGear:
     phase: float
     tooth_count: int
     tooth_deviation: Array
+    deviations: ToothDeviations | None = None
 
 
 def gear_profile_from_curve(
@@ -143,7 +150,30 @@ def gear_profile_from_curve(
         phase=float((phase + turn + found.phase) % (2.0 * np.pi / teeth_found)),
         chord_height=_chord_height(checked - center),
         tooth_deviation=_tooth_deviations(teeth, median),
+        deviations=_flank_deviations(teeth, turn, found),
     )
+
+
+def _flank_deviations(teeth: Array, turn: float, found: DetectedGear) -> ToothDeviations | None:
+    if found.involute is None:
+        return None
+    flank = found.involute.flank
+    nodes = even_nodes(flank)
+    sides = []
+    for side, part in (
+        (LEFT, slice(2 * _SECTION_POINTS, None)),
+        (RIGHT, slice(0, _SECTION_POINTS)),
+    ):
+        rows = []
+        for tooth in teeth:
+            radius = np.hypot(*tooth[part].T)
+            angle = np.arctan2(tooth[part][:, 1], tooth[part][:, 0]) - turn - found.involute.turn
+            roll, distance = distance_from_involute(radius, side * angle, flank)
+            order = np.argsort(roll)
+            rows.append(np.interp(nodes, roll[order], distance[order]))
+        sides.append(np.array(rows))
+    tips = np.hypot(teeth[..., 0], teeth[..., 1]).max(axis=1)
+    return ToothDeviations(nodes, sides[0], sides[1], tips - np.median(tips))
 
 
 def _found(

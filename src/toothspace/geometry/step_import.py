@@ -16,6 +16,8 @@ from toothspace.geometry.mesh_section import SurfaceMesh, merged
 from toothspace.geometry.ocp import silence_ocp
 
 _UNIT = 1e-3
+_NO_NAMES = {"COMPOUND", "COMPSOLID", "SOLID", "SHELL"}
+"""What the library calls bodies without a name."""
 _ANGULAR_DEFLECTION = 0.02
 _CHORD_DEFLECTION = 5e-5  # mm
 _MESH_DEFLECTION = 0.05  # mm
@@ -115,7 +117,8 @@ def _name(label: Any) -> str:
     attribute = TDataStd_Name()
     if not label.FindAttribute(TDataStd_Name.GetID_s(), attribute):
         return ""
-    return str(attribute.Get().ToExtString())
+    name = str(attribute.Get().ToExtString())
+    return "" if name in _NO_NAMES else name
 
 
 def _mesh(solid: Any) -> SurfaceMesh:
@@ -141,45 +144,81 @@ def _mesh(solid: Any) -> SurfaceMesh:
 
 
 def _section(file: str, solid: Any, frame: Array, height: float) -> list[Array]:
+    pieces, others = [], []
+    for face in _parts(solid, "Face"):
+        found = _section_of_wall(face, frame[2], height)
+        if found is None:
+            others.append(face)
+        else:
+            pieces += found
+    if others:
+        pieces += _edges(_common(others, frame[2], height))
+    return chain_closed([piece @ frame[:2].T * _UNIT for piece in pieces], _JOIN, file)
+
+
+def _common(faces: list[Any], axis: Array, height: float) -> Any:
+    # curves in which faces of any kind meet a plane
+    from OCP.BRep import BRep_Builder
     from OCP.BRepAlgoAPI import BRepAlgoAPI_Section
     from OCP.gp import gp_Dir, gp_Pln, gp_Pnt
+    from OCP.TopoDS import TopoDS_Compound
 
-    cap = _cap_of_prism(solid, frame[2])
-    if cap is None:
-        at = frame[2] * height / _UNIT
-        plane = gp_Pln(gp_Pnt(*map(float, at)), gp_Dir(*map(float, frame[2])))
-        cap = BRepAlgoAPI_Section(solid, plane).Shape()
-    pieces = [piece @ frame[:2].T * _UNIT for piece in _edges(cap)]
-    return chain_closed(pieces, _JOIN, file)
+    compound, builder = TopoDS_Compound(), BRep_Builder()
+    builder.MakeCompound(compound)
+    for face in faces:
+        builder.Add(compound, face)
+    plane = gp_Pln(gp_Pnt(*map(float, axis * height / _UNIT)), gp_Dir(*map(float, axis)))
+    return BRepAlgoAPI_Section(compound, plane).Shape()
 
 
-def _cap_of_prism(solid: Any, axis: Array) -> Any | None:
-    # every section of a prism has the outline of its end face, which costs nothing
+def _section_of_wall(face: Any, axis: Array, height: float) -> list[Array] | None:
+    # a wall along the axis between two flat edges has their outline at every height
+    if not _beside(face, axis, height):
+        return []
+    if not _along_axis(face, axis):
+        return None
+    edges = _edges(face)
+    heights = [edge @ axis * _UNIT for edge in edges]
+    bottom = min(float(h.min()) for h in heights)
+    top = max(float(h.max()) for h in heights)
+    level = [edge for edge, h in zip(edges, heights, strict=True) if np.ptp(h) < _JOIN]
+    upright = [h for h in heights if np.ptp(h) > top - bottom - _JOIN]
+    at_ends = [min(abs(e[0] @ axis * _UNIT - end) for end in (bottom, top)) for e in level]
+    if len(level) + len(upright) < len(edges) or max(at_ends, default=1.0) > _JOIN:
+        return None
+    if not bottom < height < top:
+        return []
+    return [edge for edge in level if edge[0] @ axis * _UNIT < height]
+
+
+def _beside(face: Any, axis: Array, height: float) -> bool:
+    # whether the box round a face holds the height
+    from OCP.Bnd import Bnd_Box
+    from OCP.BRepBndLib import BRepBndLib
+
+    box = Bnd_Box()
+    BRepBndLib.Add_s(face, box)
+    low, high = (np.array([p.X(), p.Y(), p.Z()]) for p in (box.CornerMin(), box.CornerMax()))
+    middle, half = 0.5 * (low + high) @ axis, 0.5 * (high - low) @ np.abs(axis)
+    return bool(abs(height / _UNIT - middle) <= half)
+
+
+def _along_axis(face: Any, axis: Array) -> bool:
     from OCP.BRepAdaptor import BRepAdaptor_Surface
     from OCP.GeomAbs import GeomAbs_SurfaceType as Kind
 
     def along(direction: Any) -> float:
-        cosine = np.array([direction.X(), direction.Y(), direction.Z()]) @ axis
-        return abs(float(cosine))
+        return abs(float(np.array([direction.X(), direction.Y(), direction.Z()]) @ axis))
 
-    caps = []
-    for face in _parts(solid, "Face"):
-        surface = BRepAdaptor_Surface(face)
-        kind = surface.GetType()
-        if kind == Kind.GeomAbs_Plane:
-            tilt = along(surface.Plane().Axis().Direction())
-            caps += [face] if tilt > 1.0 - _PARALLEL else []
-            if _PARALLEL < tilt < 1.0 - _PARALLEL:
-                return None
-        elif kind == Kind.GeomAbs_SurfaceOfExtrusion:
-            if along(surface.Direction()) < 1.0 - _PARALLEL:
-                return None
-        elif kind == Kind.GeomAbs_Cylinder:
-            if along(surface.Cylinder().Axis().Direction()) < 1.0 - _PARALLEL:
-                return None
-        else:
-            return None
-    return caps[0] if len(caps) == 2 else None
+    surface = BRepAdaptor_Surface(face)
+    kind = surface.GetType()
+    if kind == Kind.GeomAbs_Plane:
+        return along(surface.Plane().Axis().Direction()) < _PARALLEL
+    if kind == Kind.GeomAbs_SurfaceOfExtrusion:
+        return along(surface.Direction()) > 1.0 - _PARALLEL
+    if kind == Kind.GeomAbs_Cylinder:
+        return along(surface.Cylinder().Axis().Direction()) > 1.0 - _PARALLEL
+    return False
 
 
 def _parts(shape: Any, kind: str) -> list[Any]:

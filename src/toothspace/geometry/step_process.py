@@ -7,17 +7,20 @@ standard input and leaves arrays and a JSON text in a file; nothing in it is exe
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import json
 import os
 import subprocess
 import sys
 import tempfile
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from toothspace.core.array_store import keep_arrays, load_arrays
 from toothspace.core.errors import GeometryError
 from toothspace.geometry.body_section import BodySection, SectionRequest
 
@@ -26,12 +29,35 @@ TIME_LIMIT = 180.0
 MEMORY_LIMIT = 8 * 2**30
 """Largest address space of the process that reads a STEP file. [B]"""
 _REFUSED = 2
+_MOST_KEPT = 500
+_CUTTING = ("step_import", "step_process", "body_section", "mesh_section", "chains", "tooth_count")
+"""Modules that a section follows from."""
 
 
 def read_step_sections(path: Path, request: SectionRequest) -> list[BodySection]:
     """Sections of a STEP file by a process of its own; see ``solid_import.step_sections``."""
     if not path.read_bytes()[:64].lstrip().startswith(b"ISO-10303-21"):
         raise GeometryError(f"{path}: found no STEP header, allowed a file of ISO-10303-21")
+    kept = _place_of(path, request)
+    known = load_arrays(kept)
+    if known is None:
+        known = read_in_process(path, request)
+        keep_arrays(kept, known, _MOST_KEPT)
+    return _unpacked(known)
+
+
+def _place_of(path: Path, request: SectionRequest) -> Path:
+    # by content, so that commands and workers cut a file once
+    from toothspace.core.compiled import CACHE_FOLDER
+
+    digest = hashlib.sha256(path.read_bytes() + json.dumps(asdict(request)).encode())
+    for module in _CUTTING:
+        digest.update((Path(__file__).parent / f"{module}.py").read_bytes())
+    return CACHE_FOLDER.parent / "sections" / f"{digest.hexdigest()[:32]}.npz"
+
+
+def read_in_process(path: Path, request: SectionRequest) -> dict[str, Any]:
+    """Sections of a STEP file as arrays by name, read anew; see ``solid_import.step_sections``."""
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder) / "sections.npz"
         order = {"file": str(path.resolve()), "target": str(target), "request": asdict(request)}
@@ -45,7 +71,7 @@ def read_step_sections(path: Path, request: SectionRequest) -> list[BodySection]
                 f"complete one"
             )
         with np.load(target, allow_pickle=False) as archive:
-            return _unpacked(archive)
+            return {name: archive[name] for name in archive.files}
 
 
 def _run(path: Path, order: str) -> subprocess.CompletedProcess[str]:
@@ -85,6 +111,7 @@ def _packed(sections: list[BodySection]) -> dict[str, Any]:
                 "extent": found.extent,
                 "teeth_extent": found.teeth_extent,
                 "second_height": found.second_height,
+                "layer": found.layer,
                 "curves": len(found.curves),
             }
         )
@@ -95,11 +122,11 @@ def _packed(sections: list[BodySection]) -> dict[str, Any]:
     return {"table": np.array(json.dumps(table)), **arrays}
 
 
-def _unpacked(archive: Any) -> list[BodySection]:
+def _unpacked(archive: Mapping[str, Any]) -> list[BodySection]:
     found = []
     for number, row in enumerate(json.loads(str(archive["table"]))):
         teeth, second = row["teeth_extent"], f"second_{number}"
-        has_second = second in archive.files
+        layer = row["layer"]
         found.append(
             BodySection(
                 body=row["body"],
@@ -110,7 +137,8 @@ def _unpacked(archive: Any) -> list[BodySection]:
                 teeth_extent=None if teeth is None else (teeth[0], teeth[1]),
                 curves=[archive[f"curve_{number}_{k}"] for k in range(row["curves"])],
                 second_height=row["second_height"],
-                second=archive[second] if has_second else None,
+                second=archive.get(second),
+                layer=None if layer is None else (layer[0], layer[1]),
             )
         )
     return found

@@ -59,7 +59,12 @@ from toothspace.model.contact_data import (
     motion_rows,
     rigid_mesh,
 )
-from toothspace.model.description import FlowPath, MachineDescription, categories_of
+from toothspace.model.description import (
+    ChamberFamily,
+    FlowPath,
+    MachineDescription,
+    categories_of,
+)
 from toothspace.model.films import (
     JournalData,
     journal_data,
@@ -79,10 +84,10 @@ from toothspace.model.paths import (
     load_orifice,
     path_arrays,
     path_readings,
-    path_table,
+    path_tables,
 )
 from toothspace.model.quasi_static import bush_positions
-from toothspace.model.tables import OPEN, Reading, make_members, pack_tables
+from toothspace.model.tables import OPEN, Reading, make_members, member_tables, pack_tables
 from toothspace.model.walls import wall_volume
 from toothspace.numerics.periodic_table import PeriodicTable, stack_tables
 
@@ -148,10 +153,13 @@ def assemble(
     categories = categories_of(paths)
     paths = by_kind(paths)
     families = description.families
-    contacts = contact_parts(description, condition, motion_map, len(families))
-    tables = [_chamber_table(description, k, motion_map) for k in range(len(families))]
+    tables = [
+        table for family in families for table in _chamber_tables(description, family, motion_map)
+    ]
+    contacts = contact_parts(description, condition, motion_map, len(tables))
     tables += contacts.tables
-    tables += [path_table(path, motion_map) for path in paths]
+    first_of_paths = len(tables)
+    tables += [table for path in paths for table in path_tables(path, motion_map)]
     bank = pack_tables(tables)
     bush = bush_positions(description, condition, motion_map, free)
     journals = journal_data(description, free, bush)
@@ -168,7 +176,7 @@ def assemble(
         bank=bank,
         chambers=make_members(bank, _chambers(description)),
         contacts=make_members(bank, contacts.reading),
-        paths=make_members(bank, path_readings(paths, len(families) + len(contacts.tables))),
+        paths=make_members(bank, path_readings(paths, first_of_paths)),
         dynamic_index=_dynamic_index(description, condition),
         **path_arrays(description, paths, categories),
         journal=journals.rows,
@@ -246,23 +254,23 @@ def _sizes(
     )
 
 
-def _chamber_table(description: MachineDescription, k: int, motion_map: Array) -> PeriodicTable:
-    family = description.families[k]
+def _chamber_tables(
+    description: MachineDescription, family: ChamberFamily, motion_map: Array
+) -> list[PeriodicTable]:
     raw = family.volume_by_motion
     tied = description.mesh.motion if description.mesh else None
     select = np.zeros((raw.values.shape[1], 1))
     if tied is not None:
         select[tied, 0] = 1.0
     mix = np.hstack([select, motion_map])
-    return stack_tables(
-        family.volume, PeriodicTable(raw.period, raw.values @ mix, raw.slopes @ mix)
-    )
+    by_motion = PeriodicTable(raw.period, raw.values @ mix, raw.slopes @ mix)
+    return [stack_tables(volume, by_motion) for volume in family.own or (family.volume,)]
 
 
 def _chambers(description: MachineDescription) -> Reading:
     counts = [family.count for family in description.families]
     return Reading(
-        table=np.repeat(np.arange(len(counts)), counts).astype(np.int64),
+        table=member_tables(0, counts, [len(family.own) for family in description.families]),
         phase=np.concatenate([family.phases for family in description.families]),
         ratio=np.repeat([family.angle_ratio for family in description.families], counts),
         gate=np.full(sum(counts), OPEN),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -37,7 +37,7 @@ from toothspace.model.description import MachineDescription
 from toothspace.model.films import lateral_drag
 from toothspace.model.ledger import FRICTION_MECHANISMS
 from toothspace.model.operating_point import OperatingCondition
-from toothspace.model.tables import OPEN, Reading
+from toothspace.model.tables import OPEN, Reading, member_tables
 from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
 
 REACH = 0.3e-3
@@ -90,10 +90,15 @@ def contact_parts(
     """Collect the arrays of all contacts that carry load."""
     contacts = loaded_contacts(description, condition)
     compliant = rigid_mesh(description, condition) is None
+    each = [
+        replace(contact, geometry=geometry)
+        for contact in contacts
+        for geometry in contact.own or (contact.geometry,)
+    ]
     if compliant:
-        tables = [compliant_table(contact, motion_map) for contact in contacts]
+        tables = [compliant_table(contact, motion_map) for contact in each]
     else:
-        tables = [contact.geometry for contact in contacts]
+        tables = [contact.geometry for contact in each]
     count = sum(contact.count for contact in contacts)
     rows = [row for c in contacts for row in [_constants(c)] * c.count]
     return ContactParts(
@@ -106,9 +111,8 @@ def contact_parts(
 
 def _readings(contacts: list[ContactPair], first_table: int, gate: int) -> Reading:
     counts = [contact.count for contact in contacts]
-    tables = np.arange(first_table, first_table + len(contacts))
     return Reading(
-        table=np.repeat(tables, counts).astype(np.int64),
+        table=member_tables(first_table, counts, [len(contact.own) for contact in contacts]),
         phase=np.concatenate([*(contact.phases for contact in contacts), np.zeros(0)]),
         ratio=np.repeat([float(contact.angle_ratio) for contact in contacts], counts),
         gate=np.full(sum(counts), gate),

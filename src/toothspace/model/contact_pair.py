@@ -78,6 +78,8 @@ class ContactPair:
         Ledger entry of the friction: ``mesh_friction`` or ``contact_friction``.
     squeeze_film : bool
         Whether liquid between the surfaces resists their approach.
+    own : tuple of PeriodicTable
+        Geometry of each contact where teeth differ, in place of the one that all share.
 
     Notes
     -----
@@ -110,6 +112,7 @@ class ContactPair:
     approach_speed: float = 0.1
     friction_account: Literal["mesh_friction", "contact_friction"] = "contact_friction"
     squeeze_film: bool = False
+    own: tuple[PeriodicTable, ...] = ()
 
     @property
     def count(self) -> int:

@@ -301,6 +301,9 @@ class MachineDescription:
         Numbers of ``toothspace geometry --json``, names with unit suffix.
     checks : tuple of DesignCheck
         Design-rule report.
+    as_drawn : mapping of str to str
+        Keys of a case that give the machine with what its files hold in place of what was fitted
+        to it, where the two differ more than they should; a run is then made with both.
     """
 
     name: str
@@ -328,6 +331,7 @@ class MachineDescription:
     chamber_outlines: Callable[[float], Sequence[Array]] | None = None
     geometry_summary: Mapping[str, object] = field(default_factory=dict)
     checks: tuple[DesignCheck, ...] = ()
+    as_drawn: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def chamber_count(self) -> int:
@@ -412,9 +416,11 @@ class MachineDescription:
 
 
 def _deepened(path: FlowPath, depth: Array) -> FlowPath:
-    table = path.geometry
-    step = table.period / table.values.shape[0]
-    values, slopes = table.values.copy(), table.slopes.copy()
-    values[:, 0] += depth
-    slopes[:, 0] += (np.roll(depth, -1) - np.roll(depth, 1)) / (2.0 * step)
-    return replace(path, geometry=PeriodicTable(table.period, values, slopes))
+    def deeper(table: PeriodicTable) -> PeriodicTable:
+        step = table.period / table.values.shape[0]
+        values, slopes = table.values.copy(), table.slopes.copy()
+        values[:, 0] += depth
+        slopes[:, 0] += (np.roll(depth, -1) - np.roll(depth, 1)) / (2.0 * step)
+        return PeriodicTable(table.period, values, slopes)
+
+    return replace(path, geometry=deeper(path.geometry), own=tuple(map(deeper, path.own)))

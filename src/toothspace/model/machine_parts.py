@@ -54,6 +54,8 @@ class ChamberFamily:
     volume_by_motion : PeriodicTable, one channel per motion of the description
         Derivative of the volume with respect to every micro-motion. It is also the
         generalised force of the chamber's pressure on that motion. [m3/m] or [m3/rad]
+    own : tuple of PeriodicTable
+        Volume of each chamber where teeth differ, in place of the one that all share. [m3]
 
     Notes
     -----
@@ -65,6 +67,7 @@ class ChamberFamily:
     phases: Array
     volume: PeriodicTable
     volume_by_motion: PeriodicTable
+    own: tuple[PeriodicTable, ...] = ()
 
     @property
     def count(self) -> int:
@@ -119,6 +122,8 @@ class FlowPath:
         Residual height that the gap keeps, level of the roughness. [m]
     viscosity_ratio : float
         Viscosity in the gap over that of the fluid at its ends. [-]
+    own : tuple of PeriodicTable
+        Geometry of each path where teeth differ, in place of the one that all share.
     """
 
     name: str
@@ -139,6 +144,7 @@ class FlowPath:
     worn_by: str | None = None
     minimum_height: float = 1e-6
     viscosity_ratio: float = 1.0
+    own: tuple[PeriodicTable, ...] = ()
 
     @property
     def count(self) -> int:

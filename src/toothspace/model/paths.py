@@ -16,7 +16,7 @@ from toothspace.model.path_category import (
     LOAD_ORIFICE,
     PathCategory,
 )
-from toothspace.model.tables import Reading
+from toothspace.model.tables import Reading, member_tables
 from toothspace.numerics.periodic_table import PeriodicTable
 
 _KINDS = {
@@ -68,14 +68,19 @@ def by_kind(paths: Sequence[FlowPath]) -> tuple[FlowPath, ...]:
     return tuple(sorted(paths, key=lambda path: _KINDS[path.kind]))
 
 
-def path_table(path: FlowPath, motion_map: Array) -> PeriodicTable:
-    """Join the channels that compiled code reads: geometry (3), drag, shear, dh/dq."""
-    period, shape = path.geometry.period, path.geometry.values.shape
+def path_tables(path: FlowPath, motion_map: Array) -> list[PeriodicTable]:
+    """Tables that compiled code reads of a path, one or one for each of its members."""
+    return [_path_table(path, geometry, motion_map) for geometry in path.own or (path.geometry,)]
+
+
+def _path_table(path: FlowPath, geometry: PeriodicTable, motion_map: Array) -> PeriodicTable:
+    # channels: geometry (3), drag, shear, dh/dq
+    period, shape = geometry.period, geometry.values.shape
     motions = motion_map.shape[1]
     values = np.zeros((shape[0], 5 + motions))
     slopes = np.zeros_like(values)
     parts: list[tuple[PeriodicTable | None, slice, Array | None]] = [
-        (path.geometry, slice(0, shape[1]), None),
+        (geometry, slice(0, shape[1]), None),
         (path.drag_speed, slice(3, 4), None),
         (path.shear_speed, slice(4, 5), None),
         (path.height_by_motion, slice(5, 5 + motions), motion_map),
@@ -94,7 +99,7 @@ def path_readings(paths: Sequence[FlowPath], first_table: int) -> Reading:
     """Table, phase and growth of the angle of every path."""
     counts = [path.count for path in paths]
     return Reading(
-        table=np.repeat(np.arange(first_table, first_table + len(paths)), counts),
+        table=member_tables(first_table, counts, [len(path.own) for path in paths]),
         phase=np.concatenate([path.phases for path in paths]),
         ratio=np.repeat([path.angle_ratio for path in paths], counts),
         gate=np.repeat([0 if path.kind == "orifice" else 1 for path in paths], counts),

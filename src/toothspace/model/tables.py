@@ -85,6 +85,25 @@ class Members(NamedTuple):
     moved: IntArray
 
 
+def member_tables(first: int, counts: Sequence[int], own: Sequence[int]) -> IntArray:
+    """Number of the table that each member reads.
+
+    Parameters
+    ----------
+    first : int
+        Number of the first table.
+    counts : sequence of int
+        Members of each group.
+    own : sequence of int
+        Tables of the group that belong to one member each; 0 where all share one.
+    """
+    numbers = []
+    for count, tables in zip(counts, own, strict=True):
+        numbers.append(first + (np.arange(count) if tables else np.zeros(count, dtype=np.int64)))
+        first += max(tables, 1)
+    return np.concatenate([*numbers, np.zeros(0)]).astype(np.int64)
+
+
 OPEN = -1
 """Gate of members that are never closed, and mark of those that are open."""
 

@@ -92,6 +92,9 @@ def document_lines(contents: Mapping[str, Any]) -> Iterator[Line]:
     key = [(x.label, f"{x.value} {x.unit}") for x in contents["key_numbers"]]
     yield from _table("Key numbers", key)
     yield from _causes(contents["causes"])
+    if contents["temperatures"]:
+        rows = [(x.label, f"{x.value} {x.unit}") for x in contents["temperatures"]]
+        yield from _table("Temperatures", rows)
     if contents["limits"]:
         yield from _heading("Limits")
     for limit in contents["limits"]:

@@ -74,11 +74,16 @@ def _pressures(solution: Solution) -> Iterator[Limit]:
 
 
 def _temperature(solution: Solution) -> Iterator[Limit]:
-    """Oil in the drain; no heat goes into the housing, so what is found is an upper bound."""
-    found = float(solution.summary()["drain_temperature_degC"])
-    if np.isfinite(found):
-        source = "oil and seals of makers' data sheets; an upper bound, without heat to the housing"
-        yield _judged("Drain temperature", found, _OIL_TEMPERATURE, "°C", source)
+    """Oil in the drain, an upper bound without a heat network, and with one in the films."""
+    summary, source = solution.summary(), "oil and seals of makers' data sheets"
+    drain = float(summary["drain_temperature_degC"])
+    if np.isfinite(drain):
+        bound = "" if "temperature" in solution.data else "; an upper bound, no heat to the housing"
+        yield _judged("Drain temperature", drain, _OIL_TEMPERATURE, "°C", source + bound)
+    if film := summary.get("highest_film_temperature_degC"):
+        source += ", for the oil at the ports; films may be warmer"
+        entry = _judged("Highest film temperature", float(film), _OIL_TEMPERATURE, "°C", source)
+        yield entry if entry.verdict == "met" else entry._replace(verdict="not judged")
 
 
 def _cavitation(solution: Solution) -> Limit:

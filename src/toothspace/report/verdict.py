@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from toothspace.model.description import DesignCheck, MachineDescription
+from toothspace.model.description import MachineDescription
 from toothspace.results.ledger import loss_causes, power_ledger
 from toothspace.results.solution import Solution
 
@@ -90,19 +90,14 @@ def warnings_of(solution: Solution, description: MachineDescription | None) -> l
         found.append(f"Cavitation begins {times} in the evaluation window; see events.")
     if _number(solution.summary(), "overall_efficiency") < 0.0:
         found.append("The machine delivers no power: losses exceed what is supplied.")
-    return found + (_machine_warnings(description) if description is not None else [])
+    found += _machine_warnings(description) if description is not None else []
+    return list(dict.fromkeys(found))
 
 
 def _machine_warnings(description: MachineDescription) -> list[str]:
     notes = description.geometry_summary.get("warnings", ())
     texts = [str(note) for note in notes] if isinstance(notes, list | tuple) else []
-    return texts + [_failed(check) for check in description.checks if not check.passed]
-
-
-def _failed(check: DesignCheck) -> str:
-    name = check.name.replace("_", " ").capitalize()
-    unit = "" if check.unit in {"", "1", "-"} else f" {check.unit}"
-    return f"{name} is {check.value:.4g}{unit}, allowed {check.allowed}. {check.reason}"
+    return texts + [check.sentence for check in description.checks if not check.passed]
 
 
 def _number(numbers: Mapping[str, float | str], name: str) -> float:

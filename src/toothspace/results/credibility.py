@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
+from toothspace.model.description import DesignCheck
 from toothspace.results.solution import Solution, warned
 
 BALANCE_LIMITS = {"mass_balance_error": 1e-6, "energy_balance_error": 1e-4}
@@ -15,10 +16,19 @@ VOLUMETRIC_LIMIT = 1.005
 """Walls that drag fluid forwards lift the volumetric efficiency above 1 by some thousandths."""
 
 _BAR = 1e5
+_COMPARED = (
+    "volumetric_efficiency",
+    "hydromechanical_efficiency",
+    "mean_torque_N_m",
+    "flow_ripple_percent",
+    "max_chamber_pressure_bar",
+)
 _PRESSURES = ("chamber_pressure_highest", "chamber_pressure", "inlet_pressure", "outlet_pressure")
 
 
-def with_warnings(solution: Solution, highest_pressure: float) -> Solution:
+def with_warnings(
+    solution: Solution, highest_pressure: float, checks: Iterable[DesignCheck] = ()
+) -> Solution:
     """Solution whose provenance says what is outside the range of the models.
 
     Parameters
@@ -27,9 +37,43 @@ def with_warnings(solution: Solution, highest_pressure: float) -> Solution:
         Result, complete or not.
     highest_pressure : float
         Pressure up to which the properties of the fluid are known. [Pa]
+    checks : iterable of DesignCheck
+        Design-rule report of the machine; what it says of files that it was read from is told.
     """
-    found = "\n".join([*_pressure(solution, highest_pressure), *_numbers(solution)])
+    drawing = [check.sentence for check in checks if check.of_drawing and not check.passed]
+    found = "\n".join([*_pressure(solution, highest_pressure), *_numbers(solution), *drawing])
     return replace(solution, provenance=warned(solution.provenance, found))
+
+
+def with_interval(solution: Solution, drawn: Solution) -> Solution:
+    """Solution that says how far it moves with the flanks of the file.
+
+    Parameters
+    ----------
+    solution : Solution
+        Result with what was fitted to the file.
+    drawn : Solution
+        The same run with what the file holds.
+
+    Returns
+    -------
+    Solution
+        With every number of the second run among the statistics, as ``as_drawn_...``, and a
+        warning with those that a reader looks at first.
+    """
+    fitted, other = (
+        {k: v for k, v in one.summary().items() if isinstance(v, float) and math.isfinite(v)}
+        for one in (solution, drawn)
+    )
+    told = ", ".join(
+        f"{name.replace('_', ' ')} {other[name]:.4g} for {fitted[name]:.4g}"
+        for name in _COMPARED
+        if name in other and name in fitted
+    )
+    text = f"Flanks as in the file, not the involute that fits them, give {told}."
+    numbers = {f"as_drawn_{name}": value for name, value in other.items() if name in fitted}
+    statistics = {**solution.statistics, **numbers}
+    return replace(solution, statistics=statistics, provenance=warned(solution.provenance, text))
 
 
 def _pressure(solution: Solution, highest: float) -> Iterator[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from toothspace.core.array_store import load_arrays, save_arrays
+from toothspace.core.array_store import keep_arrays, load_arrays
 from toothspace.core.compiled import CACHE_FOLDER
 from toothspace.core.types import Array
 
@@ -23,18 +23,4 @@ def load(key: str) -> dict[str, Array] | None:
 
 def save(key: str, depths: dict[str, Array]) -> None:
     """Store depths. [m]."""
-    _forget_oldest(folder())
-    save_arrays(folder() / f"{key}.npz", depths)
-
-
-def _forget_oldest(place: Path) -> None:
-    files = list(place.glob("*.npz"))
-    if len(files) >= _MOST_FILES:
-        files.sort(key=_last_change)
-        for path in files[: _MOST_FILES // 10]:
-            path.unlink(missing_ok=True)
-
-
-def _last_change(path: Path) -> float:
-    # another process may forget the same files
-    return path.stat().st_mtime if path.exists() else 0.0
+    keep_arrays(folder() / f"{key}.npz", depths, _MOST_FILES)

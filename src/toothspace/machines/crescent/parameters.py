@@ -39,6 +39,7 @@ class PinionParameters(MeshingGearParameters):
     tip_rounding: float = quantity(
         "mm", "Radius of the edge between flank and tip.", low=0, high=5, default=0.05e-3
     )
+    face_width: float = quantity("mm", "Axial width of the gears.", above=0, high=500)
     profile: Path | Points | None = file_path(
         "Closed profile; replaces the generator, together with that of the ring.",
         *PROFILE_SUFFIXES,

@@ -77,14 +77,31 @@ def bore(assembly: Assembly, gear: int) -> Bore:
             f"{clearance[_RAYS // 2] * 1e6:.4g} um opposite to the mesh, allowed above 0 um and "
             f"up to {limit * 1e6:.4g} um"
         )
-    open_places = places[clearance > limit]
-    before = open_places[open_places < np.pi].max(initial=0.0)
-    after = open_places[open_places > np.pi].min(initial=2.0 * np.pi)
+    edges = _edge_places(assembly, gear, casing.contour, limit)
+    before = edges[edges < np.pi].max(initial=0.0)
+    after = edges[edges > np.pi].min(initial=2.0 * np.pi)
     return Bore(float(before), float(2.0 * np.pi - after), places, np.minimum(clearance, limit))
 
 
+def _edge_places(assembly: Assembly, gear: int, contour: Array, limit: float) -> Array:
+    # where the contour crosses the circle that bounds the sealing bore
+    start = contour - _center(assembly, gear)
+    beyond = np.sum(start**2, axis=1) - (assembly.teeth[gear].tip_radius + limit) ** 2
+    crossing = np.flatnonzero(beyond * np.roll(beyond, -1) < 0.0)
+    step = (np.roll(start, -1, axis=0) - start)[crossing]
+    start, beyond = start[crossing], beyond[crossing]
+    half, square = np.sum(start * step, axis=1), np.sum(step**2, axis=1)
+    root = np.sign(beyond) * np.sqrt(half**2 - square * beyond)
+    x, y = (start - ((half + root) / square)[:, None] * step).T
+    return np.mod(np.arctan2(-x, y if gear == 0 else -y), 2.0 * np.pi)
+
+
+def _center(assembly: Assembly, gear: int) -> Array:
+    return np.array([0.0, 0.0 if gear == 0 else assembly.mesh.center_distance])
+
+
 def _contour_clearance(assembly: Assembly, gear: int, contour: Array, places: Array) -> Array:
-    center = np.array([0.0, 0.0 if gear == 0 else assembly.mesh.center_distance])
+    center = _center(assembly, gear)
     rise = np.cos(places) if gear == 0 else -np.cos(places)
     directions = np.column_stack([-np.sin(places), rise])
     reach = 2.0 * float(np.max(np.hypot(*(contour - center).T)))

@@ -17,6 +17,8 @@ from toothspace.machines.external_gear.loads import (
     journal_bearings,
     outlines,
 )
+from toothspace.machines.external_gear.own_teeth import own_teeth
+from toothspace.machines.external_gear.profile_quality import as_drawn
 from toothspace.machines.external_gear.spec import ExternalGearSpec
 from toothspace.machines.external_gear.summary import design_checks, geometry_summary
 from toothspace.machines.shared_tables import DEFAULT_NODES, MachineType
@@ -49,17 +51,28 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
     spaces = assembly.spaces(nodes)
     drive, driven = tooth_spaces(assembly, numbering, spaces)
     checks = design_checks(assembly)
+    families = drive.chambers(BODIES[0]), driven.chambers(BODIES[1])
+    paths = flow_paths(assembly, numbering, spaces)
+    contacts = flank_contacts(assembly, flank_pair(assembly), numbering, spaces[0])
+    own = own_teeth(assembly, numbering, spaces)
+    if own is not None:
+        widths = spec.drive.face_width, spec.driven.face_width
+        families = own.family(families[0], 0, widths[0]), own.family(families[1], 1, widths[1])
+        paths = tuple(own.path(path) for path in paths)
+        loaded, coast = contacts
+        left = assembly.loaded_is_left
+        contacts = own.contact(loaded, is_left=left), own.contact(coast, is_left=not left)
     return MachineDescription(
         name="external_gear",
         mode=spec.mode,
         displacement=displacement(assembly),
         bodies=bodies(assembly),
         motions=MOTIONS,
-        families=(drive.chambers(BODIES[0]), driven.chambers(BODIES[1])),
-        paths=flow_paths(assembly, numbering, spaces),
+        families=families,
+        paths=paths,
         journals=journal_bearings(assembly),
         laterals=lateral_films(assembly, numbering),
-        contacts=flank_contacts(assembly, flank_pair(assembly), numbering, spaces[0]),
+        contacts=contacts,
         mesh=rigid_mesh(assembly),
         seal_torque=spec.seal_torque,
         startup=spec.startup,
@@ -72,6 +85,7 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
         chamber_outlines=SpaceOutlines(assembly, numbering),
         geometry_summary=geometry_summary(assembly, spaces, checks),
         checks=checks,
+        as_drawn=as_drawn(assembly),
     )
 
 

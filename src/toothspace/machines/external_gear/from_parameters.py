@@ -3,22 +3,33 @@
 from __future__ import annotations
 
 from dataclasses import fields, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from toothspace.closures.journal_friction import PUBLISHED
-from toothspace.core.errors import GeometryError
+from toothspace.core.errors import CaseError, GeometryError
 from toothspace.core.keys import KeyRuleError, Problem
-from toothspace.gearing.gear_tables import read_contours
+from toothspace.core.types import Array
+from toothspace.gearing.gear_tables import GROOVE_DEPTH, ReliefGrooves, read_contours
 from toothspace.gearing.materials import library_material
 from toothspace.geometry.gear_pair import pair_from_backlash, pair_from_center_distance
 from toothspace.geometry.gear_profile import GearProfile
-from toothspace.geometry.involute import InvoluteGear
+from toothspace.geometry.involute import InvoluteGear, generate_profile
 from toothspace.machines.external_gear import parameter_tables as keys
 from toothspace.machines.external_gear import spec
 from toothspace.machines.external_gear.floating_from_parameters import floating_block
-from toothspace.machines.external_gear.gear_files import detected_gear
+from toothspace.machines.external_gear.gear_files import check_unit, detected_gear
 from toothspace.machines.external_gear.shaft_seal import seal_torque
+from toothspace.machines.external_gear.solid_contours import (
+    casing_contour,
+    distance_in_file,
+    groove_contours,
+    is_solid,
+)
 from toothspace.model.description import RunningIn, StartupFriction
+
+if TYPE_CHECKING:
+    from toothspace.geometry.gear_finder import FoundGear
+    from toothspace.geometry.tooth_deviations import ToothDeviations
 
 
 def spec_from(machine: keys.ExternalGearTables) -> spec.ExternalGearSpec:
@@ -42,26 +53,25 @@ def spec_from(machine: keys.ExternalGearTables) -> spec.ExternalGearSpec:
     driven_keys = _driven_keys(machine)
     drive = _gear(machine.gears, "gears")
     driven = drive if driven_keys == machine.gears else _gear(driven_keys, "driven_gear")
-    for table, given, built in (
+    for name, given, built in (
         ("gears", machine.gears, drive),
         ("driven_gear", driven_keys, driven),
     ):
         if built.found is not None:
-            from toothspace.machines.external_gear.gear_files import check_unit
-
-            check_unit(machine, given, built.found.detected.profile, table)
-    _check_pair(machine, drive, driven)
+            check_unit(machine, given, built.found.detected.profile, name)
+    in_file = distance_in_file(machine, drive, driven)
+    distance = _check_pair(machine, drive, driven, in_file)
     return spec.ExternalGearSpec(
         drive=drive,
         driven=driven,
-        casing=_casing(machine.casing),
+        casing=_casing(machine, drive, driven),
         journals=_journals(machine),
         lateral=_lateral(machine.lateral),
-        grooves=machine.relief_grooves.grooves() if machine.relief_grooves else None,
+        grooves=_grooves(machine, drive, driven, distance),
         floating_block=floating_block(machine),
         body_files=machine.elastic_bodies,
         mode=machine.use,
-        center_distance=machine.gears.center_distance,
+        center_distance=in_file or machine.gears.center_distance,
         normal_backlash=machine.gears.normal_backlash,
         drain=machine.drain_node,
         drain_pressure=1e5 if machine.drain_pressure is None else machine.drain_pressure,
@@ -79,39 +89,49 @@ def _startup(startup: keys.StartupParameters | None) -> StartupFriction | None:
     return StartupFriction(startup.breakaway_torque, startup.breakaway_speed, additive)
 
 
-def _check_pair(machine: keys.ExternalGearTables, drive: spec.Gear, driven: spec.Gear) -> None:
+def _check_pair(
+    machine: keys.ExternalGearTables,
+    drive: spec.Gear,
+    driven: spec.Gear,
+    in_file: float | None,
+) -> float:
+    # returns the centre distance, of profiles with a given backlash about
     first, second = drive.tooth, driven.tooth
     root = min(gear.root_radius for gear in (first, second))
     if machine.journal_bearings.diameter >= 2.0 * root:
         found = f"{machine.journal_bearings.diameter * 1e3:.5g} mm"
         allowed = f"below the root diameter of the gears, {root * 2e3:.5g} mm"
         raise KeyRuleError("journal_bearings.diameter", found, allowed)
+    distance = in_file or machine.gears.center_distance
     if not (isinstance(first, InvoluteGear) and isinstance(second, InvoluteGear)):
-        return
+        return distance or first.tip_radius + second.root_radius
     try:
-        if machine.gears.center_distance is not None:
-            pair_from_center_distance(first, second, machine.gears.center_distance)
-        else:
-            pair_from_backlash(first, second, machine.gears.normal_backlash or 0.0)
+        if distance is not None:
+            return pair_from_center_distance(first, second, distance).center_distance
+        backlash = machine.gears.normal_backlash or 0.0
+        return pair_from_backlash(first, second, backlash).center_distance
     except GeometryError as error:
         table = "" if str(error).startswith("driven_gear") else "gears."
         raise GeometryError(f"{table}{error}") from error
 
 
 def _driven_keys(machine: keys.ExternalGearTables) -> keys.GearParameters:
+    # a measured gear is one of its kind: its deviations are not those of the other gear
+    base = replace(machine.gears, tooth_deviations=None)
     if machine.driven_gear is None:
-        return machine.gears
+        return base
     given = {
         f.name: getattr(machine.driven_gear, f.name)
         for f in fields(machine.driven_gear)
         if getattr(machine.driven_gear, f.name) is not None
     }
-    base = machine.gears
     if machine.driven_gear.profile is not None:
         own: dict[str, Any] = {
             f.name: f.default for f in fields(base) if f.name in keys.PROFILE_KEYS
         }
         base = replace(base, profile=machine.driven_gear.profile, **own)
+    elif {"profile_part", "profile_body"} & given.keys():
+        base = replace(base, profile_part=None, profile_body=None)
     try:
         return replace(base, **given)
     except KeyRuleError as error:
@@ -130,23 +150,82 @@ def _gear(gear: keys.GearParameters, table: str) -> spec.Gear:
         tooth = found.detected.drawn if drawn else found.detected.profile
     return spec.Gear(
         tooth=tooth,
-        face_width=gear.face_width,
+        face_width=_face_width(gear, found, table),
         material=library_material(gear.material, f"{table}.material"),
         roughness=gear.roughness,
         tip_rounding=gear.tip_rounding,
         found=found,
+        deviations=_deviations(gear, tooth, found, table),
     )
 
 
-def _casing(casing: keys.CasingParameters) -> spec.Casing:
-    wear, file = casing.wear_in, casing.contour
+def _deviations(
+    gear: keys.GearParameters,
+    tooth: InvoluteGear | GearProfile,
+    found: FoundGear | None,
+    table: str,
+) -> ToothDeviations | None:
+    if gear.profile_teeth == "own" and found is not None:
+        if found.detected.deviations is None:
+            allowed = "involute flanks on a whole gear, or 'equal'"
+            raise KeyRuleError(f"{table}.profile_teeth", "'own'", allowed)
+        return found.detected.deviations
+    if gear.tooth_deviations is None:
+        return None
+    profile = generate_profile(tooth) if isinstance(tooth, InvoluteGear) else tooth
+    if profile.involute is None:
+        raise KeyRuleError(f"{table}.tooth_deviations", "a file", "involute flanks only")
+    from toothspace.geometry.tooth_deviations import read_tooth_deviations
+
+    file = gear.tooth_deviations
+    try:
+        return read_tooth_deviations(file, profile.involute, profile.tooth_count)
+    except CaseError as error:
+        text = f"{table}.tooth_deviations: {error}".replace(str(file), file.name)
+        raise GeometryError(text) from error
+    except (ArithmeticError, LookupError, ValueError) as error:
+        text = f"{table}.tooth_deviations: {file.name}: found {error}, allowed a tester's file"
+        raise GeometryError(text) from error
+
+
+def _face_width(gear: keys.GearParameters, found: FoundGear | None, table: str) -> float:
+    width = gear.face_width or (found and found.face_width)
+    if not width:
+        raise KeyRuleError(f"{table}.face_width", "nothing", "compulsory: the file has none")
+    return width
+
+
+def _casing(machine: keys.ExternalGearTables, drive: spec.Gear, driven: spec.Gear) -> spec.Casing:
+    casing, contour = machine.casing, None
+    if is_solid(casing.contour):
+        contour = casing_contour(machine, drive, driven)
+    elif casing.contour is not None:
+        contour = read_contours(casing.contour, "casing.contour", casing.contour_unit)[0]
+    wear = casing.wear_in
     return spec.Casing(
         radial_clearance=casing.radial_clearance,
-        inlet_angle=casing.inlet_angle,
-        outlet_angle=casing.outlet_angle,
-        contour=None if file is None else read_contours(file, "casing.contour")[0],
+        inlet_angle=casing.inlet_angle or 0.0,
+        outlet_angle=casing.outlet_angle or 0.0,
+        contour=contour,
         wear_in=wear and RunningIn(wear.pressure, wear.shaft_speed, wear.temperature),
     )
+
+
+def _grooves(
+    machine: keys.ExternalGearTables, drive: spec.Gear, driven: spec.Gear, distance: float
+) -> ReliefGrooves | None:
+    grooves = machine.relief_grooves
+    if grooves is None:
+        return None
+    polygons: list[Array] = []
+    depth = grooves.depth or GROOVE_DEPTH
+    if grooves.contour is not None:
+        key = "relief_grooves.contour"
+        if is_solid(grooves.contour):
+            polygons, depth = groove_contours(machine, drive, driven, distance)
+        else:
+            polygons = read_contours(grooves.contour, key, grooves.contour_unit)
+    return grooves.outlined(polygons, depth, "relief_grooves.contour")
 
 
 def _journals(machine: keys.ExternalGearTables) -> spec.JournalBearings:

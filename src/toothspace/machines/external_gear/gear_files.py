@@ -117,7 +117,7 @@ def _fits(
     module = 2.0 * profile.tip_radius / (profile.tooth_count + 2.0) if data is None else data.module
     ratios = [
         (module, _MODULES),
-        (gear.face_width / module, _WIDTH_OVER_MODULE),
+        ((gear.face_width or module) / module, _WIDTH_OVER_MODULE),
         (2.0 * profile.root_radius / machine.journal_bearings.diameter, _ROOT_OVER_JOURNAL),
     ]
     if gear.center_distance is not None:

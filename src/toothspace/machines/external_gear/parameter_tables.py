@@ -28,6 +28,7 @@ from toothspace.core.keys import (
 from toothspace.gearing.gear_tables import (
     CONTOUR_SUFFIXES,
     PROFILE_SUFFIXES,
+    SOLID_SUFFIXES,
     MeshingGearParameters,
     ReliefGrooveParameters,
 )
@@ -46,6 +47,9 @@ PROFILE_KEYS = (
     "profile_part",
 )
 """Keys that say how one file is read."""
+
+DEVIATION_SUFFIXES = (".csv", ".mka")
+OUTLETS = ("+x", "-x", "+y", "-y", "+z", "-z")
 
 _STEP, _STL, _DXF = (".step", ".stp"), (".stl",), (".dxf",)
 _READ_FROM = {
@@ -69,6 +73,19 @@ def forbid_unread(gear: GearParameters | DrivenGearParameters) -> None:
     if suffix in _STEP and gear.profile_unit not in (None, "mm"):
         raise KeyRuleError(
             "profile_unit", repr(gear.profile_unit), "leave this key out: STEP files have their own"
+        )
+
+
+def forbid_solid_keys(table: CasingParameters | BlockGrooveParameters, *names: str) -> None:
+    """Refuse keys of solids beside a contour of another kind."""
+    suffix = "" if table.contour is None else table.contour.suffix.lower()
+    if suffix not in SOLID_SUFFIXES:
+        forbid(table, f"unless the contour is a solid ({', '.join(SOLID_SUFFIXES)})", *names)
+    elif suffix in _STEP and table.contour_unit != "mm":
+        raise KeyRuleError(
+            "contour_unit",
+            repr(table.contour_unit),
+            "leave this key out: STEP files have their own",
         )
 
 
@@ -99,8 +116,20 @@ class GearParameters(MeshingGearParameters):
         "drawn",
         default="fitted",
     )
+    profile_teeth: str = choice(
+        "All teeth as the one that fits them, or each as in the outline.",
+        "equal",
+        "own",
+        default="equal",
+    )
+    tooth_deviations: Path | None = file_path(
+        "Deviations of every tooth from a gear tester.", *DEVIATION_SUFFIXES
+    )
 
     def __post_init__(self) -> None:
+        if self.profile_teeth == "own":
+            require(self, 'with profile_teeth = "own"', "profile")
+            forbid(self, 'with profile_teeth = "own"', "tooth_deviations")
         super().__post_init__()
         forbid_unread(self)
 
@@ -149,6 +178,15 @@ class DrivenGearParameters(KeyTable):
         "drawn",
         default=None,
     )
+    profile_teeth: str | None = choice(
+        "All teeth as the one that fits them, or each as in the outline.",
+        "equal",
+        "own",
+        default=None,
+    )
+    tooth_deviations: Path | None = file_path(
+        "Deviations of every tooth from a gear tester.", *DEVIATION_SUFFIXES
+    )
 
     def __post_init__(self) -> None:
         if self.profile is not None:
@@ -173,24 +211,45 @@ class CasingParameters(KeyTable):
     radial_clearance: float = quantity(
         "um", "Bore radius minus tip radius, before wear.", low=1, high=1000
     )
-    inlet_angle: float = quantity(
+    inlet_angle: float | None = quantity(
         "deg",
-        "From the mesh side of the centre line to the inlet port edge along the bore.",
+        "From the mesh side of the centre line to the inlet port edge along the bore; default of "
+        "a contour.",
         low=5,
         high=170,
+        default=None,
     )
-    outlet_angle: float = quantity(
+    outlet_angle: float | None = quantity(
         "deg",
-        "From the mesh side of the centre line to the outlet port edge along the bore.",
+        "From the mesh side of the centre line to the outlet port edge along the bore; default of "
+        "a contour.",
         low=5,
         high=170,
+        default=None,
     )
     contour: Path | None = file_path(
-        "Section of the casing as a closed polygon.", *CONTOUR_SUFFIXES
+        "Section of the casing as a closed polygon, or the casing as a solid.",
+        *CONTOUR_SUFFIXES,
+        *SOLID_SUFFIXES,
+    )
+    contour_unit: str = choice("Length unit of the contour.", "mm", "m", "um", "in", default="mm")
+    contour_body: int | None = integer(
+        "Casing in a solid file, the largest body is 0.", low=0, high=1000, default=None
+    )
+    contour_part: str | None = text("Name of the casing in a STEP file.", default=None)
+    contour_plane: float | None = quantity(
+        "mm",
+        "Height of the section through a solid along the axis; default the middle of the teeth.",
+        default=None,
     )
     wear_in: WearInParameters | None = table(
         WearInParameters, "Running-in condition; leave out for an unworn casing.", default=None
     )
+
+    def __post_init__(self) -> None:
+        if self.contour is None:
+            require(self, "unless a contour file is given", "inlet_angle", "outlet_angle")
+        forbid_solid_keys(self, "contour_body", "contour_part", "contour_plane")
 
 
 @final
@@ -201,6 +260,28 @@ class BearingBlockParameters(KeyTable):
     radial_clearance: float = quantity(
         "um", "Radial clearance of the blocks in the housing.", low=0, high=500
     )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class BlockGrooveParameters(ReliefGrooveParameters):
+    """``[machine.relief_grooves]``: in each face beside the gears, or those of a bearing block."""
+
+    contour: Path | None = file_path(
+        "Closed groove polygons in the machine frame, right of the centre line the closing side; "
+        "or the bearing block as a solid.",
+        *CONTOUR_SUFFIXES,
+        *SOLID_SUFFIXES,
+    )
+    contour_unit: str = choice("Length unit of the contour.", "mm", "m", "um", "in", default="mm")
+    contour_body: int | None = integer(
+        "Bearing block in a solid file, the largest body is 0.", low=0, high=1000, default=None
+    )
+    contour_part: str | None = text("Name of the bearing block in a STEP file.", default=None)
+
+    def __post_init__(self) -> None:
+        forbid_solid_keys(self, "contour_body", "contour_part")
+        super().__post_init__()
 
 
 @final
@@ -306,6 +387,12 @@ class ExternalGearTables(MachineTables):
     }
     """Tables of parts that not every preset uses."""
 
+    outlet_toward: str | None = choice(
+        "Direction in the file of the gears from their centre line towards the outlet, where "
+        "casing or bearing block come from that file.",
+        *OUTLETS,
+        default=None,
+    )
     gears: GearParameters = table(GearParameters, "Both gears.")
     driven_gear: DrivenGearParameters | None = table(
         DrivenGearParameters, "Where the driven gear differs.", default=None
@@ -317,8 +404,8 @@ class ExternalGearTables(MachineTables):
     journal_bearings: JournalBearingParameters = table(
         JournalBearingParameters, "Journal bearings of both gears."
     )
-    relief_grooves: ReliefGrooveParameters | None = table(
-        ReliefGrooveParameters, "Relief grooves; leave out for none.", default=None
+    relief_grooves: BlockGrooveParameters | None = table(
+        BlockGrooveParameters, "Relief grooves; leave out for none.", default=None
     )
     lateral: LateralParameters = table(LateralParameters, "Lateral films.")
     floating_bearing: FloatingBearingParameters | None = table(

@@ -145,6 +145,15 @@ def profile_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
     return (*checks, *_equal_pitches(assembly))
 
 
+def as_drawn(assembly: Assembly) -> dict[str, str]:
+    """Key for the flanks of the file, where chords or form error are larger than allowed."""
+    fitted = [gear for gear in _from_files(assembly) if gear.detected.involute is not None]
+    checks = [check for gear in fitted for check in (_chords(gear.detected), _form(gear.detected))]
+    if all(check.passed for check in checks) or not any(p.involute for p in assembly.profiles):
+        return {}
+    return {"machine.gears.profile_flank": "drawn"}
+
+
 def _chords(detected: DetectedGear) -> DesignCheck:
     height = detected.chord_height
     return DesignCheck(
@@ -152,6 +161,7 @@ def _chords(detected: DetectedGear) -> DesignCheck:
         f"up to {_LARGEST_CHORD * 1e6:g} um: export STEP, or a mesh with a chord tolerance of 1 um",
         height <= _LARGEST_CHORD,
         "Flanks are fitted through the corners of a mesh; root, tip and volumes keep its chords.",
+        of_drawing=True,
     )  # fmt: skip
 
 
@@ -162,6 +172,7 @@ def _form(detected: DetectedGear) -> DesignCheck:
             "involute in the profile", 0.0, "1", "1: flanks that are involutes within 1 % of the "
             "tooth height", False,
             "Without one, contact ratio and trapped volume hang on a contact tolerance of 1 um.",
+            of_drawing=True,
         )  # fmt: skip
     allowed = _LARGEST_FORM_ERROR * data.module
     return DesignCheck(
@@ -169,6 +180,7 @@ def _form(detected: DetectedGear) -> DesignCheck:
         fit.form_error <= allowed,
         "Contact and trapped volume are those of the involute that fits; profile_flank = \"drawn\" "
         "computes with the flanks of the file.",
+        of_drawing=True,
     )  # fmt: skip
 
 
@@ -178,6 +190,7 @@ def _helix(gear: FoundGear) -> DesignCheck:
         "helix angle of the profile", float(np.rad2deg(angle)), "deg", "0 deg", angle == 0.0,
         "Teeth are taken as spur with this transverse section: overlap, thrust and the spread of "
         "trapping along the face width are missing.",
+        of_drawing=True,
     )  # fmt: skip
 
 
@@ -195,5 +208,6 @@ def _equal_pitches(assembly: Assembly) -> tuple[DesignCheck, ...]:
             "difference of the base pitches", 100.0 * ratio, "%", "up to 0.1 %",
             ratio <= _UNEQUAL_PITCH,
             "Gears of unequal base pitch hand the load over with a shock.",
+            of_drawing=True,
         ),
     )  # fmt: skip

@@ -14,6 +14,7 @@ from toothspace.gearing.gear_tables import ReliefGrooves
 from toothspace.gearing.materials import Material
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear
+from toothspace.geometry.tooth_deviations import ToothDeviations
 from toothspace.machines.external_gear.floating_parameters import ElasticBodiesParameters
 from toothspace.model.description import RunningIn, StartupFriction
 
@@ -46,6 +47,8 @@ class Gear:
         Radius of the edge between flank and tip, for throats that end at a sharp corner. [m]
     found : FoundGear or None
         What the profile file held; None for generated teeth.
+    deviations : ToothDeviations or None
+        Deviations of every tooth from the tooth; None where all are equal.
     """
 
     tooth: InvoluteGear | GearProfile
@@ -54,6 +57,7 @@ class Gear:
     roughness: float = 0.25e-6
     tip_rounding: float = 0.1e-3
     found: FoundGear | None = None
+    deviations: ToothDeviations | None = None
 
 
 @final

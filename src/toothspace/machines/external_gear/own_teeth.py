@@ -1,0 +1,264 @@
+r"""Gears whose teeth differ: chambers, flank gaps, contacts and tips of each tooth.
+
+A deviation :math:`\delta` of a flank along its normal takes :math:`\delta\,ds` from the section of
+the chamber before it and narrows the throats on it by :math:`\delta`, both to first order. The
+driven gear turns by what the highest pair of loaded flanks asks for, which repeats with
+every revolution where both gears have as many teeth.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+
+from toothspace.core.errors import GeometryError
+from toothspace.core.types import Array, IntArray
+from toothspace.gearing.mesh_split import Throats
+from toothspace.gearing.meshing import LARGEST_OVERLAP, driven_lever, overlap_error
+from toothspace.gearing.numbering import FULL_TURN, Numbering
+from toothspace.gearing.spaces import Spaces, area_by_motion
+from toothspace.geometry.gear_profile import GearProfile
+from toothspace.geometry.tooth_deviations import ToothDeviations
+from toothspace.machines.external_gear.assembly import Assembly
+from toothspace.machines.external_gear.spec import Gear
+from toothspace.model.description import ChamberFamily, ContactPair, FlowPath
+from toothspace.numerics.periodic_table import PeriodicTable, smooth_table
+
+_ROTATION = 4
+
+
+@final
+@dataclass(frozen=True)
+class _Flanks:
+    """Deviations of a gear's teeth over the radius.
+
+    Parameters
+    ----------
+    radius : ndarray, shape (n,)
+        From root to tip. [m]
+    height : ndarray, shape (2, tooth_count, n)
+        Deviation of the left and the right flanks. [m]
+    section : ndarray, shape (2, tooth_count, n)
+        Section of the deviation between root and radius. [m2]
+    """
+
+    radius: Array
+    height: Array
+    section: Array
+
+    def at(self, side: int, tooth: int, radius: Array) -> Array:
+        """Deviation at radii. [m]."""
+        return np.asarray(np.interp(radius, self.radius, self.height[side, tooth]))
+
+    def below(self, side: int, tooth: int, radius: Array) -> Array:
+        """Section of the deviation from the root up to radii. [m2]."""
+        return np.asarray(np.interp(radius, self.radius, self.section[side, tooth]))
+
+    def beyond(self, side: int, tooth: int, radius: Array) -> Array:
+        """Section of the deviation from radii up to the tip. [m2]."""
+        return np.asarray(self.section[side, tooth, -1] - self.below(side, tooth, radius))
+
+
+@final
+@dataclass(frozen=True)
+class OwnTeeth:
+    """What differs from tooth to tooth, over the table angles of spaces and throats.
+
+    Parameters
+    ----------
+    turn : ndarray, shape (nodes,)
+        Turn of the driven gear ahead of its even motion, over the shaft angle. [rad]
+    gaps : tuple of ndarray, shape (tooth_count, nodes)
+        Gap of every left and every right throat. [m]
+    areas : tuple of ndarray, shape (tooth_count, nodes)
+        Section of every drive and every driven space less that of even teeth. [m2]
+    tips : tuple of ndarray, shape (tooth_count,)
+        Height of the tip behind every space above the tip circle, of both gears. [m]
+    """
+
+    turn: Array
+    gaps: tuple[Array, Array]
+    areas: tuple[Array, Array]
+    tips: tuple[Array, Array]
+
+    def family(self, family: ChamberFamily, gear: int, width: float) -> ChamberFamily:
+        """Chambers of a gear, each with its own volume."""
+        parts = [smooth_table(FULL_TURN, width * area) for area in self.areas[gear]]
+        return replace(family, own=tuple(_added(family.volume, part) for part in parts))
+
+    def path(self, path: FlowPath) -> FlowPath:
+        """Flank or tip path with its own gaps, other paths as they are."""
+        if path.name.startswith("flank"):
+            gaps = self.gaps[1 if path.name == "flank_leading" else 0]
+            tables = (_with_first(path.geometry, gap) for gap in gaps)
+        elif path.name.startswith("tooth_tip"):
+            clearance = path.geometry.values[:, 0]
+            tips = self.tips[0 if path.name.endswith("drive") else 1]
+            tables = (_with_first(path.geometry, clearance - tip) for tip in tips)
+        else:
+            return path
+        return replace(path, own=tuple(tables))
+
+    def contact(self, contact: ContactPair, *, is_left: bool) -> ContactPair:
+        """Contacts of the flanks of one side, each with its own gap."""
+        gaps = self.gaps[0 if is_left else 1]
+        return replace(contact, own=tuple(_with_first(contact.geometry, gap) for gap in gaps))
+
+
+def own_teeth(
+    assembly: Assembly, numbering: Numbering, spaces: tuple[Spaces, Spaces]
+) -> OwnTeeth | None:
+    """Deviations of both gears in mesh; None where all teeth are equal.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        Gears in mesh.
+    numbering : Numbering
+        Phases of the spaces.
+    spaces : tuple of Spaces
+        Tooth spaces of both gears at the table nodes.
+
+    Returns
+    -------
+    OwnTeeth or None
+        Gaps, sections and tips of every tooth.
+
+    Raises
+    ------
+    GeometryError
+        If the gears have unlike tooth counts, or flanks overlap.
+    """
+    gears = assembly.spec.drive, assembly.spec.driven
+    if all(gear.deviations is None for gear in gears):
+        return None
+    first, second = assembly.counts
+    if first != second:
+        raise GeometryError(
+            f"machine.gears.tooth_deviations: found gears of {first} and {second} teeth, allowed "
+            f"equal tooth counts, so that the same teeth meet in every revolution"
+        )
+    flanks = _flanks(gears[0], assembly.profiles[0]), _flanks(gears[1], assembly.profiles[1])
+    throats = spaces[0].left, spaces[0].right
+    lost = [_narrowed(assembly, flanks, throats[side], side) for side in (0, 1)]
+    levers = [
+        np.where(side.weight > 0.0, driven_lever(side, assembly.mesh), 0.0) for side in throats
+    ]
+    shifts = [_shift(phases, spaces[0].angles.size) for phases in numbering.space_phases]
+    loaded = 0 if assembly.loaded_is_left else 1
+    turn = _turn(throats[loaded], lost[loaded], levers[loaded], shifts[0])
+    at_nodes = [np.array([np.roll(turn, shift) for shift in own]) for own in shifts]
+    left, right = (
+        side.gap + np.where(side.weight > 0.0, lever * at_nodes[0] - narrowed, 0.0)
+        for side, lever, narrowed in zip(throats, levers, lost, strict=True)
+    )
+    gaps = left, right
+    complete = throats[1 - loaded].weight >= 1.0
+    play = float(gaps[1 - loaded][:, complete].min())
+    if play < -LARGEST_OVERLAP:
+        raise overlap_error(assembly.mesh.center_distance, -play)
+    rotations = [area_by_motion(spaces[gear])[:, _ROTATION] for gear in (0, 1)]
+    drive, driven = (
+        rotations[gear] * at_nodes[gear] - _sections(assembly, flanks, spaces[gear], gear)
+        for gear in (0, 1)
+    )
+    tips = _tips(gears[0], 0, first), _tips(gears[1], 1, first)
+    return OwnTeeth(turn, gaps, (drive, driven), tips)
+
+
+def _tips(gear: Gear, number: int, count: int) -> Array:
+    tip = np.zeros(count) if gear.deviations is None else gear.deviations.tip
+    return np.array([tip[_measured(number, k + 1, count)] for k in range(count)])
+
+
+def _measured(gear: int, tooth: int, count: int) -> int:
+    # numbers grow against the rotation: clockwise on the drive gear
+    return (-tooth if gear == 0 else tooth) % count
+
+
+def _flanks(gear: Gear, profile: GearProfile) -> _Flanks:
+    outline = profile.left_flank[::-1]
+    radius = np.maximum.accumulate(np.hypot(*outline.T))
+    count, given = profile.tooth_count, gear.deviations
+    height = np.zeros((2, count, len(radius)))
+    if given is not None and profile.involute is not None:
+        roll = np.sqrt(np.maximum(radius**2 - profile.involute.base_radius**2, 0.0))
+        height = np.array(
+            [[_over(given, row, roll) for row in side] for side in (given.left, given.right)]
+        )
+    step = np.hypot(*np.diff(outline, axis=0).T)
+    slices = 0.5 * (height[..., 1:] + height[..., :-1]) * step
+    section = np.concatenate([np.zeros((2, count, 1)), np.cumsum(slices, axis=-1)], axis=-1)
+    return _Flanks(radius, height, section)
+
+
+def _over(given: ToothDeviations, row: Array, roll: Array) -> Array:
+    return np.asarray(np.interp(roll, given.roll_length, row))
+
+
+def _radii(assembly: Assembly, side: Throats) -> tuple[Array, Array]:
+    center = np.array([0.0, assembly.mesh.center_distance])
+    return np.hypot(*side.drive_point.T), np.hypot(*(side.driven_point - center).T)
+
+
+def _narrowed(
+    assembly: Assembly, flanks: tuple[_Flanks, _Flanks], side: Throats, flank: int
+) -> Array:
+    """Sum of both deviations in the throat of every drive space. [m]."""
+    near, far = _radii(assembly, side)
+    count, rows = assembly.counts[0], []
+    for k in range(count):
+        drive = flanks[0].at(flank, _measured(0, k + (1 if flank == 0 else 0), count), near)
+        rows.append(np.asarray(drive + flanks[1].at(flank, _measured(1, k, count), far)))
+    return np.array(rows)
+
+
+def _shift(phases: Array, nodes: int) -> IntArray:
+    # nodes by which the table of each space runs ahead of the shaft angle
+    return np.rint(phases * nodes / FULL_TURN).astype(np.int64)
+
+
+def _turn(side: Throats, lost: Array, lever: Array, shifts: IntArray) -> Array:
+    complete = side.weight >= 1.0
+    sign = float(np.sign(lever[complete][0]))
+    needed = np.where(complete, (lost - side.gap) / np.where(complete, lever, 1.0), -sign * np.inf)
+    over_shaft = np.array([np.roll(row, -shift) for row, shift in zip(needed, shifts, strict=True)])
+    return np.asarray(sign * np.max(sign * over_shaft, axis=0))
+
+
+def _sections(
+    assembly: Assembly, flanks: tuple[_Flanks, _Flanks], spaces: Spaces, gear: int
+) -> Array:
+    """Section that deviations take from every space of a gear. [m2]."""
+    count, rows = assembly.counts[0], []
+    own, other = flanks[gear], flanks[1 - gear]
+    for k in range(count):
+        total = np.zeros(spaces.angles.size)
+        for flank, side in enumerate((spaces.left, spaces.right)):
+            radii = _radii(assembly, side)
+            # drive and driven tooth of the throat beside this space
+            if gear == 0:
+                teeth = k + (1 if flank == 0 else 0), k
+            else:
+                teeth = k + 1, k + (0 if flank == 0 else 1)
+            numbers = [_measured(g, teeth[g], count) for g in (0, 1)]
+            total += own.below(flank, numbers[gear], radii[gear])
+            entering = other.beyond(flank, numbers[1 - gear], radii[1 - gear])
+            total += np.where(side.weight > 0.0, entering, 0.0)
+        rows.append(total)
+    return np.array(rows)
+
+
+def _added(table: PeriodicTable, part: PeriodicTable) -> PeriodicTable:
+    return PeriodicTable(table.period, table.values + part.values, table.slopes + part.slopes)
+
+
+def _with_first(table: PeriodicTable, column: Array) -> PeriodicTable:
+    # the first channel with another course; its slope gains that of the difference
+    part = smooth_table(table.period, column - table.values[:, 0])
+    values, slopes = table.values.copy(), table.slopes.copy()
+    values[:, 0] += part.values[:, 0]
+    slopes[:, 0] += part.slopes[:, 0]
+    return PeriodicTable(table.period, values, slopes)

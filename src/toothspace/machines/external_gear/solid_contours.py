@@ -1,0 +1,134 @@
+"""Casing and relief grooves that a case gives as solids, in the frame of the machine."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from toothspace.core.errors import GeometryError
+from toothspace.core.keys import KeyRuleError
+from toothspace.core.types import Array
+from toothspace.core.units import to_si
+from toothspace.gearing.gear_tables import SOLID_SUFFIXES
+from toothspace.geometry.body_section import AXES, BodySection, SectionRequest
+from toothspace.geometry.cad_import import load_body_sections
+from toothspace.geometry.gear_finder import axis_distance
+from toothspace.geometry.pump_sections import (
+    OWN_FRAME,
+    MachineFrame,
+    casing_cavity,
+    face_recesses,
+    machine_frame,
+)
+from toothspace.machines.external_gear import parameter_tables as keys
+from toothspace.machines.external_gear import spec
+
+
+def is_solid(file: Path | None) -> bool:
+    """Whether a contour is to be cut from a solid."""
+    return file is not None and file.suffix.lower() in SOLID_SUFFIXES
+
+
+def distance_in_file(
+    machine: keys.ExternalGearTables, drive: spec.Gear, driven: spec.Gear
+) -> float | None:
+    """Distance of two gears of one solid file, None unless both come from one. [m].
+
+    Raises
+    ------
+    KeyRuleError
+        If the case names neither a distance nor the second gear of the file.
+    """
+    given = machine.gears
+    if given.center_distance is not None or given.normal_backlash is not None:
+        return None
+    if drive.found is None or driven.found is None or not _one_file(machine):
+        raise KeyRuleError(
+            "gears.center_distance", "nothing", "compulsory unless both gears come from one solid"
+        )
+    distance = axis_distance(drive.found, driven.found)
+    if drive.found.body == driven.found.body or distance is None:
+        named = f"body {driven.found.body} {driven.found.name!r}"
+        raise KeyRuleError(
+            "driven_gear.profile_part",
+            f"{named}, which is {'the drive gear' if distance == 0.0 else 'not parallel to it'}",
+            "the other gear of the file, by profile_part or profile_body; or center_distance",
+        )
+    return distance
+
+
+def _one_file(machine: keys.ExternalGearTables) -> bool:
+    driven = machine.driven_gear
+    return driven is None or driven.profile in (None, machine.gears.profile)
+
+
+def casing_contour(machine: keys.ExternalGearTables, drive: spec.Gear, driven: spec.Gear) -> Array:
+    """Outline of the space round the gears in the casing's solid. [m]."""
+    given, key = machine.casing, "casing.contour"
+    assert given.contour is not None
+    frame, axis = _frame(machine, given.contour, drive, driven)
+    plane = given.contour_plane
+    if plane is None and frame is not OWN_FRAME:
+        plane = float(np.dot(axis, frame.origin))
+    request = SectionRequest(axis, plane, given.contour_body, given.contour_part)
+    cut = _sections(given.contour, given.contour_unit, request, key)[0]
+    return casing_cavity(frame.curves(cut), f"{key}: {given.contour.name}")
+
+
+def groove_contours(
+    machine: keys.ExternalGearTables, drive: spec.Gear, driven: spec.Gear, distance: float
+) -> tuple[list[Array], float]:
+    """Recesses beside the teeth in the bearing block's solid, and their depth. [m], [m]."""
+    given, key = machine.relief_grooves, "relief_grooves.contour"
+    assert given is not None
+    assert given.contour is not None
+    frame, axis = _frame(machine, given.contour, drive, driven)
+    towards = float(np.dot(axis, frame.origin))
+    request = SectionRequest(
+        axis, None, given.contour_body, given.contour_part, face_towards=towards
+    )
+    sections = _sections(given.contour, given.contour_unit, request, key)
+    of_block = [cut for cut in sections if cut.body == sections[0].body]
+    face, behind = of_block[0], of_block[1:]
+    shaft = 0.5 * machine.journal_bearings.diameter
+    gears = [
+        (np.array([0.0, height]), shaft, gear.tooth.tip_radius)
+        for gear, height in ((drive, 0.0), (driven, distance))
+    ]
+    found = face_recesses(frame.curves(face), frame.curves(behind[0]) if behind else [], gears)
+    if not found:
+        raise GeometryError(
+            f"{key}: {given.contour.name}: found no recess beside the teeth in the face of body "
+            f"{face.body}, allowed a bearing block with relief grooves"
+        )
+    assert face.layer is not None
+    return found, given.depth or face.layer[1] - face.layer[0]
+
+
+def _frame(
+    machine: keys.ExternalGearTables, file: Path, drive: spec.Gear, driven: spec.Gear
+) -> tuple[MachineFrame, tuple[float, float, float]]:
+    if drive.found is None or driven.found is None or file != machine.gears.profile:
+        return OWN_FRAME, (0.0, 0.0, 1.0)
+    if machine.outlet_toward is None:
+        raise KeyRuleError(
+            "outlet_toward", "nothing", f"one of {', '.join(keys.OUTLETS)} with parts of one file"
+        )
+    toward = machine.outlet_toward
+    outlet = (1.0 if toward[0] == "+" else -1.0) * np.array(AXES[toward[1]])
+    x, y, z = (float(value) for value in drive.found.axis)
+    return machine_frame(drive.found, driven.found, outlet), (x, y, z)
+
+
+def _sections(file: Path, unit: str, request: SectionRequest, key: str) -> list[BodySection]:
+    try:
+        return _cut(file, file.stat().st_mtime_ns, to_si(1.0, unit), request)
+    except GeometryError as error:
+        raise GeometryError(f"{key}: {error}".replace(str(file), file.name)) from error
+
+
+@lru_cache(maxsize=8)
+def _cut(file: Path, _modified: int, unit: float, request: SectionRequest) -> list[BodySection]:
+    return load_body_sections(file, unit, request)
