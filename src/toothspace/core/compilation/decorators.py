@@ -43,9 +43,7 @@ if PARTS:
         """Compile a function without the interpreter; options are those of ``numba.njit``."""
         if function is not None:
             return Kernel(function)
-        # in Numba's parallel loops parts give wrong numbers: their turns come one after another
-        serial = {name: value for name, value in options.items() if name != "parallel"}
-        return lambda target: Kernel(target, None, serial)
+        return lambda target: Kernel(target, None, options)
 
     def inlined(function: Any) -> Any:
         """Mark a formula that stays plain Python and is compiled where compiled code calls it."""

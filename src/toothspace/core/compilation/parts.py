@@ -94,7 +94,8 @@ class EntryLibrary(_Library):
         inner = {f.name for part in parts for f in _defined(part._final_module)} - own
         for function in _defined(module):
             if function.name in inner:
-                function.linkage = "internal"
+                # without a symbol: the loader would take it for the part of another entry
+                function.linkage = "private"
         self._optimize_final_module()
         module.verify()
         self._finalize_final_module()
