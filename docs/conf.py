@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import sys
 from pathlib import Path
 
@@ -11,6 +12,9 @@ sys.path[:0] = [str(DOCS / "_extensions"), str(DOCS.parent / "src")]
 os.environ["NUMBA_DISABLE_JIT"] = "1"  # functions then carry their own signature and docstring
 
 import toothspace  # noqa: E402
+
+for notebook in (DOCS.parent / "examples" / "notebooks").glob("*.ipynb"):
+    shutil.copy(notebook, DOCS / "notebooks")
 
 project = "toothspace"
 author = "The toothspace developers"
@@ -27,6 +31,8 @@ extensions = [
     "mathml",
 ]
 exclude_patterns = ["_build", "_extensions"]
+suppress_warnings = ["ref.python"]  # a bare word of a signature may name attributes of many classes
+
 html_theme = "furo"
 html_title = "toothspace"
 html_static_path = ["_static"]

@@ -23,7 +23,7 @@ def shown(parameter: Any) -> str:
     names = ", ".join(f"`{name}`" for name in (*parameter.opts, *parameter.secondary_opts))
     if getattr(parameter, "is_flag", False):
         return names
-    return f"{names} `{parameter.metavar or parameter.type.name.upper()}`"
+    return f"{names} `{parameter.metavar or parameter.bare_type.__name__.upper()}`"
 
 
 def default_of(parameter: Any) -> str:
