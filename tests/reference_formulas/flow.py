@@ -36,12 +36,3 @@ def tanh_flow_rate(
     speed = np.sqrt(2.0 * drop / density)
     coefficient = 0.7 * np.tanh(2.0 * diameter * density / viscosity * speed / 1000.0)
     return float(coefficient * area * speed)
-
-
-def curved_gap_fit(height: float, relative_radius: float) -> float:
-    """Conductance of a curved gap of unit width at unit viscosity, as fitted for gerotors.
-
-    "A numerical model for the evaluation of gerotor torque considering multiple contact points
-    and fluid-structure interactions", equation 3.
-    """
-    return 0.0456 * height**2.4836 / relative_radius**0.4836

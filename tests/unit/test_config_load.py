@@ -344,6 +344,6 @@ def test_former_word_is_accepted_with_a_note(capsys: pytest.CaptureFixture[str])
     note = capsys.readouterr().err
     assert former.run.deformation == "winkler"
     assert note.count("\n") == 1
-    assert "'columns' is now spelled 'winkler'" in note
+    assert note.startswith("run.deformation: 'columns' is now spelled 'winkler'")
     assert load_case(MOTOR, ['run.deformation="winkler"']).run == former.run
     assert capsys.readouterr().err == ""

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from toothspace.case.shipped import shipped_case
 from toothspace.cli import main
@@ -100,6 +101,25 @@ def test_book_shows_both_numbers_the_curve_and_why_not(examined, tmp_path: Path)
     assert "The height is not published." in page
     assert "no stone" in page
     assert page.count("<svg") == 2
+
+
+def test_films_of_a_study_are_drawn(tmp_path: Path) -> None:
+    angle = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
+    height = np.full((2, 2, 24, 5), 3e-6)
+    films = xr.Dataset(
+        {
+            "film_height": (("point", "film", "film_angle", "row"), height),
+            "point_label": ("point", ["1: 20 bar", "2: 40 bar"]),
+            "film_radius": (("film", "row"), np.tile(np.linspace(9e-3, 20e-3, 5), (2, 1))),
+            "film_center_x": ("film", [0.0, 0.0]),
+            "film_center_y": ("film", [0.0, 34e-3]),
+        },
+        coords={"film": ["floating_drive", "solid_drive"], "film_angle": angle},
+    )
+    claim = Claim("ring", SOURCE, "Oil.", "None.", lambda effort: Evidence((), (), films))
+    page = write_book([book.examine(claim)], tmp_path / "book.html").read_text(encoding="utf-8")
+    assert page.count("<svg") == 1
+    assert "Film height" in page
 
 
 def test_summary_names_what_fails(examined) -> None:

@@ -119,9 +119,33 @@ def test_a_floating_inner_rotor_gets_bearings_and_motions():
         "inner_rotor.y",
     ]
     assert {j.body for j in description.journals} == {"inner_rotor", "outer_rotor"}
-    columns = description.families[0].volume_by_motion.values
+    columns = description.shared_faces.families[0].volume_by_motion.values
     # action and reaction along x and y
     assert np.allclose(columns[:, :2], -columns[:, 2:4])
+
+
+def test_pockets_press_on_the_outer_rotor_through_its_film():
+    """Ring of 2800 sectors, each with its share of two faces and of the film to its neighbours.
+
+    Side gap 20 um and film 50 um, rim 26 mm, cavity floor 21.7 mm, width 12 mm.
+    """
+    spec, count, sectors = machine(TROCHOIDAL), 7, 2800
+    description = describe(spec, 140)
+    pressure = np.array([1.0, 3.0, 40.0, 41.0, 38.0, 20.0, 2.0]) * 1e5
+    step = 2.0 * np.pi / sectors
+    place = step * np.arange(sectors)
+    beside = np.rint(place / (2.0 * np.pi / count)).astype(int) % count
+    faces = 2.0 * (20e-6) ** 3 * step / np.log(26.0 / 21.7)
+    along = (50e-6) ** 3 * 12e-3 / (26e-3 * step)
+    matrix = np.diag(np.full(sectors, faces + 2.0 * along))
+    matrix -= along * (np.roll(np.eye(sectors), 1, axis=1) + np.roll(np.eye(sectors), -1, axis=1))
+    film = np.linalg.solve(matrix, faces * pressure[beside])
+    wanted = -26e-3 * 12e-3 * step * np.array([film @ np.sin(place), -film @ np.cos(place)])
+    family = description.families[0]
+    both = family.volume_by_motion(family.phases)
+    without = description.shared_faces.families[0].volume_by_motion(family.phases)
+    found = pressure @ (both - without)
+    assert found == pytest.approx([*wanted, 0.0], rel=0.01, abs=1e-6)
 
 
 def test_open_film_ends_leak_to_the_drain():

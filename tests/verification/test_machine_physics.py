@@ -79,10 +79,7 @@ def test_halving_the_tolerance_changes_no_physical_number(name: str) -> None:
     tolerance = ts.load_case(CASES / f"{name}.toml").run.relative_tolerance
     half = f"run.relative_tolerance={tolerance / 2.0}"
     for key in PHYSICAL_NUMBERS:
-        # ripples and pressures: a hundredth of a percent point or of a bar shows nowhere
-        least = 0.01 if key.endswith(("ripple_percent", "bar")) else 0.0
-        wanted = pytest.approx(number(key, name), rel=5e-4, abs=least)
-        assert number(key, name, half) == wanted, key
+        assert number(key, name, half) == pytest.approx(number(key, name), rel=5e-4), key
 
 
 FAST = ('operating_point.shaft_speed="4000 rpm"', 'operating_point.outlet_pressure="50 bar"')
@@ -107,15 +104,16 @@ DUAL_CLOSING = 'machine.relief_grooves.closing_side_offset="1.826 mm"'
 
 @pytest.mark.parametrize("name", ["egm12_pump", "egm12_motor"])
 def test_space_that_opens_late_cavitates(name: str) -> None:
-    """Dual-flank closing groove and next to no backlash: only the opening side feeds."""
+    """Closing groove in dual-flank position: the opening side feeds, and the backlash."""
 
-    def vapour(offset: str) -> float:
+    def vapour(offset: str, *overrides: str) -> float:
         opening = f'machine.relief_grooves.opening_side_offset="{offset}"'
-        run = solved(name, DUAL_CLOSING, opening, TIGHT)
+        run = solved(name, DUAL_CLOSING, opening, *overrides)
         return float(run.data["chamber_vapour_fraction"].max())
 
-    assert vapour("5.5 mm") > 0.3
-    assert vapour("3 mm") < 0.6 * vapour("5.5 mm")
+    assert vapour("3 mm") < 0.3 * vapour("5.5 mm")
+    assert vapour("5.5 mm") > 0.05
+    assert vapour("5.5 mm", TIGHT) > 0.3
 
 
 def test_load_orifice_holds_the_mean_and_answers_the_flow_ripple() -> None:
@@ -138,11 +136,16 @@ def test_flow_ripple_peaks_at_the_tooth_frequency() -> None:
 
 @pytest.mark.parametrize("name", ["egm12_pump", "egm12_motor"])
 def test_trapped_peak_grows_with_the_distance_of_the_closing_groove(name: str) -> None:
-    far = 'machine.relief_grooves.closing_side_offset="4.2 mm"'
-    base = number("max_chamber_pressure_bar", name)
-    assert base < 1.25 * 200.0
-    assert number("max_chamber_pressure_bar", name, DUAL_CLOSING) < 1.01 * base
-    assert number("max_chamber_pressure_bar", name, far) > 3.0 * base
+    """At dual-flank timing nothing is shut in; the reference edge adds less than 50 bar to that."""
+
+    def peak(*overrides: str) -> float:
+        return number("max_chamber_pressure_bar", name, *overrides)
+
+    later = [f'machine.relief_grooves.closing_side_offset="{d} mm"' for d in (3.8, 4.2)]
+    open_all_along = peak(DUAL_CLOSING)
+    assert open_all_along < 1.1 * 200.0
+    assert open_all_along - 1.0 < peak() < open_all_along + 50.0
+    assert peak() + 100.0 < peak(later[0]) < 0.5 * peak(later[1])
 
 
 @pytest.mark.parametrize(("name", "side"), [("egm12_pump", "inlet"), ("egm12_motor", "outlet")])

@@ -11,7 +11,6 @@ import numpy as np
 
 from toothspace.closures.smooth import select
 from toothspace.core.compiled import inlined
-from toothspace.core.errors import CaseError
 
 _INTERNAL_RANGE = (0.005e-3, 10e-3)
 """Radius differences for which the internal law of Pereira was fitted. [m]"""
@@ -79,7 +78,7 @@ def pereira_force(
     The constants hold in mm, N and N/mm2; conversion is done here. Internal: a = 0.965,
     b = 0.0965 mm, n = Y dR^-0.005 with Y = 1.51 [ln(1000 dR)]^-0.151 below 0.75 mm and
     Y = 0.0151 dR + 1.151 above. External: a = 0.39, b = 0.85 mm, n = 1.094.
-    Validity: :func:`check_pereira_range`.
+    Validity: :func:`in_pereira_range`.
 
     References
     ----------
@@ -100,8 +99,8 @@ def pereira_force(
     return stiffness / difference * (1e3 * length) * (1e-6 * contact_modulus) * depth**exponent
 
 
-def check_pereira_range(radius_difference: float, internal: bool) -> None:
-    r"""Refuse radius differences outside the range of the internal law of Pereira.
+def in_pereira_range(radius_difference: float, internal: bool) -> bool:
+    r"""Tell whether Pereira's law was fitted for a pair of radii.
 
     Parameters
     ----------
@@ -112,13 +111,8 @@ def check_pereira_range(radius_difference: float, internal: bool) -> None:
 
     Returns
     -------
-    None
-        Nothing; the range is 0.005 to 10 mm for internal contact. [-]
-
-    Raises
-    ------
-    CaseError
-        If the law must not be used.
+    bool
+        Whether the law may be used. [-]
 
     Notes
     -----
@@ -132,8 +126,5 @@ def check_pereira_range(radius_difference: float, internal: bool) -> None:
     .. [1] C. Pereira, A. Ramalho, J. Ambrosio, "A critical overview of internal and external
        cylinder contact force models", Nonlinear Dynamics 63, 2011, 681-697.
     """
-    low, high = _INTERNAL_RANGE if internal else (0.0, np.inf)
-    if not low <= radius_difference <= high or radius_difference <= 0.0:
-        allowed = f"allowed {1e3 * low:g} to {1e3 * high:g} mm; use johnson or hertz"
-        found = f"found pereira with a radius difference of {1e3 * radius_difference:g} mm"
-        raise CaseError(f"contact.law: {found}, {allowed}")
+    low, high = _INTERNAL_RANGE if internal else (1e-9, np.inf)
+    return low <= radius_difference <= high

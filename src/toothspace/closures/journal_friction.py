@@ -401,3 +401,6 @@ class FrictionCurves:
 
 PUBLISHED_CURVE = FrictionCurve(0.04486, 0.002681, 0.01897, 1.085, 0.0006507, 0.01748)
 """Fit of the motor study for S from 0.001 to 0.2; its line is Petroff's with c/R = 8.9e-4."""
+
+PUBLISHED = FrictionCurves((1.0,), (PUBLISHED_CURVE,))
+"""The same at any load."""

@@ -19,7 +19,7 @@ import difflib
 import math
 import sys
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import MISSING, Field, dataclass, field, fields
+from dataclasses import MISSING, Field, dataclass, field, fields, replace
 from numbers import Integral, Real
 from pathlib import Path
 from typing import Any, NamedTuple, NoReturn, final
@@ -113,10 +113,10 @@ def joined(path: str, key: str) -> str:
 class Problems(list[Problem]):
     """Problems of several keys, raised together once all of them are read."""
 
-    def of(self, path: str, read: Callable[..., Any], *given: Any) -> Any:
-        """Return what ``read`` returns for what is given; keep its problems under a path."""
+    def of(self, path: str, read: Callable[[Any, Source], Any], raw: Any, source: Source) -> Any:
+        """Return what ``read`` returns for a value; keep its problems under a path."""
         try:
-            return read(*given)
+            return read(raw, replace(source, path=joined(source.path, path)))
         except KeyRuleError as error:
             self.extend(p._replace(key=joined(path, p.key)) for p in error.problems)
 
@@ -144,10 +144,13 @@ class Source:
     in_si : bool
         Whether a bare number behind a key with a unit counts as SI (Python objects) or is
         refused (case files).
+    path : str
+        Key path of the value that is read.
     """
 
     folder: Path = Path()
     in_si: bool = False
+    path: str = ""
 
 
 _PYTHON = Source(in_si=True)
@@ -323,7 +326,7 @@ class Choice(Key):
     def read(self, raw: Any, source: Source) -> str:
         if isinstance(raw, str) and raw in self.former:
             sys.stderr.write(
-                f"{raw!r} is now spelled {self.former[raw]!r}; "
+                f"{source.path}: {raw!r} is now spelled {self.former[raw]!r}; "
                 "the next version refuses the old spelling.\n"
             )
             return self.former[raw]

@@ -69,7 +69,7 @@ NODE_COLUMNS = 22
 PATH_COLUMNS = 17
 
 # Kinds of paths, in the order of the rows of ``path``; ``kinds`` holds the first of each.
-CURVED_GAP, PARALLEL_GAP, ORIFICE = range(3)
+CURVED_GAP, FITTED_GAP, PARALLEL_GAP, ORIFICE = range(4)
 
 # Columns of ``path_index`` and ``path_data``: what a path is.
 (

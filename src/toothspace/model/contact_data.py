@@ -7,11 +7,12 @@ from typing import final
 
 import numpy as np
 
-from toothspace.closures.contact_cylindrical import check_pereira_range, pereira_force
+from toothspace.closures.contact_cylindrical import in_pereira_range, pereira_force
 from toothspace.closures.contact_law import (
     hertz_scale,
     impact_damping,
     johnson_scale,
+    logarithmic_law,
     series_level,
 )
 from toothspace.core.types import Array, BoolArray
@@ -164,7 +165,8 @@ def _law_columns(contact: ContactPair) -> Array:
         columns[:, 1:] = np.log(contact.structure_stiffness / contact.width), 1.0
     elif contact.law == "pereira":
         touching = geometry[:, 0] < REACH
-        columns[:, 1:] = _pereira_columns(first, second, touching, contact_modulus)
+        level = np.log(np.maximum(hertz_scale(first, second, contact.depth), _LEAST_SCALE))
+        columns[:, 1:] = _pereira_columns(first, second, touching, contact_modulus, level)
     else:
         scale = johnson_scale(first, second)
         if contact.law == "hertz_line":
@@ -175,21 +177,25 @@ def _law_columns(contact: ContactPair) -> Array:
 
 
 def _pereira_columns(
-    first: Array, second: Array, touching: BoolArray, contact_modulus: float
+    first: Array, second: Array, touching: BoolArray, contact_modulus: float, hertz_level: Array
 ) -> Array:
-    """Level and exponent of Pereira's law, where contact is possible."""
+    """Level and exponent of Pereira's law, where contact is possible.
+
+    Where the radii lie outside its range, as near the inflection of a flank, the power law
+    follows Hertz at depths of 0.1 and 10 micrometres.
+    """
     columns = np.zeros((first.size, 2))
     columns[:, 1] = 1.0
+    depths = np.array([10e-6, 0.1e-6])
     for i in np.flatnonzero(touching):
         difference = abs(first[i] + second[i])
         internal = bool(first[i] * second[i] < 0.0)
-        check_pereira_range(difference, internal)
-        force = [
-            float(pereira_force(depth, difference, 1.0, contact_modulus, internal))
-            for depth in (1e-3, 1e-6)
-        ]
-        columns[i, 1] = np.log(force[0] / force[1]) / np.log(1e3)
-        columns[i, 0] = np.log(force[0]) - columns[i, 1] * np.log(1e-3)
+        if in_pereira_range(difference, internal):
+            force = pereira_force(depths, difference, 1.0, contact_modulus, internal)
+        else:
+            force = [logarithmic_law(d, hertz_level[i], contact_modulus)[0] for d in depths]
+        columns[i, 1] = np.log(force[0] / force[1]) / np.log(depths[0] / depths[1])
+        columns[i, 0] = np.log(force[0]) - columns[i, 1] * np.log(depths[0])
     return columns
 
 

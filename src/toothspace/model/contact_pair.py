@@ -62,8 +62,8 @@ class ContactPair:
         it for body a. Friction then acts on these motions; None: on the shaft only. [-], [m/rad]
     law : str
         Elastic law of a compliant contact: ``hertz_line`` (approach of points below the
-        surface), ``johnson``, ``pereira`` (0.005 to 10 mm difference of radii if internal) or
-        ``linear`` (``structure_stiffness`` alone).
+        surface), ``johnson``, ``pereira`` (``hertz_line`` where radii inside each other differ
+        by more than 10 mm) or ``linear`` (``structure_stiffness`` alone).
     structure_stiffness : float
         Stiffness of teeth and bodies behind the contact, in series. [N/m]
     depth : float

@@ -12,6 +12,7 @@ from typing import NamedTuple, Protocol, final
 import numpy as np
 
 from toothspace.core.types import Array, BoolArray, IntArray
+from toothspace.model.machine_parts import ChamberFamily
 
 FILM = -1
 """Node number of points where a film stands between a body and the wall."""
@@ -255,6 +256,8 @@ class SharedFaces:
         before them.
     rim : RimFilm
         Film at the outer rim.
+    families : tuple of ChamberFamily
+        Chambers of the machine without the part of that film which they feed in closed form.
     replaced : tuple of str
         Flow paths of the machine that stand for these films in closed form.
     floating : bool
@@ -264,6 +267,7 @@ class SharedFaces:
 
     covers: tuple[FilmFace, ...]
     rim: RimFilm
+    families: tuple[ChamberFamily, ...]
     replaced: tuple[str, ...]
     floating: bool = False
 

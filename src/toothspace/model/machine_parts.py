@@ -10,12 +10,13 @@ from toothspace.core.types import Array, IntArray
 from toothspace.model.path_category import PathCategory
 from toothspace.numerics.periodic_table import PeriodicTable
 
-PathKind = Literal["orifice", "parallel_gap", "curved_gap"]
+PathKind = Literal["orifice", "parallel_gap", "curved_gap", "fitted_gap"]
 
 PATH_CHANNELS: Mapping[PathKind, tuple[str, ...]] = {
     "orifice": ("area", "hydraulic_diameter"),
     "parallel_gap": ("height", "width", "length"),
     "curved_gap": ("height", "width", "relative_radius"),
+    "fitted_gap": ("height", "width", "relative_radius"),
 }
 """Channels of the geometry table of each kind of path. [m2, m] or [m, m, m]"""
 
@@ -83,7 +84,7 @@ class FlowPath:
     category : PathCategory
         What the ledger books it under, and what it does in the network.
     kind : str
-        ``orifice``, ``parallel_gap`` or ``curved_gap``.
+        ``orifice``, ``parallel_gap``, ``curved_gap`` or ``fitted_gap``.
     nodes_a, nodes_b : ndarray of int, shape (count,)
         Nodes at both ends; flow is counted from a to b.
     angle_ratio : float

@@ -24,7 +24,9 @@ from __future__ import annotations
 import math
 
 from toothspace.closures.gap_flow import (
+    FITTED_POWER,
     curved_gap_conductance,
+    fitted_gap_conductance,
     land_shear_torque,
     parallel_gap_conductance,
     wall_drag_flow_rate,
@@ -42,7 +44,6 @@ from toothspace.model.arrays import (
     CARRIED_SHARE,
     CATEGORY,
     CONDUCTANCE,
-    CURVED_GAP,
     DENSITY,
     DRAG,
     DRAG_BY_HEIGHT,
@@ -50,6 +51,7 @@ from toothspace.model.arrays import (
     DROP,
     FAMILY_COUNT,
     FAMILY_FIRST,
+    FITTED_GAP,
     FLOW,
     FLOW_BY_HEIGHT,
     FLOW_BY_PRESSURE,
@@ -149,7 +151,7 @@ def heat_throats(s: SystemArrays) -> None:
     node, path, index, free, fluid = s.node, s.path, s.path_index, s.paths.open, s.fluid
     for entry in range(free[-1]):
         j = free[entry]
-        if j >= s.kinds[CURVED_GAP + 1]:
+        if j >= s.kinds[PARALLEL_GAP]:
             break
         upstream = max(node[index[j, NODE_A], PRESSURE], node[index[j, PRESENT_B], PRESSURE])
         path[j, MEAN_VISCOSITY] = throttling_viscosity(upstream, abs(path[j, DROP]), fluid)
@@ -175,13 +177,19 @@ def update_heights(s: SystemArrays, state: Array) -> None:
 def update_gap_conductances(s: SystemArrays) -> None:
     """Laminar conductance of all gaps and its derivative with respect to the height."""
     path, values, parallel, gaps = s.path, s.path_values, s.kinds[PARALLEL_GAP], s.kinds[ORIFICE]
+    fitted = s.kinds[FITTED_GAP]
     for j in range(parallel):
         width, height = values[j, 1], path[j, RUNNING_HEIGHT]
         radius = values[j, 2] if width > CLOSED_GAP else 1.0
-        found = curved_gap_conductance(height, width, radius, path[j, MEAN_VISCOSITY])
+        if j < fitted:
+            power = 2.5
+            found = curved_gap_conductance(height, width, radius, path[j, MEAN_VISCOSITY])
+        else:
+            power = FITTED_POWER
+            found = fitted_gap_conductance(height, width, radius, path[j, MEAN_VISCOSITY])
         path[j, CONDUCTANCE] = found if width > CLOSED_GAP else 0.0
         path[j, OPENING] = SMOOTH_THROAT * width * height
-        path[j, BY_HEIGHT] = 2.5 * path[j, CONDUCTANCE] / height * path[j, HEIGHT_FACTOR]
+        path[j, BY_HEIGHT] = power * path[j, CONDUCTANCE] / height * path[j, HEIGHT_FACTOR]
     for j in range(parallel, gaps):
         width, height = values[j, 1], path[j, RUNNING_HEIGHT]
         length = values[j, 2] if width > CLOSED_GAP else 1.0

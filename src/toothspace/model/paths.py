@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from toothspace.core.types import Array, IntArray
-from toothspace.model.arrays import CURVED_GAP, ORIFICE, PARALLEL_GAP
+from toothspace.model.arrays import CURVED_GAP, FITTED_GAP, ORIFICE, PARALLEL_GAP
 from toothspace.model.circuit_description import CircuitNetwork
 from toothspace.model.description import FlowPath, MachineDescription
 from toothspace.model.path_category import (
@@ -19,7 +19,12 @@ from toothspace.model.path_category import (
 from toothspace.model.tables import Reading
 from toothspace.numerics.periodic_table import PeriodicTable
 
-_KINDS = {"curved_gap": CURVED_GAP, "parallel_gap": PARALLEL_GAP, "orifice": ORIFICE}
+_KINDS = {
+    "curved_gap": CURVED_GAP,
+    "fitted_gap": FITTED_GAP,
+    "parallel_gap": PARALLEL_GAP,
+    "orifice": ORIFICE,
+}
 
 
 def load_orifice(description: MachineDescription, area: float) -> FlowPath:

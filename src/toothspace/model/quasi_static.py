@@ -4,12 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 
-from toothspace.closures.gap_flow import curved_gap_conductance, parallel_gap_conductance
+from toothspace.closures.gap_flow import (
+    curved_gap_conductance,
+    fitted_gap_conductance,
+    parallel_gap_conductance,
+)
 from toothspace.core.types import Array
 from toothspace.model.description import FlowPath, MachineDescription
 from toothspace.model.operating_point import OperatingCondition
 
 _OPEN_AREA_CONDUCTANCE = 1e-7
+_GAP_LAWS = {
+    "curved_gap": curved_gap_conductance,
+    "fitted_gap": fitted_gap_conductance,
+    "parallel_gap": parallel_gap_conductance,
+}
 _ANGLES = 24
 _ANGLE_STEP = 2.0 * np.pi * 0.381966
 
@@ -91,8 +100,5 @@ def _conductance(path: FlowPath, geometry: Array) -> Array:
         return _OPEN_AREA_CONDUCTANCE * np.maximum(geometry[:, 0], 0.0)
     height = np.maximum(geometry[:, 0], path.minimum_height)
     width = np.maximum(geometry[:, 1], 0.0)
-    if path.kind == "parallel_gap":
-        return np.asarray(
-            parallel_gap_conductance(height, width, np.maximum(geometry[:, 2], 1e-9), 1.0)
-        )
-    return np.asarray(curved_gap_conductance(height, width, np.maximum(geometry[:, 2], 1e-9), 1.0))
+    law = _GAP_LAWS[path.kind]
+    return np.asarray(law(height, width, np.maximum(geometry[:, 2], 1e-9), 1.0))

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import toothspace
 from toothspace.core.files import write_text
+from toothspace.plotting.film_maps import HEIGHT, point_maps
 from toothspace.plotting.style import BLUE, ORANGE, figure_to_svg, new_figure, styled
-from toothspace.validation.claim import ComparedCurve, ComparedValue, Examined
+from toothspace.validation.claim import ComparedCurve, ComparedValue, Evidence, Examined
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -83,8 +84,13 @@ def _shown(one: Examined) -> dict[str, Any]:
         "duration": one.duration,
         "rows": [_row(value) for value in one.finding.values]
         + [_error_row(c) for c in curves if c.published is not None],
-        "figure": figure_to_svg(claim_figure(curves)) if curves else "",
+        "figures": [figure_to_svg(figure) for figure in _figures(one.finding)],
     }
+
+
+def _figures(finding: Evidence) -> list[Figure]:
+    curves = [claim_figure(finding.curves)] if finding.curves else []
+    return curves + ([] if finding.films is None else [point_maps(finding.films, HEIGHT)])
 
 
 def _row(value: ComparedValue) -> dict[str, str]:

@@ -61,7 +61,7 @@ def with_shared_films(
     sectors = faces.rim.chamber + np.arange(count)
     return replace(
         description,
-        families=(*description.families[:-1], sector_family(description, faces)),
+        families=(*faces.families, sector_family(description, faces)),
         paths=(
             *(_renumbered(path, faces, count) for path in kept),
             *shared_paths(moved, films, height),

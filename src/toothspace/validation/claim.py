@@ -5,11 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, final
+from typing import TYPE_CHECKING, Literal, final
 
 import numpy as np
 
 from toothspace.core.types import Array
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Verdict = Literal["pass", "fail", "cannot be had"]
 Effort = Literal["short", "full"]
@@ -167,10 +170,13 @@ class Evidence:
         Numbers.
     curves : tuple of ComparedCurve
         Figures.
+    films : xarray.Dataset or None
+        Films at the points of a study, whose heights are drawn.
     """
 
     values: tuple[ComparedValue, ...] = ()
     curves: tuple[ComparedCurve, ...] = ()
+    films: xr.Dataset | None = None
 
 
 @final

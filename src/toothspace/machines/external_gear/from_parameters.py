@@ -6,6 +6,7 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any, Literal, cast
 
+from toothspace.closures.journal_friction import PUBLISHED
 from toothspace.core.errors import GeometryError
 from toothspace.core.frozen import Points
 from toothspace.core.keys import KeyRuleError, Problem
@@ -190,6 +191,7 @@ def _journals(machine: keys.ExternalGearTables) -> spec.JournalBearings:
         boundary_friction=bearing.boundary_friction,
         material=_material(bearing.material, "journal_bearings.material"),
         seat_clearance=blocks.radial_clearance if blocks else 0.0,
+        friction=PUBLISHED if bearing.friction == "published_curve" else None,
     )
 
 

@@ -78,6 +78,7 @@ def journal_bearings(assembly: Assembly) -> tuple[LumpedJournalBearing, ...]:
             hardness=min(gear.material.hardness, bearing.material.hardness),
             boundary_friction=bearing.boundary_friction,
             seat_clearance=bearing.seat_clearance,
+            friction=bearing.friction,
         )
         for name, gear in zip(BODIES, gears, strict=True)
     )

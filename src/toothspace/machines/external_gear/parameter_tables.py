@@ -261,6 +261,13 @@ class JournalBearingParameters(KeyTable):
         "Friction coefficient of touching asperities.", low=0, high=1, default=0.05
     )
     material: str = text("Running layer of the bush.", default="ptfe_lined_bush")
+    friction: str = choice(
+        "Friction from film and asperities, or the published curve over the Sommerfeld number of "
+        "a gear motor's bushes (18 mm by 19 mm, clearance ratio 8.9e-4).",
+        "film",
+        "published_curve",
+        default="film",
+    )
 
 
 @final

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, final
 
+from toothspace.closures.journal_friction import FrictionCurves
 from toothspace.core.types import Array
 from toothspace.geometry.gear_finder import FoundGear
 from toothspace.geometry.gear_profile import GearProfile
@@ -139,6 +140,8 @@ class JournalBearings:
         Half-height correlation length of the combined roughness. [m]
     seat_clearance : float
         Radial clearance of the bearing blocks in the housing. [m]
+    friction : FrictionCurves or None
+        Friction coefficient over Sommerfeld number and load; None: from film and asperities.
     """
 
     diameter: float
@@ -150,6 +153,7 @@ class JournalBearings:
     material: Material = LINED_STEEL_BUSH
     correlation_length: float = 10e-6
     seat_clearance: float = 0.0
+    friction: FrictionCurves | None = None
 
 
 @final

@@ -7,7 +7,7 @@ import numpy as np
 from toothspace.core.types import Array
 from toothspace.gearing.materials import reduced_modulus, solid
 from toothspace.geometry.curve import signed_area
-from toothspace.machines.gerotor.flow_paths import shaft_radius
+from toothspace.machines.gerotor.flow_paths import shaft_radius, side_gap
 from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.pockets import Pockets
 from toothspace.machines.gerotor.ports import Ports
@@ -106,6 +106,52 @@ def journal_bearings(parameters: GerotorParameters) -> tuple[LumpedJournalBearin
             )
         )
     return tuple(found)
+
+
+def film_by_motion(parameters: GerotorParameters, pocket: Pockets) -> Array:
+    r"""Derivative of the film volume that each pocket feeds, by the motions of both rotors.
+
+    Parameters
+    ----------
+    parameters : GerotorParameters
+        Machine.
+    pocket : Pockets
+        Pockets over their place.
+
+    Returns
+    -------
+    ndarray, shape (n, 5)
+        In the order of ``area_by_motion``, over the place of the pocket. [m2], [m3/rad]
+
+    Notes
+    -----
+    Walls close the ends of the film (``no_flow``), so the faces of the outer rotor lead the
+    pressure of the pockets :math:`p_k` into it. In the film of the centred rotor
+
+    .. math:: \frac{\partial^2 p}{\partial\theta^2} = \alpha^2 (p - p_k), \qquad
+        \alpha^2 = \frac{2 h^3 R}{c^3 L \ln(R/r)},
+
+    with the gap h beside the faces and the radius r of the cavity floors. The force on the
+    rotor comes from the first harmonic, of which :math:`\alpha^2/(1 + \alpha^2)` is left:
+
+    .. math:: \mathbf F = -\frac{2\alpha^2}{1 + \alpha^2}\,R L \sin\frac{\pi}{z_2}
+        \sum_k p_k \mathbf n_k .
+
+    Written as :math:`p\,\partial V/\partial\mathbf q` it is part of the pockets' work.
+    """
+    columns = np.zeros((pocket.place.size, 5))
+    housing, width = parameters.housing, parameters.rotors.face_width
+    if housing.end_condition != "no_flow":
+        return columns
+    radius = 0.5 * housing.outer_rotor_diameter
+    floor = float(np.hypot(*pocket.rotors.outer.T).max())
+    alpha = 2.0 * (side_gap(parameters) / housing.radial_clearance) ** 3
+    alpha *= radius / (width * np.log(radius / floor))
+    chord = 2.0 * radius * width * np.sin(np.pi / pocket.rotors.outer_tooth_count)
+    size = chord * alpha / (1.0 + alpha)
+    columns[:, 2] = -size * np.sin(pocket.place)
+    columns[:, 3] = size * np.cos(pocket.place)
+    return columns
 
 
 def shear_height(parameters: GerotorParameters) -> float:

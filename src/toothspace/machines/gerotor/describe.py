@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, final
 
 import numpy as np
 
 from toothspace.machines.gerotor.bodies import (
     bodies,
+    film_by_motion,
     journal_bearings,
     lateral_films,
     motion_columns,
@@ -72,6 +73,7 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
     checks = design_checks(spec, pocket, timing)
     columns = motion_columns(spec)
     contacts = rotor_contacts(spec, pocket.rotors)
+    family = _pocket_family(spec, pocket, columns)
     ratio = contact_ratio(contacts, float(np.median(pocket.path.gap)))
     return MachineDescription(
         name="gerotor",
@@ -79,11 +81,11 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
         displacement=spec.rotors.face_width * pocket.area_per_radian,
         bodies=bodies(spec, pocket),
         motions=motions(spec),
-        families=(_pocket_family(spec, pocket, columns), _film_family(spec, len(columns))),
+        families=(_with_film_share(spec, pocket, family), _film_family(spec, len(columns))),
         paths=flow_paths(spec, pocket, timing, columns),
         journals=journal_bearings(spec),
         laterals=lateral_films(spec, pocket),
-        shared_faces=shared_faces(spec, pocket, ports),
+        shared_faces=shared_faces(spec, pocket, ports, family),
         contacts=contacts,
         seal_torque=0.0 if spec.seals is None else spec.seals.shaft_seal_torque,
         port_volumes=(spec.inlet.volume, spec.outlet.volume),
@@ -109,6 +111,16 @@ def _pocket_family(
         ),
         volume_by_motion=smooth_table(FULL_TURN, width * area_by_motion(pocket)[:, columns]),
     )
+
+
+def _with_film_share(
+    spec: GerotorParameters, pocket: Pockets, family: ChamberFamily
+) -> ChamberFamily:
+    """Pockets with the film that they feed through the faces of the outer rotor."""
+    table = family.volume_by_motion
+    share = film_by_motion(spec, pocket)[:, motion_columns(spec)]
+    columns = smooth_table(FULL_TURN, table.values + share)
+    return replace(family, volume_by_motion=columns)
 
 
 def _film_family(spec: GerotorParameters, motion_count: int) -> ChamberFamily:

@@ -24,6 +24,7 @@ from toothspace.machines.gerotor.flow_paths import (
 from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.pockets import FULL_TURN, Pockets
 from toothspace.machines.gerotor.ports import Ports, throat_place
+from toothspace.model.description import ChamberFamily
 from toothspace.model.film_faces import (
     FILM,
     NO_BODY,
@@ -100,7 +101,9 @@ def _inside(outline: Array, turn: float, x: Array, y: Array) -> BoolArray:
     return np.asarray(shapely.contains_xy(shape, *back))
 
 
-def shared_faces(parameters: GerotorParameters, pocket: Pockets, ports: Ports) -> SharedFaces:
+def shared_faces(
+    parameters: GerotorParameters, pocket: Pockets, ports: Ports, family: ChamberFamily
+) -> SharedFaces:
     """Films of both rotors before both covers.
 
     Parameters
@@ -111,6 +114,8 @@ def shared_faces(parameters: GerotorParameters, pocket: Pockets, ports: Ports) -
         Pockets over their place.
     ports : Ports
         Kidneys, in the cover with the lower z.
+    family : ChamberFamily
+        The pockets, without the film that they feed.
 
     Returns
     -------
@@ -147,6 +152,7 @@ def shared_faces(parameters: GerotorParameters, pocket: Pockets, ports: Ports) -
     return SharedFaces(
         covers=covers,
         rim=rim,
+        families=(family,),
         replaced=("lateral", "drain", "rim", "film_end"),
         floating=parameters.lateral.position == "free",
     )

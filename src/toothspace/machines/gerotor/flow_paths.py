@@ -17,6 +17,7 @@ from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.pockets import FULL_TURN, Pockets
 from toothspace.machines.gerotor.timing import Timing
 from toothspace.model.description import FlowPath
+from toothspace.model.machine_parts import PathKind
 from toothspace.model.path_category import (
     DRAIN,
     INLET_PORT,
@@ -26,6 +27,9 @@ from toothspace.model.path_category import (
     PathCategory,
 )
 from toothspace.numerics.periodic_table import monotone_table, smooth_table
+
+TIP_GAPS: dict[str, PathKind] = {"parabolic": "curved_gap", "fitted": "fitted_gap"}
+"""Kind of the tip paths for every law of a case."""
 
 TIP = PathCategory("tip", "rotor tips", "#0072B2", "gap")
 
@@ -109,7 +113,7 @@ def tip_path(parameters: GerotorParameters, pocket: Pockets, motions: tuple[int,
     return FlowPath(
         name="tip",
         category=TIP,
-        kind="curved_gap",
+        kind=TIP_GAPS[parameters.rotors.tip_gap_law],
         nodes_a=own,
         nodes_b=np.roll(own, -1),
         angle_ratio=pocket.angle_ratio,

@@ -56,6 +56,12 @@ class RotorParameters(KeyTable):
     tip_clearance: float = quantity(
         "um", "Normal gap between the centred rotors at a tip pair.", low=0, high=500
     )
+    tip_gap_law: str = choice(
+        "Flow through the gap at a tip: between parabolic walls, or the published fit.",
+        "parabolic",
+        "fitted",
+        default="parabolic",
+    )
     shaft_diameter: float | None = quantity(
         "mm", "Bore of the inner rotor.", above=0, high=500, default=None
     )
