@@ -2,7 +2,7 @@
 
 Run ``python docs/pictures/runs.py FOLDER`` from the root of the repository, with the results in
 FOLDER: ``pump.nc``, ``startup.nc`` and ``gerotor.nc`` of the cases ``egm12_pump``,
-``startup_fan_drive`` and ``gerotor_cycloidal``, and the folders ``map``, ``ratio`` and ``span`` of the
+``startup_fan_drive`` and ``gerotor_cycloidal``, ``floating.nc`` of ``point.toml`` in the tutorial, and the folders ``map``, ``ratio`` and ``span`` of the
 studies ``efficiency_map_egm12``, ``startup_ratio`` and ``contact_span``. What is missing is left out.
 """
 
@@ -33,6 +33,7 @@ FIGURES = {
         "journal_orbits": "pump_orbits",
     },
     "startup": {"speed_and_pressure": "startup_cycle", "breakaway_zoom": "startup_breakaway"},
+    "floating": {"lateral_films": "floating_films"},
     "gerotor": {
         "pocket_cycle": "gerotor_pocket",
         "tooth_contact_forces": "gerotor_forces",
