@@ -18,7 +18,7 @@ for notebook in (DOCS.parent / "examples" / "notebooks").glob("*.ipynb"):
 
 project = "toothspace"
 author = "The toothspace developers"
-copyright = "The toothspace developers, BSD 3-Clause"  # noqa: A001
+copyright = "The toothspace developers, BSD 3-Clause"
 version = release = toothspace.__version__
 
 extensions = [

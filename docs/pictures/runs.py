@@ -1,9 +1,17 @@
 """Pictures of runs and studies of shipped cases, for README, gallery and tutorials.
 
-Run ``python docs/pictures/runs.py FOLDER`` from the root of the repository, with the results in
-FOLDER: ``pump.nc``, ``startup.nc`` and ``gerotor.nc`` of the cases ``egm12_pump``,
-``startup_fan_drive`` and ``gerotor_cycloidal``, ``floating.nc`` of ``point.toml`` in the tutorial, and the folders ``map``, ``ratio`` and ``span`` of the
-studies ``efficiency_map_egm12``, ``startup_ratio`` and ``contact_span``. What is missing is left out.
+Run ``python docs/pictures/runs.py FOLDER`` from the root of the repository. What FOLDER lacks is
+left out:
+
+=================== ======================================================================
+``pump.nc``         run of ``egm12_pump``
+``startup.nc``      run of ``startup_fan_drive``
+``gerotor.nc``      run of ``gerotor_cycloidal``
+``floating.nc``     run of ``point.toml`` of the tutorial on floating bearings
+``map/``            study ``efficiency_map_egm12``
+``ratio/``          study ``startup_ratio``
+``span/``           study ``contact_span``
+=================== ======================================================================
 """
 
 from __future__ import annotations

@@ -92,7 +92,7 @@ def on_the_way(page: str) -> list[object]:
 def test_tutorial_runs(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """All commands and scripts in their order; printed numbers are those of the page within 10 %."""
+    """All commands and scripts in their order; printed numbers are within 10 % of the page."""
     if name == "own_step_pair":
         pytest.importorskip("OCP", reason="STEP files need the extra cad")
     monkeypatch.chdir(tmp_path)
