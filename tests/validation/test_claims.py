@@ -13,9 +13,11 @@ FAILING = {
     "egm12_motor": "heat of the journals leaves with the lateral leakage alone",
     "egm12_pump": "heat of the journals leaves with the lateral leakage alone",
     "fuel14_pump": "heat of the journals leaves with the lateral leakage alone; vapour in the mesh",
-    "gerotor_losses": "lobes that stop the outer rotor rub more than the films at 20 um",
-    "gerotor_speed": "rubbing of lobes falls with speed faster than viscous shear grows",
+    "gerotor_teeth": "the film round the rotor holds it: one tooth at a time is enough at 40 um",
+    "gerotor_span": "the film round the rotor holds it: one tooth at a time is enough at 40 um",
+    "gerotor_cycloidal": "40 um at the tips leak more at 767 rpm and 40 bar than measured pumps",
     "startup_ratio": "swings of the line after breakaway count as running pressure",
+    "startup_ratio_over_speed": "swings of the line after breakaway count as running pressure",
 }
 """Claims that this version does not meet, and why."""
 

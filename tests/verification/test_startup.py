@@ -52,6 +52,27 @@ def slow_supply(speed: str, *more: str) -> Case:
     return startup_case(f'circuit.supply.speed=[["0 s", "{speed}"]]', *more)
 
 
+def test_a_rubber_wall_keeps_its_compliance_and_gives_a_part_of_it_late() -> None:
+    """Standard linear solid: C/s at once, the rest in the relaxation time R C (1 - 1/s)."""
+
+    def parts(*overrides: str) -> tuple[float, float, float]:
+        case = startup_case(*overrides)
+        circuit = plumb(case.circuit, machine(), api.fluid_of(case))
+        own = {node.name: node.wall_compliance for node in circuit.nodes}
+        late = [e.parameters[0] for e in circuit.elements if e.node_b == "line:wall"]
+        return own["inlet"], own.get("line:wall", 0.0), late[0] if late else 0.0
+
+    rest, none, _ = parts()
+    given = ("circuit.line.wall_stiffening=1.5", 'circuit.line.wall_relaxation_time="0.2 s"')
+    quick, late, resistance = parts(*given)
+    assert none == 0.0
+    assert quick == pytest.approx(rest / 1.5)
+    assert quick + late == pytest.approx(rest)
+    assert resistance * late == pytest.approx(0.2)
+    with pytest.raises(CaseError, match=r"wall_stiffening: found 1.5, allowed 1 with waves"):
+        startup_case(given[0], "circuit.line.model=transmission_line")
+
+
 def test_a_run_that_fails_within_its_first_row_keeps_the_start() -> None:
     limits = ("run.max_steps=100", "run.time_samples=10", 'circuit.duration="50 s"')
     solution = api.simulate(startup_case(*limits))

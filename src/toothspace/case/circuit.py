@@ -123,8 +123,20 @@ class Hose(KeyTable):
         default="lumped",
     )
     cells: int = integer("Cells of a transmission line.", low=2, high=200, default=16)
+    wall_stiffening: float = number(
+        "Stiffness of the wall to fast changes over that at rest: rubber takes time to yield. In "
+        "one volume only.",
+        low=1,
+        high=10,
+        default=1.0,
+    )
+    wall_relaxation_time: float = quantity(
+        "s", "Time that the wall takes to yield fully.", above=0, high=100, default=0.05
+    )
 
     def __post_init__(self) -> None:
+        if self.carries_waves and self.wall_stiffening > 1.0:
+            raise KeyRuleError("wall_stiffening", f"{self.wall_stiffening:g}", "1 with waves")
         names = ("wall_thickness", "wall_modulus")
         if self.effective_bulk_modulus is None:
             require(self, "unless effective_bulk_modulus is given", *names)

@@ -18,6 +18,7 @@ from toothspace.core.errors import CaseError
 from toothspace.model.circuit_description import CircuitElement, CircuitNode
 
 _WALL_REFERENCE = 20e5
+_IN_WALL = 0.02
 
 
 @final
@@ -55,6 +56,44 @@ def wall_flexibility(hose: Hose, fluid: FluidLaw) -> float:
             f"allowed at most that of the liquid, {liquid / 1e9:.4g} GPa"
         )
     return 1.0 / hose.effective_bulk_modulus - 1.0 / liquid
+
+
+def yielding_wall(name: str, node: CircuitNode, hose: Hose, fluid: FluidLaw) -> LineParts:
+    r"""Part of the wall of a hose that yields late, behind a resistance.
+
+    Parameters
+    ----------
+    name : str
+        Name of the hose.
+    node : CircuitNode
+        Node that the hose belongs to.
+    hose : Hose
+        Hose with ``wall_stiffening`` s and ``wall_relaxation_time``.
+    fluid : FluidLaw
+        Constants of its fluid.
+
+    Returns
+    -------
+    LineParts
+        Node of the compliance :math:`C(1 - 1/s)` and the resistance that fills it in the
+        relaxation time; the node of the hose keeps :math:`C/s`.
+
+    Notes
+    -----
+    Standard linear solid. A fiftieth of the fluid stands in the wall's node.
+
+    References
+    ----------
+    .. [1] D. N. Johnston, T. M. Way, K. M. Cone, "Measured dynamic properties of flexible hoses",
+       J. Vibration and Acoustics 132, 2010, 021011: dynamic bulk moduli of hoses are
+       significantly and consistently above static ones.
+    """
+    volume = 0.25 * np.pi * hose.bore**2 * hose.length
+    late = volume * wall_flexibility(hose, fluid) * (1.0 - 1.0 / hose.wall_stiffening)
+    wall = CircuitNode(f"{name}:wall", node.pressure, _IN_WALL * volume, late)
+    resistance = hose.wall_relaxation_time / late
+    column = CircuitElement("resistance", node.name, wall.name, (resistance, 0.0))
+    return LineParts((wall,), (column,))
 
 
 def end_cell(hose: Hose, fluid: FluidLaw) -> LineCell:

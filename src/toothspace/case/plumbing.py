@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from toothspace.case import circuit as keys
-from toothspace.case.lines import LineCell, end_cell, line_parts, wall_flexibility
+from toothspace.case.lines import LineCell, end_cell, line_parts, wall_flexibility, yielding_wall
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.viscosity import dynamic_viscosity
 from toothspace.core.constants import ATMOSPHERIC_PRESSURE
@@ -83,6 +83,10 @@ def plumb(
     nodes = [
         _node(name, parts, ports.get(name, 0.0), start, fluid) for name, parts in members.items()
     ]
+    for name, hose in circuit.elements.items():
+        if isinstance(hose, keys.Hose) and hose.wall_stiffening > 1.0:
+            own = next(node for node in nodes if node.name == names[name, 0])
+            lines.append(yielding_wall(name, own, hose, fluid))
     return CircuitNetwork(
         nodes=(*nodes, *(node for line in lines for node in line.nodes)),
         elements=(
@@ -194,7 +198,7 @@ def _enlarge(node: CircuitNode, part: Any, fluid: FluidLaw) -> CircuitNode:
             gas_exponent=part.gas_exponent,
         )
     volume = 0.25 * np.pi * part.bore**2 * part.length
-    compliance = volume * wall_flexibility(part, fluid)
+    compliance = volume * wall_flexibility(part, fluid) / part.wall_stiffening
     return replace(
         node, volume=node.volume + volume, wall_compliance=node.wall_compliance + compliance
     )

@@ -137,7 +137,6 @@ def _first_set(effort: Effort) -> Evidence:
                 float(film),
                 "um",
                 0.0,
-                LARGEST_FILM,
                 words="Figs. 15 to 21: films of both interfaces",
             )
             for k, film in enumerate(mean)
