@@ -12,6 +12,8 @@ from sphinx.util.docutils import SphinxDirective
 
 from toothspace.cli.application import application
 
+KINDS = {"Path": "FILE", "int": "NUMBER", "float": "NUMBER", "str": "TEXT"}
+
 
 def commands() -> dict[str, Any]:
     """Every command of the program by its name."""
@@ -23,7 +25,8 @@ def shown(parameter: Any) -> str:
     names = ", ".join(f"`{name}`" for name in (*parameter.opts, *parameter.secondary_opts))
     if getattr(parameter, "is_flag", False):
         return names
-    return f"{names} `{parameter.metavar or parameter.bare_type.__name__.upper()}`"
+    kind = getattr(parameter.type_descriptor.annotation, "__name__", "TEXT")
+    return f"{names} `{parameter.metavar or KINDS.get(kind, kind.upper())}`"
 
 
 def default_of(parameter: Any) -> str:
