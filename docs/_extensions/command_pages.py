@@ -34,7 +34,7 @@ def default_of(parameter: Any) -> str:
     value = parameter.default
     plain = isinstance(value, str | int | float) or hasattr(value, "suffix")
     hidden = not plain or isinstance(value, bool) or not str(value)
-    return "" if hidden else f"; default `{value}`"
+    return "" if hidden else f" Default `{value}`."
 
 
 def markdown(name: str) -> str:
