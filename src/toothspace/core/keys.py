@@ -332,7 +332,7 @@ class Choice(Key):
             return self.former[raw]
         if not isinstance(raw, str) or raw not in self.options:
             self.fail(shown(raw))
-        return raw
+        return str(raw)
 
     def schema(self) -> Schema:
         return {"type": "string", "enum": [*self.options, *self.former]}
@@ -349,7 +349,7 @@ class Text(Key):
     def read(self, raw: Any, source: Source) -> str:
         if not isinstance(raw, str) or not raw.strip():
             self.fail(shown(raw))
-        return raw
+        return str(raw)
 
     def schema(self) -> Schema:
         return {"type": "string", "minLength": 1}
