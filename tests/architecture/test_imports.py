@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 HEAVY = {
-    "numba", "matplotlib", "scipy", "xarray", "pint", "shapely", "plotly", "trimesh", "ezdxf",
+    "numba", "matplotlib", "scipy", "xarray", "pint", "shapely", "trimesh", "ezdxf",
     "networkx", "OCP", "pandas",
 }  # fmt: skip
 
@@ -34,7 +34,7 @@ def test_start_is_light(module: str) -> None:
     assert not HEAVY & set(done.stdout.split())
 
 
-@pytest.mark.parametrize("hidden", ["OCP", "plotly", "matplotlib", "trimesh", "ezdxf"])
+@pytest.mark.parametrize("hidden", ["OCP", "matplotlib", "trimesh", "ezdxf"])
 def test_package_imports_without(hidden: str) -> None:
     done = run(IMPORT_ALL.format(hidden=hidden))
     assert done.returncode == 0, done.stderr

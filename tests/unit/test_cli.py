@@ -438,7 +438,7 @@ def test_values_of_numpy_become_json() -> None:
 
 
 def test_help_answers_without_what_is_heavy() -> None:
-    heavy = {"numpy", "numba", "scipy", "xarray", "pint", "matplotlib", "plotly", "shapely"}
+    heavy = {"numpy", "numba", "scipy", "xarray", "pint", "matplotlib", "shapely"}
     program = (
         "import sys\nfrom toothspace.cli import main\n"
         f"assert main(['--help']) == 0\nassert not {heavy!r} & set(sys.modules)\n"

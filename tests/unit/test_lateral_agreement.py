@@ -68,7 +68,8 @@ class _Chambers:
         factor = self.factors[-1]
         paths = np.array([[LEAKAGE * factor / (1.0 + factor / 300.0), 0.0]])
         data = xr.Dataset(
-            {"leakage": (("sample", "path"), paths)}, coords={"path": ["lateral", "drain"]}
+            {"equivalent_leakage": (("sample", "path"), paths)},
+            coords={"path": ["lateral", "drain"]},
         )
         return SimpleNamespace(data=data, status=Status.DONE)
 

@@ -73,7 +73,7 @@ class _Carrying:
                 "inlet_pressure": ("shaft_angle", np.full(5, 200e5)),
                 "outlet_pressure": ("shaft_angle", np.full(5, 1e5)),
                 "shaft_speed": ("shaft_angle", np.full(5, 157.0)),
-                "leakage": (over, np.full((2, 5), 4e-7 * factor)),
+                "equivalent_leakage": (over, np.full((2, 5), 4e-7 * factor)),
             },
             {"shaft_angle": angle, "path": [c.name for c in LATERAL_PATHS]},
         )

@@ -6,8 +6,11 @@ import xarray as xr
 
 from toothspace.results.ripple import (
     distinct_samples,
+    harmonics,
     high_pass,
     pressure_ripple,
+    pulsation_source,
+    resolved_spectrum,
     ripple_percent,
     spectrum,
 )
@@ -73,3 +76,36 @@ def test_high_pass_takes_low_orders_out() -> None:
     signal = 5.0 + 2.0 * np.cos(angle) + np.sin(2.0 * angle) + kept
     uniform, filtered = high_pass(angle, signal, 3.0)
     assert filtered == pytest.approx(0.3 * np.sin(12.0 * uniform), abs=1e-3)
+
+
+def test_spectrum_leaves_out_what_a_run_does_not_resolve() -> None:
+    angle = np.linspace(0.0, TURN, 721)[:-1]
+    noise = 1e-3 * np.cos(7.0 * angle)
+    assert resolved_spectrum(angle, 200.0 + noise).order.size == 0
+    assert list(resolved_spectrum(angle, 200.0 + noise + np.cos(12.0 * angle)).order) == [12.0]
+
+
+def test_harmonics_keep_amplitude_and_phase() -> None:
+    angle = np.linspace(0.0, TURN, 721)[:-1]
+    signal = 3.0 + 2.0 * np.cos(12.0 * angle + 0.3) + 0.5 * np.cos(24.0 * angle - 1.0)
+    found = harmonics(angle, signal, np.array([12.0, 24.0]))
+    assert found == pytest.approx([2.0 * np.exp(0.3j), 0.5 * np.exp(-1.0j)], abs=1e-9)
+
+
+def test_source_is_found_from_loads_of_known_impedance() -> None:
+    """A flow in parallel to a volume, against lines without friction that an orifice ends."""
+    frequency = 2.0 * np.pi * 300.0 * np.arange(1.0, 11.0)
+    flow = 8e-6 * np.exp(0.4j) / np.arange(1.0, 11.0)
+    inner = 1.0 / (1j * frequency * 50e-6 / 1.7e9)
+    pressures, flows = [], []
+    for length in (0.8, 1.1, 1.5):
+        wave, line, end = np.tan(frequency * length / 1300.0), 1.4e10, 3.3e11
+        load = line * (end + 1j * line * wave) / (line + 1j * end * wave)
+        pressures.append(flow / (1.0 / inner + 1.0 / load))
+        flows.append(pressures[-1] / load)
+    source = pulsation_source(np.array(pressures), np.array(flows))
+    assert source.flow == pytest.approx(flow, rel=1e-9)
+    assert source.impedance == pytest.approx(inner, rel=1e-9)
+    assert source.misfit == pytest.approx(0.0, abs=1e-9)
+    assert source.blocked_pressure == pytest.approx(flow * inner, rel=1e-9)
+    assert abs(source.pressure_into(1e30)) == pytest.approx(abs(flow * inner), rel=1e-6)

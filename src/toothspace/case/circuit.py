@@ -100,10 +100,9 @@ class PumpMap(SpeedHistory):
     )
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
-class Hose(KeyTable):
-    """``kind = "hose"``: line with an elastic wall."""
+class Line(KeyTable):
+    """Length, bore and wall of a line."""
 
     length: float = quantity("m", "Length.", above=0, high=1000)
     bore: float = quantity("mm", "Bore diameter.", above=0, high=500)
@@ -116,13 +115,33 @@ class Hose(KeyTable):
     wall_modulus: float | None = quantity(
         "GPa", "Elastic modulus of the wall.", above=0, high=300, default=None
     )
+    cells: int = integer("Cells of a transmission line.", low=2, high=200, default=16)
+
+    def __post_init__(self) -> None:
+        names = ("wall_thickness", "wall_modulus")
+        if self.effective_bulk_modulus is None:
+            require(self, "unless effective_bulk_modulus is given", *names)
+        else:
+            forbid(self, "because effective_bulk_modulus is given", *names)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class PortLine(Line):
+    """``[operating_point.line]``: line with waves between working port and load or source."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Hose(Line):
+    """``kind = "hose"``: line with an elastic wall."""
+
     model: str = choice(
         "One volume, or waves with friction that depends on frequency.",
         "lumped",
         "transmission_line",
         default="lumped",
     )
-    cells: int = integer("Cells of a transmission line.", low=2, high=200, default=16)
     wall_stiffening: float = number(
         "Stiffness of the wall to fast changes over that at rest: rubber takes time to yield. In "
         "one volume only.",
@@ -137,11 +156,7 @@ class Hose(KeyTable):
     def __post_init__(self) -> None:
         if self.carries_waves and self.wall_stiffening > 1.0:
             raise KeyRuleError("wall_stiffening", f"{self.wall_stiffening:g}", "1 with waves")
-        names = ("wall_thickness", "wall_modulus")
-        if self.effective_bulk_modulus is None:
-            require(self, "unless effective_bulk_modulus is given", *names)
-        else:
-            forbid(self, "because effective_bulk_modulus is given", *names)
+        super().__post_init__()
 
     @property
     def carries_waves(self) -> bool:

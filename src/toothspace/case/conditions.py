@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import final
 
+from toothspace.case.circuit import PortLine
 from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.core.frozen import Columns
 from toothspace.core.keys import (
@@ -89,10 +90,17 @@ class OperatingPoint(KeyTable):
     inlet_pressure: float = quantity("bar", "Absolute pressure.", above=0, high=1000)
     outlet_pressure: float = quantity("bar", "Absolute pressure.", above=0, high=1000)
     outlet_load: str = choice(
-        "Fixed pressure, or an orifice sized for the mean so that ripple is free.",
+        "Fixed pressure, or an orifice sized for the mean so that ripple is free; with a line, "
+        "at its far end.",
         "fixed_pressure",
         "orifice",
         default="fixed_pressure",
+    )
+    line: PortLine | None = table(
+        PortLine,
+        "Line with waves at the working port: from the outlet of a pump to its load, from a "
+        "source of constant pressure to the inlet of a motor.",
+        default=None,
     )
     shaft_radial_load: tuple[float, float] = declare(
         Row(items=(_FORCE, _FORCE), doc="External force on the shaft (x, y)."), (0.0, 0.0)

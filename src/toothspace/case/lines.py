@@ -8,14 +8,15 @@ from typing import final
 
 import numpy as np
 
-from toothspace.case.circuit import Hose
+from toothspace.case.circuit import Hose, Line, PortLine
 from toothspace.closures.bulk_modulus import liquid_bulk_modulus
 from toothspace.closures.density import mixture_density
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.line_friction import CRITICAL_REYNOLDS, memory_branches
 from toothspace.closures.viscosity import dynamic_viscosity
 from toothspace.core.errors import CaseError
-from toothspace.model.circuit_description import CircuitElement, CircuitNode
+from toothspace.model.circuit_description import CircuitElement, CircuitNetwork, CircuitNode
+from toothspace.model.ledger import PORT_NODES
 
 _WALL_REFERENCE = 20e5
 _IN_WALL = 0.02
@@ -39,7 +40,7 @@ class LineParts:
     columns: tuple[CircuitElement, ...]
 
 
-def wall_flexibility(hose: Hose, fluid: FluidLaw) -> float:
+def wall_flexibility(hose: Line, fluid: FluidLaw) -> float:
     """Relative growth of the bore area of a hose per pressure. [1/Pa].
 
     From wall modulus and thickness as a thin tube, d/(E t); or what the effective bulk modulus
@@ -96,14 +97,14 @@ def relaxed_wall(name: str, node: CircuitNode, hose: Hose, fluid: FluidLaw) -> L
     return LineParts((wall,), (column,))
 
 
-def end_cell(hose: Hose, fluid: FluidLaw) -> LineCell:
+def end_cell(hose: Line, fluid: FluidLaw) -> LineCell:
     """Half a cell, which belongs to the node at either end."""
     volume = 0.125 * np.pi * hose.bore**2 * hose.length / hose.cells
     return LineCell(volume, volume * wall_flexibility(hose, fluid))
 
 
 def line_parts(
-    name: str, hose: Hose, ends: tuple[str, str], pressure: float, fluid: FluidLaw
+    name: str, hose: Line, ends: tuple[str, str], pressure: float, fluid: FluidLaw
 ) -> LineParts:
     """Divide a line into cells joined by columns of fluid.
 
@@ -111,7 +112,7 @@ def line_parts(
     ----------
     name, ends : str
         Name of the line, which its inner nodes carry, and the nodes at its ends.
-    hose : Hose
+    hose : Line
         Size and wall.
     pressure : float
         Absolute pressure at the start, at which density and viscosity are taken. [Pa]
@@ -128,8 +129,36 @@ def line_parts(
     return LineParts(inner, columns)
 
 
+def line_at_port(
+    line: PortLine, port: str, volume: float, pressure: float, far_end: str, fluid: FluidLaw
+) -> CircuitNetwork:
+    """Circuit of one line at a port of the machine.
+
+    Parameters
+    ----------
+    line : PortLine
+        Size and wall.
+    port : str
+        ``inlet`` of a motor or ``outlet`` of a pump.
+    volume : float
+        Fluid in that port. [m3]
+    pressure : float
+        Absolute pressure at the start, and of a far end that is held. [Pa]
+    far_end : str
+        ``supply`` or ``load``, which hold the pressure, or another name for a free end.
+    fluid : FluidLaw
+        Constants of the fluid.
+    """
+    ends = (far_end, port) if port == "inlet" else (port, far_end)
+    parts, half = line_parts("line", line, ends, pressure, fluid), end_cell(line, fluid)
+    held = far_end in PORT_NODES
+    near = CircuitNode(port, pressure, volume + half.volume, half.wall_compliance)
+    far = CircuitNode(far_end, pressure, *((0.0,) if held else (half.volume, half.wall_compliance)))
+    return CircuitNetwork((near, far, *parts.nodes), parts.columns, supply_pressure=pressure)
+
+
 def _columns(
-    hose: Hose, names: list[str], pressure: float, fluid: FluidLaw
+    hose: Line, names: list[str], pressure: float, fluid: FluidLaw
 ) -> tuple[CircuitElement, ...]:
     gas = fluid.feed_gas_mass_fraction
     density = float(mixture_density(pressure, gas, fluid))
@@ -149,7 +178,14 @@ def _columns(
     )
 
 
-def _highest_rate(hose: Hose, density: float, fluid: FluidLaw) -> float:
+def characteristic_impedance(line: Line, pressure: float, fluid: FluidLaw) -> float:
+    """Pressure over flow of a wave in a line without friction, rho c / A. [Pa s/m3]."""
+    density = float(mixture_density(pressure, fluid.feed_gas_mass_fraction, fluid))
+    compliance = 1.0 / float(liquid_bulk_modulus(pressure, fluid)) + wall_flexibility(line, fluid)
+    return float(np.sqrt(density / compliance) / (0.25 * np.pi * line.bore**2))
+
+
+def _highest_rate(hose: Line, density: float, fluid: FluidLaw) -> float:
     """Angular frequency of the shortest wave that the cells can carry. [rad/s]."""
     liquid = 1.0 / float(liquid_bulk_modulus(_WALL_REFERENCE, fluid))
     speed = 1.0 / np.sqrt(density * (liquid + wall_flexibility(hose, fluid)))

@@ -226,6 +226,26 @@ class ContactSpanStudy(KeyTable):
 
 @final
 @dataclass(frozen=True, kw_only=True)
+class SourceRippleStudy(KeyTable):
+    """``kind = "source_ripple"``: source flow and source impedance from lines of two lengths."""
+
+    line_length: tuple[float, ...] = declare(
+        Grid(
+            item=QuantityKey(unit="m", above=0, high=1000),
+            doc="Lengths of operating_point.line, at least two; its cells keep their length.",
+        )
+    )
+    harmonics: int = integer(
+        "Harmonics of the tooth frequency, ISO 10767-1 asks for ten.", low=1, high=40, default=10
+    )
+
+    def __post_init__(self) -> None:
+        if len(set(self.line_length)) < 2:
+            raise KeyRuleError("line_length", f"{len(self.line_length)} length", "two or more")
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
 class CalibrateStudy(KeyTable):
     """``kind = "calibrate"``: fit keys of the case to measured columns."""
 
@@ -421,6 +441,7 @@ STUDIES: Mapping[str, type] = {
     "bearing_map": BearingMapStudy,
     "balance_sweep": BalanceSweepStudy,
     "contact_span": ContactSpanStudy,
+    "source_ripple": SourceRippleStudy,
     "calibrate": CalibrateStudy,
     "tolerance": ToleranceStudy,
     "optimise": OptimiseStudy,

@@ -125,7 +125,8 @@ def gear(
 def report(
     result: Annotated[Path, typer.Argument(metavar="RESULT.nc", help="Result of a run.")],
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="HTML file; default RESULT.html.")
+        Path | None,
+        typer.Option("-o", "--output", help="HTML or PDF by suffix; default RESULT.html."),
     ] = None,
     measured: Annotated[
         Path | None,
@@ -137,7 +138,7 @@ def report(
     ] = None,
     force: Force = False,
 ) -> int:
-    """Write a self-contained HTML report of a result."""
+    """Write the report of a result: a self-contained HTML page or a PDF document."""
     return commands.report(result, output, measured, force=force)
 
 

@@ -293,7 +293,7 @@ def _length(text: str | None, option: str) -> float | None:
 def report(
     result: Path, page: Path | None, measured: Path | None = None, *, force: bool = False
 ) -> int:
-    """Write the HTML report of a result; returns the exit code."""
+    """Write the report of a result as HTML or PDF; returns the exit code."""
     from toothspace.report import write_report
     from toothspace.results.io import load_solution
 

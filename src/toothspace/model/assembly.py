@@ -144,9 +144,10 @@ def assemble(
     free = _free_motions(description, condition)
     motion_map = _motion_map(description, condition, free)
     paths = description.paths
-    if condition.load_area > 0.0:
-        paths = (*paths, load_orifice(description, condition.load_area))
     places = node_places(description, condition)
+    if condition.load_area > 0.0:
+        ends = places[condition.load_node], places["load"]
+        paths = (*paths, load_orifice(*ends, condition.load_area))
     if condition.circuit:
         paths = (*paths, *circuit_orifices(condition.circuit, places))
     categories = categories_of(paths)
@@ -312,8 +313,8 @@ def _dynamic_index(description: MachineDescription, condition: OperatingConditio
     nodes = condition.circuit.nodes if condition.circuit else ()
     filled = [node.name for node in nodes if node.volume > 0.0]
     if condition.load_area > 0.0:
-        filled.append("outlet")
-    for k, place in enumerate(sorted(places[name] for name in filled)):
+        filled.append(condition.load_node)
+    for k, place in enumerate(sorted({places[name] for name in filled})):
         dynamic[place] = chambers + k
     return dynamic
 

@@ -25,6 +25,8 @@ class OperatingCondition:
     load_area : float
         Throat area of a load orifice behind the outlet volume; zero holds the outlet
         pressure constant. [m2]
+    load_node : str
+        Node that the load orifice drains: the outlet or the far end of a line.
     load_pressure : float
         Pressure behind the load orifice. [Pa]
     radial_load : tuple of float
@@ -52,6 +54,7 @@ class OperatingCondition:
     outlet_pressure: float
     drain_pressure: float = 1e5
     load_area: float = 0.0
+    load_node: str = "outlet"
     load_pressure: float = 1e5
     radial_load: tuple[float, float] = (0.0, 0.0)
     radial_motion: bool = True
@@ -61,6 +64,11 @@ class OperatingCondition:
     free_shaft: FreeShaft | None = None
     speed_schedule: Array = field(default_factory=lambda: np.zeros((0, 2)))
     shaft_angle: float = 0.0
+
+    @property
+    def over_time(self) -> bool:
+        """Whether speed or circuit are meant to change over time."""
+        return self.free_shaft is not None or len(self.speed_schedule) > 0
 
     @property
     def schedules(self) -> tuple[Array, Array]:

@@ -27,7 +27,7 @@ OPENINGS: tuple[PathRole, ...] = ("inlet_port", "outlet_port", "inlet_groove", "
 """Roles of paths that open chambers to ports."""
 
 LEAKAGES: tuple[PathRole, ...] = ("mesh", "lateral", "drain", "gap")
-"""Roles of paths whose flow is leakage."""
+"""Roles of paths through which fluid leaks to the low-pressure side."""
 
 
 @final
@@ -63,7 +63,7 @@ class PathCategory:
     @property
     def account_label(self) -> str:
         """Readable name of its loss in the energy ledger."""
-        kind = "throttling" if self.role in OPENINGS else "leakage"
+        kind = "throttling" if self.role in (*OPENINGS, "mesh") else "leakage"
         return f"{kind}, {self.label}"
 
 

@@ -27,14 +27,14 @@ _KINDS = {
 }
 
 
-def load_orifice(description: MachineDescription, area: float) -> FlowPath:
-    """Return the orifice between the outlet volume and the load. ``area``: [m2]."""
+def load_orifice(node: int, load: int, area: float) -> FlowPath:
+    """Return the orifice from the outlet volume, or the end of a line, to the load. [m2]."""
     return FlowPath(
         name="load_orifice",
         category=LOAD_ORIFICE,
         kind="orifice",
-        nodes_a=np.array([description.outlet_node]),
-        nodes_b=np.array([description.chamber_count + 3]),
+        nodes_a=np.array([node]),
+        nodes_b=np.array([load]),
         angle_ratio=1.0,
         phases=np.zeros(1),
         geometry=_constant_orifice(area),

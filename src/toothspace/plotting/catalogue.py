@@ -108,11 +108,20 @@ FIGURES: tuple[FigureEntry, ...] = (
     ),
     FigureEntry(
         "ripple",
-        "Flow and pressure at the working port and shaft torque over one turn, with spectra. "
-        "Grey bands: tooth frequency and its multiples.",
+        "Flow and pressure at the working port and shaft torque over one turn, with spectra of "
+        "peak amplitudes down to what the run resolves, 2e-4 of the mean. Grey bands: tooth "
+        "frequency and its multiples.",
         "ripple",
         waveforms.ripple_and_spectrum,
         ("inlet_flow_rate", "outlet_flow_rate", "shaft_torque"),
+        sampled="turn",
+    ),
+    FigureEntry(
+        "bearing_forces",
+        "Force that the bearings of each gear carry over one turn, with its spectrum.",
+        "ripple",
+        waveforms.bearing_force_spectra,
+        ("journal_force", "journal_film_height"),
         sampled="turn",
     ),
     FigureEntry(
@@ -171,6 +180,14 @@ FIGURES: tuple[FigureEntry, ...] = (
         "Volume of a tooth space and its exact derivative. The smallest volume is in the mesh.",
         "geometry",
         _of_machine(lambda _, machine: geometry.volumes(machine)),
+        needs_machine=True,
+    ),
+    FigureEntry(
+        "groove_timing",
+        "Groove timing: ports and grooves that every tooth space is open to over one turn, and "
+        "openings with the trapped volume where it is smallest.",
+        "geometry",
+        _of_machine(lambda _, machine: geometry.groove_timing(machine)),
         needs_machine=True,
     ),
     FigureEntry(

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from toothspace.model.description import ChamberFamily, MachineDescription
+from toothspace.model.path_category import PathCategory
 from toothspace.plotting.style import (
     CYCLE,
+    INK,
+    LIGHT,
     angle_axis,
     new_figure,
     readable,
     styled,
 )
-from toothspace.plotting.windows import opening_area, openings_of
+from toothspace.plotting.windows import opening_area, opening_windows, openings_of
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 
@@ -65,6 +70,82 @@ def openings(description: MachineDescription) -> Figure:
     if all_axes[0].get_legend_handles_labels()[0]:
         figure.legend(*all_axes[0].get_legend_handles_labels(), loc="outside upper right", ncols=4)
     return figure
+
+
+@styled
+def groove_timing(description: MachineDescription) -> Figure:
+    """When every tooth space is open to which port over one turn of the shaft, and its volume.
+
+    One row for each tooth space of the first family that ports open; a row without a bar at an
+    angle is sealed there. Below, openings and volume of the first one about its smallest volume.
+    """
+    family = next(f for f in description.families if _has_ports(description, f))
+    figure = new_figure(7.2, 7.4)
+    rows, below = figure.subplots(2, 1, height_ratios=(3, 2))
+    shown = [c for c in openings_of(description) if opening_windows(description, family, c)]
+    for k, phase in enumerate(family.phases):
+        for j, category in enumerate(shown):
+            for start, end in opening_windows(description, family, category):
+                for first, width in _at_shaft(family, float(phase), start, end):
+                    place = (k + 0.22 * (j - 0.5 * (len(shown) - 1)) - 0.1, 0.2)
+                    rows.broken_barh([(first, width)], place, color=category.colour)
+    rows.set_yticks(range(family.count), [str(k) for k in range(family.count)])
+    rows.set_ylabel(f"{readable(family.name)} space")
+    rows.set_title("Openings of every tooth space")
+    rows.grid(visible=False, axis="y")
+    angle_axis(rows)
+    _draw_mesh_window(below, description, family, shown)
+    handles = [below.plot([], [], color=c.colour, linewidth=5.0)[0] for c in shown]
+    labels = [readable(c.label) for c in shown]
+    figure.legend(handles, labels, loc="outside upper right", ncols=4)
+    return figure
+
+
+def _at_shaft(
+    family: ChamberFamily, phase: float, start: float, end: float
+) -> list[tuple[float, float]]:
+    """Shaft angles [deg] within one turn, and widths, of a window of a chamber's own angle."""
+    ratio, period = family.angle_ratio, family.volume.period
+    found = []
+    for turn in range(-2, 3):
+        first = np.degrees((start - phase + turn * period) / ratio)
+        last = first + np.degrees((end - start) / ratio)
+        low, high = max(float(first), 0.0), min(float(last), 360.0)
+        if high > low:
+            found.append((low, high - low))
+    return found
+
+
+def _draw_mesh_window(
+    axes: Axes,
+    description: MachineDescription,
+    family: ChamberFamily,
+    shown: Sequence[PathCategory],
+) -> None:
+    """Openings and volume of a chamber about the angle of its smallest volume."""
+    period = family.volume.period
+    fine = np.linspace(0.0, period, 1441)
+    middle = float(fine[np.argmin(family.volume(fine)[:, 0])])
+    half = min(0.5 * period, 1.5 * period / family.count)
+    angle = np.linspace(-half, half, 721)
+    own = np.mod(middle + angle, period)
+    degrees = np.degrees(angle / family.angle_ratio)
+    sealed = np.ones(angle.size, dtype=bool)
+    for category in shown:
+        area = opening_area(description, family, category, own) * 1e6
+        sealed &= area <= 0.0
+        axes.plot(degrees, area, color=category.colour)
+    axes.set_ylim(bottom=0.0)
+    axes.fill_between(
+        degrees, 0.0, 1.0, where=sealed, transform=axes.get_xaxis_transform(), color=LIGHT
+    )
+    axes.set_ylabel("Open area (mm²)")
+    axes.set_xlabel("Shaft angle from the smallest volume (deg); shaded: sealed from both ports")
+    twin = axes.twinx()
+    twin.plot(degrees, family.volume(own)[:, 0] * 1e9, color=INK, linestyle="--")
+    twin.set_ylabel("Volume (mm³), dashed")
+    twin.set_ylim(bottom=0.0)
+    twin.grid(visible=False)
 
 
 def _has_ports(description: MachineDescription, family: ChamberFamily) -> bool:

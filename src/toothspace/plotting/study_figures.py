@@ -12,6 +12,7 @@ from toothspace.core.types import Array
 from toothspace.plotting.bearing_figures import balance_figures, map_figures
 from toothspace.plotting.contact_figures import contact_span_figures
 from toothspace.plotting.lateral_figures import StudyFigure, hysteresis_figures, nose_figures
+from toothspace.plotting.source_figures import source_figures
 from toothspace.plotting.style import (
     BLUE,
     GREY,
@@ -382,6 +383,7 @@ _FIGURES: Mapping[str, Callable[..., list[StudyFigure]]] = {
     "bearing_map": map_figures,
     "calibrate": _calibrate,
     "contact_span": contact_span_figures,
+    "source_ripple": source_figures,
     "efficiency_map": _efficiency_map,
     "hysteresis": hysteresis_figures,
     "nose_pressure": nose_figures,

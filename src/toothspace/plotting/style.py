@@ -5,7 +5,8 @@ from __future__ import annotations
 import functools
 import io
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, ParamSpec
 
@@ -116,6 +117,18 @@ def figure_to_svg(figure: Figure) -> str:
 
 def _shortened(outline: re.Match[str]) -> str:
     return re.sub(r"(\.\d\d)\d+", r"\1", outline.group())
+
+
+@contextmanager
+def pdf_pages(path: str | Path, title: str) -> Iterator[Callable[[Figure], None]]:
+    """Open a PDF file; the function that it gives adds a figure as a page."""
+    import matplotlib as mpl
+    from matplotlib.backends.backend_pdf import PdfPages
+
+    rc = {**_RC, "pdf.fonttype": 42}
+    facts = {"Title": title, "CreationDate": None}
+    with mpl.rc_context(rc), PdfPages(path, metadata=facts) as pages:  # type: ignore[arg-type]
+        yield pages.savefig
 
 
 def save_figure(figure: Figure, path: str | Path) -> Path:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,9 +22,10 @@ from toothspace.plotting.style import (
 )
 from toothspace.plotting.windows import opening_windows, openings_of
 from toothspace.results.ripple import (
+    AGREEMENT,
     pulsating_side,
+    resolved_spectrum,
     ripple_percent,
-    spectrum,
     whole_revolutions,
     working_side,
 )
@@ -110,7 +112,7 @@ def _mark_windows(axes: Axes, description: MachineDescription, family: ChamberFa
 def ripple_and_spectrum(
     solution: Solution, description: MachineDescription | None = None
 ) -> Figure:
-    """Flow, pressure and torque over one turn, each with its spectrum in shaft orders."""
+    """Flow, pressure and torque over one turn, each with its spectrum in orders and Hz."""
     data = solution.data
     side, port = working_side(data), pulsating_side(data)
     rows = (
@@ -118,19 +120,53 @@ def ripple_and_spectrum(
         (f"{port}_pressure", f"{readable(port)} pressure (bar)", 1.0 / _BAR, ORANGE),
         ("shaft_torque", "Shaft torque (N m)", 1.0, GREEN),
     )
+    signals = [(factor * np.asarray(data[name]), label, c) for name, label, factor, c in rows]
+    return _waves_and_spectra(solution, description, signals)
+
+
+@styled
+def bearing_force_spectra(
+    solution: Solution, description: MachineDescription | None = None
+) -> Figure:
+    """Force of the journal bearings on every body that they carry over one turn, its spectrum."""
+    data = solution.data
+    signals = [
+        (
+            np.linalg.norm(np.asarray(data["journal_force"].sel(body=body)), axis=1) / 1e3,
+            label,
+            color,
+        )
+        for body, label, color in (
+            (body, f"{readable(str(body))} (kN)", color)
+            for body, color in zip(data["journal"].values, (BLUE, ORANGE, GREEN), strict=False)
+        )
+    ]
+    return _waves_and_spectra(solution, description, signals)
+
+
+def _waves_and_spectra(
+    solution: Solution,
+    description: MachineDescription | None,
+    signals: Sequence[tuple[Array, str, str]],
+) -> Figure:
+    """One row for each signal, with its label and colour."""
     teeth = description.families[0].count if description is not None else None
-    figure = new_figure(7.2, 6.4)
-    grid = figure.subplots(3, 2, width_ratios=(3, 2))
-    angle = np.asarray(data["shaft_angle"])
-    for (left, right), (name, label, factor, color) in zip(grid, rows, strict=True):
-        signal = factor * np.asarray(data[name])
+    figure = new_figure(7.6, 1.0 + 1.9 * len(signals))
+    grid = figure.subplots(len(signals), 2, width_ratios=(3, 2), squeeze=False)
+    angle = np.asarray(solution.data["shaft_angle"])
+    for (left, right), (signal, label, color) in zip(grid, signals, strict=True):
         _waveform(left, angle, signal, label, color)
-        _order_bars(right, angle, signal, label, color, teeth)
-    grid[0][0].set_title("One turn")
-    grid[0][1].set_title("Spectrum")
-    angle_axis(grid[2][0])
-    grid[2][1].set_xlabel("Shaft order (-)")
+        _order_bars(right, angle, signal, color, teeth)
+    angle_axis(grid[-1][0])
+    grid[-1][1].set_xlabel("Shaft order (-)")
+    hertz = float(np.mean(solution.data["shaft_speed"])) / (2.0 * np.pi)
+    top = grid[0][1].secondary_xaxis("top", functions=(_times(hertz), _times(1.0 / hertz)))
+    top.set_xlabel("Frequency (Hz)")
     return figure
+
+
+def _times(factor: float) -> Callable[[Array], Array]:
+    return lambda values: values * factor
 
 
 def _waveform(axes: Axes, angle: Array, signal: Array, label: str, color: str) -> None:
@@ -141,25 +177,32 @@ def _waveform(axes: Axes, angle: Array, signal: Array, label: str, color: str) -
     axes.axhline(float(np.mean(values)), color=GREY, linewidth=0.8, linestyle="--")
     axes.set_ylabel(label)
     angle_axis(axes, label="")
-    if np.ptp(values) < 1e-6 * max(abs(float(np.mean(values))), 1e-30):
+    mean = float(np.mean(values))
+    if np.ptp(values) < AGREEMENT * max(abs(mean), 1e-30):
         axes.set_ylim(0.0, 1.2 * float(np.max(values)) or 1.0)
-    relative = f" ({ripple_percent(values):.2f} %)" if "bar" not in label else ""
-    note = f"mean {np.mean(values):.4g}, peak to peak {np.ptp(values):.3g}{relative}"
-    axes.text(1.0, 1.02, note, transform=axes.transAxes, ha="right", fontsize=7.5, color=GREY)
+        note = f"held at {mean:.4g}"
+    else:
+        note = f"mean {mean:.4g}, peak to peak {np.ptp(values):.3g}"
+        note += f" ({ripple_percent(values):.3g} %)" if "bar" not in label else ""
+    axes.text(0.0, 1.02, note, transform=axes.transAxes, ha="left", fontsize=7.5, color=GREY)
 
 
-def _order_bars(
-    axes: Axes, angle: Array, signal: Array, label: str, color: str, teeth: int | None
-) -> None:
-    result = spectrum(angle, signal)
-    shown = (result.order > 0.5) & (result.order <= (6 * teeth + 1 if teeth else 100))
-    for k in range(1, 7 if teeth else 1):
-        axes.axvline(k * (teeth or 0), color=LIGHT, linewidth=5.0, zorder=0)
-    axes.vlines(result.order[shown], 0.0, result.amplitude[shown], color=color, linewidth=1.6)
+def _order_bars(axes: Axes, angle: Array, signal: Array, color: str, teeth: int | None) -> None:
+    """Amplitudes above what two revolutions that agree can differ by."""
+    result = resolved_spectrum(angle, signal)
+    end = 10.5 * teeth if teeth else 100.0
+    for k in range(1, 11 if teeth else 1):
+        axes.axvline(k * (teeth or 0), color=LIGHT, linewidth=4.0, zorder=0)
+    axes.vlines(result.order, 0.0, result.amplitude, color=color, linewidth=1.8)
     if teeth:
-        axes.set_xticks([k * teeth for k in range(7)])
-    axes.set_ylim(bottom=0.0, top=1.1 * float(np.max(result.amplitude[shown])) or 1.0)
-    axes.set_ylabel("Amplitude (" + label.rsplit("(", maxsplit=1)[1])
+        axes.set_xticks([k * teeth for k in range(0, 11, 2)])
+    axes.set_xlim(0.0, end)
+    top = float(np.max(result.amplitude, initial=0.0))
+    axes.set_ylim(0.0, 1.1 * top or 1.0)
+    if not top:
+        axes.set_yticks([])
+        axes.text(0.5, 0.5, "no ripple", transform=axes.transAxes, ha="center", color=GREY)
+    axes.set_ylabel("Amplitude")
 
 
 @styled

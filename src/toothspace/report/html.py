@@ -1,4 +1,4 @@
-"""One self-contained HTML file per result, that opens without a network."""
+"""Report of a result: one self-contained HTML page or PDF document."""
 
 from __future__ import annotations
 
@@ -12,11 +12,14 @@ from toothspace.model.description import MachineDescription
 from toothspace.plotting.catalogue import FigureEntry, available_figures
 from toothspace.plotting.startup import speed_and_pressure
 from toothspace.plotting.style import figure_to_svg
-from toothspace.report import charts
+from toothspace.report.charts import turning_section
+from toothspace.report.document import write_document
+from toothspace.report.limits import limits_of
 from toothspace.report.machine import machine_of
+from toothspace.report.page import render
 from toothspace.report.verdict import verdict, warnings_of
 from toothspace.report.wording import LabelledNumber, format_value, quantity
-from toothspace.results.ledger import NOTE_ENTRIES, power_ledger
+from toothspace.results.ledger import NOTE_ENTRIES, LossCause, loss_causes, power_ledger
 from toothspace.results.solution import Solution
 from toothspace.simulation.presets import INTERFACES, MODELS, models_of
 
@@ -24,7 +27,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Measured = Mapping[str, Array]
-_TEMPLATES = Path(__file__).parent / "templates"
 
 _KEY_NUMBERS = (
     "mean_flow_L_per_min",
@@ -33,6 +35,7 @@ _KEY_NUMBERS = (
     "volumetric_efficiency",
     "hydromechanical_efficiency",
     "flow_ripple_percent",
+    "pressure_ripple_bar",
     "max_chamber_pressure_bar",
     "outlet_temperature_degC",
 )
@@ -51,11 +54,14 @@ _TRANSIENT_NUMBERS = (
 _CHAPTERS: Mapping[str, str] = {
     "time": "Course over time",
     "pressure": "Pressures",
-    "ripple": "Ripple",
+    "ripple": "Ripple and spectra",
     "bodies": "Gears, bearings and casing",
     "losses": "Losses",
     "geometry": "Geometry over the angle",
 }
+
+_RENAMED = {"flow_ripple_percent": "kinematic_flow_ripple_percent"}
+"""Numbers of the geometry whose name the run uses for its own result."""
 
 _PROVENANCE_TEXTS = ("case_toml", "warnings")
 
@@ -73,7 +79,7 @@ def write_report(
     solution : Solution
         Result, complete or not.
     path : str or Path
-        HTML file to write.
+        File to write: a PDF document where it ends on ``.pdf``, else an HTML page.
     description : MachineDescription, optional
         The machine, for its section, design rules, volumes and openings; rebuilt from the
         case in the result if it is not given.
@@ -91,6 +97,10 @@ def write_report(
     note = ""
     if description is None:
         description, note = machine_of(solution)
+    if target.suffix.lower() == ".pdf":
+        contents = report_contents(solution, description, note)
+        figures = figures_of(solution, description, measured)
+        return write_document(target, contents, [(e.caption, figure) for e, figure in figures])
     return write_text(target, report_html(solution, description, note, measured))
 
 
@@ -113,28 +123,29 @@ def report_html(
     measured : mapping, optional
         As for :func:`write_report`.
     """
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
-    from plotly.offline import get_plotlyjs
-
-    environment = Environment(
-        loader=FileSystemLoader(_TEMPLATES),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    template = environment.get_template("report.html.j2")
+    contents = report_contents(solution, description, note)
     chapters = _chapters(solution, description, measured)
-    interactive = any(chapter["charts"] for chapter in chapters)
-    return template.render(
-        plotly_script=get_plotlyjs() if interactive else "",
-        style=(_TEMPLATES / "report.css").read_text(encoding="utf-8"),
-        chapters=chapters,
+    return render("report.html.j2", chapters=chapters, **contents)
+
+
+def report_contents(
+    solution: Solution, description: MachineDescription | None, note: str = ""
+) -> dict[str, Any]:
+    """Return the numbers and texts of a report by name, as page and document show them."""
+    limits = limits_of(solution, description)
+    exceeded = [
+        f"{x.label} is {x.value}, allowed {x.allowed} ({x.source})."
+        for x in limits
+        if x.verdict == "exceeded"
+    ]
+    warnings = [*warnings_of(solution, description), *exceeded, *([note] if note else [])]
+    return {
         **_numbers(solution),
         **_machine(solution, description),
         **_background(solution),
-        warnings=[*warnings_of(solution, description), *([note] if note else [])],
-    )
+        "limits": limits,
+        "warnings": warnings,
+    }
 
 
 def _numbers(solution: Solution) -> dict[str, Any]:
@@ -154,9 +165,37 @@ def _numbers(solution: Solution) -> dict[str, Any]:
         "status": solution.status,
         "key_numbers": [quantity(n, summary[n]) for n in key_numbers if n in summary],
         "summary": {name: quantity(name, value) for name, value in summary.items()},
+        "causes": _causes(solution, summary),
         "ledger_rows": rows,
         "ledger_notes": notes,
     }
+
+
+def _causes(solution: Solution, summary: Mapping[str, object]) -> list[dict[str, Any]]:
+    """Losses by cause, each with its places, largest first; flows of the gaps that leak."""
+    groups: dict[str, list[LossCause]] = {}
+    for entry in loss_causes(solution.ledger):
+        groups.setdefault(entry.cause, []).append(entry)
+    found = []
+    for cause, entries in groups.items():
+        rows = [
+            {
+                "label": entry.label,
+                "power": format_value(entry.power),
+                "share": f"{100.0 * entry.share:.2f}",
+                "flow": _flow(summary, entry.account),
+            }
+            for entry in sorted(entries, key=lambda entry: -entry.power)
+        ]
+        power, share = (sum(getattr(e, name) for e in entries) for name in ("power", "share"))
+        total = {"power": format_value(power), "share": f"{100.0 * share:.2f}"}
+        found.append({"cause": cause, "rows": rows, "size": power, **total})
+    return sorted(found, key=lambda group: -float(group["size"]))
+
+
+def _flow(summary: Mapping[str, object], account: str) -> str:
+    value = summary.get(f"leakage_{account}_L_per_min") if account else None
+    return format_value(round(value, 5)) if isinstance(value, float) else ""
 
 
 def _machine(solution: Solution, description: MachineDescription | None) -> dict[str, Any]:
@@ -166,7 +205,11 @@ def _machine(solution: Solution, description: MachineDescription | None) -> dict
         "title": attributes.get("title") or "Simulation of a hydraulic gear machine",
         "machine": str(attributes.get("machine", "")).replace("_", " "),
         "mode": attributes.get("mode", ""),
-        "geometry": [quantity(k, v) for k, v in numbers.items() if not isinstance(v, list | tuple)],
+        "geometry": [
+            quantity(_RENAMED.get(k, k), v)
+            for k, v in numbers.items()
+            if not isinstance(v, list | tuple)
+        ],
         "checks": [
             (check, _check_value(check.name, check.value, check.unit))
             for check in (description.checks if description else ())
@@ -204,25 +247,33 @@ def _background(solution: Solution) -> dict[str, Any]:
     }
 
 
+def figures_of(
+    solution: Solution, description: MachineDescription | None, measured: Measured | None = None
+) -> list[tuple[FigureEntry, Figure]]:
+    """Return all figures of a result in the order of the chapters."""
+    entries = available_figures(solution, description)
+    return [
+        (entry, _drawn(entry, solution, description, measured))
+        for key in _CHAPTERS
+        for entry in entries
+        if entry.chapter == key
+    ]
+
+
 def _chapters(
     solution: Solution, description: MachineDescription | None, measured: Measured | None
 ) -> list[dict[str, Any]]:
-    entries = available_figures(solution, description)
-    interactive = _interactive(solution, description)
+    figures = figures_of(solution, description, measured)
+    names = {entry.name for entry, _ in figures}
+    turning = ""
+    if description is not None and "gear_section" in names:
+        turning = turning_section(solution, description)
     chapters = []
     for key, title in _CHAPTERS.items():
-        figures = [
-            (
-                entry.name,
-                entry.caption,
-                figure_to_svg(_drawn(entry, solution, description, measured)),
-            )
-            for entry in entries
-            if entry.chapter == key
-        ]
-        shown = interactive if key == "pressure" else []
-        if figures or shown:
-            chapters.append({"key": key, "title": title, "figures": figures, "charts": shown})
+        shown = [(e.name, e.caption, figure_to_svg(f)) for e, f in figures if e.chapter == key]
+        if shown:
+            picture = turning if key == "pressure" else ""
+            chapters.append({"key": key, "title": title, "figures": shown, "turning": picture})
     return chapters
 
 
@@ -235,23 +286,3 @@ def _drawn(
     if measured and entry.name == "speed_and_pressure":
         return speed_and_pressure(solution, description, measured)
     return entry.draw(solution, description)
-
-
-def _interactive(
-    solution: Solution, description: MachineDescription | None
-) -> list[tuple[str, str]]:
-    """Charts to play with, as HTML and caption."""
-    if "chamber_pressure" not in solution.data or "shaft_angle" not in solution.data.sizes:
-        return []
-    names = {entry.name for entry in available_figures(solution, description)}
-    shown = []
-    if description is not None and "gear_section" in names:
-        chart = charts.turning_section_chart(solution, description)
-        caption = (
-            "The machine over one tooth pitch: press Turn or move the slider; hover for values."
-        )
-        shown.append((charts.chart_html(chart, "turning_section"), caption))
-    chart = charts.chamber_pressure_chart(solution)
-    caption = "Pressure in the chambers over the shaft angle: click in the legend, drag to zoom."
-    shown.append((charts.chart_html(chart, "chamber_pressures"), caption))
-    return shown

@@ -9,10 +9,10 @@ from typing import Any
 from toothspace.core.files import write_text
 from toothspace.plotting.study_figures import study_figures
 from toothspace.plotting.style import figure_to_svg
+from toothspace.report.page import render
 from toothspace.report.wording import LabelledNumber, format_value, quantity
 from toothspace.studies.study import StudyResult, StudyTable
 
-_TEMPLATES = Path(__file__).parent / "templates"
 _LONGEST_TABLE = 400
 _WIDEST_TABLE = 12
 
@@ -39,25 +39,16 @@ def write_study_report(result: StudyResult, path: str | Path) -> Path:
 
 def study_report_html(result: StudyResult) -> str:
     """Return the page of a study as HTML text."""
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
-    environment = Environment(
-        loader=FileSystemLoader(_TEMPLATES),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
     figures = study_figures(result.kind, result.data)
     provenance = {k: v for k, v in result.provenance.items() if k != "case_toml"}
-    return environment.get_template("study.html.j2").render(
+    return render(
+        "study.html.j2",
         title=result.title,
         kind=result.kind.replace("_", " "),
         status=result.status,
         numbers=_numbers(result),
         figures=[(f.name, f.caption, figure_to_svg(f.figure)) for f in figures],
         tables=[_table(table) for table in result.tables],
-        style=(_TEMPLATES / "report.css").read_text(encoding="utf-8"),
         provenance=[(k.replace("_", " "), v or "none") for k, v in provenance.items()],
         case_toml=result.provenance.get("case_toml", ""),
     )

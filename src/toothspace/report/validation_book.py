@@ -12,12 +12,12 @@ import toothspace
 from toothspace.core.files import write_text
 from toothspace.plotting.film_maps import HEIGHT, point_maps
 from toothspace.plotting.style import BLUE, ORANGE, figure_to_svg, new_figure, styled
+from toothspace.report.page import render
 from toothspace.validation.claim import ComparedCurve, ComparedValue, Evidence, Examined
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_TEMPLATES = Path(__file__).parent / "templates"
 _FEW = 12
 """Points up to which each is marked."""
 _VERDICTS = ("pass", "fail", "cannot be had")
@@ -57,23 +57,14 @@ def write_book(examined: Sequence[Examined], path: Path) -> Path:
     path : Path
         HTML file.
     """
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
-    environment = Environment(
-        loader=FileSystemLoader(_TEMPLATES),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    page = environment.get_template("validation.html.j2").render(
+    page = render(
+        "validation.html.j2",
         chapters=[
             {"source": source, "claims": [_shown(one) for one in found]}
             for source, found in groupby(examined, key=lambda one: one.claim.source)
         ],
         counts=_counts(examined),
         version=toothspace.__version__,
-        style=(_TEMPLATES / "report.css").read_text(encoding="utf-8"),
     )
     return write_text(path, page)
 

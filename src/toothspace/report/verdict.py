@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 
 from toothspace.model.description import MachineDescription
-from toothspace.results.ledger import power_ledger
+from toothspace.results.ledger import loss_causes, power_ledger
 from toothspace.results.solution import Solution
 
 
@@ -26,7 +26,7 @@ def verdict(solution: Solution) -> str:
     text = f"At {speed:.0f} rpm the {mode} {work}."
     if math.isfinite(overall):
         text += f" Overall efficiency is {100.0 * overall:.1f} %"
-        text += f" ({_efficiency_split(numbers)}){_largest_loss(solution)}."
+        text += f" ({_efficiency_split(numbers)}); {_causes(solution)}{_largest_loss(solution)}."
     return text
 
 
@@ -49,6 +49,16 @@ def _efficiency_split(numbers: Mapping[str, float | str]) -> str:
     volumetric = _number(numbers, "volumetric_efficiency")
     hydromechanical = _number(numbers, "hydromechanical_efficiency")
     return f"volumetric {100.0 * volumetric:.1f} %, hydromechanical {100.0 * hydromechanical:.1f} %"
+
+
+def _causes(solution: Solution) -> str:
+    """Points of efficiency that each cause takes, largest first."""
+    shares: dict[str, float] = {}
+    for entry in loss_causes(solution.ledger):
+        shares[entry.cause] = shares.get(entry.cause, 0.0) + 100.0 * entry.share
+    named = sorted(shares.items(), key=lambda item: -item[1])
+    parts = [f"{cause} {share:.1f}" for cause, share in named if share >= 0.05]
+    return f"lost points: {', '.join(parts)}" if parts else "no losses"
 
 
 def _largest_loss(solution: Solution) -> str:
@@ -78,6 +88,8 @@ def warnings_of(solution: Solution, description: MachineDescription | None) -> l
     if cavitating:
         times = "once" if cavitating == 1 else f"{cavitating} times"
         found.append(f"Cavitation begins {times} in the evaluation window; see events.")
+    if _number(solution.summary(), "overall_efficiency") < 0.0:
+        found.append("The machine delivers no power: losses exceed what is supplied.")
     found += _machine_warnings(description) if description is not None else []
     return list(dict.fromkeys(found))
 

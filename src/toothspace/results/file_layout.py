@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from toothspace.core.netcdf import write_dataset
 from toothspace.results.events import Event
-from toothspace.results.ledger import ENERGY_ENTRIES, Ledger
+from toothspace.results.ledger import ENERGY_ENTRIES, TRAPPED, Ledger
 from toothspace.results.variables import dataset_from
 
 STATISTICS = "statistics_"
@@ -86,7 +86,9 @@ def read_ledger(dataset: xr.Dataset) -> Ledger:
         shaft_angle=float(dataset["window_shaft_angle"]),
         mass=_by_label(dataset, "ledger_mass"),
         energy=energy,
-        path_losses={k: v for k, v in labels.items() if k not in ENERGY_ENTRIES},
+        path_losses={
+            k: v for k, v in labels.items() if k not in ENERGY_ENTRIES and not k.startswith(TRAPPED)
+        },
     )
 
 

@@ -56,8 +56,8 @@ CHANGE_ENTRIES: Mapping[str, str] = {
 """Energies kept in the machine over the window. [J]"""
 
 NOTE_ENTRIES: Mapping[str, str] = {
-    "load_orifice": "dissipated in the load, after the outlet",
-    "trapped_volume": "part of groove and mesh throttling while a chamber is sealed",
+    "load_orifice": "dissipated in line and load, beyond the port",
+    "trapped_volume": "trapping: groove and mesh throttling while a chamber is sealed",
 }
 """Reported beside the balance, not further entries of it. [J]"""
 
@@ -68,6 +68,19 @@ ENERGY_ENTRIES: Mapping[str, str] = {
     **NOTE_ENTRIES,
 }
 """All energy accounts with a readable name. [J]"""
+
+TRAPPED = "trapped_"
+"""Before the account of a flow path: the part of its loss while a chamber is sealed. [J]"""
+
+FRICTION_CAUSES: Mapping[str, tuple[str, ...]] = {
+    "journal bearings": ("journal_viscous", "journal_asperity"),
+    "faces of gears and bearings": ("lateral_viscous", "lateral_asperity"),
+    "sealing gaps": ("tip_shear",),
+    "mesh and contacts": ("mesh_friction", "contact_friction"),
+    "shaft seal": ("shaft_seal",),
+    "start-up": ("startup",),
+}
+"""Accounts of friction by interface."""
 
 
 @final
@@ -101,14 +114,16 @@ class Ledger:
     path_losses: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        known = {*ENERGY_ENTRIES, *self.path_losses}
+        known = {*ENERGY_ENTRIES, *self.path_losses, *(TRAPPED + k for k in self.path_losses)}
         unknown = (set(self.mass) - set(MASS_ENTRIES)) | (set(self.energy) - known)
         if unknown:
             raise KeyError(f"unknown ledger entries {sorted(unknown)}")
 
-    def with_note(self, name: str, energy: float) -> Ledger:
-        """Return the ledger with an energy reported beside the balance. [J]."""
-        return replace(self, energy={**self.energy, name: energy})
+    def with_trapping(self, energy: Mapping[str, float]) -> Ledger:
+        """Return the ledger with the trapped part of the losses of its flow paths noted. [J]."""
+        parts = {TRAPPED + name: value for name, value in energy.items()}
+        total = {"trapped_volume": sum(energy.values())}
+        return replace(self, energy={**self.energy, **parts, **total})
 
     @property
     def losses(self) -> Mapping[str, str]:
@@ -236,3 +251,58 @@ def power_ledger(ledger: Ledger) -> list[LedgerRow]:
     )
     rows += [row(n, s, "stored", e) for n, s, e in changes if e != 0.0]
     return [*rows, row("remainder", "unexplained remainder", "remainder", ledger.energy_remainder)]
+
+
+@final
+@dataclass(frozen=True)
+class LossCause:
+    """What one cause takes.
+
+    Parameters
+    ----------
+    cause : str
+        ``trapping``, ``throttling``, ``leakage``, ``friction`` or ``other``.
+    label : str
+        Where: gap, port or interface.
+    power : float
+        Mean power over the window. [W]
+    share : float
+        Power over the supplied power. [-]
+    account : str
+        Account of a gap that leaks, empty for others.
+    """
+
+    cause: str
+    label: str
+    power: float
+    share: float
+    account: str = ""
+
+
+def loss_causes(ledger: Ledger) -> list[LossCause]:
+    """Return all losses by cause; their sum is that of the ledger.
+
+    What ports, grooves and flanks throttle while a chamber is sealed from both ports is trapping;
+    a run over time does not tell it apart and books the flanks as throttling.
+    """
+    energy = ledger.energy
+    told = "trapped_volume" in energy
+    found = [("trapping", "fluid shut in the mesh", energy.get("trapped_volume", 0.0), "")]
+    for account, label in ledger.path_losses.items():
+        kind, where = label.split(", ", maxsplit=1)
+        cause = "leakage" if told and not account.startswith("throttle_") else kind
+        rest = energy.get(account, 0.0) - energy.get(TRAPPED + account, 0.0)
+        found.append((cause, where, rest, account if cause == "leakage" else ""))
+    for interface, accounts in FRICTION_CAUSES.items():
+        found.append(("friction", interface, sum(energy.get(n, 0.0) for n in accounts), ""))
+    booked = {name for accounts in FRICTION_CAUSES.values() for name in accounts}
+    others = [name for name in LOSS_ENTRIES if name not in booked]
+    found += [("other", LOSS_ENTRIES[name], energy.get(name, 0.0), "") for name in others]
+    shaft = ledger.shaft_energy
+    scale = (shaft if shaft >= 0.0 else -ledger.port_energy) or 1.0
+    time = ledger.duration or 1.0
+    return [
+        LossCause(cause, label, value / time, value / scale, account)
+        for cause, label, value, account in found
+        if value != 0.0
+    ]

@@ -14,7 +14,7 @@ import numpy as np
 from toothspace.core.constants import ZERO_CELSIUS
 from toothspace.model.path_category import DRAIN
 from toothspace.results import ripple
-from toothspace.results.ledger import Ledger
+from toothspace.results.ledger import Ledger, loss_causes
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 _LITRE_PER_MINUTE = 6e4
 _BAR = 1e5
 _TURN = 2.0 * np.pi
+_VAPOUR = 1e-4
 
 DRAIN_HEAT = (
     DRAIN.account,
@@ -142,10 +143,11 @@ def summary_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
         "torque_ripple_percent": ripple.torque_ripple_percent(data),
         "max_chamber_pressure_bar": float(np.max(pressure)) / _BAR,
         "min_chamber_pressure_bar": float(np.min(pressure)) / _BAR,
+        "cavitation_index_W": vapour_collapse_power(data),
         "mass_balance_error": ledger.mass_balance_error,
         "energy_balance_error": ledger.energy_balance_error,
     }
-    return {**numbers, **_operating_numbers(data, ledger), **_loss_numbers(data)}
+    return {**numbers, **_operating_numbers(data, ledger), **_loss_numbers(data, ledger)}
 
 
 def transient_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
@@ -200,13 +202,33 @@ def _film_temperature(data: xr.Dataset) -> dict[str, float]:
     return {"highest_film_temperature_degC": float(films.max()) - ZERO_CELSIUS}
 
 
-def _loss_numbers(data: xr.Dataset) -> dict[str, float]:
+def _loss_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
     leakage = means_by_label(data, "leakage")
     torque = means_by_label(data, "torque_loss")
+    causes = dict.fromkeys(("trapping", "throttling", "leakage", "friction", "other"), 0.0)
+    for entry in loss_causes(ledger):
+        causes[entry.cause] += entry.power
+    lost = lost_flow_rate(data, ledger)
+    flows = {f"leakage_{k}": v for k, v in leakage.items()}
+    flows |= {"lost_flow": lost, "mesh_exchange_flow": lost - sum(leakage.values())}
     return {
-        **{f"leakage_{k}_L_per_min": v * _LITRE_PER_MINUTE for k, v in leakage.items()},
+        **{f"power_loss_{cause}_W": power for cause, power in causes.items()},
+        **{f"{k}_L_per_min": v * _LITRE_PER_MINUTE for k, v in flows.items()},
         **{f"torque_loss_{k}_N_m": v for k, v in torque.items()},
     }
+
+
+def lost_flow_rate(data: xr.Dataset, ledger: Ledger) -> float:
+    """Flow that the volumetric efficiency lacks, at the density of the inlet. [m3/s].
+
+    Leakage through the gaps and the rest, ``mesh_exchange_flow``: what meshing chambers exchange
+    beyond the geometric displacement, and what all chambers keep or give back as they are
+    compressed, filled and emptied; negative where they give back.
+    """
+    density, motor = float(data["inlet_density"]), _is_motor(data)
+    mass = ledger.mass.get("inlet" if motor else "outlet", 0.0)
+    lost = density * float(data["displacement"]) * ledger.shaft_angle - mass
+    return _ratio(-lost if motor else lost, density * ledger.duration)
 
 
 def means_by_label(data: xr.Dataset, name: str) -> Mapping[str, float]:
@@ -229,6 +251,32 @@ def means_by_label(data: xr.Dataset, name: str) -> Mapping[str, float]:
     array = data[name].mean(str(data[name].dims[0]))
     labels = array[array.dims[0]].values
     return {str(label): float(value) for label, value in zip(labels, array.values, strict=True)}
+
+
+def vapour_collapse_power(data: xr.Dataset) -> float:
+    r"""Mean power that collapsing vapour sets free, an index of cavitation damage. [W].
+
+    Notes
+    -----
+    .. math:: P = \overline{\sum_i p_h \max\left(0, -\mathrm{d}V_{v,i}/\mathrm{d}t\right)}
+
+    with the vapour volume of every chamber and the high port pressure that drives its collapse.
+    Damage begins at a share of it that depends on material and place; without vapour it is zero.
+
+    References
+    ----------
+    .. [1] R. Fortes-Patella, J.-L. Reboud, L. Briancon-Marjollet, "A phenomenological and
+       numerical model for scaling the flow agressiveness in cavitation erosion", EROCAV
+       Workshop, Val de Reuil, 2004.
+    """
+    if "chamber_vapour_fraction" not in data or "chamber_volume" not in data:
+        return 0.0
+    fraction = np.asarray(data["chamber_vapour_fraction"])
+    vapour = np.where(fraction > _VAPOUR, fraction, 0.0) * np.asarray(data["chamber_volume"])
+    time = np.asarray(data["time"])
+    collapsed = float(np.sum(np.maximum(-np.diff(vapour, axis=0), 0.0)))
+    high = max(float(data[f"{port}_pressure"].mean()) for port in ripple.PORTS)
+    return _ratio(high * collapsed, float(time[-1] - time[0]))
 
 
 def _drain_heat(ledger: Ledger) -> float:

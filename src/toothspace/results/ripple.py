@@ -7,13 +7,16 @@ from typing import TYPE_CHECKING, final
 
 import numpy as np
 
-from toothspace.core.types import Array
+from toothspace.core.types import Array, ComplexArray
 
 if TYPE_CHECKING:
     import xarray as xr
 
+AGREEMENT = 2e-4
+"""Share of the mean by which revolutions that count as equal may differ: the floor of spectra."""
+
 _TURN = 2.0 * np.pi
-_PORTS = ("inlet", "outlet")
+PORTS = ("inlet", "outlet")
 
 
 @final
@@ -100,6 +103,100 @@ def spectrum(shaft_angle: Array, signal: Array) -> Spectrum:
     return Spectrum(order, amplitude, phase)
 
 
+def resolved_spectrum(shaft_angle: Array, signal: Array) -> Spectrum:
+    """Spectrum without the mean and without amplitudes below :data:`AGREEMENT` of it."""
+    found = spectrum(shaft_angle, signal)
+    floor = AGREEMENT * max(abs(float(np.mean(signal))), np.finfo(float).tiny)
+    kept = (found.order > 0.5) & (found.amplitude > floor)
+    return Spectrum(found.order[kept], found.amplitude[kept], found.phase[kept])
+
+
+def harmonics(shaft_angle: Array, signal: Array, orders: Array) -> ComplexArray:
+    """Complex amplitudes of a periodic signal at shaft orders, phases of the cosine.
+
+    Parameters
+    ----------
+    shaft_angle, signal : ndarray, shape (samples,)
+        As for :func:`spectrum`. [rad], [any unit]
+    orders : ndarray
+        Orders; the nearest resolved ones are taken. [-]
+
+    Returns
+    -------
+    ndarray of complex
+        Peak amplitudes. [unit of the signal]
+    """
+    found = spectrum(shaft_angle, signal)
+    places = np.argmin(np.abs(found.order[:, None] - np.asarray(orders)), axis=0)
+    return np.asarray(found.amplitude[places] * np.exp(1j * found.phase[places]))
+
+
+@final
+@dataclass(frozen=True)
+class PulsationSource:
+    """A pump or motor as a source of pulsation, one entry for each harmonic.
+
+    Parameters
+    ----------
+    flow : ndarray of complex
+        Flow ripple that it would drive into a circuit without impedance. [m3/s]
+    impedance : ndarray of complex
+        Source impedance, in parallel to that flow. [Pa s/m3]
+    misfit : ndarray
+        Root mean square of what the loads leave unexplained, over the source flow; zero with
+        two loads. [-]
+    """
+
+    flow: ComplexArray
+    impedance: ComplexArray
+    misfit: Array
+
+    @property
+    def blocked_pressure(self) -> ComplexArray:
+        """Pressure ripple into a circuit of infinite impedance. [Pa]."""
+        return np.asarray(self.flow * self.impedance)
+
+    def pressure_into(self, load: complex) -> ComplexArray:
+        """Pressure ripple into a load impedance [Pa s/m3]; an endless line is anechoic. [Pa]."""
+        return np.asarray(self.flow / (1.0 / self.impedance + 1.0 / load))
+
+
+def pulsation_source(pressure: ComplexArray, flow: ComplexArray) -> PulsationSource:
+    r"""Source flow and source impedance from pressures and flows at a port against several loads.
+
+    Parameters
+    ----------
+    pressure, flow : ndarray of complex, shape (loads, harmonics)
+        Amplitudes at the port with at least two different loads. [Pa], [m3/s]
+
+    Returns
+    -------
+    PulsationSource
+        Source that fits all loads.
+
+    Notes
+    -----
+    Norton source :math:`Q = Q_s - P/Z_s` for every harmonic, by least squares over the loads.
+    Validity: small ripple, so that the machine answers linearly, at the same mean pressure.
+
+    References
+    ----------
+    .. [1] ISO 10767-1, *Hydraulic fluid power - Determination of pressure ripple levels generated
+       in systems and components*, part 1: its source flow, source impedance, blocked acoustic and
+       anechoic pressure ripple; there a second source changes the load, here the line does.
+    """
+    source, impedance, misfit = [], [], []
+    for p, q in zip(pressure.T, flow.T, strict=True):
+        scale = float(np.max(np.abs(p))) or 1.0
+        matrix = np.column_stack([np.ones_like(p), -p / scale])
+        found = np.linalg.lstsq(matrix, q, rcond=None)[0]
+        error = np.sqrt(np.mean(np.abs(matrix @ found - q) ** 2))
+        source.append(found[0])
+        impedance.append(scale / found[1] if found[1] != 0.0 else np.inf)
+        misfit.append(error / max(abs(found[0]), 1e-300))
+    return PulsationSource(np.array(source), np.array(impedance), np.array(misfit))
+
+
 def distinct_samples(data: xr.Dataset) -> xr.Dataset:
     """Leave out the last sample if it closes a whole number of revolutions.
 
@@ -130,9 +227,9 @@ def flow_ripple_percent(data: xr.Dataset) -> float:
 
 def pulsating_side(data: xr.Dataset) -> str:
     """Return the port with the larger pressure ripple; the working port if there is none."""
-    ptp = {side: float(np.ptp(np.asarray(data[f"{side}_pressure"]))) for side in _PORTS}
+    ptp = {side: float(np.ptp(np.asarray(data[f"{side}_pressure"]))) for side in PORTS}
     working = working_side(data)
-    other = next(side for side in _PORTS if side != working)
+    other = next(side for side in PORTS if side != working)
     return other if ptp[other] > ptp[working] else working
 
 

@@ -54,6 +54,12 @@ _ROWS: tuple[tuple[str, str, str, str], ...] = (
     ("shaft_torque", "sample", "N m", "Shaft torque, absorbed by a pump, delivered by a motor"),
     ("inlet_flow_rate", "sample", "m3/s", "Flow into the machine at inlet pressure"),
     ("outlet_flow_rate", "sample", "m3/s", "Flow out of the machine at outlet pressure"),
+    (
+        "line_flow_rate",
+        "sample",
+        "m3/s",
+        "Flow from the working port of a pump into its line or load, or from a line into a motor",
+    ),
     ("inlet_pressure", "sample", "Pa", "Absolute pressure at the inlet"),
     ("outlet_pressure", "sample", "Pa", "Absolute pressure at the outlet"),
     (
@@ -90,7 +96,13 @@ _ROWS: tuple[tuple[str, str, str, str], ...] = (
         "leakage",
         "sample path",
         "m3/s",
-        "Flow from high to low pressure that would lose the same power",
+        "Flow from the high to the low port, each by the share of the way that it falls",
+    ),
+    (
+        "equivalent_leakage",
+        "sample path",
+        "m3/s",
+        "Flow from the high to the low port that would lose the same power, trapping included",
     ),
     (
         "drag_torque",

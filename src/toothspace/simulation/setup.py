@@ -12,12 +12,16 @@ import numpy as np
 import toothspace
 from toothspace.case import Case
 from toothspace.case.circuit import ReliefValve
+from toothspace.case.lines import line_at_port
 from toothspace.case.plumbing import plumb, shaft_of, speed_of
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.errors import CaseError
 from toothspace.model.description import MachineDescription
 from toothspace.model.fluid import fluid_law, highest_pressure
 from toothspace.model.operating_point import OperatingCondition
+
+LINE_END = "line_end"
+"""Node at the far end of a line at the outlet, before its load."""
 
 _EXPECTED_PRESSURE = 50e5
 _BEYOND_BREAKAWAY = 1.5
@@ -104,11 +108,21 @@ def condition_of(case: Case, description: MachineDescription) -> OperatingCondit
     """Operating condition of a case, before a load orifice is sized."""
     point = case.operating_point
     assert point is not None
+    line, end, orifice = None, "outlet", point.outlet_load == "orifice"
+    if point.line is not None:
+        motor = description.mode == "motor"
+        port = "inlet" if motor else "outlet"
+        end = "supply" if motor else LINE_END if orifice else "load"
+        pressure = point.inlet_pressure if motor else point.outlet_pressure
+        volume = description.port_volumes[0 if motor else 1]
+        line = line_at_port(point.line, port, volume, pressure, end, fluid_of(case))
     return OperatingCondition(
         shaft_speed=point.shaft_speed,
         inlet_pressure=point.inlet_pressure,
         outlet_pressure=point.outlet_pressure,
         drain_pressure=description.drain_pressure,
+        load_node="outlet" if end == "supply" else end,
+        circuit=line,
         radial_load=point.shaft_radial_load,
         compliant_mesh=case.run.mesh == "elastic",
         relative_tolerance=case.run.relative_tolerance,

@@ -14,10 +14,11 @@ from toothspace.model.arrays import CLEARANCE
 from toothspace.model.assembly import System
 from toothspace.model.description import MachineDescription
 from toothspace.results.events import Event
+from toothspace.results.ripple import AGREEMENT
 from toothspace.solver.initial import start_state
 from toothspace.solver.integrator import March, Piece, start_march
 
-_CYCLIC_PRESSURE = 2e-4
+_CYCLIC_PRESSURE = AGREEMENT
 _CYCLIC_POSITION = 2e-3
 _SAME_PLACE = 1e-9
 _PATIENCE = 8

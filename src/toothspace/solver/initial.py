@@ -39,7 +39,7 @@ def start_state(system: System) -> Array:
     pressure = np.full(size.nodes, system.condition.outlet_pressure)
     if system.condition.circuit:
         _set_circuit_pressures(system, pressure)
-    else:
+    if not system.condition.over_time:
         chambers = quasi_static_pressures(system.description, system.condition, float(state[0]))
         pressure[: size.chambers] = chambers
     _turn_into_contact(system, state, pressure)

@@ -13,12 +13,14 @@ from toothspace.closures.density import (
     mixture_pressure,
 )
 from toothspace.closures.enthalpy import partial_enthalpies
-from toothspace.core.types import Array
+from toothspace.core.types import Array, BoolArray
 from toothspace.model.arrays import (
     BUSH_X,
     BUSH_Y,
     CATEGORY,
     CONTACT_ENERGY,
+    ELEMENT_A,
+    ELEMENT_B,
     FREE,
     GAS,
     INERTIA,
@@ -27,9 +29,10 @@ from toothspace.model.arrays import (
     MOTION_RATIO,
     MOTION_X,
     NODE_A,
+    NODE_B,
     PRESSURE,
 )
-from toothspace.model.assembly import System
+from toothspace.model.assembly import System, node_places
 from toothspace.model.contact_data import loaded_contacts
 from toothspace.model.description import MachineDescription
 from toothspace.model.ledger import (
@@ -91,13 +94,15 @@ def solution_from(
     """
     system = history.system
     seen = observe(system.arrays, history.states)
+    trapped = trapped_flows(history, seen)
     values = {
         **_port_values(history, seen),
         **_chamber_values(history, seen),
         **body_values(history, seen),
         **loss_values(history, seen),
         **_path_values(system),
-        "leakage": _leakage(system, seen),
+        "leakage": _leakage(system, seen, trapped),
+        "equivalent_leakage": _equivalent_leakage(system, seen),
         "drag_torque": _drag_torque(system, seen),
         **extra,
     }
@@ -109,26 +114,35 @@ def solution_from(
     return Solution(
         status=history.status,
         data=data,
-        ledger=window_ledger(history).with_note("trapped_volume", trapped_loss(history, seen)),
+        ledger=window_ledger(history).with_trapping(_trapped_losses(history, seen, trapped)),
         statistics=history.statistics,
         provenance=provenance,
         events=history.events,
     )
 
 
-def trapped_loss(history: History, seen: Observation) -> float:
-    """Throttling in grooves and flanks of chambers that are sealed from both ports. [J]."""
+def trapped_flows(history: History, seen: Observation) -> BoolArray:
+    """Paths in grooves and mesh at an end of which a chamber is sealed from both ports."""
     system, size = history.system, history.system.arrays.size
     ports = _openings(system.description, history.states[:, 0])[..., :2]
     sealed = np.zeros((history.times.size, size.nodes), dtype=bool)
     sealed[:, : size.chambers] = ports.max(axis=2) <= 0.0
-    trapped = np.array([category.role in _TRAPPED for category in system.categories])
-    inside = trapped[system.arrays.path_index[:, CATEGORY]]
+    roles = np.array([category.role in _TRAPPED for category in system.categories])
+    inside = roles[system.arrays.path_index[:, CATEGORY]]
     first = sealed[:, system.arrays.path_index[:, NODE_A]]
     second = np.take_along_axis(sealed, seen.path_partner, axis=1)
-    flows = inside & (first | second) & (seen.path_flow != 0.0)
-    power = np.sum(np.where(flows, seen.path_loss, 0.0), axis=1)
-    return float(np.trapezoid(power, history.times))
+    return np.asarray(inside & (first | second) & (seen.path_flow != 0.0))
+
+
+def _trapped_losses(history: History, seen: Observation, trapped: BoolArray) -> dict[str, float]:
+    """Throttling of trapped fluid in grooves and mesh, by account. [J]."""
+    power = np.trapezoid(np.where(trapped, seen.path_loss, 0.0), history.times, axis=0)
+    account = history.system.arrays.path_index[:, CATEGORY]
+    return {
+        category.account: float(power[account == k].sum())
+        for k, category in enumerate(history.system.categories)
+        if category.role in _TRAPPED
+    }
 
 
 def window_ledger(history: History) -> Ledger:
@@ -140,6 +154,8 @@ def window_ledger(history: History) -> Ledger:
     entries = dict(change)
     load_work = entries.pop("shaft_load")
     valves = entries.pop("circuit") + entries.pop(CIRCUIT_ORIFICE.account, 0.0)
+    beyond = 0.0 if system.condition.over_time else valves
+    motor = system.description.mode == "motor"
     for name in ("mass_load", "mass_supply", *(f"gas_{port}" for port in PORT_NODES)):
         entries.pop(name)
     energy = {port: _port_energy(system, port, change) for port in PORT_NODES}
@@ -148,14 +164,16 @@ def window_ledger(history: History) -> Ledger:
         "mass_inlet": -change["mass_inlet"] - change["mass_supply"],
         "mass_outlet": change["mass_outlet"] + change["mass_load"],
         "mass_stored_change": stored_mass(system, last) - stored_mass(system, first),
-        "port_inlet": -energy["inlet"] - energy["supply"],
-        "circuit": valves,
-        "port_outlet": energy["outlet"] + load,
+        "port_inlet": -energy["inlet"] - energy["supply"] - motor * beyond,
+        "circuit": valves - beyond,
+        "port_outlet": energy["outlet"] + load + (not motor) * beyond,
         "port_drain": energy["drain"],
         "stored_change": stored_energy(system, last) - stored_energy(system, first),
         "kinetic_change": kinetic_energy(system, last) - kinetic_energy(system, first),
         "elastic_change": elastic_energy(system, last) - elastic_energy(system, first),
     }
+    if beyond:
+        entries["load_orifice"] = change.get(LOAD_ORIFICE.account, 0.0) + beyond
     if system.condition.free_shaft:
         entries["shaft"] = -load_work
     return ledger_from(
@@ -217,10 +235,6 @@ def _port_values(history: History, seen: Observation) -> dict[str, Array]:
     description, fluid = system.description, system.arrays.fluid
     feed = fluid.feed_gas_mass_fraction
     inlet, outlet = description.inlet_node, description.outlet_node
-    column = {name: k for k, name in enumerate(LEDGER_NAMES)}
-    ledger = history.states[:, system.arrays.size.core :]
-    into_outlet = _rate(ledger[:, column["mass_outlet"]] + ledger[:, column["mass_load"]], history)
-    from_inlet = _rate(-ledger[:, column["mass_inlet"]], history)
     sign = -1.0 if description.mode == "motor" else 1.0
     mean_in, mean_out = seen.pressure[:, inlet].mean(), seen.pressure[:, outlet].mean()
     return {
@@ -230,8 +244,9 @@ def _port_values(history: History, seen: Observation) -> dict[str, Array]:
         "shaft_torque": sign * seen.torque[:, -1],
         "inlet_pressure": seen.pressure[:, inlet],
         "outlet_pressure": seen.pressure[:, outlet],
-        "inlet_flow_rate": from_inlet / seen.density[:, inlet],
-        "outlet_flow_rate": into_outlet / seen.density[:, outlet],
+        "inlet_flow_rate": -into_port(history, seen, "inlet") / seen.density[:, inlet],
+        "outlet_flow_rate": into_port(history, seen, "outlet") / seen.density[:, outlet],
+        **_line_flow(history, seen),
         "displacement": np.asarray(description.displacement),
         "inlet_density": np.asarray(mixture_density(mean_in, feed, fluid)),
         "outlet_density": np.asarray(mixture_density(mean_out, feed, fluid)),
@@ -239,15 +254,46 @@ def _port_values(history: History, seen: Observation) -> dict[str, Array]:
     }
 
 
-def _rate(mass: Array, history: History) -> Array:
-    """Mean flow about each sample, from the integrated mass.
+def _line_flow(history: History, seen: Observation) -> dict[str, Array]:
+    """Flow between the working port and its line or load, in the direction of the machine's."""
+    condition = history.system.condition
+    if condition.circuit is None and condition.load_area == 0.0:
+        return {}
+    motor = history.system.description.mode == "motor"
+    port = "inlet" if motor else "outlet"
+    node = node_places(history.system.description, condition)[port]
+    flow = _leaving(history.system, seen, node) / seen.density[:, node]
+    return {"line_flow_rate": -flow if motor else flow}
 
-    Wide ports turn pressure errors within tolerance into noise of the momentary flow. A run that
+
+def into_port(history: History, seen: Observation, port: str) -> Array:
+    """Mass flow from the machine into a port, from masses and what goes on from there. [kg/s].
+
+    Wide ports turn pressure errors within tolerance into noise of their own flow. A run that
     failed in its first interval has none.
     """
+    system = history.system
+    node = node_places(system.description, system.condition)[port]
+    d, size = int(system.arrays.dynamic_index[node]), system.arrays.size
+    column = size.core + LEDGER_NAMES.index(f"mass_{port}") if d < 0 else size.mass + d
     if history.times.size < 2:
-        return np.full(mass.shape, np.nan)
-    return np.gradient(mass, history.times)
+        return np.full(history.times.size, np.nan)
+    stored = np.gradient(history.states[:, column], history.times)
+    return np.asarray(stored + _leaving(system, seen, node))
+
+
+def _leaving(system: System, seen: Observation, node: int) -> Array:
+    """Mass flow from a node into elements, orifices and the load beyond the machine. [kg/s]."""
+    arrays = system.arrays
+    flow = np.zeros(seen.path_flow.shape[0])
+    for j, element in enumerate(arrays.elements):
+        flow += seen.element_flow[:, j] * (element[ELEMENT_A] == node)
+        flow -= seen.element_flow[:, j] * (element[ELEMENT_B] == node)
+    for j, index in enumerate(arrays.path_index):
+        if system.categories[index[CATEGORY]].role in ("circuit", "load"):
+            flow += seen.path_flow[:, j] * (index[NODE_A] == node)
+            flow -= seen.path_flow[:, j] * (index[NODE_B] == node)
+    return flow
 
 
 def _chamber_values(history: History, seen: Observation) -> dict[str, Array]:
@@ -358,12 +404,28 @@ def loss_values(history: History, seen: Observation) -> dict[str, Array]:
     return {"torque_loss": torque, "power_loss": torque * history.states[:, 1:2]}
 
 
-def _leakage(system: System, seen: Observation) -> Array:
+def _leakage(system: System, seen: Observation, trapped: BoolArray) -> Array:
+    """Flow from the high to the low port, by path. [m3/s].
+
+    A flow counts with the share of the way between the port pressures that it falls; what
+    trapped chambers exchange with one another is part of the displacement.
+    """
+    description = system.description
+    ports = seen.pressure[:, [description.inlet_node, description.outlet_node]]
+    low, span = ports.min(axis=1, keepdims=True), np.ptp(ports, axis=1, keepdims=True)
+    height = np.clip((seen.pressure - low) / np.where(span > 0.0, span, np.inf), 0.0, 1.0)
+    fall = height[:, system.arrays.path_index[:, NODE_A]]
+    fall = fall - np.take_along_axis(height, seen.path_partner, axis=1)
+    flow = np.where(trapped, 0.0, seen.path_flow)
+    return _by_path(system, flow * fall / seen.density[:, [description.inlet_node]])
+
+
+def _equivalent_leakage(system: System, seen: Observation) -> Array:
     """Flow that would lose the same power from the high to the low port, by path. [m3/s]."""
     condition = system.condition
     span = abs(condition.inlet_pressure - condition.outlet_pressure)
     power = seen.path_flow * seen.path_drop / seen.density[:, [system.description.inlet_node]]
-    return _by_path(system, power) / span if span > 0.0 else 0.0 * _by_path(system, power)
+    return _by_path(system, power) / (span or np.inf)
 
 
 def _drag_torque(system: System, seen: Observation) -> Array:

@@ -13,15 +13,7 @@ from toothspace.core.interrupts import interrupts_held
 from toothspace.core.progress import Progress
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.model.arrays import (
-    CATEGORY,
-    ELEMENT_A,
-    ELEMENT_B,
-    NODE_A,
-    NODE_B,
-)
 from toothspace.model.assembly import System, node_places
-from toothspace.model.ledger import LEDGER_NAMES
 from toothspace.results.events import Event
 from toothspace.results.solution import Solution
 from toothspace.results.stream import SampleStream
@@ -31,6 +23,7 @@ from toothspace.solver.cyclic import History
 from toothspace.solver.outcome import (
     attributes_of,
     body_values,
+    into_port,
     labels_of,
     loss_values,
     window_ledger,
@@ -141,8 +134,8 @@ def _values(march: TransientMarch, times: Array, states: Array) -> dict[str, Arr
         "inlet_pressure": seen.pressure[:, inlet],
         "outlet_pressure": seen.pressure[:, outlet],
         "node_pressure": seen.pressure[:, nodes],
-        "inlet_flow_rate": -_into_port(history, seen, "inlet") / seen.density[:, inlet],
-        "outlet_flow_rate": _into_port(history, seen, "outlet") / seen.density[:, outlet],
+        "inlet_flow_rate": -into_port(history, seen, "inlet") / seen.density[:, inlet],
+        "outlet_flow_rate": into_port(history, seen, "outlet") / seen.density[:, outlet],
         **_chamber_values(system, seen),
         **body_values(history, seen),
         **loss_values(history, seen),
@@ -180,28 +173,6 @@ def _supply_speed(system: System, times: Array) -> Array:
     if not pumps:
         return np.zeros(times.size)
     return np.asarray(np.interp(times, *pumps[0].schedule.T))
-
-
-def _into_port(history: History, seen: Observation, port: str) -> Array:
-    """Mass flow from the machine into a port, from masses and flows of the circuit. [kg/s].
-
-    Wide ports turn pressure errors within tolerance into noise of their own flow.
-    """
-    system = history.system
-    arrays, size = system.arrays, system.arrays.size
-    node = node_places(system.description, system.condition)[port]
-    d = int(arrays.dynamic_index[node])
-    ledger = size.core + LEDGER_NAMES.index(f"mass_{port}")
-    column = ledger if d < 0 else size.mass + d
-    flow: Array = np.gradient(history.states[:, column], history.times)
-    for j, element in enumerate(arrays.elements):
-        flow += seen.element_flow[:, j] * (element[ELEMENT_A] == node)
-        flow -= seen.element_flow[:, j] * (element[ELEMENT_B] == node)
-    for j, index in enumerate(arrays.path_index):
-        if system.categories[index[CATEGORY]].role == "circuit":
-            flow += seen.path_flow[:, j] * (index[NODE_A] == node)
-            flow -= seen.path_flow[:, j] * (index[NODE_B] == node)
-    return flow
 
 
 def _chamber_values(system: System, seen: Observation) -> dict[str, Array]:

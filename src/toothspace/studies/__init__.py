@@ -14,6 +14,7 @@ efficiency_map steady points over speed and pressure difference
 lateral_points operating points of a floating bearing
 hysteresis     its position as the outlet pressure goes up and down
 nose_pressure  its position over the pressure on its nose
+source_ripple  a machine as a source of pulsation
 bearing_map    its films over speed and pressure
 balance_sweep  its loops over balanced area and housing friction
 ============== ============================================================

@@ -30,6 +30,7 @@ STUDY_MODULES: Mapping[str, str] = {
     "hysteresis": "toothspace.studies.hysteresis",
     "nose_pressure": "toothspace.studies.nose_pressure",
     "optimise": "toothspace.studies.optimise",
+    "source_ripple": "toothspace.studies.source_ripple",
     "startup": "toothspace.studies.startup",
     "sweep": "toothspace.studies.sweep",
     "tolerance": "toothspace.studies.tolerance",

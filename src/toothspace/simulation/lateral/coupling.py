@@ -137,7 +137,10 @@ def agree(films: float, paths: float, negligible: float) -> bool:
 def path_leakage(solution: Solution) -> float:
     """Leakage beside the gears in a lumped run, mean over its samples. [m3/s]."""
     return float(
-        solution.data["leakage"].sel(path=[c.name for c in LATERAL_PATHS]).sum("path").mean()
+        solution.data["equivalent_leakage"]
+        .sel(path=[c.name for c in LATERAL_PATHS])
+        .sum("path")
+        .mean()
     )
 
 

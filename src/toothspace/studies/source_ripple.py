@@ -1,0 +1,202 @@
+"""A machine as a source of pulsation: source flow and source impedance, after ISO 10767-1."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, final
+
+import numpy as np
+
+from toothspace.case import Case
+from toothspace.case.lines import characteristic_impedance
+from toothspace.case.study import SourceRippleStudy
+from toothspace.core.errors import CaseError
+from toothspace.core.types import Array
+from toothspace.results.ripple import PulsationSource, harmonics, pulsation_source, working_side
+from toothspace.studies.points import collected, point, status_of
+from toothspace.studies.records import Record
+from toothspace.studies.study import StudyContext, StudyResult, StudyTable
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_BAR = 1e5
+_LITRE_PER_MINUTE = 6e4
+
+
+def run(case: Case, context: StudyContext) -> StudyResult:
+    """Run the case with lines of several lengths and find the source that fits all of them.
+
+    Parameters
+    ----------
+    case : Case
+        Steady case with ``operating_point.line`` and ``kind = "source_ripple"``.
+    context : StudyContext
+        Progress, workers and records.
+
+    Returns
+    -------
+    StudyResult
+        Over ``harmonic`` of the tooth frequency: source flow, source impedance, blocked acoustic
+        and anechoic pressure ripple; over ``load`` the pressure ripple with each length.
+
+    Raises
+    ------
+    CaseError
+        If the case has no line, or fewer than two lengths can be run.
+    """
+    study, operating = case.study, case.operating_point
+    assert isinstance(study, SourceRippleStudy)
+    if operating is None or operating.line is None or case.run.fidelity == "ideal":
+        allowed = "allowed a steady case with operating_point.line and compressible fluid"
+        raise CaseError(f"{case.source}: study.kind: found no line to pulsate in, {allowed}")
+    step = operating.line.length / operating.line.cells
+    values = [
+        {
+            "operating_point.line.length": f"{length:.12g} m",
+            "operating_point.line.cells": max(round(length / step), 2),
+        }
+        for length in study.line_length
+    ]
+    records = collected(
+        [point(case, value) for value in values], context, PortHarmonics(study.harmonics)
+    )
+    good = [record for record in records if "pressure_real" in record.numbers]
+    if len(good) < 2:
+        raise CaseError(f"{case.source}: study.line_length: fewer than two lengths could be run")
+    source = pulsation_source(_complex(good, "pressure"), _complex(good, "flow"))
+    data = _dataset(case, study, source, good, records)
+    return StudyResult(
+        status=status_of(records),
+        data=data,
+        numbers=_numbers(data),
+        tables=(_table(data),),
+    )
+
+
+@final
+@dataclass(frozen=True)
+class PortHarmonics:
+    """Runs a case; harmonics of pressure and line flow at its working port, ``count`` of them."""
+
+    count: int
+
+    @property
+    def label(self) -> str:
+        """What is evaluated."""
+        return f"port harmonics {self.count}"
+
+    def __call__(self, case: Case) -> Mapping[str, Any]:
+        """Real and imaginary parts beside the summary numbers."""
+        from toothspace import api
+
+        solution = api.simulate(case)
+        data, teeth = solution.data, api.describe(case).families[0].count
+        orders = teeth * np.arange(1.0, self.count + 1)
+        angle, side = np.asarray(data["shaft_angle"]), working_side(data)
+        pressure = harmonics(angle, np.asarray(data[f"{side}_pressure"]), orders)
+        flow = harmonics(angle, np.asarray(data["line_flow_rate"]), orders)
+        flow *= -1.0 if side == "inlet" else 1.0
+        return {
+            "teeth": teeth,
+            "pressure_real": pressure.real.tolist(),
+            "pressure_imag": pressure.imag.tolist(),
+            "flow_real": flow.real.tolist(),
+            "flow_imag": flow.imag.tolist(),
+            **solution.summary(),
+        }
+
+
+def _complex(records: Sequence[Record], name: str) -> Any:
+    return np.array(
+        [
+            np.array(r.numbers[f"{name}_real"]) + 1j * np.array(r.numbers[f"{name}_imag"])
+            for r in records
+        ]
+    )
+
+
+def _dataset(
+    case: Case,
+    study: SourceRippleStudy,
+    source: PulsationSource,
+    good: Sequence[Record],
+    records: Sequence[Record],
+) -> xr.Dataset:
+    import xarray as xr
+
+    from toothspace import api
+
+    operating = case.operating_point
+    assert operating is not None
+    assert operating.line is not None
+    pressure = operating.inlet_pressure if _is_motor(case) else operating.outlet_pressure
+    line = characteristic_impedance(operating.line, pressure, api.fluid_of(case))
+    harmonic = np.arange(1.0, study.harmonics + 1)
+    order = int(good[0].numbers["teeth"]) * harmonic
+    curves: dict[str, tuple[Array, str]] = {
+        "order": (order, "1"),
+        "frequency": (order * operating.shaft_speed / (2.0 * np.pi), "Hz"),
+        "source_flow": (np.abs(source.flow), "m3/s"),
+        "source_flow_phase": (np.angle(source.flow), "rad"),
+        "source_impedance": (np.abs(source.impedance), "N s/m5"),
+        "source_impedance_phase": (np.angle(source.impedance), "rad"),
+        "anechoic_pressure": (np.abs(source.pressure_into(line)), "Pa"),
+        "blocked_pressure": (np.abs(source.blocked_pressure), "Pa"),
+        "misfit": (source.misfit, "1"),
+    }
+    ripple = [record.number("pressure_ripple_bar") * _BAR for record in records]
+    return xr.Dataset(
+        {name: ("harmonic", values, {"units": unit}) for name, (values, unit) in curves.items()}
+        | {
+            "line_length": ("load", np.array(study.line_length), {"units": "m"}),
+            "pressure_ripple": ("load", np.array(ripple), {"units": "Pa"}),
+        },
+        coords={"harmonic": harmonic},
+    )
+
+
+def _is_motor(case: Case) -> bool:
+    return getattr(case.machine, "mode", "") == "motor"
+
+
+def _table(data: xr.Dataset) -> StudyTable:
+    values = {name: np.asarray(data[name]) for name in data if data[name].dims == ("harmonic",)}
+    columns: dict[str, Array] = {
+        "harmonic": np.asarray(data["harmonic"]),
+        "order": values["order"],
+        "frequency (Hz)": values["frequency"],
+        "source flow (L/min)": values["source_flow"] * _LITRE_PER_MINUTE,
+        "phase of source flow (deg)": np.degrees(values["source_flow_phase"]),
+        "source impedance (N s/m5)": values["source_impedance"],
+        "phase of source impedance (deg)": np.degrees(values["source_impedance_phase"]),
+        "anechoic pressure ripple (bar)": values["anechoic_pressure"] / _BAR,
+        "blocked pressure ripple (bar)": values["blocked_pressure"] / _BAR,
+        "misfit (%)": 100.0 * values["misfit"],
+    }
+    rows = tuple(tuple(float(v) for v in row) for row in zip(*columns.values(), strict=True))
+    return StudyTable("source", tuple(columns), rows)
+
+
+def _numbers(data: xr.Dataset) -> dict[str, Any]:
+    def rms(name: str) -> float:
+        return float(np.sqrt(0.5 * np.sum(np.asarray(data[name]) ** 2)))
+
+    def listed(name: str, factor: float = 1.0) -> list[float]:
+        return (np.asarray(data[name]) * factor).tolist()
+
+    return {
+        "source_flow_rms_L_per_min": rms("source_flow") * _LITRE_PER_MINUTE,
+        "anechoic_pressure_rms_bar": rms("anechoic_pressure") / _BAR,
+        "blocked_pressure_rms_bar": rms("blocked_pressure") / _BAR,
+        "largest_misfit_percent": 100.0 * float(np.max(data["misfit"])),
+        "frequency_Hz": listed("frequency"),
+        "source_flow_L_per_min": listed("source_flow", _LITRE_PER_MINUTE),
+        "source_impedance_N_s_per_m5": listed("source_impedance"),
+        "source_impedance_phase_deg": listed("source_impedance_phase", 180.0 / np.pi),
+        "anechoic_pressure_bar": listed("anechoic_pressure", 1.0 / _BAR),
+        "blocked_pressure_bar": listed("blocked_pressure", 1.0 / _BAR),
+        "line_length_m": listed("line_length"),
+        "pressure_ripple_bar": listed("pressure_ripple", 1.0 / _BAR),
+    }
