@@ -3,6 +3,7 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
+DOCS_READY := $(VENV)/.docs_ready
 WORKERS ?= 2
 DEMO := demo_report
 
@@ -48,8 +49,13 @@ validate: $(READY)  ## run slow tests and validation against published numbers
 bench: $(READY)  ## print the table of benchmarks
 	$(BIN)/python -m benchmarks
 
-docs: $(READY)  ## build the documentation into docs/_build and check its links
-	$(BIN)/python docs/build.py
+$(DOCS_READY): $(READY) requirements/docs.txt
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements/lock.txt -r requirements/docs.txt
+	touch $@
+
+docs: $(DOCS_READY)  ## build the documentation into docs/_build/html; a broken link is an error
+	$(BIN)/python -m sphinx -q -W --keep-going -j auto -b html docs docs/_build/html
+	@printf '%s\n' "Open in a browser:" "  $(CURDIR)/docs/_build/html/index.html"
 
 lint: $(READY)  ## style, types and layers
 	$(BIN)/ruff check .
@@ -62,4 +68,4 @@ format: $(READY)  ## apply the style
 	$(BIN)/ruff format .
 
 clean:  ## remove what can be rebuilt
-	rm -rf $(DEMO) build docs/_build .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
+	rm -rf $(DEMO) build docs/_build docs/api .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis

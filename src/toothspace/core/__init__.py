@@ -1,20 +1,20 @@
 """Types, constants, errors and registry that every layer may use.
 
-========== ===========================================================
-module     responsibility
-========== ===========================================================
-types      array aliases
-constants  physical constants and reference states
-errors     exceptions that a user sees as one line
-status     outcome of a run, with advice
-units      quantities with units in text, converted to SI
-signals    columns of CSV files in SI units
-files      files that are complete or not there
-netcdf     datasets as NetCDF files with a checksum
+=========== ==========================================================
+module      responsibility
+=========== ==========================================================
+types       array aliases
+constants   physical constants and reference states
+errors      exceptions that a user sees as one line
+status      outcome of a run, with advice
+units       quantities with units in text, converted to SI
+signals     columns of CSV files in SI units
+files       files that are complete or not there
+netcdf      datasets as NetCDF files with a checksum
 array_store named arrays kept between runs
-processes  processes that compute for another one
-interrupts signals that end the program, held while files are written
-registry   machine types found by name (built in or entry points)
-compiled   numba with a cache that follows the package's sources
-========== ===========================================================
+processes   processes that compute for another one
+interrupts  signals that end the program, held while files are written
+registry    machine types found by name (built in or entry points)
+compiled    numba with a cache that follows the package's sources
+=========== ==========================================================
 """

@@ -1,21 +1,21 @@
 """Linear elasticity of bodies and the influence matrices of their film surfaces.
 
-==============  ==========================================================
-module          responsibility
-==============  ==========================================================
-triangulation   plane regions to triangles
-mesh            bodies swept along z, and their outer faces
-solid_file      bodies of STEP files
-elements        stiffness and mass of solid elements
-dissection      order of elimination
-condensation    large stiffness to flexibility of chosen loads
-surfaces        film surfaces: coarse nodes and interpolation to cells
-loads           named loads and their nodal forces
-body            :class:`ElasticBody`, the input
+================ =========================================================
+module           responsibility
+================ =========================================================
+triangulation    plane regions to triangles
+mesh             bodies swept along z, and their outer faces
+solid_file       bodies of STEP files
+elements         stiffness and mass of solid elements
+dissection       order of elimination
+condensation     large stiffness to flexibility of chosen loads
+surfaces         film surfaces: coarse nodes and interpolation to cells
+loads            named loads and their nodal forces
+body             :class:`ElasticBody`, the input
 influence_matrix :class:`InfluenceMatrix`, the result
-influence       :func:`influence_matrix`, which makes it
-storage         results on disk
-==============  ==========================================================
+influence        :func:`influence_matrix`, which makes it
+storage          results on disk
+================ =========================================================
 """
 
 from __future__ import annotations

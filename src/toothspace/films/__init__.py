@@ -1,17 +1,17 @@
 """Thin films: the average-flow Reynolds equation and the films of gear machines.
 
-===============  ==================================================================
+================ ==================================================================
 module           responsibility
-===============  ==================================================================
-:mod:`.reynolds`  average-flow Reynolds equation on structured grids, cavitation, roughness
-:mod:`.journal`   film between a shaft and its bush: loads, equilibrium, coefficients, orbits
-:mod:`.plane`     films between nearly parallel faces: pads and rings
-:mod:`.lateral`   films on the faces of gears and rotors, with floating bearings in balance
+================ ==================================================================
+:mod:`.reynolds` average-flow Reynolds equation on structured grids, cavitation, roughness
+:mod:`.journal`  film between a shaft and its bush: loads, equilibrium, coefficients, orbits
+:mod:`.plane`    films between nearly parallel faces: pads and rings
+:mod:`.lateral`  films on the faces of gears and rotors, with floating bearings in balance
 thermal          bulk heat balance of a film
 field_files      NetCDF and VTK files of the fields
 summaries        solved films to named numbers
 grid_report      how far these numbers depend on the grid
-===============  ==================================================================
+================ ==================================================================
 """
 
 from __future__ import annotations

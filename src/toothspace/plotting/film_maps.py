@@ -141,10 +141,17 @@ def _bare(axes: Axes) -> None:
 def _colour_bar(
     figure: Figure, mesh: QuadMesh, panels: Any, field: FilmField, below: bool = False
 ) -> None:
+    from matplotlib.ticker import MaxNLocator, NullLocator
+
     place = "bottom" if below else "right"
     bar = figure.colorbar(mesh, ax=panels, shrink=0.8, location=place)
     bar.set_label(field.label, fontsize=7.5 if below else None)
     axis = bar.ax.xaxis if below else bar.ax.yaxis
+    if below:
+        # a logarithmic scale over less than a decade has no mark of its own
+        low, high = mesh.get_clim()
+        bar.set_ticks([t for t in MaxNLocator(4).tick_values(low, high) if low <= t <= high])
+        axis.set_minor_locator(NullLocator())
     axis.set_major_formatter("{x:g}")
-    axis.set_minor_formatter("" if below else "{x:g}")
+    axis.set_minor_formatter("{x:g}")
     bar.ax.tick_params(labelsize=7)

@@ -36,7 +36,7 @@ def flank_deviation(fits: Mapping[str, InvoluteFit]) -> Figure:
     figure = new_figure(7.2, 0.8 + 3.2 * len(fits))
     rows = np.reshape(figure.subplots(len(fits), 2, sharey="row", sharex="row"), (-1, 2))
     for (name, fit), row in zip(fits.items(), rows, strict=True):
-        _flank(row[0], f"{name}: left flank", fit.left)
+        _flank(row[0], f"{name}\nleft flank", fit.left)
         _flank(row[1], "right flank", fit.right)
         row[0].set_ylabel("Roll length (mm)")
     return figure

@@ -6,6 +6,8 @@ the backlash. Volume rates, groove openings and throats together give their pres
 
 from __future__ import annotations
 
+from bisect import bisect_left
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -343,13 +345,17 @@ def _closing_advice(
 ) -> str:
     if grooves.closing_contour is not None:
         return " Bring the edge of the closing-side contour nearer to the centre line."
-    for step in range(1, _EDGE_STEPS):
+    nearest = min(_EDGE_STEPS, int(np.ceil(grooves.closing_side_offset / _EDGE_STEP))) - 1
+
+    def calm(step: int) -> bool:
         offset = grooves.closing_side_offset - step * _EDGE_STEP
-        if offset <= 0.0:
-            break
         trial = replace(grooves, closing_side_offset=offset)
-        if _estimate(assembly, spaces, trial, wear).peak_pressure <= PEAK_LIMIT * wear.pressure:
-            return f" Move the closing-side edge to {offset * 1e3:.4g} mm from the centre line."
+        return _estimate(assembly, spaces, trial, wear).peak_pressure <= PEAK_LIMIT * wear.pressure
+
+    step = _first(calm, nearest)
+    if step is not None:
+        offset = grooves.closing_side_offset - step * _EDGE_STEP
+        return f" Move the closing-side edge to {offset * 1e3:.4g} mm from the centre line."
     return " No closing-side edge alone cures it: widen the backlash or deepen the groove."
 
 
@@ -358,12 +364,24 @@ def _opening_advice(
 ) -> str:
     if grooves.opening_contour is not None:
         return " Take the edge of the opening-side contour away from the centre line."
-    for step in range(1, _EDGE_STEPS):
+
+    def sealed(step: int) -> bool:
         offset = grooves.opening_side_offset + step * _EDGE_STEP
         trial = replace(grooves, opening_side_offset=offset)
-        if _estimate(assembly, spaces, trial, wear).short_circuit <= SHORT_CIRCUIT_LIMIT:
-            return f" Move the opening-side edge to {offset * 1e3:.4g} mm from the centre line."
+        return _estimate(assembly, spaces, trial, wear).short_circuit <= SHORT_CIRCUIT_LIMIT
+
+    step = _first(sealed, _EDGE_STEPS - 1)
+    if step is not None:
+        offset = grooves.opening_side_offset + step * _EDGE_STEP
+        return f" Move the opening-side edge to {offset * 1e3:.4g} mm from the centre line."
     return " No opening-side edge alone cures it: move the closing-side edge away as well."
+
+
+def _first(cures: Callable[[int], bool], last: int) -> int | None:
+    # the farther an edge is moved, the more it cures
+    steps = range(1, last + 1)
+    found = bisect_left(steps, True, key=cures)
+    return steps[found] if found < len(steps) else None
 
 
 def _sealing(assembly: Assembly, grooves: ReliefGrooves, *, single: bool) -> str:
