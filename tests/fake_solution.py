@@ -239,6 +239,7 @@ def _values(angle: Array) -> dict[str, object]:
         **_chambers(angle),
         **_bodies(angle),
         "leakage": one[:, None] * LEAKAGES,
+        "drain_flow_rate": one * LEAKAGES[-1],
         "torque_loss": (1.0 + 0.1 * ripple)[:, None] * TORQUE_LOSSES,
         "power_loss": SPEED * (1.0 + 0.1 * ripple)[:, None] * TORQUE_LOSSES,
         "displacement": DISPLACEMENT,

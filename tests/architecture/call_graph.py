@@ -152,6 +152,9 @@ class CallGraph:
             local = set(_local(statement)) if name != BODY else set()
             for node in ast.walk(statement):
                 yield from self._used_by(node, own, local)
+                if name != BODY and isinstance(node, ast.ImportFrom) and node.module:
+                    # what a function imports itself may have the name of a function beside it
+                    yield from self._resolved(node.module, [alias.name for alias in node.names])
 
     def _used_by(self, node: ast.AST, own: Module, local: set[str]) -> Iterator[Definition]:
         if isinstance(node, ast.Name) and node.id not in local:

@@ -55,7 +55,7 @@ _machines: dict[str, Any] = {}
 
 
 @final
-class MachineTables(Mapping[str, type]):
+class _MachineTypes(Mapping[str, type]):
     """Class of the keys ``[machine]`` of every installed machine type, imported when asked for."""
 
     def __getitem__(self, name: str) -> type:
@@ -74,7 +74,7 @@ class MachineTables(Mapping[str, type]):
         return next((name for name in named if self[name] is spec), "")
 
 
-MACHINE_TABLES = MachineTables()
+MACHINE_TABLES = _MachineTypes()
 MACHINE_KEY = Variant(
     tag="type",
     variants=MACHINE_TABLES,

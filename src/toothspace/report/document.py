@@ -18,7 +18,7 @@ _LINE = 0.19
 _COLUMNS = 96
 
 
-class Line(NamedTuple):
+class TextLine(NamedTuple):
     """Cells of a line with their places from the left margin [in]; places below zero end there."""
 
     cells: tuple[tuple[float, str], ...]
@@ -53,7 +53,7 @@ def write_document(
     return path
 
 
-def _text_page(lines: Sequence[Line]) -> Figure:
+def _text_page(lines: Sequence[TextLine]) -> Figure:
     from matplotlib.figure import Figure
 
     page = Figure(figsize=(_WIDTH, _HEIGHT))
@@ -80,25 +80,28 @@ def _text_page(lines: Sequence[Line]) -> Figure:
     return page
 
 
-def document_lines(contents: Mapping[str, Any]) -> Iterator[Line]:
+def document_lines(contents: Mapping[str, Any]) -> Iterator[TextLine]:
     """All text of the document, line by line."""
-    yield Line(((0.0, contents["title"]),), 14.0, "bold")
-    yield Line(())
+    yield TextLine(((0.0, contents["title"]),), 14.0, "bold")
+    yield TextLine(())
     status = contents["status"].name.lower().replace("_", " ")
-    yield Line(((0.0, f"{contents['machine']} {contents['mode']}, {status}"),), colour=GREY)
+    yield TextLine(((0.0, f"{contents['machine']} {contents['mode']}, {status}"),), colour=GREY)
     yield from _paragraph(contents["verdict"])
     for warning in contents["warnings"]:
         yield from _paragraph(warning, ORANGE)
     key = [(x.label, f"{x.value} {x.unit}") for x in contents["key_numbers"]]
     yield from _table("Key numbers", key)
     yield from _causes(contents["causes"])
+    if contents["temperatures"]:
+        rows = [(x.label, f"{x.value} {x.unit}") for x in contents["temperatures"]]
+        yield from _table("Temperatures", rows)
     if contents["limits"]:
         yield from _heading("Limits")
     for limit in contents["limits"]:
         colour = ORANGE if limit.verdict == "exceeded" else INK
         cells = (0.0, limit.label), (-5.2, limit.value), (5.3, limit.allowed)
-        yield Line(cells, colour=colour)
-        yield Line(((0.2, f"{limit.verdict}; {limit.source}"),), 7.0, colour=GREY, rule=True)
+        yield TextLine(cells, colour=colour)
+        yield TextLine(((0.2, f"{limit.verdict}; {limit.source}"),), 7.0, colour=GREY, rule=True)
     checks = [
         (shown.label, f"{shown.value} {shown.unit}", "met" if check.passed else "not met")
         for check, shown in contents["checks"]
@@ -112,34 +115,34 @@ def document_lines(contents: Mapping[str, Any]) -> Iterator[Line]:
     for name, value in contents["provenance"]:
         yield from _paragraph(f"{name}: {value}", gap=False)
     for line in contents["case_toml"].splitlines():
-        yield Line(((0.0, line[:_COLUMNS]),), 7.0)
+        yield TextLine(((0.0, line[:_COLUMNS]),), 7.0)
 
 
-def _heading(title: str) -> Iterator[Line]:
-    yield Line(())
-    yield Line(((0.0, title),), 10.5, "bold", rule=True)
+def _heading(title: str) -> Iterator[TextLine]:
+    yield TextLine(())
+    yield TextLine(((0.0, title),), 10.5, "bold", rule=True)
 
 
-def _paragraph(text: str, colour: str = INK, *, gap: bool = True) -> Iterator[Line]:
+def _paragraph(text: str, colour: str = INK, *, gap: bool = True) -> Iterator[TextLine]:
     for line in wrap(text, _COLUMNS):
-        yield Line(((0.0, line),), colour=colour)
+        yield TextLine(((0.0, line),), colour=colour)
     if gap:
-        yield Line((), 4.0)
+        yield TextLine((), 4.0)
 
 
-def _table(title: str, rows: Sequence[tuple[str, ...]]) -> Iterator[Line]:
+def _table(title: str, rows: Sequence[tuple[str, ...]]) -> Iterator[TextLine]:
     yield from _heading(title)
     for row in rows:
         places = (0.0, -5.4, -6.6)
-        yield Line(tuple(zip(places, row, strict=False)), rule=True)
+        yield TextLine(tuple(zip(places, row, strict=False)), rule=True)
 
 
-def _causes(groups: Sequence[Mapping[str, Any]]) -> Iterator[Line]:
+def _causes(groups: Sequence[Mapping[str, Any]]) -> Iterator[TextLine]:
     yield from _heading("Losses by cause: power, points of efficiency, leakage")
     for group in groups:
         cells = (0.0, group["cause"].capitalize()), (-4.2, f"{group['power']} W")
-        yield Line((*cells, (-5.4, f"{group['share']} %")), weight="bold", rule=True)
+        yield TextLine((*cells, (-5.4, f"{group['share']} %")), weight="bold", rule=True)
         for row in group["rows"]:
             flow = f"{row['flow']} L/min" if row["flow"] else ""
             parts = (0.2, row["label"]), (-4.2, f"{row['power']} W"), (-5.4, f"{row['share']} %")
-            yield Line((*parts, (-6.7, flow)), rule=True)
+            yield TextLine((*parts, (-6.7, flow)), rule=True)

@@ -6,6 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from toothspace.core.constants import ZERO_CELSIUS
 from toothspace.core.files import write_text
 from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
@@ -166,6 +169,7 @@ def _numbers(solution: Solution) -> dict[str, Any]:
         "key_numbers": [quantity(n, summary[n]) for n in key_numbers if n in summary],
         "summary": {name: quantity(name, value) for name, value in summary.items()},
         "causes": _causes(solution, summary),
+        "temperatures": _temperatures(solution),
         "ledger_rows": rows,
         "ledger_notes": notes,
     }
@@ -191,6 +195,19 @@ def _causes(solution: Solution, summary: Mapping[str, object]) -> list[dict[str,
         total = {"power": format_value(power), "share": f"{100.0 * share:.2f}"}
         found.append({"cause": cause, "rows": rows, "size": power, **total})
     return sorted(found, key=lambda group: -float(group["size"]))
+
+
+def _temperatures(solution: Solution) -> list[LabelledNumber]:
+    """Oil, films and bodies of the heat network; empty without one."""
+    if "temperature" not in solution.data:
+        return []
+    found = solution.data["temperature"]
+    names = [str(name) for name in found["heat_node"].values]
+    celsius = np.asarray(found) - ZERO_CELSIUS
+    return [
+        quantity(f"{name.replace('.', ' of ')}_degC", float(value))
+        for name, value in zip(names, celsius, strict=True)
+    ]
 
 
 def _flow(summary: Mapping[str, object], account: str) -> str:

@@ -23,7 +23,7 @@ _OIL_TEMPERATURE = 80.0
 _BUSH = "metal-polymer bushes in oil, GGB data sheets DU, DP4-B; judged where films are not full"
 
 
-class Limit(NamedTuple):
+class JudgedLimit(NamedTuple):
     """A quantity of a run against its limit.
 
     Parameters
@@ -47,7 +47,7 @@ class Limit(NamedTuple):
     source: str
 
 
-def limits_of(solution: Solution, description: MachineDescription | None) -> list[Limit]:
+def limits_of(solution: Solution, description: MachineDescription | None) -> list[JudgedLimit]:
     """Return the limits of a steady result: pressure, filling, films, contact, cavitation."""
     if "shaft_angle" not in solution.data.sizes or "chamber_pressure" not in solution.data:
         return []
@@ -60,12 +60,12 @@ def limits_of(solution: Solution, description: MachineDescription | None) -> lis
     return found
 
 
-def _judged(label: str, value: float, limit: float, unit: str, source: str) -> Limit:
+def _judged(label: str, value: float, limit: float, unit: str, source: str) -> JudgedLimit:
     verdict = "met" if value <= limit else "exceeded"
-    return Limit(label, f"{value:.4g} {unit}", f"up to {limit:.4g} {unit}", verdict, source)
+    return JudgedLimit(label, f"{value:.4g} {unit}", f"up to {limit:.4g} {unit}", verdict, source)
 
 
-def _pressures(solution: Solution) -> Iterator[Limit]:
+def _pressures(solution: Solution) -> Iterator[JudgedLimit]:
     data = solution.data
     high = max(float(data[f"{port}_pressure"].mean()) for port in ("inlet", "outlet"))
     peak = float(data["chamber_pressure"].max())
@@ -73,18 +73,23 @@ def _pressures(solution: Solution) -> Iterator[Limit]:
     yield _judged("Highest chamber pressure", peak / _BAR, _PEAK * high / _BAR, "bar", source)
 
 
-def _temperature(solution: Solution) -> Iterator[Limit]:
-    """Oil in the drain; no heat goes into the housing, so what is found is an upper bound."""
-    found = float(solution.summary()["drain_temperature_degC"])
-    if np.isfinite(found):
-        source = "oil and seals of makers' data sheets; an upper bound, without heat to the housing"
-        yield _judged("Drain temperature", found, _OIL_TEMPERATURE, "°C", source)
+def _temperature(solution: Solution) -> Iterator[JudgedLimit]:
+    """Oil in the drain, an upper bound without a heat network, and with one in the films."""
+    summary, source = solution.summary(), "oil and seals of makers' data sheets"
+    drain = float(summary["drain_temperature_degC"])
+    if np.isfinite(drain):
+        bound = "" if "temperature" in solution.data else "; an upper bound, no heat to the housing"
+        yield _judged("Drain temperature", drain, _OIL_TEMPERATURE, "°C", source + bound)
+    if film := summary.get("highest_film_temperature_degC"):
+        source += ", for the oil at the ports; films may be warmer"
+        entry = _judged("Highest film temperature", float(film), _OIL_TEMPERATURE, "°C", source)
+        yield entry if entry.verdict == "met" else entry._replace(verdict="not judged")
 
 
-def _cavitation(solution: Solution) -> Limit:
+def _cavitation(solution: Solution) -> JudgedLimit:
     power = vapour_collapse_power(solution.data)
     share = power / max(abs(float(solution.summary()["hydraulic_power_W"])), 1e-12)
-    return Limit(
+    return JudgedLimit(
         "Cavitation damage index: power of collapsing vapour",
         f"{power:.3g} W, {100.0 * share:.2g} % of the hydraulic power",
         "no vapour",
@@ -93,7 +98,7 @@ def _cavitation(solution: Solution) -> Limit:
     )
 
 
-def _filling(solution: Solution, description: MachineDescription) -> Iterator[Limit]:
+def _filling(solution: Solution, description: MachineDescription) -> Iterator[JudgedLimit]:
     """Speed at which the tips are as fast as the inlet pressure can accelerate the fluid."""
     data = solution.data
     names = [body.name for body in description.bodies if body.name in description.outlines]
@@ -107,7 +112,7 @@ def _filling(solution: Solution, description: MachineDescription) -> Iterator[Li
     yield _judged("Shaft speed", speed, float(highest), "rpm", source)
 
 
-def _bearings(solution: Solution, description: MachineDescription) -> Iterator[Limit]:
+def _bearings(solution: Solution, description: MachineDescription) -> Iterator[JudgedLimit]:
     data = solution.data
     names = [str(name) for name in data["journal"].values] if "journal" in data.dims else []
     speeds = {body.name: abs(body.speed_ratio) for body in description.bodies}
@@ -116,7 +121,7 @@ def _bearings(solution: Solution, description: MachineDescription) -> Iterator[L
         height = float(data["journal_film_height"].sel(journal=journal.body).min())
         ratio = height / journal.roughness
         full = ratio >= _FULL_FILM
-        yield Limit(
+        yield JudgedLimit(
             f"Film over roughness, bearing of {where}",
             f"{ratio:.3g} ({1e6 * height:.2f} µm)",
             f"at least {_FULL_FILM:.3g}",
@@ -135,7 +140,7 @@ def _bearings(solution: Solution, description: MachineDescription) -> Iterator[L
             exceeded = entry.verdict == "exceeded"
             yield entry._replace(verdict="not judged") if exceeded and full else entry
     if names:
-        yield Limit(
+        yield JudgedLimit(
             "Bearing life",
             "no rolling bearing",
             "ISO 281",
@@ -144,7 +149,7 @@ def _bearings(solution: Solution, description: MachineDescription) -> Iterator[L
         )
 
 
-def _contacts(solution: Solution, description: MachineDescription) -> Iterator[Limit]:
+def _contacts(solution: Solution, description: MachineDescription) -> Iterator[JudgedLimit]:
     """Largest Hertz pressure of every kind of contact."""
     data = solution.data
     shaft_angle = np.asarray(data["shaft_angle"])

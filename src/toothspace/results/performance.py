@@ -117,8 +117,9 @@ def drain_flow(data: xr.Dataset, ledger: Ledger) -> float:
     outside = ledger.mass.get("drain", 0.0)
     if outside:
         return outside / ledger.duration
-    flow_rate = means_by_label(data, "leakage").get(DRAIN.name, 0.0)
-    return flow_rate * float(data["inlet_density"])
+    if "drain_flow_rate" not in data:
+        return 0.0
+    return float(data["drain_flow_rate"].mean()) * float(data["inlet_density"])
 
 
 def _rise(data: xr.Dataset, heat: float, mass: float) -> float:

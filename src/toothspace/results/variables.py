@@ -104,6 +104,7 @@ _ROWS: tuple[tuple[str, str, str, str], ...] = (
         "m3/s",
         "Flow from the high to the low port that would lose the same power, trapping included",
     ),
+    ("drain_flow_rate", "sample", "m3/s", "Flow from the chambers to the drain"),
     (
         "drag_torque",
         "sample path",

@@ -103,6 +103,7 @@ def solution_from(
         **_path_values(system),
         "leakage": _leakage(system, seen, trapped),
         "equivalent_leakage": _equivalent_leakage(system, seen),
+        "drain_flow_rate": _drain_flow_rate(system, seen),
         "drag_torque": _drag_torque(system, seen),
         **extra,
     }
@@ -426,6 +427,13 @@ def _equivalent_leakage(system: System, seen: Observation) -> Array:
     span = abs(condition.inlet_pressure - condition.outlet_pressure)
     power = seen.path_flow * seen.path_drop / seen.density[:, [system.description.inlet_node]]
     return _by_path(system, power) / (span or np.inf)
+
+
+def _drain_flow_rate(system: System, seen: Observation) -> Array:
+    """Flow from the chambers to the drain. [m3/s]."""
+    drains = np.array([category.role == "drain" for category in system.categories])
+    flow = seen.path_flow @ drains[system.arrays.path_index[:, CATEGORY]]
+    return np.asarray(flow / seen.density[:, system.description.inlet_node])
 
 
 def _drag_torque(system: System, seen: Observation) -> Array:
