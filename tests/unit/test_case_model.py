@@ -137,14 +137,14 @@ def test_messages_give_the_line_of_the_key(tmp_path: Path) -> None:
     text = MOTOR.read_text(encoding="utf-8")
     file = tmp_path / "case.toml"
     wrong = re.sub(r"\nmodule = .*", '\nmodule = "2.75"', text)
-    wrong = re.sub(r"\nface_width = .*", "", wrong).replace("[run]", '[run]\nmesh = "soft"')
+    wrong = re.sub(r"\nlength = .*", "", wrong).replace("[run]", '[run]\nmesh = "soft"')
     file.write_text(wrong, encoding="utf-8")
     with pytest.raises(ts.CaseError) as caught:
         ts.load_case(file)
     rows = wrong.splitlines()
     expected = [
-        ("machine.gears.face_width", rows.index("[machine.gears]") + 1),
         ("machine.gears.module", rows.index('module = "2.75"') + 1),
+        ("machine.journal_bearings.length", rows.index("[machine.journal_bearings]") + 1),
         ("run.mesh", rows.index('mesh = "soft"') + 1),
     ]
     lines = str(caught.value).splitlines()
