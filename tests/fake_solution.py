@@ -195,6 +195,7 @@ def fake_solution(samples: int = 360) -> Solution:
         _values(angle),
         {
             "chamber": fake_description().chamber_labels,
+            "journal": ["drive_gear", "driven_gear"],
             "body": ["drive_gear", "driven_gear"],
             "axis": ["x", "y"],
             "contact": [f"drive_flank_{k}" for k in range(TEETH)],
@@ -273,6 +274,8 @@ def _bodies(angle: Array) -> dict[str, Array]:
     return {
         "body_position": np.stack([orbit, orbit * mirror], axis=1),
         "body_force": np.stack([force, force * mirror], axis=1),
+        "journal_force": -np.stack([force, force * mirror], axis=1),
+        "journal_film_height": np.full((angle.size, 2), 2e-6),
         "contact_force": 4000.0 * contact,
         "contact_gap": 5e-5 * (0.2 - contact).clip(0.0),
         "casing_angle": casing,

@@ -121,7 +121,7 @@ def ripple_and_spectrum(
         ("shaft_torque", "Shaft torque (N m)", 1.0, GREEN),
     )
     signals = [(factor * np.asarray(data[name]), label, c) for name, label, factor, c in rows]
-    return _waves_and_spectra(solution, description, signals)
+    return _waves_and_spectra(solution, description, "Ripple over one turn", signals)
 
 
 @styled
@@ -141,22 +141,25 @@ def bearing_force_spectra(
             for body, color in zip(data["journal"].values, (BLUE, ORANGE, GREEN), strict=False)
         )
     ]
-    return _waves_and_spectra(solution, description, signals)
+    return _waves_and_spectra(solution, description, "Bearing forces over one turn", signals)
 
 
 def _waves_and_spectra(
     solution: Solution,
     description: MachineDescription | None,
+    title: str,
     signals: Sequence[tuple[Array, str, str]],
 ) -> Figure:
     """One row for each signal, with its label and colour."""
     teeth = description.families[0].count if description is not None else None
     figure = new_figure(7.6, 1.0 + 1.9 * len(signals))
+    figure.suptitle(title)
     grid = figure.subplots(len(signals), 2, width_ratios=(3, 2), squeeze=False)
     angle = np.asarray(solution.data["shaft_angle"])
     for (left, right), (signal, label, color) in zip(grid, signals, strict=True):
         _waveform(left, angle, signal, label, color)
         _order_bars(right, angle, signal, color, teeth)
+        right.set_ylabel(f"Amplitude {label[label.index('(') :]}")
     angle_axis(grid[-1][0])
     grid[-1][1].set_xlabel("Shaft order (-)")
     hertz = float(np.mean(solution.data["shaft_speed"])) / (2.0 * np.pi)
@@ -202,7 +205,6 @@ def _order_bars(axes: Axes, angle: Array, signal: Array, color: str, teeth: int 
     if not top:
         axes.set_yticks([])
         axes.text(0.5, 0.5, "no ripple", transform=axes.transAxes, ha="center", color=GREY)
-    axes.set_ylabel("Amplitude")
 
 
 @styled
