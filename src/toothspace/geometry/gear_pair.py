@@ -86,11 +86,13 @@ class InvolutePair(ABC):
         -------
         tuple of float
             Window: with two pairs in contact the one nearer to the pitch point gives more flow.
-            [m]
+            About the middle of a path that is shorter than the window. [m]
         """
         start, end = self.path_of_contact
         span = self.base_pitch * (1.0 if flank_sealing == "single" else 0.5)
         first = min(max(start, -0.5 * span), end - span)
+        if end - start < span:
+            first = 0.5 * (start + end - span)
         return first, first + span
 
     def flow_per_radian(self, face_width: float, position: FloatOrArray) -> FloatOrArray:
