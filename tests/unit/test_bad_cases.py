@@ -154,7 +154,7 @@ MUTATIONS = [
     Bad("machine.gear", {}, allowed="gears (did you mean that?)"),
     Bad("operating_points", {}, allowed="operating_point (did you mean that?)"),
     Bad(f"{G}.module", DELETE, allowed="compulsory"),
-    Bad(f"{G}.face_width", DELETE, allowed="a length"),
+    Bad(f"{G}.face_width", DELETE, allowed="compulsory unless the gear comes from a solid"),
     Bad(f"{G}.normal_backlash", DELETE, key=f"{G}.center_distance", allowed="normal_backlash"),
     Bad(f"{G}.center_distance", "34.5 mm", allowed="leave this key out"),
     Bad("machine.casing", DELETE, allowed="radial_clearance"),

@@ -8,7 +8,7 @@ from toothspace.core.errors import GeometryError
 from toothspace.geometry.cad_export import export_gear, write_atomically
 from toothspace.geometry.cad_import import load_closed_curves
 from toothspace.geometry.curve import signed_area
-from toothspace.geometry.gear_pair import displacement_per_radian, pair_from_backlash
+from toothspace.geometry.gear_pair import pair_from_backlash
 from toothspace.geometry.involute import InvoluteGear, generate_profile
 from toothspace.geometry.involute_fit import involute_deviation
 from toothspace.geometry.profile_detection import gear_profile_from_curve
@@ -55,9 +55,10 @@ def test_round_trip_reproduces_area_tooth_and_displacement(tmp_path, suffix, gea
     # displacement from what the file holds: tip radius and base pitch
     pair = pair_from_backlash(gear, gear, 2e-5)
     pitch = 2.0 * np.pi * found.profile.base_radius / gear.tooth_count
-    inner = (0.5 * pair.center_distance) ** 2 + pitch**2 / 12.0
+    middle = np.mean(pair.sealing_window())  # beside the pitch point where teeth are undercut
+    inner = (0.5 * pair.center_distance) ** 2 + pitch**2 / 12.0 + middle**2
     volume = 7.5e-3 * (found.profile.tip_radius**2 - inner)
-    assert volume == pytest.approx(displacement_per_radian(pair, 7.5e-3), rel=1e-3)
+    assert volume == pytest.approx(pair.displacement_per_radian(7.5e-3), rel=1e-3)
 
 
 def test_units_of_files(tmp_path):
