@@ -275,7 +275,7 @@ FIGURES: tuple[FigureEntry, ...] = (
     ),
     FigureEntry(
         "leakage_by_path",
-        "Leakage by path, each flow by the share of the way from high to low pressure that it falls.",
+        "Leakage by path, each flow by the share of the way to low pressure that it falls.",
         "losses",
         losses.leakage_by_path,
         ("leakage",),
