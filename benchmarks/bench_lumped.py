@@ -25,11 +25,11 @@ from numba.core import types
 from numba.extending import intrinsic
 from scipy.integrate import solve_ivp
 
+from tests.reference_formulas.full_jacobian import jacobian
 from toothspace import api
 from toothspace.core.compilation.records import RecordAddress, pack
 from toothspace.core.compiled import njit
 from toothspace.model.assembly import System, assemble
-from toothspace.model.jacobian import jacobian
 from toothspace.model.system import error_weights, right_hand_side
 from toothspace.simulation.running_in import run_in
 from toothspace.simulation.setup import condition_of

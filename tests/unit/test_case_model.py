@@ -57,12 +57,11 @@ def test_provenance_follows_a_replaced_table(motor: Case) -> None:
 
 @pytest.mark.parametrize("value", [-1.0, 3.0, math.nan, "3 bar", "3", True, None, [3e-3]])
 def test_impossible_values_are_refused_at_every_level(motor: Case, value: object) -> None:
-    allowed = "allowed a length" if value is not None else "allowed this key is compulsory"
-    with pytest.raises(ts.CaseError, match=rf"face_width: found .*{allowed}"):
+    with pytest.raises(ts.CaseError, match=r"face_width: found .*allowed a length"):
         dataclasses.replace(motor.machine.gears, face_width=value)
     tables = motor.to_dict()
     tables["machine"]["gears"]["face_width"] = value
-    with pytest.raises(ts.CaseError, match=rf"machine.gears.face_width: found .*{allowed}"):
+    with pytest.raises(ts.CaseError, match=r"machine.gears.face_width: found .*allowed a length"):
         Case.from_dict(tables)
 
 
@@ -138,16 +137,14 @@ def test_messages_give_the_line_of_the_key(tmp_path: Path) -> None:
     text = MOTOR.read_text(encoding="utf-8")
     file = tmp_path / "case.toml"
     wrong = re.sub(r"\nmodule = .*", '\nmodule = "2.75"', text)
-    wrong = re.sub(r"\nradial_clearance = .*", "", wrong, count=1).replace(
-        "[run]", '[run]\nmesh = "soft"'
-    )
+    wrong = re.sub(r"\nlength = .*", "", wrong).replace("[run]", '[run]\nmesh = "soft"')
     file.write_text(wrong, encoding="utf-8")
     with pytest.raises(ts.CaseError) as caught:
         ts.load_case(file)
     rows = wrong.splitlines()
     expected = [
         ("machine.gears.module", rows.index('module = "2.75"') + 1),
-        ("machine.casing.radial_clearance", rows.index("[machine.casing]") + 1),
+        ("machine.journal_bearings.length", rows.index("[machine.journal_bearings]") + 1),
         ("run.mesh", rows.index('mesh = "soft"') + 1),
     ]
     lines = str(caught.value).splitlines()

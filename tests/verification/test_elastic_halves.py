@@ -162,7 +162,7 @@ def test_mirrored_halves_bend_alike(
 def test_files_are_refused_for_halves(tmp_path: Path) -> None:
     bodies = _bodies(_balance())
     file = tmp_path / "block.step"
-    file.touch()
+    file.write_text("ISO-10303-21;", encoding="utf-8")
     files = ElasticBodiesParameters(floating_bearing=file)
     spec = replace(bodies.assembly.spec, body_files=files)
     given = replace(bodies, assembly=replace(bodies.assembly, spec=spec))

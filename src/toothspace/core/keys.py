@@ -88,7 +88,8 @@ def require(owner: object, reason: str, *names: str) -> None:
     """Refuse a missing key that another choice makes compulsory."""
     for name in names:
         if getattr(owner, name) is None:
-            raise KeyRuleError(name, "nothing", f"this key is compulsory {reason}")
+            wanted = keys_of(type(owner))[name][0].allowed()
+            raise KeyRuleError(name, "nothing", f"{wanted}; this key is compulsory {reason}")
 
 
 def forbid(owner: object, reason: str, *names: str) -> None:
