@@ -10,9 +10,9 @@ LONG = 0.6
 """Claims that take longer are examined with the slow tests only. [min]"""
 
 FAILING = {
-    "egm12_motor": "heat of the journals leaves with the lateral leakage alone",
-    "egm12_pump": "heat of the journals leaves with the lateral leakage alone",
-    "fuel14_pump": "heat of the journals leaves with the lateral leakage alone; vapour in the mesh",
+    "egm12_motor": "hydromechanical efficiency 0.932 above 0.93: no mixed friction of bushings",
+    "egm12_pump": "hydromechanical efficiency 0.934 above 0.93: no mixed friction of bushings",
+    "fuel14_pump": "vapour in the mesh",
     "gerotor_teeth": "the film round the rotor holds it: one tooth at a time is enough at 40 um",
     "gerotor_span": "the film round the rotor holds it: one tooth at a time is enough at 40 um",
     "gerotor_cycloidal": "40 um at the tips leak more at 767 rpm and 40 bar than measured pumps",
