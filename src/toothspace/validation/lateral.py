@@ -29,8 +29,8 @@ SOURCE = ValidationSource(
     "Position hysteresis of the floating bearing of a fuel pump",
     "D. Thiagarajan, A. Vacca, S. Watkins, Mech. Syst. Signal Process. 129 (2019) 659-676.",
     "The publication is normalised. Reference pressure 194 bar and speed 8500 rpm, gears, springs, "
-    "areas and grooves are reconstructed; the seal line is free and stands at 7.8 mm, near the upper "
-    "edge of the window in which the statements hold (7.4 to below 8 mm).",
+    "areas and grooves are reconstructed; the seal line is free and stands at 7.8 mm, near the "
+    "upper edge of the window in which the statements hold (7.4 to below 8 mm).",
 )
 
 LARGEST_FILM = 4.0
