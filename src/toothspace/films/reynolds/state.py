@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import NamedTuple, final
 
 import numpy as np
@@ -33,8 +34,12 @@ ROUNDING = 1e-12
 """Part of the flow that potentials drive, up to which a film counts as without flow. [-]"""
 RUNAWAY_PASSES = 8
 """Passes in succession without a finite pressure after which there is none. [-]"""
-SHORTEST, LONGEST = 0.05, 1.5
-"""Part of the change of density that a pass follows, by Aitken's rule within limits. [-]"""
+MIXED_PASSES = 5
+"""Former passes whose densities the next one is mixed from. [-]"""
+ROUNDED = 1e-11
+"""Density that is lacking up to which the passes have settled: round-off. [-]"""
+FOLLOWED = 0.5
+"""Part of what is lacking after the mixing that the next pass follows. [-]"""
 
 
 @final
@@ -99,13 +104,14 @@ def solve_state(
 
     References
     ----------
-    .. [1] B. M. Irons, R. C. Tuck, A version of the Aitken accelerator for computer iteration,
-       Int. J. Numer. Methods Eng. 1 (1969) 275-277 (step of the density).
+    .. [1] D. G. Anderson, Iterative procedures for nonlinear integral equations, J. ACM 12
+       (1965) 547-560 (next density).
     """
     fluid, lowest = film.fluid, film.cavitation_pressure
     grid, floor = fluid.reduced_grid(film.grid), fluid.reduced_of(lowest)
     density = fluid.density(np.full(film.gap.centre.shape, lowest))
-    gauge, missing, step, lost = np.zeros_like(density), None, 1.0, 0
+    gauge, lost = np.zeros_like(density), 0
+    passes: list[tuple[Array, Array]] = []
     for number in range(1, FLUID_PASSES + 1):
         balance = film_balance(grid, film.gap, fluid.carrier(density), floor, film.law)
         if history is not None:
@@ -119,10 +125,11 @@ def solve_state(
         settled = not fluid.compressible or change <= FLUID_TOLERANCE * max(
             float(gauge.max()) + lowest, LEAST_PRESSURE
         )
+        settled = settled or float(np.abs(error).max()) <= ROUNDED
         if settled or lost >= RUNAWAY_PASSES or number == FLUID_PASSES:
             break
-        step, missing = _relaxation(step, missing, error), error
-        density = density + step * error
+        passes = [*passes[-MIXED_PASSES:], (density, error)]
+        density = _mixed(passes)
     status = Status.DONE if settled and fields.converged else Status.NOT_CONVERGED
     status = Status.RUNAWAY if lost else status
     return FilmState(gauge, fluid.fields(gauge + lowest), balance, fields, status)
@@ -215,15 +222,17 @@ def relative_error(error: float, through: float, balance: CellBalance, potential
     return abs(error) / through if through > ROUNDING * conducted else 0.0
 
 
-def _relaxation(step: float, missing: Array | None, error: Array) -> float:
-    """Part of the error that the next pass follows."""
-    if missing is None:
-        return 1.0
-    turn = error - missing
-    size = float((turn * turn).sum())
-    if size == 0.0:
-        return 1.0
-    return float(np.clip(-step * float((missing * turn).sum()) / size, SHORTEST, LONGEST))
+def _mixed(passes: list[tuple[Array, Array]]) -> Array:
+    """Next density from those of former passes and what each lacked, by Anderson's method."""
+    density, error = passes[-1]
+    if len(passes) == 1:
+        return density + error
+    pairs = list(pairwise(passes))
+    moved = np.stack([(after[0] - before[0]).ravel() for before, after in pairs])
+    turned = np.stack([(after[1] - before[1]).ravel() for before, after in pairs])
+    shares = np.linalg.lstsq(turned.T, error.ravel(), rcond=1e-12)[0]
+    change = FOLLOWED * error.ravel() - shares @ (moved + FOLLOWED * turned)
+    return np.asarray(density + change.reshape(error.shape), dtype=float)
 
 
 def _solve(
