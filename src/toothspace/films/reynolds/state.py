@@ -24,7 +24,7 @@ from toothspace.numerics.complementarity import (
 from toothspace.numerics.linear_system import PRESCRIBED
 from toothspace.numerics.structured_grid import CellBalance
 
-FLUID_PASSES = 60
+FLUID_PASSES = 120
 """Most iterations of the density with the pressure. [-]"""
 FLUID_TOLERANCE = 1e-10
 """Change of the pressure over its maximum at which they end. [-]"""
@@ -34,12 +34,10 @@ ROUNDING = 1e-12
 """Part of the flow that potentials drive, up to which a film counts as without flow. [-]"""
 RUNAWAY_PASSES = 8
 """Passes in succession without a finite pressure after which there is none. [-]"""
-MIXED_PASSES = 5
+MIXED_PASSES = 8
 """Former passes whose densities the next one is mixed from. [-]"""
 ROUNDED = 1e-11
 """Density that is lacking up to which the passes have settled: round-off. [-]"""
-FOLLOWED = 0.5
-"""Part of what is lacking after the mixing that the next pass follows. [-]"""
 
 
 @final
@@ -231,8 +229,8 @@ def _mixed(passes: list[tuple[Array, Array]]) -> Array:
     moved = np.stack([(after[0] - before[0]).ravel() for before, after in pairs])
     turned = np.stack([(after[1] - before[1]).ravel() for before, after in pairs])
     shares = np.linalg.lstsq(turned.T, error.ravel(), rcond=1e-12)[0]
-    change = FOLLOWED * error.ravel() - shares @ (moved + FOLLOWED * turned)
-    return np.asarray(density + change.reshape(error.shape), dtype=float)
+    change = shares @ (moved + turned)
+    return np.asarray(density + error - change.reshape(error.shape), dtype=float)
 
 
 def _solve(
