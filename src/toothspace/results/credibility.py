@@ -38,7 +38,7 @@ def with_warnings(
     highest_pressure : float
         Pressure up to which the properties of the fluid are known. [Pa]
     checks : iterable of DesignCheck
-        Design-rule report of the machine; what it says of files that it was read from is told.
+        Design-rule report of the machine; what it says of files that were read is reported.
     """
     drawing = [check.sentence for check in checks if check.of_drawing and not check.passed]
     found = "\n".join([*_pressure(solution, highest_pressure), *_numbers(solution), *drawing])
