@@ -65,20 +65,20 @@ def simulate(case: Case, progress: Progress | None = None) -> Solution:
     checks = setup.description.checks
     solution = with_warnings(run.simulate(setup, progress), known_pressure(setup), checks)
     if setup.description.as_drawn:
-        solution = _with_both_flanks(case, solution)
+        solution = _with_both_flanks(setup, solution)
     compiling = compile_seconds() - compiled
     wall = time.perf_counter() - started - compiling
     times = {"wall_time": wall, "compile_time": compiling}
     return replace(solution, statistics={**solution.statistics, **times})
 
 
-def _with_both_flanks(case: Case, solution: Solution) -> Solution:
+def _with_both_flanks(setup: Setup, solution: Solution) -> Solution:
     try:
-        setup = set_up(case.replace(describe(case).as_drawn))
+        drawn = set_up(setup.case.replace(setup.description.as_drawn))
     except CaseError as error:
         text = f"Flanks as in the file cannot be computed with: {error}"
         return replace(solution, provenance=warned(solution.provenance, text))
-    return with_interval(solution, run.simulate(setup, None))
+    return with_interval(solution, run.simulate(drawn, None))
 
 
 def simulate_all(cases: Iterable[Case], workers: int = 1) -> list[Solution | Exception]:

@@ -24,14 +24,12 @@ from toothspace.core.keys import (
 )
 from toothspace.core.types import Array
 from toothspace.core.units import to_si
-from toothspace.geometry.cad_import import load_closed_curves
+from toothspace.geometry.cad_import import is_solid, load_closed_curves
 from toothspace.geometry.involute import InvoluteGear, tooth_form
 from toothspace.geometry.polygon import checked_polygon
 
 PROFILE_SUFFIXES = (".txt", ".csv", ".dxf", ".stl", ".step", ".stp")
 """Files that may hold a profile."""
-SOLID_SUFFIXES = (".stl", ".step", ".stp")
-"""Files that hold solids."""
 CONTOUR_SUFFIXES = (".txt", ".csv", ".dxf")
 """Files that may hold a plane contour."""
 
@@ -108,7 +106,7 @@ class MeshingGearParameters(KeyTable):
         if self.profile is None:
             reason = "unless a profile file is given"
             require(self, reason, "tooth_count", "module", "pressure_angle", "tip_diameter")
-        solid = isinstance(self.profile, Path) and self.profile.suffix.lower() in SOLID_SUFFIXES
+        solid = is_solid(self.profile)
         if not solid:
             require(self, "unless the gear comes from a solid file", "face_width")
         if self.normal_backlash is None and not solid:
@@ -172,8 +170,10 @@ class ReliefGrooveParameters(KeyTable):
             reason = "unless a contour file is given"
             require(self, reason, "closing_side_offset", "opening_side_offset")
 
-    def grooves(self, table: str = "") -> ReliefGrooves:
+    def grooves(self, table: str = "", unit: str = "mm") -> ReliefGrooves:
         """Return the grooves, their contours read from the file; messages name the table above.
+
+        ``unit`` is the length unit of the file.
 
         Raises
         ------
@@ -181,7 +181,7 @@ class ReliefGrooveParameters(KeyTable):
             If the file is damaged, or holds two polygons on one side.
         """
         key = f"{table}relief_grooves.contour"
-        polygons = read_contours(self.contour, key) if self.contour else []
+        polygons = read_contours(self.contour, key, unit) if self.contour else []
         return self.outlined(polygons, self.depth or GROOVE_DEPTH, key)
 
     def outlined(self, polygons: list[Array], depth: float, key: str) -> ReliefGrooves:

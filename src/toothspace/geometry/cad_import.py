@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeGuard
 
 import numpy as np
 
@@ -19,6 +19,11 @@ TEXT_SUFFIXES = (".txt", ".csv", ".dat")
 STEP_SUFFIXES = (".step", ".stp")
 SOLID_SUFFIXES = (".stl", *STEP_SUFFIXES)
 SUFFIXES = (*TEXT_SUFFIXES, ".dxf", *SOLID_SUFFIXES)
+
+
+def is_solid(source: object) -> TypeGuard[Path]:
+    """Whether a section is to be cut from a solid file."""
+    return isinstance(source, Path) and source.suffix.lower() in SOLID_SUFFIXES
 
 
 def load_closed_curves(

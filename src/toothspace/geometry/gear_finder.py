@@ -12,7 +12,7 @@ from toothspace.core.errors import GeometryError
 from toothspace.core.frozen import Points
 from toothspace.core.types import Array
 from toothspace.geometry.body_section import BodySection, SectionRequest
-from toothspace.geometry.cad_import import SOLID_SUFFIXES, load_body_sections, load_closed_curves
+from toothspace.geometry.cad_import import is_solid, load_body_sections, load_closed_curves
 from toothspace.geometry.curve import chord_heights, counter_clockwise, signed_area
 from toothspace.geometry.mesh_section import axis_frame
 from toothspace.geometry.profile_detection import DetectedGear, gear_profile_from_curve
@@ -106,7 +106,7 @@ def find_gears(
     GeometryError
         For a file that cannot be read or holds no gear; the message names the section.
     """
-    if isinstance(path, Path) and path.suffix.lower() in SOLID_SUFFIXES:
+    if is_solid(path):
         return _gears_of_solids(path, unit, request or SectionRequest())
     curves = load_closed_curves(path, unit, layer=layer)
     toothed = _outermost([curve for curve in curves if repeating_teeth(curve) is not None])

@@ -8,23 +8,16 @@ from typing import TYPE_CHECKING, Any
 from toothspace.closures.journal_friction import PUBLISHED
 from toothspace.core.errors import CaseError, GeometryError
 from toothspace.core.keys import KeyRuleError, Problem
-from toothspace.core.types import Array
-from toothspace.gearing.gear_tables import GROOVE_DEPTH, ReliefGrooves, read_contours
+from toothspace.gearing.gear_tables import ReliefGrooves, read_contours
 from toothspace.gearing.materials import library_material
+from toothspace.geometry.cad_import import is_solid
 from toothspace.geometry.gear_pair import pair_from_backlash, pair_from_center_distance
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear, generate_profile
 from toothspace.machines.external_gear import parameter_tables as keys
 from toothspace.machines.external_gear import spec
 from toothspace.machines.external_gear.floating_from_parameters import floating_block
-from toothspace.machines.external_gear.gear_files import check_unit, detected_gear
 from toothspace.machines.external_gear.shaft_seal import seal_torque
-from toothspace.machines.external_gear.solid_contours import (
-    casing_contour,
-    distance_in_file,
-    groove_contours,
-    is_solid,
-)
 from toothspace.model.description import RunningIn, StartupFriction
 
 if TYPE_CHECKING:
@@ -58,8 +51,14 @@ def spec_from(machine: keys.ExternalGearTables) -> spec.ExternalGearSpec:
         ("driven_gear", driven_keys, driven),
     ):
         if built.found is not None:
+            from toothspace.machines.external_gear.gear_files import check_unit
+
             check_unit(machine, given, built.found.detected.profile, name)
-    in_file = distance_in_file(machine, drive, driven)
+    in_file = None
+    if machine.gears.center_distance is None and machine.gears.normal_backlash is None:
+        from toothspace.machines.external_gear.solid_contours import distance_in_file
+
+        in_file = distance_in_file(machine, drive, driven)
     distance = _check_pair(machine, drive, driven, in_file)
     return spec.ExternalGearSpec(
         drive=drive,
@@ -141,7 +140,12 @@ def _driven_keys(machine: keys.ExternalGearTables) -> keys.GearParameters:
 
 
 def _gear(gear: keys.GearParameters, table: str) -> spec.Gear:
-    found = None if gear.profile is None else detected_gear(gear, gear.profile, table)
+    found = None
+    if gear.profile is not None:
+        # with what reads CAD files, half a second that generated gears do not need
+        from toothspace.machines.external_gear.gear_files import detected_gear
+
+        found = detected_gear(gear, gear.profile, table)
     tooth: InvoluteGear | GearProfile
     if found is None:
         tooth = gear.involute_gear(table)
@@ -198,6 +202,8 @@ def _face_width(gear: keys.GearParameters, found: FoundGear | None, table: str) 
 def _casing(machine: keys.ExternalGearTables, drive: spec.Gear, driven: spec.Gear) -> spec.Casing:
     casing, contour = machine.casing, None
     if is_solid(casing.contour):
+        from toothspace.machines.external_gear.solid_contours import casing_contour
+
         contour = casing_contour(machine, drive, driven)
     elif casing.contour is not None:
         contour = read_contours(casing.contour, "casing.contour", casing.contour_unit)[0]
@@ -217,14 +223,11 @@ def _grooves(
     grooves = machine.relief_grooves
     if grooves is None:
         return None
-    polygons: list[Array] = []
-    depth = grooves.depth or GROOVE_DEPTH
-    if grooves.contour is not None:
-        key = "relief_grooves.contour"
-        if is_solid(grooves.contour):
-            polygons, depth = groove_contours(machine, drive, driven, distance)
-        else:
-            polygons = read_contours(grooves.contour, key, grooves.contour_unit)
+    if not is_solid(grooves.contour):
+        return grooves.grooves(unit=grooves.contour_unit)
+    from toothspace.machines.external_gear.solid_contours import groove_contours
+
+    polygons, depth = groove_contours(machine, drive, driven, distance)
     return grooves.outlined(polygons, depth, "relief_grooves.contour")
 
 

@@ -28,10 +28,10 @@ from toothspace.core.keys import (
 from toothspace.gearing.gear_tables import (
     CONTOUR_SUFFIXES,
     PROFILE_SUFFIXES,
-    SOLID_SUFFIXES,
     MeshingGearParameters,
     ReliefGrooveParameters,
 )
+from toothspace.geometry.cad_import import SOLID_SUFFIXES, is_solid
 from toothspace.machines.external_gear.floating_parameters import (
     ElasticBodiesParameters,
     FloatingBearingParameters,
@@ -79,7 +79,7 @@ def forbid_unread(gear: GearParameters | DrivenGearParameters) -> None:
 def forbid_solid_keys(table: CasingParameters | BlockGrooveParameters, *names: str) -> None:
     """Refuse keys of solids beside a contour of another kind."""
     suffix = "" if table.contour is None else table.contour.suffix.lower()
-    if suffix not in SOLID_SUFFIXES:
+    if not is_solid(table.contour):
         forbid(table, f"unless the contour is a solid ({', '.join(SOLID_SUFFIXES)})", *names)
     elif suffix in _STEP and table.contour_unit != "mm":
         raise KeyRuleError(

@@ -11,7 +11,6 @@ from toothspace.core.errors import GeometryError
 from toothspace.core.keys import KeyRuleError
 from toothspace.core.types import Array
 from toothspace.core.units import to_si
-from toothspace.gearing.gear_tables import SOLID_SUFFIXES
 from toothspace.geometry.body_section import AXES, BodySection, SectionRequest
 from toothspace.geometry.cad_import import load_body_sections
 from toothspace.geometry.gear_finder import axis_distance
@@ -26,24 +25,16 @@ from toothspace.machines.external_gear import parameter_tables as keys
 from toothspace.machines.external_gear import spec
 
 
-def is_solid(file: Path | None) -> bool:
-    """Whether a contour is to be cut from a solid."""
-    return file is not None and file.suffix.lower() in SOLID_SUFFIXES
-
-
 def distance_in_file(
     machine: keys.ExternalGearTables, drive: spec.Gear, driven: spec.Gear
-) -> float | None:
-    """Distance of two gears of one solid file, None unless both come from one. [m].
+) -> float:
+    """Distance of two gears of one solid file, where the case gives none. [m].
 
     Raises
     ------
     KeyRuleError
         If the case names neither a distance nor the second gear of the file.
     """
-    given = machine.gears
-    if given.center_distance is not None or given.normal_backlash is not None:
-        return None
     if drive.found is None or driven.found is None or not _one_file(machine):
         raise KeyRuleError(
             "gears.center_distance", "nothing", "compulsory unless both gears come from one solid"
