@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, final
 
+from toothspace.core.files import plain
 from toothspace.core.progress import Progress
 
 if TYPE_CHECKING:
@@ -30,19 +31,6 @@ def line(text: str) -> None:
 def message(text: str) -> None:
     """Write one line to standard error."""
     sys.stderr.write(text + "\n")
-
-
-def plain(value: Any) -> Any:
-    """Return a value that JSON can hold; numbers that are not finite become null."""
-    if isinstance(value, Mapping):
-        return {str(key): plain(item) for key, item in value.items()}
-    if hasattr(value, "tolist"):
-        return plain(value.tolist())
-    if isinstance(value, (list, tuple)):
-        return [plain(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value if isinstance(value, (str, int, float, bool, type(None))) else str(value)
 
 
 def write(summary: Mapping[str, Any], *, as_json: bool) -> None:

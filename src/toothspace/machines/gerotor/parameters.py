@@ -12,6 +12,7 @@ from toothspace.core.keys import (
     choice,
     file_path,
     forbid,
+    instead_of,
     integer,
     number,
     quantity,
@@ -75,10 +76,7 @@ class RotorParameters(KeyTable):
     )
 
     def __post_init__(self) -> None:
-        if self.kind is None:
-            require(self, "unless kind is given", "inner_profile", "outer_profile")
-        else:
-            forbid(self, "because kind is given", "inner_profile", "outer_profile")
+        instead_of(self, "kind", "inner_profile", "outer_profile")
         if self.kind == "trochoidal":
             require(self, 'with kind = "trochoidal"', "generating_radius", "lobe_radius")
 
@@ -181,10 +179,7 @@ class FaceGapParameters(KeyTable):
     )
 
     def __post_init__(self) -> None:
-        if self.side_gap is None:
-            require(self, "unless side_gap is given", "side_gap_a", "side_gap_b")
-        else:
-            forbid(self, "because side_gap is given", "side_gap_a", "side_gap_b")
+        instead_of(self, "side_gap", "side_gap_a", "side_gap_b")
 
 
 @final
