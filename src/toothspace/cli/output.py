@@ -65,17 +65,14 @@ def shown(value: Any) -> str:
     """Return a value as short text."""
     if isinstance(value, float):
         return f"{value:.6g}"
-    if isinstance(value, list) and len(value) > _LONGEST_LIST and _are_numbers(value):
+    is_list = isinstance(value, list)
+    if is_list and len(value) > _LONGEST_LIST and all(isinstance(v, (int, float)) for v in value):
         return f"{len(value)} values, {shown(min(value))} to {shown(max(value))}"
-    if isinstance(value, list):
+    if is_list:
         return ", ".join(shown(item) for item in value) or "none"
     if isinstance(value, dict):
         return ", ".join(f"{name} {shown(item)}" for name, item in value.items()) or "none"
     return "-" if value is None else str(value)
-
-
-def _are_numbers(values: list[Any]) -> bool:
-    return all(isinstance(value, (int, float)) for value in values)
 
 
 def write_checks(checks: Sequence[DesignCheck]) -> None:

@@ -99,9 +99,8 @@ def read_tooth_deviations(path: Path, flank: InvoluteFlank, tooth_count: int) ->
     data = read_columns(path, columns | ({"tip": "um"} if with_tip else {}))
     present = np.unique(data["tooth"])
     if not np.array_equal(present, np.arange(1, tooth_count + 1)):
-        raise GeometryError(
-            f"{path}: found teeth {_listed(present)}, allowed each of 1 to {tooth_count}"
-        )
+        some = ", ".join(f"{value:g}" for value in present[:12]) or "none"
+        raise GeometryError(f"{path}: found teeth {some}, allowed each of 1 to {tooth_count}")
     rows = [np.flatnonzero(data["tooth"] == number) for number in present]
     ordered = [row[np.argsort(data["roll_length"][row])] for row in rows]
     left, right = (
@@ -110,10 +109,6 @@ def read_tooth_deviations(path: Path, flank: InvoluteFlank, tooth_count: int) ->
     )
     tips = [float(data["tip"][row].mean()) if with_tip else 0.0 for row in ordered]
     return ToothDeviations(nodes, left, right, np.array(tips))
-
-
-def _listed(numbers: Array) -> str:
-    return ", ".join(f"{value:g}" for value in numbers[:12]) or "none"
 
 
 def _from_curve_file(
