@@ -61,6 +61,7 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
     columns = motion_columns(spec)
     contacts = rotor_contacts(spec, pocket.rotors)
     family = _pocket_family(spec, pocket, columns)
+    walls = spec.housing.end_condition == "wall"  # the solved film of the faces feeds the rim
     ratio = contact_ratio(contacts, float(np.median(pocket.path.gap)))
     return MachineDescription(
         name="gerotor",
@@ -72,7 +73,7 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
         paths=flow_paths(spec, pocket, timing, columns),
         journals=journal_bearings(spec),
         laterals=lateral_films(spec, pocket),
-        shared_faces=shared_faces(spec, pocket, ports, family),
+        shared_faces=None if walls else shared_faces(spec, pocket, ports, family),
         contacts=contacts,
         seal_torque=0.0 if spec.seals is None else spec.seals.shaft_seal_torque,
         port_volumes=(spec.inlet.volume, spec.outlet.volume),

@@ -95,7 +95,12 @@ class HousingParameters(KeyTable):
         "um", "Housing bore radius minus rotor radius.", low=1, high=1000
     )
     end_condition: str = choice(
-        "What stands at the axial ends of the film.", "no_flow", "pressure", default="no_flow"
+        "Axial ends of the film: walls beside which the faces lead pressure into it, the drain, "
+        "or walls through which nothing passes.",
+        "no_flow",
+        "pressure",
+        "wall",
+        default="no_flow",
     )
     roughness: float = quantity(
         "um", "Root mean square roughness of the bore.", low=0, high=10, default=0.4e-6
