@@ -5,7 +5,7 @@ gear machines, gerotors and internal gears with a crescent, pumps and motors, wi
 relief grooves, 1 to 350 bar, 1 to 8 000 rpm, -20 to 120 degC and clearances from 5 to 100 um, runs
 each in a process of its own, writes one row per design and prints a table. ``--only SEED`` prints
 the case of one design instead, to be run and looked at alone. Designs whose geometry is refused
-are drawn again.
+are drawn again. Rows that the file has already are kept, so a stopped command goes on where it was.
 """
 
 from __future__ import annotations
@@ -45,6 +45,7 @@ _NUMBERS = (
     "min_chamber_pressure_bar",
     "shaft_speed_rpm",
 )
+_TEXTS = ("warnings", "not_finite")
 _UNPHYSICAL: dict[str, Callable[[dict[str, Any]], bool]] = {
     "volumetric efficiency above 1": lambda row: row["volumetric_efficiency"] > 1.0 + 1e-3,
     "overall efficiency above 1": lambda row: row["overall_efficiency"] > 1.0,
@@ -262,6 +263,24 @@ def write(rows: list[dict[str, Any]], path: Path) -> None:
         writer.writerows(sorted(rows, key=lambda row: row["seed"]))
 
 
+def read(path: Path) -> list[dict[str, Any]]:
+    """Rows of a file that was written before; none where there is no file."""
+    if not path.exists():
+        return []
+    with path.open(encoding="utf-8", newline="") as file:
+        return [
+            {name: number(text) for name, text in row.items() if text or name in _TEXTS}
+            for row in csv.DictReader(file)
+        ]
+
+
+def number(text: str) -> float | str:
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
 def main() -> None:
     parser = argparse.ArgumentParser("python -m benchmarks.random_designs", description=__doc__)
     parser.add_argument("--count", type=int, default=30)
@@ -273,10 +292,11 @@ def main() -> None:
     if given.only is not None:
         print(first_run(given.only)[0])
         return
-    rows: list[dict[str, Any]] = []
-    seeds = range(given.first, given.first + given.count)
+    rows = read(given.output)
+    known = {row["seed"] for row in rows}
+    seeds = [seed for seed in range(given.first, given.first + given.count) if seed not in known]
     with Workers(given.workers) as workers:
-        for _, row in workers.each(row_of, list(seeds)):
+        for _, row in workers.each(row_of, seeds):
             rows.append(row)
             write(rows, given.output)
     report(rows)
