@@ -24,7 +24,7 @@ _CYCLIC_POSITION = 2e-3
 _SAME_PLACE = 1e-9
 _PATIENCE = 6
 """Revolutions marched freely before the periodic state is searched for."""
-_WAIT = 4
+_WAIT = 6
 """Changes among which one is expected to be smaller than those before."""
 _NEARER = 0.8
 _MEMORY = 10
@@ -176,7 +176,7 @@ class _PeriodicSearch:
 def _stalled(changes: list[float]) -> bool:
     """Whether the last changes from one revolution to the next are as large as those before."""
     recent, earlier = changes[-_WAIT:], changes[-2 * _WAIT : -_WAIT]
-    return len(changes) >= _PATIENCE + _WAIT and min(recent) > _NEARER * min(earlier)
+    return len(earlier) == _WAIT and min(recent) > _NEARER * min(earlier)
 
 
 def _history(
