@@ -15,6 +15,23 @@ DEFAULT_NODES = 720
 
 @final
 @dataclass(frozen=True)
+class CaseDraft:
+    """First case file of a machine that was found in CAD files.
+
+    Parameters
+    ----------
+    text : str
+        TOML with comments on what was found and what is assumed.
+    parts : int
+        How many parts of the files it uses.
+    """
+
+    text: str
+    parts: int
+
+
+@final
+@dataclass(frozen=True)
 class MachineType:
     """A machine type as it is found by name.
 
@@ -25,10 +42,14 @@ class MachineType:
     describe : callable
         From the definition of a machine, and optionally about how many table nodes on a turn, to
         its description; ``GeometryError`` if it cannot be built.
+    draft : callable or None
+        From CAD files, the name of their unit, the wanted section and the folder of the case file
+        to a :class:`CaseDraft`, or None where they hold no such machine.
     """
 
     name: str
     describe: Callable[..., MachineDescription]
+    draft: Callable[..., CaseDraft | None] | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
