@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Literal, cast, final
 
 from toothspace.core.keys import KeyTable, choice, forbid, number, quantity, require, text
@@ -50,6 +52,14 @@ class MachineType:
     name: str
     describe: Callable[..., MachineDescription]
     draft: Callable[..., CaseDraft | None] | None = None
+
+
+def named_beside(file: Path, folder: Path) -> str:
+    """Name of a file for a case file in a folder: relative, but on another drive."""
+    try:
+        return Path(os.path.relpath(file, folder)).as_posix()
+    except ValueError:
+        return file.resolve().as_posix()
 
 
 @dataclass(frozen=True, kw_only=True)

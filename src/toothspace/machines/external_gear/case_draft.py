@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
@@ -33,7 +32,7 @@ from toothspace.geometry.pump_sections import (
     face_recesses,
     machine_frame,
 )
-from toothspace.machines.shared_tables import CaseDraft
+from toothspace.machines.shared_tables import CaseDraft, named_beside
 
 _CLEARANCES = (1e-6, 300e-6)
 """Between tip circle and bore. [m]"""
@@ -147,15 +146,8 @@ def draft_case(
 
 def _names(contents: FileContents, folder: Path) -> str:
     parts = [gear.file for gear in contents.gears] + [body.file for body in contents.others]
-    files = dict.fromkeys(_beside(file, folder) for file in parts if isinstance(file, Path))
+    files = dict.fromkeys(named_beside(file, folder) for file in parts if isinstance(file, Path))
     return ", ".join(files) or "points"
-
-
-def _beside(file: Path, folder: Path) -> str:
-    try:
-        return Path(os.path.relpath(file, folder)).as_posix()
-    except ValueError:  # another drive
-        return file.resolve().as_posix()
 
 
 def _pair(contents: FileContents) -> tuple[FoundGear, FoundGear] | None:
@@ -171,7 +163,7 @@ def _pair(contents: FileContents) -> tuple[FoundGear, FoundGear] | None:
 def _part_keys(part: FoundGear | PlainBody, unit: str, folder: Path, stem: str) -> list[str]:
     if not isinstance(part.file, Path):
         return []
-    lines = [f"{stem} = {json.dumps(_beside(part.file, folder))}"]
+    lines = [f"{stem} = {json.dumps(named_beside(part.file, folder))}"]
     if part.file.suffix.lower() not in STEP_SUFFIXES:
         lines.append(f'{stem}_unit = "{unit}"')
     if part.name:

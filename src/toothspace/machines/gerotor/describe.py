@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -25,7 +26,7 @@ from toothspace.machines.gerotor.ports import ports_of
 from toothspace.machines.gerotor.profiles import rotors_from
 from toothspace.machines.gerotor.summary import design_checks, geometry_summary
 from toothspace.machines.gerotor.timing import timing_of
-from toothspace.machines.shared_tables import DEFAULT_NODES, MachineType
+from toothspace.machines.shared_tables import DEFAULT_NODES, CaseDraft, MachineType
 from toothspace.model.description import ChamberFamily, MachineDescription
 from toothspace.numerics.periodic_table import (
     monotone_table,
@@ -124,5 +125,12 @@ def _film_family(spec: GerotorParameters, motion_count: int) -> ChamberFamily:
     )
 
 
-MACHINE = MachineType("gerotor", describe)
+def _draft(*given: Any) -> CaseDraft | None:
+    # with what reads CAD files
+    from toothspace.machines.gerotor.case_draft import draft_case
+
+    return draft_case(*given)
+
+
+MACHINE = MachineType("gerotor", describe, _draft)
 """The machine type found through the entry point."""
