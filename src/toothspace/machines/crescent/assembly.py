@@ -35,6 +35,7 @@ from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear, generate_profile
 from toothspace.geometry.profile_detection import gear_profile_from_curve
 from toothspace.machines.crescent.parameters import CrescentParameters
+from toothspace.machines.shared_bearings import require_rim, require_shaft_below
 
 POINTS_PER_TOOTH = 200
 
@@ -124,6 +125,9 @@ def assemble(spec: CrescentParameters) -> CrescentAssembly:
         ring = RingProfile(spaces)
         teeth = tooth_curves(pinion), profile_tooth(ring)
         curve, root = profile_outline(ring, 0.5 * np.pi), ring.root_radius
+    require_rim("machine.ring.outer_diameter", spec.ring.outer_diameter, root)
+    shaft = spec.journal_bearings.diameter
+    require_shaft_below("machine.journal_bearings.diameter", shaft, pinion.root_radius)
     loaded_is_left, grooves = spec.mode == "pump", spec.relief_grooves
     try:
         mesh = in_contact(teeth, _centred_mesh(teeth, distance), loaded_is_left)
