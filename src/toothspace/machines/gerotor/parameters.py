@@ -226,8 +226,18 @@ class ContactParameters(KeyTable):
         high=1,
         default=0.8,
     )
+    impact: str = choice(
+        "Damping by the speed of each impact, or of one impact speed for all.",
+        "own",
+        "given",
+        default="given",
+    )
     impact_speed: float = quantity(
-        "m/s", "Speed of that impact; lobes meet slowly.", above=0, high=10, default=0.01
+        "m/s",
+        "Speed of that impact with ``given``; lobes meet slowly.",
+        above=0,
+        high=10,
+        default=0.01,
     )
     boundary_friction: float = number(
         "Friction coefficient of touching asperities.", low=0, high=1, default=0.10
