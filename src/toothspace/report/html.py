@@ -168,7 +168,9 @@ def _numbers(solution: Solution) -> dict[str, Any]:
     return {
         "verdict": verdict(solution),
         "status": solution.status,
-        "key_numbers": [quantity(n, summary[n]) for n in key_numbers if n in summary and n not in held],
+        "key_numbers": [
+            quantity(n, summary[n]) for n in key_numbers if n in summary and n not in held
+        ],
         "summary": {name: quantity(name, value) for name, value in summary.items()},
         "causes": _causes(solution, summary),
         "temperatures": _temperatures(solution),

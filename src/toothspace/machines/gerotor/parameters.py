@@ -14,6 +14,7 @@ from toothspace.core.keys import (
     choice,
     file_path,
     forbid,
+    instead_of,
     integer,
     number,
     quantity,
@@ -88,10 +89,8 @@ class RotorParameters(KeyTable):
     )
 
     def __post_init__(self) -> None:
-        if self.kind is None:
-            require(self, "unless kind is given", "inner_profile", "outer_profile")
-        else:
-            forbid(self, "because kind is given", "inner_profile", "outer_profile")
+        instead_of(self, "kind", "inner_profile", "outer_profile")
+        if self.kind is not None:
             missing = [n for n in ("inner_tooth_count", "eccentricity", "face_width")
                        if not getattr(self, n)]  # fmt: skip
             if missing:
@@ -205,10 +204,7 @@ class FaceGapParameters(KeyTable):
     )
 
     def __post_init__(self) -> None:
-        if self.side_gap is None:
-            require(self, "unless side_gap is given", "side_gap_a", "side_gap_b")
-        else:
-            forbid(self, "because side_gap is given", "side_gap_a", "side_gap_b")
+        instead_of(self, "side_gap", "side_gap_a", "side_gap_b")
 
 
 @final
