@@ -48,7 +48,8 @@ def write_tables(groups: Mapping[str, Any]) -> None:
     """Write named lists of named numbers as text, one block for each item."""
     for name, items in groups.items():
         for number, item in enumerate(items):
-            line(f"{name.removesuffix('s')} {number + 1}" if number or len(items) > 1 else name)
+            one = name.removesuffix("ies") + "y" if name.endswith("ies") else name.removesuffix("s")
+            line(f"{one.replace('_', ' ')} {number + 1}" if len(items) > 1 else name)
             write({f"  {key}": value for key, value in item.items()}, as_json=False)
 
 

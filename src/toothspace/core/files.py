@@ -11,7 +11,7 @@ from io import FileIO
 from pathlib import Path
 from typing import Any
 
-from toothspace.core.errors import CaseError
+from toothspace.core.errors import CaseError, GeometryError, ToothspaceError
 
 _LONGEST_PREFIX = 40
 """A draft takes so much of the name of its target, so that long names fit the file system."""
@@ -83,6 +83,32 @@ def read_bytes(path: Path, label: str, allowed: str, most: int) -> bytes:
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or "no such file"
         raise CaseError(f"{label}: found {reason!r}, allowed {allowed}") from error
+
+
+@contextmanager
+def reading(path: object, allowed: str) -> Iterator[None]:
+    """Refuse a file in words whatever its reader stumbles over.
+
+    Parameters
+    ----------
+    path : object
+        File, for the message.
+    allowed : str
+        What it should be.
+
+    Raises
+    ------
+    GeometryError
+        In place of any error that is none of the package's own: readers of damaged files, and
+        libraries below them, fail anywhere.
+    """
+    try:
+        yield
+    except (ToothspaceError, MemoryError):
+        raise
+    except Exception as error:
+        found = f"a file that cannot be read as one ({type(error).__name__})"
+        raise GeometryError(f"{path}: found {found}, allowed {allowed}") from error
 
 
 def write_bytes(target: str | Path, content: bytes) -> Path:

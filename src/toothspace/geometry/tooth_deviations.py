@@ -11,6 +11,7 @@ from typing import final
 import numpy as np
 
 from toothspace.core.errors import GeometryError
+from toothspace.core.files import reading
 from toothspace.core.signals import column_names, read_columns
 from toothspace.core.types import Array
 from toothspace.geometry.gear_profile import InvoluteFlank
@@ -92,8 +93,13 @@ def read_tooth_deviations(path: Path, flank: InvoluteFlank, tooth_count: int) ->
     measured ones.
     """
     nodes = even_nodes(flank)
-    if path.suffix.lower() == ".mka":
-        return _from_curve_file(path, flank, tooth_count, nodes)
+    with reading(path, "a tester's file"):
+        if path.suffix.lower() == ".mka":
+            return _from_curve_file(path, flank, tooth_count, nodes)
+        return _from_table(path, tooth_count, nodes)
+
+
+def _from_table(path: Path, tooth_count: int, nodes: Array) -> ToothDeviations:
     columns = {"tooth": "1", "roll_length": "mm", "left": "um", "right": "um"}
     with_tip = "tip" in column_names(path)
     data = read_columns(path, columns | ({"tip": "um"} if with_tip else {}))

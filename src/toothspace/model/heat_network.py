@@ -17,7 +17,6 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from scipy.linalg import expm
 
 from toothspace.closures.heat_transfer import film_wall_conductance, turning_body_coefficient
 from toothspace.core.types import Array
@@ -150,6 +149,8 @@ class HeatNetwork:
         duration : float
             Time at the same powers and flows. [s]
         """
+        from scipy.linalg import expm
+
         matrix, given = self._balance()
         lasting = np.linalg.solve(matrix, given)
         fading = expm(-matrix / self.heat_capacity[:, None] * duration)

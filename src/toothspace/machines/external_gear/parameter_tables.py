@@ -356,7 +356,7 @@ class ExternalGearTables(MachineTables):
 
     outlet_toward: str | None = choice(
         "Direction in the file of the gears from their centre line towards the outlet, where "
-        "casing or bearing block come from that file.",
+        "casing or bearing block come from that file or from others that share its frame.",
         *OUTLETS,
         default=None,
     )
