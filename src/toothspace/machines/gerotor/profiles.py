@@ -9,7 +9,7 @@ pocket is on the positive y axis.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import NoReturn, final
+from typing import Any, NoReturn, final
 
 import numpy as np
 import shapely
@@ -20,8 +20,8 @@ from toothspace.core.types import Array
 from toothspace.geometry.curve import counter_clockwise, without_repeats
 from toothspace.machines.gerotor.contour import contour
 from toothspace.machines.gerotor.cycloid import cycloid
-from toothspace.machines.gerotor.parameters import RotorParameters
 from toothspace.machines.gerotor.rotor_files import DrawnRotor, drawn_eccentricity, rotor_pair
+from toothspace.machines.gerotor.rotor_parameters import RotorParameters
 from toothspace.machines.gerotor.trochoid import Trochoid, inner_outline, outer_outline
 
 POINTS_PER_TOOTH = 480
@@ -205,7 +205,7 @@ def completed(parameters: RotorParameters, outer_diameter: float) -> RotorParame
         found = f"{given}, but {inner.tooth_count} teeth in the profile"
         raise KeyRuleError("rotors.inner_tooth_count", found, "that of the profile, or none")
     _check_unit(parameters.profile_unit, outer, outer_diameter)
-    values = {
+    values: dict[str, Any] = {
         "inner_tooth_count": inner.tooth_count,
         "eccentricity": parameters.eccentricity or drawn_eccentricity(inner, outer),
         "face_width": parameters.face_width or inner.face_width,
