@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, TypeGuard
 import numpy as np
 
 from toothspace.core.errors import GeometryError
+from toothspace.core.files import reading
 from toothspace.core.frozen import Points
 from toothspace.core.types import Array
 from toothspace.geometry.curve import signed_area, without_repeats
@@ -66,7 +67,8 @@ def load_closed_curves(
         curves = [unit * np.asarray(path)]
     else:
         path = _present(path)
-        curves = _read(path, unit, plane_z, layer, body)
+        with reading(path, "an intact file"):
+            curves = _read(path, unit, plane_z, layer, body)
     clean = [without_repeats(curve) for curve in curves]
     for curve in clean:
         if len(curve) < 3:
@@ -102,7 +104,8 @@ def load_body_sections(path: Path, unit: float, request: SectionRequest) -> list
     """
     from toothspace.geometry.solid_import import solid_sections
 
-    return solid_sections(_present(path), unit, request)
+    with reading(_present(path), "an intact file"):
+        return solid_sections(path, unit, request)
 
 
 def _present(path: Path) -> Path:

@@ -10,6 +10,7 @@ from typing import final
 import numpy as np
 
 from toothspace.core.errors import GeometryError
+from toothspace.core.files import reading
 from toothspace.core.frozen import Points
 from toothspace.core.types import Array
 from toothspace.geometry.body_section import BodySection, SectionRequest
@@ -133,8 +134,15 @@ def find_gears(
     GeometryError
         For a file that cannot be read or holds no gear; the message names the section.
     """
-    if is_solid(path):
-        return _gears_of_solids(path, unit, request or SectionRequest())
+    with reading(path, "the closed outline of a gear with equal teeth"):
+        if is_solid(path):
+            return _gears_of_solids(path, unit, request or SectionRequest())
+        return _gears_of_curves(path, unit, layer, tooth_count)
+
+
+def _gears_of_curves(
+    path: Path | Points, unit: float, layer: str | None, tooth_count: int | None
+) -> FileContents:
     curves = load_closed_curves(path, unit, layer=layer)
     toothed = _outermost([curve for curve in curves if repeating_teeth(curve) is not None])
     if tooth_count is not None or not toothed:

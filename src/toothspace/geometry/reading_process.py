@@ -94,9 +94,11 @@ def read_in_process(path: Path, order: Mapping[str, Any]) -> dict[str, Any]:
             text = done.stdout.strip().splitlines()[-1]
             raise GeometryError(text.replace(str(path.resolve()), str(path)))
         if done.returncode != 0 or not target.is_file():
+            signal = -done.returncode
+            ending = f"was ended by signal {signal}" if signal > 0 else "failed"
             raise GeometryError(
-                f"{path}: found a damaged {_format(path)} file ({_ending(done.returncode)}), "
-                f"allowed a complete one"
+                f"{path}: found a damaged {_format(path)} file (its reader {ending}), allowed a "
+                f"complete one"
             )
         with np.load(target, allow_pickle=False) as archive:
             return {name: archive[name] for name in archive.files}
@@ -125,10 +127,6 @@ def _run(path: Path, order: str) -> subprocess.CompletedProcess[str]:
             f"{path}: found a {_format(path)} file that takes more than {TIME_LIMIT:g} s to read, "
             f"allowed a smaller one"
         ) from error
-
-
-def _ending(code: int) -> str:
-    return f"its reader was ended by signal {-code}" if code < 0 else "its reader failed"
 
 
 def _packed(sections: list[BodySection]) -> dict[str, Any]:

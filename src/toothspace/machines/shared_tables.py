@@ -95,6 +95,11 @@ class MachineTables(KeyTable):
         low = "inlet" if self.mode == "pump" else "outlet"
         return cast(Literal["inlet", "outlet", "external"], self.drain or low)
 
+    @property
+    def missing_floating_part(self) -> str:
+        """Message about what a floating part in balance would need; empty if there is one."""
+        return "machine.type: found a type without floating parts, allowed one with them"
+
     def assemble(self) -> Any:
         """Return the definition of the machine: these keys themselves."""
         return self

@@ -14,6 +14,7 @@ from toothspace.core.keys import (
     choice,
     file_path,
     forbid,
+    instead_of,
     integer,
     number,
     quantity,
@@ -88,10 +89,8 @@ class RotorParameters(KeyTable):
     )
 
     def __post_init__(self) -> None:
-        if self.kind is None:
-            require(self, "unless kind is given", "inner_profile", "outer_profile")
-        else:
-            forbid(self, "because kind is given", "inner_profile", "outer_profile")
+        instead_of(self, "kind", "inner_profile", "outer_profile")
+        if self.kind is not None:
             missing = [n for n in ("inner_tooth_count", "eccentricity", "face_width")
                        if not getattr(self, n)]  # fmt: skip
             if missing:
@@ -114,7 +113,12 @@ class HousingParameters(KeyTable):
         "um", "Housing bore radius minus rotor radius.", low=1, high=1000
     )
     end_condition: str = choice(
-        "What stands at the axial ends of the film.", "no_flow", "pressure", default="no_flow"
+        "Axial ends of the film: walls beside which the faces lead pressure into it, the drain, "
+        "or walls through which nothing passes.",
+        "no_flow",
+        "pressure",
+        "wall",
+        default="no_flow",
     )
     roughness: float = quantity(
         "um", "Root mean square roughness of the bore.", low=0, high=10, default=0.4e-6
@@ -200,10 +204,7 @@ class FaceGapParameters(KeyTable):
     )
 
     def __post_init__(self) -> None:
-        if self.side_gap is None:
-            require(self, "unless side_gap is given", "side_gap_a", "side_gap_b")
-        else:
-            forbid(self, "because side_gap is given", "side_gap_a", "side_gap_b")
+        instead_of(self, "side_gap", "side_gap_a", "side_gap_b")
 
 
 @final
@@ -221,8 +222,18 @@ class ContactParameters(KeyTable):
         high=1,
         default=0.8,
     )
+    impact: str = choice(
+        "Damping by the speed of each impact, or of one impact speed for all.",
+        "own",
+        "given",
+        default="given",
+    )
     impact_speed: float = quantity(
-        "m/s", "Speed of that impact; lobes meet slowly.", above=0, high=10, default=0.01
+        "m/s",
+        "Speed of that impact with ``given``; lobes meet slowly.",
+        above=0,
+        high=10,
+        default=0.01,
     )
     boundary_friction: float = number(
         "Friction coefficient of touching asperities.", low=0, high=1, default=0.10
