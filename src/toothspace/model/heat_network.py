@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
+
 from toothspace.closures.heat_transfer import film_wall_conductance, turning_body_coefficient
 from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
