@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, TypeGuard
 import numpy as np
 
 from toothspace.core.errors import GeometryError
+from toothspace.core.files import reading
 from toothspace.core.frozen import Points
 from toothspace.core.types import Array
 from toothspace.geometry.curve import signed_area, without_repeats
@@ -64,7 +65,8 @@ def load_closed_curves(
         curves = [unit * np.asarray(path)]
     else:
         path = _present(path)
-        curves = _read(path, unit, plane_z, layer, body)
+        with reading(path, "an intact file"):
+            curves = _read(path, unit, plane_z, layer, body)
     clean = [without_repeats(curve) for curve in curves]
     for curve in clean:
         if len(curve) < 3:
@@ -101,9 +103,10 @@ def load_body_sections(path: Path, unit: float, request: SectionRequest) -> list
     from toothspace.geometry.solid_import import step_sections, stl_sections
 
     path = _present(path)
-    if path.suffix.lower() == ".stl":
-        return stl_sections(path, unit, request)
-    return step_sections(path, request)
+    with reading(path, "an intact file"):
+        if path.suffix.lower() == ".stl":
+            return stl_sections(path, unit, request)
+        return step_sections(path, request)
 
 
 def _present(path: Path) -> Path:

@@ -14,6 +14,7 @@ from typing import final
 import numpy as np
 
 from toothspace.core.errors import GeometryError
+from toothspace.core.files import reading
 from toothspace.core.frozen import Points
 from toothspace.core.types import Array
 from toothspace.core.units import to_si
@@ -218,13 +219,11 @@ def _detected(
     file: Path | Points, _modified: int, unit: float, tooth_count: int | None, key: str
 ) -> GearProfile:
     try:
-        curve = load_closed_curves(file, unit)[0]
-        return gear_profile_from_curve(curve, key=key, tooth_count=tooth_count).profile
+        with reading(file.name, "the closed outline of a gear with equal teeth"):
+            curve = load_closed_curves(file, unit)[0]
+            return gear_profile_from_curve(curve, key=key, tooth_count=tooth_count).profile
     except GeometryError as error:
         raise GeometryError(f"{key}: {error}") from error
-    except (ArithmeticError, LookupError, ValueError) as error:
-        allowed = "the closed outline of a gear with equal teeth"
-        raise GeometryError(f"{key}: {file.name} has no teeth, allowed {allowed}") from error
 
 
 def _centred_mesh(teeth: tuple[Tooth, Tooth], distance: float) -> Mesh:
