@@ -157,6 +157,19 @@ def test_open_film_ends_leak_to_the_drain():
     assert opened.journals[0].end_condition == "pressure"
 
 
+def test_walls_part_the_film_from_the_pockets():
+    """Nothing passes the ends of the film, and no pocket pushes the rotor through it."""
+    spec = machine(TROCHOIDAL)
+    closed = describe(replace(spec, housing=replace(spec.housing, end_condition="wall")), 140)
+    film = spec.rotors.inner_tooth_count + 1
+    assert not any(film in (*path.nodes_a, *path.nodes_b) for path in closed.paths)
+    assert closed.journals[0].end_condition == "no_flow"
+    fed, alone = describe(spec, 140).families[0], closed.families[0]
+    without = describe(spec, 140).shared_faces.families[0].volume_by_motion.values
+    assert np.array_equal(alone.volume_by_motion.values, without)
+    assert not np.array_equal(fed.volume_by_motion.values, without)
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_balances_close(name):
     """Mass and energy ledgers of two revolutions of the shipped cases."""

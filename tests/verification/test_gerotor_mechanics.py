@@ -96,7 +96,7 @@ def test_torque_hardly_depends_on_the_elastic_law(
     """Which teeth carry is a matter of statics; the law moves them by less than a micrometre.
 
     Near an inflection of the inner flank, where its radii differ by more than 10 mm, Pereira's
-    law gives way to Hertz.
+    law is replaced by that of Hertz.
     """
     _, other = solved(f"machine.contact.law={law}")
     assert other.summary()["energy_balance_error"] < 1e-5

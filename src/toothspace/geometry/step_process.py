@@ -66,9 +66,10 @@ def read_in_process(path: Path, request: SectionRequest) -> dict[str, Any]:
             text = done.stdout.strip().splitlines()[-1]
             raise GeometryError(text.replace(str(path.resolve()), str(path)))
         if done.returncode != 0 or not target.is_file():
+            signal = -done.returncode
+            ending = f"was ended by signal {signal}" if signal > 0 else "failed"
             raise GeometryError(
-                f"{path}: found a damaged STEP file ({_ending(done.returncode)}), allowed a "
-                f"complete one"
+                f"{path}: found a damaged STEP file (its reader {ending}), allowed a complete one"
             )
         with np.load(target, allow_pickle=False) as archive:
             return {name: archive[name] for name in archive.files}
@@ -92,10 +93,6 @@ def _run(path: Path, order: str) -> subprocess.CompletedProcess[str]:
             f"{path}: found a STEP file that takes more than {TIME_LIMIT:g} s to read, allowed a "
             f"smaller one"
         ) from error
-
-
-def _ending(code: int) -> str:
-    return f"its reader was ended by signal {-code}" if code < 0 else "its reader failed"
 
 
 def _packed(sections: list[BodySection]) -> dict[str, Any]:

@@ -105,9 +105,8 @@ def _from_table(path: Path, tooth_count: int, nodes: Array) -> ToothDeviations:
     data = read_columns(path, columns | ({"tip": "um"} if with_tip else {}))
     present = np.unique(data["tooth"])
     if not np.array_equal(present, np.arange(1, tooth_count + 1)):
-        raise GeometryError(
-            f"{path}: found teeth {_listed(present)}, allowed each of 1 to {tooth_count}"
-        )
+        some = ", ".join(f"{value:g}" for value in present[:12]) or "none"
+        raise GeometryError(f"{path}: found teeth {some}, allowed each of 1 to {tooth_count}")
     rows = [np.flatnonzero(data["tooth"] == number) for number in present]
     ordered = [row[np.argsort(data["roll_length"][row])] for row in rows]
     left, right = (
@@ -116,10 +115,6 @@ def _from_table(path: Path, tooth_count: int, nodes: Array) -> ToothDeviations:
     )
     tips = [float(data["tip"][row].mean()) if with_tip else 0.0 for row in ordered]
     return ToothDeviations(nodes, left, right, np.array(tips))
-
-
-def _listed(numbers: Array) -> str:
-    return ", ".join(f"{value:g}" for value in numbers[:12]) or "none"
 
 
 def _from_curve_file(

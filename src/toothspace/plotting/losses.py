@@ -104,9 +104,9 @@ def ledger_waterfall(solution: Solution, description: MachineDescription | None 
 
 
 def _grouped(rows: Sequence[LedgerRow], supplied: float) -> list[tuple[str, float]]:
-    """Rows above 0.1 % of the supply, the others in one."""
-    large = [(readable(r.label), r.power) for r in rows if abs(r.power) > 1e-3 * abs(supplied)]
-    rest = sum(r.power for r in rows if abs(r.power) <= 1e-3 * abs(supplied))
+    """Rows above 0.2 % of the supply, the others in one."""
+    large = [(readable(r.label), r.power) for r in rows if abs(r.power) > 2e-3 * abs(supplied)]
+    rest = sum(r.power for r in rows if abs(r.power) <= 2e-3 * abs(supplied))
     return [*large, ("Others", rest)] if rest != 0.0 else large
 
 
@@ -129,7 +129,12 @@ def _draw_waterfall(
     for k, height in enumerate(heights):
         top = bottoms[k] + max(height, 0.0)
         axes.annotate(
-            f"{height:.4g}", (k, top), (0, 3), textcoords="offset points", ha="center", fontsize=8
+            f"{height:.3g}" if abs(height) < 100.0 else f"{height:.0f}",
+            (k, top),
+            (0, 3),
+            textcoords="offset points",
+            ha="center",
+            fontsize=7.5,
         )
     axes.set_xticks(np.arange(len(names)), names)
     losses = supplied.power - min(float(level[-1]), delivered.power)

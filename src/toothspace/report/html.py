@@ -157,6 +157,8 @@ def _numbers(solution: Solution) -> dict[str, Any]:
     rows = [
         (r, format_value(r.power), f"{100.0 * r.share:.2f}") for r in power_ledger(solution.ledger)
     ]
+    # a port whose pressure is held has no ripple to tell of
+    held = () if summary.get("pressure_ripple_bar") else ("pressure_ripple_bar",)
     duration = solution.ledger.duration
     notes = [
         (label, format_value(solution.ledger.energy[name] / duration))
@@ -166,7 +168,9 @@ def _numbers(solution: Solution) -> dict[str, Any]:
     return {
         "verdict": verdict(solution),
         "status": solution.status,
-        "key_numbers": [quantity(n, summary[n]) for n in key_numbers if n in summary],
+        "key_numbers": [
+            quantity(n, summary[n]) for n in key_numbers if n in summary and n not in held
+        ],
         "summary": {name: quantity(name, value) for name, value in summary.items()},
         "causes": _causes(solution, summary),
         "temperatures": _temperatures(solution),

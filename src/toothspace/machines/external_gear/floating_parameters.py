@@ -17,6 +17,7 @@ from toothspace.core.keys import (
     declare,
     file_path,
     forbid,
+    instead_of,
     number,
     quantity,
     require,
@@ -69,10 +70,7 @@ class NoseParameters(KeyTable):
     )
 
     def __post_init__(self) -> None:
-        if self.contour is None:
-            require(self, "unless contour is given", "area", "center")
-        else:
-            forbid(self, "because contour is given", "area", "center")
+        instead_of(self, "contour", "area", "center")
 
 
 @final

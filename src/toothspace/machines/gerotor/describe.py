@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -26,7 +27,7 @@ from toothspace.machines.gerotor.profiles import Rotors, rotors_from
 from toothspace.machines.gerotor.summary import design_checks, geometry_summary
 from toothspace.machines.gerotor.timing import timing_of
 from toothspace.machines.shared_bearings import require_rim, require_shaft_below
-from toothspace.machines.shared_tables import DEFAULT_NODES, MachineType
+from toothspace.machines.shared_tables import DEFAULT_NODES, CaseDraft, MachineType
 from toothspace.model.description import ChamberFamily, MachineDescription
 from toothspace.numerics.periodic_table import (
     monotone_table,
@@ -63,6 +64,7 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
     columns = motion_columns(spec)
     contacts = rotor_contacts(spec, pocket.rotors)
     family = _pocket_family(spec, pocket, columns)
+    walls = spec.housing.end_condition == "wall"  # the solved film of the faces feeds the rim
     ratio = contact_ratio(contacts, float(np.median(pocket.path.gap)))
     return MachineDescription(
         name="gerotor",
@@ -74,7 +76,7 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
         paths=flow_paths(spec, pocket, timing, columns),
         journals=journal_bearings(spec),
         laterals=lateral_films(spec, pocket),
-        shared_faces=shared_faces(spec, pocket, ports, family),
+        shared_faces=None if walls else shared_faces(spec, pocket, ports, family),
         contacts=contacts,
         seal_torque=0.0 if spec.seals is None else spec.seals.shaft_seal_torque,
         port_volumes=(spec.inlet.volume, spec.outlet.volume),
@@ -133,5 +135,12 @@ def _film_family(spec: GerotorParameters, motion_count: int) -> ChamberFamily:
     )
 
 
-MACHINE = MachineType("gerotor", describe)
+def _draft(*given: Any) -> CaseDraft | None:
+    # with what reads CAD files
+    from toothspace.machines.gerotor.case_draft import draft_case
+
+    return draft_case(*given)
+
+
+MACHINE = MachineType("gerotor", describe, _draft)
 """The machine type found through the entry point."""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, final
 
 import numpy as np
 
+from toothspace.case import Case
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.real_contact import real_contact_share
 from toothspace.closures.viscosity import HIGHEST_PRESSURE
@@ -50,11 +51,7 @@ from toothspace.simulation.lateral.loads import loaded_bodies, node_pressures
 if TYPE_CHECKING:
     import xarray as xr
 
-NO_BEARING = (
-    "machine.floating_bearing: found no high_pressure_area, allowed a floating bearing "
-    "with the area that balances it"
-)
-"""Message about a machine whose lateral gaps are not those of a floating bearing."""
+_NO_FLOATING_PART = "machine: found no floating part in balance, allowed a machine with one"
 _TOUCH = 1e-4
 """Asperity pressure over hardness that counts as contact. [-]"""
 _MARCHED = Accuracy(settled=1e-3, linear=5e-2)
@@ -318,6 +315,19 @@ def _frictions(
     return housing_friction(whole, sum(normals)), parts
 
 
+def require_floating_part(case: Case) -> None:
+    """Refuse a machine without a floating part in balance before anything is computed.
+
+    Raises
+    ------
+    CaseError
+        If it has none, in the words of the machine type.
+    """
+    lacking = getattr(case.machine, "missing_floating_part", _NO_FLOATING_PART)
+    if lacking:
+        raise CaseError(lacking)
+
+
 def balance_of(description: MachineDescription) -> LateralBalance:
     """Lateral balance of a machine.
 
@@ -327,7 +337,7 @@ def balance_of(description: MachineDescription) -> LateralBalance:
         If it has none.
     """
     if description.lateral_balance is None:
-        raise CaseError(NO_BEARING)
+        raise CaseError(_NO_FLOATING_PART)
     return description.lateral_balance
 
 
