@@ -20,8 +20,8 @@ from toothspace.core.types import Array
 from toothspace.geometry.curve import counter_clockwise, without_repeats
 from toothspace.machines.gerotor.contour import contour
 from toothspace.machines.gerotor.cycloid import cycloid
-from toothspace.machines.gerotor.parameters import RotorParameters
 from toothspace.machines.gerotor.rotor_files import DrawnRotor, drawn_eccentricity, rotor_pair
+from toothspace.machines.gerotor.rotor_parameters import RotorParameters
 from toothspace.machines.gerotor.trochoid import Trochoid, inner_outline, outer_outline
 
 POINTS_PER_TOOTH = 480
