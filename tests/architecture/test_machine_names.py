@@ -10,7 +10,7 @@ import pytest
 from tests.architecture.sources import PACKAGE
 from toothspace.core.registry import machine_type_names
 
-GENERIC = ("model", "solver", "results", "report", "plotting", "cli")
+GENERIC = ("model", "solver", "simulation", "results", "report", "plotting", "cli")
 PARTS = (
     "drive_gear",
     "driven_gear",
@@ -19,8 +19,9 @@ PARTS = (
     "pinion",
     "ring_gear",
     "tooth_tip",
+    "machine.floating_bearing",
 )
-"""Bodies and paths of the machine types that are shipped."""
+"""Bodies, paths and keys of the machine types that are shipped."""
 
 FILES = [path for room in GENERIC for path in sorted((PACKAGE / room).rglob("*.py"))]
 

@@ -438,7 +438,11 @@ def test_interfering_teeth_are_refused(tmp_path: Path, capsys: pytest.CaptureFix
 @pytest.mark.parametrize(
     ("name", "changes", "found"),
     [
-        ("nose_pressure", {f"{B}.nose": DELETE}, f"{B}.nose: found nothing"),
+        (
+            "nose_pressure",
+            {f"{B}.nose": DELETE},
+            "study.kind: found 'nose_pressure' for a floating part without nose",
+        ),
         ("hysteresis_055", {B: {}}, f"{B}: found no high_pressure_area"),
         ("bearing_map", {B: {}}, f"{B}: found no high_pressure_area"),
         ("bearing_map", {"study.outlet_pressure": ["3 bar"]}, "operating_point.outlet_pressure"),

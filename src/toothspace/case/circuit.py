@@ -23,6 +23,7 @@ from toothspace.core.keys import (
     declare,
     file_path,
     forbid,
+    instead_of,
     integer,
     number,
     quantity,
@@ -119,10 +120,7 @@ class Line(KeyTable):
 
     def __post_init__(self) -> None:
         names = ("wall_thickness", "wall_modulus")
-        if self.effective_bulk_modulus is None:
-            require(self, "unless effective_bulk_modulus is given", *names)
-        else:
-            forbid(self, "because effective_bulk_modulus is given", *names)
+        instead_of(self, "effective_bulk_modulus", *names)
 
 
 @final
@@ -182,10 +180,7 @@ class Orifice(KeyTable):
     discharge_coefficient: float = number("Discharge coefficient.", above=0, high=1, default=0.7)
 
     def __post_init__(self) -> None:
-        if self.diameter is None:
-            require(self, "unless diameter is given", "area")
-        else:
-            forbid(self, "because diameter is given", "area")
+        instead_of(self, "diameter", "area")
 
 
 @final

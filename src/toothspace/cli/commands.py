@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from importlib import import_module
@@ -22,6 +22,7 @@ from toothspace.core.status import Status
 
 if TYPE_CHECKING:
     from toothspace.case import Case
+    from toothspace.geometry.body_section import SectionRequest
     from toothspace.results.solution import Solution
 
 EXPORT_FORMATS = ("dxf", "stl", "step", "txt")
@@ -146,11 +147,14 @@ class GearFileOptions:
         ``x``, ``y`` or ``z``; None finds it.
     plane : str or None
         Height of the section with its unit; None takes the middle of the teeth.
+    center_distance : str or None
+        Distance at which the backlash is wanted, with its unit.
     """
 
     unit: str
     axis: str | None
     plane: str | None
+    center_distance: str | None
 
 
 def run(
@@ -235,33 +239,37 @@ def geometry(
 
 
 def gear(
-    file: Path,
+    files: Sequence[Path],
     section: GearFileOptions,
-    distance: str | None,
-    plot: Target | None,
+    outputs: Mapping[str, Target],
     *,
     as_json: bool,
 ) -> int:
-    """Find the gears of a file and print their numbers; returns the exit code."""
+    """Find the gears of files and print their numbers; returns the exit code.
+
+    Outputs are the targets of ``--plot`` and ``--case``.
+    """
     from toothspace.core.units import to_si
     from toothspace.geometry.body_section import AXES, SectionRequest
     from toothspace.geometry.cad_import import STEP_SUFFIXES
-    from toothspace.geometry.gear_finder import find_gears
+    from toothspace.geometry.gear_finder import find_in_files
     from toothspace.geometry.gear_report import file_report, likelier_units
 
+    file = files[0]
     if section.unit not in _FILE_UNITS:
         allowed = ", ".join(_FILE_UNITS)
         raise CaseError(f"{file}: --unit: found {section.unit!r}, allowed {allowed}")
     if section.axis not in (None, *AXES):
         raise CaseError(f"{file}: --axis: found {section.axis!r}, allowed {', '.join(AXES)}")
-    picture = None if plot is None else _picture(plot.checked("--plot"))
+    targets = {option: target.checked(option) for option, target in outputs.items()}
+    picture = _picture(targets["--plot"]) if "--plot" in targets else None
     request = SectionRequest(section.axis, _length(section.plane, "--plane"))
-    contents = find_gears(file, to_si(1.0, section.unit), request)
+    contents = find_in_files(files, to_si(1.0, section.unit), request)
     if file.suffix.lower() not in STEP_SUFFIXES:
         scales = {name: to_si(1.0, name) / to_si(1.0, section.unit) for name in _FILE_UNITS}
         for better in likelier_units(contents, scales):
             output.message(f"Note: with --unit {better} the gear has a standard module")
-    found = file_report(contents, _length(distance, "--center-distance"))
+    found = file_report(contents, _length(section.center_distance, "--center-distance"))
     if as_json:
         output.write(found, as_json=True)
     else:
@@ -277,7 +285,21 @@ def gear(
 
         save_figure(flank_deviation(fits), picture)
         output.message(f"Picture: {picture}")
+    if "--case" in targets:
+        _draft(files, section.unit, request, targets["--case"])
     return 0
+
+
+def _draft(files: Sequence[Path], unit: str, request: SectionRequest, target: Path) -> None:
+    from toothspace import api
+    from toothspace.core.files import write_text
+
+    write_text(target, api.draft_case(files, unit, request, target.parent))
+    output.message(f"Case: {target}")
+    try:
+        api.load_case(target)
+    except CaseError as error:
+        output.message(f"Note: it does not run as it is: {error}")
 
 
 def _length(text: str | None, option: str) -> float | None:

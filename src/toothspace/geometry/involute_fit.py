@@ -356,7 +356,7 @@ def _first_guess(sides: dict[float, FlankPoints], low: float, high: float) -> Ar
 def _inside(points: FlankPoints, low: float, high: float) -> BoolArray:
     # the range, or all points above its begin where a coarse outline has hardly any in it
     inside = (points.radius >= low) & (points.radius <= high)
-    if _spanned(points.radius[inside]) < 0.4 * (high - low):
+    if not inside.any() or np.ptp(points.radius[inside]) < 0.4 * (high - low):
         inside = points.radius >= low
     return inside if inside.any() else np.ones_like(inside)
 
@@ -486,7 +486,3 @@ def _depth_below(radius: Array, distance: Array, base: float, form_radius: float
     # most negative distance between base circle and form radius
     below = (radius > base) & (radius < form_radius)
     return float(distance[below].min(initial=0.0))
-
-
-def _spanned(values: Array) -> float:
-    return float(np.ptp(values)) if len(values) else 0.0

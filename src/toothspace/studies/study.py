@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
-from toothspace.core.files import write_text
+from toothspace.core.files import plain, write_text
 from toothspace.core.progress import Progress
 from toothspace.core.status import Status
 from toothspace.studies.records import Records
@@ -131,19 +131,6 @@ class StudyResult:
         for table in self.tables:
             written.append(write_text(target / f"{table.name}.csv", table.to_csv()))
         return written
-
-
-def plain(value: Any) -> Any:
-    """Return a value that JSON can hold; numbers that are not finite become null."""
-    if isinstance(value, Mapping):
-        return {str(key): plain(item) for key, item in value.items()}
-    if hasattr(value, "tolist"):
-        return plain(value.tolist())
-    if isinstance(value, (list, tuple)):
-        return [plain(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
 
 
 def _cell(value: float | str) -> str:
