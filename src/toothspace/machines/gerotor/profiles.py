@@ -9,7 +9,7 @@ pocket is on the positive y axis.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, NoReturn, final
+from typing import NoReturn, final
 
 import numpy as np
 import shapely
@@ -205,18 +205,20 @@ def completed(parameters: RotorParameters, outer_diameter: float) -> RotorParame
         found = f"{given}, but {inner.tooth_count} teeth in the profile"
         raise KeyRuleError("rotors.inner_tooth_count", found, "that of the profile, or none")
     _check_unit(parameters.profile_unit, outer, outer_diameter)
-    values: dict[str, Any] = {
-        "inner_tooth_count": inner.tooth_count,
-        "eccentricity": parameters.eccentricity or drawn_eccentricity(inner, outer),
-        "face_width": parameters.face_width or inner.face_width,
-    }
-    for name, reason in (
-        ("eccentricity", "compulsory unless the rotors are drawn apart on parallel axes"),
-        ("face_width", "compulsory unless the rotors are solids"),
-    ):
-        if values[name] is None:
-            raise KeyRuleError(f"rotors.{name}", "nothing", reason)
-    return replace(parameters, **values)
+    eccentricity = parameters.eccentricity or drawn_eccentricity(inner, outer)
+    if not eccentricity:
+        reason = "compulsory unless the rotors are drawn apart on parallel axes"
+        raise KeyRuleError("rotors.eccentricity", "nothing", reason)
+    width = parameters.face_width or inner.face_width
+    if not width:
+        reason = "compulsory unless the rotors are solids"
+        raise KeyRuleError("rotors.face_width", "nothing", reason)
+    return replace(
+        parameters,
+        inner_tooth_count=inner.tooth_count,
+        eccentricity=eccentricity,
+        face_width=width,
+    )
 
 
 def _drawn(parameters: RotorParameters) -> tuple[DrawnRotor, DrawnRotor]:
