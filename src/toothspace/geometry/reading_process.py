@@ -1,4 +1,4 @@
-"""CAD files are read in a process of their own, with limits on time and memory.
+"""CAD files are read in a process of their own, with limits on time and memory: its caller.
 
 A damaged STEP file can end the library that reads it, and a large file of any kind can take the
 machine's memory. The process gets a request as JSON on its standard input and leaves arrays and a
@@ -8,7 +8,6 @@ without it: what they cost is bounded by their size, and starting the process ta
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import json
 import os
@@ -25,18 +24,18 @@ import numpy as np
 from toothspace.core.array_store import keep_arrays, load_arrays
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
-from toothspace.geometry.body_section import BodySection, SectionRequest, cut_bodies
+from toothspace.geometry.body_section import BodySection, SectionRequest
 
 TIME_LIMIT = 180.0
 """Longest time for reading a file. [s]"""
-MEMORY_LIMIT = 8 * 2**30
-"""Largest address space of the process that reads a file. [B]"""
 READ_HERE = 2**20
 """Largest size of a file that is read without a process of its own. [B]"""
-_REFUSED = 2
+REFUSED = 2
+"""Exit code of the process for a file that it refuses, with a message. [-]"""
 _MOST_KEPT = 500
 _READING = ("step_import", "solid_import", "dxf_import", "point_file", "reading_process",
-            "body_section", "mesh_section", "chains", "tooth_count")  # fmt: skip
+            "reading_worker", "body_section", "mesh_section", "chains",
+            "tooth_count")  # fmt: skip
 """Modules that a section follows from."""
 
 
@@ -90,7 +89,7 @@ def read_in_process(path: Path, order: Mapping[str, Any]) -> dict[str, Any]:
         target = Path(folder) / "found.npz"
         whole = {"file": str(path.resolve()), "target": str(target), **order}
         done = _run(path, json.dumps(whole))
-        if done.returncode == _REFUSED:
+        if done.returncode == REFUSED:
             text = done.stdout.strip().splitlines()[-1]
             raise GeometryError(text.replace(str(path.resolve()), str(path)))
         if done.returncode != 0 or not target.is_file():
@@ -114,7 +113,7 @@ def _run(path: Path, order: str) -> subprocess.CompletedProcess[str]:
     search = os.pathsep.join(filter(None, [package, os.environ.get("PYTHONPATH", "")]))
     try:
         return subprocess.run(
-            [sys.executable, "-m", "toothspace.geometry.reading_process"],
+            [sys.executable, "-m", "toothspace.geometry.reading_worker"],
             input=order,
             capture_output=True,
             text=True,
@@ -127,30 +126,6 @@ def _run(path: Path, order: str) -> subprocess.CompletedProcess[str]:
             f"{path}: found a {_format(path)} file that takes more than {TIME_LIMIT:g} s to read, "
             f"allowed a smaller one"
         ) from error
-
-
-def _packed(sections: list[BodySection]) -> dict[str, Any]:
-    arrays: dict[str, Any] = {}
-    table = []
-    for number, found in enumerate(sections):
-        table.append(
-            {
-                "body": found.body,
-                "name": found.name,
-                "axis": [float(value) for value in found.axis],
-                "height": found.height,
-                "extent": found.extent,
-                "teeth_extent": found.teeth_extent,
-                "second_height": found.second_height,
-                "layer": found.layer,
-                "curves": len(found.curves),
-            }
-        )
-        for place, curve in enumerate(found.curves):
-            arrays[f"curve_{number}_{place}"] = curve
-        if found.second is not None:
-            arrays[f"second_{number}"] = found.second
-    return {"table": np.array(json.dumps(table)), **arrays}
 
 
 def _unpacked(archive: Mapping[str, Any]) -> list[BodySection]:
@@ -173,46 +148,3 @@ def _unpacked(archive: Mapping[str, Any]) -> list[BodySection]:
             )
         )
     return found
-
-
-def _limit_memory() -> None:
-    # absent on systems without resource limits
-    with contextlib.suppress(ImportError, ValueError, OSError):
-        import resource
-
-        resource.setrlimit(resource.RLIMIT_AS, (MEMORY_LIMIT, MEMORY_LIMIT))
-        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-
-
-def main() -> int:
-    """Read the request and the file, leave what was found; returns the exit code."""
-    _limit_memory()
-    order = json.loads(sys.stdin.read())
-    try:
-        found = _found(Path(order["file"]), order)
-    except GeometryError as error:
-        sys.stdout.write(f"\n{error}\n")
-        return _REFUSED
-    np.savez(order["target"], **found)
-    return 0
-
-
-def _found(path: Path, order: Mapping[str, Any]) -> dict[str, Any]:
-    from toothspace.geometry.cad_import import STEP_SUFFIXES, plane_curves
-
-    if "request" not in order:
-        curves = plane_curves(path, order["unit"], order["layer"])
-        return {f"curve_{k}": curve for k, curve in enumerate(curves)}
-    if path.suffix.lower() in STEP_SUFFIXES:
-        from toothspace.geometry.step_import import step_bodies
-
-        bodies = step_bodies(path)
-    else:
-        from toothspace.geometry.solid_import import stl_bodies
-
-        bodies = stl_bodies(path, order["unit"])
-    return _packed(cut_bodies(str(path), bodies, SectionRequest(**order["request"])))
-
-
-if __name__ == "__main__":
-    sys.exit(main())
