@@ -30,6 +30,11 @@ from toothspace.machines.shared_tables import (
     ShaftSealParameters,
 )
 
+FILE_UNITS = {"mm": 1e-3, "m": 1.0, "um": 1e-6, "in": 25.4e-3}
+"""Length units of profiles. [m]"""
+_LEAST_OF_RIM = 0.5
+"""Of the outside diameter of an outer rotor: the width across its lobes is more. [-]"""
+
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -99,6 +104,60 @@ class RotorParameters(KeyTable):
                 )
         if self.kind == "trochoidal":
             require(self, 'with kind = "trochoidal"', "generating_radius", "lobe_radius")
+
+    def profiles(self) -> tuple[Path | Points, Path | Points]:
+        """Return the profiles of both rotors, where they are given."""
+        assert self.inner_profile is not None
+        assert self.outer_profile is not None
+        return self.inner_profile, self.outer_profile
+
+    def completed(self, outer_diameter: float) -> RotorParameters:
+        """Keys with the tooth count, eccentricity and width that the profiles' files hold.
+
+        Parameters
+        ----------
+        outer_diameter : float
+            Outside diameter of the outer rotor, to check the unit of the files. [m]
+
+        Raises
+        ------
+        KeyRuleError
+            For another tooth count than given, files without distance or width, or a wrong unit.
+        """
+        # with what reads CAD files
+        from toothspace.machines.gerotor.rotor_files import drawn_eccentricity, rotor_pair
+
+        inner, outer = rotor_pair(*self.profiles(), FILE_UNITS[self.profile_unit])
+        if self.inner_tooth_count not in (0, inner.tooth_count):
+            found = f"{self.inner_tooth_count}, but {inner.tooth_count} teeth in the profile"
+            raise KeyRuleError("rotors.inner_tooth_count", found, "that of the profile, or none")
+        self._check_unit(outer.width, outer_diameter)
+        eccentricity = self.eccentricity or drawn_eccentricity(inner, outer)
+        if not eccentricity:
+            reason = "compulsory unless the rotors are drawn apart on parallel axes"
+            raise KeyRuleError("rotors.eccentricity", "nothing", reason)
+        width = self.face_width or inner.face_width
+        if not width:
+            reason = "compulsory unless the rotors are solids"
+            raise KeyRuleError("rotors.face_width", "nothing", reason)
+        return replace(
+            self,
+            inner_tooth_count=inner.tooth_count,
+            eccentricity=eccentricity,
+            face_width=width,
+        )
+
+    def _check_unit(self, size: float, diameter: float) -> None:
+        # width across the lobes of the outer rotor against its outside diameter
+        sizes = {n: size * scale / FILE_UNITS[self.profile_unit] for n, scale in FILE_UNITS.items()}
+        fits = [n for n, width in sizes.items() if _LEAST_OF_RIM * diameter < width < diameter]
+        if len(fits) == 1 and fits[0] != self.profile_unit:
+            raise KeyRuleError(
+                "rotors.profile_unit",
+                f"{self.profile_unit!r}, with which the outer rotor's lobes span "
+                f"{1e3 * size:.5g} mm",
+                f"{fits[0]!r}, with which it is {1e3 * sizes[fits[0]]:.5g} mm and fits the rim",
+            )
 
 
 @final
@@ -271,10 +330,7 @@ class GerotorParameters(MachineTables):
         """Return these keys with what profiles from files tell of the rotors."""
         if self.rotors.kind is not None:
             return self
-        # with what reads CAD files
-        from toothspace.machines.gerotor.profiles import completed
-
-        return replace(self, rotors=completed(self.rotors, self.housing.outer_rotor_diameter))
+        return replace(self, rotors=self.rotors.completed(self.housing.outer_rotor_diameter))
 
 
 PARAMETERS = GerotorParameters
