@@ -59,11 +59,6 @@ class DrawnRotor:
         middle = shapely.Polygon(self.curve).centroid
         return np.array([middle.x, middle.y])
 
-    @property
-    def width(self) -> float:
-        """Larger extent of the curve in its plane. [m]."""
-        return float(np.ptp(self.curve, axis=0).max())
-
 
 def rotor_pair(
     inner: Path | Points, outer: Path | Points, unit: float
