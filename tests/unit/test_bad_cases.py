@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 
+from toothspace.case import load_case
 from toothspace.case.document import document_text
 from toothspace.cli import main
 
@@ -230,7 +231,7 @@ MUTATIONS = [
 def test_changed_case_is_refused(
     bad: Bad, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    tables = tomllib.loads(bad.case.read_text(encoding="utf-8"))
+    tables = load_case(bad.case).to_dict()
     file = tmp_path / "bad.toml"
     file.write_text(document_text(changed(tables, bad.path, bad.value)), encoding="utf-8")
     line = complaint(capsys, file, tmp_path / "out.nc")
@@ -455,7 +456,7 @@ def test_refused_study_leaves_no_folder(
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    tables = tomllib.loads((REPOSITORY / "cases" / f"{name}.toml").read_text(encoding="utf-8"))
+    tables = load_case(REPOSITORY / "cases" / f"{name}.toml").to_dict()
     tables["machine"]["casing"].pop("wear_in")
     for path, value in changes.items():
         tables = changed(tables, path, value)
