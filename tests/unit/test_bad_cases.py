@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 
+from tests.conftest import posix
 from toothspace.case import load_case
 from toothspace.case.document import document_text
 from toothspace.cli import main
@@ -521,6 +522,7 @@ def test_overrides_that_no_case_needs_are_refused(
     assert part in line
 
 
+@posix
 @pytest.mark.parametrize("kind", ["pipe", "zero", "long"])
 def test_a_case_that_is_no_file(
     kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
