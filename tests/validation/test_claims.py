@@ -6,7 +6,7 @@ import pytest
 
 from toothspace.validation.book import CLAIMS, examine
 
-LONG = 0.6
+LONG = 0.1
 """Claims that take longer are examined with the slow tests only. [min]"""
 
 FAILING = {

@@ -52,7 +52,8 @@ def _entities(path: Path, layer: str | None) -> list[Any]:
     try:
         drawing = ezdxf.readfile(path)
     except (OSError, ezdxf.DXFError) as error:
-        raise GeometryError(f"{path}: found no readable DXF ({error}), allowed DXF") from error
+        reason = " ".join(str(error).split())
+        raise GeometryError(f"{path}: found no readable DXF ({reason}), allowed DXF") from error
     found = [entity for entity in drawing.modelspace() if layer in (None, entity.dxf.layer)]
     curves = [entity for entity in found if entity.dxftype() in _CURVES]
     if not curves:
