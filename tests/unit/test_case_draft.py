@@ -68,6 +68,18 @@ def test_pump_of_several_files_becomes_a_case(parts: list[Path]) -> None:
     assert alone.machine_spec.center_distance == pytest.approx(DISTANCE, abs=1e-8)
 
 
+def test_bore_of_a_mesh_seals_as_the_circle_that_was_meshed() -> None:
+    """Chords of 13 um in a bore with 25 um of clearance: its circle counts, ports stay straight."""
+    from toothspace.geometry.curve import with_arcs
+
+    angle = np.arange(90) * 2.0 * np.pi / 90
+    circle = BORE * np.column_stack([np.cos(angle), np.sin(angle)])
+    for curve in (circle, circle[::-1]):
+        assert np.hypot(*with_arcs(curve).T) == pytest.approx(BORE, abs=1e-8)
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    assert np.array_equal(with_arcs(square), square)
+
+
 def test_single_gear_meshes_with_its_equal(tmp_path: Path) -> None:
     np.savetxt(tmp_path / "gear.txt", 1e3 * outline(0.0), fmt="%.9f")
     text = api.draft_case([tmp_path / "gear.txt"], "mm", SectionRequest(), tmp_path)

@@ -355,6 +355,24 @@ def test_geometry_exports_profiles_that_can_be_read(
 
 
 @pytest.mark.usefixtures("described")
+def test_geometry_replaces_no_file_unasked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(FakeDescription, "angle_tables", lambda _: (), raising=False)
+    monkeypatch.setattr(FakeDescription, "outlines", {"gear": np.eye(2)}, raising=False)
+    given = {"--export": "txt", "--txt": "tables", "--plot": "plot.png"}
+    words = ["geometry", str(MOTOR), "--export", "txt", "--txt", "tables"]
+    assert main(words) == 0
+    Path("plot_openings.png").touch()
+    before = {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*.*")}
+    for option, value in given.items():
+        assert main(["geometry", str(MOTOR), option, value]) == 2
+        assert f"{option}: found" in capsys.readouterr().err
+    assert before == {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*.*")}
+    assert main([*words, "--force"]) == 0
+
+
+@pytest.mark.usefixtures("described")
 def test_export_of_an_unknown_format_or_machine(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

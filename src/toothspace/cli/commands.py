@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from importlib import import_module
@@ -221,7 +221,8 @@ def geometry(
         allowed = ", ".join(EXPORT_FORMATS)
         raise CaseError(f"{case_file}: --export: found {outputs.export!r}, allowed {allowed}")
     case = _load(case_file, overrides)
-    for path, option in ((outputs.tables, "-o"), (outputs.plot, "--plot")):
+    plots = () if outputs.plot is None else (outputs.plot, _second_plot(outputs.plot))
+    for path, option in ((outputs.tables, "-o"), *((plot, "--plot") for plot in plots)):
         if path is not None:
             Target(path, outputs.force).checked(option)
     from toothspace import api
@@ -533,11 +534,24 @@ def _write_geometry(case: Case, description: Any, outputs: GeometryOutputs) -> N
         if outputs.tables is not None:
             save_tables(description, outputs.tables)
         if outputs.text_folder is not None:
-            save_tables_txt(description, outputs.text_folder)
+            folder = outputs.text_folder
+            _put(folder, "--txt", outputs.force, lambda place: save_tables_txt(description, place))
     if outputs.plot is not None:
         _plot(description, outputs.plot)
     if outputs.export is not None:
-        _export(case, outputs.export)
+        _export(case, outputs.export, force=outputs.force)
+
+
+def _put(folder: Path, option: str, force: bool, write: Callable[[Path], object]) -> list[Path]:
+    """Let files be written beside a folder and move them into it where they may stand."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=folder) as name:
+        write(Path(name))
+        drafts = sorted(Path(name).iterdir())
+        targets = [Target(folder / draft.name, force).checked(option) for draft in drafts]
+        for draft, target in zip(drafts, targets, strict=True):
+            draft.replace(target)
+    return targets
 
 
 def _picture(path: Path) -> Path:
@@ -552,16 +566,26 @@ def _plot(description: Any, path: Path) -> None:
     from toothspace.plotting.style import save_figure
 
     save_figure(volumes(description), path)
-    save_figure(openings(description), path.with_stem(f"{path.stem}_openings"))
+    save_figure(openings(description), _second_plot(path))
 
 
-def _export(case: Case, suffix: str) -> None:
+def _second_plot(path: Path) -> Path:
+    return path.with_stem(f"{path.stem}_openings")
+
+
+def _export(case: Case, suffix: str, *, force: bool) -> None:
     exports = {name: f"{package}.export" for name, package in machine_modules().items()}
     module = exports[case.machine_type]
     if find_spec(module) is None:
         allowed = ", ".join(sorted(name for name, one in exports.items() if find_spec(one)))
         raise CaseError(f"--export: found machine type {case.machine_type!r}, allowed {allowed}")
-    for path in import_module(module).export_profiles(case.machine_spec, Path(case.name), suffix):
+    export = import_module(module).export_profiles
+    for path in _put(
+        Path(),
+        "--export",
+        force,
+        lambda place: export(case.machine_spec, place / case.name, suffix),
+    ):
         output.message(f"Profile: {path}")
 
 

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, final
 
 from toothspace.core.files import plain
-from toothspace.core.progress import Progress
+from toothspace.core.progress import Progress, heard_by
 
 if TYPE_CHECKING:
     from toothspace.model.description import DesignCheck
@@ -90,7 +90,9 @@ def write_checks(checks: Sequence[DesignCheck]) -> None:
 def progress(title: str) -> Iterator[Progress]:
     """Show on standard error how far a run is: a bar, or a line now and then without a terminal."""
     if not sys.stderr.isatty():
-        yield _Lines(title)
+        lines = _Lines(title)
+        with heard_by(lines):
+            yield lines
         return
     from rich.console import Console
     from rich.progress import BarColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
@@ -116,7 +118,8 @@ def progress(title: str) -> Iterator[Progress]:
             done = share if known else 0.0
             bar.update(task, completed=done, description=f"{title} {text}".strip())
 
-        yield advance
+        with heard_by(advance):
+            yield advance
 
 
 @final

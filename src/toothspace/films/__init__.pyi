@@ -1,1 +1,1 @@
-from toothspace.films.public import *
+from toothspace.films.public import *  # noqa: F403

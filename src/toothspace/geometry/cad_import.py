@@ -20,6 +20,8 @@ TEXT_SUFFIXES = (".txt", ".csv", ".dat")
 STEP_SUFFIXES = (".step", ".stp")
 SOLID_SUFFIXES = (".stl", *STEP_SUFFIXES)
 SUFFIXES = (*TEXT_SUFFIXES, ".dxf", *SOLID_SUFFIXES)
+_LARGE = 2**20
+"""Larger text and DXF files are read in a process of their own, as larger STL files are. [B]"""
 
 
 def is_solid(source: object) -> TypeGuard[Path]:
@@ -100,13 +102,10 @@ def load_body_sections(path: Path, unit: float, request: SectionRequest) -> list
     GeometryError
         As ``load_closed_curves``.
     """
-    from toothspace.geometry.solid_import import step_sections, stl_sections
+    from toothspace.geometry.solid_import import solid_sections
 
-    path = _present(path)
-    with reading(path, "an intact file"):
-        if path.suffix.lower() == ".stl":
-            return stl_sections(path, unit, request)
-        return step_sections(path, request)
+    with reading(_present(path), "an intact file"):
+        return solid_sections(path, unit, request)
 
 
 def _present(path: Path) -> Path:
@@ -122,6 +121,19 @@ def _read(
     path: Path, unit: float, plane_z: float | None, layer: str | None, body: int | None
 ) -> list[Array]:
     # heavy readers are imported for the format at hand only
+    if path.suffix.lower() in SOLID_SUFFIXES:
+        from toothspace.geometry.solid_import import section_of_solids
+
+        return section_of_solids(path, unit, plane_z, body)
+    if path.stat().st_size > _LARGE:
+        from toothspace.geometry.reading_process import read_curves
+
+        return read_curves(path, unit, layer)
+    return plane_curves(path, unit, layer)
+
+
+def plane_curves(path: Path, unit: float, layer: str | None) -> list[Array]:
+    """Curves of a text or DXF file, read in this process; see ``load_closed_curves``."""
     suffix = path.suffix.lower()
     if suffix in TEXT_SUFFIXES:
         from toothspace.geometry.point_file import read_point_file
@@ -131,14 +143,6 @@ def _read(
         from toothspace.geometry.dxf_import import read_dxf
 
         return read_dxf(path, unit, layer)
-    if suffix == ".stl":
-        from toothspace.geometry.solid_import import section_stl
-
-        return section_stl(path, unit, plane_z, body)
-    if suffix in STEP_SUFFIXES:
-        from toothspace.geometry.solid_import import section_step
-
-        return section_step(path, plane_z, body)
     raise GeometryError(
         f"{path}: found the suffix {suffix or 'none'!r}, allowed {', '.join(SUFFIXES)}"
     )

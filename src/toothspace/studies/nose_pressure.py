@@ -66,7 +66,7 @@ def solve_conditions(case: Case, context: StudyContext | None = None) -> Lateral
     friction = HousingContact(
         friction_coefficient=study.friction_coefficient,
         breakaway_speed=study.breakaway_speed,
-        law="stick",
+        law=study.friction_law,
     )
     points = prepare(case, friction, "nose_pressure")
     if points.balance.floating.nose.area <= 0.0:

@@ -93,6 +93,10 @@ class StudyResult:
     provenance: Mapping[str, str] = field(default_factory=dict)
     wall_time: float = math.nan
 
+    def __repr__(self) -> str:
+        sizes = " x ".join(f"{name} {size}" for name, size in self.data.sizes.items())
+        return f"<StudyResult {self.kind} {self.title!r}: {self.status.name.lower()}, {sizes}>"
+
     def summary(self) -> dict[str, Any]:
         """Return the numbers of the study with its status and its wall time."""
         return {

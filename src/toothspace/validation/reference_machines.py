@@ -121,8 +121,8 @@ def _temperature(numbers: dict[str, Any]) -> ComparedValue:
     )
 
 
-def _ripple(numbers: dict[str, Any], kinematic: float) -> ComparedValue:
-    return ComparedValue(
+def _ripple(numbers: dict[str, Any], kinematic: float) -> tuple[ComparedValue, ...]:
+    flow = ComparedValue(
         "flow ripple",
         float(numbers["flow_ripple_percent"]),
         "%",
@@ -131,6 +131,11 @@ def _ripple(numbers: dict[str, Any], kinematic: float) -> ComparedValue:
         kinematic,
         "kinematic ripple of single-flank sealing",
     )
+    pressure = float(numbers["pressure_ripple_bar"])
+    if not pressure:
+        return (flow,)
+    words = "peak to peak before an orifice; nothing published to hold it against"
+    return flow, ComparedValue("pressure ripple", pressure, "bar", words=words)
 
 
 def _egm12(case: str, effort: Effort) -> Evidence:
@@ -138,7 +143,7 @@ def _egm12(case: str, effort: Effort) -> Evidence:
     ranges = {"volumetric_efficiency": (0.93, 0.99), "hydromechanical_efficiency": (0.88, 0.93)}
     # a motor's return line feeds its spaces; the pump draws from a tank at 1 bar
     parts = _efficiencies(numbers, ranges) + _pressures(numbers, fed=case == "egm12_motor")
-    return Evidence((*parts, _ripple(numbers, 15.7), _temperature(numbers)))
+    return Evidence((*parts, *_ripple(numbers, 15.7), _temperature(numbers)))
 
 
 def _motor(effort: Effort) -> Evidence:
@@ -151,7 +156,8 @@ def _pump(effort: Effort) -> Evidence:
 
 def _fuel(effort: Effort) -> Evidence:
     numbers = _machine("fuel14_pump", effort)
-    return Evidence((*_pressures(numbers, fed=True), _ripple(numbers, 14.0), _temperature(numbers)))
+    ripple = _ripple(numbers, 14.0)
+    return Evidence((*_pressures(numbers, fed=True), *ripple, _temperature(numbers)))
 
 
 def _gerotor(case: str, low: float, high: float, effort: Effort) -> Evidence:

@@ -8,6 +8,7 @@ every revolution where both gears have as many teeth.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -136,8 +137,9 @@ def own_teeth(
     first, second = assembly.counts
     if first != second:
         raise GeometryError(
-            f"machine.gears.tooth_deviations: found gears of {first} and {second} teeth, allowed "
-            f"equal tooth counts, so that the same teeth meet in every revolution"
+            f"machine.gears.tooth_deviations: found gears of {first} and {second} teeth, of which "
+            f"the same meet after {math.lcm(first, second) // first} revolutions, allowed equal "
+            f"tooth counts: tables hold one revolution"
         )
     flanks = _flanks(gears[0], assembly.profiles[0]), _flanks(gears[1], assembly.profiles[1])
     throats = spaces[0].left, spaces[0].right

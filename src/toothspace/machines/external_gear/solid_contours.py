@@ -13,6 +13,7 @@ from toothspace.core.types import Array
 from toothspace.core.units import to_si
 from toothspace.geometry.body_section import AXES, BodySection, SectionRequest
 from toothspace.geometry.cad_import import load_body_sections
+from toothspace.geometry.curve import with_arcs
 from toothspace.geometry.gear_finder import axis_distance
 from toothspace.geometry.pump_sections import (
     OWN_FRAME,
@@ -70,7 +71,11 @@ def casing_contour(machine: keys.ExternalGearTables, drive: spec.Gear, driven: s
         plane = float(np.dot(axis, frame.origin))
     request = SectionRequest(axis, plane, given.contour_body, given.contour_part)
     cut = _sections(given.contour, given.contour_unit, request, key)[0]
-    return casing_cavity(frame.curves(cut), f"{key}: {given.contour.name}")
+    curves = frame.curves(cut)
+    if given.contour.suffix.lower() == ".stl":
+        # a bore seals within the height of the chords that stand for it
+        curves = [with_arcs(curve) for curve in curves]
+    return casing_cavity(curves, f"{key}: {given.contour.name}")
 
 
 def groove_contours(

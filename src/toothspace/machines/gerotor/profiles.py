@@ -20,8 +20,8 @@ from toothspace.core.types import Array
 from toothspace.geometry.curve import counter_clockwise, without_repeats
 from toothspace.machines.gerotor.contour import contour
 from toothspace.machines.gerotor.cycloid import cycloid
-from toothspace.machines.gerotor.parameters import RotorParameters
 from toothspace.machines.gerotor.rotor_files import DrawnRotor, drawn_eccentricity, rotor_pair
+from toothspace.machines.gerotor.rotor_parameters import RotorParameters
 from toothspace.machines.gerotor.trochoid import Trochoid, inner_outline, outer_outline
 
 POINTS_PER_TOOTH = 480
@@ -205,18 +205,20 @@ def completed(parameters: RotorParameters, outer_diameter: float) -> RotorParame
         found = f"{given}, but {inner.tooth_count} teeth in the profile"
         raise KeyRuleError("rotors.inner_tooth_count", found, "that of the profile, or none")
     _check_unit(parameters.profile_unit, outer, outer_diameter)
-    values = {
-        "inner_tooth_count": inner.tooth_count,
-        "eccentricity": parameters.eccentricity or drawn_eccentricity(inner, outer),
-        "face_width": parameters.face_width or inner.face_width,
-    }
-    for name, reason in (
-        ("eccentricity", "compulsory unless the rotors are drawn apart on parallel axes"),
-        ("face_width", "compulsory unless the rotors are solids"),
-    ):
-        if values[name] is None:
-            raise KeyRuleError(f"rotors.{name}", "nothing", reason)
-    return replace(parameters, **values)
+    eccentricity = parameters.eccentricity or drawn_eccentricity(inner, outer)
+    if not eccentricity:
+        reason = "compulsory unless the rotors are drawn apart on parallel axes"
+        raise KeyRuleError("rotors.eccentricity", "nothing", reason)
+    width = parameters.face_width or inner.face_width
+    if not width:
+        reason = "compulsory unless the rotors are solids"
+        raise KeyRuleError("rotors.face_width", "nothing", reason)
+    return replace(
+        parameters,
+        inner_tooth_count=inner.tooth_count,
+        eccentricity=eccentricity,
+        face_width=width,
+    )
 
 
 def _drawn(parameters: RotorParameters) -> tuple[DrawnRotor, DrawnRotor]:

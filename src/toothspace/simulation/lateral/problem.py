@@ -282,7 +282,7 @@ def lateral_problem(
     )
     grids = tuple(FaceGrid(i, *settings.grid) for i in balance.interfaces)
     stack = Stack(
-        balance,
+        replace(balance, shaft_stiffness=_held_by_journals(description, balance, data)),
         grids,
         tuple(_law(i, film_fluid, settings) for i in balance.interfaces),
         _compliance(balance, grids, settings, back, data),
@@ -291,6 +291,25 @@ def lateral_problem(
     snapshots = snapshots_over_pitch(stack, pressures, settings.angles)
     loads = Loads(back, *_frictions(description, balance, data, high - low))
     return LateralProblem(stack, snapshots, loads, pressures, settings)
+
+
+def _held_by_journals(
+    description: MachineDescription, balance: LateralBalance, data: xr.Dataset
+) -> float:
+    """Least moment over tilt by which films that carry the mean loads hold a shaft. [N m/rad].
+
+    Two bearings at a distance d with the load F each at a clearance c: F d^2 / (2 c).
+    """
+    if balance.shaft_stiffness is not None:
+        return balance.shaft_stiffness
+    loads = 0.5 * np.linalg.norm(data["journal_force"].values.mean(axis=0)[:, :2], axis=1)
+    own = {journal.body: journal for journal in description.journals}
+    held = []
+    for body, load, tilt in zip(balance.bodies, loads, balance.body_tilts, strict=False):
+        clearance = own[body].radial_clearance
+        apart = 2.0 * clearance / tilt - own[body].length  # half of it reaches the far end
+        held.append(0.5 * float(load) * apart**2 / clearance)
+    return min(held, default=0.0)
 
 
 def _frictions(
