@@ -5,9 +5,7 @@ from __future__ import annotations
 import ast
 from pathlib import Path
 
-import pytest
-
-from tests.architecture.sources import PACKAGE
+from tests.architecture.sources import PACKAGE, for_every
 from toothspace.core.registry import machine_type_names
 
 GENERIC = ("model", "solver", "simulation", "results", "report", "plotting", "cli")
@@ -34,7 +32,7 @@ def texts(path: Path) -> list[str]:
     return [n.value for n in found if isinstance(n.value, str)]
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(PACKAGE)))
+@for_every([(str(path.relative_to(PACKAGE)), (path,)) for path in FILES])
 def test_no_text_names_a_machine_or_a_part_of_one(path: Path) -> None:
     names = (*machine_type_names(), *PARTS)
     assert [text for text in texts(path) if any(name in text for name in names)] == []
