@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from toothspace.geometry import reading_process
+from toothspace.geometry import limited_reading
 from toothspace.geometry.body_section import SectionRequest
 from toothspace.geometry.cad_export import export_gear
 from toothspace.geometry.gear_finder import find_gears
@@ -36,7 +36,7 @@ def main() -> None:
         seconds = timed(lambda: find_gears(folder / "fine.stl", 1e-3))
         print(f"{f'STL, {triangles} triangles':32s}{seconds:9.2f}{TARGETS['stl']:6.0f}")
         order, path = {"unit": 1e-3, "request": asdict(request)}, folder / "gear.step"
-        seconds = timed(lambda: reading_process.read_in_process(path, order))
+        seconds = timed(lambda: limited_reading.read_in_process(path, order))
         print(f"{'STEP, one gear, with start':32s}{seconds:9.2f}")
         start = timed(start_of_reader)
         print(f"{'the same after start':32s}{seconds - start:9.2f}{TARGETS['step']:6.0f}")

@@ -12,6 +12,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 TESTS = Path(__file__).resolve().parent
+posix = pytest.mark.skipif(os.name == "nt", reason="signals and devices of POSIX")
 REPOSITORY = TESTS.parent
 
 settings.register_profile(

@@ -86,7 +86,7 @@ def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert "+100.00 %" in next(x for x in streams.out.splitlines() if "mesh and contacts, W" in x)
     assert "differ in 2 keys" in streams.err
     text = page.read_text(encoding="utf-8")
-    assert "mesh friction, W" in text
+    assert "mesh and contacts, W" in text
     assert "2000 rpm" in text
     assert main(["compare", *files, "--json"]) == 0
     found = json.loads(capsys.readouterr().out)

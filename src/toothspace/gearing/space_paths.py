@@ -20,7 +20,7 @@ from toothspace.gearing.meshing import (
 )
 from toothspace.gearing.numbering import FULL_TURN, Numbering
 from toothspace.gearing.openings import port_lengths
-from toothspace.gearing.spaces import Spaces, area_by_motion, section_area_rates, section_areas
+from toothspace.gearing.spaces import Spaces, area_by_motion, section_areas
 from toothspace.model.description import ChamberFamily, FlowPath
 from toothspace.model.path_category import (
     DRAIN,
@@ -31,7 +31,7 @@ from toothspace.model.path_category import (
     OUTLET_PORT,
     PathCategory,
 )
-from toothspace.numerics.periodic_table import monotone_table, smooth_table, table_from_exact_slopes
+from toothspace.numerics.periodic_table import monotone_table, smooth_table
 
 FLANK = PathCategory("flank", "flanks", "#56B4E9", "mesh")
 FACES = 2
@@ -129,15 +129,12 @@ class ToothSpaces:
         return self.numbering.nodes[self.gear]
 
     def chambers(self, name: str) -> ChamberFamily:
-        """Volumes of the spaces, with exact slopes."""
-        ratio = self.numbering.ratios[self.gear]
-        volume: Array = self.width * section_areas(self.spaces)
-        slope = self.width * section_area_rates(self.spaces) / ratio
+        """Volumes of the spaces; their jumps of slope, which would cost steps, are rounded."""
         return ChamberFamily(
             name=name,
-            angle_ratio=ratio,
+            angle_ratio=self.numbering.ratios[self.gear],
             phases=self.numbering.space_phases[self.gear],
-            volume=table_from_exact_slopes(FULL_TURN, volume, slope),
+            volume=smooth_table(FULL_TURN, self.width * section_areas(self.spaces)),
             volume_by_motion=smooth_table(FULL_TURN, self.width * area_by_motion(self.spaces)),
         )
 

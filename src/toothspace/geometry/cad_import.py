@@ -126,7 +126,7 @@ def _read(
 
         return section_of_solids(path, unit, plane_z, body)
     if path.stat().st_size > _LARGE:
-        from toothspace.geometry.reading_process import read_curves
+        from toothspace.geometry.limited_reading import read_curves
 
         return read_curves(path, unit, layer)
     return plane_curves(path, unit, layer)

@@ -98,6 +98,7 @@ def _involute_numbers(found: FoundGear) -> dict[str, object]:
         "pressure_angle_from": "standard module or pitch" if data.standard else "assumed",
         "profile_shift": data.profile_shift,
         "base_diameter_mm": 2e3 * fit.flank.base_radius,
+        "base_diameter_uncertainty_um": 1e6 * fit.base_diameter_uncertainty,
         "form_diameter_mm": 2e3 * fit.flank.form_radius,
         "tip_form_diameter_mm": 2e3 * fit.flank.tip_form_radius,
         "tip_rounding_mm": 1e3 * data.tip_rounding,

@@ -120,6 +120,17 @@ class InvoluteFit:
         """Larger total profile deviation of both flanks [m]."""
         return max(self.left.total, self.right.total)
 
+    @property
+    def base_diameter_uncertainty(self) -> float:
+        r"""Change of the base diameter that tilts the involute by the form error [m].
+
+        At the roll angle :math:`\xi` the involute moves by :math:`\xi\,\mathrm{d}r_b` along its
+        normal.
+        """
+        flank = self.flank
+        rolled = flank.roll_length(flank.tip_form_radius) - flank.roll_length(flank.form_radius)
+        return 2.0 * self.form_error * flank.base_radius / rolled
+
 
 def folded_points(points: Array, tooth_count: int, phase: float) -> FlankPoints:
     """Turn the flank points of a gear onto one tooth.

@@ -18,8 +18,8 @@ from toothspace.geometry.body_section import (
     SolidBody,
     cut_bodies,
 )
+from toothspace.geometry.limited_reading import READ_HERE, read_sections
 from toothspace.geometry.mesh_section import SurfaceMesh, merged, section, separated
-from toothspace.geometry.reading_process import READ_HERE, read_sections
 
 _MERGE_TOLERANCES = (0.0, 1e-8, 1e-7, 1e-6)
 """Of the size of a file: distance up to which corners of its triangles are one. [-]"""
