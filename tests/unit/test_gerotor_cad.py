@@ -24,7 +24,9 @@ from toothspace.machines.gerotor.profiles import rotors_from
 PLACES = np.radians(np.arange(0.0, 360.0, 2.5))
 
 
-@pytest.mark.parametrize("suffix", ["txt", "dxf", "stl", "step"])
+@pytest.mark.parametrize(
+    "suffix", ["txt", "dxf", "stl", pytest.param("step", marks=pytest.mark.slow)]
+)
 @pytest.mark.parametrize("design", [TROCHOIDAL, CYCLOIDAL], ids=["trochoidal", "cycloidal"])
 def test_rotors_survive_a_round_trip(design, suffix, tmp_path):
     """Written with bore and rim, read back: outlines, displacement and throats as they were.
