@@ -21,7 +21,8 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from pathlib import Path
 
 import psutil
@@ -212,9 +213,10 @@ def without_memory(name: str, whole: Path, draw: random.Random) -> list[str]:
 def main() -> int:
     parser = argparse.ArgumentParser("python -m tests.faults", description=__doc__)
     parser.add_argument("--count", type=int, default=10, help="faults for each command")
+    parser.add_argument("--only", choices=[*KINDS], nargs="+", default=[*KINDS])
     parser.add_argument("--seed", type=int, default=1)
     given = parser.parse_args()
-    draw, harms = random.Random(given.seed), []
+    draw, harms = random.Random(given.seed), 0
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
         whole = folder / "run.nc"
@@ -222,19 +224,35 @@ def main() -> int:
         code, messages = finish(start(commands(folder)["run"]))
         assert code == 0, messages
         longest = time.perf_counter() - started
-        for name in commands(folder):
-            for _ in range(given.count):
-                harms += end_at_random(name, whole, longest, draw)
-            for size in (0, 4096, 300_000):
-                harms += starve(name, whole, size)
-            for _ in range(3):
-                harms += without_memory(name, whole, draw)
-            sys.stdout.write(f"{name}: {given.count + 6} faults, {len(harms)} did harm so far\n")
+        for kind in given.only:
+            for text in KINDS[kind](whole, longest, draw, given.count):
+                harms += 1
+                sys.stdout.write(f"{text}\n")
+                sys.stdout.flush()
+            sys.stdout.write(f"{kind}: done, {harms} faults did harm so far\n")
             sys.stdout.flush()
-        harms += [*on_small_disks(whole), *with_cache(whole, draw)]
-    for text in harms:
-        sys.stdout.write(f"{text}\n")
-    return len(harms)
+    return harms
+
+
+def ends(name: str, whole: Path, longest: float, draw: random.Random, count: int) -> Iterator[str]:
+    for _ in range(count):
+        yield from end_at_random(name, whole, longest, draw)
+
+
+def hunger(whole: Path, _longest: float, draw: random.Random, _count: int) -> Iterator[str]:
+    for name in ("run", "study", "report"):
+        for size in (0, 4096, 300_000):
+            yield from starve(name, whole, size)
+        yield from without_memory(name, whole, draw)
+
+
+KINDS: Mapping[str, Callable[[Path, float, random.Random, int], Iterator[str]]] = {
+    **{name: partial(ends, name) for name in ("run", "study", "report")},
+    "hunger": hunger,
+    "disks": lambda whole, _longest, _draw, _count: on_small_disks(whole),
+    "caches": lambda whole, _longest, draw, _count: with_cache(whole, draw),
+}
+"""Kinds of faults: commands that are ended, files and memory that are short, disks, caches."""
 
 
 if __name__ == "__main__":

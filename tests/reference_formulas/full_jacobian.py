@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from toothspace.core.compiled import inlined
 from toothspace.core.types import Array
 from toothspace.model.arrays import (
     CHANNEL_MOTION,
@@ -20,6 +21,7 @@ from toothspace.model.jacobian import add_flow_change, fill_rates
 from toothspace.model.system import evaluate
 
 
+@inlined
 def jacobian(t: float, state: Array, s: SystemArrays, matrix: Array) -> None:
     """Derivatives of all rates with respect to the core states; energy rows are left out."""
     evaluate(s, state)
@@ -28,6 +30,7 @@ def jacobian(t: float, state: Array, s: SystemArrays, matrix: Array) -> None:
     add_composition(s, state, matrix)
 
 
+@inlined
 def _add_pressure_changes(s: SystemArrays, matrix: Array) -> None:
     """Turn derivatives at constant pressure into those at constant mass."""
     node, values, size = s.node, s.chamber_values, s.size
@@ -43,6 +46,7 @@ def _add_pressure_changes(s: SystemArrays, matrix: Array) -> None:
                 matrix[:, size.position + k] += by_volume * values[i, CHANNEL_MOTION + k]
 
 
+@inlined
 def add_composition(s: SystemArrays, state: Array, matrix: Array) -> None:
     """Derivatives through density and gas content at constant pressure, by mass and gas mass."""
     size = s.size

@@ -52,7 +52,7 @@ def path(machine: MachineDescription, name: str) -> FlowPath:
         (CASE, {}),
         (CASE, RIGID),
         (CASE, {"run.mesh": "elastic"}),
-        (CASE, {"run.fidelity": "films"}),
+        pytest.param(CASE, {"run.fidelity": "films"}, marks=pytest.mark.slow),
         (MOTOR, {}),
     ],
     ids=["pressed", "fixed", "elastic_mesh", "films", "motor"],
@@ -212,7 +212,7 @@ def test_filler_lies_between_the_tips_and_seals_between_its_ends() -> None:
     assert filler_edges(assembly, 1).inlet < filler_edges(assembly, 0).inlet
 
 
-@pytest.mark.parametrize("suffix", ["txt", "dxf"])
+@pytest.mark.parametrize("suffix", ["txt", pytest.param("dxf", marks=pytest.mark.slow)])
 def test_exported_profiles_make_the_same_machine(tmp_path: Path, suffix: str) -> None:
     spec = crescent()
     assembly = assemble(spec)

@@ -119,8 +119,7 @@ class Line(KeyTable):
     cells: int = integer("Cells of a transmission line.", low=2, high=200, default=16)
 
     def __post_init__(self) -> None:
-        names = ("wall_thickness", "wall_modulus")
-        instead_of(self, "effective_bulk_modulus", *names)
+        instead_of(self, "effective_bulk_modulus", "wall_thickness", "wall_modulus")
 
 
 @final
