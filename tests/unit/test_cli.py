@@ -507,3 +507,14 @@ def test_gear_in_a_wrong_unit_asks_back(capsys: pytest.CaptureFixture[str]) -> N
 def test_gear_refuses_wrong_options(options: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["gear", str(PROFILE), *options]) == 2
     assert "allowed" in capsys.readouterr().err
+
+
+def test_a_run_without_memory_ends_with_a_line_and_the_code_of_a_failure(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def greedy(*_: object, **__: object) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr("toothspace.api.simulate", greedy)
+    assert main(["run", str(MOTOR)]) == 3
+    assert capsys.readouterr().err.splitlines()[-1].startswith("memory: found no more")

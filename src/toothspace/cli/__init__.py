@@ -61,6 +61,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         _say_no_more()
         name = f"{error.filename}: " if error.filename else ""
         return _complain(f"{name}found {error.strerror or error}", EXIT_BAD_INPUT)
+    except MemoryError:
+        found = "memory: found no more, allowed coarser grids, fewer samples or fewer --workers"
+        return _complain(found, EXIT_NUMERICAL_FAILURE)
     except Exception as error:
         return _unexpected(error)
     return int(code or EXIT_DONE)
