@@ -8,7 +8,7 @@ WORKERS ?= 2
 DEMO := demo_report
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo kernels test validate bench docs lint format clean
+.PHONY: help setup demo kernels test sample validate bench docs lint format clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
@@ -40,6 +40,14 @@ kernels: $(READY)  ## compile each kernel once: machines and films side by side
 
 test: kernels  ## run the test suite (without the slow validation runs)
 	$(BIN)/python -m pytest -q -n $(WORKERS) --dist worksteal
+
+PARTS := 13
+PART ?= $(shell echo $$(( ($$(git rev-list --count HEAD 2>/dev/null || echo 0) + $$(date +%s) / 86400) % $(PARTS) )))
+MINUTES ?= 40
+
+sample: $(READY)  ## run a thirteenth of the slow tests, another one for every commit and day
+	@echo "make sample PART=$(PART)"
+	$(BIN)/python -m pytest -q -n $(WORKERS) -m slow --part $(PART)/$(PARTS) --minutes $(MINUTES)
 
 validate: $(READY)  ## run slow tests and validation against published numbers
 	$(BIN)/python -m pytest -q -n $(WORKERS) --dist worksteal -m "slow or validation"

@@ -7,11 +7,12 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
 
-from toothspace.geometry import step_process
+from toothspace.geometry import limited_reading
 from toothspace.geometry.body_section import SectionRequest
 from toothspace.geometry.cad_export import export_gear
 from toothspace.geometry.gear_finder import find_gears
@@ -31,10 +32,11 @@ def main() -> None:
         triangles = write_fine_stl(folder / "fine.stl")
         export_gear(generate_profile(GEAR), folder / "gear.step", WIDTH)
         print(f"{'file':32s}{'s':>9s}{'aim':>6s}")
+        request = SectionRequest(teeth=True)
         seconds = timed(lambda: find_gears(folder / "fine.stl", 1e-3))
         print(f"{f'STL, {triangles} triangles':32s}{seconds:9.2f}{TARGETS['stl']:6.0f}")
-        request, path = SectionRequest(teeth=True), folder / "gear.step"
-        seconds = timed(lambda: step_process.read_in_process(path, request))
+        order, path = {"unit": 1e-3, "request": asdict(request)}, folder / "gear.step"
+        seconds = timed(lambda: limited_reading.read_in_process(path, order))
         print(f"{'STEP, one gear, with start':32s}{seconds:9.2f}")
         start = timed(start_of_reader)
         print(f"{'the same after start':32s}{seconds - start:9.2f}{TARGETS['step']:6.0f}")

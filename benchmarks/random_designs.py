@@ -5,7 +5,7 @@ gear machines, gerotors and internal gears with a crescent, pumps and motors, wi
 relief grooves, 1 to 350 bar, 1 to 8 000 rpm, -20 to 120 degC and clearances from 5 to 100 um, runs
 each in a process of its own, writes one row per design and prints a table. ``--only SEED`` prints
 the case of one design instead, to be run and looked at alone. Designs whose geometry is refused
-are drawn again.
+are drawn again. Rows that the file has already are kept, so a stopped command goes on where it was.
 """
 
 from __future__ import annotations
@@ -18,12 +18,13 @@ import time
 import tomllib
 from collections import Counter
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from toothspace.api import simulate
+from toothspace.api import set_up, simulate
 from toothspace.case import Case
 from toothspace.case.document import document_text
 from toothspace.core.errors import CaseError
@@ -45,6 +46,7 @@ _NUMBERS = (
     "min_chamber_pressure_bar",
     "shaft_speed_rpm",
 )
+_TEXTS = ("warnings", "not_finite")
 _UNPHYSICAL: dict[str, Callable[[dict[str, Any]], bool]] = {
     "volumetric efficiency above 1": lambda row: row["volumetric_efficiency"] > 1.0 + 1e-3,
     "overall efficiency above 1": lambda row: row["overall_efficiency"] > 1.0,
@@ -176,28 +178,31 @@ def designs(seed: int) -> Iterator[str]:
         yield document_text(tables)
 
 
-def first_run(seed: int) -> tuple[str, Solution | Exception, float]:
-    """Text of the first draw that is not refused, what it gives, and its time. [s]."""
+def first_case(seed: int) -> tuple[str, Case]:
+    """Text and case of the first draw whose machine can be built."""
     for text in designs(seed):
-        started = time.perf_counter()
-        try:
-            return text, simulate(Case.from_toml(text, CASES)), time.perf_counter() - started
-        except CaseError:
-            continue
-        except Exception as error:  # what a design may never do is a row of its own
-            return text, error, time.perf_counter() - started
+        with suppress(CaseError):
+            case = Case.from_toml(text, CASES)
+            set_up(case)
+            return text, case
     raise CaseError(f"design {seed}: found none that can be built in {_TRIES} draws")
 
 
 def row_of(seed: int) -> dict[str, Any]:
     """Run one design; what came out as one row."""
-    text, found, seconds = first_run(seed)
+    text, case = first_case(seed)
     tables = tomllib.loads(text)
+    started = time.perf_counter(), time.process_time()
+    try:
+        found: Solution | Exception = simulate(case)
+    except Exception as error:  # what a design may never do is a row of its own
+        found = error
     row: dict[str, Any] = {
         "seed": seed,
         "family": tables["title"].split(", ")[1],
         "mode": tables["machine"]["mode"],
-        "run_s": seconds,
+        "run_s": time.perf_counter() - started[0],
+        "processor_s": time.process_time() - started[1],
     }
     if isinstance(found, Exception):
         return row | {"status": f"{type(found).__name__}: {found}"}
@@ -235,7 +240,7 @@ def report(rows: list[dict[str, Any]]) -> None:
     if not finished:
         print("no design finished")
         return
-    times = np.sort([row["run_s"] for row in finished])
+    times = np.sort([row["processor_s"] for row in finished])
     energy = np.array([row["energy_balance_error"] for row in finished])
     print(f"{len(rows)} designs; statuses {dict(Counter(row['status'] for row in rows))}")
     print(f"all that is asked: {100.0 * np.mean([good(row) for row in finished]):.1f} %")
@@ -245,7 +250,9 @@ def report(rows: list[dict[str, Any]]) -> None:
     )
     print(f"revolutions: most {max(row['revolutions'] for row in finished):.0f}")
     slowest = np.quantile(times, 0.99) / np.median(times)
-    print(f"run time: median {np.median(times):.2f} s, 99th percentile {slowest:.1f} times as long")
+    print(
+        f"processor: median {np.median(times):.2f} s, 99th percentile {slowest:.1f} times as long"
+    )
     for name, wrong in _UNPHYSICAL.items():
         found = [row for row in finished if wrong(row)]
         unsaid = [row["seed"] for row in found if not row["warnings"]]
@@ -262,6 +269,24 @@ def write(rows: list[dict[str, Any]], path: Path) -> None:
         writer.writerows(sorted(rows, key=lambda row: row["seed"]))
 
 
+def read(path: Path) -> list[dict[str, Any]]:
+    """Rows of a file that was written before; none where there is no file."""
+    if not path.exists():
+        return []
+    with path.open(encoding="utf-8", newline="") as file:
+        return [
+            {name: number(text) for name, text in row.items() if text or name in _TEXTS}
+            for row in csv.DictReader(file)
+        ]
+
+
+def number(text: str) -> float | str:
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
 def main() -> None:
     parser = argparse.ArgumentParser("python -m benchmarks.random_designs", description=__doc__)
     parser.add_argument("--count", type=int, default=30)
@@ -271,12 +296,13 @@ def main() -> None:
     parser.add_argument("-o", "--output", type=Path, default=Path("random_designs.csv"))
     given = parser.parse_args()
     if given.only is not None:
-        print(first_run(given.only)[0])
+        print(first_case(given.only)[0])
         return
-    rows: list[dict[str, Any]] = []
-    seeds = range(given.first, given.first + given.count)
+    rows = read(given.output)
+    known = {row["seed"] for row in rows}
+    seeds = [seed for seed in range(given.first, given.first + given.count) if seed not in known]
     with Workers(given.workers) as workers:
-        for _, row in workers.each(row_of, list(seeds)):
+        for _, row in workers.each(row_of, seeds):
             rows.append(row)
             write(rows, given.output)
     report(rows)

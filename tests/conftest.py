@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import time
 from pathlib import Path
 
 os.environ.setdefault("MPLBACKEND", "Agg")
@@ -11,6 +12,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 TESTS = Path(__file__).resolve().parent
+posix = pytest.mark.skipif(os.name == "nt", reason="signals and devices of POSIX")
 REPOSITORY = TESTS.parent
 
 settings.register_profile(
@@ -23,11 +25,31 @@ settings.register_profile(
 settings.load_profile("toothspace")
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark every test with the name of its folder."""
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--part", metavar="K/N", help="every N-th test, from the K-th of 0 to N-1 on")
+    parser.addoption("--minutes", type=float, help="tests that would begin later are skipped")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Mark every test with the name of its folder; keep those of the part that is asked for."""
     for item in items:
         if TESTS in item.path.parents:
             item.add_marker(item.path.relative_to(TESTS).parts[0])
+    if part := config.getoption("--part"):
+        mine, parts = (int(text) for text in part.split("/"))
+        slow = [item for item in items if item.get_closest_marker("slow")]
+        kept = slow[mine % parts :: parts]
+        config.hook.pytest_deselected(items=[item for item in items if item not in kept])
+        items[:] = kept
+
+
+STARTED = time.monotonic()
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    minutes = item.config.getoption("--minutes")
+    if minutes is not None and time.monotonic() - STARTED > 60.0 * minutes:
+        pytest.skip(f"{minutes:g} minutes are over")
 
 
 @pytest.fixture(scope="session")

@@ -3,25 +3,31 @@
 ``python -m tests.faults --count 100`` starts ``run``, ``study`` and ``report`` so many times each,
 ends each at a random moment by one of SIGKILL, SIGTERM and SIGINT, and then checks the folder:
 nothing half-written under a final name, no draft of a finished command, every result readable,
-no process left, and ``study --resume`` completes. Then full disks and folders that cannot be
-written. The exit code is the number of faults that did harm.
+no process left, and ``study --resume`` completes. Then limits on the size of files, full disks and
+temporary folders, folders that cannot be written, damaged caches, caches from the future, two
+processes on one cache, and too little memory. The exit code is the number of faults that did harm.
 """
 
 from __future__ import annotations
 
 import argparse
+import os
 import random
 import resource
+import shlex
+import shutil
 import signal
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from pathlib import Path
 
 import psutil
 
+from toothspace.core.compilation.cache import cache_root
 from toothspace.core.errors import CaseError
 from toothspace.core.netcdf import read_dataset
 
@@ -120,12 +126,97 @@ def starve(name: str, whole: Path, size: int) -> list[str]:
         return [f"{name}, files of {size} bytes: {text}" for text in found]
 
 
+def on_small_disks(whole: Path) -> Iterator[str]:
+    """Commands on a full disk, in a read-only folder and with a full temporary folder."""
+    mounts = {
+        "full disk": "mount -t tmpfs -o size=200k tmpfs {0}/out && cp {0}/whole.nc {0}/out",
+        "read-only folder": "mount --bind {0}/out {0}/out && mount -o remount,ro,bind {0}/out",
+        "full temporary folder": "mount -t tmpfs -o size=100k tmpfs {0}/tmp",
+    }
+    for fault, mount in mounts.items():
+        for name in ("run", "study", "report"):
+            with tempfile.TemporaryDirectory() as place:
+                folder = Path(place)
+                for inner in ("out", "tmp"):
+                    (folder / inner).mkdir()
+                for copy in (folder / "whole.nc", folder / "out" / "whole.nc"):
+                    copy.write_bytes(whole.read_bytes())
+                words = [sys.executable, "-m", "toothspace", *commands(folder / "out")[name]]
+                setting = (
+                    f"export TMPDIR={place}/tmp; {mount.format(place)}; exec {shlex.join(words)}"
+                )
+                inside = ["unshare", "-rm", "sh", "-c", setting]
+                done = subprocess.run(
+                    inside, cwd=REPOSITORY, capture_output=True, text=True, timeout=600, check=False
+                )
+                found = [] if done.returncode in (0, 2, 3) else [f"code {done.returncode}"]
+                if found or "Traceback" in done.stderr:
+                    yield f"{name}, {fault}: {found} {done.stderr[-300:]}"
+
+
+def with_cache(whole: Path, draw: random.Random) -> Iterator[str]:
+    """A run on caches that are damaged, come from the future or are shared, gives its numbers."""
+    expected = read_dataset(whole)
+    with tempfile.TemporaryDirectory() as place:
+        folder, cache = Path(place), Path(place) / "cache"
+        setting = {**os.environ, "TOOTHSPACE_CACHE": str(cache)}
+        shutil.copytree(
+            cache_root(), cache / "toothspace", ignore=shutil.ignore_patterns("compiled-*")
+        )
+        stored = [path for path in cache.rglob("*") if path.is_file()]
+
+        def run(number: int) -> subprocess.Popen[str]:
+            arguments = commands(folder)["run"]
+            arguments[3] = f"{folder}/{number}.nc"
+            command = [sys.executable, "-m", "toothspace", *arguments]
+            return subprocess.Popen(
+                command, cwd=REPOSITORY, env=setting, text=True,
+                stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+            )  # fmt: skip
+
+        def ends(fault: str, *numbers: int) -> Iterator[str]:
+            for number, process in [(number, run(number)) for number in numbers]:
+                _, messages = process.communicate(timeout=600)
+                path = folder / f"{number}.nc"
+                if process.returncode != 0 or not read_dataset(path).equals(expected):
+                    same = "other numbers" if path.exists() else messages[-300:]
+                    yield f"run, {fault}: code {process.returncode}, {same}"
+
+        for path in draw.sample(stored, min(3, len(stored))):
+            content = bytearray(path.read_bytes() or b"0")
+            content[draw.randrange(len(content))] ^= 0xFF
+            path.write_bytes(content)
+        yield from ends("damaged cache", 1)
+        for path in stored:
+            os.utime(path, (2e9, 2e9))
+        yield from ends("cache from the future", 2)
+        yield from ends("two processes on one cache", 3, 4)
+
+
+def without_memory(name: str, whole: Path, draw: random.Random) -> list[str]:
+    """A command that may take little memory, its workers too; what harm that did."""
+    size = draw.randrange(100, 500) * 2**20
+    with tempfile.TemporaryDirectory() as place:
+        folder = Path(place)
+        (folder / "whole.nc").write_bytes(whole.read_bytes())
+        limit = (size, size)
+        process = start(
+            commands(folder)[name], lambda: resource.setrlimit(resource.RLIMIT_DATA, limit)
+        )
+        code, messages = finish(process)
+        found = list(harm(folder, killed=False))
+        if code in (1, 70, -11):
+            found.append(f"code {code}: {messages[-300:]}")
+        return [f"{name}, {size // 2**20} MiB of memory: {text}" for text in found]
+
+
 def main() -> int:
     parser = argparse.ArgumentParser("python -m tests.faults", description=__doc__)
     parser.add_argument("--count", type=int, default=10, help="faults for each command")
+    parser.add_argument("--only", choices=[*KINDS], nargs="+", default=[*KINDS])
     parser.add_argument("--seed", type=int, default=1)
     given = parser.parse_args()
-    draw, harms = random.Random(given.seed), []
+    draw, harms = random.Random(given.seed), 0
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
         whole = folder / "run.nc"
@@ -133,16 +224,35 @@ def main() -> int:
         code, messages = finish(start(commands(folder)["run"]))
         assert code == 0, messages
         longest = time.perf_counter() - started
-        for name in commands(folder):
-            for _ in range(given.count):
-                harms += end_at_random(name, whole, longest, draw)
-            for size in (0, 4096, 300_000):
-                harms += starve(name, whole, size)
-            sys.stdout.write(f"{name}: {given.count + 3} faults, {len(harms)} did harm so far\n")
+        for kind in given.only:
+            for text in KINDS[kind](whole, longest, draw, given.count):
+                harms += 1
+                sys.stdout.write(f"{text}\n")
+                sys.stdout.flush()
+            sys.stdout.write(f"{kind}: done, {harms} faults did harm so far\n")
             sys.stdout.flush()
-    for text in harms:
-        sys.stdout.write(f"{text}\n")
-    return len(harms)
+    return harms
+
+
+def ends(name: str, whole: Path, longest: float, draw: random.Random, count: int) -> Iterator[str]:
+    for _ in range(count):
+        yield from end_at_random(name, whole, longest, draw)
+
+
+def hunger(whole: Path, _longest: float, draw: random.Random, _count: int) -> Iterator[str]:
+    for name in ("run", "study", "report"):
+        for size in (0, 4096, 300_000):
+            yield from starve(name, whole, size)
+        yield from without_memory(name, whole, draw)
+
+
+KINDS: Mapping[str, Callable[[Path, float, random.Random, int], Iterator[str]]] = {
+    **{name: partial(ends, name) for name in ("run", "study", "report")},
+    "hunger": hunger,
+    "disks": lambda whole, _longest, _draw, _count: on_small_disks(whole),
+    "caches": lambda whole, _longest, draw, _count: with_cache(whole, draw),
+}
+"""Kinds of faults: commands that are ended, files and memory that are short, disks, caches."""
 
 
 if __name__ == "__main__":

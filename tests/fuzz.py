@@ -14,6 +14,7 @@ import sys
 import tempfile
 import time
 import tomllib
+from collections import Counter
 from collections.abc import Callable, Mapping
 from functools import cache
 from pathlib import Path
@@ -28,6 +29,10 @@ from toothspace.core.array_store import load_arrays, save_arrays
 from toothspace.core.errors import ToothspaceError
 from toothspace.core.signals import column_names, read_columns
 from toothspace.core.units import parse_quantity
+from toothspace.geometry.cad_export import export_gear
+from toothspace.geometry.gear_finder import find_gears
+from toothspace.geometry.involute import InvoluteGear, generate_profile
+from toothspace.geometry.tooth_deviations import read_tooth_deviations
 from toothspace.model.fluid_table import fit_table
 from toothspace.results.io import load_solution
 
@@ -70,15 +75,24 @@ def damaged(content: bytes, damage: Damage) -> bytes:
     return bytes(found)
 
 
+VERDICTS: Counter[str] = Counter()
+"""How many inputs were read, and how many refused, since it was cleared."""
+
+
 def check(read: Callable[[], Any]) -> None:
-    """Read an input: a value, or an error of one line, within the time."""
-    started = time.process_time()
+    """Assert that an input is read in time, or refused in a line per fault with what was found.
+
+    Any other exception, as a traceback would show it to a user, passes through.
+    """
+    started, lines = time.process_time(), list[str]()
     try:
         read()
     except ToothspaceError as error:
-        line = str(error)
-        assert "found" in line or "not a result" in line, line
+        lines = str(error).split("\n")
+    for line in lines:
+        assert "found" in line or "not a result" in line, lines
         assert len(line) < _LONGEST_LINE, f"{len(line)} characters: {line[:200]}"
+    VERDICTS["refused" if lines else "read"] += 1
     assert time.process_time() - started < LONGEST, "took too long"
 
 
@@ -154,6 +168,49 @@ def read_store(data: st.DataObject) -> None:
     check(lambda: load_arrays(path))
 
 
+@cache
+def outlines() -> Mapping[str, bytes]:
+    """A gear as points, DXF and STL, small enough to be read a thousand times."""
+    return {kind: drawing(kind) for kind in ("txt", "dxf", "stl")}
+
+
+@cache
+def drawing(kind: str) -> bytes:
+    gear = InvoluteGear(8, 2.75e-3, np.deg2rad(20.0), 0.4, 30e-3)
+    path = folder() / f"whole.{kind}"
+    export_gear(generate_profile(gear, 60), path, 8e-3)
+    return path.read_bytes()
+
+
+@cache
+def teeth() -> Mapping[str, bytes]:
+    """Deviations of teeth as a table and as the curve file of a gear tester."""
+    from tests.unit.test_measured_teeth import curve_file, known, table_file
+
+    writers = {"csv": table_file, "mka": curve_file}
+    paths = {kind: folder() / f"whole.{kind}" for kind in writers}
+    return {k: write(paths[k], *known()).read_bytes() for k, write in writers.items()}
+
+
+def read_outline(data: st.DataObject) -> None:
+    kind = data.draw(st.sampled_from([*outlines()]))
+    path = file_of(damaged(outlines()[kind], data.draw(DAMAGE)), f"damaged.{kind}")
+    check(lambda: find_gears(path, 1e-3))
+
+
+def read_solid(data: st.DataObject) -> None:
+    path = file_of(damaged(drawing("step"), data.draw(DAMAGE)), "damaged.step")
+    check(lambda: find_gears(path, 1e-3))
+
+
+def read_teeth(data: st.DataObject) -> None:
+    from tests.unit.test_measured_teeth import FLANK
+
+    kind = data.draw(st.sampled_from([*teeth()]))
+    path = file_of(damaged(teeth()[kind], data.draw(DAMAGE)), f"teeth.{kind}")
+    check(lambda: read_tooth_deviations(path, FLANK, 12))
+
+
 def read_measured(data: st.DataObject) -> None:
     path = file_of(damaged(data.draw(st.sampled_from(CSV)), data.draw(DAMAGE)), "damaged.csv")
     check(lambda: column_names(path))
@@ -168,12 +225,16 @@ READERS: Mapping[str, Callable[[st.DataObject], None]] = {
     "result": read_result,
     "store": read_store,
     "measured": read_measured,
+    "outline": read_outline,
+    "teeth": read_teeth,
+    "solid": read_solid,
 }
 """What reads inputs from outside, by name."""
 
 
 def fuzz(name: str, count: int) -> None:
-    """Draw so many inputs for a reader; raises with the smallest that fails."""
+    """Draw so many inputs for a reader; raises with the smallest that :func:`check` finds bad."""
+    VERDICTS.clear()
 
     @settings(
         max_examples=count,

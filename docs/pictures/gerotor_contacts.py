@@ -18,7 +18,7 @@ from toothspace.machines.gerotor.contour import contour
 from toothspace.plotting.style import BLUE, CYCLE, GREY, INK, ORANGE, styled
 
 CLEARANCE = 40e-6
-DISPLACEMENT, ROTATION = (-19e-6, -30e-6), -0.5e-3
+DISPLACEMENT, ROTATION = (-3.3e-6, -5.7e-6), -2.1e-3  # mean of gerotor_cycloidal
 NODE = 20
 
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from toothspace.case import Case, load_case
 from toothspace.case.fingerprint import fingerprint
@@ -14,12 +14,15 @@ from toothspace.core.compiled import compile_seconds
 from toothspace.core.errors import CaseError
 from toothspace.core.processes import start_worker
 from toothspace.core.progress import Progress
-from toothspace.core.registry import machine_type
+from toothspace.core.registry import machine_type, machine_type_names
 from toothspace.model.description import MachineDescription
 from toothspace.results.credibility import with_interval, with_warnings
 from toothspace.results.solution import Solution, warned
 from toothspace.simulation import run
 from toothspace.simulation.setup import Setup, fluid_of, known_pressure, require_condition
+
+if TYPE_CHECKING:
+    from toothspace.geometry.body_section import SectionRequest
 
 _KEPT_MACHINES = 4
 
@@ -36,6 +39,38 @@ def describe(case: Case) -> MachineDescription:
             del _machines[next(iter(_machines))]
         _machines[key] = machine_type(case.machine_type).describe(case.machine_spec)
     return _machines[key]
+
+
+def draft_case(files: Sequence[Path], unit: str, request: SectionRequest, folder: Path) -> str:
+    """First case file of the machine whose parts are in CAD files of one frame.
+
+    Parameters
+    ----------
+    files : sequence of Path
+        Files.
+    unit : str
+        Length unit of those that have none of their own.
+    request : SectionRequest
+        Axis and plane of the gears, None to find them.
+    folder : Path
+        Where the case file will be.
+
+    Returns
+    -------
+    str
+        TOML of the machine type that uses most of the parts, with comments on what is assumed.
+
+    Raises
+    ------
+    CaseError
+        If no machine type finds its parts.
+    """
+    types = [machine_type(name) for name in machine_type_names()]
+    drafts = [one.draft(files, unit, request, folder) for one in types if one.draft is not None]
+    found = [draft for draft in drafts if draft is not None]
+    if not found:
+        raise CaseError(f"{files[0]}: --case: found no machine, allowed gears or rotors of one")
+    return max(found, key=lambda draft: draft.parts).text
 
 
 def set_up(case: Case) -> Setup:
@@ -148,6 +183,7 @@ def _simulate_safely(case: Case) -> Solution | Exception:
 
 __all__ = [
     "describe",
+    "draft_case",
     "fluid_of",
     "load_case",
     "set_up",

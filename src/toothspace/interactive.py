@@ -88,7 +88,9 @@ class Solution(results.Solution):
         index = "s" if frame.index.name == "time" else "rad"
         heads = [f"{name} [{unit}]" for name, unit in frame.attrs["units"].items()]
         text = frame.to_csv(index_label=f"{frame.index.name} [{index}]", header=heads)
-        return write_text(Path(path), text)
+        target = Path(path)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        return write_text(target, text)
 
     def report(self, path: str | Path | None = None) -> Path:
         """Write the HTML report and return its path.
@@ -133,6 +135,9 @@ class Figures:
     """
 
     solution: Solution
+
+    def __repr__(self) -> str:
+        return f"<Figures: {', '.join(self.names())}>"
 
     def names(self) -> list[str]:
         """Return the names of the figures that the result can give."""

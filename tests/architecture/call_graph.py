@@ -196,7 +196,7 @@ def package_graph() -> CallGraph:
 def entry_points(graph: CallGraph) -> list[Definition]:
     """Command line, Python interface, stand-alone films, machine types, modules run by ``-m``."""
     found = [*graph.public("toothspace.cli"), *graph.public("toothspace.api")]
-    found += graph.public("toothspace.films")
+    found += graph.public("toothspace.films.public")
     for module, own in graph.modules.items():
         parts = module.split(".")
         if any(_is_main(statement) for statement in own.tree.body):

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 PACKAGE = REPOSITORY / "src" / "toothspace"
@@ -88,3 +89,27 @@ def body_lines(node: FunctionNode) -> int:
 
 
 SOURCES = [Source(path) for path in sorted(PACKAGE.rglob("*.py"))]
+
+
+def for_every(
+    items: Iterable[tuple[str, tuple[Any, ...]]],
+) -> Callable[[Callable[..., None]], Callable[[], None]]:
+    """Turn a check of one thing into a test of all, which names every one that fails."""
+
+    def whole(check: Callable[..., None]) -> Callable[[], None]:
+        def test() -> None:
+            failures = {}
+            for label, arguments in items:
+                try:
+                    check(*arguments)
+                except AssertionError as error:
+                    failures[label] = str(error)
+            assert not failures
+
+        test.__name__, test.__doc__ = check.__name__, check.__doc__
+        return test
+
+    return whole
+
+
+every_source = for_every([(source.label, (source,)) for source in SOURCES])

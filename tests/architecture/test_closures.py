@@ -6,10 +6,8 @@ import ast
 import inspect
 import re
 
-import pytest
-
 from tests.architecture.call_graph import BODY, CallGraph, Module, entry_points, package_graph
-from tests.architecture.sources import SOURCES, FunctionNode
+from tests.architecture.sources import SOURCES, FunctionNode, for_every
 from tests.architecture.test_docstrings import UNIT, described, section
 
 CLOSURES = [
@@ -20,9 +18,7 @@ CLOSURES = [
     if "." not in name
 ]
 
-every_closure = pytest.mark.parametrize(
-    ("label", "name", "node"), CLOSURES, ids=[f"{c[0]}:{c[1]}" for c in CLOSURES]
-)
+every_closure = for_every([(f"{label}:{name}", (node,)) for label, name, node in CLOSURES])
 
 
 def missing_parts(node: FunctionNode) -> list[str]:
@@ -46,7 +42,7 @@ def missing_parts(node: FunctionNode) -> list[str]:
 
 
 @every_closure
-def test_formula_is_documented(label: str, name: str, node: FunctionNode) -> None:
+def test_formula_is_documented(node: FunctionNode) -> None:
     assert missing_parts(node) == []
 
 

@@ -6,9 +6,14 @@ import ast
 import inspect
 import re
 
-import pytest
-
-from tests.architecture.sources import SOURCES, FunctionNode, Source, parameters
+from tests.architecture.sources import (
+    SOURCES,
+    FunctionNode,
+    Source,
+    every_source,
+    for_every,
+    parameters,
+)
 
 UNIT = re.compile(r"\[[^\[\]]+\](?!_)")
 NUMERIC = re.compile(r"float|int\b|Any|Array|ndarray")
@@ -56,7 +61,7 @@ def missing_units(node: FunctionNode) -> list[str]:
     return missing
 
 
-@pytest.mark.parametrize("source", SOURCES, ids=lambda source: source.label)
+@every_source
 def test_public_functions_have_a_docstring(source: Source) -> None:
     assert ast.get_docstring(source.tree), "module without docstring"
     told = source.documented_by_a_base()
@@ -68,7 +73,7 @@ def test_public_functions_have_a_docstring(source: Source) -> None:
     assert not silent
 
 
-@pytest.mark.parametrize("source", CLOSURES, ids=lambda source: source.label)
+@for_every([(source.label, (source,)) for source in CLOSURES])
 def test_formulas_give_every_unit(source: Source) -> None:
     missing = {name: missing_units(node) for name, node in source.public_functions()}
     assert not {name: found for name, found in missing.items() if found}

@@ -7,10 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-import pytest
-
 from tests.architecture.architecture_page import layers
-from tests.architecture.sources import PACKAGE, SOURCES, Source
+from tests.architecture.sources import PACKAGE, Source, every_source
 
 
 def test_import_contracts_hold(repository: Path) -> None:
@@ -26,7 +24,7 @@ def test_every_part_of_the_package_has_a_layer() -> None:
     assert not unknown, f"not ordered by the import contract: {sorted(unknown)}"
 
 
-@pytest.mark.parametrize("source", SOURCES, ids=lambda source: source.label)
+@every_source
 def test_imports_are_absolute(source: Source) -> None:
     relative = [
         node.lineno

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from tests.architecture.sources import SOURCES, Source, parameters
+from tests.architecture.sources import Source, every_source, for_every, parameters
 
 NEVER = {"rpm", "tsv", "cv", "Cq", "visc"}
 """Not a name of anything."""
@@ -16,8 +16,6 @@ NOT_PUBLIC_PARAMETERS = NEVER | {"n", "theta", "beta", "mu", "eta"}
 """Symbols: allowed inside a function next to its equation, not in a public signature."""
 
 FORBIDDEN_MODULES = {"helpers", "helper", "utils", "util", "misc", "common"}
-
-every_source = pytest.mark.parametrize("source", SOURCES, ids=lambda source: source.label)
 
 
 def identifiers(tree: ast.AST) -> Iterator[str]:
@@ -62,7 +60,7 @@ def test_the_search_sees_every_kind_of_name() -> None:
     assert {"a", "b", "c", "D", "e", "f", "g"} <= set(identifiers(ast.parse(code)))
 
 
-@pytest.mark.parametrize("source", SOURCES, ids=lambda source: source.label)
+@every_source
 def test_nothing_is_printed(source: Source) -> None:
     calls = [
         node.lineno
@@ -72,3 +70,12 @@ def test_nothing_is_printed(source: Source) -> None:
         and node.func.id == "print"
     ]
     assert not calls, f"print in lines {calls}"
+
+
+def test_every_source_that_breaks_a_rule_is_named() -> None:
+    @for_every([("first", (1,)), ("second", (2,))])
+    def test_is_odd(number: int) -> None:
+        assert number % 2
+
+    with pytest.raises(AssertionError, match="second"):
+        test_is_odd()

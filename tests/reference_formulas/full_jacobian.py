@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from toothspace.core.compiled import njit
+from toothspace.core.compiled import inlined
 from toothspace.core.types import Array
 from toothspace.model.arrays import (
     CHANNEL_MOTION,
@@ -21,7 +21,16 @@ from toothspace.model.jacobian import add_flow_change, fill_rates
 from toothspace.model.system import evaluate
 
 
-@njit
+@inlined
+def jacobian(t: float, state: Array, s: SystemArrays, matrix: Array) -> None:
+    """Derivatives of all rates with respect to the core states; energy rows are left out."""
+    evaluate(s, state)
+    fill_rates(t, state, s, matrix)
+    _add_pressure_changes(s, matrix)
+    add_composition(s, state, matrix)
+
+
+@inlined
 def _add_pressure_changes(s: SystemArrays, matrix: Array) -> None:
     """Turn derivatives at constant pressure into those at constant mass."""
     node, values, size = s.node, s.chamber_values, s.size
@@ -37,7 +46,7 @@ def _add_pressure_changes(s: SystemArrays, matrix: Array) -> None:
                 matrix[:, size.position + k] += by_volume * values[i, CHANNEL_MOTION + k]
 
 
-@njit
+@inlined
 def add_composition(s: SystemArrays, state: Array, matrix: Array) -> None:
     """Derivatives through density and gas content at constant pressure, by mass and gas mass."""
     size = s.size
@@ -55,12 +64,3 @@ def add_composition(s: SystemArrays, state: Array, matrix: Array) -> None:
         if d >= 0:
             by_mass = s.node[i, EXCHANGE_RATE] - s.node[i, EXCHANGE_BY_GAS] * s.node[i, GAS]
             matrix[size.gas + d, size.mass + d] += by_mass
-
-
-@njit
-def jacobian(t: float, state: Array, s: SystemArrays, matrix: Array) -> None:
-    """Derivatives of all rates with respect to the core states; energy rows are left out."""
-    evaluate(s, state)
-    fill_rates(t, state, s, matrix)
-    _add_pressure_changes(s, matrix)
-    add_composition(s, state, matrix)

@@ -110,5 +110,5 @@ def test_a_cyclic_result_is_kept_where_the_tighter_march_fails(
 def test_stalled_changes_are_told_from_slow_ones() -> None:
     noise = [3.0, 5.0, 4.0, 3.5, 6.0, 3.0, 4.0, 5.0] * 2
     assert cyclic._stalled([1e3, 1e2, *noise])
-    assert not cyclic._stalled(noise[:15])
+    assert not cyclic._stalled(noise[:11])
     assert not cyclic._stalled([1e3 * 0.95**k for k in range(40)])

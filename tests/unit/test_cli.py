@@ -19,6 +19,7 @@ import numpy as np
 import pytest
 
 import toothspace
+from tests.conftest import posix
 from toothspace.cli import commands, main, output
 from toothspace.core.errors import CaseError, GeometryError
 from toothspace.core.status import Status
@@ -302,6 +303,7 @@ def test_an_interrupt_while_the_result_is_written_waits(
     assert (tmp_path / "egm12_motor.nc").read_bytes() == b"result"
 
 
+@posix
 @pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
 def test_the_end_of_a_batch_job_is_an_interrupt(
     name: str, simulated: Callable[[Simulate], None], capsys: pytest.CaptureFixture[str]
@@ -311,6 +313,7 @@ def test_the_end_of_a_batch_job_is_an_interrupt(
     assert "interrupted before there was a result" in capsys.readouterr().err
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device of Linux")
 def test_numbers_that_cannot_be_printed_are_an_error(tmp_path: Path) -> None:
     with Path("/dev/full").open("w", encoding="utf-8") as full:
         command = [sys.executable, "-m", "toothspace", "schema"]
@@ -352,6 +355,24 @@ def test_geometry_exports_profiles_that_can_be_read(
     assert capsys.readouterr().err == f"Profile: {file.name}\n"
     case = toothspace.load_case(MOTOR, [f"machine.gears.profile={file}"])
     assert case.machine_spec.drive.tooth.tooth_count == 12
+
+
+@pytest.mark.usefixtures("described")
+def test_geometry_replaces_no_file_unasked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(FakeDescription, "angle_tables", lambda _: (), raising=False)
+    monkeypatch.setattr(FakeDescription, "outlines", {"gear": np.eye(2)}, raising=False)
+    given = {"--export": "txt", "--txt": "tables", "--plot": "plot.png"}
+    words = ["geometry", str(MOTOR), "--export", "txt", "--txt", "tables"]
+    assert main(words) == 0
+    Path("plot_openings.png").touch()
+    before = {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*.*")}
+    for option, value in given.items():
+        assert main(["geometry", str(MOTOR), option, value]) == 2
+        assert f"{option}: found" in capsys.readouterr().err
+    assert before == {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*.*")}
+    assert main([*words, "--force"]) == 0
 
 
 @pytest.mark.usefixtures("described")

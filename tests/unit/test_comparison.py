@@ -35,7 +35,7 @@ def changed(**values: str) -> Case:
 
 def test_losses_are_mean_powers() -> None:
     first, second = result(load_case(MOTOR), 1.0), result(load_case(MOTOR), 3.0)
-    found = Comparison(first, second).losses()["mesh friction"]
+    found = Comparison(first, second).losses()["friction, mesh and contacts"]
     assert found == pytest.approx((1.0 / first.ledger.duration, 3.0 / first.ledger.duration))
     assert all(one == two for name, (one, two) in Comparison(first, first).losses().items())
 
@@ -83,10 +83,10 @@ def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["compare", *files, "-o", str(page)]) == 0
     streams = capsys.readouterr()
     assert "operating_point.shaft_speed: 1500 rpm -> 2000 rpm" in streams.out
-    assert "+100.00 %" in next(x for x in streams.out.splitlines() if "mesh friction, W" in x)
+    assert "+100.00 %" in next(x for x in streams.out.splitlines() if "mesh and contacts, W" in x)
     assert "differ in 2 keys" in streams.err
     text = page.read_text(encoding="utf-8")
-    assert "mesh friction, W" in text
+    assert "mesh and contacts, W" in text
     assert "2000 rpm" in text
     assert main(["compare", *files, "--json"]) == 0
     found = json.loads(capsys.readouterr().out)

@@ -1,4 +1,4 @@
-"""A film whose equations cannot be solved is told, and leaves finite fields behind."""
+"""A film whose equations cannot be solved is reported, and leaves finite fields behind."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.lateral_stack import HIGH, loads, pressures, ring_stack
-from toothspace.films.lateral import compliant_film as yielding_film
+from toothspace.films.lateral import compliant_film
 from toothspace.films.lateral.motion import StepSettings, advance, state_at
 
 
@@ -23,7 +23,7 @@ def test_film_without_solution_does_not_converge(monkeypatch: pytest.MonkeyPatch
     stack = ring_stack(approach=3e-13)
     snapshots = (stack.snapshot(0.0, pressures(HIGH)),)
     rest = state_at(stack, snapshots, stack.start(3e-6))
-    monkeypatch.setattr(yielding_film, "block_system", lambda *_: _Lost())
+    monkeypatch.setattr(compliant_film, "block_system", lambda *_: _Lost())
     found = advance(stack, snapshots, loads(HIGH), rest, 1e-3, StepSettings())
     assert not found.converged
     assert np.isfinite(found.position).all()

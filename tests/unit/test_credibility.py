@@ -10,6 +10,7 @@ import pytest
 from tests.external_gear_designs import egm12
 from tests.fake_solution import fake_solution
 from toothspace.api import load_case, set_up, simulate
+from toothspace.core.status import Status
 from toothspace.machines.external_gear.assembly import assemble
 from toothspace.machines.external_gear.summary import design_checks
 from toothspace.model.fluid import highest_pressure
@@ -36,15 +37,30 @@ def test_pressures_beyond_the_fluid_are_told() -> None:
 
 @pytest.mark.parametrize(
     ("name", "factor", "part"),
-    [("mass", 0.9, "Volumetric efficiency is"), ("energy", 1.5, "Overall efficiency is")],
+    [
+        ("mass", 0.9, "Volumetric efficiency is"),
+        ("energy", 1.5, "Overall efficiency is"),
+        ("mass", -0.9, "the mean flow runs backwards"),
+        ("energy", -0.5, "The shaft is driven from outside"),
+    ],
 )
-def test_an_efficiency_above_one_is_told(name: str, factor: float, part: str) -> None:
+def test_an_efficiency_above_one_or_below_nought_is_told(
+    name: str, factor: float, part: str
+) -> None:
     solution = fake_solution()
     entry = {"mass": "inlet", "energy": "shaft"}[name]
     accounts = dict(getattr(solution.ledger, name))
     accounts[entry] *= factor
     ledger = replace(solution.ledger, **{name: accounts})
     assert part in warnings(replace(solution, ledger=ledger))
+
+
+def test_a_run_that_was_cut_off_is_not_blamed_on_its_tolerance() -> None:
+    whole = fake_solution()
+    accounts = {**whole.ledger.energy, "shaft": 1.1 * whole.ledger.energy["shaft"]}
+    poor = replace(whole, ledger=replace(whole.ledger, energy=accounts))
+    assert "tighten run.relative_tolerance" in warnings(poor)
+    assert "Energy balance" not in warnings(replace(poor, status=Status.NOT_STORED))
 
 
 def test_range_of_fluids(tmp_path: Path) -> None:

@@ -7,15 +7,20 @@ import json
 import math
 import re
 import shlex
+import shutil
 import tomllib
+from importlib import import_module
 from pathlib import Path
 
 import matplotlib as mpl
+import numpy as np
 import pytest
 import typer
 
 from toothspace import cli
+from toothspace.case import load_case
 from toothspace.cli.application import application
+from toothspace.core.errors import CaseError
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 DOCS = REPOSITORY / "docs"
@@ -50,6 +55,96 @@ def test_snippets_are_sound(page: Path) -> None:
                 assert given - known == set(), (page.name, name)
                 named = [word for word in words if re.match(r"cases/[\w/]+\.toml$", word)]
                 assert all((REPOSITORY / word).is_file() for word in named), words
+
+
+def pages_with(language: str, wanted: str) -> list[object]:
+    """Pages beside the tutorials with such blocks."""
+    return [
+        pytest.param(page, id=page.stem)
+        for page in [*PAGES, REPOSITORY / "README.md"]
+        if page.parent.name != "tutorials"
+        and any(re.search(wanted, text) for kind, text in blocks(page) if kind == language)
+    ]
+
+
+@pytest.fixture
+def workplace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty folder with the cases that come along."""
+    shutil.copytree(REPOSITORY / "cases", tmp_path / "cases")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize("page", pages_with("toml", r"(?m)^\[(?!project)"))
+def test_keys_of_a_page_make_a_case(page: Path, workplace: Path) -> None:
+    """Each block, laid over the complete case of its page or a shipped one, can be read."""
+    shipped = [
+        f for f in sorted((workplace / "cases").glob("*.toml")) if "base =" not in f.read_text()
+    ]
+    for text in (text for kind, text in blocks(page) if kind == "toml"):
+        named = re.findall(r'"([\w/]+\.(?:step|csv|nc|mka))"', text)
+        for name in named:
+            (workplace / "cases" / name).write_text("of a reader\n", encoding="utf-8")
+        own = workplace / "cases" / "own.toml"
+        if re.search(r"(?m)^(base|schema) =", text):
+            own.write_text(text, encoding="utf-8")
+            load_case(own)
+            shipped.insert(0, own.rename(own.with_name("complete.toml")))
+            continue
+        assert any(readable_over(base, text, own, named) for base in shipped), text
+
+
+def readable_over(base: Path, text: str, own: Path, named: list[str]) -> bool:
+    """Whether nothing is wrong but the contents of the files that a reader has."""
+    own.write_text(f'base = "{base.name}"\n{text}', encoding="utf-8")
+    try:
+        return bool(load_case(own))
+    except CaseError as error:
+        return all(any(name in line for name in named) for line in str(error).splitlines())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", pages_with("python", "^(from|import)(?s:(?!lobe_pump).)*$"))
+def test_script_of_a_page_runs(page: Path, workplace: Path) -> None:
+    """All Python blocks of a page, one after the other in one session."""
+    if page.stem == "elasticity":
+        pytest.importorskip("gmsh", reason="meshes of bodies need the extra bodies")
+        pytest.importorskip("OCP", reason="and STEP files the extra cad")
+        bushing = import_module("OCP.BRepPrimAPI").BRepPrimAPI_MakeCylinder(25.0, 12.0).Shape()
+        writer = import_module("OCP.STEPControl").STEPControl_Writer()
+        writer.Transfer(bushing, import_module("OCP.STEPControl").STEPControl_AsIs)
+        writer.Write("bushing.step")
+    outline = np.loadtxt(workplace / "cases" / "profiles" / "egm12_drive.txt")
+    np.savetxt("measured.csv", outline, delimiter=",")
+    mpl.use("Agg")
+    names: dict[str, object] = {}
+    for text in (text for kind, text in blocks(page) if kind == "python"):
+        exec(compile(text, page.name, "exec"), names)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", pages_with("sh", "(?m)^toothspace"))
+def test_commands_of_a_page_run(page: Path, workplace: Path) -> None:
+    """All commands; studies and starts of minutes are only read, their cases run elsewhere."""
+    run = workplace / "cases" / "egm12_pump.toml"
+    shutil.copy(run, "CASE.toml")
+    shutil.copy(workplace / "cases" / "journal_bearing.toml", "bearing.toml")
+    done: set[str] = set()
+    for words in (w for kind, text in blocks(page) if kind == "sh" for w in command_lines(text)):
+        if words[0] == "study" or "fan_drive" in words[1:2]:
+            assert load_case(words[1])
+        elif words[0] == "gear":
+            pytest.importorskip("OCP", reason="STEP files need the extra cad")
+            assert cli.main(["geometry", "cases/egm12_motor.toml", "--export", "step"]) == 0
+            Path("egm12_motor_drive.step").rename("gear.step")
+            assert cli.main(words) == 0
+        elif words[0] == "compare":
+            for name in words[1:3]:
+                assert cli.main(["run", str(run), "-o", name]) == 0
+            assert cli.main(words) == 0
+        elif words[0] != "warmup":
+            assert cli.main([*words, *(["--force"] if " ".join(words) in done else [])]) == 0, words
+        done.add(" ".join(words))
 
 
 def test_every_command_and_study_has_its_page() -> None:

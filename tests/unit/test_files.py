@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from tests.conftest import posix
 from tests.unit.test_results_stream import streamed
 from toothspace.core import array_store
 from toothspace.core.errors import CaseError
@@ -38,6 +39,7 @@ def test_a_name_as_long_as_the_disk_allows_can_be_written(tmp_path: Path) -> Non
     assert read_dataset(target)["a"] == 1.0
 
 
+@posix
 @pytest.mark.parametrize(
     ("name", "part"),
     [
@@ -62,6 +64,7 @@ def test_a_place_that_cannot_be_written_is_found_before(
     assert require_writable(tmp_path / "there.nc", "-o", replace=True)
 
 
+@posix
 @pytest.mark.parametrize("name", ["pipe", "zero", "folder", "absent", "n" * 300, "large"])
 def test_only_ordinary_files_are_read(name: str, tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")

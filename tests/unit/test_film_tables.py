@@ -164,7 +164,7 @@ def test_run_with_tables(tables: Path) -> None:
     radius = 0.5 * machine.journals[0].diameter
     load = sum(np.hypot(force[..., k, 0], force[..., k, 1]) for k in range(2)).values
     friction = lost / (load * radius)
-    assert np.median(friction) == pytest.approx(0.0025, rel=0.3)
+    assert np.median(friction) == pytest.approx(0.0025, rel=0.1)
     assert friction.max() < 6e-3
 
 

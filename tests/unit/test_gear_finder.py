@@ -10,7 +10,7 @@ import pytest
 import trimesh
 
 from toothspace.core.errors import GeometryError
-from toothspace.geometry import step_process
+from toothspace.geometry import cad_import, limited_reading, solid_import
 from toothspace.geometry.body_section import SectionRequest
 from toothspace.geometry.cad_export import export_gear
 from toothspace.geometry.cad_import import load_closed_curves
@@ -177,13 +177,32 @@ def test_damaged_step_file_is_refused_in_one_line(tmp_path: Path, seed: int) -> 
 
 def test_reader_that_dies_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = step_gear(tmp_path)
-    monkeypatch.setattr(step_process.sys, "executable", "/bin/false")
+    monkeypatch.setattr(limited_reading.sys, "executable", "/bin/false")
     with pytest.raises(GeometryError, match="damaged STEP file"):
         load_closed_curves(path)
 
 
 def test_reading_ends_after_its_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = step_gear(tmp_path)
-    monkeypatch.setattr(step_process, "TIME_LIMIT", 0.05)
+    monkeypatch.setattr(limited_reading, "TIME_LIMIT", 0.05)
     with pytest.raises(GeometryError, match=r"takes more than 0\.05 s to read"):
+        load_closed_curves(path)
+
+
+@pytest.mark.parametrize("suffix", ["txt", "dxf", "stl"])
+def test_large_files_are_read_within_the_limits(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, suffix: str
+) -> None:
+    """As small ones, but in the process with limits; beyond them in one line."""
+    path = tmp_path / f"gear.{suffix}"
+    export_gear(generate_profile(MOTOR, 80), path, WIDTH)
+    here = load_closed_curves(path)
+    monkeypatch.setattr(cad_import, "_LARGE", 0)
+    monkeypatch.setattr(solid_import, "READ_HERE", 0)
+    elsewhere = load_closed_curves(path)
+    assert [len(curve) for curve in elsewhere] == [len(curve) for curve in here]
+    assert np.array_equal(elsewhere[0], here[0])
+    monkeypatch.setattr(limited_reading, "TIME_LIMIT", 0.01)
+    path.write_bytes(path.read_bytes() + b"\n")
+    with pytest.raises(GeometryError, match=f"found a {suffix.upper()} file that takes more than"):
         load_closed_curves(path)

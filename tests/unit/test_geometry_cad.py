@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 from toothspace.core.errors import GeometryError
-from toothspace.geometry.cad_export import export_gear, write_atomically
+from toothspace.core.files import write_bytes
+from toothspace.geometry.cad_export import export_gear
 from toothspace.geometry.cad_import import load_closed_curves
 from toothspace.geometry.curve import signed_area
 from toothspace.geometry.gear_pair import pair_from_backlash
@@ -292,6 +293,6 @@ def test_export_refuses_other_formats_and_widths(tmp_path):
 def test_failed_write_leaves_the_old_file(tmp_path):
     path = write(tmp_path, "kept.txt", "old")
     with pytest.raises(TypeError):
-        write_atomically(path, "text, not bytes")
+        write_bytes(path, "text, not bytes")
     assert [item.name for item in tmp_path.iterdir()] == ["kept.txt"]
     assert path.read_text() == "old"

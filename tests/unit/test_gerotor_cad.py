@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 import shapely
 
 from tests.gerotor_designs import CYCLOIDAL, TROCHOIDAL, machine
-from toothspace.core.errors import GeometryError
+from toothspace import api
+from toothspace.case import load_case
+from toothspace.core.errors import CaseError, GeometryError
+from toothspace.geometry.body_section import SectionRequest
 from toothspace.geometry.curve import signed_area
 from toothspace.geometry.section_export import Section, export_section, smooth_pieces
 from toothspace.machines.gerotor.export import export_profiles
@@ -20,7 +24,9 @@ from toothspace.machines.gerotor.profiles import rotors_from
 PLACES = np.radians(np.arange(0.0, 360.0, 2.5))
 
 
-@pytest.mark.parametrize("suffix", ["txt", "dxf", "stl", "step"])
+@pytest.mark.parametrize(
+    "suffix", ["txt", "dxf", "stl", pytest.param("step", marks=pytest.mark.slow)]
+)
 @pytest.mark.parametrize("design", [TROCHOIDAL, CYCLOIDAL], ids=["trochoidal", "cycloidal"])
 def test_rotors_survive_a_round_trip(design, suffix, tmp_path):
     """Written with bore and rim, read back: outlines, displacement and throats as they were.
@@ -94,3 +100,60 @@ def test_unknown_suffix_is_refused(tmp_path):
     section = Section(np.array([[0.0, 0.0], [1e-3, 0.0], [0.0, 1e-3]]))
     with pytest.raises(GeometryError, match=r"allowed \.txt, \.dxf, \.stl, \.step"):
         export_section(section, tmp_path / "rotor.obj", 1e-3)
+
+
+def assembly(folder: Path, tooth_count: int = 6) -> Path:
+    """Both rotors in one STL in inches, apart by the eccentricity, axis along x."""
+    trimesh = pytest.importorskip("trimesh")
+    design = replace(TROCHOIDAL, inner_tooth_count=tooth_count, shaft_diameter=10e-3)
+    inner, outer = export_profiles(machine(design), folder / "pump", "stl")
+    meshes = [trimesh.load(inner), trimesh.load(outer)]
+    meshes[0].apply_translation([0.0, -1e3 * design.eccentricity, 0.0])
+    both = trimesh.util.concatenate(meshes)
+    both.vertices = both.vertices[:, [2, 0, 1]] / 25.4
+    both.export(folder / "assembly.stl")
+    return folder / "assembly.stl"
+
+
+@pytest.mark.parametrize("tooth_count", [4, 6])
+def test_assembly_becomes_the_machine_that_was_drawn(tmp_path, tooth_count):
+    """Axis, teeth, eccentricity, width, bore and rim found; displacement that of the design."""
+    file = assembly(tmp_path, tooth_count)
+    target = tmp_path / "pump.toml"
+    target.write_text(api.draft_case([file], "in", SectionRequest(), tmp_path))
+    # the numbers of the draft may be left out: the files hold them
+    names = ("inner_tooth_count", "eccentricity", "face_width")
+    case = load_case(target).replace({f"machine.rotors.{name}": None for name in names})
+    rotors = case.machine_spec.rotors
+    assert rotors.inner_tooth_count == tooth_count
+    assert rotors.eccentricity == pytest.approx(2.5e-3, abs=2e-7)
+    assert rotors.face_width == pytest.approx(12e-3, abs=1e-8)
+    assert rotors.shaft_diameter == pytest.approx(10e-3, abs=1e-7)
+    assert case.machine_spec.housing.outer_rotor_diameter == pytest.approx(52e-3, abs=1e-7)
+    design = replace(TROCHOIDAL, inner_tooth_count=tooth_count)
+    exact = pockets(design, rotors_from(design), 140).displaced_area
+    assert pockets(rotors, rotors_from(rotors), 140).displaced_area == pytest.approx(
+        exact, rel=1e-4
+    )
+
+
+def test_what_files_do_not_hold_is_asked_for(tmp_path):
+    """Rotors drawn about one centre each; a file in another unit; a wrong tooth count."""
+    export_profiles(machine(TROCHOIDAL), tmp_path / "pump", "dxf")
+    text = api.draft_case(
+        [tmp_path / f"pump_{name}.dxf" for name in ("inner", "outer")],
+        "mm",
+        SectionRequest(),
+        tmp_path,
+    )
+    assert "assumed: give the distance of the rotor centres" in text
+    (tmp_path / "pump.toml").write_text(text)
+    case = load_case(tmp_path / "pump.toml")
+    for changes, message in (
+        ({"eccentricity": None}, "rotors.eccentricity: found nothing, allowed compulsory unless"),
+        ({"face_width": None}, "rotors.face_width: found nothing, allowed compulsory unless"),
+        ({"inner_tooth_count": 5}, "found 5, but 6 teeth in the profile"),
+        ({"profile_unit": "in"}, "profile_unit: found 'in', with which"),
+    ):
+        with pytest.raises(CaseError, match=message):
+            case.replace({f"machine.rotors.{name}": value for name, value in changes.items()})

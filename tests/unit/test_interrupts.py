@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.conftest import posix
 from tests.toy_machine import toy_machine
 from toothspace import api
 from toothspace.case import Case
@@ -206,6 +207,7 @@ def test_a_case_that_fails_is_a_value(monkeypatch: pytest.MonkeyPatch) -> None:
     assert found[2] == "fine"
 
 
+@posix
 @pytest.mark.slow
 @pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGTERM])
 def test_ctrl_c_and_the_end_of_a_job_keep_the_result(end: signal.Signals, tmp_path: Path) -> None:

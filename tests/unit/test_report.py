@@ -21,7 +21,7 @@ from toothspace.report.verdict import verdict, warnings_of
 from toothspace.report.wording import format_value, quantity
 from toothspace.results.credibility import with_warnings
 from toothspace.results.io import load_solution
-from toothspace.results.ledger import loss_causes
+from toothspace.results.ledger import Ledger, loss_causes, power_ledger
 
 
 class Resources(HTMLParser):
@@ -164,7 +164,16 @@ def test_verdict_names_work_efficiency_and_largest_loss() -> None:
     text = verdict(fake_solution())
     assert text.startswith("At 1500 rpm the motor turns 7.73 L/min into")
     assert "volumetric 96.0 %" in text
-    assert "journal bearings, viscous with 55 W" in text
+    assert "the largest loss is friction, journal bearings, with 55 W" in text
+
+
+def test_pump_of_the_circuit_is_what_a_run_over_time_is_supplied_with() -> None:
+    energy = {"supply": 10.0, "shaft": -6.0, "shaft_seal": 3.0, "drain": 1.0}
+    ledger = Ledger(2.0, 1.0, {}, energy, {"drain": "leakage, drain"})
+    supplied = power_ledger(ledger)[0]
+    assert (supplied.label, supplied.power) == ("fluid", 5.0)
+    assert [cause.share for cause in loss_causes(ledger)] == [0.1, 0.3]
+    assert ledger.energy_remainder == 0.0
 
 
 def test_warnings_name_status_balances_and_failed_rules() -> None:

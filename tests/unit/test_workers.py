@@ -12,7 +12,7 @@ from pathlib import Path
 import psutil
 import pytest
 
-REPOSITORY = Path(__file__).resolve().parents[2]
+from tests.conftest import REPOSITORY, posix
 
 _PROGRAM = """
 import sys, time
@@ -36,13 +36,17 @@ api.simulate_all([600.0, 600.0], workers=2)
 """
 
 
+KILL = getattr(signal, "SIGKILL", signal.SIGTERM)
+
+
+@posix
 @pytest.mark.parametrize(
     ("text", "end"),
     [
-        (_PROGRAM, signal.SIGKILL),
+        (_PROGRAM, KILL),
         (_PROGRAM, signal.SIGTERM),
         (_PROGRAM, signal.SIGINT),
-        (_POOL, signal.SIGKILL),
+        (_POOL, KILL),
     ],
 )
 def test_no_worker_is_left(text: str, end: signal.Signals, tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ import pytest
 
 from toothspace.validation.book import CLAIMS, examine
 
-LONG = 0.6
+LONG = 0.1
 """Claims that take longer are examined with the slow tests only. [min]"""
 
 FAILING = {
@@ -17,6 +17,7 @@ FAILING = {
     "gerotor_span": "the film round the rotor holds it: one tooth at a time is enough at 40 um",
     "gerotor_cycloidal": "40 um at the tips leak more at 767 rpm and 40 bar than measured pumps",
     "fuel_pump_nose": "friction holds the bearing at OC2, and not at OC1: speed decides there",
+    "startup_cold": "the moment that breaks away is given, and Eq 2.7 falls as oil thickens",
     "startup_ratio": "swings of the line after breakaway count as running pressure",
     "startup_ratio_over_speed": "swings of the line after breakaway count as running pressure",
 }

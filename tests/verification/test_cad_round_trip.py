@@ -23,7 +23,10 @@ def volume(description: MachineDescription) -> Array:
     return family.volume(family.phases[0] + family.angle_ratio * ANGLES)[:, 0]
 
 
-@pytest.mark.parametrize("suffix", ["dxf", "stl", "step", "txt"])
+@pytest.mark.parametrize(
+    "suffix",
+    ["dxf", *(pytest.param(one, marks=pytest.mark.slow) for one in ("stl", "step")), "txt"],
+)
 def test_exported_profile_gives_the_tables_back(tmp_path: Path, suffix: str) -> None:
     """Displacement within 0.1 %, V over the angle within 0.2 % of its range."""
     source = CASES / "egm12_motor.toml"

@@ -52,7 +52,7 @@ def path(machine: MachineDescription, name: str) -> FlowPath:
         (CASE, {}),
         (CASE, RIGID),
         (CASE, {"run.mesh": "elastic"}),
-        (CASE, {"run.fidelity": "films"}),
+        pytest.param(CASE, {"run.fidelity": "films"}, marks=pytest.mark.slow),
         (MOTOR, {}),
     ],
     ids=["pressed", "fixed", "elastic_mesh", "films", "motor"],
@@ -71,6 +71,24 @@ def test_volumetric_efficiency_is_of_the_size_that_was_measured() -> None:
     pressed = run()["volumetric_efficiency"]
     assert pressed == pytest.approx(0.946, abs=0.05)
     assert run(WIDE)["volumetric_efficiency"] < 0.97 * pressed  # type: ignore[operator]
+
+
+def test_grooves_and_recesses_leave_no_space_shut_or_starved() -> None:
+    """Peaks of trapped spaces stay near the high pressure, and next to nothing turns to vapour."""
+    pump, motor = run(), run(case=MOTOR)
+    assert pump["max_chamber_pressure_bar"] < 1.05 * 205.0  # type: ignore[operator]
+    assert motor["max_chamber_pressure_bar"] < 1.5 * 205.0  # type: ignore[operator]
+    for found in (pump, motor):
+        assert found["cavitation_index_W"] < 1e-3 * found["shaft_power_W"]  # type: ignore[operator]
+
+
+def test_a_recess_that_begins_late_or_reaches_into_the_mesh_is_reported() -> None:
+    design = crescent()
+    for start, passed in ((10.0, False), (12.0, True), (25.0, True), (30.0, False)):
+        ports = replace(design.ports, inlet_start=f"{start} deg")
+        checks = describe(replace(design, ports=ports), 72).checks
+        [found] = [c for c in checks if c.name == "begin of the recess, inlet"]
+        assert found.passed == passed, start
 
 
 NO_NOTCH = {f"machine.filler.notch.{key}": f"{size} mm" for key, size in
@@ -194,7 +212,7 @@ def test_filler_lies_between_the_tips_and_seals_between_its_ends() -> None:
     assert filler_edges(assembly, 1).inlet < filler_edges(assembly, 0).inlet
 
 
-@pytest.mark.parametrize("suffix", ["txt", "dxf"])
+@pytest.mark.parametrize("suffix", ["txt", pytest.param("dxf", marks=pytest.mark.slow)])
 def test_exported_profiles_make_the_same_machine(tmp_path: Path, suffix: str) -> None:
     spec = crescent()
     assembly = assemble(spec)

@@ -22,6 +22,8 @@ from toothspace.elasticity import (
     storage,
 )
 
+pytestmark = pytest.mark.slow
+
 MODULUS = 200e9
 POISSON = 0.3
 DENSITY = 7800.0

@@ -54,6 +54,8 @@ from toothspace.simulation.lateral.problem import LateralProblem, lateral_proble
 from toothspace.simulation.lumped import run_in_machine
 from toothspace.simulation.setup import condition_of
 
+pytestmark = pytest.mark.slow
+
 REPOSITORY = Path(__file__).parents[2]
 SIZE = MeshSize(0.24, 0.25, 0.2)
 BRONZE = Material(elastic_modulus=100e9, poisson_ratio=0.33, hardness=1e9, density=8800.0)
@@ -278,7 +280,6 @@ def _fuel_pump(split: str) -> tuple[LateralProblem, Equilibrium]:
     return problem, problem.settle(problem.started(3e-6))
 
 
-@pytest.mark.slow
 def test_split_fuel_pump_floats_between_bodies_that_bend() -> None:
     """58 bar: every half rests on its films, and nothing is left of the loads on it; in the mean
     the gaps are those of the bearing in one piece."""

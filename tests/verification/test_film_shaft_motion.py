@@ -76,14 +76,15 @@ def test_orbit_of_a_falling_shaft_has_second_order() -> None:
     """Free start without rotation: the error falls by four when the step is halved."""
     plain = replace(BEARING, grooves=(), cavitation="guembel")
     ends = []
-    for steps in (10, 20, 40):
+    for steps in (20, 40, 80):
         settings = OrbitSettings((0.0, 0.0), (0.0, 0.0), 2e-3, 2e-3 / steps)
         orbit = shaft_orbit(
             plain, mass=3.0, load=lambda t: (500.0, 0.0), shaft_speed=SPEED, settings=settings
         )
         ends.append(orbit.position[-1])
     ratio = np.hypot(*(ends[0] - ends[1])) / np.hypot(*(ends[1] - ends[2]))
-    assert ratio == pytest.approx(4.0, abs=1.2)
+    # 4.06 here, 4.04 with half the steps: what is left is of third order
+    assert ratio == pytest.approx(4.0, abs=0.1)
 
 
 def test_film_memory_conserves_the_liquid() -> None:

@@ -48,8 +48,9 @@ def test_wide_lands_trap_volume():
     kinematic = timing_of(ports_of(KINEMATIC, _pocket(), RIM), _pocket())
     assert wide.trapped_area(_pocket()) > 5.0 * kinematic.trapped_area(_pocket())
     expected = 2.0 * np.deg2rad(36.0 - 30.97) / _pocket().angle_ratio
-    # the throat moves a little faster than the pocket, and openings begin as thin wedges
-    assert wide.sealed_angle(_pocket()) == pytest.approx(expected, rel=0.35)
+    # the throat moves a little faster than the pocket, and openings begin as thin wedges: on
+    # tables of 2 800 nodes the angle is 7 % larger
+    assert wide.sealed_angle(_pocket()) == pytest.approx(expected, rel=0.1)
 
 
 def test_kidneys_from_a_dxf_file_are_the_same(tmp_path):

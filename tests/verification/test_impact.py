@@ -147,6 +147,20 @@ def test_restitution_of_an_impact(law: str, speed_ratio: float) -> None:
         assert rebound == pytest.approx(0.8, abs=0.05)
 
 
+def test_restitution_holds_for_each_impact() -> None:
+    """Walls that damp by the speed of each impact give back one share of any speed."""
+    pair = walls(restitution=0.8, approach_speed=None)
+    shares = []
+    for speed in (0.2 * SPEED, SPEED, 5.0 * SPEED):
+        system = block(pair)
+        piece = bounce(system, speed, 1.5 * GAP / speed + 1e-3)
+        parted = next(event.time for event in piece.events if event.kind == "contact_lost")
+        after = piece.states[np.searchsorted(piece.times, parted) + 1]
+        shares.append(-after[system.arrays.size.velocity] / speed)
+    assert shares == pytest.approx([shares[1]] * 3, abs=2e-3)
+    assert shares[1] == pytest.approx(0.8, abs=0.05)
+
+
 def test_two_walls_share_a_load() -> None:
     """Springs of 1 and 3 and a head start of 2 um: forces by hand."""
     load = 500.0

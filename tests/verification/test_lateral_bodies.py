@@ -46,6 +46,8 @@ from toothspace.simulation.lateral.problem import LateralProblem, lateral_proble
 from toothspace.simulation.lumped import run_in_machine
 from toothspace.simulation.setup import condition_of
 
+pytestmark = pytest.mark.slow
+
 REPOSITORY = Path(__file__).parents[2]
 MODULUS, LENGTH, WIDTH = 100e9, 20e-3, 16e-3
 SECTION = annulus(INNER, OUTER)
@@ -164,7 +166,6 @@ def test_pressure_all_round_shrinks_the_ring_as_hydrostatic_pressure_does(
     assert np.abs(left).max() < 1e-6 * rise * np.pi * OUTER**2
 
 
-@pytest.mark.slow
 def test_mesh_error_is_the_difference_to_finer_bodies(
     faces: ElasticFaces, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
@@ -296,7 +297,6 @@ def _fuel_pump(*changes: str) -> tuple[LateralProblem, Equilibrium]:
     return problem, problem.settle(problem.started(3e-6))
 
 
-@pytest.mark.slow
 def test_fuel_pump_settles_at_its_highest_pressure() -> None:
     """155 bar: faces bend by as much as the films are thick."""
     problem, found = _fuel_pump("operating_point.outlet_pressure=155.2 bar")
@@ -308,7 +308,6 @@ def test_fuel_pump_settles_at_its_highest_pressure() -> None:
     assert 3e-6 < numbers.gaps.mean() < 4e-6
 
 
-@pytest.mark.slow
 def test_plates_settle_between_bending_bodies() -> None:
     """Plates of 15 mm at 58 bar, one on each side of the gears: both rest alike."""
     plates = "machine.lateral.arrangement=plates", "machine.floating_bearing.length=15 mm"

@@ -50,7 +50,7 @@ def test_bearing_pushed_off_on_one_side_leans_on_its_cover() -> None:
     assert found.settled
     assert found.balance.residual < 1e-6
     lift = rim_levers(stack, stack.moving_bearings[0]) @ q[:3]
-    # the cover gives way by the force on it over 1e9 N/m, less than a tenth of the play
+    # the cover is displaced by the force on it over 1e9 N/m, less than a tenth of the play
     assert PLAY < lift.max() < 1.1 * PLAY
     assert lift.min() < 0.5 * PLAY
     assert leaning(stack, q) == ["the floating bearing has lifted to its cover"]
@@ -61,7 +61,7 @@ def test_bearing_pushed_off_on_one_side_leans_on_its_cover() -> None:
 
 
 def test_ring_between_wide_films_tips_unless_its_shaft_is_held() -> None:
-    """Wide films give way to any tilt: forces balance upright, but no rest is there."""
+    """Wide films do not resist a tilt: forces balance upright, but the equilibrium is unstable."""
     held, free = (_settled(_stack(k, preload_x=4e-3), 49e-6) for k in (1e5, 0.0))
     assert held.settled
     assert held.balance.position[4:6] == pytest.approx([0.0, 0.0], abs=1e-6)

@@ -59,8 +59,15 @@ def described(name: str, mode: str | None = None) -> MachineDescription:
     return machine_type(case.machine_type).describe(spec)  # type: ignore[no-any-return]
 
 
-every_machine = pytest.mark.parametrize("name", [*MACHINES, TOY])
-shipped = pytest.mark.parametrize("name", MACHINES)
+FIRST = {type_name: name for name, type_name in reversed(MACHINES.items())}.values()
+"""One case of every machine type: those of other gears are slow tests."""
+
+NAMED = [
+    pytest.param(name, marks=[] if name in FIRST else pytest.mark.slow, id=name)
+    for name in MACHINES
+]
+every_machine = pytest.mark.parametrize("name", [*NAMED, TOY])
+shipped = pytest.mark.parametrize("name", NAMED)
 
 
 def own_angles(part: ChamberFamily | FlowPath | ContactPair) -> Array:

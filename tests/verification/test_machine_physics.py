@@ -26,7 +26,11 @@ def number(key: str, name: str, *overrides: str) -> float:
     return float(solved(name, *overrides).summary()[key])
 
 
-@pytest.mark.parametrize("name", ["egm12_motor", "egm12_pump", "fuel14_pump"])
+SLOW_MOTOR = pytest.param("egm12_motor", marks=pytest.mark.slow)
+SLOW_FUEL = pytest.param("fuel14_pump", marks=pytest.mark.slow)
+
+
+@pytest.mark.parametrize("name", ["egm12_motor", "egm12_pump", SLOW_FUEL])
 def test_balances_close_with_all_motions_free(name: str) -> None:
     solution = solved(name)
     assert solution.status is ts.Status.DONE
@@ -76,7 +80,7 @@ PHYSICAL_NUMBERS = (
 )
 
 
-@pytest.mark.parametrize("name", ["egm12_motor", "egm12_pump", "fuel14_pump"])
+@pytest.mark.parametrize("name", ["egm12_motor", "egm12_pump", SLOW_FUEL])
 def test_halving_the_tolerance_changes_no_physical_number(name: str) -> None:
     tolerance = ts.load_case(CASES / f"{name}.toml").run.relative_tolerance
     half = f"run.relative_tolerance={tolerance / 2.0}"
@@ -104,7 +108,7 @@ TIGHT = 'machine.gears.normal_backlash="20 um"'
 DUAL_CLOSING = 'machine.relief_grooves.closing_side_offset="1.826 mm"'
 
 
-@pytest.mark.parametrize("name", ["egm12_pump", "egm12_motor"])
+@pytest.mark.parametrize("name", ["egm12_pump", SLOW_MOTOR])
 def test_space_that_opens_late_cavitates(name: str) -> None:
     """Closing groove in dual-flank position: the opening side feeds, and the backlash."""
 
@@ -144,7 +148,7 @@ def test_flow_ripple_peaks_at_the_tooth_frequency() -> None:
     assert int(np.argmax(amplitude[1:])) + 1 == 12
 
 
-@pytest.mark.parametrize("name", ["egm12_pump", "egm12_motor"])
+@pytest.mark.parametrize("name", ["egm12_pump", SLOW_MOTOR])
 def test_trapped_peak_grows_with_the_distance_of_the_closing_groove(name: str) -> None:
     """At dual-flank timing nothing is shut in; the reference edge adds less than 50 bar to that."""
 

@@ -29,6 +29,7 @@ from toothspace.numerics.periodic_table import PeriodicTable
 from toothspace.solver.compiled_model import Observation, observe
 from toothspace.solver.cyclic import History, RunPlan, march_revolutions
 
+pytestmark = pytest.mark.slow
 NODES = 2880
 SAMPLES = 360  # of one pitch
 AGREEMENT = 2e-3  # of the largest value of each variable

@@ -79,6 +79,7 @@ def test_pressure_over_flow_at_the_port_is_the_impedance_of_line_and_orifice() -
     assert np.max(np.abs(own * (1.0 / found - 1.0 / expected))) < 0.02
 
 
+@pytest.mark.slow
 def test_source_impedance_is_that_of_the_outlet_volume() -> None:
     """1 / (j w V/K) with half a cell of the line; the misfit of three loads stays small."""
     data = source().data

@@ -13,6 +13,8 @@ from toothspace.case import load_case
 from toothspace.case.case import Case
 from toothspace.core.errors import CaseError
 
+pytestmark = pytest.mark.slow
+
 pytest.importorskip("OCP")
 
 CASES = Path(__file__).parents[2] / "cases"

@@ -98,7 +98,15 @@ def test_a_run_keeps_the_chosen_channels_only() -> None:
     assert not wide_values("run.channels=[]")
 
 
-@pytest.mark.parametrize("angle", [0.0, 7.5, 15.0, 22.5])
+@pytest.mark.parametrize(
+    "angle",
+    [
+        0.0,
+        pytest.param(7.5, marks=pytest.mark.slow),
+        15.0,
+        pytest.param(22.5, marks=pytest.mark.slow),
+    ],
+)
 def test_breakaway_pressure_is_torque_over_displacement(angle: float) -> None:
     """2 pi M/V_d = 12.7 bar in the mean, 12.06 to 14.18 bar over the start angle."""
     case = slow_supply("12 rpm", f'circuit.initial_shaft_angle="{angle} deg"')

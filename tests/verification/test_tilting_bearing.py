@@ -30,6 +30,7 @@ def _problem(*changes: str, file: Path = CASE) -> LateralProblem:
         "run.max_revolutions=3",
         'machine.floating_bearing.motion="full"',
         f'machine.floating_bearing.wall_stiffness="{WALL} N m/rad"',
+        'machine.floating_bearing.shaft_stiffness="0 N m/rad"',
         'operating_point.outlet_pressure="38.8 bar"',
     ]
     case = load_case(file, [*given, *changes])
@@ -98,3 +99,15 @@ def test_bearing_that_trapped_pressure_pushes_off_settles_on_its_cover() -> None
     assert lift == pytest.approx(play, rel=0.02)
     assert q[[4, 5, 7, 8]] == pytest.approx(np.zeros(4), abs=1e-5)
     assert q[[3, 6]] == pytest.approx(0.5 * play, rel=0.02)
+
+
+def test_journal_films_hold_the_shafts_where_nothing_is_given() -> None:
+    """Two bearings 61.4 mm apart with the mean load F each at 25 um: F d^2 / (2 c), the less."""
+    case = load_case(CASE, ["run.max_revolutions=3", 'machine.floating_bearing.motion="full"'])
+    machine = run_in_machine(set_up(case))
+    data = machine.solve(condition_of(case, machine.description)).data
+    settings = replace(lateral_settings(case), grid=(42, 6), angles=1)
+    problem = lateral_problem(machine.description, machine.fluid, data, settings)
+    force = 0.5 * np.linalg.norm(data["journal_force"].values.mean(axis=0)[:, :2], axis=1)
+    wanted = force.min() * (23.4e-3 + 38e-3) ** 2 / (2.0 * 25e-6)
+    assert problem.stack.balance.shaft_stiffness == pytest.approx(wanted, rel=1e-6)

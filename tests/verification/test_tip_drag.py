@@ -24,7 +24,11 @@ PUMP = Path(__file__).resolve().parents[2] / "cases" / "egm12_pump.toml"
 @cache
 def pump() -> System:
     """The 12-tooth pump without running-in and with the same pressure at both ports."""
-    case = ts.load_case(PUMP, ('operating_point.outlet_pressure="1 bar"',))
+    point = (
+        'operating_point.outlet_pressure="1 bar"',
+        "operating_point.outlet_load=fixed_pressure",
+    )
+    case = ts.load_case(PUMP, point)
     description = ts.describe(case)
     return assemble(description, fluid_of(case), condition_of(case, description))
 

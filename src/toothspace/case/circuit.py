@@ -23,6 +23,7 @@ from toothspace.core.keys import (
     declare,
     file_path,
     forbid,
+    instead_of,
     integer,
     number,
     quantity,
@@ -118,11 +119,7 @@ class Line(KeyTable):
     cells: int = integer("Cells of a transmission line.", low=2, high=200, default=16)
 
     def __post_init__(self) -> None:
-        names = ("wall_thickness", "wall_modulus")
-        if self.effective_bulk_modulus is None:
-            require(self, "unless effective_bulk_modulus is given", *names)
-        else:
-            forbid(self, "because effective_bulk_modulus is given", *names)
+        instead_of(self, "effective_bulk_modulus", "wall_thickness", "wall_modulus")
 
 
 @final
@@ -182,10 +179,7 @@ class Orifice(KeyTable):
     discharge_coefficient: float = number("Discharge coefficient.", above=0, high=1, default=0.7)
 
     def __post_init__(self) -> None:
-        if self.diameter is None:
-            require(self, "unless diameter is given", "area")
-        else:
-            forbid(self, "because diameter is given", "area")
+        instead_of(self, "diameter", "area")
 
 
 @final

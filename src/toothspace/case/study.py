@@ -189,6 +189,7 @@ class NosePressureStudy(KeyTable):
     breakaway_speed: float = quantity(
         "mm/s", "Speed of the friction peak.", above=0, high=1e4, default=1.6e-3
     )
+    friction_law: str = choice("Set-valued, or smooth.", "stick", "stribeck", default="stick")
     start_gap: float = quantity(
         "um", "Gap that every point starts from.", above=0, high=100, default=2e-6
     )

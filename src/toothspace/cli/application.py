@@ -97,7 +97,10 @@ def geometry(
 
 @application.command()
 def gear(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="STEP, STL, DXF or points.")],
+    files: Annotated[
+        list[Path],
+        typer.Argument(metavar="FILE...", help="STEP, STL, DXF or points; parts of one frame."),
+    ],
     unit: Annotated[str, typer.Option(help="mm, m, um or in; STEP has its own.")] = "mm",
     axis: Annotated[
         str | None, typer.Option(metavar="x|y|z", help="Gear axis; default by symmetry.")
@@ -112,13 +115,20 @@ def gear(
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE.png", help="Picture of the flank deviations.")
     ] = None,
+    case: Annotated[
+        Path | None, typer.Option(metavar="CASE.toml", help="Case file of the machine found.")
+    ] = None,
     as_json: Json = False,
     force: Force = False,
 ) -> int:
-    """Find the gears in a CAD file and print what a drawing and a gear tester say."""
-    section = commands.GearFileOptions(unit, axis, plane)
-    target = None if plot is None else commands.Target(plot, force)
-    return commands.gear(file, section, distance, target, as_json=as_json)
+    """Find the gears in CAD files and print what a drawing and a gear tester say."""
+    section = commands.GearFileOptions(unit, axis, plane, distance)
+    outputs = {
+        option: commands.Target(path, force)
+        for option, path in (("--plot", plot), ("--case", case))
+        if path is not None
+    }
+    return commands.gear(files, section, outputs, as_json=as_json)
 
 
 @application.command()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from importlib import import_module
@@ -22,6 +22,7 @@ from toothspace.core.status import Status
 
 if TYPE_CHECKING:
     from toothspace.case import Case
+    from toothspace.geometry.body_section import SectionRequest
     from toothspace.results.solution import Solution
 
 EXPORT_FORMATS = ("dxf", "stl", "step", "txt")
@@ -146,11 +147,14 @@ class GearFileOptions:
         ``x``, ``y`` or ``z``; None finds it.
     plane : str or None
         Height of the section with its unit; None takes the middle of the teeth.
+    center_distance : str or None
+        Distance at which the backlash is wanted, with its unit.
     """
 
     unit: str
     axis: str | None
     plane: str | None
+    center_distance: str | None
 
 
 def run(
@@ -217,7 +221,8 @@ def geometry(
         allowed = ", ".join(EXPORT_FORMATS)
         raise CaseError(f"{case_file}: --export: found {outputs.export!r}, allowed {allowed}")
     case = _load(case_file, overrides)
-    for path, option in ((outputs.tables, "-o"), (outputs.plot, "--plot")):
+    plots = () if outputs.plot is None else (outputs.plot, _second_plot(outputs.plot))
+    for path, option in ((outputs.tables, "-o"), *((plot, "--plot") for plot in plots)):
         if path is not None:
             Target(path, outputs.force).checked(option)
     from toothspace import api
@@ -234,33 +239,37 @@ def geometry(
 
 
 def gear(
-    file: Path,
+    files: Sequence[Path],
     section: GearFileOptions,
-    distance: str | None,
-    plot: Target | None,
+    outputs: Mapping[str, Target],
     *,
     as_json: bool,
 ) -> int:
-    """Find the gears of a file and print their numbers; returns the exit code."""
+    """Find the gears of files and print their numbers; returns the exit code.
+
+    Outputs are the targets of ``--plot`` and ``--case``.
+    """
     from toothspace.core.units import to_si
     from toothspace.geometry.body_section import AXES, SectionRequest
     from toothspace.geometry.cad_import import STEP_SUFFIXES
-    from toothspace.geometry.gear_finder import find_gears
+    from toothspace.geometry.gear_finder import find_in_files
     from toothspace.geometry.gear_report import file_report, likelier_units
 
+    file = files[0]
     if section.unit not in _FILE_UNITS:
         allowed = ", ".join(_FILE_UNITS)
         raise CaseError(f"{file}: --unit: found {section.unit!r}, allowed {allowed}")
     if section.axis not in (None, *AXES):
         raise CaseError(f"{file}: --axis: found {section.axis!r}, allowed {', '.join(AXES)}")
-    picture = None if plot is None else _picture(plot.checked("--plot"))
+    targets = {option: target.checked(option) for option, target in outputs.items()}
+    picture = _picture(targets["--plot"]) if "--plot" in targets else None
     request = SectionRequest(section.axis, _length(section.plane, "--plane"))
-    contents = find_gears(file, to_si(1.0, section.unit), request)
+    contents = find_in_files(files, to_si(1.0, section.unit), request)
     if file.suffix.lower() not in STEP_SUFFIXES:
         scales = {name: to_si(1.0, name) / to_si(1.0, section.unit) for name in _FILE_UNITS}
         for better in likelier_units(contents, scales):
             output.message(f"Note: with --unit {better} the gear has a standard module")
-    found = file_report(contents, _length(distance, "--center-distance"))
+    found = file_report(contents, _length(section.center_distance, "--center-distance"))
     if as_json:
         output.write(found, as_json=True)
     else:
@@ -276,7 +285,21 @@ def gear(
 
         save_figure(flank_deviation(fits), picture)
         output.message(f"Picture: {picture}")
+    if "--case" in targets:
+        _draft(files, section.unit, request, targets["--case"])
     return 0
+
+
+def _draft(files: Sequence[Path], unit: str, request: SectionRequest, target: Path) -> None:
+    from toothspace import api
+    from toothspace.core.files import write_text
+
+    write_text(target, api.draft_case(files, unit, request, target.parent))
+    output.message(f"Case: {target}")
+    try:
+        api.load_case(target)
+    except CaseError as error:
+        output.message(f"Note: it does not run as it is: {error}")
 
 
 def _length(text: str | None, option: str) -> float | None:
@@ -385,7 +408,7 @@ def stand_alone_film(
     if getattr(case, table) is None:
         raise CaseError(f"{case_file}: {table}: found nothing, allowed a table [{table}]")
     from toothspace import api
-    from toothspace.films.grid_report import grid_report
+    from toothspace.films.grid_dependence import grid_report
 
     with _file_named(case_file):
         solve = api.solve_bearing if table == "bearing" else api.solve_film
@@ -511,11 +534,24 @@ def _write_geometry(case: Case, description: Any, outputs: GeometryOutputs) -> N
         if outputs.tables is not None:
             save_tables(description, outputs.tables)
         if outputs.text_folder is not None:
-            save_tables_txt(description, outputs.text_folder)
+            folder = outputs.text_folder
+            _put(folder, "--txt", outputs.force, lambda place: save_tables_txt(description, place))
     if outputs.plot is not None:
         _plot(description, outputs.plot)
     if outputs.export is not None:
-        _export(case, outputs.export)
+        _export(case, outputs.export, force=outputs.force)
+
+
+def _put(folder: Path, option: str, force: bool, write: Callable[[Path], object]) -> list[Path]:
+    """Let files be written beside a folder and move them into it where they may stand."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=folder) as name:
+        write(Path(name))
+        drafts = sorted(Path(name).iterdir())
+        targets = [Target(folder / draft.name, force).checked(option) for draft in drafts]
+        for draft, target in zip(drafts, targets, strict=True):
+            draft.replace(target)
+    return targets
 
 
 def _picture(path: Path) -> Path:
@@ -530,16 +566,26 @@ def _plot(description: Any, path: Path) -> None:
     from toothspace.plotting.style import save_figure
 
     save_figure(volumes(description), path)
-    save_figure(openings(description), path.with_stem(f"{path.stem}_openings"))
+    save_figure(openings(description), _second_plot(path))
 
 
-def _export(case: Case, suffix: str) -> None:
+def _second_plot(path: Path) -> Path:
+    return path.with_stem(f"{path.stem}_openings")
+
+
+def _export(case: Case, suffix: str, *, force: bool) -> None:
     exports = {name: f"{package}.export" for name, package in machine_modules().items()}
     module = exports[case.machine_type]
     if find_spec(module) is None:
         allowed = ", ".join(sorted(name for name, one in exports.items() if find_spec(one)))
         raise CaseError(f"--export: found machine type {case.machine_type!r}, allowed {allowed}")
-    for path in import_module(module).export_profiles(case.machine_spec, Path(case.name), suffix):
+    export = import_module(module).export_profiles
+    for path in _put(
+        Path(),
+        "--export",
+        force,
+        lambda place: export(case.machine_spec, place / case.name, suffix),
+    ):
         output.message(f"Profile: {path}")
 
 

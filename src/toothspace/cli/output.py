@@ -10,7 +10,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, final
 
-from toothspace.core.progress import Progress
+from toothspace.core.files import plain
+from toothspace.core.progress import Progress, heard_by
 
 if TYPE_CHECKING:
     from toothspace.model.description import DesignCheck
@@ -32,19 +33,6 @@ def message(text: str) -> None:
     sys.stderr.write(text + "\n")
 
 
-def plain(value: Any) -> Any:
-    """Return a value that JSON can hold; numbers that are not finite become null."""
-    if isinstance(value, Mapping):
-        return {str(key): plain(item) for key, item in value.items()}
-    if hasattr(value, "tolist"):
-        return plain(value.tolist())
-    if isinstance(value, (list, tuple)):
-        return [plain(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value if isinstance(value, (str, int, float, bool, type(None))) else str(value)
-
-
 def write(summary: Mapping[str, Any], *, as_json: bool) -> None:
     """Write named numbers, as one JSON object or as aligned text."""
     values = plain(summary)
@@ -60,7 +48,8 @@ def write_tables(groups: Mapping[str, Any]) -> None:
     """Write named lists of named numbers as text, one block for each item."""
     for name, items in groups.items():
         for number, item in enumerate(items):
-            line(f"{name.removesuffix('s')} {number + 1}" if number or len(items) > 1 else name)
+            one = name.removesuffix("ies") + "y" if name.endswith("ies") else name.removesuffix("s")
+            line(f"{one.replace('_', ' ')} {number + 1}" if len(items) > 1 else name)
             write({f"  {key}": value for key, value in item.items()}, as_json=False)
 
 
@@ -77,17 +66,14 @@ def shown(value: Any) -> str:
     """Return a value as short text."""
     if isinstance(value, float):
         return f"{value:.6g}"
-    if isinstance(value, list) and len(value) > _LONGEST_LIST and _are_numbers(value):
+    is_list = isinstance(value, list)
+    if is_list and len(value) > _LONGEST_LIST and all(isinstance(v, (int, float)) for v in value):
         return f"{len(value)} values, {shown(min(value))} to {shown(max(value))}"
-    if isinstance(value, list):
+    if is_list:
         return ", ".join(shown(item) for item in value) or "none"
     if isinstance(value, dict):
         return ", ".join(f"{name} {shown(item)}" for name, item in value.items()) or "none"
     return "-" if value is None else str(value)
-
-
-def _are_numbers(values: list[Any]) -> bool:
-    return all(isinstance(value, (int, float)) for value in values)
 
 
 def write_checks(checks: Sequence[DesignCheck]) -> None:
@@ -104,7 +90,9 @@ def write_checks(checks: Sequence[DesignCheck]) -> None:
 def progress(title: str) -> Iterator[Progress]:
     """Show on standard error how far a run is: a bar, or a line now and then without a terminal."""
     if not sys.stderr.isatty():
-        yield _Lines(title)
+        lines = _Lines(title)
+        with heard_by(lines):
+            yield lines
         return
     from rich.console import Console
     from rich.progress import BarColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
@@ -130,7 +118,8 @@ def progress(title: str) -> Iterator[Progress]:
             done = share if known else 0.0
             bar.update(task, completed=done, description=f"{title} {text}".strip())
 
-        yield advance
+        with heard_by(advance):
+            yield advance
 
 
 @final

@@ -220,7 +220,7 @@ def hertz_scale(radius_a: Any, radius_b: Any, depth: Any) -> Any:
 
 @inlined
 def series_level(scale: Any, contact_modulus: Any, structure_stiffness: Any) -> Any:
-    r"""Level of the logarithmic law with a structure that gives way in series.
+    r"""Level of the logarithmic law with a compliant structure in series.
 
     Parameters
     ----------

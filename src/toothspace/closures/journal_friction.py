@@ -12,7 +12,7 @@ from toothspace.core.compiled import inlined
 from toothspace.core.types import Array
 
 FULL_FILM_NUMBER = 0.5
-"""Sommerfeld number about which the fit gives way to the line of the full film. [-]"""
+"""Sommerfeld number about which the fit passes into the line of the full film. [-]"""
 _HALF_BLEND = 0.1
 
 

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from io import FileIO
 from pathlib import Path
+from typing import Any
 
-from toothspace.core.errors import CaseError
+from toothspace.core.errors import CaseError, GeometryError, ToothspaceError
 
 _LONGEST_PREFIX = 40
 """A draft takes so much of the name of its target, so that long names fit the file system."""
@@ -83,6 +85,32 @@ def read_bytes(path: Path, label: str, allowed: str, most: int) -> bytes:
         raise CaseError(f"{label}: found {reason!r}, allowed {allowed}") from error
 
 
+@contextmanager
+def reading(path: object, allowed: str) -> Iterator[None]:
+    """Refuse a file in words whatever its reader stumbles over.
+
+    Parameters
+    ----------
+    path : object
+        File, for the message.
+    allowed : str
+        What it should be.
+
+    Raises
+    ------
+    GeometryError
+        In place of any error that is none of the package's own: readers of damaged files, and
+        libraries below them, fail anywhere.
+    """
+    try:
+        yield
+    except (ToothspaceError, MemoryError):
+        raise
+    except Exception as error:
+        found = f"a file that cannot be read as one ({type(error).__name__})"
+        raise GeometryError(f"{path}: found {found}, allowed {allowed}") from error
+
+
 def write_bytes(target: str | Path, content: bytes) -> Path:
     """Write a file that is complete or not there."""
     with draft_of(target) as draft:
@@ -151,3 +179,16 @@ def _probe(target: Path) -> None:
     with target.open("xb"):
         pass
     target.unlink()
+
+
+def plain(value: Any) -> Any:
+    """Return a value that JSON can hold; numbers that are not finite become null."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if hasattr(value, "tolist"):
+        return plain(value.tolist())
+    if isinstance(value, (list, tuple)):
+        return [plain(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value if isinstance(value, (str, int, float, bool, type(None))) else str(value)

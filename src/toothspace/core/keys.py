@@ -99,6 +99,14 @@ def forbid(owner: object, reason: str, *names: str) -> None:
             raise KeyRuleError(name, "a value", f"leave this key out {reason}")
 
 
+def instead_of(owner: object, name: str, *others: str) -> None:
+    """Ask for other keys where one is not given, and refuse them beside it."""
+    if getattr(owner, name) is None:
+        require(owner, f"unless {name} is given", *others)
+    else:
+        forbid(owner, f"because {name} is given", *others)
+
+
 def shown(raw: Any) -> str:
     """Return a value as a short text on one line."""
     text = f"{str(raw).lower()} (true or false)" if isinstance(raw, bool) else repr(raw)
@@ -796,6 +804,13 @@ def check_values(table: Any) -> None:
 def declare(key: Key, default: Any = MISSING) -> Any:
     """Declare a dataclass field that is read from a key; without default it is compulsory."""
     return field(metadata={_METADATA: key}, default=default)
+
+
+def optional(spec: type, name: str) -> Any:
+    """Declare a key of another table once more, without the default that it has there."""
+    key = keys_of(spec)[name][0]
+    meaning = key.doc.partition("; default")[0].rstrip(".")
+    return declare(replace(key, doc=f"{meaning}."), None)
 
 
 def quantity(

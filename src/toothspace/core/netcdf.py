@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import hashlib
-import os
-from io import FileIO
+from io import BytesIO
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any, final
+from typing import IO, TYPE_CHECKING
 
 from toothspace.core.errors import CaseError
-from toothspace.core.files import draft_of, write_whole
+from toothspace.core.files import write_bytes
 from toothspace.core.interrupts import interrupts_held
 
 if TYPE_CHECKING:
@@ -42,22 +41,13 @@ def write_dataset(dataset: xr.Dataset, path: str | Path) -> Path:
     OSError
         If the file cannot be written whole, as on a full disk.
     """
-    import h5netcdf
-    from xarray.backends import H5NetCDFStore
-
     target = Path(path)
     target.parent.mkdir(parents=True, exist_ok=True)
-    with interrupts_held(), draft_of(target) as draft, _Sink(draft) as sink:
-        try:
-            with h5netcdf.File(sink, "w") as file:
-                store: Any = H5NetCDFStore(file)
-                dataset.dump_to_store(store)
-        except Exception:
-            sink.raise_failure()
-            raise
-        sink.raise_failure()
-        _seal(draft)
-    return target
+    # the HDF5 library ends the process where a disk refuses a write, so it writes into memory
+    content = bytes(dataset.to_netcdf(engine="h5netcdf"))
+    seal = _SEAL + _checksum(BytesIO(content), len(content))
+    with interrupts_held():
+        return write_bytes(target, content + seal)
 
 
 def read_dataset(path: str | Path) -> xr.Dataset:
@@ -93,14 +83,6 @@ def read_dataset(path: str | Path) -> xr.Dataset:
     raise CaseError(f"{path}: found {found}, allowed a NetCDF file as it was written")
 
 
-def _seal(path: Path) -> None:
-    """Append the checksum of a file to it; readers of the format pass over it."""
-    with path.open("r+b") as file:
-        checksum = _checksum(file, path.stat().st_size)
-        file.seek(0, os.SEEK_END)
-        file.write(_SEAL + checksum)
-
-
 def _is_as_written(path: Path) -> bool:
     """Whether a file has the contents of its checksum; true for a file without one."""
     end = path.stat().st_size - len(_SEAL) - _CHECKSUM_BYTES
@@ -128,57 +110,3 @@ def _with_text(dataset: xr.Dataset) -> xr.Dataset:
         dataset[name].encoding = {}
     dataset.encoding = {}
     return dataset
-
-
-@final
-class _Sink:
-    """File for the HDF5 library that never fails to write.
-
-    The library ends the process with a segmentation fault where a write fails; this keeps the
-    failure, takes no more, and leaves it to the writer to raise.
-    """
-
-    def __init__(self, path: Path) -> None:
-        self._file = FileIO(path, "r+")
-        self._failure: OSError | None = None
-
-    def write(self, content: memoryview) -> int:
-        if self._failure is None:
-            try:
-                write_whole(self._file, content)
-            except OSError as error:
-                self._failure = error
-        return len(content)
-
-    def truncate(self, size: int | None = None) -> int:
-        if self._failure is None:
-            try:
-                return self._file.truncate(size)
-            except OSError as error:
-                self._failure = error
-        return size or 0
-
-    def readinto(self, buffer: memoryview) -> int:
-        return self._file.readinto(buffer) or 0
-
-    def read(self, size: int = -1) -> bytes:
-        return self._file.read(size) or b""
-
-    def seek(self, offset: int, whence: int = 0) -> int:
-        return self._file.seek(offset, whence)
-
-    def tell(self) -> int:
-        return self._file.tell()
-
-    def flush(self) -> None:
-        """Nothing waits: every write goes to the file."""
-
-    def raise_failure(self) -> None:
-        if self._failure is not None:
-            raise self._failure
-
-    def __enter__(self) -> _Sink:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._file.close()

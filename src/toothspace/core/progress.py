@@ -3,13 +3,33 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 
 Progress = Callable[[float, str], None]
 """Called with the finished share of a phase, ``UNKNOWN`` where nobody can tell, and its name."""
 
 UNKNOWN = math.nan
 """Share of a phase whose end is not known. [-]"""
+
+
+_LISTENER: ContextVar[Progress | None] = ContextVar("listener", default=None)
+
+
+@contextmanager
+def heard_by(progress: Progress | None) -> Iterator[None]:
+    """Let a listener hear what phases far below say with :func:`say` inside the block."""
+    before = _LISTENER.set(progress)
+    try:
+        yield
+    finally:
+        _LISTENER.reset(before)
+
+
+def say(share: float, text: str) -> None:
+    """Report a share [-] of a phase that nobody has handed a listener to."""
+    tell(_LISTENER.get(), share, text)
 
 
 def tell(progress: Progress | None, share: float, text: str) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import sys
 from functools import cache
 from pathlib import Path
 
@@ -33,13 +32,6 @@ def folder() -> Path:
 
 def _path(name: str) -> Path:
     return folder() / f"{name}-{_sources()}.npz"
-
-
-def announce(body: ElasticBody) -> None:
-    """Announce on a terminal that a body is being condensed and will be kept."""
-    if sys.stderr.isatty():
-        names = ", ".join(film.name for film in body.films)
-        sys.stderr.write(f"Condensing an elastic body ({names}); kept for later.\n")
 
 
 def load(name: str, body: ElasticBody) -> InfluenceMatrix | None:

@@ -10,69 +10,26 @@ module           responsibility
 thermal          bulk heat balance of a film
 field_files      NetCDF and VTK files of the fields
 summaries        solved films to named numbers
-grid_report      how far these numbers depend on the grid
+grid_dependence  how far these numbers depend on the grid
+public           what ``toothspace.films`` offers
 ================ ==================================================================
 """
 
-from __future__ import annotations
+import importlib
+from types import ModuleType
 
-from toothspace.closures.journal_friction import FrictionCurve
-from toothspace.films.field_files import film_dataset, save_film, save_film_vtk
-from toothspace.films.grid_report import grid_report
-from toothspace.films.journal.bearing import JournalBearing
-from toothspace.films.journal.geometry import Groove, Lobes
-from toothspace.films.journal.mixed_lubrication import (
-    FrictionSweep,
-    fit_friction_curve,
-    machine_bearing,
-    save_friction_table,
-    sweep_friction,
-)
-from toothspace.films.journal.shaft_motion import (
-    Orbit,
-    OrbitSettings,
-    critical_mass,
-    shaft_orbit,
-    threshold_speed,
-)
-from toothspace.films.journal.solution import JournalBearingSolution
-from toothspace.films.plane.pad import Pad, PadSolution, Pocket
-from toothspace.films.plane.ring import LateralFilm, LateralSolution
-from toothspace.films.reynolds.fluid import FilmFluid
-from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
-from toothspace.films.summaries import bearing_summary, pad_summary
-from toothspace.films.thermal import HeatBalance, HeatedFilm, solve_heated
 
-__all__ = [
-    "FilmFluid",
-    "FrictionCurve",
-    "FrictionSweep",
-    "Groove",
-    "HeatBalance",
-    "HeatedFilm",
-    "JournalBearing",
-    "JournalBearingSolution",
-    "LateralFilm",
-    "LateralSolution",
-    "Lobes",
-    "Orbit",
-    "OrbitSettings",
-    "Pad",
-    "PadSolution",
-    "Pocket",
-    "RoughSurfaces",
-    "bearing_summary",
-    "critical_mass",
-    "film_dataset",
-    "fit_friction_curve",
-    "grid_report",
-    "machine_bearing",
-    "pad_summary",
-    "save_film",
-    "save_film_vtk",
-    "save_friction_table",
-    "shaft_orbit",
-    "solve_heated",
-    "sweep_friction",
-    "threshold_speed",
-]
+def _public() -> ModuleType:
+    return importlib.import_module("toothspace.films.public")
+
+
+def __getattr__(name: str) -> object:
+    """Import a public name on first use: a run without solved films loads none of them."""
+    if name.startswith("__"):
+        raise AttributeError(name)
+    return getattr(_public(), name)
+
+
+def __dir__() -> list[str]:
+    """List the public names."""
+    return list(_public().__all__)

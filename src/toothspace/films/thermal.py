@@ -6,11 +6,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Generic, Protocol, TypeVar, final
 
-from scipy.optimize import brentq
-
 from toothspace.core.constants import ZERO_CELSIUS
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
+from toothspace.numerics.roots import root_between
 
 HIGHEST_RISE = 400.0
 """Largest rise of the mean temperature that is searched. [K]"""
@@ -168,7 +167,7 @@ def solve_heated(
         mean = first
     else:
         rise = _rise_beyond(mismatch, first, balance.highest_temperature)
-        mean = float(brentq(mismatch, first, first + rise, xtol=1e-6, rtol=1e-12))
+        mean = root_between(mismatch, first, first + rise, 1e-6)
     film = solve(viscosity(mean))
     outlet = balance.outlet_temperature(film)
     return HeatedFilm(film, viscosity(mean), mean, outlet, film.status)

@@ -21,6 +21,7 @@ from toothspace.geometry.mesh_section import (
 )
 from toothspace.geometry.tooth_count import repeating_teeth
 
+FEWEST_LOBES = 3
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 _MOST_LAYERS = 24
 _THINNEST = 4e-6
@@ -48,6 +49,8 @@ class SectionRequest:
         Name of one body; None for all.
     teeth : bool
         Whether to look for teeth.
+    lobes : bool
+        Whether to look for three and more teeth, also on holes, as of gerotor rotors.
     face_towards : float or None
         Height towards which a body turns its face: in place of one section, one through the layer
         behind that face and one through the layer that follows, between flat faces across the
@@ -59,6 +62,7 @@ class SectionRequest:
     body: int | None = None
     part: str | None = None
     teeth: bool = False
+    lobes: bool = False
     face_towards: float | None = None
 
 
@@ -178,9 +182,9 @@ def _cuts(number: int, body: SolidBody, request: SectionRequest) -> list[BodySec
     given = request.axis
     # a body without teeth is cut across z unless told otherwise
     axis = np.array(AXES[given] if isinstance(given, str) else given or AXES["z"])
-    if request.teeth:
+    if request.teeth or request.lobes:
         for likely in likely_axes(body.mesh) if given is None else [axis]:
-            teeth = _toothed_extent(body.mesh, axis_frame(likely))
+            teeth = _toothed_extent(body.mesh, axis_frame(likely), lobes=request.lobes)
             if teeth is not None:
                 return [_section(number, body, likely, teeth, request.plane)]
     if request.face_towards is None:
@@ -224,15 +228,15 @@ def _sorted(curves: list[Array]) -> list[Array]:
     return sorted(curves, key=lambda curve: -abs(signed_area(curve)))
 
 
-def _toothed_extent(mesh: SurfaceMesh, frame: Array) -> tuple[float, float] | None:
+def _toothed_extent(mesh: SurfaceMesh, frame: Array, *, lobes: bool) -> tuple[float, float] | None:
     low, high = mesh.extent(frame[2])
-    looks = [_teeth_at(mesh, frame, low + share * (high - low)) for share in _QUICK_LOOK]
+    looks = [_teeth_at(mesh, frame, low + k * (high - low), lobes=lobes) for k in _QUICK_LOOK]
     if looks[0][0] is not None and len({count for count, _ in looks}) == 1:
         return low, high
     # neighbouring layers with one tooth count; the widest such gear is meant, not a spline or nut
     runs: list[tuple[float, float, float, int]] = []
     for start, end in _layers(mesh, frame[2]):
-        count, width = _teeth_at(mesh, frame, 0.5 * (start + end))
+        count, width = _teeth_at(mesh, frame, 0.5 * (start + end), lobes=lobes)
         if count is None:
             continue
         if runs and runs[-1][1] == start and runs[-1][3] == count:
@@ -247,12 +251,15 @@ def _toothed_extent(mesh: SurfaceMesh, frame: Array) -> tuple[float, float] | No
     return low, high
 
 
-def _teeth_at(mesh: SurfaceMesh, frame: Array, height: float) -> tuple[int | None, float]:
-    # tooth count and width of the outermost curve
-    curves = _sorted(section(mesh, frame, height))
-    if not curves:
-        return None, 0.0
-    return repeating_teeth(curves[0]), float(np.ptp(curves[0][:, 0]))
+def _teeth_at(
+    mesh: SurfaceMesh, frame: Array, height: float, *, lobes: bool
+) -> tuple[int | None, float]:
+    # tooth count and width of the outermost curve, of lobes that of the outermost toothed one
+    for curve in _sorted(section(mesh, frame, height)):
+        count = repeating_teeth(curve, FEWEST_LOBES) if lobes else repeating_teeth(curve)
+        if count is not None or not lobes:
+            return count, float(np.ptp(curve[:, 0]))
+    return None, 0.0
 
 
 def _layers(mesh: SurfaceMesh, axis: Array) -> list[tuple[float, float]]:

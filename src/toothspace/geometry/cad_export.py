@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import os
 import tempfile
 from collections.abc import Callable
 from itertools import pairwise
@@ -13,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from toothspace.core.errors import GeometryError
+from toothspace.core.files import write_bytes
 from toothspace.core.optional import package_of_extra
 from toothspace.core.types import Array
 from toothspace.geometry.gear_profile import GearProfile
@@ -57,27 +57,7 @@ def export_gear(profile: GearProfile, path: Path, face_width: float, unit: float
         )
     if not 0.0 < face_width < np.inf:
         raise GeometryError(f"face_width: found {face_width:g} m, allowed above 0")
-    write_atomically(path, writers[suffix]())
-
-
-def write_atomically(path: Path, content: bytes) -> None:
-    """Write a file beside its place and move it there, so that no half-written file is seen.
-
-    Parameters
-    ----------
-    path : Path
-        File to create or replace.
-    content : bytes
-        Whole content.
-    """
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    try:
-        with os.fdopen(handle, "wb") as stream:
-            stream.write(content)
-        Path(name).replace(path)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
+    write_bytes(path, writers[suffix]())
 
 
 def _text_bytes(profile: GearProfile, unit: float) -> bytes:

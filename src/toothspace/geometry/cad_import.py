@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, TypeGuard
 import numpy as np
 
 from toothspace.core.errors import GeometryError
+from toothspace.core.files import reading
 from toothspace.core.frozen import Points
 from toothspace.core.types import Array
 from toothspace.geometry.curve import signed_area, without_repeats
@@ -19,6 +20,8 @@ TEXT_SUFFIXES = (".txt", ".csv", ".dat")
 STEP_SUFFIXES = (".step", ".stp")
 SOLID_SUFFIXES = (".stl", *STEP_SUFFIXES)
 SUFFIXES = (*TEXT_SUFFIXES, ".dxf", *SOLID_SUFFIXES)
+_LARGE = 2**20
+"""Larger text and DXF files are read in a process of their own, as larger STL files are. [B]"""
 
 
 def is_solid(source: object) -> TypeGuard[Path]:
@@ -64,7 +67,8 @@ def load_closed_curves(
         curves = [unit * np.asarray(path)]
     else:
         path = _present(path)
-        curves = _read(path, unit, plane_z, layer, body)
+        with reading(path, "an intact file"):
+            curves = _read(path, unit, plane_z, layer, body)
     clean = [without_repeats(curve) for curve in curves]
     for curve in clean:
         if len(curve) < 3:
@@ -98,12 +102,10 @@ def load_body_sections(path: Path, unit: float, request: SectionRequest) -> list
     GeometryError
         As ``load_closed_curves``.
     """
-    from toothspace.geometry.solid_import import step_sections, stl_sections
+    from toothspace.geometry.solid_import import solid_sections
 
-    path = _present(path)
-    if path.suffix.lower() == ".stl":
-        return stl_sections(path, unit, request)
-    return step_sections(path, request)
+    with reading(_present(path), "an intact file"):
+        return solid_sections(path, unit, request)
 
 
 def _present(path: Path) -> Path:
@@ -119,6 +121,19 @@ def _read(
     path: Path, unit: float, plane_z: float | None, layer: str | None, body: int | None
 ) -> list[Array]:
     # heavy readers are imported for the format at hand only
+    if path.suffix.lower() in SOLID_SUFFIXES:
+        from toothspace.geometry.solid_import import section_of_solids
+
+        return section_of_solids(path, unit, plane_z, body)
+    if path.stat().st_size > _LARGE:
+        from toothspace.geometry.limited_reading import read_curves
+
+        return read_curves(path, unit, layer)
+    return plane_curves(path, unit, layer)
+
+
+def plane_curves(path: Path, unit: float, layer: str | None) -> list[Array]:
+    """Curves of a text or DXF file, read in this process; see ``load_closed_curves``."""
     suffix = path.suffix.lower()
     if suffix in TEXT_SUFFIXES:
         from toothspace.geometry.point_file import read_point_file
@@ -128,14 +143,6 @@ def _read(
         from toothspace.geometry.dxf_import import read_dxf
 
         return read_dxf(path, unit, layer)
-    if suffix == ".stl":
-        from toothspace.geometry.solid_import import section_stl
-
-        return section_stl(path, unit, plane_z, body)
-    if suffix in STEP_SUFFIXES:
-        from toothspace.geometry.solid_import import section_step
-
-        return section_step(path, plane_z, body)
     raise GeometryError(
         f"{path}: found the suffix {suffix or 'none'!r}, allowed {', '.join(SUFFIXES)}"
     )

@@ -11,6 +11,8 @@ import numpy as np
 from toothspace.core.types import Array, FloatOrArray
 
 _FINE = 801
+_ALIKE, _ARC_TURN, _ARC_PIECES = 0.4, np.deg2rad(20.0), 8
+"""Of chords of one circle: least ratio of neighbouring turns, largest turn, pieces of each."""
 
 
 @final
@@ -249,3 +251,43 @@ def chord_heights(points: Array, largest_bend: float = np.deg2rad(45.0)) -> Arra
     bend = np.abs((heading - np.roll(heading, 1) + np.pi) % (2.0 * np.pi) - np.pi)
     smaller = np.minimum(bend, np.roll(bend, -1))
     return np.where(smaller < largest_bend, 0.125 * length * smaller, 0.0)
+
+
+def with_arcs(points: Array) -> Array:
+    r"""Closed polyline whose chords of circles are replaced by the circles.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 2)
+        Closed curve, first point not repeated. [m]
+
+    Returns
+    -------
+    ndarray, shape (m, 2)
+        The curve with points between the given ones. [m]
+
+    Notes
+    -----
+    At the corners of a polygon inscribed in a circle the direction turns by the angle
+    :math:`\theta` that each edge spans. An edge whose ends turn to the same side by nearly the
+    same angle of at most 20 deg is a chord of that circle, with the height
+    :math:`\frac{l}{2} \tan\frac{\theta}{4}`.
+    """
+    step = np.roll(points, -1, axis=0) - points
+    heading = np.arctan2(step[:, 1], step[:, 0])
+    turn = (heading - np.roll(heading, 1) + np.pi) % (2.0 * np.pi) - np.pi
+    ahead = np.roll(turn, -1)
+    small, large = np.sort(np.abs([turn, ahead]), axis=0)
+    alike = (turn * ahead > 0.0) & (small > _ALIKE * large) & (large < _ARC_TURN)
+    spanned = np.where(alike, 0.5 * (turn + ahead), 0.0)
+    place = np.linspace(-1.0, 1.0, _ARC_PIECES + 1)[:-1]
+    half = 0.5 * np.hypot(*step.T)
+    # a parabola of the height of the circle, which it leaves by less than a hundredth of it
+    height = (half * np.tan(0.25 * spanned))[:, None] * (1.0 - place**2)
+    outwards = np.column_stack([step[:, 1], -step[:, 0]]) / (2.0 * half)[:, None]
+    middle = points + 0.5 * step
+    fine = middle[:, None, :] + 0.5 * place[:, None] * step[:, None, :]
+    fine = fine + height[..., None] * outwards[:, None, :]
+    kept = np.ones(fine.shape[:2], dtype=bool)
+    kept[~alike, 1:] = False
+    return np.asarray(fine[kept])

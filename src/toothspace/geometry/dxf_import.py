@@ -51,8 +51,9 @@ def _entities(path: Path, layer: str | None) -> list[Any]:
     ezdxf = package_of_extra("ezdxf", "cad", f"{path}: found a DXF file")
     try:
         drawing = ezdxf.readfile(path)
-    except (OSError, ezdxf.DXFError, ValueError, StopIteration) as error:
-        raise GeometryError(f"{path}: found no readable DXF ({error}), allowed DXF") from error
+    except (OSError, ezdxf.DXFError) as error:
+        reason = " ".join(str(error).split())
+        raise GeometryError(f"{path}: found no readable DXF ({reason}), allowed DXF") from error
     found = [entity for entity in drawing.modelspace() if layer in (None, entity.dxf.layer)]
     curves = [entity for entity in found if entity.dxftype() in _CURVES]
     if not curves:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import final
@@ -9,6 +10,7 @@ from typing import final
 import numpy as np
 
 from toothspace.core.errors import GeometryError
+from toothspace.core.files import reading
 from toothspace.core.frozen import Points
 from toothspace.core.types import Array
 from toothspace.geometry.body_section import BodySection, SectionRequest
@@ -31,6 +33,8 @@ class FoundGear:
 
     Parameters
     ----------
+    file : Path or Points
+        Where it was found.
     name : str
         Name of the body, empty without.
     detected : DetectedGear
@@ -43,35 +47,59 @@ class FoundGear:
         Point on the axis in the plane of the section. [m]
     face_width : float or None
         Length of the teeth; None in files of plane curves. [m]
+    length : float
+        Length of the body along the axis with its shaft; 0 in files of plane curves. [m]
     helix_angle : float
         Helix angle on the circle halfway up the teeth, positive for a right-hand helix, 0 for
         spur teeth. [rad]
     """
 
+    file: Path | Points
     name: str
     detected: DetectedGear
     body: int | None
     axis: Array
     center: Array
     face_width: float | None
+    length: float
     helix_angle: float
 
 
 @final
 @dataclass(frozen=True)
+class PlainBody:
+    """A body without teeth.
+
+    Parameters
+    ----------
+    file : Path
+        Where it was found.
+    name : str
+        Its name in the file, empty without.
+    body : int
+        Its number, the largest is 0.
+    """
+
+    file: Path
+    name: str
+    body: int
+
+
+@final
+@dataclass(frozen=True)
 class FileContents:
-    """Gears and other bodies of a file.
+    """Gears and other bodies of one file, or of several that were drawn in one frame.
 
     Parameters
     ----------
     gears : tuple of FoundGear
         Gears, largest tip circle first.
-    others : tuple of BodySection
-        Bodies without teeth.
+    others : tuple of PlainBody
+        Bodies without teeth, largest first.
     """
 
     gears: tuple[FoundGear, ...]
-    others: tuple[BodySection, ...]
+    others: tuple[PlainBody, ...]
 
 
 def find_gears(
@@ -106,8 +134,15 @@ def find_gears(
     GeometryError
         For a file that cannot be read or holds no gear; the message names the section.
     """
-    if is_solid(path):
-        return _gears_of_solids(path, unit, request or SectionRequest())
+    with reading(path, "the closed outline of a gear with equal teeth"):
+        if is_solid(path):
+            return _gears_of_solids(path, unit, request or SectionRequest())
+        return _gears_of_curves(path, unit, layer, tooth_count)
+
+
+def _gears_of_curves(
+    path: Path | Points, unit: float, layer: str | None, tooth_count: int | None
+) -> FileContents:
     curves = load_closed_curves(path, unit, layer=layer)
     toothed = _outermost([curve for curve in curves if repeating_teeth(curve) is not None])
     if tooth_count is not None or not toothed:
@@ -116,8 +151,55 @@ def find_gears(
     for curve in toothed:
         detected = gear_profile_from_curve(curve, key=str(path), tooth_count=tooth_count)
         center = np.array([*detected.center, 0.0])
-        gears.append(FoundGear("", detected, None, np.array([0.0, 0.0, 1.0]), center, None, 0.0))
+        axis = np.array([0.0, 0.0, 1.0])
+        gears.append(FoundGear(path, "", detected, None, axis, center, None, 0.0, 0.0))
     return FileContents(_by_size(gears), ())
+
+
+def find_in_files(
+    paths: Iterable[Path], unit: float, request: SectionRequest | None = None
+) -> FileContents:
+    """Gears and other bodies of files that were drawn in one frame; see ``find_gears``.
+
+    Parameters
+    ----------
+    paths : iterable of Path
+        Files, as a CAD program writes them part by part; some may be without gears.
+    unit : float
+        Length of one unit of the files; STEP files carry their own. [m]
+    request : SectionRequest or None
+        Axis and plane of gears in solid files; None to find them.
+
+    Returns
+    -------
+    FileContents
+        Those of all files.
+
+    Raises
+    ------
+    GeometryError
+        If no file holds a gear.
+    """
+    gears: list[FoundGear] = []
+    others: list[PlainBody] = []
+    refused = []
+    for path in paths:
+        try:
+            found = find_gears(path, unit, request)
+        except GeometryError as error:
+            refused.append(error)
+            if is_solid(path):
+                others += _plain(path, load_body_sections(path, unit, SectionRequest()))
+            continue
+        gears += found.gears
+        others += found.others
+    if not gears:
+        raise refused[0]
+    return FileContents(_by_size(gears), tuple(others))
+
+
+def _plain(path: Path, sections: Iterable[BodySection]) -> list[PlainBody]:
+    return [PlainBody(path, cut.name, cut.body) for cut in sections]
 
 
 def axis_distance(first: FoundGear, second: FoundGear) -> float | None:
@@ -142,7 +224,8 @@ def _gears_of_solids(path: Path, unit: float, request: SectionRequest) -> FileCo
         raise refused[0]
     gears = _by_size(found)
     numbers = {gear.body for gear in gears}
-    return FileContents(gears, tuple(cut for cut in sections if cut.body not in numbers))
+    others = _plain(path, (cut for cut in sections if cut.body not in numbers))
+    return FileContents(gears, tuple(others))
 
 
 def _gear(path: Path, cut: BodySection) -> FoundGear:
@@ -153,12 +236,14 @@ def _gear(path: Path, cut: BodySection) -> FoundGear:
         raise GeometryError(f"{error} ({_place(cut)})") from error
     teeth = cut.teeth_extent
     return FoundGear(
+        file=path,
         name=cut.name,
         detected=detected,
         body=cut.body,
         axis=cut.axis,
         center=frame.T @ np.array([*detected.center, cut.height]),
         face_width=None if teeth is None else teeth[1] - teeth[0],
+        length=cut.extent[1] - cut.extent[0],
         helix_angle=_helix_angle(cut, detected),
     )
 

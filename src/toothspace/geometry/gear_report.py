@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from itertools import combinations
+from pathlib import Path
 
 import numpy as np
 
@@ -36,7 +37,10 @@ def file_report(contents: FileContents, center_distance: float | None = None) ->
     return {
         "gears": [gear_report(gear) for gear in contents.gears],
         "pairs": [pair for pair in pairs if pair],
-        "other_bodies": [{"body": other.body, "name": other.name} for other in contents.others],
+        "other_bodies": [
+            {"file": other.file.name, "body": other.body, "name": other.name}
+            for other in contents.others
+        ],
     }
 
 
@@ -67,6 +71,7 @@ def gear_report(found: FoundGear) -> dict[str, object]:
     """Numbers of one gear; those of the involute are absent where the flanks are none."""
     profile = found.detected.profile
     numbers: dict[str, object] = {
+        "file": found.file.name if isinstance(found.file, Path) else "",
         "name": found.name,
         "body": found.body,
         "tooth_count": profile.tooth_count,
@@ -93,6 +98,7 @@ def _involute_numbers(found: FoundGear) -> dict[str, object]:
         "pressure_angle_from": "standard module or pitch" if data.standard else "assumed",
         "profile_shift": data.profile_shift,
         "base_diameter_mm": 2e3 * fit.flank.base_radius,
+        "base_diameter_uncertainty_um": 1e6 * fit.base_diameter_uncertainty,
         "form_diameter_mm": 2e3 * fit.flank.form_radius,
         "tip_form_diameter_mm": 2e3 * fit.flank.tip_form_radius,
         "tip_rounding_mm": 1e3 * data.tip_rounding,
@@ -138,7 +144,12 @@ def pair_report(first: FoundGear, second: FoundGear) -> dict[str, object]:
 def _at_distance(first: FoundGear, second: FoundGear, distance: float) -> dict[str, object]:
     profiles = first.detected.profile, second.detected.profile
     return {
-        "gears": [first.name or first.body, second.name or second.body],
+        "gears": [_called(first), _called(second)],
         "center_distance_mm": 1e3 * distance,
         "normal_backlash_mm": 1e3 * normal_play(profiles, distance),
     }
+
+
+def _called(gear: FoundGear) -> str:
+    place = gear.file.name if isinstance(gear.file, Path) else "points"
+    return gear.name or (place if gear.body is None else f"{place} body {gear.body}")

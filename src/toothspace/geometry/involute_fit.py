@@ -120,6 +120,17 @@ class InvoluteFit:
         """Larger total profile deviation of both flanks [m]."""
         return max(self.left.total, self.right.total)
 
+    @property
+    def base_diameter_uncertainty(self) -> float:
+        r"""Change of the base diameter that tilts the involute by the form error [m].
+
+        At the roll angle :math:`\xi` the involute moves by :math:`\xi\,\mathrm{d}r_b` along its
+        normal.
+        """
+        flank = self.flank
+        rolled = flank.roll_length(flank.tip_form_radius) - flank.roll_length(flank.form_radius)
+        return 2.0 * self.form_error * flank.base_radius / rolled
+
 
 def folded_points(points: Array, tooth_count: int, phase: float) -> FlankPoints:
     """Turn the flank points of a gear onto one tooth.
@@ -356,7 +367,7 @@ def _first_guess(sides: dict[float, FlankPoints], low: float, high: float) -> Ar
 def _inside(points: FlankPoints, low: float, high: float) -> BoolArray:
     # the range, or all points above its begin where a coarse outline has hardly any in it
     inside = (points.radius >= low) & (points.radius <= high)
-    if _spanned(points.radius[inside]) < 0.4 * (high - low):
+    if not inside.any() or np.ptp(points.radius[inside]) < 0.4 * (high - low):
         inside = points.radius >= low
     return inside if inside.any() else np.ones_like(inside)
 
@@ -486,7 +497,3 @@ def _depth_below(radius: Array, distance: Array, base: float, form_radius: float
     # most negative distance between base circle and form radius
     below = (radius > base) & (radius < form_radius)
     return float(distance[below].min(initial=0.0))
-
-
-def _spanned(values: Array) -> float:
-    return float(np.ptp(values)) if len(values) else 0.0

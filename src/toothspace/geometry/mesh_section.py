@@ -54,9 +54,9 @@ class SurfaceMesh:
 
     @property
     def is_closed(self) -> bool:
-        """Whether every edge joins exactly two triangles."""
+        """Whether every edge joins two triangles, or four where the surface touches itself."""
         _, counts = np.unique(_edge_numbers(self), return_counts=True)
-        return bool(np.all(counts == 2))
+        return bool(np.all(counts % 2 == 0))
 
     def extent(self, axis: Array) -> tuple[float, float]:
         """Range of the body along a unit vector [m]."""

@@ -369,11 +369,8 @@ def _between(outline: Array, angle: Array, start: float, span: float, key: str) 
     begin = _at_angle(outline, angle, first, start)
     end = _at_angle(outline, angle, last, start + span)
     inner = outline[first:last]
-    return np.vstack([begin, inner[1:] if _close(inner[0], begin) else inner, end])
-
-
-def _close(first: Array, second: Array) -> bool:
-    return bool(np.hypot(*(first - second)) < 1e-12)
+    inner = inner[1:] if np.hypot(*(inner[0] - begin)) < 1e-12 else inner
+    return np.vstack([begin, inner, end])
 
 
 def _at_angle(outline: Array, angle: Array, index: int, at: float) -> Array:

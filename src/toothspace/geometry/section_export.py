@@ -13,6 +13,7 @@ from typing import Any, final
 import numpy as np
 
 from toothspace.core.errors import GeometryError
+from toothspace.core.files import write_bytes
 from toothspace.core.optional import package_of_extra
 from toothspace.core.types import Array
 from toothspace.geometry.cad_export import (
@@ -20,7 +21,6 @@ from toothspace.geometry.cad_export import (
     distinct_in_single_precision,
     face_prism_bytes,
     spline_edge,
-    write_atomically,
 )
 
 _MILLIMETRE = 1e-3
@@ -80,7 +80,7 @@ def export_section(section: Section, path: Path, width: float) -> None:
         raise GeometryError(
             f"{path}: found the suffix {suffix or 'none'!r}, allowed {', '.join(EXPORT_SUFFIXES)}"
         )
-    write_atomically(path, writers[suffix]())
+    write_bytes(path, writers[suffix]())
 
 
 def _text_bytes(section: Section) -> bytes:

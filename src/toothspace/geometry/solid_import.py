@@ -18,21 +18,22 @@ from toothspace.geometry.body_section import (
     SolidBody,
     cut_bodies,
 )
+from toothspace.geometry.limited_reading import READ_HERE, read_sections
 from toothspace.geometry.mesh_section import SurfaceMesh, merged, section, separated
 
 _MERGE_TOLERANCES = (0.0, 1e-8, 1e-7, 1e-6)
 """Of the size of a file: distance up to which corners of its triangles are one. [-]"""
 
 
-def stl_sections(path: Path, unit: float, request: SectionRequest) -> list[BodySection]:
-    """Cut the bodies of an STL file.
+def solid_sections(path: Path, unit: float, request: SectionRequest) -> list[BodySection]:
+    """Cut the bodies of a solid file.
 
     Parameters
     ----------
     path : Path
-        ASCII or binary STL file.
+        STEP, ASCII or binary STL file.
     unit : float
-        Length of one unit of the file. [m]
+        Length of one unit of an STL file; STEP files carry their own. [m]
     request : SectionRequest
         What to cut.
 
@@ -44,56 +45,34 @@ def stl_sections(path: Path, unit: float, request: SectionRequest) -> list[BodyS
     Raises
     ------
     GeometryError
-        For truncated files, bodies that are not closed, a plane outside the bodies.
+        For files that cannot be read within the limits of the reading process, truncated files,
+        bodies that are not closed, a plane outside the bodies, or if the optional package for the
+        format is missing.
     """
-    bodies = [
-        SolidBody("", mesh, partial(_simple_section, mesh)) for mesh in _stl_bodies(path, unit)
-    ]
-    return cut_bodies(str(path), bodies, request)
-
-
-def step_sections(path: Path, request: SectionRequest) -> list[BodySection]:
-    """Cut the solids of a STEP file, which is read in a process of its own.
-
-    Parameters
-    ----------
-    path : Path
-        STEP file; its own length unit is used.
-    request : SectionRequest
-        What to cut.
-
-    Returns
-    -------
-    list of BodySection
-        Sections, largest body first.
-
-    Raises
-    ------
-    GeometryError
-        For files that cannot be read within the limits of the process, files without solids, a
-        plane outside the solids, or if the optional package for STEP files is missing.
-    """
+    if path.suffix.lower() == ".stl":
+        if path.stat().st_size > READ_HERE:
+            return read_sections(path, unit, request)
+        return cut_bodies(str(path), stl_bodies(path, unit), request)
     _require_ocp(path)
-    from toothspace.geometry.step_process import read_step_sections
+    if not path.read_bytes()[:64].lstrip().startswith(b"ISO-10303-21"):
+        raise GeometryError(f"{path}: found no STEP header, allowed a file of ISO-10303-21")
+    return read_sections(path, unit, request)
 
-    return read_step_sections(path, request)
 
-
-def section_stl(
+def section_of_solids(
     path: Path, unit: float, plane_z: float | None = None, body: int | None = None
 ) -> list[Array]:
-    """Closed curves of an STL file in a plane of constant z, largest body first [m]."""
+    """Closed curves of a solid file in a plane of constant z, largest body first [m]."""
     request = SectionRequest(plane=plane_z, body=body)
-    return [curve for cut in stl_sections(path, unit, request) for curve in cut.curves]
+    return [curve for cut in solid_sections(path, unit, request) for curve in cut.curves]
 
 
-def section_step(path: Path, plane_z: float | None = None, body: int | None = None) -> list[Array]:
-    """Closed curves of a STEP file in a plane of constant z, largest body first [m]."""
-    request = SectionRequest(plane=plane_z, body=body)
-    return [curve for cut in step_sections(path, request) for curve in cut.curves]
+def stl_bodies(path: Path, unit: float) -> list[SolidBody]:
+    """Bodies of an STL file, read in this process; see ``solid_sections``."""
+    return [SolidBody("", m, partial(_simple_section, m)) for m in _closed_meshes(path, unit)]
 
 
-def _stl_bodies(path: Path, unit: float) -> list[SurfaceMesh]:
+def _closed_meshes(path: Path, unit: float) -> list[SurfaceMesh]:
     trimesh = package_of_extra("trimesh", "cad", f"{path}: found an STL file")
     _check_stl(path)
     try:

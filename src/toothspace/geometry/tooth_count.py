@@ -16,18 +16,20 @@ _LARGEST_OTHER = 0.7
 _LEAST_AREA = 1e-14
 
 
-def repeating_teeth(outline: Array) -> int | None:
+def repeating_teeth(outline: Array, fewest: int = MIN_TOOTH_COUNT) -> int | None:
     r"""Number of equal teeth round the centroid of an outline.
 
     Parameters
     ----------
     outline : ndarray, shape (n, 2)
         Closed curve. [m]
+    fewest : int
+        Fewest teeth that count, at least 2.
 
     Returns
     -------
     int or None
-        Tooth count of 5 to 400; None for an outline without repeating teeth.
+        Tooth count up to 400; None for an outline without repeating teeth.
 
     Notes
     -----
@@ -41,7 +43,7 @@ def repeating_teeth(outline: Array) -> int | None:
     points = counter_clockwise(outline)
     points = points - centroid(points)
     spectrum = area_spectrum(points)
-    count = MIN_TOOTH_COUNT + int(np.argmax(spectrum[MIN_TOOTH_COUNT : MAX_TOOTH_COUNT + 1]))
+    count = fewest + int(np.argmax(spectrum[fewest : MAX_TOOTH_COUNT + 1]))
     weak = spectrum[count] < SMALLEST_MODULATION * abs(signed_area(points))
     orders = np.arange(2, MAX_TOOTH_COUNT + 1)
     others = spectrum[orders[orders % count != 0]].max()
@@ -61,8 +63,13 @@ def centroid(points: Array) -> Array:
 def area_spectrum(points: Array) -> Array:
     """Magnitudes of the terms of the area over the angle about the origin [m2]."""
     angle, area = area_elements(points)
-    sector = np.floor(angle / (2.0 * np.pi) * _SECTORS).astype(int) % _SECTORS
-    return np.asarray(np.abs(np.fft.rfft(np.bincount(sector, area, _SECTORS))))
+    place = angle / (2.0 * np.pi) * _SECTORS
+    sector = np.floor(place).astype(int)
+    # shared by two sectors, or even pieces of a circle would beat with the sectors like teeth
+    share = place - sector
+    total = np.bincount(sector % _SECTORS, (1.0 - share) * area, _SECTORS)
+    total += np.bincount((sector + 1) % _SECTORS, share * area, _SECTORS)
+    return np.asarray(np.abs(np.fft.rfft(total)))
 
 
 def area_phase(points: Array, tooth_count: int) -> float:

@@ -11,6 +11,7 @@ from typing import final
 import numpy as np
 
 from toothspace.core.errors import GeometryError
+from toothspace.core.files import reading
 from toothspace.core.signals import column_names, read_columns
 from toothspace.core.types import Array
 from toothspace.geometry.gear_profile import InvoluteFlank
@@ -92,16 +93,20 @@ def read_tooth_deviations(path: Path, flank: InvoluteFlank, tooth_count: int) ->
     measured ones.
     """
     nodes = even_nodes(flank)
-    if path.suffix.lower() == ".mka":
-        return _from_curve_file(path, flank, tooth_count, nodes)
+    with reading(path, "a tester's file"):
+        if path.suffix.lower() == ".mka":
+            return _from_curve_file(path, flank, tooth_count, nodes)
+        return _from_table(path, tooth_count, nodes)
+
+
+def _from_table(path: Path, tooth_count: int, nodes: Array) -> ToothDeviations:
     columns = {"tooth": "1", "roll_length": "mm", "left": "um", "right": "um"}
     with_tip = "tip" in column_names(path)
     data = read_columns(path, columns | ({"tip": "um"} if with_tip else {}))
     present = np.unique(data["tooth"])
     if not np.array_equal(present, np.arange(1, tooth_count + 1)):
-        raise GeometryError(
-            f"{path}: found teeth {_listed(present)}, allowed each of 1 to {tooth_count}"
-        )
+        some = ", ".join(f"{value:g}" for value in present[:12]) or "none"
+        raise GeometryError(f"{path}: found teeth {some}, allowed each of 1 to {tooth_count}")
     rows = [np.flatnonzero(data["tooth"] == number) for number in present]
     ordered = [row[np.argsort(data["roll_length"][row])] for row in rows]
     left, right = (
@@ -110,10 +115,6 @@ def read_tooth_deviations(path: Path, flank: InvoluteFlank, tooth_count: int) ->
     )
     tips = [float(data["tip"][row].mean()) if with_tip else 0.0 for row in ordered]
     return ToothDeviations(nodes, left, right, np.array(tips))
-
-
-def _listed(numbers: Array) -> str:
-    return ", ".join(f"{value:g}" for value in numbers[:12]) or "none"
 
 
 def _from_curve_file(

@@ -6,6 +6,7 @@ from typing import Literal, Protocol
 
 import numpy as np
 
+from toothspace.core.errors import GeometryError
 from toothspace.gearing.materials import Material, library_material, reduced_modulus
 from toothspace.geometry.curve import closed_length, polar_moment
 from toothspace.geometry.gear_profile import GearProfile
@@ -117,6 +118,32 @@ def ring_bearing(
         boundary_friction=boundary_friction,
         end_condition=end_condition,
     )
+
+
+def require_shaft_below(key: str, diameter: float, root_radius: float) -> None:
+    """Refuse a shaft that is not thinner than the root of what it carries. [m].
+
+    Raises
+    ------
+    GeometryError
+        If a diameter under a key reaches the root circle.
+    """
+    if diameter >= 2.0 * root_radius:
+        allowed = f"below the root diameter, {root_radius * 2e3:.5g} mm"
+        raise GeometryError(f"{key}: found {diameter * 1e3:.5g} mm, allowed {allowed}")
+
+
+def require_rim(key: str, diameter: float, root_radius: float) -> None:
+    """Refuse a ring whose teeth reach its outside diameter. [m].
+
+    Raises
+    ------
+    GeometryError
+        If a diameter under a key does not reach beyond the roots of the teeth.
+    """
+    if diameter <= 2.0 * root_radius:
+        allowed = f"above {root_radius * 2e3:.5g} mm, the root diameter of its teeth"
+        raise GeometryError(f"{key}: found {diameter * 1e3:.5g} mm, allowed {allowed}")
 
 
 def gear_on_shaft(

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Literal, cast, final
 
 from toothspace.core.keys import KeyTable, choice, forbid, number, quantity, require, text
@@ -11,6 +13,23 @@ from toothspace.model.description import MachineDescription
 
 DEFAULT_NODES = 720
 """About how many table nodes stand on one turn."""
+
+
+@final
+@dataclass(frozen=True)
+class CaseDraft:
+    """First case file of a machine that was found in CAD files.
+
+    Parameters
+    ----------
+    text : str
+        TOML with comments on what was found and what is assumed.
+    parts : int
+        How many parts of the files it uses.
+    """
+
+    text: str
+    parts: int
 
 
 @final
@@ -25,10 +44,22 @@ class MachineType:
     describe : callable
         From the definition of a machine, and optionally about how many table nodes on a turn, to
         its description; ``GeometryError`` if it cannot be built.
+    draft : callable or None
+        From CAD files, the name of their unit, the wanted section and the folder of the case file
+        to a :class:`CaseDraft`, or None where they hold no such machine.
     """
 
     name: str
     describe: Callable[..., MachineDescription]
+    draft: Callable[..., CaseDraft | None] | None = None
+
+
+def named_beside(file: Path, folder: Path) -> str:
+    """Name of a file for a case file in a folder: relative, but on another drive."""
+    try:
+        return Path(os.path.relpath(file, folder)).as_posix()
+    except ValueError:
+        return file.resolve().as_posix()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,6 +94,11 @@ class MachineTables(KeyTable):
         """Node that collects the drain."""
         low = "inlet" if self.mode == "pump" else "outlet"
         return cast(Literal["inlet", "outlet", "external"], self.drain or low)
+
+    @property
+    def missing_floating_part(self) -> str:
+        """Message about what a floating part in balance would need; empty if there is one."""
+        return "machine.type: found a type without floating parts, allowed one with them"
 
     def assemble(self) -> Any:
         """Return the definition of the machine: these keys themselves."""

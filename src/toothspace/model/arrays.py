@@ -118,9 +118,10 @@ CURVATURE, LAW_LEVEL, LAW_EXPONENT, POSSIBLE, GAP_BY_MOTION = 1, 2, 3, 6, 7
     PAIR_POWER_LAW,
     PAIR_ACCOUNT,
     PAIR_SQUEEZE,
-) = range(20)
+    PAIR_LOSS,
+) = range(21)
 CONTACT_STATE = 10
-CONTACT_COLUMNS = 20
+CONTACT_COLUMNS = 21
 
 # Columns of ``motion``; ratio and drag are those of a rotation, zero otherwise.
 (

@@ -104,7 +104,7 @@ def contact_parts(
     return ContactParts(
         tables=tables,
         reading=_readings(contacts, first_table, POSSIBLE if compliant else OPEN),
-        data=np.array(rows, dtype=float).reshape(count, 10),
+        data=np.array(rows, dtype=float).reshape(count, 11),
         counts={"contacts": count, "compliant": count if compliant else 0},
     )
 
@@ -122,6 +122,7 @@ def _readings(contacts: list[ContactPair], first_table: int, gate: int) -> Readi
 def _constants(contact: ContactPair) -> tuple[float, ...]:
     """Constants of ``contact`` in their order."""
     onset = contact.roughness if contact.onset is None else contact.onset
+    speed = contact.approach_speed
     return (
         contact.effective_modulus,
         contact.roughness,
@@ -129,10 +130,11 @@ def _constants(contact: ContactPair) -> tuple[float, ...]:
         contact.limiting_shear,
         contact.width,
         onset,
-        impact_damping(contact.restitution, contact.approach_speed),
+        0.0 if speed is None else impact_damping(contact.restitution, speed),
         float(contact.law in ("pereira", "linear")),
         FRICTION_MECHANISMS.index(contact.friction_account),
         float(contact.squeeze_film),
+        impact_damping(contact.restitution, 1.0) if speed is None else 0.0,
     )
 
 

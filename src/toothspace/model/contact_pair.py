@@ -72,8 +72,9 @@ class ContactPair:
         Overlap over which contact builds up, on both sides of touch; None: the roughness. [m]
     restitution : float
         Coefficient of restitution of an impact at ``approach_speed``. [-]
-    approach_speed : float
-        Speed of that impact. [m/s]
+    approach_speed : float or None
+        Speed of that impact; None: each impact at the speed at which its surfaces meet, so that
+        the restitution holds for all. [m/s]
     friction_account : str
         Ledger entry of the friction: ``mesh_friction`` or ``contact_friction``.
     squeeze_film : bool
@@ -109,7 +110,7 @@ class ContactPair:
     depth: float = math.inf
     onset: float | None = None
     restitution: float = 0.8
-    approach_speed: float = 0.1
+    approach_speed: float | None = 0.1
     friction_account: Literal["mesh_friction", "contact_friction"] = "contact_friction"
     squeeze_film: bool = False
     own: tuple[PeriodicTable, ...] = ()

@@ -51,6 +51,7 @@ from toothspace.model.arrays import (
     PAIR_BOUNDARY,
     PAIR_DAMPING,
     PAIR_LIMIT,
+    PAIR_LOSS,
     PAIR_MODULUS,
     PAIR_ONSET,
     PAIR_POWER_LAW,
@@ -68,6 +69,8 @@ from toothspace.model.arrays import (
 from toothspace.model.ledger import CONTACT_LOSS, FRICTION
 
 FAR = 1e-3
+LEAST_IMPACT = 1e-4
+"""Smallest speed of an impact: slower surfaces come to rest on each other. [m/s]"""
 
 
 @kernel
@@ -94,7 +97,7 @@ def contact_gap(s: SystemArrays, state: Array, j: int) -> float:
 def update_contacts(s: SystemArrays, state: Array) -> None:
     """Forces of all compliant contacts and their sums on the free motions."""
     size, contact, motion = s.size, s.contact, s.motion
-    values, slopes = s.contact_values[VALUE], s.contact_values[SLOPE]
+    values = s.contact_values[VALUE]
     for k in range(size.motions):
         motion[k, CONTACT_LOAD] = 0.0
     for j in range(size.compliant):
@@ -102,15 +105,7 @@ def update_contacts(s: SystemArrays, state: Array) -> None:
         if gap >= reach_of(contact[j]):
             contact[j, :CONTACT_STATE] = 0.0
             continue
-        by_angle = slopes[j, GAP]
-        slip = values[j, SLIDING] * state[1]
-        rate = 0.0
-        for k in range(size.motions):
-            speed = state[size.velocity + k]
-            by_angle += slopes[j, GAP_BY_MOTION + k] * state[size.position + k]
-            rate += values[j, GAP_BY_MOTION + k] * speed
-            slip += values[j, GAP_BY_MOTION + size.motions + k] * speed
-        rate += by_angle * state[1]
+        rate, by_angle, slip = _rates(s, state, j)
         press(s, j, -gap, -rate)
         cushion(s, j, gap, -rate)
         rub(s, j, slip, values[j, ROLLING] * state[1])
@@ -120,6 +115,34 @@ def update_contacts(s: SystemArrays, state: Array) -> None:
             load = contact[j, CONTACT_FORCE] * values[j, GAP_BY_MOTION + k]
             along = values[j, GAP_BY_MOTION + size.motions + k]
             motion[k, CONTACT_LOAD] += load + contact[j, CONTACT_FRICTION] * along
+
+
+@kernel
+def note_approach(s: SystemArrays, state: Array) -> None:
+    """Set the damping of each open contact by the speed at which its surfaces approach.
+
+    Called for accepted states only, so an impact keeps the speed of the last one before it.
+    """
+    for j in range(s.size.compliant):
+        loss = s.contact[j, PAIR_LOSS]
+        if loss > 0.0 and contact_gap(s, state, j) >= s.contact[j, PAIR_ONSET]:
+            rate, _, _ = _rates(s, state, j)
+            s.contact[j, PAIR_DAMPING] = loss / max(-rate, LEAST_IMPACT)
+
+
+@kernel
+def _rates(s: SystemArrays, state: Array, j: int) -> tuple[float, float, float]:
+    """Rate of the gap [m/s], its part by the angle [m/rad] and the slip [m/s] of a contact."""
+    size, values, slopes = s.size, s.contact_values[VALUE], s.contact_values[SLOPE]
+    by_angle = slopes[j, GAP]
+    slip = values[j, SLIDING] * state[1]
+    rate = 0.0
+    for k in range(size.motions):
+        speed = state[size.velocity + k]
+        by_angle += slopes[j, GAP_BY_MOTION + k] * state[size.position + k]
+        rate += values[j, GAP_BY_MOTION + k] * speed
+        slip += values[j, GAP_BY_MOTION + size.motions + k] * speed
+    return rate + by_angle * state[1], by_angle, slip
 
 
 @kernel

@@ -17,7 +17,6 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from scipy.linalg import expm
 
 from toothspace.closures.heat_transfer import film_wall_conductance, turning_body_coefficient
 from toothspace.core.types import Array
@@ -150,6 +149,8 @@ class HeatNetwork:
         duration : float
             Time at the same powers and flows. [s]
         """
+        from scipy.linalg import expm
+
         matrix, given = self._balance()
         lasting = np.linalg.solve(matrix, given)
         fading = expm(-matrix / self.heat_capacity[:, None] * duration)
@@ -290,7 +291,8 @@ def heat_network(
     if description.drain != "external":
         target = OIL if description.drain == "inlet" else OUTLET
         streams[place[DRAIN_OIL], place[target]] = drained
-    heat_capacity[place[OIL]] = capacity * _chamber_volume(description)
+    volumes = (family.volume(family.phases)[..., 0].sum() for family in description.families)
+    heat_capacity[place[OIL]] = capacity * sum(volumes)
     heat_capacity[place[OUTLET]] = capacity * description.port_volumes[1]
     heat_capacity[place[DRAIN_OIL]] = heat_capacity[place[OIL]] if drained > 0.0 else _LEAST
     join(OUTLET, OIL, _LEAST)
@@ -320,7 +322,3 @@ def _diameter(description: MachineDescription, body: str) -> float:
             return 2.0 * film.outer_radius
     outline = description.outlines[body]
     return 2.0 * float(np.hypot(*outline.T).max())
-
-
-def _chamber_volume(description: MachineDescription) -> float:
-    return float(sum(family.volume(family.phases)[..., 0].sum() for family in description.families))

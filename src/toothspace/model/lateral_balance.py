@@ -244,8 +244,9 @@ class LateralBalance:
         and tilt on their own. Empty where it is not split.
     body_tilts : tuple of float
         Largest tilt of every turning body in its journal bearings. Empty: any. [rad]
-    shaft_stiffness : float
-        Moment over tilt by which the journal bearings hold every turning body. [N m/rad]
+    shaft_stiffness : float or None
+        Moment over tilt by which the journal bearings hold every turning body; None: by the films
+        that carry its load. [N m/rad]
     """
 
     arrangement: Literal["symmetric", "asymmetric", "plates"]
@@ -259,7 +260,7 @@ class LateralBalance:
     elastic_bodies: ElasticBodies | None = None
     halves: tuple[FloatingBearing, ...] = ()
     body_tilts: tuple[float, ...] = ()
-    shaft_stiffness: float = 0.0
+    shaft_stiffness: float | None = 0.0
 
     @property
     def bodies(self) -> tuple[str, ...]:

@@ -47,7 +47,13 @@ from toothspace.model.chambers import (
     update_volumes,
 )
 from toothspace.model.circuit import book_circuit, update_elements
-from toothspace.model.contacts import book_contacts, contact_gap, motion_force, update_contacts
+from toothspace.model.contacts import (
+    book_contacts,
+    contact_gap,
+    motion_force,
+    note_approach,
+    update_contacts,
+)
 from toothspace.model.drive import (
     fill_load_rates,
     fill_load_weights,
@@ -241,6 +247,7 @@ def finish_step(
     update_pressure_forces(s)
     update_film_forces(s, state)
     update_contacts(s, state)
+    note_approach(s, state)
     update_elements(s, state, t)
     for i in range(s.size.core, s.size.total):
         rate[i] = 0.0

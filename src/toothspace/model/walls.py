@@ -5,7 +5,7 @@ r"""Volumes with compliant walls: hoses, and accumulators with a gas charge.
     V(p) = V_0 + C p + \Delta V_g(p)
 
 with the wall compliance C of a line and the volume :math:`\Delta V_g` by which the gas charge of
-an accumulator gives way, :func:`toothspace.closures.accumulator.gas_charge_volume`.
+an accumulator is compressed, :func:`toothspace.closures.accumulator.gas_charge_volume`.
 """
 
 from __future__ import annotations

@@ -265,7 +265,7 @@ FIGURES: tuple[FigureEntry, ...] = (
         "losses",
         losses.ledger_waterfall,
     ),
-    FigureEntry("loss_bars", "Every loss of the ledger.", "losses", losses.loss_bars),
+    FigureEntry("loss_bars", "Every loss by cause.", "losses", losses.loss_bars),
     FigureEntry(
         "torque_breakdown",
         "Friction torque by mechanism, as felt at the shaft.",

@@ -92,8 +92,11 @@ def point_maps(data: xr.Dataset, field: FilmField) -> Figure:
 def lateral_films(solution: Solution, description: MachineDescription | None = None) -> Figure:
     """Height, pressure, asperity pressure and wear indicator on both sides of the gears."""
     data, sides = solution.data, _sides(solution.data)
-    fields = (HEIGHT, PRESSURE, CONTACT, WEAR)
+    touching = bool(np.isfinite(CONTACT.shown(data)).any())
+    fields = (HEIGHT, PRESSURE, CONTACT, WEAR) if touching else (HEIGHT, PRESSURE)
     figure = new_figure(7.2, 2.6 * len(sides) + 0.6)
+    if not touching:
+        figure.suptitle("No asperities touch", fontsize=8, color=GREY)
     panels = figure.subplots(len(sides), len(fields), squeeze=False)
     for column, field in enumerate(fields):
         values = field.shown(data)

@@ -48,8 +48,9 @@ def _flank(axes: Axes, title: str, deviation: ProfileDeviation) -> None:
     axes.set_title(title)
     low, high = axes.get_xlim()
     axes.set_xlim(min(low, -_LEAST_RANGE), max(high, _LEAST_RANGE))
+    axes.locator_params(axis="x", nbins=5)
     axes.set_xlabel(
-        f"Deviation (µm)   Fα {1e6 * deviation.total:.3g}, ffα {1e6 * deviation.form:.3g}, "
-        f"fHα {1e6 * deviation.slope:.3g}",
+        f"Deviation (µm)   Fα {1e6 * deviation.total:.2f}, ffα {1e6 * deviation.form:.2f}, "
+        f"fHα {1e6 * deviation.slope:.2f}",
         fontsize=8.0,
     )

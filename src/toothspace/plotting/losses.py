@@ -19,7 +19,7 @@ from toothspace.plotting.style import (
     readable,
     styled,
 )
-from toothspace.results.ledger import LedgerRow, power_ledger
+from toothspace.results.ledger import LedgerRow, loss_causes, power_ledger
 from toothspace.results.performance import means_by_label
 from toothspace.results.solution import Solution
 
@@ -60,8 +60,8 @@ def _of_paths(solution: Solution, name: str, otherwise: Sequence[str]) -> dict[s
 
 @styled
 def loss_bars(solution: Solution, description: MachineDescription | None = None) -> Figure:
-    """Every loss of the ledger, largest first."""
-    losses = {r.label: r.power for r in power_ledger(solution.ledger) if r.kind == "loss"}
+    """Every loss by cause, largest first."""
+    losses = {f"{c.cause}, {c.label}": c.power for c in loss_causes(solution.ledger)}
     return _bar_figure(losses, "Power losses", "Power (W)", PURPLE)
 
 
@@ -74,7 +74,7 @@ def _bar_figure(
     axes = figure.subplots()
     colours = [color if isinstance(color, str) else color[name] for name in ordered]
     bars = axes.barh(list(ordered), list(ordered.values()), color=colours, height=0.62)
-    axes.bar_label(bars, fmt="{:.3g}", padding=4, fontsize=8, color=INK)
+    axes.bar_label(bars, fmt=_digits, padding=4, fontsize=8, color=INK)
     axes.grid(visible=False, axis="y")
     axes.tick_params(axis="y", length=0)
     axes.margins(x=0.12)
@@ -83,13 +83,21 @@ def _bar_figure(
     return figure
 
 
+def _digits(value: float) -> str:
+    return f"{value:.3g}" if abs(value) < 100.0 else f"{value:.0f}"
+
+
 @styled
 def ledger_waterfall(solution: Solution, description: MachineDescription | None = None) -> Figure:
     """From supplied power, loss by loss, to delivered power."""
     rows = power_ledger(solution.ledger)
     supplied = next(row for row in rows if row.kind == "supplied")
     delivered = next(row for row in rows if row.kind == "delivered")
-    steps = _grouped([r for r in rows if r.kind in {"loss", "stored"}], supplied.power)
+    causes = sorted(loss_causes(solution.ledger), key=lambda entry: -entry.power)
+    steps = _grouped(
+        [(f"{c.cause}, {c.label}", c.power) for c in causes]
+        + [(r.label, r.power) for r in rows if r.kind == "stored"]
+    )
     figure = new_figure(7.2, 4.2)
     axes = figure.subplots()
     _draw_waterfall(axes, supplied, steps, delivered)
@@ -103,10 +111,11 @@ def ledger_waterfall(solution: Solution, description: MachineDescription | None 
     return figure
 
 
-def _grouped(rows: Sequence[LedgerRow], supplied: float) -> list[tuple[str, float]]:
-    """Rows above 0.1 % of the supply, the others in one."""
-    large = [(readable(r.label), r.power) for r in rows if abs(r.power) > 1e-3 * abs(supplied)]
-    rest = sum(r.power for r in rows if abs(r.power) <= 1e-3 * abs(supplied))
+def _grouped(steps: Sequence[tuple[str, float]]) -> list[tuple[str, float]]:
+    """Steps above 2 % of all, the others in one."""
+    least = 0.02 * sum(abs(power) for _, power in steps)
+    large = [(readable(name), power) for name, power in steps if abs(power) > least]
+    rest = sum(power for _, power in steps if abs(power) <= least)
     return [*large, ("Others", rest)] if rest != 0.0 else large
 
 
@@ -129,7 +138,12 @@ def _draw_waterfall(
     for k, height in enumerate(heights):
         top = bottoms[k] + max(height, 0.0)
         axes.annotate(
-            f"{height:.4g}", (k, top), (0, 3), textcoords="offset points", ha="center", fontsize=8
+            _digits(height),
+            (k, top),
+            (0, 3),
+            textcoords="offset points",
+            ha="center",
+            fontsize=7.5,
         )
     axes.set_xticks(np.arange(len(names)), names)
     losses = supplied.power - min(float(level[-1]), delivered.power)

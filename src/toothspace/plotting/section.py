@@ -95,7 +95,8 @@ def gear_section(
     pitch = 2.0 * np.pi / description.families[0].count
     columns = min(len(fractions), 2)
     rows = -(-len(fractions) // columns)
-    figure = new_figure(3.5 * columns + 0.9, 5.3 * rows)
+    left, low, right, high = housing_region(description).bounds
+    figure = new_figure(3.5 * columns + 0.9, (0.6 + 2.9 * (high - low) / (right - left)) * rows)
     panels = np.ravel(figure.subplots(rows, columns, squeeze=False))
     scale = _pressure_scale(solution)
     for axes, fraction in zip(panels, fractions, strict=False):

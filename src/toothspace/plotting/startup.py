@@ -66,7 +66,7 @@ def speed_and_pressure(
     pressure.set_ylabel("Pressure difference (bar)")
     pressure.set_xlabel("Time (s)")
     speed.set_title("Speed and pressure over time")
-    speed.legend(loc="upper right")
+    speed.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, borderaxespad=0.2)
     return figure
 
 
@@ -125,7 +125,7 @@ def torque_shares(solution: Solution, description: MachineDescription | None = N
     axes.set_xlabel("Time (s)")
     axes.set_ylabel("Torque at the shaft (N m)")
     axes.set_title("What the pressure works against")
-    axes.legend(loc="upper right", ncols=2)
+    axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0)
     return figure
 
 

@@ -223,7 +223,7 @@ def time_history(solution: Solution, description: MachineDescription | None = No
         pressure.plot(time, np.asarray(data[f"{port}_pressure"]) / _BAR, color=color, label=label)
         flow.plot(time, np.asarray(data[f"{port}_flow_rate"]) * _LITRE_PER_MINUTE, color=color)
     pressure.set_ylabel("Pressure (bar)")
-    pressure.legend(loc="upper right", ncols=2)
+    pressure.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2)
     flow.set_ylabel("Flow (L/min)")
     flow.set_xlabel("Time (s)")
     speed.set_title("Course of the run")

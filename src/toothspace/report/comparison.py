@@ -14,6 +14,7 @@ from toothspace.case import Case
 from toothspace.core.files import write_text
 from toothspace.core.status import Status
 from toothspace.report.wording import format_value, quantity
+from toothspace.results.ledger import loss_causes
 from toothspace.results.solution import Solution
 
 if TYPE_CHECKING:
@@ -51,13 +52,11 @@ class Comparison:
 
     def losses(self) -> dict[str, tuple[float, float]]:
         """Return the mean power that each cause dissipates in both runs, by its name. [W]."""
-        both = (self.first.ledger, self.second.ledger)
-        names = {**both[0].losses, **both[1].losses}
-        found = {
-            label: tuple(one.energy.get(key, 0.0) / one.duration for one in both)
-            for key, label in names.items()
-        }
-        return {label: (a, b) for label, (a, b) in found.items() if a or b}
+        one, two = (
+            {f"{entry.cause}, {entry.label}": entry.power for entry in loss_causes(run.ledger)}
+            for run in (self.first, self.second)
+        )
+        return {name: (one.get(name, 0.0), two.get(name, 0.0)) for name in {**one, **two}}
 
     @cached_property
     def _keys(self) -> dict[str, tuple[Any, Any]]:

@@ -153,10 +153,12 @@ def report_contents(
 
 def _numbers(solution: Solution) -> dict[str, Any]:
     summary = solution.summary()
-    key_numbers = _TRANSIENT_NUMBERS if "time" in solution.data.sizes else _KEY_NUMBERS
+    names = _TRANSIENT_NUMBERS if "time" in solution.data.sizes else _KEY_NUMBERS
     rows = [
         (r, format_value(r.power), f"{100.0 * r.share:.2f}") for r in power_ledger(solution.ledger)
     ]
+    # a port whose pressure is held has no ripple to tell of
+    held = "" if summary.get("pressure_ripple_bar") else "pressure_ripple_bar"
     duration = solution.ledger.duration
     notes = [
         (label, format_value(solution.ledger.energy[name] / duration))
@@ -166,7 +168,7 @@ def _numbers(solution: Solution) -> dict[str, Any]:
     return {
         "verdict": verdict(solution),
         "status": solution.status,
-        "key_numbers": [quantity(n, summary[n]) for n in key_numbers if n in summary],
+        "key_numbers": [quantity(n, summary[n]) for n in names if n in summary and n != held],
         "summary": {name: quantity(name, value) for name, value in summary.items()},
         "causes": _causes(solution, summary),
         "temperatures": _temperatures(solution),

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 
 from toothspace.model.description import MachineDescription
-from toothspace.results.ledger import loss_causes, power_ledger
+from toothspace.results.ledger import loss_causes
 from toothspace.results.solution import Solution
 
 
@@ -62,13 +62,13 @@ def _causes(solution: Solution) -> str:
 
 
 def _largest_loss(solution: Solution) -> str:
-    losses = [row for row in power_ledger(solution.ledger) if row.kind == "loss"]
-    total = sum(row.power for row in losses)
-    if not losses or total <= 0.0:
+    losses = loss_causes(solution.ledger)
+    total = sum(entry.power for entry in losses)
+    if total <= 0.0:
         return ""
-    largest = max(losses, key=lambda row: row.power)
-    share = 100.0 * largest.power / total
-    return f"; the largest loss is {largest.label} with {largest.power:.0f} W, {share:.0f} % of all"
+    largest = max(losses, key=lambda entry: entry.power)
+    where = f"{largest.cause}, {largest.label}, with {largest.power:.0f} W"
+    return f"; the largest loss is {where}, {100.0 * largest.power / total:.0f} % of all"
 
 
 def warnings_of(solution: Solution, description: MachineDescription | None) -> list[str]:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
+from toothspace.core.status import Status
 from toothspace.model.description import DesignCheck
 from toothspace.results.solution import Solution, warned
 
@@ -97,14 +98,25 @@ def _numbers(solution: Solution) -> Iterator[str]:
             "expands in them or is drawn past the ports. Look at the timing of the ports."
         )
     overall = numbers.get("overall_efficiency", math.nan)
+    if volumetric < 0.0:
+        yield (
+            "More leaks back than is displaced, so that the mean flow runs backwards: the machine "
+            "cannot hold this pressure at this speed. Look at the clearances."
+        )
+    elif overall < 0.0:
+        yield (
+            "The shaft is driven from outside although this is a motor: friction takes more than "
+            "the pressure gives. Raise the pressure difference or look at the clearances."
+        )
     if overall > 1.0:
         yield (
             f"Overall efficiency is {overall:.4f}, above 1, which no machine has. "
             "Tighten run.relative_tolerance."
         )
+    whole = solution.status in (Status.DONE, Status.NOT_CYCLIC)
     for name, limit in BALANCE_LIMITS.items():
         value = numbers.get(name, math.nan)
-        if value > limit:
+        if value > limit and whole:
             yield (
                 f"{name.replace('_', ' ').capitalize()} is {value:.1e}, above {limit:.0e}; "
                 "tighten run.relative_tolerance."

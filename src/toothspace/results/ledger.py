@@ -137,6 +137,11 @@ class Ledger:
         return out - self.energy.get("port_inlet", 0.0)
 
     @property
+    def fluid_energy(self) -> float:
+        """Hydraulic energy given to the fluid less what supply pumps of a circuit bring. [J]."""
+        return self.port_energy - self.energy.get("supply", 0.0)
+
+    @property
     def shaft_energy(self) -> float:
         """Work of the shaft on the machine. [J]."""
         return self.energy.get("shaft", 0.0)
@@ -150,9 +155,8 @@ class Ledger:
     def energy_remainder(self) -> float:
         """What the energy balance leaves unexplained. [J]."""
         kept = sum(self.energy.get(name, 0.0) for name in CHANGE_ENTRIES)
-        work = self.shaft_energy
-        work += self.energy.get("radial_load", 0.0) + self.energy.get("supply", 0.0)
-        return work - self.port_energy - self.loss_energy - kept
+        work = self.shaft_energy + self.energy.get("radial_load", 0.0)
+        return work - self.fluid_energy - self.loss_energy - kept
 
     @property
     def mass_remainder(self) -> float:
@@ -232,7 +236,7 @@ def power_ledger(ledger: Ledger) -> list[LedgerRow]:
     """
     pumping = ledger.shaft_energy >= 0.0
     shaft = ("shaft", "shaft", abs(ledger.shaft_energy))
-    fluid = ("ports", "fluid", ledger.port_energy * (1.0 if pumping else -1.0))
+    fluid = ("ports", "fluid", ledger.fluid_energy * (1.0 if pumping else -1.0))
     supplied, delivered = (shaft, fluid) if pumping else (fluid, shaft)
     scale = supplied[2] if supplied[2] != 0.0 else 1.0
 
@@ -299,7 +303,7 @@ def loss_causes(ledger: Ledger) -> list[LossCause]:
     others = [name for name in LOSS_ENTRIES if name not in booked]
     found += [("other", LOSS_ENTRIES[name], energy.get(name, 0.0), "") for name in others]
     shaft = ledger.shaft_energy
-    scale = (shaft if shaft >= 0.0 else -ledger.port_energy) or 1.0
+    scale = (shaft if shaft >= 0.0 else -ledger.fluid_energy) or 1.0
     time = ledger.duration or 1.0
     return [
         LossCause(cause, label, value / time, value / scale, account)

@@ -145,10 +145,18 @@ def summary_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:
         "max_chamber_pressure_bar": float(np.max(pressure)) / _BAR,
         "min_chamber_pressure_bar": float(np.min(pressure)) / _BAR,
         "cavitation_index_W": vapour_collapse_power(data),
+        **_contacts(data),
         "mass_balance_error": ledger.mass_balance_error,
         "energy_balance_error": ledger.energy_balance_error,
     }
     return {**numbers, **_operating_numbers(data, ledger), **_loss_numbers(data, ledger)}
+
+
+def _contacts(data: xr.Dataset) -> dict[str, float]:
+    """Mean number of contacts that carry load: of elastic teeth the contact ratio under load."""
+    if "contact_force" not in data:
+        return {}
+    return {"mean_loaded_contacts": float((data["contact_force"] > 0.0).sum("contact").mean())}
 
 
 def transient_numbers(data: xr.Dataset, ledger: Ledger) -> dict[str, float]:

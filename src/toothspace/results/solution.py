@@ -51,7 +51,8 @@ class Solution:
     events: tuple[Event, ...] = ()
 
     def __repr__(self) -> str:
-        samples = " x ".join(f"{name} {size}" for name, size in self.data.sizes.items())
+        axis = "time" if "time" in self.data.sizes else "shaft_angle"
+        samples = f"{self.data.sizes.get(axis, 0)} samples over {axis}"
         title = self.provenance.get("title", "")
         return f"<Solution {title!r}: {self.status.name.lower()}, {samples}>"
 

@@ -8,13 +8,14 @@ from toothspace.results.solution import Solution
 from toothspace.simulation.heating import lateral_heating
 from toothspace.simulation.lateral.coupled_run import coupled_solution
 from toothspace.simulation.lateral.coupling import PointRequest
-from toothspace.simulation.lateral.problem import LateralSettings, balance_of
+from toothspace.simulation.lateral.problem import LateralSettings, balance_of, require_floating_part
 from toothspace.simulation.lumped import run_in_machine
 from toothspace.simulation.setup import Setup
 
 
 def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
     """Chambers and lateral films in agreement, then one revolution of the films."""
+    require_floating_part(setup.case)
     case, condition, balance = setup.case, setup.condition, balance_of(setup.description)
     machine = run_in_machine(setup, progress)
     request = PointRequest(settings=lateral_settings(case), start=balance.interfaces[0].face.gap)

@@ -129,7 +129,7 @@ def with_lateral_loads(description: MachineDescription, tables: xr.Dataset) -> M
     """
     balance = description.lateral_balance
     if balance is None:
-        allowed = "a machine with machine.floating_bearing.high_pressure_area"
+        allowed = "a machine with a floating part in balance"
         raise CaseError(f"run.film_tables: found tables of lateral films, allowed {allowed}")
     for name, size in lateral_sizes(description).items():
         found = float(tables[f"lateral_{name}"])

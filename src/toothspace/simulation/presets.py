@@ -200,8 +200,8 @@ def preset_page() -> str:
     lines += [
         "",
         "Gaps at tooth tips and flanks are closed forms in every preset: in a parallel or curved",
-        "gap these are the exact solution. The film round the outer rotor of a gerotor exchanges",
-        "oil with the films on its faces and is solved together with them.",
+        "gap these are the exact solution. A film round a rotor that exchanges oil with the films",
+        "on its faces is solved together with them.",
         "",
         "```toml",
         "[run]",

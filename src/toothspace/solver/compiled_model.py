@@ -33,7 +33,7 @@ from toothspace.model.arrays import (
     SystemArrays,
 )
 from toothspace.model.chambers import update_volumes
-from toothspace.model.contacts import update_contacts
+from toothspace.model.contacts import note_approach, update_contacts
 from toothspace.model.drive import load_energy, update_load
 from toothspace.model.fluid_column import column_energy
 from toothspace.model.jacobian import fill_jacobian
@@ -272,6 +272,7 @@ def _observe(s: SystemArrays, times: Array, states: Array, rate: Array, out: Obs
         if s.drive[FREE] > 0.0:
             s.drive[DIRECTION] = np.sign(state[1])
         full_rates(times[i], state, s, rate)
+        note_approach(s, state)
         _note_nodes(s, out, i)
         _note_paths(s, state, out, i)
         for k in range(s.size.motions):

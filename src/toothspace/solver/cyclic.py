@@ -13,6 +13,7 @@ from toothspace.core.types import Array, IntArray
 from toothspace.model.arrays import CLEARANCE
 from toothspace.model.assembly import System
 from toothspace.model.description import MachineDescription
+from toothspace.numerics.acceleration import Mixing
 from toothspace.results.events import Event
 from toothspace.results.ripple import AGREEMENT
 from toothspace.solver.initial import start_state
@@ -21,8 +22,17 @@ from toothspace.solver.integrator import March, Piece, start_march
 _CYCLIC_PRESSURE = AGREEMENT
 _CYCLIC_POSITION = 2e-3
 _SAME_PLACE = 1e-9
-_PATIENCE = 8
+_PATIENCE = 6
+"""Revolutions marched freely before the periodic state is searched for."""
+_WAIT = 6
+"""Changes among which one is expected to be smaller than those before."""
 _NEARER = 0.8
+_MEMORY = 10
+"""Revolutions that the search for the periodic state remembers."""
+_COMPRESSION = 0.01
+"""Change of a chamber's mass that counts as much as one of a body by its clearance. [-]"""
+_LARGEST_MOVE = 0.5
+"""Largest step of the search, of a mass or a clearance. [-]"""
 
 
 @final
@@ -81,6 +91,7 @@ def march_revolutions(
     status = Status.DONE if plan.revolutions else Status.NOT_CYCLIC
     done, stalled = 0, False
     changes: list[float] = []
+    search: _PeriodicSearch | None = None
     try:
         for k in range(limit):
             piece = march.advance(k * turn + offsets)
@@ -88,15 +99,22 @@ def march_revolutions(
                 return _history(march, piece, piece.status, done)
             done = k + 1
             tell(progress, done / limit if plan.revolutions else UNKNOWN, f"revolution {done}")
-            if previous is not None:
+            if previous is not None and not (search and search.moved):
                 changes.append(_change(system, previous, piece))
             previous = piece
-            if changes and changes[-1] <= 1.0 and plan.revolutions is None:
+            if plan.revolutions is not None:
+                continue
+            if changes and changes[-1] <= 1.0:
                 status = Status.DONE
                 break
-            stalled = _stalled(changes) and plan.revolutions is None
+            stalled = _stalled(changes)
             if stalled:
                 break
+            search = search or _PeriodicSearch(system, piece)
+            search.learn(piece)
+            search.moved = not search.moved and done >= _PATIENCE
+            if search.moved:
+                march.restart(float(piece.times[-1]), search.start(piece))
     except KeyboardInterrupt:
         status = Status.INTERRUPTED
         if previous is None:
@@ -105,10 +123,60 @@ def march_revolutions(
     return _history(march, previous, status, done, stalled=stalled)
 
 
+@final
+class _PeriodicSearch:
+    """Looks for the state that a revolution leads back to, from the revolutions marched.
+
+    Slow changes, as of a body that spirals to its place, take hundreds of revolutions to die
+    away; Anderson's mixing of the map from one revolution to the next finds where they lead.
+    """
+
+    def __init__(self, system: System, piece: Piece) -> None:
+        size, state = system.arrays.size, piece.states[-1]
+        self._system, self._part = system, slice(size.mass, size.load)
+        scale = np.ones_like(state)
+        mass, gas = slice(size.mass, size.gas), slice(size.gas, size.position)
+        scale[mass] = _COMPRESSION * state[mass].mean()
+        scale[gas] = max(float(state[gas].mean()), 1e-12)
+        clearance = system.arrays.motion[:, CLEARANCE]
+        scale[size.position : size.velocity] = clearance
+        scale[size.velocity : size.column] = clearance * system.condition.shaft_speed
+        scale[size.column : size.load] = (
+            np.abs(piece.states[:, size.column : size.load]).max(axis=0) + 1e-12
+        )
+        self._scale = scale[self._part]
+        self._mixing = Mixing(_MEMORY)
+        self._found = np.zeros(0)
+        self.moved = False
+
+    def learn(self, piece: Piece) -> None:
+        """Take a marched revolution into account."""
+        first, last = (
+            _in_turn(self._system, piece.states[k], 0)[self._part] / self._scale for k in (0, -1)
+        )
+        self._found = self._mixing.following(first, last - first)
+
+    def start(self, piece: Piece) -> Array:
+        """State to begin the next revolution with, not too far from where this one ended."""
+        system, last = self._system, piece.states[-1]
+        size = system.arrays.size
+        state = _in_turn(system, last, 0)
+        state[self._part] = self._found * self._scale
+        step = _in_turn(system, state, _turns(last)) - last
+        masses, place = slice(size.mass, size.position), slice(size.position, size.velocity)
+        moved = np.concatenate(
+            [
+                step[masses] / np.maximum(last[masses], 1e-30),
+                step[place] / system.arrays.motion[:, CLEARANCE],
+            ]
+        )
+        return np.asarray(last + min(1.0, _LARGEST_MOVE / np.abs(moved).max()) * step)
+
+
 def _stalled(changes: list[float]) -> bool:
     """Whether the last changes from one revolution to the next are as large as those before."""
-    recent, earlier = changes[-_PATIENCE:], changes[-2 * _PATIENCE : -_PATIENCE]
-    return len(earlier) == _PATIENCE and min(recent) > _NEARER * min(earlier)
+    recent, earlier = changes[-_WAIT:], changes[-2 * _WAIT : -_WAIT]
+    return len(earlier) == _WAIT and min(recent) > _NEARER * min(earlier)
 
 
 def _history(
@@ -168,16 +236,24 @@ def first_turn_state(history: History) -> Array:
     ndarray
         State to go on from.
     """
-    system, state = history.system, history.states[-1].copy()
-    turns = int(np.floor(state[0] / (2.0 * np.pi) + 0.5))
-    state[0] -= 2.0 * np.pi * turns
+    return _in_turn(history.system, history.states[-1], 0)
+
+
+def _turns(state: Array) -> int:
+    return int(np.floor(state[0] / (2.0 * np.pi) + 0.5))
+
+
+def _in_turn(system: System, state: Array, turns: int) -> Array:
+    """State of the same machine whole turns before or after, its chambers renamed for it."""
+    moved, ahead = state.copy(), turns - _turns(state)
+    moved[0] += 2.0 * np.pi * ahead
     places, size = successors(system.description), system.arrays.size
     node = system.arrays.dynamic_index[: size.chambers]
+    before, after = (node[places], node) if ahead > 0 else (node, node[places])
     for first in (size.mass, size.gas):
-        for _ in range(turns):
-            values = state[first + node].copy()
-            state[first + node[places]] = values
-    return state
+        for _ in range(abs(ahead)):
+            moved[first + after] = moved[first + before]
+    return moved
 
 
 def _change(system: System, before: Piece, after: Piece) -> float:

@@ -104,7 +104,8 @@ def solution_from(
         "leakage": _leakage(system, seen, trapped),
         "equivalent_leakage": _equivalent_leakage(system, seen),
         "drain_flow_rate": _drain_flow_rate(system, seen),
-        "drag_torque": _drag_torque(system, seen),
+        # at the shaft, of walls that drag fluid to higher pressure
+        "drag_torque": -_by_path(system, seen.path_drag * seen.path_drop),
         **extra,
     }
     data = dataset_from(
@@ -434,11 +435,6 @@ def _drain_flow_rate(system: System, seen: Observation) -> Array:
     drains = np.array([category.role == "drain" for category in system.categories])
     flow = seen.path_flow @ drains[system.arrays.path_index[:, CATEGORY]]
     return np.asarray(flow / seen.density[:, system.description.inlet_node])
-
-
-def _drag_torque(system: System, seen: Observation) -> Array:
-    """Torque at the shaft of walls that drag fluid to higher pressure, by path. [N m]."""
-    return -_by_path(system, seen.path_drag * seen.path_drop)
 
 
 def _by_path(system: System, values: Array) -> Array:

@@ -18,6 +18,7 @@ from scipy.interpolate import PchipInterpolator
 from toothspace.case import Case
 from toothspace.case.study import BalanceSweepStudy
 from toothspace.core.errors import CaseError
+from toothspace.core.files import plain
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.films.lateral.housing_friction import BREAKAWAY_RATIO
@@ -26,7 +27,7 @@ from toothspace.simulation.lateral.problem import LateralProblem, lateral_proble
 from toothspace.studies.lateral_points import LateralPoints, PointCondition, film_numbers, prepare
 from toothspace.studies.records import DONE, Record
 from toothspace.studies.stored_point import point_key
-from toothspace.studies.study import Row, StudyContext, StudyResult, StudyTable, plain
+from toothspace.studies.study import Row, StudyContext, StudyResult, StudyTable
 from toothspace.studies.tabulate import unit_of
 
 if TYPE_CHECKING:

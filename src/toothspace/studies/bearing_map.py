@@ -12,7 +12,8 @@ from toothspace.case.study import BearingMapStudy
 from toothspace.core.errors import CaseError
 from toothspace.core.units import from_si
 from toothspace.simulation.lateral.coupling import CoupledPoint
-from toothspace.studies.lateral_points import PointCondition, film_numbers, prepare, require_bearing
+from toothspace.simulation.lateral.problem import require_floating_part
+from toothspace.studies.lateral_points import PointCondition, film_numbers, prepare
 from toothspace.studies.points import Point, collected, point, status_of
 from toothspace.studies.study import StudyContext, StudyResult, StudyTable
 from toothspace.studies.tabulate import columns, map_dataset, point_lists
@@ -36,7 +37,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     if case.operating_point is None:
         found = "no [operating_point]"
         raise CaseError(f"{case.source}: study.kind: found {found}, allowed a steady case")
-    require_bearing(case)
+    require_floating_part(case)
     pairs = list(product(study.shaft_speed, study.outlet_pressure))
     points = [_point(case, *pair) for pair in pairs]
     evaluate = BearingNumbers(study.start_gap, study.coupling_rounds)

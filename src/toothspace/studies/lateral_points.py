@@ -22,10 +22,10 @@ from toothspace.results.variables import variable
 from toothspace.simulation.elastic import lateral_settings
 from toothspace.simulation.lateral.coupling import CoupledPoint, PointRequest, couple_point
 from toothspace.simulation.lateral.problem import (
-    NO_BEARING,
     LateralNumbers,
     LateralSettings,
     balance_of,
+    require_floating_part,
 )
 from toothspace.simulation.lumped import RunInMachine, run_in_machine
 from toothspace.simulation.setup import condition_of
@@ -307,19 +307,6 @@ class LateralPoints:
         )
 
 
-def require_bearing(case: Case) -> None:
-    """Refuse a machine without floating bearing before anything is computed.
-
-    Raises
-    ------
-    CaseError
-        If it has none, or none with a balanced area.
-    """
-    bearing = getattr(case.machine, "floating_bearing", None)
-    if getattr(bearing, "high_pressure_area", None) is None:
-        raise CaseError(NO_BEARING)
-
-
 def prepare(case: Case, friction: HousingContact | None, kind: str) -> LateralPoints:
     """Run the machine of a study in and give its bearing the friction of the study, if any.
 
@@ -333,7 +320,7 @@ def prepare(case: Case, friction: HousingContact | None, kind: str) -> LateralPo
         raise CaseError(
             f"operating_point: found none with study.kind = {kind!r}, allowed {allowed}"
         )
-    require_bearing(case)
+    require_floating_part(case)
     run = replace(case.run, max_revolutions=min(case.run.max_revolutions, _LUMPED_REVOLUTIONS))
     machine = run_in_machine(set_up(replace(case, run=run)))
     balance = balance_of(machine.description)

@@ -66,13 +66,13 @@ def solve_conditions(case: Case, context: StudyContext | None = None) -> Lateral
     friction = HousingContact(
         friction_coefficient=study.friction_coefficient,
         breakaway_speed=study.breakaway_speed,
-        law="stick",
+        law=study.friction_law,
     )
     points = prepare(case, friction, "nose_pressure")
     if points.balance.floating.nose.area <= 0.0:
         raise CaseError(
-            "machine.floating_bearing.nose: found nothing with study.kind = 'nose_pressure', "
-            "allowed a patch with area and center"
+            "study.kind: found 'nose_pressure' for a floating part without nose, allowed one with "
+            "a nose (area and center)"
         )
     context, shared = context or StudyContext(), (study.start_gap, friction)
     every = [_conditions(case, one, study.nose_pressure_fractions) for one in study.conditions]

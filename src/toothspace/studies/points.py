@@ -11,9 +11,10 @@ from typing import Any, final
 import toothspace
 from toothspace.case import Case
 from toothspace.core.errors import CaseError
+from toothspace.core.files import plain
 from toothspace.core.status import Status
 from toothspace.studies.records import BAD_INPUT, FAILED, INTERRUPTED, Record
-from toothspace.studies.study import StudyContext, plain
+from toothspace.studies.study import StudyContext
 
 Evaluate = Callable[[Case], Mapping[str, Any]]
 """Numbers of one case, with its ``status`` among them.

@@ -131,7 +131,8 @@ def _dataset(
     operating = case.operating_point
     assert operating is not None
     assert operating.line is not None
-    pressure = operating.inlet_pressure if _is_motor(case) else operating.outlet_pressure
+    is_motor = getattr(case.machine, "mode", "") == "motor"
+    pressure = operating.inlet_pressure if is_motor else operating.outlet_pressure
     line = characteristic_impedance(operating.line, pressure, api.fluid_of(case))
     harmonic = np.arange(1.0, study.harmonics + 1)
     order = int(good[0].numbers["teeth"]) * harmonic
@@ -155,10 +156,6 @@ def _dataset(
         },
         coords={"harmonic": harmonic},
     )
-
-
-def _is_motor(case: Case) -> bool:
-    return getattr(case.machine, "mode", "") == "motor"
 
 
 def _table(data: xr.Dataset) -> StudyTable:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
-from toothspace.core.files import write_text
+from toothspace.core.files import plain, write_text
 from toothspace.core.progress import Progress
 from toothspace.core.status import Status
 from toothspace.studies.records import Records
@@ -93,6 +93,10 @@ class StudyResult:
     provenance: Mapping[str, str] = field(default_factory=dict)
     wall_time: float = math.nan
 
+    def __repr__(self) -> str:
+        sizes = " x ".join(f"{name} {size}" for name, size in self.data.sizes.items())
+        return f"<StudyResult {self.kind} {self.title!r}: {self.status.name.lower()}, {sizes}>"
+
     def summary(self) -> dict[str, Any]:
         """Return the numbers of the study with its status and its wall time."""
         return {
@@ -127,19 +131,6 @@ class StudyResult:
         for table in self.tables:
             written.append(write_text(target / f"{table.name}.csv", table.to_csv()))
         return written
-
-
-def plain(value: Any) -> Any:
-    """Return a value that JSON can hold; numbers that are not finite become null."""
-    if isinstance(value, Mapping):
-        return {str(key): plain(item) for key, item in value.items()}
-    if hasattr(value, "tolist"):
-        return plain(value.tolist())
-    if isinstance(value, (list, tuple)):
-        return [plain(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
 
 
 def _cell(value: float | str) -> str:

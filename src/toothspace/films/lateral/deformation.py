@@ -127,18 +127,16 @@ def response(state: StackState, fineness: Fineness, frequency: float) -> Deforma
     gain = stack.compliance.gain(changes, state.snapshot, basis)
     squeezed, drag = np.zeros((len(gain), stack.size)), np.zeros((stack.size, stack.size))
     if frequency == 0.0:
-        rates = in_parallel(lambda k: _squeezed(state.films[k]), films, size)
+        # change of the pressures with the rates of the upper face [Pa s/m, Pa s]
+        rates = in_parallel(
+            lambda k: np.array(state.films[k].pressure_changes(state.films[k].rates())), films, size
+        )
         squeezed = stack.compliance.gain(rates, state.snapshot, basis) @ np.vstack(stack.chains)
         for film, chain, rate in zip(state.films, stack.chains, rates, strict=True):
             drag -= chain.T @ _loads(film, rate) @ chain
     return DeformationResponse(
         basis, gain, np.hstack(force), np.vstack(planes), squeezed, drag, frequency
     )
-
-
-def _squeezed(film: FaceFilm) -> Array:
-    """Change of the pressure with the rates of the upper face. [Pa s/m, Pa s]."""
-    return np.array(film.pressure_changes(film.rates()))
 
 
 def _loads(film: FaceFilm, changes: Array) -> Array:

@@ -51,7 +51,7 @@ def stop_forces(stack: Stack, q: Array) -> tuple[Array, Array]:
         lever, spring = stack.opening, stack.holding_spring
         force += spring.stiffness * (spring.opening - float(lever @ q)) * lever
         stiffness += spring.stiffness * np.outer(lever, lever)
-    held = stack.balance.shaft_stiffness
+    held = stack.balance.shaft_stiffness or 0.0
     for tilts, most in _shafts(stack):
         moment, slope = _journal_moment(q[tilts], most)
         force[tilts] += moment - held * q[tilts]

@@ -14,6 +14,7 @@ from typing import final
 import numpy as np
 
 from toothspace.core.errors import GeometryError
+from toothspace.core.files import reading
 from toothspace.core.frozen import Points
 from toothspace.core.types import Array
 from toothspace.core.units import to_si
@@ -35,6 +36,7 @@ from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear, generate_profile
 from toothspace.geometry.profile_detection import gear_profile_from_curve
 from toothspace.machines.crescent.parameters import CrescentParameters
+from toothspace.machines.shared_bearings import require_rim, require_shaft_below
 
 POINTS_PER_TOOTH = 200
 
@@ -124,6 +126,9 @@ def assemble(spec: CrescentParameters) -> CrescentAssembly:
         ring = RingProfile(spaces)
         teeth = tooth_curves(pinion), profile_tooth(ring)
         curve, root = profile_outline(ring, 0.5 * np.pi), ring.root_radius
+    require_rim("machine.ring.outer_diameter", spec.ring.outer_diameter, root)
+    shaft = spec.journal_bearings.diameter
+    require_shaft_below("machine.journal_bearings.diameter", shaft, pinion.root_radius)
     loaded_is_left, grooves = spec.mode == "pump", spec.relief_grooves
     try:
         mesh = in_contact(teeth, _centred_mesh(teeth, distance), loaded_is_left)
@@ -214,13 +219,11 @@ def _detected(
     file: Path | Points, _modified: int, unit: float, tooth_count: int | None, key: str
 ) -> GearProfile:
     try:
-        curve = load_closed_curves(file, unit)[0]
-        return gear_profile_from_curve(curve, key=key, tooth_count=tooth_count).profile
+        with reading(file.name, "the closed outline of a gear with equal teeth"):
+            curve = load_closed_curves(file, unit)[0]
+            return gear_profile_from_curve(curve, key=key, tooth_count=tooth_count).profile
     except GeometryError as error:
         raise GeometryError(f"{key}: {error}") from error
-    except (ArithmeticError, LookupError, ValueError) as error:
-        allowed = "the closed outline of a gear with equal teeth"
-        raise GeometryError(f"{key}: {file.name} has no teeth, allowed {allowed}") from error
 
 
 def _centred_mesh(teeth: tuple[Tooth, Tooth], distance: float) -> Mesh:

@@ -155,6 +155,7 @@ def _involute_checks(assembly: CrescentAssembly) -> list[DesignCheck]:
     tip, trimmed, backlash = tip_clearance(pair), trimming_distance(assembly), pair.normal_backlash
     first, second = pair.involute_margins
     return [
+        *_recess_checks(assembly, pair),
         interference_check("pinion", first),
         interference_check("ring", second),
         undercut_check("pinion", pair.pinion, pair.pinion_form),
@@ -172,6 +173,23 @@ def _involute_checks(assembly: CrescentAssembly) -> list[DesignCheck]:
             "normal backlash", backlash * 1e3, "mm", "above 0 mm", backlash > 0.0,
             "Without backlash thermal growth jams the flanks.",
         ),
+    ]  # fmt: skip
+
+
+def _recess_checks(assembly: CrescentAssembly, pair: InternalPair) -> list[DesignCheck]:
+    # where both contacts stand alike about the pitch point, neither side may be reached
+    sealed = 0.5 * pair.base_pitch * np.cos(pair.operating_pressure_angle)
+    least = float(np.arcsin(sealed / assembly.pinion.root_radius))
+    latest, ports = least + assembly.mesh.half_pitch, assembly.spec.ports
+    return [
+        DesignCheck(
+            f"begin of the recess, {side}", float(np.rad2deg(start)), "deg",
+            f"{np.rad2deg(least):.3g} to {np.rad2deg(latest):.3g} deg, half a pitch later",
+            least <= start <= latest,
+            "Nearer to the mesh the recess joins outlet and inlet; later the spaces that leave the "
+            "mesh fill through the relief grooves alone, and cavitate.",
+        )
+        for side, start in (("inlet", ports.inlet_start), ("outlet", ports.outlet_start))
     ]  # fmt: skip
 
 

@@ -182,8 +182,20 @@ def _floating(assembly: Assembly, block: FloatingBlock) -> FloatingBearing:
         housing=_housing(block, 1.0),
         gauge_point=(0.0, -assembly.profiles[0].tip_radius),
         axial_play=block.axial_play,
-        wall_stiffness=block.wall_stiffness,
+        wall_stiffness=_held_by_wall(block, face),
     )
+
+
+def _held_by_wall(block: FloatingBlock, face: Any) -> float:
+    """Moment over tilt about y by the wall, of a block that it compresses over half its width.
+
+    A layer of modulus E and thickness t on an area A of length L: E A L^2 / (12 t).
+    """
+    if block.wall_stiffness is not None:
+        return block.wall_stiffness
+    low, _, high, _ = face.bounds
+    layer = 0.5 * float(high - low)
+    return block.material.elastic_modulus * block.contact_area * block.length**2 / (12.0 * layer)
 
 
 def _check_places(block: FloatingBlock, face: Any, high: Any | None) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from toothspace.gearing.flank_contacts import flank_contacts, rigid_mesh
 from toothspace.gearing.meshing import displacement
 from toothspace.gearing.numbering import Numbering, number
@@ -21,7 +23,7 @@ from toothspace.machines.external_gear.own_teeth import own_teeth
 from toothspace.machines.external_gear.profile_quality import as_drawn
 from toothspace.machines.external_gear.spec import ExternalGearSpec
 from toothspace.machines.external_gear.summary import design_checks, geometry_summary
-from toothspace.machines.shared_tables import DEFAULT_NODES, MachineType
+from toothspace.machines.shared_tables import DEFAULT_NODES, CaseDraft, MachineType
 from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_balance import LateralBalance
 
@@ -96,5 +98,12 @@ def _balance(assembly: Assembly, numbering: Numbering) -> LateralBalance:
     return lateral_balance(assembly, numbering)
 
 
-MACHINE = MachineType("external_gear", describe)
+def _draft(*given: Any) -> CaseDraft | None:
+    # with what reads CAD files
+    from toothspace.machines.external_gear.case_draft import draft_case
+
+    return draft_case(*given)
+
+
+MACHINE = MachineType("external_gear", describe, _draft)
 """The machine type found through the entry point."""

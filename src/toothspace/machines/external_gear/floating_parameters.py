@@ -17,6 +17,7 @@ from toothspace.core.keys import (
     declare,
     file_path,
     forbid,
+    instead_of,
     number,
     quantity,
     require,
@@ -69,10 +70,7 @@ class NoseParameters(KeyTable):
     )
 
     def __post_init__(self) -> None:
-        if self.contour is None:
-            require(self, "unless contour is given", "area", "center")
-        else:
-            forbid(self, "because contour is given", "area", "center")
+        instead_of(self, "contour", "area", "center")
 
 
 @final
@@ -130,19 +128,21 @@ class FloatingBearingParameters(KeyTable):
     axial_play: float = quantity(
         "um", "Travel away from the gears up to the cover.", above=0, high=5000, default=100e-6
     )
-    wall_stiffness: float = quantity(
+    wall_stiffness: float | None = quantity(
         "N m/rad",
-        "Moment about y over the tilt about it, by the wall that the bearing leans on.",
+        "Moment about y over the tilt about it, by the wall that the bearing leans on; if not "
+        "given, by its own compression there.",
         low=0,
         high=1e9,
-        default=0.0,
+        default=None,
     )
-    shaft_stiffness: float = quantity(
+    shaft_stiffness: float | None = quantity(
         "N m/rad",
-        "Moment over tilt by which its journal bearings hold a gear upright.",
+        "Moment over tilt by which its journal bearings hold a gear upright; if not given, by "
+        "the films that carry its load.",
         low=0,
         high=1e9,
-        default=0.0,
+        default=None,
     )
     gear_axial_force: tuple[float, float] = declare(
         Row(

@@ -8,6 +8,7 @@ every revolution where both gears have as many teeth.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -20,7 +21,6 @@ from toothspace.gearing.meshing import LARGEST_OVERLAP, driven_lever, overlap_er
 from toothspace.gearing.numbering import FULL_TURN, Numbering
 from toothspace.gearing.spaces import Spaces, area_by_motion
 from toothspace.geometry.gear_profile import GearProfile
-from toothspace.geometry.tooth_deviations import ToothDeviations
 from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.external_gear.spec import Gear
 from toothspace.model.description import ChamberFamily, ContactPair, FlowPath
@@ -137,8 +137,9 @@ def own_teeth(
     first, second = assembly.counts
     if first != second:
         raise GeometryError(
-            f"machine.gears.tooth_deviations: found gears of {first} and {second} teeth, allowed "
-            f"equal tooth counts, so that the same teeth meet in every revolution"
+            f"machine.gears.tooth_deviations: found gears of {first} and {second} teeth, of which "
+            f"the same meet after {math.lcm(first, second) // first} revolutions, allowed equal "
+            f"tooth counts: tables hold one revolution"
         )
     flanks = _flanks(gears[0], assembly.profiles[0]), _flanks(gears[1], assembly.profiles[1])
     throats = spaces[0].left, spaces[0].right
@@ -146,7 +147,9 @@ def own_teeth(
     levers = [
         np.where(side.weight > 0.0, driven_lever(side, assembly.mesh), 0.0) for side in throats
     ]
-    shifts = [_shift(phases, spaces[0].angles.size) for phases in numbering.space_phases]
+    # nodes by which the table of each space runs ahead of the shaft angle
+    ahead = (phases * spaces[0].angles.size / FULL_TURN for phases in numbering.space_phases)
+    shifts = [np.rint(nodes).astype(np.int64) for nodes in ahead]
     loaded = 0 if assembly.loaded_is_left else 1
     turn = _turn(throats[loaded], lost[loaded], levers[loaded], shifts[0])
     at_nodes = [np.array([np.roll(turn, shift) for shift in own]) for own in shifts]
@@ -186,16 +189,15 @@ def _flanks(gear: Gear, profile: GearProfile) -> _Flanks:
     if given is not None and profile.involute is not None:
         roll = np.sqrt(np.maximum(radius**2 - profile.involute.base_radius**2, 0.0))
         height = np.array(
-            [[_over(given, row, roll) for row in side] for side in (given.left, given.right)]
+            [
+                [np.interp(roll, given.roll_length, row) for row in side]
+                for side in (given.left, given.right)
+            ]
         )
     step = np.hypot(*np.diff(outline, axis=0).T)
     slices = 0.5 * (height[..., 1:] + height[..., :-1]) * step
     section = np.concatenate([np.zeros((2, count, 1)), np.cumsum(slices, axis=-1)], axis=-1)
     return _Flanks(radius, height, section)
-
-
-def _over(given: ToothDeviations, row: Array, roll: Array) -> Array:
-    return np.asarray(np.interp(roll, given.roll_length, row))
 
 
 def _radii(assembly: Assembly, side: Throats) -> tuple[Array, Array]:
@@ -213,11 +215,6 @@ def _narrowed(
         drive = flanks[0].at(flank, _measured(0, k + (1 if flank == 0 else 0), count), near)
         rows.append(np.asarray(drive + flanks[1].at(flank, _measured(1, k, count), far)))
     return np.array(rows)
-
-
-def _shift(phases: Array, nodes: int) -> IntArray:
-    # nodes by which the table of each space runs ahead of the shaft angle
-    return np.rint(phases * nodes / FULL_TURN).astype(np.int64)
 
 
 def _turn(side: Throats, lost: Array, lever: Array, shifts: IntArray) -> Array:

@@ -18,8 +18,10 @@ from toothspace.core.keys import (
     choice,
     file_path,
     forbid,
+    instead_of,
     integer,
     number,
+    optional,
     quantity,
     require,
     table,
@@ -27,7 +29,6 @@ from toothspace.core.keys import (
 )
 from toothspace.gearing.gear_tables import (
     CONTOUR_SUFFIXES,
-    PROFILE_SUFFIXES,
     MeshingGearParameters,
     ReliefGrooveParameters,
 )
@@ -139,54 +140,24 @@ class GearParameters(MeshingGearParameters):
 class DrivenGearParameters(KeyTable):
     """``[machine.driven_gear]``: the keys in which the driven gear differs."""
 
-    tooth_count: int | None = integer("Number of teeth.", low=5, high=200, default=None)
-    profile_shift: float | None = number(
-        "Shift of the rack away from the gear, in modules.", low=-1.0, high=1.5, default=None
-    )
-    dedendum: float | None = number(
-        "Depth of the tooth below the reference line, in modules.", low=0.5, high=2.0, default=None
-    )
-    tool_tip_radius: float | None = number(
-        "Radius of the rack tip, in modules.", low=0.0, high=0.6, default=None
-    )
-    tip_diameter: float | None = quantity(
-        "mm", "Diameter of the tip circle.", above=0, high=1000, default=None
-    )
-    tip_rounding: float | None = quantity(
-        "mm", "Radius of the edge between flank and tip.", low=0, high=5, default=None
-    )
-    material: str | None = text("Material from the library.", default=None)
-    roughness: float | None = quantity(
-        "um", "Root mean square roughness of flanks and faces.", low=0, high=10, default=None
-    )
-    profile: Path | Points | None = file_path(
-        "Closed tooth or gear profile.", *PROFILE_SUFFIXES, points=True
-    )
-    profile_unit: str | None = choice(
-        "Length unit of the profile.", "mm", "m", "um", "in", default=None
-    )
-    profile_layer: str | None = text("Layer of a DXF file.", default=None)
-    profile_axis: str | None = choice("Gear axis in a solid file.", "x", "y", "z", default=None)
-    profile_plane: float | None = quantity(
-        "mm", "Height of the section through a solid along the axis.", default=None
-    )
-    profile_body: int | None = integer("Body of a solid file.", low=0, high=1000, default=None)
-    profile_part: str | None = text("Name of the body in a STEP file.", default=None)
-    profile_flank: str | None = choice(
-        "Smooth involute that fits the flanks, or the outline as drawn.",
-        "fitted",
-        "drawn",
-        default=None,
-    )
-    profile_teeth: str | None = choice(
-        "All teeth as the one that fits them, or each as in the outline.",
-        "equal",
-        "own",
-        default=None,
-    )
-    tooth_deviations: Path | None = file_path(
-        "Deviations of every tooth from a gear tester.", *DEVIATION_SUFFIXES
-    )
+    tooth_count: int | None = optional(GearParameters, "tooth_count")
+    profile_shift: float | None = optional(GearParameters, "profile_shift")
+    dedendum: float | None = optional(GearParameters, "dedendum")
+    tool_tip_radius: float | None = optional(GearParameters, "tool_tip_radius")
+    tip_diameter: float | None = optional(GearParameters, "tip_diameter")
+    tip_rounding: float | None = optional(GearParameters, "tip_rounding")
+    material: str | None = optional(GearParameters, "material")
+    roughness: float | None = optional(GearParameters, "roughness")
+    profile: Path | Points | None = optional(GearParameters, "profile")
+    profile_unit: str | None = optional(GearParameters, "profile_unit")
+    profile_layer: str | None = optional(GearParameters, "profile_layer")
+    profile_axis: str | None = optional(GearParameters, "profile_axis")
+    profile_plane: float | None = optional(GearParameters, "profile_plane")
+    profile_body: int | None = optional(GearParameters, "profile_body")
+    profile_part: str | None = optional(GearParameters, "profile_part")
+    profile_flank: str | None = optional(GearParameters, "profile_flank")
+    profile_teeth: str | None = optional(GearParameters, "profile_teeth")
+    tooth_deviations: Path | None = optional(GearParameters, "tooth_deviations")
 
     def __post_init__(self) -> None:
         if self.profile is not None:
@@ -324,11 +295,7 @@ class LateralParameters(KeyTable):
     )
 
     def __post_init__(self) -> None:
-        if self.side_gap is None:
-            reason = "unless side_gap is given"
-            require(self, reason, "side_gap_floating", "side_gap_solid")
-        else:
-            forbid(self, "because side_gap is given", "side_gap_floating", "side_gap_solid")
+        instead_of(self, "side_gap", "side_gap_floating", "side_gap_solid")
 
 
 @final
@@ -389,7 +356,7 @@ class ExternalGearTables(MachineTables):
 
     outlet_toward: str | None = choice(
         "Direction in the file of the gears from their centre line towards the outlet, where "
-        "casing or bearing block come from that file.",
+        "casing or bearing block come from that file or from others that share its frame.",
         *OUTLETS,
         default=None,
     )
@@ -418,3 +385,14 @@ class ExternalGearTables(MachineTables):
     startup: StartupParameters | None = table(StartupParameters, "Friction at rest.", default=None)
     inlet: PortParameters = table(PortParameters, "Inlet volume.", default=PortParameters())
     outlet: PortParameters = table(PortParameters, "Outlet volume.", default=PortParameters())
+
+    @property
+    def missing_floating_part(self) -> str:
+        """Message about what the balance of the floating bearing would need; empty if given."""
+        bearing = self.floating_bearing
+        if bearing is not None and bearing.high_pressure_area is not None:
+            return ""
+        return (
+            "machine.floating_bearing: found no high_pressure_area, allowed a floating bearing "
+            "with the area that balances it"
+        )

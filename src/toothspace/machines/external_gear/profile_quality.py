@@ -179,7 +179,7 @@ def _form(detected: DetectedGear) -> DesignCheck:
         "form error of the profile", fit.form_error * 1e6, "um", f"up to {allowed * 1e6:.3g} um",
         fit.form_error <= allowed,
         "Contact and trapped volume are those of the involute that fits; profile_flank = \"drawn\" "
-        "computes with the flanks of the file.",
+        "computes with the flanks of the file, with mesh = \"elastic\" under load.",
         of_drawing=True,
     )  # fmt: skip
 

@@ -13,6 +13,7 @@ from toothspace.core.types import Array
 from toothspace.core.units import to_si
 from toothspace.geometry.body_section import AXES, BodySection, SectionRequest
 from toothspace.geometry.cad_import import load_body_sections
+from toothspace.geometry.curve import with_arcs
 from toothspace.geometry.gear_finder import axis_distance
 from toothspace.geometry.pump_sections import (
     OWN_FRAME,
@@ -28,19 +29,24 @@ from toothspace.machines.external_gear import spec
 def distance_in_file(
     machine: keys.ExternalGearTables, drive: spec.Gear, driven: spec.Gear
 ) -> float:
-    """Distance of two gears of one solid file, where the case gives none. [m].
+    """Distance of two gears that were drawn in one frame, where the case gives none. [m].
 
     Raises
     ------
     KeyRuleError
-        If the case names neither a distance nor the second gear of the file.
+        If the case names neither a distance nor the second gear.
     """
-    if drive.found is None or driven.found is None or not _one_file(machine):
+    one_frame = machine.outlet_toward is not None or _one_file(machine)
+    if drive.found is None or driven.found is None or not one_frame:
         raise KeyRuleError(
-            "gears.center_distance", "nothing", "compulsory unless both gears come from one solid"
+            "gears.center_distance",
+            "nothing",
+            "compulsory unless both gears come from one solid, or from files in one frame with "
+            "outlet_toward",
         )
     distance = axis_distance(drive.found, driven.found)
-    if drive.found.body == driven.found.body or distance is None:
+    same = (drive.found.file, drive.found.body) == (driven.found.file, driven.found.body)
+    if same or distance is None:
         named = f"body {driven.found.body} {driven.found.name!r}"
         raise KeyRuleError(
             "driven_gear.profile_part",
@@ -65,7 +71,11 @@ def casing_contour(machine: keys.ExternalGearTables, drive: spec.Gear, driven: s
         plane = float(np.dot(axis, frame.origin))
     request = SectionRequest(axis, plane, given.contour_body, given.contour_part)
     cut = _sections(given.contour, given.contour_unit, request, key)[0]
-    return casing_cavity(frame.curves(cut), f"{key}: {given.contour.name}")
+    curves = frame.curves(cut)
+    if given.contour.suffix.lower() == ".stl":
+        # a bore seals within the height of the chords that stand for it
+        curves = [with_arcs(curve) for curve in curves]
+    return casing_cavity(curves, f"{key}: {given.contour.name}")
 
 
 def groove_contours(
@@ -101,9 +111,11 @@ def groove_contours(
 def _frame(
     machine: keys.ExternalGearTables, file: Path, drive: spec.Gear, driven: spec.Gear
 ) -> tuple[MachineFrame, tuple[float, float, float]]:
-    if drive.found is None or driven.found is None or file != machine.gears.profile:
+    if drive.found is None or driven.found is None:
         return OWN_FRAME, (0.0, 0.0, 1.0)
     if machine.outlet_toward is None:
+        if file != machine.gears.profile:
+            return OWN_FRAME, (0.0, 0.0, 1.0)
         raise KeyRuleError(
             "outlet_toward", "nothing", f"one of {', '.join(keys.OUTLETS)} with parts of one file"
         )

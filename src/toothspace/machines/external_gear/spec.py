@@ -206,10 +206,12 @@ class FloatingBlock:
         ``stick`` or ``stribeck``.
     axial_play : float
         Travel away from the gears until the bearing meets its cover. [m]
-    wall_stiffness : float
-        Moment about y over the tilt about it, by the wall that the bearing leans on. [N m/rad]
-    shaft_stiffness : float
-        Moment over tilt by which the journal bearings hold a gear. [N m/rad]
+    wall_stiffness : float or None
+        Moment about y over the tilt about it, by the wall that the bearing leans on; None: by its
+        own compression. [N m/rad]
+    shaft_stiffness : float or None
+        Moment over tilt by which the journal bearings hold a gear; None: by their films.
+        [N m/rad]
     gear_forces : tuple of float
         Axial force of the teeth on drive and driven gear. [N]
     """
@@ -235,8 +237,8 @@ class FloatingBlock:
     breakaway_speed: float = 6.45e-3
     friction_law: str = "stick"
     axial_play: float = 100e-6
-    wall_stiffness: float = 0.0
-    shaft_stiffness: float = 0.0
+    wall_stiffness: float | None = None
+    shaft_stiffness: float | None = None
     gear_forces: tuple[float, float] = (0.0, 0.0)
 
 

@@ -71,7 +71,7 @@ def journal_bearings(parameters: GerotorParameters) -> tuple[LumpedJournalBearin
         (rotors.roughness, housing.roughness),
         own,
         parameters.contact.boundary_friction,
-        "no_flow" if housing.end_condition == "no_flow" else "pressure",
+        "pressure" if housing.end_condition == "pressure" else "no_flow",
     )
     shaft = parameters.journal_bearings
     if shaft is None:

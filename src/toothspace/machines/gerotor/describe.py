@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -22,10 +23,11 @@ from toothspace.machines.gerotor.lobe_pairs import contact_ratio, rotor_contacts
 from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.pockets import FULL_TURN, Pockets, area_by_motion, pockets
 from toothspace.machines.gerotor.ports import ports_of
-from toothspace.machines.gerotor.profiles import rotors_from
+from toothspace.machines.gerotor.profiles import Rotors, rotors_from
 from toothspace.machines.gerotor.summary import design_checks, geometry_summary
 from toothspace.machines.gerotor.timing import timing_of
-from toothspace.machines.shared_tables import DEFAULT_NODES, MachineType
+from toothspace.machines.shared_bearings import require_rim, require_shaft_below
+from toothspace.machines.shared_tables import DEFAULT_NODES, CaseDraft, MachineType
 from toothspace.model.description import ChamberFamily, MachineDescription
 from toothspace.numerics.periodic_table import (
     monotone_table,
@@ -55,12 +57,14 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
         If the rotors cannot be built.
     """
     pocket = pockets(spec.rotors, rotors_from(spec.rotors), nodes)
+    _check_room(spec, pocket.rotors)
     ports = ports_of(spec.ports, pocket, 0.5 * spec.housing.outer_rotor_diameter)
     timing = timing_of(ports, pocket)
     checks = design_checks(spec, pocket, timing)
     columns = motion_columns(spec)
     contacts = rotor_contacts(spec, pocket.rotors)
     family = _pocket_family(spec, pocket, columns)
+    walls = spec.housing.end_condition == "wall"  # the solved film of the faces feeds the rim
     ratio = contact_ratio(contacts, float(np.median(pocket.path.gap)))
     return MachineDescription(
         name="gerotor",
@@ -72,7 +76,7 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
         paths=flow_paths(spec, pocket, timing, columns),
         journals=journal_bearings(spec),
         laterals=lateral_films(spec, pocket),
-        shared_faces=shared_faces(spec, pocket, ports, family),
+        shared_faces=None if walls else shared_faces(spec, pocket, ports, family),
         contacts=contacts,
         seal_torque=0.0 if spec.seals is None else spec.seals.shaft_seal_torque,
         port_volumes=(spec.inlet.volume, spec.outlet.volume),
@@ -83,6 +87,13 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
         | {"contact_ratio": ratio, "warnings": warnings_of(checks)},
         checks=checks,
     )
+
+
+def _check_room(spec: GerotorParameters, rotors: Rotors) -> None:
+    rim, shaft = spec.housing.outer_rotor_diameter, spec.rotors.shaft_diameter or 0.0
+    far, near = float(np.hypot(*rotors.outer.T).max()), float(np.hypot(*rotors.inner.T).min())
+    require_rim("machine.housing.outer_rotor_diameter", rim, far)
+    require_shaft_below("machine.rotors.shaft_diameter", shaft, near)
 
 
 def _pocket_family(
@@ -124,5 +135,12 @@ def _film_family(spec: GerotorParameters, motion_count: int) -> ChamberFamily:
     )
 
 
-MACHINE = MachineType("gerotor", describe)
+def _draft(*given: Any) -> CaseDraft | None:
+    # with what reads CAD files
+    from toothspace.machines.gerotor.case_draft import draft_case
+
+    return draft_case(*given)
+
+
+MACHINE = MachineType("gerotor", describe, _draft)
 """The machine type found through the entry point."""

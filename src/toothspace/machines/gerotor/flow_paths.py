@@ -63,7 +63,6 @@ def flow_paths(
         tip_path(parameters, pocket, motions),
         lateral_path(parameters, pocket),
         drain_path(parameters, pocket),
-        rim_path(parameters, pocket),
         *_film_ends(parameters, pocket),
     )
 
@@ -246,10 +245,13 @@ def _ring_path(
 
 
 def _film_ends(parameters: GerotorParameters, pocket: Pockets) -> list[FlowPath]:
-    """Axial ends of the film round the outer rotor, open to the drain unless closed by walls."""
+    """What joins the film round the outer rotor at its axial ends."""
     housing = parameters.housing
-    if housing.end_condition == "no_flow":
+    if housing.end_condition == "wall":
         return []
+    rim = rim_path(parameters, pocket)
+    if housing.end_condition == "no_flow":
+        return [rim]
     # mean pressure to either end: a quarter of the width is the mean way out
     row = np.array(
         [
@@ -259,6 +261,7 @@ def _film_ends(parameters: GerotorParameters, pocket: Pockets) -> list[FlowPath]
         ]
     )
     return [
+        rim,
         FlowPath(
             name="film_end",
             category=RIM,
@@ -269,5 +272,5 @@ def _film_ends(parameters: GerotorParameters, pocket: Pockets) -> list[FlowPath]
             phases=np.zeros(1),
             geometry=monotone_table(FULL_TURN, np.tile(row, (4, 1))),
             multiplicity=_FACES,
-        )
+        ),
     ]

@@ -131,7 +131,7 @@ def _pair(rotors: Rotors, name: str, contact: LobeContact, mechanics: LobeMechan
         law=LAWS[settings.law],
         depth=half_lobe(rotors),
         restitution=settings.restitution,
-        approach_speed=settings.impact_speed,
+        approach_speed=settings.impact_speed if settings.impact == "given" else None,
         squeeze_film=settings.squeeze_film == "on",
     )
 

@@ -14,8 +14,8 @@ import numpy as np
 from toothspace.core.types import Array
 from toothspace.geometry.curve import polar
 from toothspace.machines.gerotor.closest_approach import closest_approach
-from toothspace.machines.gerotor.parameters import RotorParameters
 from toothspace.machines.gerotor.profiles import Rotors, trochoid_of
+from toothspace.machines.gerotor.rotor_parameters import RotorParameters
 
 RADIUS_RANGE = (20e-6, 1.0)
 """Relative radii of curvature are kept in this range: cusps count with the lower end. [m]."""

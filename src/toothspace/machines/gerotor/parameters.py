@@ -2,85 +2,29 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import final
 
-from toothspace.core.frozen import Points
 from toothspace.core.keys import (
     KeyTable,
     choice,
     file_path,
     forbid,
-    integer,
+    instead_of,
     number,
     quantity,
     require,
     table,
-    text,
 )
-from toothspace.gearing.gear_tables import CONTOUR_SUFFIXES, PROFILE_SUFFIXES
+from toothspace.gearing.gear_tables import CONTOUR_SUFFIXES
+from toothspace.machines.gerotor.rotor_parameters import RotorParameters
 from toothspace.machines.shared_tables import (
     MachineTables,
     PortParameters,
     ShaftBearingParameters,
     ShaftSealParameters,
 )
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class RotorParameters(KeyTable):
-    """``[machine.rotors]``: a generated pair, or two profiles from files."""
-
-    kind: str | None = choice("Family of the profiles.", "trochoidal", "cycloidal", default=None)
-    inner_tooth_count: int = integer(
-        "Teeth of the inner rotor; the outer one has one more.", low=3, high=60
-    )
-    eccentricity: float = quantity("mm", "Distance of the rotor centres.", above=0, high=50)
-    generating_radius: float | None = quantity(
-        "mm",
-        "Radius of the lobe centres of a trochoidal pair.",
-        above=0,
-        high=500,
-        default=None,
-    )
-    lobe_radius: float | None = quantity(
-        "mm", "Radius of the outer rotor's lobes of a trochoidal pair.", above=0, high=200,
-        default=None,
-    )  # fmt: skip
-    inner_profile: Path | Points | None = file_path(
-        "Closed profile of the inner rotor.", *PROFILE_SUFFIXES, points=True
-    )
-    outer_profile: Path | Points | None = file_path(
-        "Closed profile of the outer rotor.", *PROFILE_SUFFIXES, points=True
-    )
-    profile_unit: str = choice("Length unit of the profiles.", "mm", "m", "um", "in", default="mm")
-    face_width: float = quantity("mm", "Axial width of the rotors.", above=0, high=500)
-    tip_clearance: float = quantity(
-        "um", "Normal gap between the centred rotors at a tip pair.", low=0, high=500
-    )
-    tip_gap_law: str = choice(
-        "Flow through the gap at a tip: between parabolic walls, or the published fit.",
-        "parabolic",
-        "fitted",
-        default="parabolic",
-    )
-    shaft_diameter: float | None = quantity(
-        "mm", "Bore of the inner rotor.", above=0, high=500, default=None
-    )
-    material: str = text("Material from the library.", default="sintered_steel")
-    roughness: float = quantity(
-        "um", "Root mean square roughness of flanks and faces.", low=0, high=10, default=0.6e-6
-    )
-
-    def __post_init__(self) -> None:
-        if self.kind is None:
-            require(self, "unless kind is given", "inner_profile", "outer_profile")
-        else:
-            forbid(self, "because kind is given", "inner_profile", "outer_profile")
-        if self.kind == "trochoidal":
-            require(self, 'with kind = "trochoidal"', "generating_radius", "lobe_radius")
 
 
 @final
@@ -95,7 +39,12 @@ class HousingParameters(KeyTable):
         "um", "Housing bore radius minus rotor radius.", low=1, high=1000
     )
     end_condition: str = choice(
-        "What stands at the axial ends of the film.", "no_flow", "pressure", default="no_flow"
+        "Axial ends of the film: walls beside which the faces lead pressure into it, the drain, "
+        "or walls through which nothing passes.",
+        "no_flow",
+        "pressure",
+        "wall",
+        default="no_flow",
     )
     roughness: float = quantity(
         "um", "Root mean square roughness of the bore.", low=0, high=10, default=0.4e-6
@@ -181,10 +130,7 @@ class FaceGapParameters(KeyTable):
     )
 
     def __post_init__(self) -> None:
-        if self.side_gap is None:
-            require(self, "unless side_gap is given", "side_gap_a", "side_gap_b")
-        else:
-            forbid(self, "because side_gap is given", "side_gap_a", "side_gap_b")
+        instead_of(self, "side_gap", "side_gap_a", "side_gap_b")
 
 
 @final
@@ -202,8 +148,18 @@ class ContactParameters(KeyTable):
         high=1,
         default=0.8,
     )
+    impact: str = choice(
+        "Damping by the speed of each impact, or of one impact speed for all.",
+        "own",
+        "given",
+        default="given",
+    )
     impact_speed: float = quantity(
-        "m/s", "Speed of that impact; lobes meet slowly.", above=0, high=10, default=0.01
+        "m/s",
+        "Speed of that impact with ``given``; lobes meet slowly.",
+        above=0,
+        high=10,
+        default=0.01,
     )
     boundary_friction: float = number(
         "Friction coefficient of touching asperities.", low=0, high=1, default=0.10
@@ -236,6 +192,15 @@ class GerotorParameters(MachineTables):
     seals: ShaftSealParameters | None = table(ShaftSealParameters, "Shaft seal.", default=None)
     inlet: PortParameters = table(PortParameters, "Inlet volume.", default=PortParameters())
     outlet: PortParameters = table(PortParameters, "Outlet volume.", default=PortParameters())
+
+    def assemble(self) -> GerotorParameters:
+        """Return these keys with what profiles from files tell of the rotors."""
+        if self.rotors.kind is not None:
+            return self
+        # with what reads CAD files
+        from toothspace.machines.gerotor.profiles import completed
+
+        return replace(self, rotors=completed(self.rotors, self.housing.outer_rotor_diameter))
 
 
 PARAMETERS = GerotorParameters

@@ -24,8 +24,8 @@ from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
 from toothspace.geometry.curve import signed_area
 from toothspace.machines.gerotor.lobe_path import LobePath, lobe_path
-from toothspace.machines.gerotor.parameters import RotorParameters
 from toothspace.machines.gerotor.profiles import Rotors
+from toothspace.machines.gerotor.rotor_parameters import RotorParameters
 
 FULL_TURN = 2.0 * np.pi
 _FINER = 8

@@ -8,19 +8,20 @@ pocket is on the positive y axis.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NoReturn, final
 
 import numpy as np
 import shapely
 
 from toothspace.core.errors import GeometryError
+from toothspace.core.keys import KeyRuleError
 from toothspace.core.types import Array
-from toothspace.geometry.cad_import import load_closed_curves
 from toothspace.geometry.curve import counter_clockwise, without_repeats
 from toothspace.machines.gerotor.contour import contour
 from toothspace.machines.gerotor.cycloid import cycloid
-from toothspace.machines.gerotor.parameters import RotorParameters
+from toothspace.machines.gerotor.rotor_files import DrawnRotor, drawn_eccentricity, rotor_pair
+from toothspace.machines.gerotor.rotor_parameters import RotorParameters
 from toothspace.machines.gerotor.trochoid import Trochoid, inner_outline, outer_outline
 
 POINTS_PER_TOOTH = 480
@@ -29,6 +30,8 @@ _FILE_UNITS = {"mm": 1e-3, "m": 1.0, "um": 1e-6, "in": 25.4e-3}
 _LEAST_EDGE = 1e-9
 _FEWEST_EDGES = 16
 _POINTS_FOR_PHASE = 2000
+_LEAST_OF_RIM = 0.5
+"""Of the outside diameter of an outer rotor: the width across its lobes is more. [-]"""
 
 
 @final
@@ -176,31 +179,77 @@ def _refuse_offset(distance: float, left: str) -> NoReturn:
     )
 
 
+def completed(parameters: RotorParameters, outer_diameter: float) -> RotorParameters:
+    """Keys of rotors from files with the tooth count, eccentricity and width found there.
+
+    Parameters
+    ----------
+    parameters : RotorParameters
+        Keys ``[machine.rotors]`` with profiles.
+    outer_diameter : float
+        Outside diameter of the outer rotor, to check the unit of the files. [m]
+
+    Returns
+    -------
+    RotorParameters
+        Keys without defaults that stand for the files.
+
+    Raises
+    ------
+    KeyRuleError
+        For another tooth count than given, files without distance or width, or a wrong unit.
+    """
+    inner, outer = _drawn(parameters)
+    given = parameters.inner_tooth_count
+    if given not in (0, inner.tooth_count):
+        found = f"{given}, but {inner.tooth_count} teeth in the profile"
+        raise KeyRuleError("rotors.inner_tooth_count", found, "that of the profile, or none")
+    _check_unit(parameters.profile_unit, outer, outer_diameter)
+    eccentricity = parameters.eccentricity or drawn_eccentricity(inner, outer)
+    if not eccentricity:
+        reason = "compulsory unless the rotors are drawn apart on parallel axes"
+        raise KeyRuleError("rotors.eccentricity", "nothing", reason)
+    width = parameters.face_width or inner.face_width
+    if not width:
+        reason = "compulsory unless the rotors are solids"
+        raise KeyRuleError("rotors.face_width", "nothing", reason)
+    return replace(
+        parameters,
+        inner_tooth_count=inner.tooth_count,
+        eccentricity=eccentricity,
+        face_width=width,
+    )
+
+
+def _drawn(parameters: RotorParameters) -> tuple[DrawnRotor, DrawnRotor]:
+    assert parameters.inner_profile is not None
+    assert parameters.outer_profile is not None
+    return rotor_pair(
+        parameters.inner_profile, parameters.outer_profile, _FILE_UNITS[parameters.profile_unit]
+    )
+
+
+def _check_unit(unit: str, outer: DrawnRotor, diameter: float) -> None:
+    size = float(np.ptp(outer.curve, axis=0).max())
+    if _LEAST_OF_RIM * diameter < size < diameter:
+        return
+    scales = {name: scale / _FILE_UNITS[unit] for name, scale in _FILE_UNITS.items()}
+    fits = [n for n, s in scales.items() if _LEAST_OF_RIM * diameter < size * s < diameter]
+    if len(fits) == 1:
+        raise KeyRuleError(
+            "rotors.profile_unit",
+            f"{unit!r}, with which the outer rotor's lobes span {1e3 * size:.5g} mm",
+            f"{fits[0]!r}, with which it is {1e3 * size * scales[fits[0]]:.5g} mm and fits the rim",
+        )
+
+
 def _from_files(parameters: RotorParameters) -> Rotors:
-    unit = _FILE_UNITS[parameters.profile_unit]
     half = 0.5 * parameters.tip_clearance
-    outlines = []
-    teeth = (parameters.inner_tooth_count, parameters.inner_tooth_count + 1)
-    for path, count, sign in (
-        (parameters.inner_profile, teeth[0], -1.0),
-        (parameters.outer_profile, teeth[1], 1.0),
-    ):
-        if path is None:
-            raise GeometryError("machine.rotors: found no profile, allowed a file or kind")
-        curve = _rotor_curve(load_closed_curves(path, unit), outer=sign > 0.0)
-        outlines.append(offset_outline(turned_to_axis(curve, count, str(path)), sign * half))
+    outlines = [
+        offset_outline(turned_to_axis(rotor.curve, rotor.tooth_count, "rotor"), sign * half)
+        for rotor, sign in zip(_drawn(parameters), (-1.0, 1.0), strict=True)
+    ]
     return _rotors(parameters, *outlines)
-
-
-def _rotor_curve(curves: list[Array], *, outer: bool) -> Array:
-    """Choose the toothed curve: a bore lies inside the inner rotor, a rim round the outer."""
-    if len(curves) == 1:
-        return counter_clockwise(curves[0])
-    spread = [np.ptp(np.hypot(*(c - _center(c)).T)) / np.ptp(c[:, 0]) for c in curves]
-    toothed = [c for c, s in zip(curves, spread, strict=True) if s > 0.02]
-    if not toothed:
-        return counter_clockwise(curves[-1] if outer else curves[0])
-    return counter_clockwise(toothed[0])
 
 
 def _center(curve: Array) -> Array:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, final
 
 import numpy as np
 
+from toothspace.case import Case
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.real_contact import real_contact_share
 from toothspace.closures.viscosity import HIGHEST_PRESSURE
@@ -50,11 +51,7 @@ from toothspace.simulation.lateral.loads import loaded_bodies, node_pressures
 if TYPE_CHECKING:
     import xarray as xr
 
-NO_BEARING = (
-    "machine.floating_bearing: found no high_pressure_area, allowed a floating bearing "
-    "with the area that balances it"
-)
-"""Message about a machine whose lateral gaps are not those of a floating bearing."""
+_NO_FLOATING_PART = "machine: found no floating part in balance, allowed a machine with one"
 _TOUCH = 1e-4
 """Asperity pressure over hardness that counts as contact. [-]"""
 _MARCHED = Accuracy(settled=1e-3, linear=5e-2)
@@ -285,7 +282,7 @@ def lateral_problem(
     )
     grids = tuple(FaceGrid(i, *settings.grid) for i in balance.interfaces)
     stack = Stack(
-        balance,
+        replace(balance, shaft_stiffness=_held_by_journals(description, balance, data)),
         grids,
         tuple(_law(i, film_fluid, settings) for i in balance.interfaces),
         _compliance(balance, grids, settings, back, data),
@@ -294,6 +291,25 @@ def lateral_problem(
     snapshots = snapshots_over_pitch(stack, pressures, settings.angles)
     loads = Loads(back, *_frictions(description, balance, data, high - low))
     return LateralProblem(stack, snapshots, loads, pressures, settings)
+
+
+def _held_by_journals(
+    description: MachineDescription, balance: LateralBalance, data: xr.Dataset
+) -> float:
+    """Least moment over tilt by which films that carry the mean loads hold a shaft. [N m/rad].
+
+    Two bearings at a distance d with the load F each at a clearance c: F d^2 / (2 c).
+    """
+    if balance.shaft_stiffness is not None:
+        return balance.shaft_stiffness
+    loads = 0.5 * np.linalg.norm(data["journal_force"].values.mean(axis=0)[:, :2], axis=1)
+    own = {journal.body: journal for journal in description.journals}
+    held = []
+    for body, load, tilt in zip(balance.bodies, loads, balance.body_tilts, strict=False):
+        clearance = own[body].radial_clearance
+        apart = 2.0 * clearance / tilt - own[body].length  # half of it reaches the far end
+        held.append(0.5 * float(load) * apart**2 / clearance)
+    return min(held, default=0.0)
 
 
 def _frictions(
@@ -318,6 +334,19 @@ def _frictions(
     return housing_friction(whole, sum(normals)), parts
 
 
+def require_floating_part(case: Case) -> None:
+    """Refuse a machine without a floating part in balance before anything is computed.
+
+    Raises
+    ------
+    CaseError
+        If it has none, in the words of the machine type.
+    """
+    lacking = getattr(case.machine, "missing_floating_part", _NO_FLOATING_PART)
+    if lacking:
+        raise CaseError(lacking)
+
+
 def balance_of(description: MachineDescription) -> LateralBalance:
     """Lateral balance of a machine.
 
@@ -327,7 +356,7 @@ def balance_of(description: MachineDescription) -> LateralBalance:
         If it has none.
     """
     if description.lateral_balance is None:
-        raise CaseError(NO_BEARING)
+        raise CaseError(_NO_FLOATING_PART)
     return description.lateral_balance
 
 

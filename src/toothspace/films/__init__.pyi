@@ -1,0 +1,1 @@
+from toothspace.films.public import *  # noqa: F403

@@ -1,0 +1,176 @@
+"""CAD files are read in a process of their own, with limits on time and memory.
+
+A damaged STEP file can end the library that reads it, and a large file of any kind can take the
+machine's memory. The process gets a request as JSON on its standard input and leaves arrays and a
+JSON text in a file; nothing in it is executed. STL, DXF and text files of up to 1 MB are read
+without it: what they cost is bounded by their size, and starting the process takes longer.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from toothspace.core.array_store import keep_arrays, load_arrays
+from toothspace.core.errors import GeometryError
+from toothspace.core.types import Array
+from toothspace.geometry.body_section import BodySection, SectionRequest
+
+TIME_LIMIT = 180.0
+"""Longest time for reading a file. [s]"""
+MEMORY_LIMIT = 8 * 2**30
+"""Largest address space of the process that reads a file. [B]"""
+READ_HERE = 2**20
+"""Largest size of a file that is read without a process of its own. [B]"""
+REFUSED = 2
+"""Exit code of the reader for a file that it refuses with a message."""
+_MOST_KEPT = 500
+_READING = ("step_import", "solid_import", "dxf_import", "point_file", "limited_reading",
+            "body_section", "mesh_section", "chains", "tooth_count")  # fmt: skip
+"""Modules that a section follows from."""
+
+
+def read_sections(path: Path, unit: float, request: SectionRequest) -> list[BodySection]:
+    """Sections of a solid file by a process of its own; see ``cad_import.load_body_sections``."""
+    return _unpacked(_kept(path, {"unit": unit, "request": asdict(request)}))
+
+
+def read_curves(path: Path, unit: float, layer: str | None) -> list[Array]:
+    """Curves of a plane file by a process of its own; see ``cad_import.load_closed_curves``."""
+    found = _kept(path, {"unit": unit, "layer": layer})
+    return [found[f"curve_{k}"] for k in range(len(found))]
+
+
+def _kept(path: Path, order: dict[str, Any]) -> Mapping[str, Any]:
+    # by content, so that commands and workers read a file once
+    from toothspace.core.compiled import CACHE_FOLDER
+
+    digest = hashlib.sha256(path.read_bytes() + json.dumps([path.suffix.lower(), order]).encode())
+    for module in _READING:
+        digest.update((Path(__file__).parent / f"{module}.py").read_bytes())
+    place = CACHE_FOLDER.parent / "sections" / f"{digest.hexdigest()[:32]}.npz"
+    known = load_arrays(place)
+    if known is None:
+        known = read_in_process(path, order)
+        keep_arrays(place, known, _MOST_KEPT)
+    return known
+
+
+def read_in_process(path: Path, order: Mapping[str, Any]) -> dict[str, Any]:
+    """What the process finds in a file, as arrays by name, read anew.
+
+    Parameters
+    ----------
+    path : Path
+        File.
+    order : mapping
+        ``unit``, and ``request`` of a solid file or ``layer`` of a plane one.
+
+    Returns
+    -------
+    dict
+        Arrays by name.
+
+    Raises
+    ------
+    GeometryError
+        For what the reader refuses, and where it fails or takes too long.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        target = Path(folder) / "found.npz"
+        whole = {"file": str(path.resolve()), "target": str(target), **order}
+        done = _run(path, json.dumps(whole))
+        if done.returncode == REFUSED:
+            text = done.stdout.strip().splitlines()[-1]
+            raise GeometryError(text.replace(str(path.resolve()), str(path)))
+        if done.returncode != 0 or not target.is_file():
+            signal = -done.returncode
+            ending = f"was ended by signal {signal}" if signal > 0 else "failed"
+            raise GeometryError(
+                f"{path}: found a damaged {_format(path)} file (its reader {ending}), allowed a "
+                f"complete one"
+            )
+        with np.load(target, allow_pickle=False) as archive:
+            return {name: archive[name] for name in archive.files}
+
+
+def _format(path: Path) -> str:
+    name = path.suffix.lstrip(".").upper()
+    return "STEP" if name == "STP" else name
+
+
+def _run(path: Path, order: str) -> subprocess.CompletedProcess[str]:
+    package = str(Path(__file__).resolve().parents[2])
+    search = os.pathsep.join(filter(None, [package, os.environ.get("PYTHONPATH", "")]))
+    try:
+        return subprocess.run(
+            [sys.executable, "-m", "toothspace.geometry.reading_process"],
+            input=order,
+            capture_output=True,
+            text=True,
+            timeout=TIME_LIMIT,
+            env={**os.environ, "PYTHONPATH": search},
+            check=False,
+        )
+    except subprocess.TimeoutExpired as error:
+        raise GeometryError(
+            f"{path}: found a {_format(path)} file that takes more than {TIME_LIMIT:g} s to read, "
+            f"allowed a smaller one"
+        ) from error
+
+
+def packed(sections: list[BodySection]) -> dict[str, Any]:
+    """Sections as arrays by name, to be left in a file."""
+    arrays: dict[str, Any] = {}
+    table = []
+    for number, found in enumerate(sections):
+        table.append(
+            {
+                "body": found.body,
+                "name": found.name,
+                "axis": [float(value) for value in found.axis],
+                "height": found.height,
+                "extent": found.extent,
+                "teeth_extent": found.teeth_extent,
+                "second_height": found.second_height,
+                "layer": found.layer,
+                "curves": len(found.curves),
+            }
+        )
+        for place, curve in enumerate(found.curves):
+            arrays[f"curve_{number}_{place}"] = curve
+        if found.second is not None:
+            arrays[f"second_{number}"] = found.second
+    return {"table": np.array(json.dumps(table)), **arrays}
+
+
+def _unpacked(archive: Mapping[str, Any]) -> list[BodySection]:
+    found = []
+    for number, row in enumerate(json.loads(str(archive["table"]))):
+        teeth, second = row["teeth_extent"], f"second_{number}"
+        layer = row["layer"]
+        found.append(
+            BodySection(
+                body=row["body"],
+                name=row["name"],
+                axis=np.array(row["axis"]),
+                height=row["height"],
+                extent=(row["extent"][0], row["extent"][1]),
+                teeth_extent=None if teeth is None else (teeth[0], teeth[1]),
+                curves=[archive[f"curve_{number}_{k}"] for k in range(row["curves"])],
+                second_height=row["second_height"],
+                second=archive.get(second),
+                layer=None if layer is None else (layer[0], layer[1]),
+            )
+        )
+    return found

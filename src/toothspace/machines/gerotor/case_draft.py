@@ -1,0 +1,111 @@
+"""First case file of a gerotor pump from the rotors found in its CAD files."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from itertools import product
+from pathlib import Path
+
+from toothspace.core.errors import GeometryError
+from toothspace.core.units import to_si
+from toothspace.geometry.body_section import SectionRequest
+from toothspace.geometry.cad_import import STEP_SUFFIXES
+from toothspace.machines.gerotor.rotor_files import (
+    DrawnRotor,
+    drawn_eccentricity,
+    rotor_pair,
+    size_beside,
+)
+from toothspace.machines.shared_tables import CaseDraft, named_beside
+
+_RIM = 1.2
+"""Outside diameter of the outer rotor over the width across its lobes, where none is drawn. [-]"""
+
+_REST = """
+[machine.ports]
+timing = "kinematic"             # assumed: ports change over at the extremes of the volume
+
+[machine.lateral]
+side_gap = "25 um"               # assumed
+
+[fluid]
+name = "iso_vg_46"               # assumed: toothspace fluids lists others
+temperature = "50 degC"
+
+[operating_point]                # assumed
+shaft_speed = "2000 rpm"
+inlet_pressure = "1 bar"
+outlet_pressure = "20 bar"
+
+[run]
+fidelity = "lumped"
+until = "cyclic"
+"""
+
+
+def draft_case(
+    files: Sequence[Path], unit: str, _request: SectionRequest, folder: Path
+) -> CaseDraft | None:
+    """Case file of a gerotor pump with the rotors of CAD files.
+
+    Parameters
+    ----------
+    files : sequence of Path
+        Files in one frame.
+    unit : str
+        Length unit of the files that have none of their own.
+    folder : Path
+        Where the case file will be.
+
+    Returns
+    -------
+    CaseDraft or None
+        What was measured, and what is assumed because files do not hold it; None without rotors.
+    """
+    for inner_file, outer_file in product(files, repeat=2):
+        try:
+            inner, outer = rotor_pair(inner_file, outer_file, to_si(1.0, unit))
+        except GeometryError:
+            continue
+        return CaseDraft("\n".join(_lines(inner, outer, unit, folder)) + "\n" + _REST, 2)
+    return None
+
+
+def _lines(inner: DrawnRotor, outer: DrawnRotor, unit: str, folder: Path) -> list[str]:
+    files = [rotor.file for rotor in (inner, outer)]
+    names = [named_beside(file, folder) for file in files if isinstance(file, Path)]
+    bore, rim = size_beside(inner, outside=False), size_beside(outer, outside=True)
+    across = 2.0 * float(max(abs(outer.curve - outer.center).max(axis=0)))
+    solids = [name for name in names if Path(name).suffix.lower() in STEP_SUFFIXES]
+    return [
+        f"# Drafted from {', '.join(dict.fromkeys(names))}.",
+        '# Numbers marked "assumed" are not in the files: put in your own.',
+        "schema = 1",
+        f"title = {json.dumps('Gerotor pump from ' + Path(names[0]).name)}",
+        "",
+        "[machine]",
+        'type = "gerotor"',
+        'mode = "pump"                    # or "motor"',
+        "",
+        "[machine.rotors]",
+        f"inner_profile = {json.dumps(names[0])}",
+        f"outer_profile = {json.dumps(names[1])}",
+        *([] if len(solids) == 2 else [f'profile_unit = "{unit}"']),
+        f"inner_tooth_count = {inner.tooth_count}",
+        _length("eccentricity", drawn_eccentricity(inner, outer), 0.1 * across / inner.tooth_count,
+                "give the distance of the rotor centres"),
+        _length("face_width", inner.face_width, 10e-3, "plane files have none"),
+        'tip_clearance = "0 um"           # taken off in addition to the drawing',
+        *([] if bore is None else [_length("shaft_diameter", bore, bore, "")]),
+        "",
+        "[machine.housing]",
+        _length("outer_rotor_diameter", rim, _RIM * across, "no rim is drawn"),
+        'radial_clearance = "50 um"       # assumed',
+    ]  # fmt: skip
+
+
+def _length(name: str, found: float | None, assumed: float, reason: str) -> str:
+    if found is not None:
+        return f'{name} = "{1e3 * found:.6g} mm"'
+    return f'{name} = "{1e3 * assumed:.4g} mm"      # assumed: {reason}'
