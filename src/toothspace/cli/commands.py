@@ -253,7 +253,7 @@ def gear(
     from toothspace.geometry.body_section import AXES, SectionRequest
     from toothspace.geometry.cad_import import STEP_SUFFIXES
     from toothspace.geometry.gear_finder import find_in_files
-    from toothspace.geometry.gear_report import file_report, likelier_units
+    from toothspace.geometry.gear_report import file_report, flank_warnings, likelier_units
 
     file = files[0]
     if section.unit not in _FILE_UNITS:
@@ -276,6 +276,8 @@ def gear(
         scales = {name: to_si(1.0, name) / to_si(1.0, section.unit) for name in _FILE_UNITS}
         for better in likelier_units(contents, scales):
             output.message(f"Note: with --unit {better} the gear has a standard module")
+    for warning in flank_warnings(contents):
+        output.message(f"Warning: {warning}")
     found = file_report(contents, _length(section.center_distance, "--center-distance"))
     if as_json:
         output.write(found, as_json=True)

@@ -13,6 +13,9 @@ from toothspace.geometry.gear_data import gear_data
 from toothspace.geometry.gear_finder import FileContents, FoundGear, axis_distance
 from toothspace.geometry.mesh_clearance import normal_play
 
+CERTAIN_BASE_DIAMETER = 3e-6
+"""Uncertainty of a base diameter that needs no word. [m]"""
+
 
 def file_report(contents: FileContents, center_distance: float | None = None) -> dict[str, object]:
     """Numbers of all gears of a file and of the pairs that they form.
@@ -65,6 +68,32 @@ def likelier_units(contents: FileContents, scales: Mapping[str, float]) -> list[
         return []
     known = {name: gear_data(profile.scaled(scale)) for name, scale in scales.items()}
     return [name for name, found in known.items() if found is not None and found.standard]
+
+
+def flank_warnings(contents: FileContents) -> list[str]:
+    """What the flanks of the gears leave uncertain: base diameters not known to 3 um.
+
+    Parameters
+    ----------
+    contents : FileContents
+        Gears as read.
+
+    Returns
+    -------
+    list of str
+        One line for each such gear, with its form error and chords.
+    """
+    lines = []
+    for gear in contents.gears:
+        fit, chord = gear.detected.involute, 1e6 * gear.detected.chord_height
+        if fit is not None and fit.base_diameter_uncertainty > CERTAIN_BASE_DIAMETER:
+            lines.append(
+                f"{_called(gear)}: flanks leave the fitted involute by {1e6 * fit.form_error:.2g} "
+                f"um (chords of {chord:.2g} um), so the base diameter is known to "
+                f"{1e6 * fit.base_diameter_uncertainty:.2g} um; export more points of the flank, "
+                f"or STEP"
+            )
+    return lines
 
 
 def gear_report(found: FoundGear) -> dict[str, object]:
