@@ -25,7 +25,7 @@ from numba.core import types
 from numba.extending import intrinsic
 from scipy.integrate import solve_ivp
 
-from tests.reference_formulas import full_jacobian
+from tests.reference_formulas.full_jacobian import jacobian
 from toothspace import api
 from toothspace.core.compilation.records import RecordAddress, pack
 from toothspace.core.compiled import njit
@@ -154,10 +154,6 @@ def block_of(record: tuple[Any, ...]) -> np.ndarray:
 def compiled_callbacks(kind: RecordAddress) -> Callbacks:
     """Callbacks for systems of one type."""
     record = record_at(kind)
-    for name in ("_add_pressure_changes", "add_composition", "jacobian"):
-        # tests run these as they stand
-        setattr(full_jacobian, name, njit(getattr(full_jacobian, name)))
-    jacobian = full_jacobian.jacobian
 
     @njit
     def rates(t, y, address, full, rate, out):  # type: ignore[no-untyped-def]

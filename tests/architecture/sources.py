@@ -104,7 +104,7 @@ def for_every(
                     check(*arguments)
                 except AssertionError as error:
                     failures[label] = str(error)
-            assert not failures
+            assert not failures, failures
 
         test.__name__, test.__doc__ = check.__name__, check.__doc__
         return test

@@ -106,6 +106,7 @@ def test_files_without_a_machine_are_named(tmp_path: Path) -> None:
     plate = solid(tmp_path / "plate.stl", shapely.box(0.0, 0.0, 0.02, 0.01))
     with pytest.raises(CaseError, match=r"plate\.stl: --case: found no machine"):
         api.draft_case([plate], "mm", SectionRequest(), tmp_path)
+    assert main(["gear", str(plate), str(tmp_path / "absent.stl")]) == 2
 
 
 def test_surface_that_touches_itself_is_closed(tmp_path: Path) -> None:

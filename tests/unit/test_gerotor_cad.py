@@ -12,6 +12,7 @@ import shapely
 from tests.gerotor_designs import CYCLOIDAL, TROCHOIDAL, machine
 from toothspace import api
 from toothspace.case import load_case
+from toothspace.cli import main
 from toothspace.core.errors import CaseError, GeometryError
 from toothspace.geometry.body_section import SectionRequest
 from toothspace.geometry.curve import signed_area
@@ -115,7 +116,7 @@ def assembly(folder: Path, tooth_count: int = 6) -> Path:
     return folder / "assembly.stl"
 
 
-@pytest.mark.parametrize("tooth_count", [4, 6])
+@pytest.mark.parametrize("tooth_count", [pytest.param(4, marks=pytest.mark.slow), 6])
 def test_assembly_becomes_the_machine_that_was_drawn(tmp_path, tooth_count):
     """Axis, teeth, eccentricity, width, bore and rim found; displacement that of the design."""
     file = assembly(tmp_path, tooth_count)
@@ -135,6 +136,16 @@ def test_assembly_becomes_the_machine_that_was_drawn(tmp_path, tooth_count):
     assert pockets(rotors, rotors_from(rotors), 140).displaced_area == pytest.approx(
         exact, rel=1e-4
     )
+
+
+def test_command_drafts_a_set_with_few_lobes(tmp_path, capsys):
+    """Four lobes are no gear; the case is written all the same."""
+    file = assembly(tmp_path, 4)
+    target = tmp_path / "few.toml"
+    assert main(["gear", str(file), "--unit", "in", "--case", str(target)]) == 0
+    assert "Case:" in capsys.readouterr().err
+    assert load_case(target).machine_spec.rotors.inner_tooth_count == 4
+    assert main(["gear", str(file), "--unit", "in"]) == 2
 
 
 def test_what_files_do_not_hold_is_asked_for(tmp_path):

@@ -264,7 +264,14 @@ def gear(
     targets = {option: target.checked(option) for option, target in outputs.items()}
     picture = _picture(targets["--plot"]) if "--plot" in targets else None
     request = SectionRequest(section.axis, _length(section.plane, "--plane"))
-    contents = find_in_files(files, to_si(1.0, section.unit), request)
+    try:
+        contents = find_in_files(files, to_si(1.0, section.unit), request)
+    except CaseError:
+        # rotors with few lobes are no gears
+        if "--case" not in targets:
+            raise
+        _draft(files, section.unit, request, targets["--case"])
+        return 0
     if file.suffix.lower() not in STEP_SUFFIXES:
         scales = {name: to_si(1.0, name) / to_si(1.0, section.unit) for name in _FILE_UNITS}
         for better in likelier_units(contents, scales):

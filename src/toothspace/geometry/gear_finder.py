@@ -164,7 +164,7 @@ def find_in_files(
     Parameters
     ----------
     paths : iterable of Path
-        Files, as a CAD program writes them part by part; some may be without gears.
+        Files, as a CAD program writes them part by part; solids may be without gears.
     unit : float
         Length of one unit of the files; STEP files carry their own. [m]
     request : SectionRequest or None
@@ -178,7 +178,7 @@ def find_in_files(
     Raises
     ------
     GeometryError
-        If no file holds a gear.
+        If no file holds a gear, or one cannot be read.
     """
     gears: list[FoundGear] = []
     others: list[PlainBody] = []
@@ -187,9 +187,10 @@ def find_in_files(
         try:
             found = find_gears(path, unit, request)
         except GeometryError as error:
+            if not is_solid(path):
+                raise
             refused.append(error)
-            if is_solid(path):
-                others += _plain(path, load_body_sections(path, unit, SectionRequest()))
+            others += _plain(path, load_body_sections(path, unit, SectionRequest()))
             continue
         gears += found.gears
         others += found.others

@@ -114,7 +114,7 @@ def _named(file: Path | Points) -> str:
     return file.name if isinstance(file, Path) else "the points"
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=64)
 def _rotors(file: Path | Points, _modified: int, unit: float) -> list[DrawnRotor]:
     if not is_solid(file):
         return _toothed(file, load_closed_curves(file, unit), np.array([0.0, 0.0, 1.0]), None)
