@@ -54,8 +54,9 @@ validate: $(READY)  ## run slow tests and validation against published numbers
 	mkdir -p build
 	$(BIN)/toothspace validate -o build/validation_book.html --force
 
-bench: $(READY)  ## print the table of benchmarks
+bench: $(READY)  ## print the table of benchmarks, write that of the speed page
 	$(BIN)/python -m benchmarks
+	$(BIN)/python -m benchmarks.speed --store
 
 $(DOCS_READY): $(READY) requirements/docs.txt
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements/lock.txt -r requirements/docs.txt

@@ -9,6 +9,7 @@ import numpy as np
 
 from benchmarks.bench_films import bandwidth
 from benchmarks.bench_lumped import block_of, record_at
+from benchmarks.speed import PAGE, Figure, fallen, load
 from toothspace.core.compiled import njit, passed_by_address
 
 
@@ -34,3 +35,18 @@ def test_a_record_is_read_from_its_address() -> None:
 
 def test_bandwidth_is_plausible() -> None:
     assert 0.01 < bandwidth(1000) < 1e4  # GB/s
+
+
+def test_a_ratio_that_fell_by_a_fifth_is_flagged() -> None:
+    before = [Figure("task", "peer", 1.0, 4.0, ""), Figure("task", "other", 1.0, 2.0, "")]
+    same = [Figure("task", "peer", 1.0, 3.3, ""), Figure("task", "other", 3.0, 6.0, "")]
+    slower = [Figure("task", "peer", 1.3, 4.0, ""), Figure("new", "other", 1.0, 0.1, "")]
+    assert fallen(same, before) == []
+    assert fallen(slower, before) == ["task, peer: 3.08, stored 4.00"]
+
+
+def test_the_speed_page_shows_the_stored_figures() -> None:
+    page = PAGE.read_text()
+    for figure in load():
+        assert f"| {figure.task} | {1e3 * figure.own_seconds:.3g} ms " in page
+        assert f"| {figure.peer} | {figure.ratio:.2f} |" in page

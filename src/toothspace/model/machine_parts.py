@@ -50,7 +50,7 @@ class ChamberFamily:
     phases : ndarray, shape (count,)
         Table angle of each chamber at shaft angle zero. [rad]
     volume : PeriodicTable, 1 channel
-        Volume over the table angle, with exact slopes. [m3]
+        Volume over the table angle. [m3]
     volume_by_motion : PeriodicTable, one channel per motion of the description
         Derivative of the volume with respect to every micro-motion. It is also the
         generalised force of the chamber's pressure on that motion. [m3/m] or [m3/rad]
