@@ -12,7 +12,7 @@ import pytest
 from toothspace import api
 from toothspace.case import load_case
 from toothspace.cli import output
-from toothspace.core.progress import UNKNOWN, part, reporting_to, tell
+from toothspace.core.progress import UNKNOWN, part, report_share, reporting_to, tell
 
 CASES = Path(__file__).resolve().parents[2] / "cases"
 

@@ -10,7 +10,7 @@ import scipy.sparse as sp
 from scipy.linalg import cho_factor, cho_solve
 
 from toothspace.core.errors import GeometryError
-from toothspace.core.progress import UNKNOWN
+from toothspace.core.progress import UNKNOWN, report_share
 from toothspace.core.types import Array, IntArray
 from toothspace.elasticity import storage
 from toothspace.elasticity.body import ElasticBody
