@@ -26,8 +26,6 @@ def write_dataset(dataset: xr.Dataset, path: str | Path) -> Path:
 
     Parameters
     ----------
-    dataset : xarray.Dataset
-        What to write.
     path : str or Path
         File to create or replace; its folder is made if it is missing.
 

@@ -49,8 +49,6 @@ def influence_matrix(
 
     Parameters
     ----------
-    body : ElasticBody
-        What to condense.
     estimate_error : bool
         Whether to condense a coarser mesh as well.
     cache : bool

@@ -102,13 +102,6 @@ def _half_tooth(gears: MeshedGears) -> float:
 def tooth_stiffness(gears: MeshedGears, flanks: FlankPair) -> float:
     r"""Stiffness of a tooth pair in bending, shear and at the root, per face width.
 
-    Parameters
-    ----------
-    gears : MeshedGears
-        Gears in mesh.
-    flanks : FlankPair
-        Materials and profile shifts.
-
     Returns
     -------
     float

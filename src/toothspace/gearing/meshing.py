@@ -194,11 +194,6 @@ def loaded_throats(gears: MeshedGears, spaces: Spaces) -> Throats:
 def contact_range(gears: MeshedGears) -> tuple[float, float]:
     """Throat angles at which the loaded flank pair begins and ends to touch.
 
-    Parameters
-    ----------
-    gears : MeshedGears
-        Gears in mesh.
-
     Returns
     -------
     tuple of float
@@ -211,11 +206,6 @@ def contact_range(gears: MeshedGears) -> tuple[float, float]:
 
 def path_of_contact(gears: MeshedGears) -> tuple[float, float]:
     """Throat angles between which the loaded flank pair touches.
-
-    Parameters
-    ----------
-    gears : MeshedGears
-        Gears in mesh.
 
     Returns
     -------
@@ -249,8 +239,6 @@ def load_share(gears: MeshedGears, angles: Array) -> Array:
 
     Parameters
     ----------
-    gears : MeshedGears
-        Gears in mesh.
     angles : ndarray
         Throat angles. [rad]
 
@@ -291,8 +279,6 @@ def ideal_flow(gears: MeshedGears, angles: Array) -> Array:
 
     Parameters
     ----------
-    gears : MeshedGears
-        Gears in mesh.
     angles : ndarray
         Throat angles of the loaded flanks. [rad]
 

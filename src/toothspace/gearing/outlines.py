@@ -65,8 +65,6 @@ def space_outline(spaces: Spaces, index: int) -> Array:
 
     Parameters
     ----------
-    spaces : Spaces
-        Tooth spaces over their angle.
     index : int
         Which angle.
 

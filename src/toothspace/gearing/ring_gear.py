@@ -133,8 +133,6 @@ def ring_outline(ring: RingGear, points: int, rotation: float) -> Array:
 
     Parameters
     ----------
-    ring : RingGear
-        Ring.
     points : int
         Intervals on one pitch.
     rotation : float
@@ -294,11 +292,6 @@ def pair_from_backlash(
         Ring gear of equal module and pressure angle, with more teeth.
     normal_backlash : float
         Play between the flanks out of contact, along their normal, not negative. [m]
-
-    Returns
-    -------
-    InternalPair
-        The pair.
 
     Raises
     ------

@@ -54,10 +54,6 @@ def flank_paths(
 
     Parameters
     ----------
-    gears : MeshedGears
-        Gears in mesh.
-    numbering : Numbering
-        Phases and nodes.
     spaces : Spaces
         Tooth spaces of the drive gear.
     tip_rounding : float
@@ -158,11 +154,6 @@ class ToothSpaces:
             Derivative of the height by the micro-motions. [-]
         worn_by : str or None
             Body that cuts into the wall.
-
-        Returns
-        -------
-        FlowPath
-            The path.
         """
         tooth, count = self.gears.teeth[self.gear], cover.size
         speed = abs(tooth.tip_radius) * self.numbering.ratios[self.gear]

@@ -26,8 +26,6 @@ def pair_checks(
 
     Parameters
     ----------
-    pair : GearPair
-        Gears in mesh.
     face_width : float
         Tooth length. [m]
     vented : bool

@@ -124,11 +124,6 @@ def find_gears(
     tooth_count : int or None
         Needed for the outline of a single pitch.
 
-    Returns
-    -------
-    FileContents
-        Gears and other bodies.
-
     Raises
     ------
     GeometryError

@@ -290,11 +290,6 @@ def pair_from_backlash(
     normal_backlash : float
         Play between the flanks out of contact, along their normal, not negative. [m]
 
-    Returns
-    -------
-    GearPair
-        The pair.
-
     Raises
     ------
     GeometryError
@@ -338,11 +333,6 @@ def pair_from_center_distance(
     center_distance : float
         Distance of the gear centres. [m]
 
-    Returns
-    -------
-    GearPair
-        The pair.
-
     Raises
     ------
     GeometryError
@@ -365,8 +355,6 @@ def trapped_volume_change(pair: GearPair, face_width: float) -> float:
 
     Parameters
     ----------
-    pair : GearPair
-        Gears in mesh.
     face_width : float
         Tooth length. [m]
 

@@ -179,8 +179,6 @@ def fit_involute(points: FlankPoints, root_radius: float, tip_radius: float) -> 
 
     Parameters
     ----------
-    points : FlankPoints
-        Points of both flanks.
     root_radius, tip_radius : float
         Ends of the tooth. [m]
 
@@ -334,8 +332,6 @@ def distance_from_involute(
     ----------
     radius, angle : ndarray
         Polar coordinates, angles from the tooth axis towards the flank. [m], [rad]
-    flank : InvoluteFlank
-        The involute.
 
     Returns
     -------

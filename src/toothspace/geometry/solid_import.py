@@ -34,8 +34,6 @@ def solid_sections(path: Path, unit: float, request: SectionRequest) -> list[Bod
         STEP, ASCII or binary STL file.
     unit : float
         Length of one unit of an STL file; STEP files carry their own. [m]
-    request : SectionRequest
-        What to cut.
 
     Returns
     -------

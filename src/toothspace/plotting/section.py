@@ -79,8 +79,6 @@ def gear_section(
 
     Parameters
     ----------
-    solution : Solution
-        Result.
     description : MachineDescription
         The machine that it belongs to.
     fractions : sequence of float

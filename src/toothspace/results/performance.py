@@ -245,8 +245,6 @@ def means_by_label(data: xr.Dataset, name: str) -> Mapping[str, float]:
 
     Parameters
     ----------
-    data : Dataset
-        Dataset of a result.
     name : str
         Variable such as ``leakage`` or ``torque_loss``.
 

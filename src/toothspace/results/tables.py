@@ -18,8 +18,6 @@ def save_tables(description: MachineDescription, path: str | Path) -> Path:
 
     Parameters
     ----------
-    description : MachineDescription
-        The machine.
     path : str or Path
         File to write.
 
@@ -38,8 +36,6 @@ def save_tables_txt(description: MachineDescription, folder: str | Path) -> list
 
     Parameters
     ----------
-    description : MachineDescription
-        The machine.
     folder : str or Path
         Folder to write to; made if it is missing.
 

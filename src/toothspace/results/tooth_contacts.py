@@ -103,8 +103,6 @@ def contact_azimuth(
 
     Parameters
     ----------
-    description : MachineDescription
-        Machine.
     pair : ContactPair
         Contacts of one kind.
     angle : ndarray

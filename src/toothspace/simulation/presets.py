@@ -134,8 +134,6 @@ def interface_models(case: Case, tables: tuple[str, ...] = ()) -> dict[str, str]
 
     Parameters
     ----------
-    case : Case
-        Case with its preset and its choices.
     tables : tuple of str
         Interfaces whose films come from the tables of the case.
 

@@ -83,8 +83,6 @@ def solved_covers(
 
     Parameters
     ----------
-    description : MachineDescription
-        Machine.
     condition : OperatingCondition, optional
         Condition at which bodies that float between the covers find their place.
     """

@@ -83,8 +83,6 @@ def solution_from(
 
     Parameters
     ----------
-    history : History
-        States of the revolution.
     provenance : mapping
         Where the result comes from, text by name.
     extra : mapping

@@ -345,14 +345,10 @@ def follow(
 
     Parameters
     ----------
-    points : LateralPoints
-        The machine.
     conditions : sequence of PointCondition
         Points in their order.
     start_gap : float
         Gap that the first one starts from. [m]
-    context : StudyContext
-        Progress, and records of points that are finished.
     keys : sequence of str
         Keys of the records.
 

@@ -32,8 +32,6 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     ----------
     case : Case
         Steady case with ``operating_point.line`` and ``kind = "source_ripple"``.
-    context : StudyContext
-        Progress, workers and records.
 
     Returns
     -------

@@ -125,8 +125,6 @@ def point_key(case: Case, *what: object) -> str:
 
     Parameters
     ----------
-    case : Case
-        Case of the study.
     *what : object
         Numbers and texts that the point depends on besides the case.
     """

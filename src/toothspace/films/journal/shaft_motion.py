@@ -68,8 +68,6 @@ def threshold_speed(
 
     Parameters
     ----------
-    bearing : JournalBearing
-        Bearing.
     load : tuple of float
         Static force x, y on the shaft, per bearing. [N]
     mass : float
@@ -160,16 +158,12 @@ def shaft_orbit(
 
     Parameters
     ----------
-    bearing : JournalDefinition
-        Bearing.
     mass : float
         Mass of the shaft, per bearing. [kg]
     load : callable
         Force x, y on the shaft over time. [s to N]
     shaft_speed : float
         Rotation of the shaft. [rad/s]
-    settings : OrbitSettings
-        Start, duration and step.
 
     Returns
     -------

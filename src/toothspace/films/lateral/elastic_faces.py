@@ -84,8 +84,6 @@ class ElasticFaces:
         ----------
         changes : sequence of ndarray
             Changes of the pressure of every film, shape (n, rows, lanes), zero beside the film.
-        snapshot : Snapshot
-            Shaft angle and masks.
         basis : sequence of BasisFunctions
             Basis functions of every film.
         """

@@ -135,11 +135,6 @@ class Pad:
         history : FilmHistory, optional
             ``solution.history(time_step)`` of the film one time step ago: the liquid is then
             transported in time; the change of the gaps counts instead of their velocities.
-
-        Returns
-        -------
-        PadSolution
-            Fields and everything derived from them.
         """
         film = self._film(speed, squeeze_velocity)
         return PadSolution(self, speed, squeeze_velocity, solve_plane(film, history))

@@ -93,16 +93,6 @@ class CrescentAssembly(MeshedGears):
 def assemble(spec: CrescentParameters) -> CrescentAssembly:
     """Put the gears of a machine into mesh.
 
-    Parameters
-    ----------
-    spec : CrescentParameters
-        Machine.
-
-    Returns
-    -------
-    Assembly
-        Gears with the loaded flank pair in contact.
-
     Raises
     ------
     GeometryError

@@ -21,8 +21,6 @@ def export_profiles(spec: CrescentParameters, stem: Path, suffix: str) -> list[P
 
     Parameters
     ----------
-    spec : CrescentParameters
-        Machine.
     stem : Path
         Folder and begin of the file names; ``_pinion``, ``_ring`` and ``_filler`` follow.
     suffix : str

@@ -86,16 +86,6 @@ class Assembly(MeshedGears):
 def assemble(spec: ExternalGearSpec) -> Assembly:
     """Put the gears of a machine into mesh.
 
-    Parameters
-    ----------
-    spec : ExternalGearSpec
-        Machine.
-
-    Returns
-    -------
-    Assembly
-        Gears with the loaded flank pair in contact.
-
     Raises
     ------
     GeometryError

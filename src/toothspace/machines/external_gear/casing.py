@@ -47,8 +47,6 @@ def bore(assembly: Assembly, gear: int) -> Bore:
 
     Parameters
     ----------
-    assembly : Assembly
-        Gears in mesh and casing.
     gear : int
         Which gear.
 

@@ -91,8 +91,6 @@ def gear_body(assembly: Assembly, gear: int, size: MeshSize | None = None) -> El
 
     Parameters
     ----------
-    assembly : Assembly
-        Gears in mesh.
     gear : int
         0 for the drive gear, 1 for the driven gear.
     size : MeshSize, optional
@@ -169,8 +167,6 @@ def bearing_body(
 
     Parameters
     ----------
-    assembly : Assembly
-        Gears in mesh.
     material : Material
         Material of the body.
     length : float

@@ -14,8 +14,6 @@ def export_profiles(spec: ExternalGearSpec, stem: Path, suffix: str) -> list[Pat
 
     Parameters
     ----------
-    spec : ExternalGearSpec
-        Machine.
     stem : Path
         Folder and begin of the file names; ``_drive`` and ``_driven`` follow.
     suffix : str

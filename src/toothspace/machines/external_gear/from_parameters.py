@@ -28,11 +28,6 @@ if TYPE_CHECKING:
 def spec_from(machine: keys.ExternalGearTables) -> spec.ExternalGearSpec:
     """Build profiles, contours and materials of a machine.
 
-    Parameters
-    ----------
-    machine : ExternalGearParameters
-        Keys in SI units.
-
     Returns
     -------
     ExternalGearSpec

@@ -36,8 +36,6 @@ def detected_gear(gear: keys.GearParameters, file: Path | Points, table: str) ->
 
     Parameters
     ----------
-    gear : GearParameters
-        Keys of the gear.
     file : Path or Points
         Its profile.
     table : str

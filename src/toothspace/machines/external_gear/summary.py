@@ -28,10 +28,6 @@ def geometry_summary(
 
     Parameters
     ----------
-    assembly : Assembly
-        Gears in mesh.
-    spaces : tuple of Spaces
-        Tooth spaces of both gears at the table nodes.
     checks : tuple of DesignCheck
         Design-rule report, whose failures are named.
 

@@ -119,8 +119,6 @@ def distance_to_inner(rotors: PlacedRotors, angle: Array, place: Array) -> tuple
 
     Parameters
     ----------
-    rotors : PlacedRotors
-        Rotors.
     angle : ndarray
         Angles of the outer rotor. [rad]
     place : ndarray
@@ -169,8 +167,6 @@ def nearest_place(rotors: PlacedRotors, angle: Array, place: Array, step: float)
 
     Parameters
     ----------
-    rotors : PlacedRotors
-        Rotors.
     angle, place : ndarray
         Angles of the outer rotor [rad] and arc lengths on its outline to begin with. [m]
     step : float

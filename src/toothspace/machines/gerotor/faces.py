@@ -105,10 +105,6 @@ def shared_faces(
 
     Parameters
     ----------
-    parameters : GerotorParameters
-        Machine.
-    pocket : Pockets
-        Pockets over their place.
     ports : Ports
         Kidneys, in the cover with the lower z.
     family : ChamberFamily

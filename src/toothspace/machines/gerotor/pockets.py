@@ -98,10 +98,6 @@ def pockets(parameters: RotorParameters, rotors: Rotors, nodes: int) -> Pockets:
 
     Parameters
     ----------
-    parameters : RotorParameters
-        Design.
-    rotors : Rotors
-        Both rotors.
     nodes : int
         About how many table nodes.
 
@@ -159,11 +155,6 @@ def _integrated(parameters: RotorParameters, rotors: Rotors, count: int, rate: A
 
 def area_by_motion(pocket: Pockets) -> Array:
     """Derivative of the pocket area with respect to rigid motions of both rotors.
-
-    Parameters
-    ----------
-    pocket : Pockets
-        Pockets over their place.
 
     Returns
     -------

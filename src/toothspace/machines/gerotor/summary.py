@@ -36,15 +36,6 @@ def geometry_summary(
 ) -> dict[str, object]:
     """Numbers of the geometry report.
 
-    Parameters
-    ----------
-    parameters : GerotorParameters
-        Machine.
-    pocket : Pockets
-        Pockets over their place.
-    timing : Timing
-        Openings to the ports.
-
     Returns
     -------
     dict

@@ -122,8 +122,6 @@ def inner_outline(design: Trochoid, points_per_tooth: int, offset: float) -> Arr
 
     Parameters
     ----------
-    design : Trochoid
-        Generating data.
     points_per_tooth : int
         Points on one tooth.
     offset : float
@@ -162,8 +160,6 @@ def outer_outline(design: Trochoid, points_per_lobe: int, offset: float) -> Arra
 
     Parameters
     ----------
-    design : Trochoid
-        Generating data.
     points_per_lobe : int
         Points on one lobe and cavity.
     offset : float

@@ -257,12 +257,8 @@ def lateral_problem(
     ----------
     description : MachineDescription
         The machine, with its lateral balance.
-    fluid : FluidLaw
-        Fluid.
     data : xarray.Dataset
         Samples of one revolution: chamber and port pressures, journal forces.
-    settings : LateralSettings
-        Grids and laws.
     nose_pressure : float, optional
         Absolute pressure on the nose; default the low pressure. [Pa]
 
