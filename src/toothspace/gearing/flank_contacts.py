@@ -131,7 +131,7 @@ def tooth_stiffness(gears: MeshedGears, flanks: FlankPair) -> float:
 
 
 def minimum_flexibility(counts: tuple[int, int], profile_shifts: tuple[float, float]) -> float:
-    """Flexibility q' of one tooth pair of spur gears by ISO 6336-1.
+    """Flexibility q' of one tooth pair of spur gears by ISO 6336-1. [mm um/N].
 
     Parameters
     ----------
@@ -139,11 +139,6 @@ def minimum_flexibility(counts: tuple[int, int], profile_shifts: tuple[float, fl
         Tooth counts, negative of a ring gear. [-]
     profile_shifts : tuple of float
         Profile shifts in modules. [-]
-
-    Returns
-    -------
-    float
-        Flexibility. [mm um/N]
     """
     teeth = [(1.0 / z if z > 0 else 0.0, x) for z, x in zip(counts, profile_shifts, strict=True)]
     if counts[1] > 0:

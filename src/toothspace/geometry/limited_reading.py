@@ -76,11 +76,6 @@ def read_in_process(path: Path, order: Mapping[str, Any]) -> dict[str, Any]:
     order : mapping
         ``unit``, and ``request`` of a solid file or ``layer`` of a plane one.
 
-    Returns
-    -------
-    dict
-        Arrays by name.
-
     Raises
     ------
     GeometryError
