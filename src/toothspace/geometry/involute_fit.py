@@ -292,24 +292,6 @@ def involute_deviation(profile: GearProfile, reference: InvoluteGear) -> Involut
     return InvoluteDeviation(found[RIGHT], found[LEFT])
 
 
-def deviation_from_best_involute(profile: GearProfile) -> InvoluteDeviation | None:
-    """Distance of both flanks from the one involute that fits them best.
-
-    Parameters
-    ----------
-    profile : GearProfile
-        Profile to judge, for example measured.
-
-    Returns
-    -------
-    InvoluteDeviation or None
-        Deviation along the flank normal over the whole involute; None if the flanks are no
-        involutes.
-    """
-    fit = fit_involute(points_of_profile(profile), profile.root_radius, profile.tip_radius)
-    return None if fit is None else InvoluteDeviation(fit.right, fit.left)
-
-
 def _thinned(points: FlankPoints) -> FlankPoints:
     # by rising radius, a limited number
     order = np.argsort(points.radius, kind="stable")
