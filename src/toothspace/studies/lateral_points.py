@@ -11,6 +11,7 @@ import numpy as np
 
 from toothspace.api import set_up
 from toothspace.case import Case
+from toothspace.case.study import HysteresisStudy, NosePressureStudy
 from toothspace.core.errors import CaseError
 from toothspace.core.progress import Progress, part, tell
 from toothspace.core.status import Status
@@ -305,6 +306,15 @@ class LateralPoints:
             nose_pressure=point.nose_pressure,
             rounds=self.rounds,
         )
+
+
+def housing_contact(study: HysteresisStudy | NosePressureStudy) -> HousingContact:
+    """Friction in the housing by the keys of a study."""
+    return HousingContact(
+        friction_coefficient=study.friction_coefficient,
+        breakaway_speed=study.breakaway_speed,
+        law=study.friction_law,
+    )
 
 
 def prepare(case: Case, friction: HousingContact | None, kind: str) -> LateralPoints:
