@@ -147,7 +147,8 @@ def friction_lines(data: xr.Dataset) -> Figure:
         axes.set_xlabel("Velocity of the bearing (mm/s)")
         axes.legend()
     figure.axes[0].set_ylabel("Friction in the housing (N)")
-    coulomb, held = _set_valued(data)
+    held = float(data["breakaway_force_N"].max())
+    coulomb = held / BREAKAWAY_RATIO
     figure.axes[0].plot(
         [velocity[0], 0.0, 0.0, 0.0, 0.0, velocity[-1]],
         [-coulomb, -coulomb, -held, held, coulomb, coulomb],
@@ -156,12 +157,6 @@ def friction_lines(data: xr.Dataset) -> Figure:
         lw=0.9,
     )
     return figure
-
-
-def _set_valued(data: xr.Dataset) -> tuple[float, float]:
-    """Coulomb and breakaway force of the set-valued law of the study. [N]."""
-    held = float(data["breakaway_force_N"].max())
-    return held / BREAKAWAY_RATIO, held
 
 
 @styled

@@ -89,6 +89,8 @@ def gear_section(
     Figure
         One panel per angle.
     """
+    from matplotlib.colors import Normalize
+
     angle = np.asarray(solution.data["shaft_angle"])
     pitch = 2.0 * np.pi / description.families[0].count
     columns = min(len(fractions), 2)
@@ -96,7 +98,7 @@ def gear_section(
     left, low, right, high = housing_region(description).bounds
     figure = new_figure(3.5 * columns + 0.9, (0.6 + 2.9 * (high - low) / (right - left)) * rows)
     panels = np.ravel(figure.subplots(rows, columns, squeeze=False))
-    scale = _pressure_scale(solution)
+    scale = Normalize(0.0, top_of_scale(solution) / _BAR)
     for axes, fraction in zip(panels, fractions, strict=False):
         sample = int(np.argmin(np.abs(angle - angle[0] - fraction * pitch)))
         _draw_section(axes, solution, description, sample, scale)
@@ -112,12 +114,6 @@ def top_of_scale(solution: Solution) -> float:
     """Pressure of the darkest colour: short peaks beyond 1.5 times the port pressure share it."""
     ports = max(float(solution.data[f"{port}_pressure"].max()) for port in ("inlet", "outlet"))
     return min(float(solution.data["chamber_pressure"].max()), 1.5 * ports)
-
-
-def _pressure_scale(solution: Solution) -> Normalize:
-    from matplotlib.colors import Normalize
-
-    return Normalize(0.0, top_of_scale(solution) / _BAR)
 
 
 def _colour_bar(figure: Figure, panels: Sequence[Axes], scale: Normalize, *, peaks: bool) -> None:

@@ -303,11 +303,8 @@ class PadSolution(FaceSolution):
         rise = np.diff(np.concatenate([ambient, p, ambient]), axis=0)
         bordered = np.concatenate([half[:1], half, half[-1:]])
         mean = 0.5 * (bordered[1:] + bordered[:-1])
-        return float((mean * rise).sum(axis=0) @ np.diff(self._lane_faces()))
-
-    def _lane_faces(self) -> Array:
-        half = self.plane.film.weight > 1.0
-        return self.pad._lines(half)[3]
+        faces = self.pad._lines(self.plane.film.weight > 1.0)[3]
+        return float((mean * rise).sum(axis=0) @ np.diff(faces))
 
     @property
     def inlet_flow(self) -> float:
