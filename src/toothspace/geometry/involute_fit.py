@@ -11,11 +11,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from toothspace.core.types import Array, BoolArray
-from toothspace.geometry.flank_deviation import (
-    InvoluteDeviation,
-    PitchDeviation,
-    ProfileDeviation,
-)
+from toothspace.geometry.flank_deviation import InvoluteDeviation, PitchDeviation, ProfileDeviation
 from toothspace.geometry.gear_profile import GearProfile, InvoluteFlank
 from toothspace.geometry.involute import InvoluteGear, involute_function, tooth_form
 
@@ -436,11 +432,7 @@ def _ends(
 
 
 def _walked(
-    points: FlankPoints,
-    unknowns: Array,
-    side: float,
-    ends: tuple[float, float],
-    tolerance: float,
+    points: FlankPoints, unknowns: Array, side: float, ends: tuple[float, float], tolerance: float
 ) -> tuple[float, float]:
     # single points beyond the last groups of points, as long as they fit
     distance = _distance(points.radius, points.angle, unknowns, side)

@@ -8,16 +8,7 @@ import numpy as np
 
 from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
-from toothspace.plotting.style import (
-    BLUE,
-    CYCLE,
-    GREY,
-    LIGHT,
-    ORANGE,
-    new_figure,
-    readable,
-    styled,
-)
+from toothspace.plotting.style import BLUE, CYCLE, GREY, LIGHT, ORANGE, new_figure, readable, styled
 from toothspace.results.solution import Solution
 
 if TYPE_CHECKING:

@@ -133,11 +133,7 @@ def friction_lines(data: xr.Dataset) -> Figure:
     varied = data["friction_curve_varied"].values
     shown = (
         ("friction_coefficient", "friction_curve_coefficient", "µ = {:.3g}"),
-        (
-            "breakaway_speed",
-            "friction_curve_breakaway_speed_mm_per_s",
-            "peak at {:.3g} mm/s",
-        ),
+        ("breakaway_speed", "friction_curve_breakaway_speed_mm_per_s", "peak at {:.3g} mm/s"),
     )
     for axes, (name, values, text) in zip(figure.subplots(1, 2, sharey=True), shown, strict=True):
         for color, k in zip(CYCLE, np.flatnonzero(varied == name), strict=False):

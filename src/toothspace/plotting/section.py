@@ -9,15 +9,7 @@ import numpy as np
 
 from toothspace.core.types import Array
 from toothspace.model.description import Body, MachineDescription
-from toothspace.plotting.style import (
-    GREY,
-    INK,
-    LIGHT,
-    METAL,
-    PRESSURE_COLOURS,
-    new_figure,
-    styled,
-)
+from toothspace.plotting.style import GREY, INK, LIGHT, METAL, PRESSURE_COLOURS, new_figure, styled
 from toothspace.results.solution import Solution
 
 if TYPE_CHECKING:

@@ -24,12 +24,7 @@ _BAR = 1e5
 _TURN = 2.0 * np.pi
 _VAPOUR = 1e-4
 
-DRAIN_HEAT = (
-    DRAIN.account,
-    "journal_viscous",
-    "journal_asperity",
-    "shaft_seal",
-)
+DRAIN_HEAT = (DRAIN.account, "journal_viscous", "journal_asperity", "shaft_seal")
 """Losses that warm the drain flow; films on the gear faces exchange theirs with the chambers."""
 
 

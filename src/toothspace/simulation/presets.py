@@ -96,11 +96,7 @@ _PRESETS = (
     Preset(
         name="elastic",
         content="Films, with elastic surfaces, asperity contact and floating parts in balance.",
-        interfaces={
-            "journal": ("reynolds", "closed_form"),
-            "lateral": ("elastic",),
-            **_CONTACTS,
-        },
+        interfaces={"journal": ("reynolds", "closed_form"), "lateral": ("elastic",), **_CONTACTS},
         unused=("startup",),
     ),
 )

@@ -8,10 +8,7 @@ from typing import Any
 import numpy as np
 
 from toothspace.closures.aeration import gas_volume_fraction, vapour_fraction
-from toothspace.closures.density import (
-    mixture_density,
-    mixture_pressure,
-)
+from toothspace.closures.density import mixture_density, mixture_pressure
 from toothspace.closures.enthalpy import partial_enthalpies
 from toothspace.core.types import Array, BoolArray
 from toothspace.model.arrays import (
@@ -35,11 +32,7 @@ from toothspace.model.arrays import (
 from toothspace.model.assembly import System, node_places
 from toothspace.model.contact_data import loaded_contacts
 from toothspace.model.description import MachineDescription
-from toothspace.model.ledger import (
-    FRICTION_MECHANISMS,
-    LEDGER_NAMES,
-    PORT_NODES,
-)
+from toothspace.model.ledger import FRICTION_MECHANISMS, LEDGER_NAMES, PORT_NODES
 from toothspace.model.path_category import (
     CIRCUIT_ORIFICE,
     LEAKAGES,
@@ -74,10 +67,7 @@ _PORTS: tuple[PathRole, ...] = (
 
 
 def solution_from(
-    history: History,
-    provenance: Mapping[str, str],
-    extra: Mapping[str, Any],
-    title: str,
+    history: History, provenance: Mapping[str, str], extra: Mapping[str, Any], title: str
 ) -> Solution:
     """Build the solution of one revolution.
 
@@ -107,9 +97,7 @@ def solution_from(
         **extra,
     }
     data = dataset_from(
-        values,
-        labels_of(system),
-        attributes=attributes_of(system.description, title),
+        values, labels_of(system), attributes=attributes_of(system.description, title)
     )
     return Solution(
         status=history.status,

@@ -8,12 +8,7 @@ from itertools import chain
 from toothspace.case import Case
 from toothspace.case.study import NoseCondition, NosePressureStudy
 from toothspace.core.errors import CaseError
-from toothspace.studies.lateral_points import (
-    LateralStudy,
-    PointCondition,
-    housing_contact,
-    prepare,
-)
+from toothspace.studies.lateral_points import LateralStudy, PointCondition, housing_contact, prepare
 from toothspace.studies.stored_point import StoredPoint, point_key
 from toothspace.studies.study import StudyContext, StudyResult
 

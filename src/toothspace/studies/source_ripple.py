@@ -66,10 +66,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     source = pulsation_source(_complex(good, "pressure"), _complex(good, "flow"))
     data = _dataset(case, study, source, good, records)
     return StudyResult(
-        status=status_of(records),
-        data=data,
-        numbers=_numbers(data),
-        tables=(_table(data),),
+        status=status_of(records), data=data, numbers=_numbers(data), tables=(_table(data),)
     )
 
 

@@ -58,11 +58,7 @@ def critical_mass(stiffness: Array, damping: Array) -> tuple[float, float]:
 
 
 def threshold_speed(
-    bearing: JournalBearing,
-    *,
-    load: tuple[float, float],
-    mass: float,
-    speeds: tuple[float, float],
+    bearing: JournalBearing, *, load: tuple[float, float], mass: float, speeds: tuple[float, float]
 ) -> float:
     """Shaft speed above which a rigid shaft whirls.
 

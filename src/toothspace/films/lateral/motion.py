@@ -262,11 +262,7 @@ def _solve(task: _StepTask, former: Balance, slides: tuple[int, ...] | None) -> 
         if balanced and settled and firm:
             balance = _balance(task, states, found, v, slides, best, number)
             return replace(
-                balance,
-                converged=True,
-                jacobian=jacobian,
-                age=age,
-                responses=deformation.responses,
+                balance, converged=True, jacobian=jacobian, age=age, responses=deformation.responses
             )
         step = found.step
         if not np.isfinite(step).all():

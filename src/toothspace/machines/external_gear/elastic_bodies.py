@@ -235,10 +235,7 @@ def _bearing_parts(
     cut = [shapely.Polygon(p) for p in groove_polygons(assembly).values()]
     floor = np.copysign(grooves.depth, height)
     face = section.difference(shapely.union_all(cut))
-    return (
-        Prism(face, *sorted((0.0, floor))),
-        Prism(section, *sorted((floor, height))),
-    )
+    return (Prism(face, *sorted((0.0, floor))), Prism(section, *sorted((floor, height))))
 
 
 def _back_loads(

@@ -84,10 +84,7 @@ def _startup(startup: keys.StartupParameters | None) -> StartupFriction | None:
 
 
 def _check_pair(
-    machine: keys.ExternalGearTables,
-    drive: spec.Gear,
-    driven: spec.Gear,
-    in_file: float | None,
+    machine: keys.ExternalGearTables, drive: spec.Gear, driven: spec.Gear, in_file: float | None
 ) -> float:
     # returns the centre distance, of profiles with a given backlash about
     first, second = drive.tooth, driven.tooth

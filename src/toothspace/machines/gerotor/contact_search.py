@@ -107,10 +107,7 @@ class Branch:
 def placed_rotors(rotors: Rotors) -> PlacedRotors:
     """Rotors of a case for the search."""
     return PlacedRotors(
-        contour(rotors.inner),
-        contour(rotors.outer),
-        rotors.eccentricity,
-        rotors.inner_tooth_count,
+        contour(rotors.inner), contour(rotors.outer), rotors.eccentricity, rotors.inner_tooth_count
     )
 
 

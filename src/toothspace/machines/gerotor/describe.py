@@ -29,11 +29,7 @@ from toothspace.machines.gerotor.timing import timing_of
 from toothspace.machines.shared_bearings import require_rim, require_shaft_below
 from toothspace.machines.shared_tables import DEFAULT_NODES, CaseDraft, MachineType
 from toothspace.model.description import ChamberFamily, MachineDescription
-from toothspace.numerics.periodic_table import (
-    monotone_table,
-    smooth_table,
-    table_from_exact_slopes,
-)
+from toothspace.numerics.periodic_table import monotone_table, smooth_table, table_from_exact_slopes
 
 
 def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDescription:

@@ -12,11 +12,7 @@ from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.gearing.gear_face import under_recesses
 from toothspace.gearing.materials import library_material, reduced_modulus
 from toothspace.machines.gerotor.bodies import BODIES
-from toothspace.machines.gerotor.flow_paths import (
-    lobe_phases,
-    pocket_phases,
-    shaft_radius,
-)
+from toothspace.machines.gerotor.flow_paths import lobe_phases, pocket_phases, shaft_radius
 from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.pockets import FULL_TURN, Pockets
 from toothspace.machines.gerotor.ports import Ports, throat_place

@@ -214,10 +214,7 @@ def completed(parameters: RotorParameters, outer_diameter: float) -> RotorParame
         reason = "compulsory unless the rotors are solids"
         raise KeyRuleError("rotors.face_width", "nothing", reason)
     return replace(
-        parameters,
-        inner_tooth_count=inner.tooth_count,
-        eccentricity=eccentricity,
-        face_width=width,
+        parameters, inner_tooth_count=inner.tooth_count, eccentricity=eccentricity, face_width=width
     )
 
 

@@ -137,11 +137,7 @@ class LateralProblem:
             )
 
     def march(
-        self,
-        start: Balance,
-        steps: int,
-        revolutions: float = 1.0,
-        progress: Progress | None = None,
+        self, start: Balance, steps: int, revolutions: float = 1.0, progress: Progress | None = None
     ) -> LateralTrack:
         """March over the shaft angle with transient squeeze.
 
