@@ -64,8 +64,6 @@ def relaxed_wall(name: str, node: CircuitNode, hose: Hose, fluid: FluidLaw) -> L
 
     Parameters
     ----------
-    name : str
-        Name of the hose.
     node : CircuitNode
         Node that the hose belongs to.
     hose : Hose

@@ -58,8 +58,6 @@ def read_bytes(path: Path, label: str, allowed: str, most: int) -> bytes:
 
     Parameters
     ----------
-    path : Path
-        File.
     label : str
         Its name in messages.
     allowed : str

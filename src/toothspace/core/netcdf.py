@@ -51,11 +51,6 @@ def write_dataset(dataset: xr.Dataset, path: str | Path) -> Path:
 def read_dataset(path: str | Path) -> xr.Dataset:
     """Read a NetCDF file into memory, labels as text.
 
-    Parameters
-    ----------
-    path : str or Path
-        File to read.
-
     Raises
     ------
     CaseError

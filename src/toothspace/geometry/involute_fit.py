@@ -135,8 +135,6 @@ def folded_points(points: Array, tooth_count: int, phase: float) -> FlankPoints:
     ----------
     points : ndarray, shape (n, 2)
         Closed outline about the gear centre. [m]
-    tooth_count : int
-        Number of teeth.
     phase : float
         Polar angle of a tooth axis. [rad]
 

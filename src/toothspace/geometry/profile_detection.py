@@ -201,8 +201,6 @@ def gear_profile_from_tooth(
     ----------
     points : ndarray
         Open curve, shape (n, 2), gear centre at the origin, in either direction. [m]
-    tooth_count : int
-        Number of teeth.
     points_per_tooth : int
         Number of intervals of the resulting pitch.
     key : str

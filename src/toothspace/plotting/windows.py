@@ -22,8 +22,6 @@ def opening_area(
 
     Parameters
     ----------
-    family : ChamberFamily
-        Family of the chamber.
     angle : ndarray
         Table angle of the chamber. [rad]
 

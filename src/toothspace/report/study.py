@@ -24,8 +24,6 @@ def write_study_report(result: StudyResult, path: str | Path) -> Path:
     ----------
     result : StudyResult
         Result, complete or not.
-    path : str or Path
-        HTML file to write.
 
     Returns
     -------

@@ -77,8 +77,6 @@ def solution_from(
         Where the result comes from, text by name.
     extra : mapping
         Further result variables, such as ``running_in_depth`` and ``fluid_temperature``.
-    title : str
-        Title of the case.
     """
     system = history.system
     seen = observe(system.arrays, history.states)

@@ -355,12 +355,8 @@ def follow(
 
     Parameters
     ----------
-    conditions : sequence of PointCondition
-        Points in their order.
     start_gap : float
         Gap that the first one starts from. [m]
-    keys : sequence of str
-        Keys of the records.
 
     Returns
     -------

@@ -73,8 +73,6 @@ def evaluate_points(
 
     Parameters
     ----------
-    points : sequence of Point
-        What to evaluate.
     evaluate : callable
         Function of a module that turns a case into numbers.
 

@@ -93,8 +93,6 @@ def gear_body(assembly: Assembly, gear: int, size: MeshSize | None = None) -> El
     ----------
     gear : int
         0 for the drive gear, 1 for the driven gear.
-    size : MeshSize, optional
-        Fineness.
 
     Returns
     -------
@@ -167,8 +165,6 @@ def bearing_body(
 
     Parameters
     ----------
-    material : Material
-        Material of the body.
     length : float
         Axial length. [m]
     side : {"floating", "solid"}
@@ -176,8 +172,6 @@ def bearing_body(
         below and rests with its back on the cover.
     back : BackLoads, optional
         Pressure regions, springs and seals of the back face.
-    size : MeshSize, optional
-        Fineness.
     half : int, optional
         Gear beside the half of a split bearing; the whole bearing if not given.
 

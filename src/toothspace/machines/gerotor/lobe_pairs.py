@@ -135,8 +135,6 @@ def contact_ratio(pairs: tuple[ContactPair, ...], clearance: float) -> float:
 
     Parameters
     ----------
-    pairs : tuple of ContactPair
-        Contacts of the lobes.
     clearance : float
         Normal gap of conjugate lobes. [m]
 

@@ -96,11 +96,6 @@ def speed_ratio(rotors: Rotors) -> float:
 def pockets(parameters: RotorParameters, rotors: Rotors, nodes: int) -> Pockets:
     """Tabulate the pockets over one turn of the outer rotor.
 
-    Parameters
-    ----------
-    nodes : int
-        About how many table nodes.
-
     Returns
     -------
     Pockets

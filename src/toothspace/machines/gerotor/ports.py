@@ -199,11 +199,6 @@ def _with_slot(table: Array, slot: Array) -> Array:
 def pocket_polygon(pocket: Pockets, node: int) -> Array:
     """Outline of a pocket at one node of its place, from throat to throat.
 
-    Parameters
-    ----------
-    node : int
-        Number of the node.
-
     Returns
     -------
     ndarray, shape (n, 2)
