@@ -22,17 +22,12 @@ _NUMBERS = "fiub"
 
 
 def write_dataset(dataset: xr.Dataset, path: str | Path) -> Path:
-    """Write a dataset to one NetCDF file that is complete or not there.
+    """Write a dataset to one NetCDF file that is complete or not there; returns its path.
 
     Parameters
     ----------
     path : str or Path
         File to create or replace; its folder is made if it is missing.
-
-    Returns
-    -------
-    Path
-        The file written.
 
     Raises
     ------

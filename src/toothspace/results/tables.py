@@ -14,17 +14,12 @@ from toothspace.model.description import MachineDescription
 
 
 def save_tables(description: MachineDescription, path: str | Path) -> Path:
-    """Write the tables of a machine to one NetCDF file.
+    """Write the tables of a machine to one NetCDF file; returns its path.
 
     Parameters
     ----------
     path : str or Path
         File to write.
-
-    Returns
-    -------
-    Path
-        The file written.
     """
     from toothspace.core.netcdf import write_dataset
 

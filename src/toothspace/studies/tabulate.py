@@ -82,6 +82,8 @@ def map_dataset(
     ----------
     axes : mapping
         Values and unit of every axis, the last one running fastest.
+    records : sequence of Record
+        Points of the map in that order.
     """
     import xarray as xr
 
