@@ -56,11 +56,6 @@ def influence_matrix(
     scale : float
         Factor on the size of the elements; the film nodes stay. [-]
 
-    Returns
-    -------
-    InfluenceMatrix
-        Deformation of the film surfaces per load.
-
     Raises
     ------
     GeometryError

@@ -58,11 +58,6 @@ def flank_paths(
         Tooth spaces of the drive gear.
     tip_rounding : float
         Radius of an edge between flank and tip. [m]
-
-    Returns
-    -------
-    tuple of FlowPath
-        Leading and trailing throats.
     """
 
     def path(name: str, side: Throats, *, leading: bool) -> FlowPath:

@@ -165,11 +165,6 @@ def find_in_files(
     request : SectionRequest or None
         Axis and plane of gears in solid files; None to find them.
 
-    Returns
-    -------
-    FileContents
-        Those of all files.
-
     Raises
     ------
     GeometryError

@@ -63,11 +63,6 @@ class ToothForm:
 def tooth_form(gear: InvoluteGear) -> ToothForm:
     """Junctions of root fillet, involute, tip rounding and tip land.
 
-    Returns
-    -------
-    ToothForm
-        Radii and angles of the junctions.
-
     Raises
     ------
     GeometryError

@@ -219,13 +219,7 @@ def successors(description: MachineDescription) -> IntArray:
 
 
 def first_turn_state(history: History) -> Array:
-    """Last state of a march, with the shaft angle and the chambers back in the first turn.
-
-    Returns
-    -------
-    ndarray
-        State to go on from.
-    """
+    """Last state of a march, with the shaft angle and the chambers back in the first turn."""
     return _in_turn(history.system, history.states[-1], 0)
 
 

@@ -60,7 +60,7 @@ def critical_mass(stiffness: Array, damping: Array) -> tuple[float, float]:
 def threshold_speed(
     bearing: JournalBearing, *, load: tuple[float, float], mass: float, speeds: tuple[float, float]
 ) -> float:
-    """Shaft speed above which a rigid shaft whirls.
+    """Shaft speed above which a rigid shaft whirls. [rad/s].
 
     Parameters
     ----------
@@ -70,11 +70,6 @@ def threshold_speed(
         Mass of the shaft, per bearing. [kg]
     speeds : tuple of float
         A stable and an unstable speed to search between. [rad/s]
-
-    Returns
-    -------
-    float
-        Threshold. [rad/s]
 
     Raises
     ------
@@ -160,11 +155,6 @@ def shaft_orbit(
         Force x, y on the shaft over time. [s to N]
     shaft_speed : float
         Rotation of the shaft. [rad/s]
-
-    Returns
-    -------
-    Orbit
-        States at every step.
 
     Notes
     -----

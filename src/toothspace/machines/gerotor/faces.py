@@ -105,11 +105,6 @@ def shared_faces(
         Kidneys, in the cover with the lower z.
     family : ChamberFamily
         The pockets, without the film that they feed.
-
-    Returns
-    -------
-    SharedFaces
-        Both covers with their gaps.
     """
     count, shaft = pocket.rotors.outer_tooth_count, shaft_radius(parameters, pocket)
     kidneys = ((count + 1, ports.contours["inlet"]), (count + 2, ports.contours["outlet"]))

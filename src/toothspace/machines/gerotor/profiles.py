@@ -255,7 +255,7 @@ def _center(curve: Array) -> Array:
 
 
 def turned_to_axis(curve: Array, tooth_count: int, name: str) -> Array:
-    """Move a rotor outline to its centre and turn its farthest points to the negative y axis.
+    """Move a rotor outline to its centre and turn its farthest points to the negative y axis. [m].
 
     Parameters
     ----------
@@ -265,11 +265,6 @@ def turned_to_axis(curve: Array, tooth_count: int, name: str) -> Array:
         Teeth or lobes that the outline must have.
     name : str
         File name for error messages.
-
-    Returns
-    -------
-    ndarray
-        Outline about its centre. [m]
 
     Raises
     ------
