@@ -131,6 +131,20 @@ def lens_angle(own: float, other: float, distance: float) -> float:
     return float(np.arccos((distance**2 + own**2 - other**2) / (2.0 * distance * own)))
 
 
+def centred_mesh(teeth: tuple[Tooth, Tooth], distance: float) -> Mesh:
+    """Gears with equal backlash on both flanks; the distance of a ring gear is negative. [m]."""
+    drive, driven = teeth
+    lens_driven = lens_angle(driven.tip_radius, drive.tip_radius, distance)
+    return Mesh(
+        center_distance=distance,
+        ratio=drive.tooth_count / driven.tooth_count,
+        half_pitch=np.pi / drive.tooth_count,
+        turn=0.0,
+        lens_drive=lens_angle(drive.tip_radius, driven.tip_radius, distance),
+        lens_driven=lens_driven if distance > 0.0 else -lens_driven,
+    )
+
+
 def facing_throats(teeth: tuple[Tooth, Tooth], mesh: Mesh, is_left: bool, angles: Array) -> Throats:
     """Throats between left flanks or between right flanks at angles [rad]."""
     drive, driven = teeth
