@@ -131,7 +131,7 @@ def lens_angle(own: float, other: float, distance: float) -> float:
     return float(np.arccos((distance**2 + own**2 - other**2) / (2.0 * distance * own)))
 
 
-def centred_mesh(teeth: tuple[Tooth, Tooth], distance: float) -> Mesh:
+def mesh_at_distance(teeth: tuple[Tooth, Tooth], distance: float) -> Mesh:
     """Gears with equal backlash on both flanks; the distance of a ring gear is negative. [m]."""
     drive, driven = teeth
     lens_driven = lens_angle(driven.tip_radius, drive.tip_radius, distance)

@@ -21,7 +21,7 @@ from toothspace.core.units import to_si
 from toothspace.gearing.gear_tables import ReliefGrooves
 from toothspace.gearing.materials import Material, library_material
 from toothspace.gearing.mesh_split import Mesh
-from toothspace.gearing.meshing import MeshedGears, centred_mesh, in_contact
+from toothspace.gearing.meshing import MeshedGears, in_contact, mesh_at_distance
 from toothspace.gearing.ring_gear import (
     InternalPair,
     RingGear,
@@ -224,4 +224,4 @@ def _centred_mesh(teeth: tuple[Tooth, Tooth], distance: float) -> Mesh:
             f"machine.pinion.center_distance: found {distance * 1e3:.5g} mm, allowed above "
             f"{(second - first) * 1e3:.5g} mm (the tip circles must overlap)"
         )
-    return centred_mesh(teeth, -distance)
+    return mesh_at_distance(teeth, -distance)

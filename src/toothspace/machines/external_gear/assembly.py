@@ -12,8 +12,8 @@ from toothspace.gearing.mesh_split import Mesh
 from toothspace.gearing.meshing import (
     LARGEST_OVERLAP,
     MeshedGears,
-    centred_mesh,
     in_contact,
+    mesh_at_distance,
     overlap_error,
     smallest_gap,
 )
@@ -182,7 +182,7 @@ def _centred_mesh(teeth: tuple[Tooth, Tooth], distance: float) -> Mesh:
             f"machine.gears.center_distance: found {distance * 1e3:.5g} mm, allowed below "
             f"{reach * 1e3:.5g} mm (the tip circles must overlap)"
         )
-    return centred_mesh(teeth, distance)
+    return mesh_at_distance(teeth, distance)
 
 
 def _check_room(profiles: tuple[GearProfile, GearProfile], distance: float) -> None:
