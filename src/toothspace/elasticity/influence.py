@@ -49,19 +49,12 @@ def influence_matrix(
 
     Parameters
     ----------
-    body : ElasticBody
-        What to condense.
     estimate_error : bool
         Whether to condense a coarser mesh as well.
     cache : bool
         Whether to look in the cache folder first and to store the result there.
     scale : float
         Factor on the size of the elements; the film nodes stay. [-]
-
-    Returns
-    -------
-    InfluenceMatrix
-        Deformation of the film surfaces per load.
 
     Raises
     ------

@@ -98,11 +98,6 @@ def other_end(spaces: Spaces, side: Throats) -> _End:
 def section_areas(spaces: Spaces) -> Array:
     r"""Section area of the tooth spaces.
 
-    Parameters
-    ----------
-    spaces : Spaces
-        Tooth spaces over their angle.
-
     Returns
     -------
     ndarray
@@ -130,11 +125,6 @@ def section_areas(spaces: Spaces) -> Array:
 
 def section_area_rates(spaces: Spaces) -> Array:
     r"""Derivative of the section areas with respect to the shaft angle.
-
-    Parameters
-    ----------
-    spaces : Spaces
-        Tooth spaces over their angle.
 
     Returns
     -------
@@ -166,8 +156,6 @@ def wall_ends(spaces: Spaces, side: Throats, of_own: bool) -> Array:
 
     Parameters
     ----------
-    spaces : Spaces
-        Tooth spaces over their angle.
     side : Throats
         Their left or right throats.
     of_own : bool
@@ -193,11 +181,6 @@ def wall_ends(spaces: Spaces, side: Throats, of_own: bool) -> Array:
 
 def area_by_motion(spaces: Spaces) -> Array:
     r"""Derivative of the section areas with respect to the micro-motions of both gears.
-
-    Parameters
-    ----------
-    spaces : Spaces
-        Tooth spaces over their angle.
 
     Returns
     -------

@@ -112,15 +112,6 @@ def own_teeth(
 ) -> OwnTeeth | None:
     """Deviations of both gears in mesh; None where all teeth are equal.
 
-    Parameters
-    ----------
-    assembly : Assembly
-        Gears in mesh.
-    numbering : Numbering
-        Phases of the spaces.
-    spaces : tuple of Spaces
-        Tooth spaces of both gears at the table nodes.
-
     Returns
     -------
     OwnTeeth or None

@@ -42,15 +42,8 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
 
     Parameters
     ----------
-    spec : GerotorParameters
-        Parameters.
     nodes : int
         About how many table nodes on one turn of the outer rotor.
-
-    Returns
-    -------
-    MachineDescription
-        What the solver needs.
 
     Raises
     ------
