@@ -50,10 +50,9 @@ def _add_pressure_changes(s: SystemArrays, matrix: Array) -> None:
 def add_composition(s: SystemArrays, state: Array, matrix: Array) -> None:
     """Derivatives through density and gas content at constant pressure, by mass and gas mass."""
     size = s.size
-    for entry in range(s.paths.open[-1]):
-        j = s.paths.open[entry]
+    for j in range(s.paths.open[-1]):
         flow = s.path[j, FLOW]
-        source = s.path_index[j, NODE_A] if flow > 0.0 else s.path_index[j, PRESENT_B]
+        source = s.open_index[j, NODE_A] if flow > 0.0 else s.open_index[j, PRESENT_B]
         d = s.dynamic_index[source]
         if d >= 0 and flow != 0.0:
             carried = flow / state[size.mass + d]

@@ -11,6 +11,7 @@ import pytest
 import shapely
 
 from tests.crescent_designs import crescent
+from tests.reference_formulas.space_areas import section_area_rates
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
 from toothspace.gearing.closest_points import (
@@ -29,7 +30,7 @@ from toothspace.gearing.meshing import (
 )
 from toothspace.gearing.outlines import space_outline
 from toothspace.gearing.ring_gear import InternalPair, RingGear, pair_from_backlash
-from toothspace.gearing.spaces import area_by_motion, section_area_rates, section_areas
+from toothspace.gearing.spaces import area_by_motion, section_areas
 from toothspace.geometry.gear_pair import pair_from_backlash as external_pair
 from toothspace.geometry.involute import InvoluteGear
 from toothspace.machines.crescent.assembly import CrescentAssembly, assemble, involute_pair

@@ -7,13 +7,13 @@ import pytest
 import shapely
 
 from tests.external_gear_designs import ALL, FOURTEEN, TWELVE, spaces_at
+from tests.reference_formulas.space_areas import section_area_rates
 from toothspace.gearing.meshing import facing_throats
 from toothspace.gearing.outlines import space_outline
 from toothspace.gearing.spaces import (
     Spaces,
     drive_spaces,
     driven_spaces,
-    section_area_rates,
     section_areas,
 )
 from toothspace.geometry.gear_pair import pair_from_backlash

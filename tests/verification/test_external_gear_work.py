@@ -10,6 +10,7 @@ import shapely
 from shapely.ops import polygonize, unary_union
 
 from tests.external_gear_designs import ALL, TWELVE, egm12, spaces_at, unequal
+from tests.reference_formulas.space_areas import section_area_rates
 from toothspace.gearing.mesh_split import Throats
 from toothspace.gearing.meshing import load_share, throat_drag
 from toothspace.gearing.spaces import (
@@ -17,7 +18,6 @@ from toothspace.gearing.spaces import (
     area_by_motion,
     drive_spaces,
     driven_spaces,
-    section_area_rates,
     section_areas,
     wall_ends,
 )

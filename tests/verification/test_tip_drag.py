@@ -54,9 +54,10 @@ def tip_flows(system: System, shift: float) -> tuple[np.ndarray, np.ndarray]:
     tips = [
         j for j in range(arrays.size.paths) if is_tip(system, j) and index[j, PRESENT_B] < chambers
     ]
-    heights = arrays.path[tips, HEIGHT]
-    sealing = arrays.path_values[tips, 1] > 0.0
-    drag = arrays.path[tips, DRAG] * system.condition.shaft_speed
+    rows = np.flatnonzero(np.isin(arrays.paths.open[: arrays.paths.open[-1]], tips))
+    heights = arrays.path[rows, HEIGHT]
+    sealing = arrays.path_values[rows, 1] > 0.0
+    drag = arrays.path[rows, DRAG] * system.condition.shaft_speed
     return drag[sealing], heights[sealing]
 
 

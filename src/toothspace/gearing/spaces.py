@@ -52,12 +52,6 @@ class Spaces:
         return np.array([0.0, self.mesh.center_distance if self.is_drive else 0.0])
 
     @property
-    def speeds(self) -> tuple[float, float]:
-        """Right-handed speeds of own and other gear over the shaft speed. [-]."""
-        drive, driven = 1.0, -self.mesh.ratio
-        return (drive, driven) if self.is_drive else (driven, drive)
-
-    @property
     def angle_ratio(self) -> float:
         """Growth of the angle per shaft angle. [-]."""
         return 1.0 if self.is_drive else self.mesh.ratio
@@ -121,34 +115,6 @@ def section_areas(spaces: Spaces) -> Array:
         + _cross(q_right - spaces.center, p_right - spaces.center)
     )
     return own + tip + beyond + shift + segments
-
-
-def section_area_rates(spaces: Spaces) -> Array:
-    r"""Derivative of the section areas with respect to the shaft angle.
-
-    Returns
-    -------
-    ndarray
-        Rate. [m2/rad]
-
-    Notes
-    -----
-    A wall that turns with speed :math:`\omega` between radii :math:`r_a` and :math:`r_b` sweeps
-    :math:`-\frac{\omega}{2}(r_b^2 - r_a^2)`; a throat sweeps its length times the normal
-    velocity of its middle.
-    """
-    (p_right, u_right, _), (p_left, u_left, _) = _both(spaces, own_end)
-    (q_right, v_right, _), (q_left, v_left, _) = _both(spaces, other_end)
-    own_speed, other_speed = spaces.speeds
-    own = -0.5 * own_speed * (_square(p_left - spaces.center) - _square(p_right - spaces.center))
-    other = (
-        -0.5
-        * other_speed
-        * (_square(q_right - spaces.other_center) - _square(q_left - spaces.other_center))
-    )
-    left = 0.5 * _cross(u_left + v_left, q_left - p_left)
-    right = 0.5 * _cross(u_right + v_right, p_right - q_right)
-    return own + other + left + right
 
 
 def wall_ends(spaces: Spaces, side: Throats, of_own: bool) -> Array:

@@ -68,7 +68,7 @@ NODE_COLUMNS = 22
 ) = range(17)
 PATH_COLUMNS = 17
 
-# Kinds of paths, in the order of the rows of ``path``; ``kinds`` holds the first of each.
+# Kinds of paths, in the order of their rows; ``kinds`` holds the first of each.
 CURVED_GAP, FITTED_GAP, PARALLEL_GAP, ORIFICE = range(4)
 
 # Columns of ``path_index`` and ``path_data``: what a path is.
@@ -274,7 +274,9 @@ class SystemArrays(NamedTuple):
 
     ``node``, ``path``, ``chamber_values``, ``path_values``, ``contact_values``, ``contact``,
     ``motion``, ``film_slopes`` (by position, by velocity), ``torque`` and ``table_angle`` are
-    written by each evaluation.
+    written by each evaluation. Rows of ``path`` and ``path_values`` are the open paths, one
+    after the other: ``open_kinds``, ``open_index`` and ``open_data`` are ``kinds``,
+    ``path_index`` and ``path_data`` of these.
     """
 
     size: Sizes
@@ -290,6 +292,9 @@ class SystemArrays(NamedTuple):
     kinds: IntArray
     path_index: IntArray
     path_data: Array
+    open_kinds: IntArray
+    open_index: IntArray
+    open_data: Array
     journal: Array
     asperity: Array
     friction_curves: Array

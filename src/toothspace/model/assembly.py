@@ -274,6 +274,7 @@ def _chambers(description: MachineDescription) -> Reading:
         phase=np.concatenate([family.phases for family in description.families]),
         ratio=np.repeat([family.angle_ratio for family in description.families], counts),
         gate=np.full(sum(counts), OPEN),
+        packed=False,
     )
 
 

@@ -116,6 +116,7 @@ def _readings(contacts: list[ContactPair], first_table: int, gate: int) -> Readi
         phase=np.concatenate([*(contact.phases for contact in contacts), np.zeros(0)]),
         ratio=np.repeat([float(contact.angle_ratio) for contact in contacts], counts),
         gate=np.full(sum(counts), gate),
+        packed=False,
     )
 
 

@@ -89,10 +89,9 @@ def mesh_torque(s: SystemArrays, speed: float) -> float:
 @kernel
 def tip_torque(s: SystemArrays) -> float:
     """Torque of viscous shear in all gaps with sliding walls. [N m]."""
-    path, free = s.path, s.paths.open
     total = 0.0
-    for entry in range(free[-1]):
-        total += path[free[entry], SHEAR]
+    for j in range(s.paths.open[-1]):
+        total += s.path[j, SHEAR]
     return total
 
 

@@ -73,8 +73,7 @@ def fill_rates(t: float, state: Array, s: SystemArrays, matrix: Array) -> None:
     """Derivatives of all rates by the unknowns."""
     matrix[:, :] = 0.0
     matrix[0, 1] = 1.0
-    for entry in range(s.paths.open[-1]):
-        j = s.paths.open[entry]
+    for j in range(s.paths.open[-1]):
         if s.path[j, FLOW] != 0.0:
             add_path(s, j, matrix)
     add_gas_exchange(s, state, matrix)
@@ -120,7 +119,7 @@ def add_flow_change(
     s: SystemArrays, j: int, column: int, mass_change: float, gas_change: float, matrix: Array
 ) -> None:
     """Add the change of one path's flows with one state to the balances of both its nodes."""
-    a, b = s.path_index[j, NODE_A], s.path_index[j, PRESENT_B]
+    a, b = s.open_index[j, NODE_A], s.open_index[j, PRESENT_B]
     matrix[mass_row(s, a), column] -= mass_change
     matrix[mass_row(s, b), column] += mass_change
     matrix[gas_row(s, a), column] -= gas_change
@@ -131,7 +130,7 @@ def add_flow_change(
 def add_path(s: SystemArrays, j: int, matrix: Array) -> None:
     """Derivatives of one path's flow through pressures and gap height."""
     node, size = s.node, s.size
-    a, b = s.path_index[j, NODE_A], s.path_index[j, PRESENT_B]
+    a, b = s.open_index[j, NODE_A], s.open_index[j, PRESENT_B]
     flow = s.path[j, FLOW]
     source = a if flow > 0.0 else b
     gas = node[source, GAS]
@@ -151,7 +150,7 @@ def add_path_motions(s: SystemArrays, j: int, gas: float, matrix: Array) -> None
     by_height = s.path[j, FLOW_BY_HEIGHT]
     if by_height == 0.0:
         return
-    a, b = s.path_index[j, NODE_A], s.path_index[j, PRESENT_B]
+    a, b = s.open_index[j, NODE_A], s.open_index[j, PRESENT_B]
     by_height *= s.node[a if s.path[j, FLOW] > 0.0 else b, DENSITY]
     for k in range(s.size.motions):
         change = by_height * s.path_values[j, HEIGHT_BY_MOTION + k]

@@ -87,7 +87,6 @@ from toothspace.model.arrays import (
     SystemArrays,
 )
 from toothspace.model.ledger import THROTTLING
-from toothspace.model.tables import CLOSED
 
 SMOOTH_THROAT = 1.0
 HEIGHT_SMOOTHING = 1e-7
@@ -108,13 +107,24 @@ def update_partners(s: SystemArrays) -> None:
 
 
 @kernel
-def close_paths(s: SystemArrays) -> None:
-    """Let nothing flow through the paths that are closed at the present angle."""
-    path = s.path
-    for j in range(s.size.paths):
-        if s.paths.closed[j] == CLOSED:
-            for column in range(path.shape[1]):
-                path[j, column] = 0.0
+def gather_open(s: SystemArrays) -> None:
+    """Set out the paths that are open at the present angle, with nothing known of them yet."""
+    free = s.paths.open
+    for column in range(s.path.shape[1]):
+        for j in range(free[-1]):
+            s.path[j, column] = 0.0
+    for column in range(s.path_values.shape[1]):
+        for j in range(free[-1]):
+            s.path_values[j, column] = 0.0
+    for column in (CATEGORY, NODE_A, PRESENT_B):
+        for j in range(free[-1]):
+            s.open_index[j, column] = s.path_index[free[j], column]
+    for column in range(s.path_data.shape[1]):
+        for j in range(free[-1]):
+            s.open_data[j, column] = s.path_data[free[j], column]
+    for kind in range(s.kinds.size):
+        first = s.kinds[kind]
+        s.open_kinds[kind] = s.paths.seat[first] if first < s.size.paths else free[-1]
 
 
 @kernel
@@ -136,25 +146,21 @@ def update_viscosities(s: SystemArrays) -> None:
 @kernel
 def update_ends(s: SystemArrays) -> None:
     """Pressure drop along every open path, and density and viscosity of what flows in it."""
-    node, path, index, free = s.node, s.path, s.path_index, s.paths.open
-    for entry in range(free[-1]):
-        j = free[entry]
+    node, path, index = s.node, s.path, s.open_index
+    for j in range(s.paths.open[-1]):
         a, b = index[j, NODE_A], index[j, PRESENT_B]
         drop = node[a, PRESSURE] - node[b, PRESSURE]
         path[j, DROP] = drop
         path[j, INFLOW_DENSITY] = node[a, DENSITY] if drop >= 0.0 else node[b, DENSITY]
         mean = node[a, ROOT_VISCOSITY] * node[b, ROOT_VISCOSITY]
-        path[j, MEAN_VISCOSITY] = s.path_data[j, GAP_VISCOSITY] * mean
+        path[j, MEAN_VISCOSITY] = s.open_data[j, GAP_VISCOSITY] * mean
 
 
 @kernel
 def heat_throats(s: SystemArrays) -> None:
     """Viscosity in the throats between flanks, which heat their own flow."""
-    node, path, index, free, fluid = s.node, s.path, s.path_index, s.paths.open, s.fluid
-    for entry in range(free[-1]):
-        j = free[entry]
-        if j >= s.kinds[PARALLEL_GAP]:
-            break
+    node, path, index, fluid = s.node, s.path, s.open_index, s.fluid
+    for j in range(s.open_kinds[PARALLEL_GAP]):
         upstream = max(node[index[j, NODE_A], PRESSURE], node[index[j, PRESENT_B], PRESSURE])
         path[j, MEAN_VISCOSITY] = throttling_viscosity(upstream, abs(path[j, DROP]), fluid)
 
@@ -162,8 +168,8 @@ def heat_throats(s: SystemArrays) -> None:
 @kernel
 def update_heights(s: SystemArrays, state: Array) -> None:
     """Heights of all gaps with the present positions of the bodies, nominal and running."""
-    values, path, residual = s.path_values, s.path, s.path_data[:, MINIMUM_HEIGHT]
-    gaps = s.kinds[ORIFICE]
+    values, path, residual = s.path_values, s.path, s.open_data[:, MINIMUM_HEIGHT]
+    gaps = s.open_kinds[ORIFICE]
     for j in range(gaps):
         path[j, HEIGHT] = values[j, GEOMETRY]
     for k in range(s.size.motions):
@@ -178,8 +184,8 @@ def update_heights(s: SystemArrays, state: Array) -> None:
 @kernel
 def update_gap_conductances(s: SystemArrays) -> None:
     """Laminar conductance of all gaps and its derivative with respect to the height."""
-    path, values, parallel, gaps = s.path, s.path_values, s.kinds[PARALLEL_GAP], s.kinds[ORIFICE]
-    fitted = s.kinds[FITTED_GAP]
+    path, values, kinds = s.path, s.path_values, s.open_kinds
+    fitted, parallel, gaps = kinds[FITTED_GAP], kinds[PARALLEL_GAP], kinds[ORIFICE]
     for j in range(parallel):
         width, height = values[j, 1], path[j, RUNNING_HEIGHT]
         radius = values[j, 2] if width > CLOSED_GAP else 1.0
@@ -205,7 +211,7 @@ def update_gap_conductances(s: SystemArrays) -> None:
 def update_orifice_conductances(s: SystemArrays) -> None:
     """Laminar conductance of all orifices."""
     path, values = s.path, s.path_values
-    for j in range(s.kinds[ORIFICE], s.size.paths):
+    for j in range(s.open_kinds[ORIFICE], s.paths.open[-1]):
         area = values[j, 0]
         found = orifice_conductance(area, values[j, 1], path[j, MEAN_VISCOSITY])
         path[j, CONDUCTANCE] = found if area > CLOSED_ORIFICE else 0.0
@@ -215,8 +221,8 @@ def update_orifice_conductances(s: SystemArrays) -> None:
 @kernel
 def drag_walls(s: SystemArrays, speed: float) -> None:
     """Flow dragged by the walls of all gaps, and the torque of their shear."""
-    path, values, data = s.path, s.path_values, s.path_data
-    for j in range(s.kinds[ORIFICE]):
+    path, values, data = s.path, s.path_values, s.open_data
+    for j in range(s.open_kinds[ORIFICE]):
         many, wall = data[j, MULTIPLICITY], values[j, DRAG_SPEED]
         width = values[j, 1] if values[j, 1] > CLOSED_GAP else 0.0
         nominal, height = values[j, 0], path[j, RUNNING_HEIGHT]
@@ -232,13 +238,9 @@ def drag_walls(s: SystemArrays, speed: float) -> None:
 
 @kernel
 def update_flows(s: SystemArrays, speed: float) -> None:
-    """Flow of every path from the pressures at its ends and its gap, with derivatives.
-
-    Loops run over closed paths too, through which nothing flows: that is faster than leaving
-    them out.
-    """
-    path, data = s.path, s.path_data
-    for j in range(s.size.paths):
+    """Flow of every path from the pressures at its ends and its gap, with derivatives."""
+    path, data = s.path, s.open_data
+    for j in range(s.paths.open[-1]):
         many = data[j, MULTIPLICITY]
         flow, by_pressure, by_conductance = inertial_laminar_flow(
             path[j, DROP], path[j, CONDUCTANCE], path[j, OPENING], path[j, INFLOW_DENSITY]
@@ -252,12 +254,11 @@ def update_flows(s: SystemArrays, speed: float) -> None:
 @kernel
 def sum_flows(s: SystemArrays) -> None:
     """Mass and gas flows of all paths, summed into the nodes."""
-    node, path, index, free = s.node, s.path, s.path_index, s.paths.open
+    node, path, index = s.node, s.path, s.open_index
     for i in range(s.size.nodes):
         node[i, MASS_RATE] = 0.0
         node[i, GAS_RATE] = 0.0
-    for entry in range(free[-1]):
-        j = free[entry]
+    for j in range(s.paths.open[-1]):
         flow = path[j, VOLUME_FLOW]
         if flow == 0.0:
             path[j, FLOW] = 0.0
@@ -276,9 +277,8 @@ def sum_flows(s: SystemArrays) -> None:
 @kernel
 def shift_flows(s: SystemArrays) -> None:
     """Move the flows of all paths linearly to the present pressures."""
-    node, path, index, free = s.node, s.path, s.path_index, s.paths.open
-    for entry in range(free[-1]):
-        j = free[entry]
+    node, path, index = s.node, s.path, s.open_index
+    for j in range(s.paths.open[-1]):
         if path[j, FLOW] == 0.0:
             continue
         a, b = index[j, NODE_A], index[j, PRESENT_B]
@@ -306,10 +306,9 @@ def update_network(s: SystemArrays, state: Array) -> None:
 @kernel
 def book_throttling(s: SystemArrays, speed: float, ledger: Array) -> float:
     """Add the power lost in every path to its category; return the torque of wall drag. [N m]."""
-    node, path, index, free = s.node, s.path, s.path_index, s.paths.open
+    node, path, index = s.node, s.path, s.open_index
     torque = 0.0
-    for entry in range(free[-1]):
-        j = free[entry]
+    for j in range(s.paths.open[-1]):
         flow = path[j, FLOW]
         if flow == 0.0:
             path[j, LOSS] = 0.0

@@ -103,6 +103,7 @@ def path_readings(paths: Sequence[FlowPath], first_table: int) -> Reading:
         phase=np.concatenate([path.phases for path in paths]),
         ratio=np.repeat([path.angle_ratio for path in paths], counts),
         gate=np.repeat([0 if path.kind == "orifice" else 1 for path in paths], counts),
+        packed=True,
     )
 
 
@@ -140,6 +141,9 @@ def path_arrays(
         "kinds": starts.astype(np.int64),
         "path_index": np.asfortranarray(index),
         "path_data": np.asfortranarray(data),
+        "open_kinds": np.zeros(len(starts), dtype=np.int64),
+        "open_index": np.zeros_like(index, order="F"),
+        "open_data": np.zeros_like(data, order="F"),
     }
 
 

@@ -80,7 +80,7 @@ from toothspace.model.ledger import (
 )
 from toothspace.model.network import (
     book_throttling,
-    close_paths,
+    gather_open,
     shift_flows,
     update_network,
     update_partners,
@@ -94,8 +94,8 @@ PORTS = len(PORT_NODES)
 
 
 @kernel
-def update_tables(s: SystemArrays, shaft_angle: float) -> None:
-    """Evaluate all tables at an angle."""
+def update_tables(s: SystemArrays, shaft_angle: float) -> bool:
+    """Evaluate all tables at an angle; True if the open paths are others than before."""
     s.table_angle[0] = shaft_angle
     find_intervals(s.bank, s.chambers, shaft_angle)
     fill_values(s.chambers, s.chamber_values)
@@ -104,19 +104,26 @@ def update_tables(s: SystemArrays, shaft_angle: float) -> None:
     fill_values(s.contacts, s.contact_values[VALUE])
     if s.size.compliant > 0:
         fill_slopes(s.contacts, s.contact_values[SLOPE])
-    if find_intervals(s.bank, s.paths, shaft_angle):
+    changed = find_intervals(s.bank, s.paths, shaft_angle)
+    if changed:
         update_partners(s)
-        close_paths(s)
+        gather_open(s)
     fill_values(s.paths, s.path_values)
+    return changed
 
 
 @merged
-def evaluate_pressures(s: SystemArrays, state: Array) -> None:
-    """Compute the pressures of a state into the work arrays; tables only at a new angle."""
+def evaluate_pressures(s: SystemArrays, state: Array) -> bool:
+    """Compute the pressures of a state into the work arrays; tables only at a new angle.
+
+    True if the open paths are others than before.
+    """
+    changed = False
     if not abs(state[0] - s.table_angle[0]) <= SAME_ANGLE * max(1.0, abs(state[0])):
-        update_tables(s, state[0])
+        changed = update_tables(s, state[0])
     update_volumes(s, state)
     update_pressures(s, state)
+    return changed
 
 
 @merged
@@ -240,10 +247,13 @@ def finish_step(
     """Ledger rates, error weights and event values of an accepted state.
 
     The flows are moved on linearly from the last state of the iteration, which was within the
-    tolerance of the accepted one; all else is evaluated. Port masses are left out.
+    tolerance of the accepted one; all else is evaluated, and flows too where paths opened or
+    closed in between. Port masses are left out.
     """
-    evaluate_pressures(s, state)
-    shift_flows(s)
+    if evaluate_pressures(s, state):
+        update_network(s, state)
+    else:
+        shift_flows(s)
     update_pressure_forces(s)
     update_film_forces(s, state)
     update_contacts(s, state)

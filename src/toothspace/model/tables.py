@@ -32,12 +32,14 @@ class Reading(NamedTuple):
     """Things that read one row of a table each: which table, phase and growth of its angle.
 
     Where the channel ``gate`` is zero the thing is closed and its other channels are not read.
+    Things that are packed are read only while they are open.
     """
 
     table: IntArray
     phase: Array
     ratio: Array
     gate: IntArray
+    packed: bool
 
 
 @passed_by_address
@@ -46,22 +48,27 @@ class Members(NamedTuple):
 
     Parameters
     ----------
-    table, phase, ratio, gate
+    table, phase, ratio, gate, packed
         See :class:`Reading`.
     origin, growth : ndarray, shape (members,)
         Place in the table in nodes at shaft angle zero, and its growth per angle. [-], [1/rad]
     interval, place : ndarray, shape (members,)
         Node below the present place, counted on beyond full turns (NaN at the start), and the
         place beyond that node, 0 to 1. [-]
-    cubic : ndarray, shape (channels, 4, members)
-        Coefficients of the present intervals.
     last : ndarray of int, shape (channels,)
         Count of members up to the last that has this channel.
     turns, closed : ndarrays of int, shape (members,)
         Periods passed, and CLOSED where the gate is zero over the interval, else OPEN. Other
         channels of closed members are left as they were.
     open : ndarray of int, shape (members + 1,)
-        Numbers of the members that are not closed; their count stands at the end.
+        Numbers of the members that are read: those that are not closed, or all if not packed.
+        Their count stands at the end, and rows of values follow their order.
+    seat : ndarray of int, shape (members,)
+        Place among the members that are read.
+    cubic, here : ndarrays, shapes (channels, 4, members) and (members,)
+        Coefficients of the present intervals and places in them, by seat.
+    reach : ndarray of int, shape (channels,)
+        Count of seats up to the last that has this channel.
     channels, row, moved : ndarrays of int, shape (members,)
         Channels of the table of each member, place of its interval in the bank, and numbers of
         the members that went on to another interval.
@@ -71,15 +78,19 @@ class Members(NamedTuple):
     phase: Array
     ratio: Array
     gate: IntArray
+    packed: int
     origin: Array
     growth: Array
     interval: Array
     place: Array
-    cubic: Array
     last: IntArray
     turns: IntArray
     closed: IntArray
     open: IntArray
+    seat: IntArray
+    cubic: Array
+    here: Array
+    reach: IntArray
     channels: IntArray
     row: IntArray
     moved: IntArray
@@ -122,15 +133,19 @@ def make_members(bank: TableBank, reading: Reading) -> Members:
         phase=np.asarray(reading.phase, dtype=float),
         ratio=np.asarray(reading.ratio, dtype=float),
         gate=np.asarray(reading.gate, dtype=np.int64),
+        packed=int(reading.packed),
         origin=np.asarray(reading.phase * nodes / bank.period[table], dtype=float),
         growth=np.asarray(reading.ratio * nodes / bank.period[table], dtype=float),
         interval=np.full(count, np.nan),
         place=np.zeros(count),
-        cubic=np.zeros((most, 4, count)),
         last=np.array([members[-1] + 1 for members in having], dtype=np.int64),
         turns=np.zeros(count, dtype=np.int64),
         closed=np.full(count, UNKNOWN),
         open=np.zeros(count + 1, dtype=np.int64),
+        seat=np.zeros(count, dtype=np.int64),
+        cubic=np.zeros((most, 4, count)),
+        here=np.zeros(count),
+        reach=np.zeros(most, dtype=np.int64),
         channels=channels,
         row=np.zeros(count, dtype=np.int64),
         moved=np.zeros(count, dtype=np.int64),
@@ -177,8 +192,17 @@ def find_intervals(bank: TableBank, members: Members, shaft_angle: float) -> boo
     for j in range(place.size):
         place[j] = origin[j] + growth[j] * shaft_angle - interval[j]
         outside += 0 if (place[j] >= 0.0) & (place[j] < 1.0) else 1
-    if outside == 0:
-        return False
+    changed = outside > 0 and move_on(bank, members, shaft_angle)
+    for seat in range(members.open[-1]):
+        members.here[seat] = place[members.open[seat]]
+    return changed
+
+
+@kernel
+def move_on(bank: TableBank, members: Members, shaft_angle: float) -> bool:
+    """Find and read the intervals of the members that left theirs."""
+    origin, growth, interval = members.origin, members.growth, members.interval
+    place = members.place
     changed = False
     moved = 0
     for j in range(place.size):
@@ -191,9 +215,13 @@ def find_intervals(bank: TableBank, members: Members, shaft_angle: float) -> boo
             if members.closed[j] == OPEN:
                 members.moved[moved] = j
                 moved += 1
-    read_intervals(bank, members, moved)
     if changed:
         list_open(members)
+        if members.packed > 0:
+            moved = members.open[-1]
+            for seat in range(moved):
+                members.moved[seat] = members.open[seat]
+    read_intervals(bank, members, moved)
     return changed
 
 
@@ -213,7 +241,7 @@ def find_row(bank: TableBank, members: Members, j: int) -> bool:
         closed = CLOSED
     changed = closed != members.closed[j] or int(passed) != members.turns[j]
     members.closed[j], members.turns[j] = closed, int(passed)
-    if closed == CLOSED and changed and gate < channels:
+    if closed == CLOSED and changed and gate < channels and members.packed == 0:
         for power in range(4):
             members.cubic[gate, power, j] = 0.0
     return changed
@@ -225,46 +253,49 @@ def read_intervals(bank: TableBank, members: Members, moved: int) -> None:
     for k in range(members.last.size):
         for entry in range(moved):
             j = members.moved[entry]
-            channels = members.channels[j]
-            if k < channels:
-                base = members.row[j] + k
-                members.cubic[k, 0, j] = bank.coefficients[base]
-                members.cubic[k, 1, j] = bank.coefficients[base + channels]
-                members.cubic[k, 2, j] = bank.coefficients[base + 2 * channels]
-                members.cubic[k, 3, j] = bank.coefficients[base + 3 * channels]
+            seat, channels, base = members.seat[j], members.channels[j], members.row[j] + k
+            if seat >= members.reach[k]:
+                break
+            for power in range(4):
+                there = bank.coefficients[base + power * channels] if k < channels else 0.0
+                members.cubic[k, power, seat] = there
 
 
 @kernel
 def list_open(members: Members) -> None:
-    """List the members that are not closed."""
+    """List the members that are read, and how many of them each channel reaches."""
     count = 0
     for j in range(members.closed.size):
-        if members.closed[j] == OPEN:
+        members.seat[j] = count
+        if members.closed[j] == OPEN or members.packed == 0:
             members.open[count] = j
             count += 1
     members.open[-1] = count
+    for k in range(members.last.size):
+        last = members.last[k]
+        members.reach[k] = members.seat[last] if last < members.seat.size else count
 
 
 @kernel
 def fill_values(members: Members, values: Array) -> None:
-    """Evaluate all channels of all members at their places; values has one row each."""
-    place, columns = members.place, values.T
+    """Evaluate all channels of the members that are read; values has one row for each seat."""
+    here, columns = members.here, values.T
     for k in range(members.last.size):
         c0, c1 = members.cubic[k, 0], members.cubic[k, 1]
         c2, c3 = members.cubic[k, 2], members.cubic[k, 3]
         column = columns[k]
-        for j in range(members.last[k]):
-            t = place[j]
+        for j in range(members.reach[k]):
+            t = here[j]
             column[j] = c0[j] + t * (c1[j] + t * (c2[j] + t * c3[j]))
 
 
 @kernel
 def fill_slopes(members: Members, slopes: Array) -> None:
     """Evaluate the derivatives of all channels with respect to the shaft angle."""
-    place, growth, columns = members.place, members.growth, slopes.T
+    here, growth, columns = members.here, members.growth, slopes.T
     for k in range(members.last.size):
         c1, c2, c3 = members.cubic[k, 1], members.cubic[k, 2], members.cubic[k, 3]
         column = columns[k]
-        for j in range(members.last[k]):
-            t = place[j]
-            column[j] = growth[j] * (c1[j] + t * (2.0 * c2[j] + 3.0 * t * c3[j]))
+        for j in range(members.reach[k]):
+            t = here[j]
+            column[j] = growth[members.open[j]] * (c1[j] + t * (2.0 * c2[j] + 3.0 * t * c3[j]))

@@ -90,7 +90,10 @@ class Integration(NamedTuple):
 
 @passed_by_address
 class Observation(NamedTuple):
-    """Samples of everything that results are made of; first axis is the sample."""
+    """Samples of everything that results are made of; first axis is the sample.
+
+    Nothing flows through closed paths, and they have no height.
+    """
 
     pressure: Array
     density: Array
@@ -123,7 +126,7 @@ def _empty_observation(arrays: SystemArrays, count: int) -> Observation:
         path_loss=np.zeros((count, paths)),
         path_drag=np.zeros((count, paths)),
         path_partner=np.zeros((count, paths), dtype=np.int64),
-        raw_height=np.zeros((count, paths)),
+        raw_height=np.full((count, paths), np.inf),
         pressure_force=np.zeros((count, motions)),
         film_force=np.zeros((count, motions)),
         contact_force=np.zeros((count, contacts)),
@@ -300,12 +303,14 @@ def _note_nodes(s: SystemArrays, out: Observation, i: int) -> None:
 def _note_paths(s: SystemArrays, state: Array, out: Observation, i: int) -> None:
     for j in range(s.size.paths):
         a, b = s.path_index[j, NODE_A], s.path_index[j, PRESENT_B]
-        out.path_flow[i, j] = s.path[j, FLOW]
-        out.path_loss[i, j] = s.path[j, LOSS]
-        out.path_drag[i, j] = s.path[j, DRAG]
         out.path_partner[i, j] = b
         out.path_drop[i, j] = s.node[a, PRESSURE] - s.node[b, PRESSURE]
-        height = s.path_values[j, GEOMETRY]
+    for row in range(s.paths.open[-1]):
+        j = s.paths.open[row]
+        out.path_flow[i, j] = s.path[row, FLOW]
+        out.path_loss[i, j] = s.path[row, LOSS]
+        out.path_drag[i, j] = s.path[row, DRAG]
+        height = s.path_values[row, GEOMETRY]
         for k in range(s.size.motions):
-            height += s.path_values[j, HEIGHT_BY_MOTION + k] * state[s.size.position + k]
+            height += s.path_values[row, HEIGHT_BY_MOTION + k] * state[s.size.position + k]
         out.raw_height[i, j] = height
