@@ -105,7 +105,8 @@ def test_play_follows_backlash(parameters):
         generate_profile(first, 200), generate_profile(second, 200), pair.center_distance
     )
     # arc play at a radius between base and tip circle is the normal play over a cosine
-    assert 0.5 * pair.normal_backlash * 0.95 <= play <= 0.5 * pair.circumferential_backlash * 1.1
+    arc_play = pair.normal_backlash / np.cos(pair.operating_pressure_angle)
+    assert 0.5 * pair.normal_backlash * 0.95 <= play <= 0.5 * arc_play * 1.1
 
 
 @SETTINGS

@@ -90,7 +90,7 @@ def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert "2000 rpm" in text
     assert main(["compare", *files, "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
-    assert found["losses_W"]["mesh friction"][3] == pytest.approx(1.0)
+    assert found["losses_W"]["friction, mesh and contacts"][3] == pytest.approx(1.0)
     assert main(["compare", *files, "-o", str(page)]) == 2
     assert "--force" in capsys.readouterr().err
     assert main(["compare", files[0], str(tmp_path / "none.nc")]) == 2

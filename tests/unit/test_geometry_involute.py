@@ -26,7 +26,7 @@ def test_standard_gear():
     assert gear.base_radius == pytest.approx(20e-3 * np.cos(np.deg2rad(20.0)))
     assert gear.root_radius == pytest.approx(17.5e-3)
     assert gear.tip_radius == pytest.approx(22e-3)
-    assert gear.tooth_thickness(20e-3) == pytest.approx(np.pi * 1e-3)
+    assert 2.0 * 20e-3 * gear.half_angle(20e-3) == pytest.approx(np.pi * 1e-3)
     assert gear.base_pitch == pytest.approx(np.pi * 2e-3 * np.cos(np.deg2rad(20.0)))
 
 

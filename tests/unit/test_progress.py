@@ -12,7 +12,7 @@ import pytest
 from toothspace import api
 from toothspace.case import load_case
 from toothspace.cli import output
-from toothspace.core.progress import UNKNOWN, heard_by, part, say, tell
+from toothspace.core.progress import UNKNOWN, part, report_share, reporting_to, tell
 
 CASES = Path(__file__).resolve().parents[2] / "cases"
 
@@ -100,10 +100,10 @@ def test_the_bar_begins_anew_with_each_phase(monkeypatch: pytest.MonkeyPatch) ->
 def test_only_the_innermost_listener_hears_what_is_said_inside_its_block() -> None:
     outer: list[tuple[float, str]] = []
     inner: list[tuple[float, str]] = []
-    with heard_by(lambda share, text: outer.append((share, text))):
-        with heard_by(lambda share, text: inner.append((share, text))):
-            say(0.5, "condensing")
-        say(1.0, "done")
-    say(0.0, "nobody listens")
+    with reporting_to(lambda share, text: outer.append((share, text))):
+        with reporting_to(lambda share, text: inner.append((share, text))):
+            report_share(0.5, "condensing")
+        report_share(1.0, "done")
+    report_share(0.0, "nobody listens")
     assert inner == [(0.5, "condensing")]
     assert outer == [(1.0, "done")]

@@ -218,3 +218,34 @@ def test_a_rotor_that_whirls_is_followed_to_where_it_repeats():
     assert solution.status is Status.DONE
     assert solution.statistics["revolutions"] <= 30
     assert solution.summary()["energy_balance_error"] < 1e-5
+
+
+def test_a_rotor_whirling_at_half_speed_in_thick_oil_costs_few_steps():
+    """Its film force is proportional to a velocity near zero whose direction decides the slope."""
+    case = ts.load_case(CASES / "gerotor_trochoidal.toml").replace(
+        {
+            "machine.rotors.eccentricity": "2.4333 mm",
+            "machine.rotors.generating_radius": "24.5257 mm",
+            "machine.rotors.lobe_radius": "8.3537 mm",
+            "machine.rotors.face_width": "11.3335 mm",
+            "machine.rotors.tip_clearance": "45.1 um",
+            "machine.housing.outer_rotor_diameter": "49.2466 mm",
+            "machine.housing.radial_clearance": "24.7 um",
+            "machine.ports.inner_radius": "13.3797 mm",
+            "machine.ports.outer_radius": "20.5442 mm",
+            "machine.lateral.side_gap": "24.6 um",
+            "fluid.name": "iso_vg_46",
+            "fluid.temperature": "-15.8 degC",
+            "fluid.free_air_fraction": 0.0025,
+            "operating_point": {
+                "shaft_speed": "7511 rpm",
+                "inlet_pressure": "4.99 bar",
+                "outlet_pressure": "91.48 bar",
+            },
+            "run.revolutions": 4,
+            "run.max_steps": 100_000,
+        }
+    )
+    solution = ts.simulate(case)
+    assert solution.status is Status.DONE
+    assert solution.statistics["steps"] < 3_000 * solution.statistics["revolutions"]

@@ -100,7 +100,7 @@ def test_motor_of_4_95_cm3(motor):
     assert motor.root_clearances[0] * 1e3 == pytest.approx(0.39, abs=5e-3)
     assert motor.base_pitch * 1e3 == pytest.approx(8.118, abs=1e-3)
     assert motor.contact_ratio == pytest.approx(1.332, abs=1e-3)
-    land = motor.drive.tooth_thickness(motor.drive.tip_radius)
+    land = 2.0 * motor.drive.tip_radius * motor.drive.half_angle(motor.drive.tip_radius)
     assert land * 1e3 == pytest.approx(1.02, abs=5e-3)
     assert 0.5 * motor.relief_groove_spacing * 1e3 == pytest.approx(3.652, abs=1e-3)
 

@@ -149,11 +149,7 @@ class HeatSettings(KeyTable):
         default=0.0,
     )
     casing_heat_capacity: float = quantity(
-        "J/K",
-        "Heat capacity of casing and bearing blocks.",
-        above=0,
-        high=1e6,
-        default=1000.0,
+        "J/K", "Heat capacity of casing and bearing blocks.", above=0, high=1e6, default=1000.0
     )
 
 

@@ -89,8 +89,6 @@ def read_document(path: Path, label: str) -> Document:
 
     Parameters
     ----------
-    path : Path
-        File.
     label : str
         Its name in messages.
 
@@ -251,8 +249,6 @@ def require_ordinary(tables: Mapping[str, Any], label: str) -> None:
 
     Parameters
     ----------
-    tables : mapping
-        Tables of a case.
     label : str
         Name of the case file in messages.
 

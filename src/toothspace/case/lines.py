@@ -64,14 +64,10 @@ def relaxed_wall(name: str, node: CircuitNode, hose: Hose, fluid: FluidLaw) -> L
 
     Parameters
     ----------
-    name : str
-        Name of the hose.
     node : CircuitNode
         Node that the hose belongs to.
     hose : Hose
         Hose with ``wall_stiffening`` s and ``wall_relaxation_time``.
-    fluid : FluidLaw
-        Constants of its fluid.
 
     Returns
     -------
@@ -112,12 +108,8 @@ def line_parts(
     ----------
     name, ends : str
         Name of the line, which its inner nodes carry, and the nodes at its ends.
-    hose : Line
-        Size and wall.
     pressure : float
         Absolute pressure at the start, at which density and viscosity are taken. [Pa]
-    fluid : FluidLaw
-        Constants of the fluid.
     """
     half = end_cell(hose, fluid)
     inner = tuple(
@@ -136,8 +128,6 @@ def line_at_port(
 
     Parameters
     ----------
-    line : PortLine
-        Size and wall.
     port : str
         ``inlet`` of a motor or ``outlet`` of a pump.
     volume : float
@@ -146,8 +136,6 @@ def line_at_port(
         Absolute pressure at the start, and of a far end that is held. [Pa]
     far_end : str
         ``supply`` or ``load``, which hold the pressure, or another name for a free end.
-    fluid : FluidLaw
-        Constants of the fluid.
     """
     ends = (far_end, port) if port == "inlet" else (port, far_end)
     parts, half = line_parts("line", line, ends, pressure, fluid), end_cell(line, fluid)

@@ -43,8 +43,6 @@ def copy_case(name: str, folder: Path, *, replace: bool = False) -> list[Path]:
 
     Parameters
     ----------
-    name : str
-        Name of the case.
     folder : Path
         Where to; made if it is not there.
     replace : bool

@@ -131,10 +131,7 @@ class BalanceSweepStudy(KeyTable):
     """``kind = "balance_sweep"``: loops of pressure over balanced area and housing friction."""
 
     balance_ratio: tuple[float, ...] = declare(
-        Grid(
-            item=Number(above=0, high=2),
-            doc="Balanced area over the reference area.",
-        )
+        Grid(item=Number(above=0, high=2), doc="Balanced area over the reference area.")
     )
     friction_coefficient: tuple[float, ...] = declare(
         Items(item=Number(low=0, high=1), doc="Friction in the housing.")

@@ -239,11 +239,7 @@ def geometry(
 
 
 def gear(
-    files: Sequence[Path],
-    section: GearFileOptions,
-    outputs: Mapping[str, Target],
-    *,
-    as_json: bool,
+    files: Sequence[Path], section: GearFileOptions, outputs: Mapping[str, Target], *, as_json: bool
 ) -> int:
     """Find the gears of files and print their numbers; returns the exit code.
 
@@ -403,12 +399,7 @@ def study(
 
 
 def stand_alone_film(
-    case_file: Path,
-    table: str,
-    outputs: FilmOutputs,
-    overrides: Sequence[str],
-    *,
-    as_json: bool,
+    case_file: Path, table: str, outputs: FilmOutputs, overrides: Sequence[str], *, as_json: bool
 ) -> int:
     """Solve the table ``bearing`` or ``film`` of a case; returns the exit code."""
     fields, grids = outputs.fields, outputs.grids

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, final
 
 from toothspace.core.files import plain
-from toothspace.core.progress import Progress, heard_by
+from toothspace.core.progress import Progress, reporting_to
 
 if TYPE_CHECKING:
     from toothspace.model.description import DesignCheck
@@ -91,7 +91,7 @@ def progress(title: str) -> Iterator[Progress]:
     """Show on standard error how far a run is: a bar, or a line now and then without a terminal."""
     if not sys.stderr.isatty():
         lines = _Lines(title)
-        with heard_by(lines):
+        with reporting_to(lines):
             yield lines
         return
     from rich.console import Console
@@ -118,7 +118,7 @@ def progress(title: str) -> Iterator[Progress]:
             done = share if known else 0.0
             bar.update(task, completed=done, description=f"{title} {text}".strip())
 
-        with heard_by(advance):
+        with reporting_to(advance):
             yield advance
 
 

@@ -58,8 +58,6 @@ def read_bytes(path: Path, label: str, allowed: str, most: int) -> bytes:
 
     Parameters
     ----------
-    path : Path
-        File.
     label : str
         Its name in messages.
     allowed : str
@@ -157,7 +155,10 @@ def require_writable(target: Path, option: str, *, replace: bool) -> Path:
         if target.exists():
             _require_replaceable(target, option, replace=replace)
         else:
-            _probe(target)
+            # names may be too long or hold what the disk refuses
+            with target.open("xb"):
+                pass
+            target.unlink()
         _new_draft(target).unlink()
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
@@ -172,13 +173,6 @@ def _require_replaceable(target: Path, option: str, *, replace: bool) -> None:
     if not replace:
         found = "a file that exists"
         raise CaseError(f"{target}: {option}: found {found}, allowed a new one, or --force")
-
-
-def _probe(target: Path) -> None:
-    """Make the file and remove it: names may be too long or hold what the disk refuses."""
-    with target.open("xb"):
-        pass
-    target.unlink()
 
 
 def plain(value: Any) -> Any:

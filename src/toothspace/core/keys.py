@@ -681,10 +681,7 @@ class Variant(Key):
         return Table(spec=kinds[name]).read(rest, source)
 
     def written(self, value: Any, file_text: FileText) -> dict[str, Any]:
-        return {
-            self.tag: self.name_of(value),
-            **Table(spec=type(value)).written(value, file_text),
-        }
+        return {self.tag: self.name_of(value), **Table(spec=type(value)).written(value, file_text)}
 
     def schema(self) -> Schema:
         return {"oneOf": [self._kind(name, spec) for name, spec in self.variants.items()]}
@@ -859,11 +856,7 @@ def text(doc: str, *, default: str | Any | None = MISSING) -> Any:
 
 
 def file_path(
-    doc: str,
-    *suffixes: str,
-    default: Any = None,
-    points: bool = False,
-    columns: bool = False,
+    doc: str, *suffixes: str, default: Any = None, points: bool = False, columns: bool = False
 ) -> Any:
     """Declare a file, relative to the case file; or the curve or table that it would hold."""
     key = FilePath(doc=doc, suffixes=suffixes, points=points, columns=columns)

@@ -22,19 +22,12 @@ _NUMBERS = "fiub"
 
 
 def write_dataset(dataset: xr.Dataset, path: str | Path) -> Path:
-    """Write a dataset to one NetCDF file that is complete or not there.
+    """Write a dataset to one NetCDF file that is complete or not there; returns its path.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
-        What to write.
     path : str or Path
         File to create or replace; its folder is made if it is missing.
-
-    Returns
-    -------
-    Path
-        The file written.
 
     Raises
     ------
@@ -52,11 +45,6 @@ def write_dataset(dataset: xr.Dataset, path: str | Path) -> Path:
 
 def read_dataset(path: str | Path) -> xr.Dataset:
     """Read a NetCDF file into memory, labels as text.
-
-    Parameters
-    ----------
-    path : str or Path
-        File to read.
 
     Raises
     ------

@@ -13,8 +13,6 @@ def package_of_extra(name: str, extra: str, use: str) -> Any:
 
     Parameters
     ----------
-    name : str
-        Package or module.
     extra : str
         Extra that brings it.
     use : str

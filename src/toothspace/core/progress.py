@@ -18,8 +18,8 @@ _LISTENER: ContextVar[Progress | None] = ContextVar("listener", default=None)
 
 
 @contextmanager
-def heard_by(progress: Progress | None) -> Iterator[None]:
-    """Let a listener hear what phases far below say with :func:`say` inside the block."""
+def reporting_to(progress: Progress | None) -> Iterator[None]:
+    """Hand a listener what phases far below report with :func:`report_share`."""
     before = _LISTENER.set(progress)
     try:
         yield
@@ -27,7 +27,7 @@ def heard_by(progress: Progress | None) -> Iterator[None]:
         _LISTENER.reset(before)
 
 
-def say(share: float, text: str) -> None:
+def report_share(share: float, text: str) -> None:
     """Report a share [-] of a phase that nobody has handed a listener to."""
     tell(_LISTENER.get(), share, text)
 

@@ -71,11 +71,7 @@ def _names(rows: list[list[str]]) -> dict[str, tuple[int, str]]:
 
 
 def _column(
-    path: Path,
-    rows: list[list[str]],
-    names: Mapping[str, tuple[int, str]],
-    name: str,
-    wanted: str,
+    path: Path, rows: list[list[str]], names: Mapping[str, tuple[int, str]], name: str, wanted: str
 ) -> Array:
     if name not in names:
         found = ", ".join(names) or "none"

@@ -15,7 +15,7 @@ from scipy.linalg.lapack import dpotrf
 
 from toothspace.core.compiled import njit
 from toothspace.core.errors import GeometryError
-from toothspace.core.progress import say
+from toothspace.core.progress import report_share
 from toothspace.core.types import Array, IntArray
 from toothspace.elasticity.dissection import Separator, dissect
 
@@ -59,7 +59,7 @@ def flexibility(
     place = np.full(len(nodes), -1, dtype=np.int64)
     spent = np.cumsum([sum(part.sizes) ** 2 * part.sizes[0] for part in parts], dtype=float)
     for part, cost in zip(parts, spent, strict=True):
-        say(float(cost / spent[-1]), "condensing an elastic body, kept for later")
+        report_share(float(cost / spent[-1]), "condensing an elastic body, kept for later")
         front = work.front(part)
         _assemble(part, (stiffness, rows), place, front)
         for child in reversed(part.children):

@@ -10,7 +10,7 @@ import scipy.sparse as sp
 from scipy.linalg import cho_factor, cho_solve
 
 from toothspace.core.errors import GeometryError
-from toothspace.core.progress import UNKNOWN, say
+from toothspace.core.progress import UNKNOWN, report_share
 from toothspace.core.types import Array, IntArray
 from toothspace.elasticity import storage
 from toothspace.elasticity.body import ElasticBody
@@ -49,19 +49,12 @@ def influence_matrix(
 
     Parameters
     ----------
-    body : ElasticBody
-        What to condense.
     estimate_error : bool
         Whether to condense a coarser mesh as well.
     cache : bool
         Whether to look in the cache folder first and to store the result there.
     scale : float
         Factor on the size of the elements; the film nodes stay. [-]
-
-    Returns
-    -------
-    InfluenceMatrix
-        Deformation of the film surfaces per load.
 
     Raises
     ------
@@ -81,7 +74,9 @@ def influence_matrix(
     found = storage.load(name, body) if cache else None
     if found is not None:
         return found
-    say(UNKNOWN, f"elastic body ({', '.join(film.name for film in body.films)}), kept for later")
+    report_share(
+        UNKNOWN, f"elastic body ({', '.join(film.name for film in body.films)}), kept for later"
+    )
     try:
         result = _condensed(body, scale)
         if estimate_error:

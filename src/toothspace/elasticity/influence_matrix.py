@@ -65,8 +65,6 @@ class InfluenceMatrix:
 
         Parameters
         ----------
-        surface : str
-            Name of the film surface.
         points : ndarray, shape (k, 2) or (k, 3)
             Places in the frame of the body. [m]
         """

@@ -64,8 +64,6 @@ def face_points(mesh: SolidMesh, chosen: BoolArray, order: int = 2) -> FacePoint
     ----------
     mesh : SolidMesh
         Mesh. [m]
-    chosen : ndarray of bool
-        Faces.
     order : int
         Points along each edge of a quadrilateral; a triangle is cut into order squared parts.
 
@@ -291,8 +289,6 @@ def journal_load(
 
     Parameters
     ----------
-    name : str
-        Name of the load.
     radius : float
         Radius of the bore or shaft. [m]
     levels : tuple of float

@@ -31,11 +31,6 @@ _FIELDS = {
 def film_dataset(film: FilmSolution) -> xr.Dataset:
     """Fields of a film with coordinates, units and long names.
 
-    Parameters
-    ----------
-    film : JournalBearingSolution, LateralSolution or PadSolution
-        Solved film.
-
     Returns
     -------
     xarray.Dataset

@@ -135,11 +135,6 @@ def solve_heated(
     balance : HeatBalance
         Properties of the oil and share of the heat.
 
-    Returns
-    -------
-    HeatedFilm
-        Film and temperatures.
-
     Examples
     --------
     >>> from dataclasses import replace

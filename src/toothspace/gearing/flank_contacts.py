@@ -102,13 +102,6 @@ def _half_tooth(gears: MeshedGears) -> float:
 def tooth_stiffness(gears: MeshedGears, flanks: FlankPair) -> float:
     r"""Stiffness of a tooth pair in bending, shear and at the root, per face width.
 
-    Parameters
-    ----------
-    gears : MeshedGears
-        Gears in mesh.
-    flanks : FlankPair
-        Materials and profile shifts.
-
     Returns
     -------
     float
@@ -138,7 +131,7 @@ def tooth_stiffness(gears: MeshedGears, flanks: FlankPair) -> float:
 
 
 def minimum_flexibility(counts: tuple[int, int], profile_shifts: tuple[float, float]) -> float:
-    """Flexibility q' of one tooth pair of spur gears by ISO 6336-1.
+    """Flexibility q' of one tooth pair of spur gears by ISO 6336-1. [mm um/N].
 
     Parameters
     ----------
@@ -146,11 +139,6 @@ def minimum_flexibility(counts: tuple[int, int], profile_shifts: tuple[float, fl
         Tooth counts, negative of a ring gear. [-]
     profile_shifts : tuple of float
         Profile shifts in modules. [-]
-
-    Returns
-    -------
-    float
-        Flexibility. [mm um/N]
     """
     teeth = [(1.0 / z if z > 0 else 0.0, x) for z, x in zip(counts, profile_shifts, strict=True)]
     if counts[1] > 0:

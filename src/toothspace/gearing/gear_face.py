@@ -101,11 +101,7 @@ def tooth_fraction(profile: GearProfile) -> float:
 
 
 def under_recesses(
-    node: IntArray,
-    covered: BoolArray,
-    recesses: Sequence[tuple[int, Array]],
-    x: Array,
-    y: Array,
+    node: IntArray, covered: BoolArray, recesses: Sequence[tuple[int, Array]], x: Array, y: Array
 ) -> IntArray:
     """Nodes of points, those of recesses where a body covers them.
 

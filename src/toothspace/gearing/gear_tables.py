@@ -259,9 +259,7 @@ def _groove_sides(polygons: list[Array], file: str, key: str) -> tuple[Array | N
         if closing in found:
             side = "right" if closing else "left"
             raise KeyRuleError(
-                key,
-                f"two polygons {side} of the centre line in {file}",
-                "one polygon on each side",
+                key, f"two polygons {side} of the centre line in {file}", "one polygon on each side"
             )
         found[closing] = polygon
     return found.get(True), found.get(False)

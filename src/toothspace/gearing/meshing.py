@@ -131,6 +131,20 @@ def lens_angle(own: float, other: float, distance: float) -> float:
     return float(np.arccos((distance**2 + own**2 - other**2) / (2.0 * distance * own)))
 
 
+def mesh_at_distance(teeth: tuple[Tooth, Tooth], distance: float) -> Mesh:
+    """Gears with equal backlash on both flanks; the distance of a ring gear is negative. [m]."""
+    drive, driven = teeth
+    lens_driven = lens_angle(driven.tip_radius, drive.tip_radius, distance)
+    return Mesh(
+        center_distance=distance,
+        ratio=drive.tooth_count / driven.tooth_count,
+        half_pitch=np.pi / drive.tooth_count,
+        turn=0.0,
+        lens_drive=lens_angle(drive.tip_radius, driven.tip_radius, distance),
+        lens_driven=lens_driven if distance > 0.0 else -lens_driven,
+    )
+
+
 def facing_throats(teeth: tuple[Tooth, Tooth], mesh: Mesh, is_left: bool, angles: Array) -> Throats:
     """Throats between left flanks or between right flanks at angles [rad]."""
     drive, driven = teeth
@@ -194,11 +208,6 @@ def loaded_throats(gears: MeshedGears, spaces: Spaces) -> Throats:
 def contact_range(gears: MeshedGears) -> tuple[float, float]:
     """Throat angles at which the loaded flank pair begins and ends to touch.
 
-    Parameters
-    ----------
-    gears : MeshedGears
-        Gears in mesh.
-
     Returns
     -------
     tuple of float
@@ -211,11 +220,6 @@ def contact_range(gears: MeshedGears) -> tuple[float, float]:
 
 def path_of_contact(gears: MeshedGears) -> tuple[float, float]:
     """Throat angles between which the loaded flank pair touches.
-
-    Parameters
-    ----------
-    gears : MeshedGears
-        Gears in mesh.
 
     Returns
     -------
@@ -249,8 +253,6 @@ def load_share(gears: MeshedGears, angles: Array) -> Array:
 
     Parameters
     ----------
-    gears : MeshedGears
-        Gears in mesh.
     angles : ndarray
         Throat angles. [rad]
 
@@ -291,8 +293,6 @@ def ideal_flow(gears: MeshedGears, angles: Array) -> Array:
 
     Parameters
     ----------
-    gears : MeshedGears
-        Gears in mesh.
     angles : ndarray
         Throat angles of the loaded flanks. [rad]
 

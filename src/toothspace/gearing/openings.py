@@ -21,8 +21,6 @@ def port_lengths(spaces: Spaces, edges: tuple[float, float]) -> tuple[Array, Arr
 
     Parameters
     ----------
-    spaces : Spaces
-        Tooth spaces of one gear at the table nodes.
     edges : tuple of float
         Angle from the mesh side of the centre line to the edges of inlet and outlet port. [rad]
 
@@ -83,8 +81,6 @@ def groove_openings(
 
     Parameters
     ----------
-    spaces : Spaces
-        Tooth spaces of one gear at the table nodes.
     polygons : mapping of name to ndarray, shape (n, 2)
         Outlines of the recesses. [m]
     depth : float

@@ -63,13 +63,6 @@ class SpaceOutlines:
 def space_outline(spaces: Spaces, index: int) -> Array:
     """Polygon of a tooth space at one of its angles.
 
-    Parameters
-    ----------
-    spaces : Spaces
-        Tooth spaces over their angle.
-    index : int
-        Which angle.
-
     Returns
     -------
     ndarray, shape (points, 2)

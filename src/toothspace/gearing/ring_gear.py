@@ -133,8 +133,6 @@ def ring_outline(ring: RingGear, points: int, rotation: float) -> Array:
 
     Parameters
     ----------
-    ring : RingGear
-        Ring.
     points : int
         Intervals on one pitch.
     rotation : float
@@ -236,10 +234,8 @@ class InternalPair(InvolutePair):
 
         A fillet that reaches into the involute shortens the path.
         """
-        ring_tip = _roll(self.ring.base_radius, self.ring.tip_radius) - self.roll_offset
-        fillet = _roll(self.pinion.base_radius, self.pinion_form.form_radius)
-        own_tip = _roll(self.pinion.base_radius, self.pinion_form.tip_form_radius)
-        return max(ring_tip, fillet), min(own_tip, self._ring_form_roll - self.roll_offset)
+        ring_tip, fillet, own_tip, ring_fillet = self._rolls
+        return max(ring_tip, fillet), min(own_tip, ring_fillet)
 
     @cached_property
     def pinion_form(self) -> ToothForm:
@@ -247,8 +243,15 @@ class InternalPair(InvolutePair):
         return tooth_form(self.pinion)
 
     @property
-    def _ring_form_roll(self) -> float:
-        return _roll(self.ring.base_radius, self.ring.form.tip_form_radius)
+    def _rolls(self) -> tuple[float, float, float, float]:
+        """Roll lengths of the pinion's flank at ring tip, own fillet, own tip, ring's fillet."""
+        ring, own = self.ring.base_radius, self.pinion.base_radius
+        return (
+            _roll(ring, self.ring.tip_radius) - self.roll_offset,
+            _roll(own, self.pinion_form.form_radius),
+            _roll(own, self.pinion_form.tip_form_radius),
+            _roll(ring, self.ring.form.tip_form_radius) - self.roll_offset,
+        )
 
     @property
     def path_of_contact(self) -> tuple[float, float]:
@@ -263,10 +266,8 @@ class InternalPair(InvolutePair):
 
         Negative where the mating tip would run on the fillet.
         """
-        ring_tip = _roll(self.ring.base_radius, self.ring.tip_radius) - self.roll_offset
-        pinion_tip = _roll(self.pinion.base_radius, self.pinion_form.tip_form_radius)
-        fillet = _roll(self.pinion.base_radius, self.pinion_form.form_radius)
-        return ring_tip - fillet, self._ring_form_roll - self.roll_offset - pinion_tip
+        ring_tip, fillet, own_tip, ring_fillet = self._rolls
+        return ring_tip - fillet, ring_fillet - own_tip
 
 
 def _roll(base: float, radius: float) -> float:
@@ -294,11 +295,6 @@ def pair_from_backlash(
         Ring gear of equal module and pressure angle, with more teeth.
     normal_backlash : float
         Play between the flanks out of contact, along their normal, not negative. [m]
-
-    Returns
-    -------
-    InternalPair
-        The pair.
 
     Raises
     ------

@@ -54,19 +54,10 @@ def flank_paths(
 
     Parameters
     ----------
-    gears : MeshedGears
-        Gears in mesh.
-    numbering : Numbering
-        Phases and nodes.
     spaces : Spaces
         Tooth spaces of the drive gear.
     tip_rounding : float
         Radius of an edge between flank and tip. [m]
-
-    Returns
-    -------
-    tuple of FlowPath
-        Leading and trailing throats.
     """
 
     def path(name: str, side: Throats, *, leading: bool) -> FlowPath:
@@ -158,11 +149,6 @@ class ToothSpaces:
             Derivative of the height by the micro-motions. [-]
         worn_by : str or None
             Body that cuts into the wall.
-
-        Returns
-        -------
-        FlowPath
-            The path.
         """
         tooth, count = self.gears.teeth[self.gear], cover.size
         speed = abs(tooth.tip_radius) * self.numbering.ratios[self.gear]

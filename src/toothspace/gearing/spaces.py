@@ -92,11 +92,6 @@ def other_end(spaces: Spaces, side: Throats) -> _End:
 def section_areas(spaces: Spaces) -> Array:
     r"""Section area of the tooth spaces.
 
-    Parameters
-    ----------
-    spaces : Spaces
-        Tooth spaces over their angle.
-
     Returns
     -------
     ndarray
@@ -127,8 +122,6 @@ def wall_ends(spaces: Spaces, side: Throats, of_own: bool) -> Array:
 
     Parameters
     ----------
-    spaces : Spaces
-        Tooth spaces over their angle.
     side : Throats
         Their left or right throats.
     of_own : bool
@@ -154,11 +147,6 @@ def wall_ends(spaces: Spaces, side: Throats, of_own: bool) -> Array:
 
 def area_by_motion(spaces: Spaces) -> Array:
     r"""Derivative of the section areas with respect to the micro-motions of both gears.
-
-    Parameters
-    ----------
-    spaces : Spaces
-        Tooth spaces over their angle.
 
     Returns
     -------

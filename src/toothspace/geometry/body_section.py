@@ -137,8 +137,6 @@ def cut_bodies(file: str, bodies: list[SolidBody], request: SectionRequest) -> l
         Name of the file for error messages.
     bodies : list of SolidBody
         Bodies in any order.
-    request : SectionRequest
-        What to cut.
 
     Returns
     -------

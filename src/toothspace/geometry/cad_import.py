@@ -89,8 +89,6 @@ def load_body_sections(path: Path, unit: float, request: SectionRequest) -> list
         ``.stl``, ``.step`` or ``.stp``.
     unit : float
         Length of one unit of the file; STEP files carry their own. [m]
-    request : SectionRequest
-        What to cut.
 
     Returns
     -------

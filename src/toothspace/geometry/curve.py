@@ -110,7 +110,7 @@ def _shares(totals: Array, count: int) -> list[int]:
 
 
 def without_repeats(points: Array, tolerance: float = 0.0) -> Array:
-    """Drop consecutive equal points of a closed curve and its first point at the end.
+    """Drop consecutive equal points of a closed curve and its first point at the end. [m].
 
     Parameters
     ----------
@@ -118,11 +118,6 @@ def without_repeats(points: Array, tolerance: float = 0.0) -> Array:
         Points, shape (n, 2). [m]
     tolerance : float
         Distance up to which points count as equal. [m]
-
-    Returns
-    -------
-    ndarray
-        Points that differ from their successor. [m]
     """
     step = np.roll(points, -1, axis=0) - points
     return points[np.hypot(step[:, 0], step[:, 1]) > tolerance]

@@ -26,8 +26,6 @@ def pair_checks(
 
     Parameters
     ----------
-    pair : GearPair
-        Gears in mesh.
     face_width : float
         Tooth length. [m]
     vented : bool
@@ -120,7 +118,7 @@ def root_clearance_check(
 
 
 def least_normal_backlash(module: float, center_distance: float) -> float:
-    r"""Smallest normal backlash recommended for industrial drives of medium and large modules.
+    r"""Smallest normal backlash recommended for industrial drives of medium and large modules. [m].
 
     Parameters
     ----------
@@ -128,11 +126,6 @@ def least_normal_backlash(module: float, center_distance: float) -> float:
         Normal module. [m]
     center_distance : float
         Distance of the gear centres. [m]
-
-    Returns
-    -------
-    float
-        Normal backlash. [m]
 
     Notes
     -----

@@ -22,8 +22,6 @@ def read_dxf(path: Path, unit: float, layer: str | None = None) -> list[Array]:
 
     Parameters
     ----------
-    path : Path
-        DXF file.
     unit : float
         Length of one unit of the drawing. [m]
     layer : str or None

@@ -30,8 +30,6 @@ def fitted_profile(
         the tip corner, left from the tip corner to the root middle. [m]
     flank : InvoluteFlank
         The involute and its ends.
-    tooth_count : int
-        Number of teeth.
     points_per_tooth : int
         Number of intervals of the pitch, even.
 

@@ -124,11 +124,6 @@ def find_gears(
     tooth_count : int or None
         Needed for the outline of a single pitch.
 
-    Returns
-    -------
-    FileContents
-        Gears and other bodies.
-
     Raises
     ------
     GeometryError
@@ -169,11 +164,6 @@ def find_in_files(
         Length of one unit of the files; STEP files carry their own. [m]
     request : SectionRequest or None
         Axis and plane of gears in solid files; None to find them.
-
-    Returns
-    -------
-    FileContents
-        Those of all files.
 
     Raises
     ------

@@ -215,11 +215,6 @@ class GearPair(InvolutePair):
         return float(2.0 * total * (excess - _tight_involute(self.drive, self.driven)))
 
     @property
-    def circumferential_backlash(self) -> float:
-        """Play along the operating pitch circles [m]."""
-        return float(self.normal_backlash / np.cos(self.operating_pressure_angle))
-
-    @property
     def pitch_roll_lengths(self) -> tuple[float, float]:
         """Distance of the pitch point from the tangent point on each base circle [m]."""
         first, second = self.pitch_radii
@@ -242,12 +237,6 @@ class GearPair(InvolutePair):
         if form_2.undercut:
             end = min(end, roll_2 - _roll_length(self.driven, form_2.form_radius))
         return start, end
-
-    @property
-    def nominal_contact_ratio(self) -> float:
-        """Contact ratio with both flanks up to the tip circle, without tip rounding or undercut."""
-        length = sum(_roll_length(gear, gear.tip_radius) for gear in (self.drive, self.driven))
-        return (length - sum(self.pitch_roll_lengths)) / self.base_pitch
 
     @property
     def root_clearances(self) -> tuple[float, float]:
@@ -289,11 +278,6 @@ def pair_from_backlash(
         Gears of equal base pitch.
     normal_backlash : float
         Play between the flanks out of contact, along their normal, not negative. [m]
-
-    Returns
-    -------
-    GearPair
-        The pair.
 
     Raises
     ------
@@ -338,11 +322,6 @@ def pair_from_center_distance(
     center_distance : float
         Distance of the gear centres. [m]
 
-    Returns
-    -------
-    GearPair
-        The pair.
-
     Raises
     ------
     GeometryError
@@ -365,8 +344,6 @@ def trapped_volume_change(pair: GearPair, face_width: float) -> float:
 
     Parameters
     ----------
-    pair : GearPair
-        Gears in mesh.
     face_width : float
         Tooth length. [m]
 

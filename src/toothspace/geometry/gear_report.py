@@ -22,8 +22,6 @@ def file_report(contents: FileContents, center_distance: float | None = None) ->
 
     Parameters
     ----------
-    contents : FileContents
-        Gears and other bodies.
     center_distance : float or None
         Distance at which the backlash is wanted: of the first two gears, or of one gear with its
         equal. [m]
@@ -52,8 +50,6 @@ def likelier_units(contents: FileContents, scales: Mapping[str, float]) -> list[
 
     Parameters
     ----------
-    contents : FileContents
-        Gears as read.
     scales : mapping
         Length of each unit over the one that the file was read in. [-]
 
@@ -72,11 +68,6 @@ def likelier_units(contents: FileContents, scales: Mapping[str, float]) -> list[
 
 def flank_warnings(contents: FileContents) -> list[str]:
     """What the flanks of the gears leave uncertain: base diameters not known to 3 um.
-
-    Parameters
-    ----------
-    contents : FileContents
-        Gears as read.
 
     Returns
     -------

@@ -63,16 +63,6 @@ class ToothForm:
 def tooth_form(gear: InvoluteGear) -> ToothForm:
     """Junctions of root fillet, involute, tip rounding and tip land.
 
-    Parameters
-    ----------
-    gear : InvoluteGear
-        Gear parameters.
-
-    Returns
-    -------
-    ToothForm
-        Radii and angles of the junctions.
-
     Raises
     ------
     GeometryError
@@ -104,8 +94,6 @@ def generate_profile(gear: InvoluteGear, points_per_tooth: int = 200) -> GearPro
 
     Parameters
     ----------
-    gear : InvoluteGear
-        Gear parameters.
     points_per_tooth : int
         Number of intervals on one pitch, even, at least 40.
 
@@ -168,8 +156,6 @@ def involute_point(gear: InvoluteGear, radius: FloatOrArray) -> Array:
 
     Parameters
     ----------
-    gear : InvoluteGear
-        Gear parameters.
     radius : float or ndarray
         Distances from the centre, at least the base radius. [m]
 
@@ -187,8 +173,6 @@ def fillet_point(gear: InvoluteGear, corner_angle: FloatOrArray) -> Array:
 
     Parameters
     ----------
-    gear : InvoluteGear
-        Gear parameters.
     corner_angle : float or ndarray
         Angle on the rack's tip corner, 0 at the rack tip, pi/2 - pressure_angle at the rack
         flank. [rad]

@@ -11,11 +11,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from toothspace.core.types import Array, BoolArray
-from toothspace.geometry.flank_deviation import (
-    InvoluteDeviation,
-    PitchDeviation,
-    ProfileDeviation,
-)
+from toothspace.geometry.flank_deviation import InvoluteDeviation, PitchDeviation, ProfileDeviation
 from toothspace.geometry.gear_profile import GearProfile, InvoluteFlank
 from toothspace.geometry.involute import InvoluteGear, involute_function, tooth_form
 
@@ -139,8 +135,6 @@ def folded_points(points: Array, tooth_count: int, phase: float) -> FlankPoints:
     ----------
     points : ndarray, shape (n, 2)
         Closed outline about the gear centre. [m]
-    tooth_count : int
-        Number of teeth.
     phase : float
         Polar angle of a tooth axis. [rad]
 
@@ -179,8 +173,6 @@ def fit_involute(points: FlankPoints, root_radius: float, tip_radius: float) -> 
 
     Parameters
     ----------
-    points : FlankPoints
-        Points of both flanks.
     root_radius, tip_radius : float
         Ends of the tooth. [m]
 
@@ -294,24 +286,6 @@ def involute_deviation(profile: GearProfile, reference: InvoluteGear) -> Involut
     return InvoluteDeviation(found[RIGHT], found[LEFT])
 
 
-def deviation_from_best_involute(profile: GearProfile) -> InvoluteDeviation | None:
-    """Distance of both flanks from the one involute that fits them best.
-
-    Parameters
-    ----------
-    profile : GearProfile
-        Profile to judge, for example measured.
-
-    Returns
-    -------
-    InvoluteDeviation or None
-        Deviation along the flank normal over the whole involute; None if the flanks are no
-        involutes.
-    """
-    fit = fit_involute(points_of_profile(profile), profile.root_radius, profile.tip_radius)
-    return None if fit is None else InvoluteDeviation(fit.right, fit.left)
-
-
 def _thinned(points: FlankPoints) -> FlankPoints:
     # by rising radius, a limited number
     order = np.argsort(points.radius, kind="stable")
@@ -334,8 +308,6 @@ def distance_from_involute(
     ----------
     radius, angle : ndarray
         Polar coordinates, angles from the tooth axis towards the flank. [m], [rad]
-    flank : InvoluteFlank
-        The involute.
 
     Returns
     -------
@@ -458,11 +430,7 @@ def _ends(
 
 
 def _walked(
-    points: FlankPoints,
-    unknowns: Array,
-    side: float,
-    ends: tuple[float, float],
-    tolerance: float,
+    points: FlankPoints, unknowns: Array, side: float, ends: tuple[float, float], tolerance: float
 ) -> tuple[float, float]:
     # single points beyond the last groups of points, as long as they fit
     distance = _distance(points.radius, points.angle, unknowns, side)

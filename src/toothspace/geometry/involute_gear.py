@@ -150,10 +150,6 @@ class InvoluteGear:
         angle = np.arccos(np.minimum(self.base_radius / np.asarray(radius), 1.0))
         return self.base_half_angle - involute_function(angle)
 
-    def tooth_thickness(self, radius: FloatOrArray) -> FloatOrArray:
-        """Arc thickness of the involute tooth at a radius of at least the base radius [m]."""
-        return 2.0 * np.asarray(radius) * self.half_angle(radius)
-
     @property
     def smallest_shift_without_undercut(self) -> float:
         """Profile shift below which the rack's tip corner cuts into the involute [module]."""

@@ -71,15 +71,8 @@ def read_in_process(path: Path, order: Mapping[str, Any]) -> dict[str, Any]:
 
     Parameters
     ----------
-    path : Path
-        File.
     order : mapping
         ``unit``, and ``request`` of a solid file or ``layer`` of a plane one.
-
-    Returns
-    -------
-    dict
-        Arrays by name.
 
     Raises
     ------

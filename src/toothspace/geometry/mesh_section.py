@@ -73,11 +73,6 @@ def merged(triangles: Array, tolerance: float) -> SurfaceMesh:
         Corners. [m]
     tolerance : float
         Distance up to which corners are one, 0 for equal corners only. [m]
-
-    Returns
-    -------
-    SurfaceMesh
-        The mesh without triangles that collapse.
     """
     corners = np.ascontiguousarray(triangles.reshape(-1, 3)) + 0.0
     rows = corners.view([("", float)] * 3).ravel()

@@ -33,12 +33,7 @@ from toothspace.geometry.involute_fit import (
 )
 from toothspace.geometry.involute_gear import MAX_TOOTH_COUNT, MIN_TOOTH_COUNT
 from toothspace.geometry.polygon import checked_polygon
-from toothspace.geometry.tooth_count import (
-    area_elements,
-    area_phase,
-    centroid,
-    repeating_teeth,
-)
+from toothspace.geometry.tooth_count import area_elements, area_phase, centroid, repeating_teeth
 from toothspace.geometry.tooth_deviations import ToothDeviations, even_nodes
 
 _CORNER_ANGLE = np.deg2rad(20.0)
@@ -89,10 +84,7 @@ class DetectedGear:
 
 
 def gear_profile_from_curve(
-    points: Array,
-    points_per_tooth: int = 200,
-    key: str = "profile",
-    tooth_count: int | None = None,
+    points: Array, points_per_tooth: int = 200, key: str = "profile", tooth_count: int | None = None
 ) -> DetectedGear:
     r"""Gear in a closed outline of all its teeth, or of one pitch if the tooth count is given.
 
@@ -209,8 +201,6 @@ def gear_profile_from_tooth(
     ----------
     points : ndarray
         Open curve, shape (n, 2), gear centre at the origin, in either direction. [m]
-    tooth_count : int
-        Number of teeth.
     points_per_tooth : int
         Number of intervals of the resulting pitch.
     key : str

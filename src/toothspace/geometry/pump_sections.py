@@ -65,11 +65,6 @@ def machine_frame(drive: FoundGear, driven: FoundGear, outlet: Array) -> Machine
     outlet : ndarray, shape (3,)
         Unit vector in the file from the centre line towards the outlet.
 
-    Returns
-    -------
-    MachineFrame
-        The frame.
-
     Raises
     ------
     GeometryError

@@ -55,8 +55,6 @@ def export_section(section: Section, path: Path, width: float) -> None:
 
     Parameters
     ----------
-    section : Section
-        Curves.
     path : Path
         File with suffix ``.txt`` (points of all curves, separated by empty lines), ``.dxf``
         (closed polylines), ``.stl`` or ``.step`` (solid from z = 0 to the width); it is replaced

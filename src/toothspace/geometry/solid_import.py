@@ -12,12 +12,7 @@ import numpy as np
 from toothspace.core.errors import GeometryError
 from toothspace.core.optional import package_of_extra
 from toothspace.core.types import Array
-from toothspace.geometry.body_section import (
-    BodySection,
-    SectionRequest,
-    SolidBody,
-    cut_bodies,
-)
+from toothspace.geometry.body_section import BodySection, SectionRequest, SolidBody, cut_bodies
 from toothspace.geometry.limited_reading import READ_HERE, read_sections
 from toothspace.geometry.mesh_section import SurfaceMesh, merged, section, separated
 
@@ -34,8 +29,6 @@ def solid_sections(path: Path, unit: float, request: SectionRequest) -> list[Bod
         STEP, ASCII or binary STL file.
     unit : float
         Length of one unit of an STL file; STEP files carry their own. [m]
-    request : SectionRequest
-        What to cut.
 
     Returns
     -------

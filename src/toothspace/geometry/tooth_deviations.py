@@ -71,8 +71,6 @@ def read_tooth_deviations(path: Path, flank: InvoluteFlank, tooth_count: int) ->
         counter-clockwise. ``.mka``: curve file of a Klingelnberg gear tester, teeth clockwise.
     flank : InvoluteFlank
         Involute of the gear.
-    tooth_count : int
-        Number of its teeth.
 
     Returns
     -------

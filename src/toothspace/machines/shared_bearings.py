@@ -48,15 +48,8 @@ def shaft_bearings(
         Body on the shaft.
     bearing : object with the keys of ``[machine.journal_bearings]``
         Size and surfaces.
-    shaft, bush : Material
-        Materials.
     seat_clearance : float
         Radial clearance of what holds the bearings, in the housing. [m]
-
-    Returns
-    -------
-    LumpedJournalBearing
-        The bearings.
     """
     return LumpedJournalBearing(
         body=body,
@@ -91,17 +84,10 @@ def ring_bearing(
         Outside diameter, width and radial clearance. [m]
     roughness : tuple of float
         Root mean square roughness of ring and bore. [m]
-    ring : Material
-        Material of the ring.
     boundary_friction : float
         Friction coefficient of touching asperities. [-]
     end_condition : str
         Both ends of the film: ``pressure`` or ``no_flow``.
-
-    Returns
-    -------
-    LumpedJournalBearing
-        The bearing.
     """
     diameter, width, clearance = size
     bore = library_material(HOUSING_MATERIAL, "")

@@ -15,6 +15,35 @@ DEFAULT_NODES = 720
 """About how many table nodes stand on one turn."""
 
 
+DRAFT = """# Drafted from {files}.
+# Numbers marked "assumed" are not in the files: put in your own.
+schema = 1
+title = {title}
+
+[machine]
+type = "{machine}"
+mode = "pump"                    # or "motor"
+{found}
+
+[machine.lateral]
+side_gap = "{side_gap}"               # assumed
+
+[fluid]
+name = "iso_vg_46"               # assumed: toothspace fluids lists others
+temperature = "50 degC"
+
+[operating_point]                # assumed
+shaft_speed = "{shaft_speed}"
+inlet_pressure = "1 bar"
+outlet_pressure = "{outlet_pressure}"
+
+[run]
+fidelity = "lumped"
+until = "cyclic"
+"""
+"""First case file round the keys found."""
+
+
 @final
 @dataclass(frozen=True)
 class CaseDraft:

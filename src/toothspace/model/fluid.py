@@ -276,11 +276,6 @@ def fluid_law(
     release_time, absorption_time : float
         Time constants of the dynamic law. [s]
 
-    Returns
-    -------
-    FluidLaw
-        Constants for the compiled formulas. [SI]
-
     Raises
     ------
     CaseError

@@ -178,16 +178,10 @@ def heat_network(
 
     Parameters
     ----------
-    description : MachineDescription
-        The machine.
     liquid : LiquidState
         Its oil at the temperature of the supply.
     supply_temperature : float
         Temperature of the oil that enters. [K]
-    flows : HeatFlows
-        Powers and flows of the run.
-    exchange : HeatExchange
-        Conductivity, surroundings and flushing.
 
     Returns
     -------

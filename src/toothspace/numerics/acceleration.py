@@ -83,8 +83,6 @@ def mixed(
 
     Parameters
     ----------
-    mixing : Mixing
-        Memory of former iterations.
     used, found : list
         Deformation of every snapshot and film that was used, and that found with it. [m]
     position, step : ndarray

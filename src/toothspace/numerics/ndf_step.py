@@ -61,10 +61,10 @@ PASSED = -2
 """Return code: evaluate and call again."""
 
 # Rest of the Newton iteration allowed, in units of the error weights: after one evaluation
-# with the rate of earlier steps, and later with the rate just measured.
+# with the rate of earlier steps, which a kink can make ten times too small, and later as measured.
 NEWTON_LIMIT = 7
 NEWTON_CUT = 0.15
-FIRST_TOLERANCE = 0.1
+FIRST_TOLERANCE = 0.01
 LATER_TOLERANCE = 0.6
 
 # A step whose error estimate passes this within the iteration will fail its test: cut it then.

@@ -114,6 +114,12 @@ def smooth_table(period: float, values: Array) -> PeriodicTable:
     return PeriodicTable(period, (before + 4.0 * c + behind) / 6.0, slopes)
 
 
+def sum_of_tables(first: PeriodicTable, second: PeriodicTable) -> PeriodicTable:
+    """Add two tables with one period and node count, channel by channel."""
+    values, slopes = first.values + second.values, first.slopes + second.slopes
+    return PeriodicTable(first.period, values, slopes)
+
+
 def stack_tables(*tables: PeriodicTable) -> PeriodicTable:
     """Join the channels of tables with one period and node count."""
     first = tables[0]

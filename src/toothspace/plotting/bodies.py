@@ -7,17 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.model.description import LumpedJournalBearing, MachineDescription
-from toothspace.plotting.style import (
-    BLUE,
-    CYCLE,
-    GREY,
-    LIGHT,
-    ORANGE,
-    new_figure,
-    readable,
-    styled,
-)
+from toothspace.model.description import MachineDescription
+from toothspace.plotting.style import BLUE, CYCLE, GREY, LIGHT, ORANGE, new_figure, readable, styled
 from toothspace.results.solution import Solution
 
 if TYPE_CHECKING:
@@ -34,9 +25,9 @@ def journal_orbits(solution: Solution, description: MachineDescription | None = 
     for (circle, orbit), body in zip(grid.T, bodies, strict=True):
         position = solution.data["body_position"].sel(body=body)
         x, y = (1e6 * np.asarray(position.sel(axis=axis)) for axis in ("x", "y"))
-        journal = _journal(description, body)
-        if journal is not None:
-            _clearance_circle(circle, _seat(solution, body), 1e6 * journal.radial_clearance)
+        for journal in () if description is None else description.journals:
+            if journal.body == body:
+                _clearance_circle(circle, _seat(solution, body), 1e6 * journal.radial_clearance)
         for axes in (circle, orbit):
             axes.plot(x, y, color=BLUE, linewidth=1.2)
             axes.plot(
@@ -67,11 +58,6 @@ def _seat(solution: Solution, body: str) -> Array:
     if "seat_position" not in solution.data:
         return np.zeros(2)
     return 1e6 * np.asarray(solution.data["seat_position"].sel(body=body, axis=["x", "y"]))
-
-
-def _journal(description: MachineDescription | None, body: str) -> LumpedJournalBearing | None:
-    journals = description.journals if description is not None else ()
-    return next((journal for journal in journals if journal.body == body), None)
 
 
 def _bodies(solution: Solution, name: str) -> list[str]:

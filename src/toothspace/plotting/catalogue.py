@@ -260,10 +260,7 @@ FIGURES: tuple[FigureEntry, ...] = (
         ("running_in_depth",),
     ),
     FigureEntry(
-        "ledger_waterfall",
-        "From supplied to delivered power.",
-        "losses",
-        losses.ledger_waterfall,
+        "ledger_waterfall", "From supplied to delivered power.", "losses", losses.ledger_waterfall
     ),
     FigureEntry("loss_bars", "Every loss by cause.", "losses", losses.loss_bars),
     FigureEntry(

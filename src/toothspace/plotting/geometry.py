@@ -9,15 +9,7 @@ import numpy as np
 
 from toothspace.model.description import ChamberFamily, MachineDescription
 from toothspace.model.path_category import PathCategory
-from toothspace.plotting.style import (
-    CYCLE,
-    INK,
-    LIGHT,
-    angle_axis,
-    new_figure,
-    readable,
-    styled,
-)
+from toothspace.plotting.style import CYCLE, INK, LIGHT, angle_axis, new_figure, readable, styled
 from toothspace.plotting.windows import opening_area, opening_windows, openings_of
 
 if TYPE_CHECKING:

@@ -133,11 +133,7 @@ def friction_lines(data: xr.Dataset) -> Figure:
     varied = data["friction_curve_varied"].values
     shown = (
         ("friction_coefficient", "friction_curve_coefficient", "µ = {:.3g}"),
-        (
-            "breakaway_speed",
-            "friction_curve_breakaway_speed_mm_per_s",
-            "peak at {:.3g} mm/s",
-        ),
+        ("breakaway_speed", "friction_curve_breakaway_speed_mm_per_s", "peak at {:.3g} mm/s"),
     )
     for axes, (name, values, text) in zip(figure.subplots(1, 2, sharey=True), shown, strict=True):
         for color, k in zip(CYCLE, np.flatnonzero(varied == name), strict=False):
@@ -147,7 +143,8 @@ def friction_lines(data: xr.Dataset) -> Figure:
         axes.set_xlabel("Velocity of the bearing (mm/s)")
         axes.legend()
     figure.axes[0].set_ylabel("Friction in the housing (N)")
-    coulomb, held = _set_valued(data)
+    held = float(data["breakaway_force_N"].max())
+    coulomb = held / BREAKAWAY_RATIO
     figure.axes[0].plot(
         [velocity[0], 0.0, 0.0, 0.0, 0.0, velocity[-1]],
         [-coulomb, -coulomb, -held, held, coulomb, coulomb],
@@ -156,12 +153,6 @@ def friction_lines(data: xr.Dataset) -> Figure:
         lw=0.9,
     )
     return figure
-
-
-def _set_valued(data: xr.Dataset) -> tuple[float, float]:
-    """Coulomb and breakaway force of the set-valued law of the study. [N]."""
-    held = float(data["breakaway_force_N"].max())
-    return held / BREAKAWAY_RATIO, held
 
 
 @styled

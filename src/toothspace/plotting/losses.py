@@ -138,12 +138,7 @@ def _draw_waterfall(
     for k, height in enumerate(heights):
         top = bottoms[k] + max(height, 0.0)
         axes.annotate(
-            _digits(height),
-            (k, top),
-            (0, 3),
-            textcoords="offset points",
-            ha="center",
-            fontsize=7.5,
+            _digits(height), (k, top), (0, 3), textcoords="offset points", ha="center", fontsize=7.5
         )
     axes.set_xticks(np.arange(len(names)), names)
     losses = supplied.power - min(float(level[-1]), delivered.power)

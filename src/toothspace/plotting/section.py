@@ -9,15 +9,7 @@ import numpy as np
 
 from toothspace.core.types import Array
 from toothspace.model.description import Body, MachineDescription
-from toothspace.plotting.style import (
-    GREY,
-    INK,
-    LIGHT,
-    METAL,
-    PRESSURE_COLOURS,
-    new_figure,
-    styled,
-)
+from toothspace.plotting.style import GREY, INK, LIGHT, METAL, PRESSURE_COLOURS, new_figure, styled
 from toothspace.results.solution import Solution
 
 if TYPE_CHECKING:
@@ -79,8 +71,6 @@ def gear_section(
 
     Parameters
     ----------
-    solution : Solution
-        Result.
     description : MachineDescription
         The machine that it belongs to.
     fractions : sequence of float
@@ -91,6 +81,8 @@ def gear_section(
     Figure
         One panel per angle.
     """
+    from matplotlib.colors import Normalize
+
     angle = np.asarray(solution.data["shaft_angle"])
     pitch = 2.0 * np.pi / description.families[0].count
     columns = min(len(fractions), 2)
@@ -98,7 +90,7 @@ def gear_section(
     left, low, right, high = housing_region(description).bounds
     figure = new_figure(3.5 * columns + 0.9, (0.6 + 2.9 * (high - low) / (right - left)) * rows)
     panels = np.ravel(figure.subplots(rows, columns, squeeze=False))
-    scale = _pressure_scale(solution)
+    scale = Normalize(0.0, top_of_scale(solution) / _BAR)
     for axes, fraction in zip(panels, fractions, strict=False):
         sample = int(np.argmin(np.abs(angle - angle[0] - fraction * pitch)))
         _draw_section(axes, solution, description, sample, scale)
@@ -114,12 +106,6 @@ def top_of_scale(solution: Solution) -> float:
     """Pressure of the darkest colour: short peaks beyond 1.5 times the port pressure share it."""
     ports = max(float(solution.data[f"{port}_pressure"].max()) for port in ("inlet", "outlet"))
     return min(float(solution.data["chamber_pressure"].max()), 1.5 * ports)
-
-
-def _pressure_scale(solution: Solution) -> Normalize:
-    from matplotlib.colors import Normalize
-
-    return Normalize(0.0, top_of_scale(solution) / _BAR)
 
 
 def _colour_bar(figure: Figure, panels: Sequence[Axes], scale: Normalize, *, peaks: bool) -> None:

@@ -9,16 +9,7 @@ import numpy as np
 
 from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
-from toothspace.plotting.style import (
-    BLUE,
-    GREEN,
-    GREY,
-    INK,
-    ORANGE,
-    new_figure,
-    readable,
-    styled,
-)
+from toothspace.plotting.style import BLUE, GREEN, GREY, INK, ORANGE, new_figure, readable, styled
 from toothspace.results.solution import Solution
 
 if TYPE_CHECKING:

@@ -13,15 +13,7 @@ from toothspace.plotting.bearing_figures import balance_figures, map_figures
 from toothspace.plotting.contact_figures import contact_span_figures
 from toothspace.plotting.lateral_figures import StudyFigure, hysteresis_figures, nose_figures
 from toothspace.plotting.source_figures import source_figures
-from toothspace.plotting.style import (
-    BLUE,
-    GREY,
-    INK,
-    ORANGE,
-    PRESSURE_COLOURS,
-    new_figure,
-    styled,
-)
+from toothspace.plotting.style import BLUE, GREY, INK, ORANGE, PRESSURE_COLOURS, new_figure, styled
 from toothspace.studies.tabulate import label_of
 
 if TYPE_CHECKING:

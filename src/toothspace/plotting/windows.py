@@ -22,12 +22,6 @@ def opening_area(
 
     Parameters
     ----------
-    description : MachineDescription
-        The machine.
-    family : ChamberFamily
-        Family of the chamber.
-    category : PathCategory
-        Category of the flow paths.
     angle : ndarray
         Table angle of the chamber. [rad]
 

@@ -30,8 +30,6 @@ def turning_section(solution: Solution, description: MachineDescription, frames:
 
     Parameters
     ----------
-    solution : Solution
-        Result.
     description : MachineDescription
         Machine that it belongs to, with outlines of its chambers.
     frames : int

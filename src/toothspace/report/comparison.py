@@ -108,13 +108,7 @@ class Comparison:
         }
 
     def write(self, path: str | Path) -> Path:
-        """Write the comparison as one HTML page that opens offline, and return its path.
-
-        Parameters
-        ----------
-        path : str or Path
-            HTML file.
-        """
+        """Write the comparison as one HTML page that opens offline, and return its path."""
         from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
         environment = Environment(

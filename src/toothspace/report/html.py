@@ -75,7 +75,7 @@ def write_report(
     description: MachineDescription | None = None,
     measured: Measured | None = None,
 ) -> Path:
-    """Write the report of a result.
+    """Write the report of a result; returns its path.
 
     Parameters
     ----------
@@ -89,11 +89,6 @@ def write_report(
     measured : mapping, optional
         ``time`` [s] and measured ``shaft_speed`` [rad/s] or ``pressure_difference`` [Pa], laid
         over a run over time.
-
-    Returns
-    -------
-    Path
-        The file written.
     """
     target = Path(path)
     target.parent.mkdir(parents=True, exist_ok=True)

@@ -136,7 +136,9 @@ def _bearings(solution: Solution, description: MachineDescription) -> Iterator[J
             ("v", speed, _BUSH_SPEED, "m/s"),
             ("p v", load * speed, _BUSH_PV, "MPa m/s"),
         ):
-            entry = _judged(f"Bearing of {where}, {label}", value, limit, unit, _BUSH)
+            entry = _judged(
+                f"Bearing of {where}, {label} without a full film", value, limit, unit, _BUSH
+            )
             exceeded = entry.verdict == "exceeded"
             yield entry._replace(verdict="not judged") if exceeded and full else entry
     if names:

@@ -18,19 +18,12 @@ _WIDEST_TABLE = 12
 
 
 def write_study_report(result: StudyResult, path: str | Path) -> Path:
-    """Write the page of a study.
+    """Write the page of a study; returns its path.
 
     Parameters
     ----------
     result : StudyResult
         Result, complete or not.
-    path : str or Path
-        HTML file to write.
-
-    Returns
-    -------
-    Path
-        The file written.
     """
     target = Path(path)
     target.parent.mkdir(parents=True, exist_ok=True)

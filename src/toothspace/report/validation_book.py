@@ -54,8 +54,6 @@ def write_book(examined: Sequence[Examined], path: Path) -> Path:
     ----------
     examined : sequence of Examined
         Claims with what was found, those of one source together.
-    path : Path
-        HTML file.
     """
     page = render(
         "validation.html.j2",

@@ -76,8 +76,6 @@ def warnings_of(solution: Solution, description: MachineDescription | None) -> l
 
     Parameters
     ----------
-    solution : Solution
-        Result.
     description : MachineDescription, optional
         The machine that it belongs to.
     """

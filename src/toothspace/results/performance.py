@@ -24,12 +24,7 @@ _BAR = 1e5
 _TURN = 2.0 * np.pi
 _VAPOUR = 1e-4
 
-DRAIN_HEAT = (
-    DRAIN.account,
-    "journal_viscous",
-    "journal_asperity",
-    "shaft_seal",
-)
+DRAIN_HEAT = (DRAIN.account, "journal_viscous", "journal_asperity", "shaft_seal")
 """Losses that warm the drain flow; films on the gear faces exchange theirs with the chambers."""
 
 
@@ -245,8 +240,6 @@ def means_by_label(data: xr.Dataset, name: str) -> Mapping[str, float]:
 
     Parameters
     ----------
-    data : Dataset
-        Dataset of a result.
     name : str
         Variable such as ``leakage`` or ``torque_loss``.
 

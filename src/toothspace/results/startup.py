@@ -23,8 +23,6 @@ def startup_numbers(data: xr.Dataset, breakaway: float) -> dict[str, float]:
 
     Parameters
     ----------
-    data : Dataset
-        Result over time.
     breakaway : float
         When the shaft begins to turn, NaN if it never does. [s]
 

@@ -14,19 +14,12 @@ from toothspace.model.description import MachineDescription
 
 
 def save_tables(description: MachineDescription, path: str | Path) -> Path:
-    """Write the tables of a machine to one NetCDF file.
+    """Write the tables of a machine to one NetCDF file; returns its path.
 
     Parameters
     ----------
-    description : MachineDescription
-        The machine.
     path : str or Path
         File to write.
-
-    Returns
-    -------
-    Path
-        The file written.
     """
     from toothspace.core.netcdf import write_dataset
 
@@ -38,8 +31,6 @@ def save_tables_txt(description: MachineDescription, folder: str | Path) -> list
 
     Parameters
     ----------
-    description : MachineDescription
-        The machine.
     folder : str or Path
         Folder to write to; made if it is missing.
 

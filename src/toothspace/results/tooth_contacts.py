@@ -73,11 +73,6 @@ def tooth_forces(data: xr.Dataset, description: MachineDescription) -> ToothForc
     description : MachineDescription
         Machine whose contacts have one outer body about the origin, with a tooth at plus y at
         shaft angle zero and as many teeth as its first family has chambers.
-
-    Returns
-    -------
-    ToothForces
-        Forces and places of all teeth.
     """
     angle = np.asarray(data["shaft_angle"])
     force = np.asarray(data["contact_force"])
@@ -103,8 +98,6 @@ def contact_azimuth(
 
     Parameters
     ----------
-    description : MachineDescription
-        Machine.
     pair : ContactPair
         Contacts of one kind.
     angle : ndarray

@@ -88,8 +88,7 @@ def with_journal_friction(
     """Machine whose journal bearings have the friction curves of tables."""
     known = [str(name) for name in tables["journal"].values]
     return replace(
-        description,
-        journals=tuple(_with_curve(j, tables, known) for j in description.journals),
+        description, journals=tuple(_with_curve(j, tables, known) for j in description.journals)
     )
 
 
@@ -168,8 +167,5 @@ def lateral_sizes(description: MachineDescription) -> dict[str, float]:
 
 
 Applied = Callable[[MachineDescription, "xr.Dataset"], MachineDescription]
-APPLIED: Mapping[str, Applied] = {
-    "journal": with_journal_friction,
-    "lateral": with_lateral_loads,
-}
+APPLIED: Mapping[str, Applied] = {"journal": with_journal_friction, "lateral": with_lateral_loads}
 """How each kind of film in a file enters the machine."""

@@ -41,9 +41,7 @@ _NOT_AGREED = (
 
 
 def run_with_heat(
-    case: Case,
-    description: MachineDescription,
-    run: Callable[[MachineDescription], Solution],
+    case: Case, description: MachineDescription, run: Callable[[MachineDescription], Solution]
 ) -> Solution:
     """Solution of a machine with the temperatures of its oil, bodies and films.
 

@@ -57,8 +57,6 @@ def ideal_solution(
     ----------
     description, fluid, condition
         Machine, fluid and operating condition.
-    samples : int
-        Samples per revolution.
     dual_flank : bool
         Whether both flanks seal; otherwise meshing chambers share one pressure.
     provenance, extra

@@ -96,11 +96,7 @@ _PRESETS = (
     Preset(
         name="elastic",
         content="Films, with elastic surfaces, asperity contact and floating parts in balance.",
-        interfaces={
-            "journal": ("reynolds", "closed_form"),
-            "lateral": ("elastic",),
-            **_CONTACTS,
-        },
+        interfaces={"journal": ("reynolds", "closed_form"), "lateral": ("elastic",), **_CONTACTS},
         unused=("startup",),
     ),
 )
@@ -134,8 +130,6 @@ def interface_models(case: Case, tables: tuple[str, ...] = ()) -> dict[str, str]
 
     Parameters
     ----------
-    case : Case
-        Case with its preset and its choices.
     tables : tuple of str
         Interfaces whose films come from the tables of the case.
 

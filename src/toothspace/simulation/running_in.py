@@ -64,10 +64,7 @@ class WornMachine:
         table = np.zeros((len(names), nodes))
         for body, depth in self.depths.items():
             table[names.index(body)] = depth
-        return {
-            "running_in_depth": table,
-            "casing_angle": np.arange(nodes) * 2.0 * np.pi / nodes,
-        }
+        return {"running_in_depth": table, "casing_angle": np.arange(nodes) * 2.0 * np.pi / nodes}
 
 
 def run_in(setup: Setup, progress: Progress | None = None) -> WornMachine:

@@ -9,11 +9,7 @@ import numpy as np
 from toothspace.core.types import IntArray
 from toothspace.films.journal.rim_film import rim_paths, sector_family, without_film_force
 from toothspace.films.lateral.axial_position import balanced_gaps
-from toothspace.films.lateral.conductance import (
-    FaceConductance,
-    FaceResolution,
-    face_conductance,
-)
+from toothspace.films.lateral.conductance import FaceConductance, FaceResolution, face_conductance
 from toothspace.films.lateral.shared_paths import shared_paths
 from toothspace.model.description import FlowPath, LumpedLateralFilm, MachineDescription
 from toothspace.model.film_faces import SharedFaces
@@ -83,8 +79,6 @@ def solved_covers(
 
     Parameters
     ----------
-    description : MachineDescription
-        Machine.
     condition : OperatingCondition, optional
         Condition at which bodies that float between the covers find their place.
     """

@@ -13,12 +13,7 @@ from toothspace.core.types import Array
 from toothspace.model.assembly import System, assemble
 from toothspace.model.description import MachineDescription
 from toothspace.model.operating_point import OperatingCondition
-from toothspace.solver.cyclic import (
-    History,
-    RunPlan,
-    first_turn_state,
-    march_revolutions,
-)
+from toothspace.solver.cyclic import History, RunPlan, first_turn_state, march_revolutions
 from toothspace.solver.outcome import window_ledger
 
 ENERGY_BALANCE = 1e-5
@@ -54,10 +49,7 @@ class Assembled:
 
 
 def march_to_balance(
-    machine: Assembled,
-    plan: RunPlan,
-    progress: Progress | None = None,
-    state: Array | None = None,
+    machine: Assembled, plan: RunPlan, progress: Progress | None = None, state: Array | None = None
 ) -> History:
     """March until cyclic with energies that balance, tightening the tolerance for it.
 

@@ -200,11 +200,6 @@ def successors(description: MachineDescription) -> IntArray:
     A chamber family may come back onto itself in one shaft revolution with its chambers
     exchanged, as the pockets of a rotor that turns more slowly than the shaft.
 
-    Parameters
-    ----------
-    description : MachineDescription
-        The machine.
-
     Returns
     -------
     ndarray of int
@@ -224,18 +219,7 @@ def successors(description: MachineDescription) -> IntArray:
 
 
 def first_turn_state(history: History) -> Array:
-    """Last state of a march, with the shaft angle and the chambers back in the first turn.
-
-    Parameters
-    ----------
-    history : History
-        March of whole revolutions.
-
-    Returns
-    -------
-    ndarray
-        State to go on from.
-    """
+    """Last state of a march, with the shaft angle and the chambers back in the first turn."""
     return _in_turn(history.system, history.states[-1], 0)
 
 

@@ -8,10 +8,7 @@ from typing import Any
 import numpy as np
 
 from toothspace.closures.aeration import gas_volume_fraction, vapour_fraction
-from toothspace.closures.density import (
-    mixture_density,
-    mixture_pressure,
-)
+from toothspace.closures.density import mixture_density, mixture_pressure
 from toothspace.closures.enthalpy import partial_enthalpies
 from toothspace.core.types import Array, BoolArray
 from toothspace.model.arrays import (
@@ -35,11 +32,7 @@ from toothspace.model.arrays import (
 from toothspace.model.assembly import System, node_places
 from toothspace.model.contact_data import loaded_contacts
 from toothspace.model.description import MachineDescription
-from toothspace.model.ledger import (
-    FRICTION_MECHANISMS,
-    LEDGER_NAMES,
-    PORT_NODES,
-)
+from toothspace.model.ledger import FRICTION_MECHANISMS, LEDGER_NAMES, PORT_NODES
 from toothspace.model.path_category import (
     CIRCUIT_ORIFICE,
     LEAKAGES,
@@ -74,23 +67,16 @@ _PORTS: tuple[PathRole, ...] = (
 
 
 def solution_from(
-    history: History,
-    provenance: Mapping[str, str],
-    extra: Mapping[str, Any],
-    title: str,
+    history: History, provenance: Mapping[str, str], extra: Mapping[str, Any], title: str
 ) -> Solution:
     """Build the solution of one revolution.
 
     Parameters
     ----------
-    history : History
-        States of the revolution.
     provenance : mapping
         Where the result comes from, text by name.
     extra : mapping
         Further result variables, such as ``running_in_depth`` and ``fluid_temperature``.
-    title : str
-        Title of the case.
     """
     system = history.system
     seen = observe(system.arrays, history.states)
@@ -109,9 +95,7 @@ def solution_from(
         **extra,
     }
     data = dataset_from(
-        values,
-        labels_of(system),
-        attributes=attributes_of(system.description, title),
+        values, labels_of(system), attributes=attributes_of(system.description, title)
     )
     return Solution(
         status=history.status,

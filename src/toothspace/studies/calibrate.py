@@ -226,12 +226,7 @@ def _result(case: Case, status: Status, outcome: _Outcome) -> StudyResult:
             "correlation": _correlation(outcome.found).tolist(),
         }
         tables = (_values_table(values), _errors_table(errors))
-    return StudyResult(
-        status=status,
-        data=data,
-        numbers=numbers,
-        tables=tables,
-    )
+    return StudyResult(status=status, data=data, numbers=numbers, tables=tables)
 
 
 def _values(axes: Sequence[Axis], found: Fit) -> dict[str, Any]:

@@ -174,10 +174,7 @@ def _point(case: Case, clearance: float, difference: float) -> Point:
     operating = case.operating_point
     assert operating is not None
     pressure = operating.inlet_pressure + difference
-    values = {
-        _CLEARANCE: f"{clearance * 1e6:.12g} um",
-        _OUTLET: f"{pressure * 1e-5:.12g} bar",
-    }
+    values = {_CLEARANCE: f"{clearance * 1e6:.12g} um", _OUTLET: f"{pressure * 1e-5:.12g} bar"}
     return point(case, values)
 
 

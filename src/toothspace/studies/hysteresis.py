@@ -14,12 +14,12 @@ from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.core.units import parse_quantity
-from toothspace.model.lateral_balance import HousingContact
 from toothspace.studies.friction_curves import friction_curves
 from toothspace.studies.lateral_points import (
     LateralStudy,
     PointCondition,
     follow,
+    housing_contact,
     prepare,
 )
 from toothspace.studies.measured import read_measured
@@ -56,20 +56,12 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     if study.status is not Status.INTERRUPTED:
         numbers["loop_area_um_bar"] = loop_area(study) * 1e6 * 1e-5
     highest = max(point.breakaway_force for point in study.points)
-    curves = friction_curves(_contact(spec), highest)
+    curves = friction_curves(housing_contact(spec), highest)
     if measured is None:
         return study.result(numbers, curves)
     beside = lay_over(measured, spec.sensor_deflection or 0.0)
     numbers |= _deviations(study, beside)
     return study.result(numbers, beside.merge(curves))
-
-
-def _contact(spec: HysteresisStudy) -> HousingContact:
-    return HousingContact(
-        friction_coefficient=spec.friction_coefficient,
-        breakaway_speed=spec.breakaway_speed,
-        law=spec.friction_law,
-    )
 
 
 def follow_pressures(case: Case, context: StudyContext | None = None) -> LateralStudy:
@@ -101,7 +93,7 @@ def follow_pressures(case: Case, context: StudyContext | None = None) -> Lateral
     study = case.study
     if not isinstance(study, HysteresisStudy):
         raise CaseError('study.kind: found another study, allowed "hysteresis"')
-    friction = _contact(study)
+    friction = housing_contact(study)
     points = replace(prepare(case, friction, "hysteresis"), rounds=study.coupling_rounds)
     conditions = tuple(
         PointCondition.of(case, f"{k + 1}: {pressure * 1e-5:.4g} bar", outlet_pressure=pressure)

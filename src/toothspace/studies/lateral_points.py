@@ -11,6 +11,7 @@ import numpy as np
 
 from toothspace.api import set_up
 from toothspace.case import Case
+from toothspace.case.study import HysteresisStudy, NosePressureStudy
 from toothspace.core.errors import CaseError
 from toothspace.core.progress import Progress, part, tell
 from toothspace.core.status import Status
@@ -307,6 +308,15 @@ class LateralPoints:
         )
 
 
+def housing_contact(study: HysteresisStudy | NosePressureStudy) -> HousingContact:
+    """Friction in the housing by the keys of a study."""
+    return HousingContact(
+        friction_coefficient=study.friction_coefficient,
+        breakaway_speed=study.breakaway_speed,
+        law=study.friction_law,
+    )
+
+
 def prepare(case: Case, friction: HousingContact | None, kind: str) -> LateralPoints:
     """Run the machine of a study in and give its bearing the friction of the study, if any.
 
@@ -345,16 +355,8 @@ def follow(
 
     Parameters
     ----------
-    points : LateralPoints
-        The machine.
-    conditions : sequence of PointCondition
-        Points in their order.
     start_gap : float
         Gap that the first one starts from. [m]
-    context : StudyContext
-        Progress, and records of points that are finished.
-    keys : sequence of str
-        Keys of the records.
 
     Returns
     -------

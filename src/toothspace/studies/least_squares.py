@@ -74,8 +74,6 @@ def fit(residuals: Residuals, start: Array, budget: int) -> Fit:
 
     Parameters
     ----------
-    residuals : callable
-        Residuals of a batch of points.
     start : ndarray, shape (keys,)
         Where the search starts. [-]
     budget : int

@@ -8,12 +8,7 @@ from itertools import chain
 from toothspace.case import Case
 from toothspace.case.study import NoseCondition, NosePressureStudy
 from toothspace.core.errors import CaseError
-from toothspace.model.lateral_balance import HousingContact
-from toothspace.studies.lateral_points import (
-    LateralStudy,
-    PointCondition,
-    prepare,
-)
+from toothspace.studies.lateral_points import LateralStudy, PointCondition, housing_contact, prepare
 from toothspace.studies.stored_point import StoredPoint, point_key
 from toothspace.studies.study import StudyContext, StudyResult
 
@@ -63,11 +58,7 @@ def solve_conditions(case: Case, context: StudyContext | None = None) -> Lateral
     study = case.study
     if not isinstance(study, NosePressureStudy):
         raise CaseError('study.kind: found another study, allowed "nose_pressure"')
-    friction = HousingContact(
-        friction_coefficient=study.friction_coefficient,
-        breakaway_speed=study.breakaway_speed,
-        law=study.friction_law,
-    )
+    friction = housing_contact(study)
     points = prepare(case, friction, "nose_pressure")
     if points.balance.floating.nose.area <= 0.0:
         raise CaseError(

@@ -76,10 +76,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         status=status,
         data=data,
         numbers=search.numbers(best),
-        tables=(
-            *search.best_table(best),
-            points_table(search.axes, search.rows, search.records),
-        ),
+        tables=(*search.best_table(best), points_table(search.axes, search.rows, search.records)),
     )
 
 

@@ -73,10 +73,6 @@ def evaluate_points(
 
     Parameters
     ----------
-    points : sequence of Point
-        What to evaluate.
-    context : StudyContext
-        Records, workers and progress.
     evaluate : callable
         Function of a module that turns a case into numbers.
 

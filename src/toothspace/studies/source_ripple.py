@@ -32,8 +32,6 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     ----------
     case : Case
         Steady case with ``operating_point.line`` and ``kind = "source_ripple"``.
-    context : StudyContext
-        Progress, workers and records.
 
     Returns
     -------
@@ -68,10 +66,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     source = pulsation_source(_complex(good, "pressure"), _complex(good, "flow"))
     data = _dataset(case, study, source, good, records)
     return StudyResult(
-        status=status_of(records),
-        data=data,
-        numbers=_numbers(data),
-        tables=(_table(data),),
+        status=status_of(records), data=data, numbers=_numbers(data), tables=(_table(data),)
     )
 
 

@@ -22,13 +22,7 @@ from toothspace.studies.records import Record
 
 FIELDS = ("film_height", "film_pressure", "film_contact_pressure", "film_wear_power")
 """Fields of every film that a study keeps."""
-_SCALARS = (
-    "residual",
-    "nose_pressure",
-    "breakaway_force",
-    "preload",
-    "temperature_rise",
-)
+_SCALARS = ("residual", "nose_pressure", "breakaway_force", "preload", "temperature_rise")
 
 
 @final
@@ -125,8 +119,6 @@ def point_key(case: Case, *what: object) -> str:
 
     Parameters
     ----------
-    case : Case
-        Case of the study.
     *what : object
         Numbers and texts that the point depends on besides the case.
     """

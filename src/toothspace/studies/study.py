@@ -99,11 +99,7 @@ class StudyResult:
 
     def summary(self) -> dict[str, Any]:
         """Return the numbers of the study with its status and its wall time."""
-        return {
-            **self.numbers,
-            "status": self.status.name.lower(),
-            "wall_time_s": self.wall_time,
-        }
+        return {**self.numbers, "status": self.status.name.lower(), "wall_time_s": self.wall_time}
 
     def save(self, folder: str | Path) -> list[Path]:
         """Write ``study.nc``, ``summary.json`` and the tables as CSV into a folder.

@@ -115,8 +115,6 @@ def samples(axes: Sequence[Axis], method: str, count: int, seed: int) -> list[tu
 
     Parameters
     ----------
-    axes : sequence of Axis
-        Varied keys.
     method : str
         ``latin_hypercube``, or ``sobol`` for a scrambled Sobol sequence.
     count : int

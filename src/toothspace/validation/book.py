@@ -45,8 +45,6 @@ def examine(claim: Claim, effort: Effort = "full") -> Examined:
 
     Parameters
     ----------
-    claim : Claim
-        What is published.
     effort : str
         ``short`` for coarse grids and few points, ``full`` for those that tolerances stand for.
 

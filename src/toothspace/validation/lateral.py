@@ -83,62 +83,45 @@ def _curves(study: LateralStudy) -> tuple[ComparedCurve, ...]:
     )
 
 
+def _length(
+    name: str, ours: float, words: str, low: float = 0.0, high: float = np.inf
+) -> ComparedValue:
+    """Length in micrometres against what the source says of it."""
+    return ComparedValue(name, float(ours), "um", low, high, words=words)
+
+
 def _loop_values(study: LateralStudy) -> list[ComparedValue]:
-    films = _films(study)
+    largest, words = _films(study).max(), "of the order of 3 um"
     return [
         holds("all points found", study.status is Status.DONE, "seven points or five"),
-        ComparedValue(
-            "largest mean film",
-            float(films.max()),
-            "um",
-            0.0,
-            LARGEST_FILM,
-            None,
-            "of the order of 3 um",
-        ),
+        _length("largest mean film", largest, words, high=LARGEST_FILM),
     ]
+
+
+def _between_legs(positions: Array, words: str) -> ComparedValue:
+    top = positions.size // 2
+    gap = np.max(positions[top:][::-1] - positions[: top + 1])
+    return _length("largest gap between the legs, position", gap, words, MOVED)
 
 
 def _first_set(effort: Effort) -> Evidence:
     study = _loop("hysteresis_055", effort)
-    films, positions = _films(study), _positions(study)
+    films = _films(study)
     top = films.size // 2
     up, down = films[: top + 1], films[top:][::-1]
     values = _loop_values(study)
+    thicker = "film thickness increases with increasing pressure"
+    higher = "gap heights of the second leg are higher at the same pressure"
     for k in range(top):
-        values.append(
-            ComparedValue(
-                f"film growth from step {k + 1} to {k + 2}",
-                float(up[k + 1] - up[k]),
-                "um",
-                1e-3,
-                words="film thickness increases with increasing pressure",
-            )
-        )
-        values.append(
-            ComparedValue(
-                f"second leg above first at step {k + 1}",
-                float(down[k] - up[k]),
-                "um",
-                1e-3,
-                words="gap heights of the second leg are higher at the same pressure",
-            )
-        )
-    loop = float(np.max(positions[top:][::-1] - positions[: top + 1]))
-    values.append(
-        ComparedValue(
-            "largest gap between the legs, position", loop, "um", MOVED, words="Fig. 22: a loop"
-        )
-    )
+        step = f"film growth from step {k + 1} to {k + 2}"
+        values.append(_length(step, up[k + 1] - up[k], thicker, 1e-3))
+        step = f"second leg above first at step {k + 1}"
+        values.append(_length(step, down[k] - up[k], higher, 1e-3))
+    values.append(_between_legs(_positions(study), "Fig. 22: a loop"))
+    shown = "Figs. 15 to 21: films of both interfaces"
     for side, mean in _by_side(study).items():
         values += [
-            ComparedValue(
-                f"{side} side: film at point {k + 1}",
-                float(film),
-                "um",
-                0.0,
-                words="Figs. 15 to 21: films of both interfaces",
-            )
+            _length(f"{side} side: film at point {k + 1}", film, shown)
             for k, film in enumerate(mean)
         ]
     return Evidence(tuple(values), _curves(study), study.dataset())
@@ -208,27 +191,12 @@ def _window(effort: Effort) -> Evidence:
 def _second_set(effort: Effort) -> Evidence:
     study = _loop("hysteresis_078", effort)
     positions = _positions(study)
-    top = positions.size // 2
+    trend = "captures the trend of the bearing movement"
     values = _loop_values(study)
-    for k in range(top):
-        values.append(
-            ComparedValue(
-                f"rise of position from step {k + 1} to {k + 2}",
-                float(positions[k + 1] - positions[k]),
-                "um",
-                1e-3,
-                words="captures the trend of the bearing movement",
-            )
-        )
-    values.append(
-        ComparedValue(
-            "largest gap between the legs, position",
-            float(np.max(positions[top:][::-1] - positions[: top + 1])),
-            "um",
-            MOVED,
-            words="Fig. 23: a loop",
-        )
-    )
+    for k in range(positions.size // 2):
+        step = f"rise of position from step {k + 1} to {k + 2}"
+        values.append(_length(step, positions[k + 1] - positions[k], trend, 1e-3))
+    values.append(_between_legs(positions, "Fig. 23: a loop"))
     return Evidence(tuple(values), _curves(study), study.dataset())
 
 
@@ -251,27 +219,19 @@ def _nose_pressure(effort: Effort) -> Evidence:
     return Evidence(
         (
             holds("all points found", study.status is Status.DONE, "fifteen points"),
-            ComparedValue(
-                "change over the nose pressure at OC1", float(ranges[0]), "um", MOVED, words=words
-            ),
-            ComparedValue(
-                "change over the nose pressure at OC2", float(ranges[1]), "um", MOVED, words=words
-            ),
-            ComparedValue(
+            _length("change over the nose pressure at OC1", ranges[0], words, MOVED),
+            _length("change over the nose pressure at OC2", ranges[1], words, MOVED),
+            _length(
                 "change over the nose pressure at OC3",
-                float(ranges[2]),
-                "um",
-                0.0,
-                MOVED,
-                words="no influence at the highest outlet pressure",
+                ranges[2],
+                "no influence at the highest outlet pressure",
+                high=MOVED,
             ),
-            ComparedValue(
+            _length(
                 "change by speed, OC1 to OC2",
                 speed,
-                "um",
-                0.0,
-                float(max(ranges[0], ranges[1], MOVED)),
-                words="speed is secondary",
+                "speed is secondary",
+                high=float(max(ranges[0], ranges[1], MOVED)),
             ),
         ),
         curves,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -146,14 +146,6 @@ def _egm12(case: str, effort: Effort) -> Evidence:
     return Evidence((*parts, *_ripple(numbers, 15.7), _temperature(numbers)))
 
 
-def _motor(effort: Effort) -> Evidence:
-    return _egm12("egm12_motor", effort)
-
-
-def _pump(effort: Effort) -> Evidence:
-    return _egm12("egm12_pump", effort)
-
-
 def _fuel(effort: Effort) -> Evidence:
     numbers = _machine("fuel14_pump", effort)
     ripple = _ripple(numbers, 14.0)
@@ -191,14 +183,6 @@ def _beside_measured(case: str) -> tuple[ComparedCurve, ...]:
             )
         )
     return tuple(curves)
-
-
-def _trochoidal(effort: Effort) -> Evidence:
-    return _gerotor("gerotor_trochoidal", 0.90, 0.97, effort)
-
-
-def _cycloidal(effort: Effort) -> Evidence:
-    return _gerotor("gerotor_cycloidal", 0.85, 0.93, effort)
 
 
 def _map(effort: Effort) -> Evidence:
@@ -249,10 +233,17 @@ CLAIMS = (
         GEAR_MACHINES,
         "Efficiencies, trapped peak, ripple and temperature of the motor at 1500 rpm, 200 bar.",
         _RANGES,
-        _motor,
+        partial(_egm12, "egm12_motor"),
         0.3,
     ),
-    Claim("egm12_pump", GEAR_MACHINES, "The same of the pump.", _RANGES, _pump, 0.3),
+    Claim(
+        "egm12_pump",
+        GEAR_MACHINES,
+        "The same of the pump.",
+        _RANGES,
+        partial(_egm12, "egm12_pump"),
+        0.3,
+    ),
     Claim(
         "egm12_map",
         GEAR_MACHINES,
@@ -274,14 +265,14 @@ CLAIMS = (
         GEROTORS,
         "Volumetric efficiency, peak and temperature at 2000 rpm, 20 bar.",
         "0.02 round the measured pump, whose size differs.",
-        _trochoidal,
+        partial(_gerotor, "gerotor_trochoidal", 0.90, 0.97),
     ),
     Claim(
         "gerotor_cycloidal",
         GEROTORS,
         "The same at 767 rpm, 40 bar.",
         "Range published for pressures below 100 bar.",
-        _cycloidal,
+        partial(_gerotor, "gerotor_cycloidal", 0.85, 0.93),
     ),
     *(
         Claim(key, MEASURED, statement, missing, None)

@@ -35,10 +35,7 @@ _SMALLEST_SHRINK = 0.3
 
 
 def find_equilibrium(
-    bearing: JournalDefinition,
-    load: Array,
-    speed: SurfaceSpeed,
-    start: tuple[float, float] | None,
+    bearing: JournalDefinition, load: Array, speed: SurfaceSpeed, start: tuple[float, float] | None
 ) -> JournalBearingSolution:
     """Newton's method with the exact stiffness, on a coarse grid first.
 

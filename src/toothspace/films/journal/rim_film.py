@@ -57,8 +57,6 @@ def rim_paths(
 
     Parameters
     ----------
-    description : MachineDescription
-        Machine.
     faces : SharedFaces
         What its covers share.
     nodes : ndarray of int

@@ -58,29 +58,18 @@ def critical_mass(stiffness: Array, damping: Array) -> tuple[float, float]:
 
 
 def threshold_speed(
-    bearing: JournalBearing,
-    *,
-    load: tuple[float, float],
-    mass: float,
-    speeds: tuple[float, float],
+    bearing: JournalBearing, *, load: tuple[float, float], mass: float, speeds: tuple[float, float]
 ) -> float:
-    """Shaft speed above which a rigid shaft whirls.
+    """Shaft speed above which a rigid shaft whirls. [rad/s].
 
     Parameters
     ----------
-    bearing : JournalBearing
-        Bearing.
     load : tuple of float
         Static force x, y on the shaft, per bearing. [N]
     mass : float
         Mass of the shaft, per bearing. [kg]
     speeds : tuple of float
         A stable and an unstable speed to search between. [rad/s]
-
-    Returns
-    -------
-    float
-        Threshold. [rad/s]
 
     Raises
     ------
@@ -160,21 +149,12 @@ def shaft_orbit(
 
     Parameters
     ----------
-    bearing : JournalDefinition
-        Bearing.
     mass : float
         Mass of the shaft, per bearing. [kg]
     load : callable
         Force x, y on the shaft over time. [s to N]
     shaft_speed : float
         Rotation of the shaft. [rad/s]
-    settings : OrbitSettings
-        Start, duration and step.
-
-    Returns
-    -------
-    Orbit
-        States at every step.
 
     Notes
     -----

@@ -11,11 +11,7 @@ from toothspace.core.types import Array
 from toothspace.films.journal.definition import JournalDefinition
 from toothspace.films.journal.equilibrium import closeness, find_equilibrium
 from toothspace.films.journal.geometry import MotionState, SurfaceSpeed
-from toothspace.films.journal.solution import (
-    JournalBearingSolution,
-    load_derivatives,
-    solve_motion,
-)
+from toothspace.films.journal.solution import JournalBearingSolution, load_derivatives, solve_motion
 
 _STEPS = 40
 _TOLERANCE = 1e-9

@@ -83,10 +83,6 @@ def face_conductance(
 
     Parameters
     ----------
-    face : FilmFace
-        The face.
-    resolution : FaceResolution
-        Its grid.
     gap : ndarray, shape (bodies,), optional
         Height of the film of every body; that of the face if not given. [m]
 

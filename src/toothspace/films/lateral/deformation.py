@@ -102,8 +102,6 @@ def response(state: StackState, fineness: Fineness, frequency: float) -> Deforma
 
     Parameters
     ----------
-    state : StackState
-        Films.
     fineness : Fineness
         Waves and degree of the basis functions. [-]
     frequency : float

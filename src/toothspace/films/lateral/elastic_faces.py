@@ -84,10 +84,6 @@ class ElasticFaces:
         ----------
         changes : sequence of ndarray
             Changes of the pressure of every film, shape (n, rows, lanes), zero beside the film.
-        snapshot : Snapshot
-            Shaft angle and masks.
-        basis : sequence of BasisFunctions
-            Basis functions of every film.
         """
         films, size = range(len(self.grids)), self.grids[0].area.size
         ends = np.cumsum([0, *map(len, changes)])

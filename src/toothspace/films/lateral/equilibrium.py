@@ -113,10 +113,6 @@ def find_equilibrium(
         Bodies and films, shaft angles over which forces are averaged, other loads.
     start : Balance
         Where the motion starts; it begins from rest.
-    search : SearchSettings
-        Steps and end of the search.
-    step : StepSettings
-        When one step is done.
 
     Notes
     -----
@@ -242,8 +238,6 @@ def march_angles(
         State before the first angle.
     angles : ndarray
         Shaft angles at the ends of the steps, evenly spaced. [rad]
-    step : StepSettings
-        When one step is done.
     keep : callable, optional
         Called with the number and the state after every step; then states are not kept.
     """

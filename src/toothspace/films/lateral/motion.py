@@ -163,8 +163,6 @@ def advance(
 
     Parameters
     ----------
-    stack : Stack
-        Bodies and films.
     snapshots : sequence of Snapshot
         Shaft angles over which forces are averaged; one for a step in time.
     loads : Loads
@@ -173,8 +171,6 @@ def advance(
         State before the step.
     duration : float
         Length of the step. [s]
-    settings : StepSettings
-        When it is done.
     follows : bool
         Whether the snapshot follows on that of the state before by the length of the step, so that
         the change of the deformation squeezes the films. Snapshots averaged over leave that out.
@@ -266,11 +262,7 @@ def _solve(task: _StepTask, former: Balance, slides: tuple[int, ...] | None) -> 
         if balanced and settled and firm:
             balance = _balance(task, states, found, v, slides, best, number)
             return replace(
-                balance,
-                converged=True,
-                jacobian=jacobian,
-                age=age,
-                responses=deformation.responses,
+                balance, converged=True, jacobian=jacobian, age=age, responses=deformation.responses
             )
         step = found.step
         if not np.isfinite(step).all():

@@ -9,12 +9,7 @@ import numpy as np
 
 from toothspace.core.types import Array
 from toothspace.films.lateral.deformation import Fields, limited, next_deformation
-from toothspace.films.lateral.motion import (
-    Balance,
-    Loads,
-    balance_force,
-    levers_of,
-)
+from toothspace.films.lateral.motion import Balance, Loads, balance_force, levers_of
 from toothspace.films.lateral.stack import (
     Snapshot,
     Stack,

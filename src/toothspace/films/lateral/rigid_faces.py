@@ -106,13 +106,6 @@ def solve_faces(
     condition : OperatingCondition
         Shaft speed and port pressures; the chambers have the pressures that their paths hold
         at rest.
-    setting : FaceSetting
-        Position of the face, liquid and grid.
-
-    Returns
-    -------
-    FaceFilms
-        Solved films.
 
     Raises
     ------

@@ -90,7 +90,7 @@ class _Paths:
         phases = self.face.sector_phases
         for j in range(-per_pitch, 2 * per_pitch):
             sector = np.mod(np.arange(self.count) * per_pitch + j, phases.size)
-            rim = _Edges(edges + sector, self._rim_nodes(first, sector))
+            rim = _Edges(edges + sector, self.inner.node if self.rim.open_ends else first + sector)
             found.append(self._turning((f"rim_{j}", RIM), self.chambers, rim))
             if 0 <= j < per_pitch:
                 found += [
@@ -99,11 +99,6 @@ class _Paths:
                 ]
         largest = max(_shape(path).max() for path in found)
         return [path for path in found if _shape(path).max() > _LEAST * largest]
-
-    def _rim_nodes(self, first: int, sector: IntArray) -> IntArray:
-        if self.rim.open_ends:
-            return self.inner.node
-        return first + sector
 
     def _same(self, number: int, node: int) -> _Edges:
         return _Edges(np.full(self.count, number), np.full(self.count, node))

@@ -21,8 +21,6 @@ def growing_motion(stack: Stack, balance: Balance, loads: Loads) -> tuple[float,
 
     Parameters
     ----------
-    stack : Stack
-        Bodies and films.
     balance : Balance
         Equilibrium with its Jacobian; bearings that friction holds take no part.
     loads : Loads

@@ -19,12 +19,7 @@ from toothspace.films.lateral.face_film import (
     solve_face,
 )
 from toothspace.films.lateral.face_grid import FaceGrid, Mask
-from toothspace.model.lateral_balance import (
-    FilmInterface,
-    FloatingBearing,
-    LateralBalance,
-    Side,
-)
+from toothspace.model.lateral_balance import FilmInterface, FloatingBearing, LateralBalance, Side
 from toothspace.numerics.parallel import in_parallel
 
 _MOTIONS = 3

@@ -20,8 +20,6 @@ def stop_forces(stack: Stack, q: Array) -> tuple[Array, Array]:
 
     Parameters
     ----------
-    stack : Stack
-        Bodies and films.
     q : ndarray
         Coordinates. [m, rad]
 

@@ -135,11 +135,6 @@ class Pad:
         history : FilmHistory, optional
             ``solution.history(time_step)`` of the film one time step ago: the liquid is then
             transported in time; the change of the gaps counts instead of their velocities.
-
-        Returns
-        -------
-        PadSolution
-            Fields and everything derived from them.
         """
         film = self._film(speed, squeeze_velocity)
         return PadSolution(self, speed, squeeze_velocity, solve_plane(film, history))
@@ -308,11 +303,8 @@ class PadSolution(FaceSolution):
         rise = np.diff(np.concatenate([ambient, p, ambient]), axis=0)
         bordered = np.concatenate([half[:1], half, half[-1:]])
         mean = 0.5 * (bordered[1:] + bordered[:-1])
-        return float((mean * rise).sum(axis=0) @ np.diff(self._lane_faces()))
-
-    def _lane_faces(self) -> Array:
-        half = self.plane.film.weight > 1.0
-        return self.pad._lines(half)[3]
+        faces = self.pad._lines(self.plane.film.weight > 1.0)[3]
+        return float((mean * rise).sum(axis=0) @ np.diff(faces))
 
     @property
     def inlet_flow(self) -> float:

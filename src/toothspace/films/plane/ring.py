@@ -21,11 +21,7 @@ from toothspace.films.plane.film import (
 from toothspace.films.reynolds.cavitation import CAVITATION
 from toothspace.films.reynolds.equation import FilmGrid, GapField
 from toothspace.films.reynolds.fluid import FilmFluid
-from toothspace.films.reynolds.rough_surfaces import (
-    SMOOTH,
-    RoughSurfaces,
-    refuse_deep_contact,
-)
+from toothspace.films.reynolds.rough_surfaces import SMOOTH, RoughSurfaces, refuse_deep_contact
 from toothspace.films.reynolds.state import FilmHistory
 from toothspace.numerics.complementarity import face_flows, residual
 from toothspace.numerics.linear_system import PRESCRIBED

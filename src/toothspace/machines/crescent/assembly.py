@@ -21,7 +21,7 @@ from toothspace.core.units import to_si
 from toothspace.gearing.gear_tables import ReliefGrooves
 from toothspace.gearing.materials import Material, library_material
 from toothspace.gearing.mesh_split import Mesh
-from toothspace.gearing.meshing import MeshedGears, in_contact, lens_angle
+from toothspace.gearing.meshing import MeshedGears, in_contact, mesh_at_distance
 from toothspace.gearing.ring_gear import (
     InternalPair,
     RingGear,
@@ -92,16 +92,6 @@ class CrescentAssembly(MeshedGears):
 
 def assemble(spec: CrescentParameters) -> CrescentAssembly:
     """Put the gears of a machine into mesh.
-
-    Parameters
-    ----------
-    spec : CrescentParameters
-        Machine.
-
-    Returns
-    -------
-    Assembly
-        Gears with the loaded flank pair in contact.
 
     Raises
     ------
@@ -234,11 +224,4 @@ def _centred_mesh(teeth: tuple[Tooth, Tooth], distance: float) -> Mesh:
             f"machine.pinion.center_distance: found {distance * 1e3:.5g} mm, allowed above "
             f"{(second - first) * 1e3:.5g} mm (the tip circles must overlap)"
         )
-    return Mesh(
-        center_distance=-distance,
-        ratio=pinion.tooth_count / ring.tooth_count,
-        half_pitch=np.pi / pinion.tooth_count,
-        turn=0.0,
-        lens_drive=lens_angle(pinion.tip_radius, ring.tip_radius, -distance),
-        lens_driven=-lens_angle(ring.tip_radius, pinion.tip_radius, -distance),
-    )
+    return mesh_at_distance(teeth, -distance)

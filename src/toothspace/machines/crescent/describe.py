@@ -29,15 +29,8 @@ def describe(spec: CrescentParameters, nodes: int = DEFAULT_NODES) -> MachineDes
 
     Parameters
     ----------
-    spec : CrescentParameters
-        Parameters.
     nodes : int
         About how many table nodes on one turn of the pinion.
-
-    Returns
-    -------
-    MachineDescription
-        What the solver needs.
 
     Raises
     ------

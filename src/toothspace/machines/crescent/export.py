@@ -17,21 +17,14 @@ _CIRCLE_POINTS = 720
 
 
 def export_profiles(spec: CrescentParameters, stem: Path, suffix: str) -> list[Path]:
-    """Write the sections of both gears and of the filler.
+    """Write the sections of both gears and of the filler; returns their paths.
 
     Parameters
     ----------
-    spec : CrescentParameters
-        Machine.
     stem : Path
         Folder and begin of the file names; ``_pinion``, ``_ring`` and ``_filler`` follow.
     suffix : str
         ``txt``, ``dxf``, ``stl`` or ``step``.
-
-    Returns
-    -------
-    list of Path
-        Files written.
 
     Raises
     ------

@@ -29,15 +29,6 @@ def flow_paths(
 ) -> tuple[FlowPath, ...]:
     """All flow paths of the machine.
 
-    Parameters
-    ----------
-    assembly : CrescentAssembly
-        Gears in mesh.
-    numbering : Numbering
-        Phases and nodes.
-    spaces : tuple of Spaces
-        Tooth spaces of both gears at the table nodes.
-
     Returns
     -------
     tuple of FlowPath
@@ -94,10 +85,6 @@ def notch_opening(assembly: CrescentAssembly, own: ToothSpaces, notch: NotchPara
 
     Parameters
     ----------
-    assembly : CrescentAssembly
-        Gears in mesh.
-    own : ToothSpaces
-        Spaces of one gear.
     notch : NotchParameters
         Size of the notch. [m]
 

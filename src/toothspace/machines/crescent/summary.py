@@ -32,17 +32,7 @@ _ANGLES = 6
 def geometry_summary(
     assembly: CrescentAssembly, spaces: tuple[Spaces, Spaces], checks: tuple[DesignCheck, ...]
 ) -> dict[str, object]:
-    """Numbers of the geometry report, names with their unit.
-
-    Parameters
-    ----------
-    assembly : CrescentAssembly
-        Gears in mesh.
-    spaces : tuple of Spaces
-        Tooth spaces of both gears at the table nodes.
-    checks : tuple of DesignCheck
-        Design-rule report.
-    """
+    """Numbers of the geometry report, names with their unit."""
     pair = assembly.pair
     sealed = [sealed_teeth(assembly, gear) for gear in (0, 1)]
     dead = assembly.face_width * sum(float(section_areas(s).min()) for s in spaces)

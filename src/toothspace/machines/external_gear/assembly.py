@@ -13,7 +13,7 @@ from toothspace.gearing.meshing import (
     LARGEST_OVERLAP,
     MeshedGears,
     in_contact,
-    lens_angle,
+    mesh_at_distance,
     overlap_error,
     smallest_gap,
 )
@@ -85,16 +85,6 @@ class Assembly(MeshedGears):
 
 def assemble(spec: ExternalGearSpec) -> Assembly:
     """Put the gears of a machine into mesh.
-
-    Parameters
-    ----------
-    spec : ExternalGearSpec
-        Machine.
-
-    Returns
-    -------
-    Assembly
-        Gears with the loaded flank pair in contact.
 
     Raises
     ------
@@ -186,24 +176,13 @@ def _play(teeth: tuple[Tooth, Tooth], distance: float) -> float:
 
 def _centred_mesh(teeth: tuple[Tooth, Tooth], distance: float) -> Mesh:
     drive, driven = teeth
-    if (
-        not abs(drive.tip_radius - driven.tip_radius)
-        < distance
-        < (drive.tip_radius + driven.tip_radius)
-    ):
-        reach = (drive.tip_radius + driven.tip_radius) * 1e3
+    reach = drive.tip_radius + driven.tip_radius
+    if not abs(drive.tip_radius - driven.tip_radius) < distance < reach:
         raise GeometryError(
             f"machine.gears.center_distance: found {distance * 1e3:.5g} mm, allowed below "
-            f"{reach:.5g} mm (the tip circles must overlap)"
+            f"{reach * 1e3:.5g} mm (the tip circles must overlap)"
         )
-    return Mesh(
-        center_distance=distance,
-        ratio=drive.tooth_count / driven.tooth_count,
-        half_pitch=np.pi / drive.tooth_count,
-        turn=0.0,
-        lens_drive=lens_angle(drive.tip_radius, driven.tip_radius, distance),
-        lens_driven=lens_angle(driven.tip_radius, drive.tip_radius, distance),
-    )
+    return mesh_at_distance(teeth, distance)
 
 
 def _check_room(profiles: tuple[GearProfile, GearProfile], distance: float) -> None:

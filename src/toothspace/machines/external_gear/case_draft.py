@@ -32,7 +32,7 @@ from toothspace.geometry.pump_sections import (
     face_recesses,
     machine_frame,
 )
-from toothspace.machines.shared_tables import CaseDraft, named_beside
+from toothspace.machines.shared_tables import DRAFT, CaseDraft, named_beside
 
 _CLEARANCES = (1e-6, 300e-6)
 """Between tip circle and bore. [m]"""
@@ -40,24 +40,6 @@ _SHARE_OF_ROOT = 0.6
 """Journal diameter over root diameter, where no bearing is found. [-]"""
 _BACKLASH = 0.04
 """Normal backlash of gears without a partner, in modules. [-]"""
-
-_REST = """
-[machine.lateral]
-side_gap = "10 um"               # assumed
-
-[fluid]
-name = "iso_vg_46"               # assumed: toothspace fluids lists others
-temperature = "50 degC"
-
-[operating_point]                # assumed
-shaft_speed = "1500 rpm"
-inlet_pressure = "1 bar"
-outlet_pressure = "100 bar"
-
-[run]
-fidelity = "lumped"
-until = "cyclic"
-"""
 
 
 @final
@@ -118,17 +100,7 @@ def draft_case(
     pair = _pair(contents)
     drive, driven = pair or (contents.gears[0], contents.gears[0])
     around = _surroundings(contents.others, pair, scale) if pair else _Surroundings()
-    lines = [
-        f"# Drafted from {_names(contents, folder)}.",
-        '# Numbers marked "assumed" are not in the files: put in your own.',
-        "schema = 1",
-        f"title = {json.dumps('Pump from ' + drive.file.name)}" if isinstance(drive.file, Path)
-        else 'title = "Pump from points"',
-        "",
-        "[machine]",
-        'type = "external_gear"',
-        'mode = "pump"                    # or "motor"',
-    ]  # fmt: skip
+    lines = []
     if around.toward:
         lines.append(
             f'outlet_toward = "{around.toward}"             # assumed: the outlet may be opposite'
@@ -139,7 +111,14 @@ def draft_case(
     lines += _mesh_keys(drive, driven, paired=pair is not None)
     if pair:
         lines += ["", "[machine.driven_gear]", *_driven_keys(drive, driven, unit, folder)]
-    text = "\n".join(lines + _body_keys(drive, around, unit, folder)) + "\n" + _REST
+    text = DRAFT.format(
+        files=_names(contents, folder), machine="external_gear",
+        title=json.dumps(
+            f"Pump from {drive.file.name if isinstance(drive.file, Path) else 'points'}"
+        ),
+        found="\n".join(lines + _body_keys(drive, around, unit, folder)),
+        side_gap="10 um", shaft_speed="1500 rpm", outlet_pressure="100 bar",
+    )  # fmt: skip
     used = (drive, driven if pair else None, around.casing, around.block)
     return CaseDraft(text, sum(part is not None for part in used))
 

@@ -45,13 +45,6 @@ class Bore:
 def bore(assembly: Assembly, gear: int) -> Bore:
     """Bore round the drive gear (0) or the driven gear (1).
 
-    Parameters
-    ----------
-    assembly : Assembly
-        Gears in mesh and casing.
-    gear : int
-        Which gear.
-
     Returns
     -------
     Bore

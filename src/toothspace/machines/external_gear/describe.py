@@ -33,15 +33,8 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
 
     Parameters
     ----------
-    spec : ExternalGearSpec
-        Parameters.
     nodes : int
         About how many table nodes on one turn of the drive gear.
-
-    Returns
-    -------
-    MachineDescription
-        What the solver needs.
 
     Raises
     ------

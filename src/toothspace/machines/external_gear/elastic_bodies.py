@@ -91,12 +91,8 @@ def gear_body(assembly: Assembly, gear: int, size: MeshSize | None = None) -> El
 
     Parameters
     ----------
-    assembly : Assembly
-        Gears in mesh.
     gear : int
         0 for the drive gear, 1 for the driven gear.
-    size : MeshSize, optional
-        Fineness.
 
     Returns
     -------
@@ -169,10 +165,6 @@ def bearing_body(
 
     Parameters
     ----------
-    assembly : Assembly
-        Gears in mesh.
-    material : Material
-        Material of the body.
     length : float
         Axial length. [m]
     side : {"floating", "solid"}
@@ -180,8 +172,6 @@ def bearing_body(
         below and rests with its back on the cover.
     back : BackLoads, optional
         Pressure regions, springs and seals of the back face.
-    size : MeshSize, optional
-        Fineness.
     half : int, optional
         Gear beside the half of a split bearing; the whole bearing if not given.
 
@@ -239,10 +229,7 @@ def _bearing_parts(
     cut = [shapely.Polygon(p) for p in groove_polygons(assembly).values()]
     floor = np.copysign(grooves.depth, height)
     face = section.difference(shapely.union_all(cut))
-    return (
-        Prism(face, *sorted((0.0, floor))),
-        Prism(section, *sorted((floor, height))),
-    )
+    return (Prism(face, *sorted((0.0, floor))), Prism(section, *sorted((floor, height))))
 
 
 def _back_loads(

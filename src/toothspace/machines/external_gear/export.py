@@ -10,21 +10,14 @@ from toothspace.machines.external_gear.spec import ExternalGearSpec
 
 
 def export_profiles(spec: ExternalGearSpec, stem: Path, suffix: str) -> list[Path]:
-    """Write the sections of both gears, or of one if they are equal.
+    """Write the sections of both gears, or of one if they are equal; returns their paths.
 
     Parameters
     ----------
-    spec : ExternalGearSpec
-        Machine.
     stem : Path
         Folder and begin of the file names; ``_drive`` and ``_driven`` follow.
     suffix : str
         ``txt``, ``dxf``, ``stl`` or ``step``.
-
-    Returns
-    -------
-    list of Path
-        Files written.
 
     Raises
     ------

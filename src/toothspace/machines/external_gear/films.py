@@ -15,10 +15,7 @@ from toothspace.gearing.numbering import Numbering
 from toothspace.gearing.outlines import space_outline
 from toothspace.gearing.spaces import Spaces, drive_spaces, driven_spaces
 from toothspace.machines.external_gear.assembly import Assembly
-from toothspace.machines.external_gear.loads import (
-    BODIES,
-    groove_polygons,
-)
+from toothspace.machines.external_gear.loads import BODIES, groove_polygons
 from toothspace.model.description import LumpedLateralFilm
 from toothspace.model.film_faces import (
     NO_BODY,

@@ -28,15 +28,6 @@ def flow_paths(
 ) -> tuple[FlowPath, ...]:
     """All flow paths of the machine.
 
-    Parameters
-    ----------
-    assembly : Assembly
-        Gears in mesh.
-    numbering : Numbering
-        Phases and nodes.
-    spaces : tuple of Spaces
-        Tooth spaces of both gears at the table nodes.
-
     Returns
     -------
     tuple of FlowPath

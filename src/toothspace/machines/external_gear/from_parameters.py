@@ -28,11 +28,6 @@ if TYPE_CHECKING:
 def spec_from(machine: keys.ExternalGearTables) -> spec.ExternalGearSpec:
     """Build profiles, contours and materials of a machine.
 
-    Parameters
-    ----------
-    machine : ExternalGearParameters
-        Keys in SI units.
-
     Returns
     -------
     ExternalGearSpec
@@ -89,10 +84,7 @@ def _startup(startup: keys.StartupParameters | None) -> StartupFriction | None:
 
 
 def _check_pair(
-    machine: keys.ExternalGearTables,
-    drive: spec.Gear,
-    driven: spec.Gear,
-    in_file: float | None,
+    machine: keys.ExternalGearTables, drive: spec.Gear, driven: spec.Gear, in_file: float | None
 ) -> float:
     # returns the centre distance, of profiles with a given backlash about
     first, second = drive.tooth, driven.tooth

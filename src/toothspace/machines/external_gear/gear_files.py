@@ -34,15 +34,6 @@ class _Source(NamedTuple):
 def detected_gear(gear: keys.GearParameters, file: Path | Points, table: str) -> FoundGear:
     """Gear in the profile file of a table.
 
-    Parameters
-    ----------
-    gear : GearParameters
-        Keys of the gear.
-    file : Path or Points
-        Its profile.
-    table : str
-        Key of the table for messages.
-
     Returns
     -------
     FoundGear

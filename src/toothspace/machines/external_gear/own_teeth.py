@@ -24,7 +24,7 @@ from toothspace.geometry.gear_profile import GearProfile
 from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.external_gear.spec import Gear
 from toothspace.model.description import ChamberFamily, ContactPair, FlowPath
-from toothspace.numerics.periodic_table import PeriodicTable, smooth_table
+from toothspace.numerics.periodic_table import PeriodicTable, smooth_table, sum_of_tables
 
 _ROTATION = 4
 
@@ -86,7 +86,7 @@ class OwnTeeth:
     def family(self, family: ChamberFamily, gear: int, width: float) -> ChamberFamily:
         """Chambers of a gear, each with its own volume."""
         parts = [smooth_table(FULL_TURN, width * area) for area in self.areas[gear]]
-        return replace(family, own=tuple(_added(family.volume, part) for part in parts))
+        return replace(family, own=tuple(sum_of_tables(family.volume, part) for part in parts))
 
     def path(self, path: FlowPath) -> FlowPath:
         """Flank or tip path with its own gaps, other paths as they are."""
@@ -111,15 +111,6 @@ def own_teeth(
     assembly: Assembly, numbering: Numbering, spaces: tuple[Spaces, Spaces]
 ) -> OwnTeeth | None:
     """Deviations of both gears in mesh; None where all teeth are equal.
-
-    Parameters
-    ----------
-    assembly : Assembly
-        Gears in mesh.
-    numbering : Numbering
-        Phases of the spaces.
-    spaces : tuple of Spaces
-        Tooth spaces of both gears at the table nodes.
 
     Returns
     -------
@@ -246,10 +237,6 @@ def _sections(
             total += np.where(side.weight > 0.0, entering, 0.0)
         rows.append(total)
     return np.array(rows)
-
-
-def _added(table: PeriodicTable, part: PeriodicTable) -> PeriodicTable:
-    return PeriodicTable(table.period, table.values + part.values, table.slopes + part.slopes)
 
 
 def _with_first(table: PeriodicTable, column: Array) -> PeriodicTable:

@@ -76,8 +76,6 @@ def profile_quality(assembly: Assembly, trapped: float) -> dict[str, object]:
 
     Parameters
     ----------
-    assembly : Assembly
-        Gears in mesh.
     trapped : float
         Trapped volume of the mesh. [m3]
 

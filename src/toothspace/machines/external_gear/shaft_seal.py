@@ -13,7 +13,7 @@ _COLUMNS = {"temperature": "degC", "penetration": "mm", "friction_force": "N"}
 
 
 def seal_torque(seals: SealParameters | None, shaft_diameter: float) -> float:
-    """Torque of the seal; with a table the bilinear force at its condition times the radius.
+    """Torque of the seal; with a table the bilinear force at its condition times the radius. [N m].
 
     Parameters
     ----------
@@ -21,11 +21,6 @@ def seal_torque(seals: SealParameters | None, shaft_diameter: float) -> float:
         Keys of ``[machine.seals]``.
     shaft_diameter : float
         Diameter under the lip. [m]
-
-    Returns
-    -------
-    float
-        Torque. [N m]
 
     Raises
     ------

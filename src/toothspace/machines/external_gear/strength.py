@@ -25,11 +25,6 @@ MAX_ROOT_STRESS = 430e6
 def strength_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
     r"""Bearing load, p v, flank and root stress at the pressure and speed of running-in.
 
-    Parameters
-    ----------
-    assembly : Assembly
-        Gears in mesh.
-
     Returns
     -------
     tuple of DesignCheck

@@ -28,10 +28,6 @@ def geometry_summary(
 
     Parameters
     ----------
-    assembly : Assembly
-        Gears in mesh.
-    spaces : tuple of Spaces
-        Tooth spaces of both gears at the table nodes.
     checks : tuple of DesignCheck
         Design-rule report, whose failures are named.
 
@@ -70,11 +66,7 @@ def geometry_summary(
 
 def design_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
     """Design-rule report: geometry, and at a running-in condition trapping and strength."""
-    return (
-        *_geometry_checks(assembly),
-        *trapping_checks(assembly),
-        *strength_checks(assembly),
-    )
+    return (*_geometry_checks(assembly), *trapping_checks(assembly), *strength_checks(assembly))
 
 
 def _geometry_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:

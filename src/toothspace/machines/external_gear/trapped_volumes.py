@@ -12,13 +12,6 @@ from toothspace.machines.external_gear.assembly import Assembly
 def trapped_volumes(assembly: Assembly, spaces: tuple[Spaces, Spaces]) -> tuple[float, float]:
     """Volume between two consecutive loaded contacts when the second one begins, and its minimum.
 
-    Parameters
-    ----------
-    assembly : Assembly
-        Gears in mesh.
-    spaces : tuple of Spaces
-        Tooth spaces of both gears at the table nodes.
-
     Returns
     -------
     tuple of float

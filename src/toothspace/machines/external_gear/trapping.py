@@ -119,8 +119,6 @@ def mesh_chain(assembly: Assembly, spaces: tuple[Spaces, Spaces]) -> MeshChain:
     ----------
     assembly : Assembly
         Gears in mesh, with relief grooves or without.
-    spaces : tuple of Spaces
-        Tooth spaces of both gears at the table nodes.
 
     Returns
     -------
@@ -196,10 +194,6 @@ def trapping(chain: MeshChain, assembly: Assembly, condition: RunningIn) -> Trap
 
     Parameters
     ----------
-    chain : MeshChain
-        Volumes and openings.
-    assembly : Assembly
-        Gears in mesh.
     condition : RunningIn
         Absolute pressure of the high-pressure side, the other one at that of the atmosphere, and
         shaft speed.
@@ -281,11 +275,6 @@ def _pressures(chain: MeshChain, is_pump: bool, condition: RunningIn) -> Array:
 
 def trapping_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
     """Peak of the trapped spaces, exchange through the backlash, seal between the grooves.
-
-    Parameters
-    ----------
-    assembly : Assembly
-        Gears in mesh.
 
     Returns
     -------

@@ -83,13 +83,6 @@ def journal_bearings(parameters: GerotorParameters) -> tuple[LumpedJournalBearin
 def film_by_motion(parameters: GerotorParameters, pocket: Pockets) -> Array:
     r"""Derivative of the film volume that each pocket feeds, by the motions of both rotors.
 
-    Parameters
-    ----------
-    parameters : GerotorParameters
-        Machine.
-    pocket : Pockets
-        Pockets over their place.
-
     Returns
     -------
     ndarray, shape (n, 5)

@@ -17,31 +17,10 @@ from toothspace.machines.gerotor.rotor_files import (
     rotor_pair,
     size_beside,
 )
-from toothspace.machines.shared_tables import CaseDraft, named_beside
+from toothspace.machines.shared_tables import DRAFT, CaseDraft, named_beside
 
 _RIM = 1.2
 """Outside diameter of the outer rotor over the width across its lobes, where none is drawn. [-]"""
-
-_REST = """
-[machine.ports]
-timing = "kinematic"             # assumed: ports change over at the extremes of the volume
-
-[machine.lateral]
-side_gap = "25 um"               # assumed
-
-[fluid]
-name = "iso_vg_46"               # assumed: toothspace fluids lists others
-temperature = "50 degC"
-
-[operating_point]                # assumed
-shaft_speed = "2000 rpm"
-inlet_pressure = "1 bar"
-outlet_pressure = "20 bar"
-
-[run]
-fidelity = "lumped"
-until = "cyclic"
-"""
 
 
 def draft_case(
@@ -68,25 +47,17 @@ def draft_case(
             inner, outer = rotor_pair(inner_file, outer_file, to_si(1.0, unit))
         except GeometryError:
             continue
-        return CaseDraft("\n".join(_lines(inner, outer, unit, folder)) + "\n" + _REST, 2)
+        return CaseDraft(_text(inner, outer, unit, folder), 2)
     return None
 
 
-def _lines(inner: DrawnRotor, outer: DrawnRotor, unit: str, folder: Path) -> list[str]:
+def _text(inner: DrawnRotor, outer: DrawnRotor, unit: str, folder: Path) -> str:
     files = [rotor.file for rotor in (inner, outer)]
     names = [named_beside(file, folder) for file in files if isinstance(file, Path)]
     bore, rim = size_beside(inner, outside=False), size_beside(outer, outside=True)
     across = 2.0 * float(max(abs(outer.curve - outer.center).max(axis=0)))
     solids = [name for name in names if Path(name).suffix.lower() in STEP_SUFFIXES]
-    return [
-        f"# Drafted from {', '.join(dict.fromkeys(names))}.",
-        '# Numbers marked "assumed" are not in the files: put in your own.',
-        "schema = 1",
-        f"title = {json.dumps('Gerotor pump from ' + Path(names[0]).name)}",
-        "",
-        "[machine]",
-        'type = "gerotor"',
-        'mode = "pump"                    # or "motor"',
+    found = [
         "",
         "[machine.rotors]",
         f"inner_profile = {json.dumps(names[0])}",
@@ -102,7 +73,16 @@ def _lines(inner: DrawnRotor, outer: DrawnRotor, unit: str, folder: Path) -> lis
         "[machine.housing]",
         _length("outer_rotor_diameter", rim, _RIM * across, "no rim is drawn"),
         'radial_clearance = "50 um"       # assumed',
+        "",
+        "[machine.ports]",
+        'timing = "kinematic"             # assumed: ports change over at the extremes of the '
+        "volume",
     ]  # fmt: skip
+    return DRAFT.format(
+        files=", ".join(dict.fromkeys(names)), machine="gerotor", found="\n".join(found),
+        title=json.dumps(f"Gerotor pump from {Path(names[0]).name}"),
+        side_gap="25 um", shaft_speed="2000 rpm", outlet_pressure="20 bar",
+    )  # fmt: skip
 
 
 def _length(name: str, found: float | None, assumed: float, reason: str) -> str:

@@ -23,8 +23,6 @@ def closest_approach(rotors: Rotors, place: Array) -> tuple[Array, Array, Array,
 
     Parameters
     ----------
-    rotors : Rotors
-        Both rotors.
     place : ndarray
         Places of the lobe. [rad]
 

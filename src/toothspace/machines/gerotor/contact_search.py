@@ -107,10 +107,7 @@ class Branch:
 def placed_rotors(rotors: Rotors) -> PlacedRotors:
     """Rotors of a case for the search."""
     return PlacedRotors(
-        contour(rotors.inner),
-        contour(rotors.outer),
-        rotors.eccentricity,
-        rotors.inner_tooth_count,
+        contour(rotors.inner), contour(rotors.outer), rotors.eccentricity, rotors.inner_tooth_count
     )
 
 
@@ -119,8 +116,6 @@ def distance_to_inner(rotors: PlacedRotors, angle: Array, place: Array) -> tuple
 
     Parameters
     ----------
-    rotors : PlacedRotors
-        Rotors.
     angle : ndarray
         Angles of the outer rotor. [rad]
     place : ndarray
@@ -169,8 +164,6 @@ def nearest_place(rotors: PlacedRotors, angle: Array, place: Array, step: float)
 
     Parameters
     ----------
-    rotors : PlacedRotors
-        Rotors.
     angle, place : ndarray
         Angles of the outer rotor [rad] and arc lengths on its outline to begin with. [m]
     step : float

@@ -297,8 +297,6 @@ def export_contacts(path: Path, contacts: tuple[LobeContact, ...]) -> None:
     ----------
     path : Path
         File to write.
-    contacts : tuple of LobeContact
-        Contacts of two rotors.
     """
     with draft_of(path) as draft, draft.open("w", encoding="utf-8") as file:
         for number, contact in enumerate(contacts):

@@ -83,11 +83,6 @@ def contour(points: Array) -> Contour:
     ----------
     points : ndarray, shape (n, 2)
         Points in counter-clockwise order; the last one may repeat the first. [m]
-
-    Returns
-    -------
-    Contour
-        Smooth outline.
     """
     closed = np.vstack([points, points[:1]])
     steps = np.hypot(*np.diff(closed, axis=0).T)

@@ -32,6 +32,7 @@ from toothspace.model.description import ChamberFamily, MachineDescription
 from toothspace.numerics.periodic_table import (
     monotone_table,
     smooth_table,
+    sum_of_tables,
     table_from_exact_slopes,
 )
 
@@ -41,15 +42,8 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
 
     Parameters
     ----------
-    spec : GerotorParameters
-        Parameters.
     nodes : int
         About how many table nodes on one turn of the outer rotor.
-
-    Returns
-    -------
-    MachineDescription
-        What the solver needs.
 
     Raises
     ------
@@ -115,10 +109,8 @@ def _with_film_share(
     spec: GerotorParameters, pocket: Pockets, family: ChamberFamily
 ) -> ChamberFamily:
     """Pockets with the film that they feed through the faces of the outer rotor."""
-    table = family.volume_by_motion
-    share = film_by_motion(spec, pocket)[:, motion_columns(spec)]
-    columns = smooth_table(FULL_TURN, table.values + share)
-    return replace(family, volume_by_motion=columns)
+    share = smooth_table(FULL_TURN, film_by_motion(spec, pocket)[:, motion_columns(spec)])
+    return replace(family, volume_by_motion=sum_of_tables(family.volume_by_motion, share))
 
 
 def _film_family(spec: GerotorParameters, motion_count: int) -> ChamberFamily:

@@ -21,8 +21,6 @@ def export_profiles(spec: GerotorParameters, stem: Path, suffix: str) -> list[Pa
 
     Parameters
     ----------
-    spec : GerotorParameters
-        Machine.
     stem : Path
         Folder and begin of the file names; ``_inner`` and ``_outer`` follow.
     suffix : str

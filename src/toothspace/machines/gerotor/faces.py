@@ -12,11 +12,7 @@ from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.gearing.gear_face import under_recesses
 from toothspace.gearing.materials import library_material, reduced_modulus
 from toothspace.machines.gerotor.bodies import BODIES
-from toothspace.machines.gerotor.flow_paths import (
-    lobe_phases,
-    pocket_phases,
-    shaft_radius,
-)
+from toothspace.machines.gerotor.flow_paths import lobe_phases, pocket_phases, shaft_radius
 from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.pockets import FULL_TURN, Pockets
 from toothspace.machines.gerotor.ports import Ports, throat_place
@@ -105,19 +101,10 @@ def shared_faces(
 
     Parameters
     ----------
-    parameters : GerotorParameters
-        Machine.
-    pocket : Pockets
-        Pockets over their place.
     ports : Ports
         Kidneys, in the cover with the lower z.
     family : ChamberFamily
         The pockets, without the film that they feed.
-
-    Returns
-    -------
-    SharedFaces
-        Both covers with their gaps.
     """
     count, shaft = pocket.rotors.outer_tooth_count, shaft_radius(parameters, pocket)
     kidneys = ((count + 1, ports.contours["inlet"]), (count + 2, ports.contours["outlet"]))

@@ -43,12 +43,6 @@ def flow_paths(
 
     Parameters
     ----------
-    parameters : GerotorParameters
-        Machine.
-    pocket : Pockets
-        Pockets over their place.
-    timing : Timing
-        Openings to the ports.
     motions : tuple of int
         Which of the motions (inner x, y; outer x, y, rotation) are in the description.
 

@@ -67,8 +67,6 @@ def rotor_contacts(parameters: GerotorParameters, rotors: Rotors) -> tuple[Conta
     ----------
     parameters : GerotorParameters
         Keys ``[machine]``.
-    rotors : Rotors
-        Its rotors.
 
     Returns
     -------
@@ -95,12 +93,8 @@ def lobe_pairs(
 
     Parameters
     ----------
-    rotors : Rotors
-        Both rotors.
     contacts : tuple of LobeContact
         Their contacts over the outer rotor's angle.
-    mechanics : LobeMechanics
-        Material, law and motions.
 
     Returns
     -------
@@ -141,8 +135,6 @@ def contact_ratio(pairs: tuple[ContactPair, ...], clearance: float) -> float:
 
     Parameters
     ----------
-    pairs : tuple of ContactPair
-        Contacts of the lobes.
     clearance : float
         Normal gap of conjugate lobes. [m]
 

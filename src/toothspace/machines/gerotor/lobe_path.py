@@ -62,8 +62,6 @@ def lobe_path(parameters: RotorParameters, rotors: Rotors, place: Array) -> Lobe
     ----------
     parameters : RotorParameters
         Design; generated pairs have exact contact points.
-    rotors : Rotors
-        Both rotors.
     place : ndarray
         Places of the lobe. [rad]
 

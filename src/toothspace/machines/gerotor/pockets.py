@@ -96,15 +96,6 @@ def speed_ratio(rotors: Rotors) -> float:
 def pockets(parameters: RotorParameters, rotors: Rotors, nodes: int) -> Pockets:
     """Tabulate the pockets over one turn of the outer rotor.
 
-    Parameters
-    ----------
-    parameters : RotorParameters
-        Design.
-    rotors : Rotors
-        Both rotors.
-    nodes : int
-        About how many table nodes.
-
     Returns
     -------
     Pockets
@@ -159,11 +150,6 @@ def _integrated(parameters: RotorParameters, rotors: Rotors, count: int, rate: A
 
 def area_by_motion(pocket: Pockets) -> Array:
     """Derivative of the pocket area with respect to rigid motions of both rotors.
-
-    Parameters
-    ----------
-    pocket : Pockets
-        Pockets over their place.
 
     Returns
     -------

@@ -55,11 +55,6 @@ def throat_place(pocket: Pockets) -> Array:
 def kinematic_lands(pocket: Pockets) -> tuple[float, float]:
     """Half angles of the lands that cut a pocket from one port when it opens to the other.
 
-    Parameters
-    ----------
-    pocket : Pockets
-        Pockets over their place.
-
     Returns
     -------
     tuple of float
@@ -79,8 +74,6 @@ def ports_of(parameters: PortContourParameters, pocket: Pockets, rim_radius: flo
     parameters : PortContourParameters
         Keys ``[machine.ports]``; radii left out reach from the inner rotor's roots to the
         floor of the outer rotor's cavities.
-    pocket : Pockets
-        Pockets over their place.
     rim_radius : float
         Radius of the outer rotor. [m]
 
@@ -145,10 +138,6 @@ def openings(ports: Ports, pocket: Pockets, port: str) -> Array:
 
     Parameters
     ----------
-    ports : Ports
-        Kidneys of both ports.
-    pocket : Pockets
-        Pockets over their place.
     port : str
         ``inlet`` or ``outlet``.
 
@@ -178,8 +167,6 @@ def radial_openings(ports: Ports, pocket: Pockets, port: str) -> Array:
     ----------
     ports : Ports
         Kidneys, whose lands the windows share, and slot.
-    pocket : Pockets
-        Pockets over their place.
     port : str
         ``inlet`` or ``outlet``.
 
@@ -211,13 +198,6 @@ def _with_slot(table: Array, slot: Array) -> Array:
 
 def pocket_polygon(pocket: Pockets, node: int) -> Array:
     """Outline of a pocket at one node of its place, from throat to throat.
-
-    Parameters
-    ----------
-    pocket : Pockets
-        Pockets over their place.
-    node : int
-        Number of the node.
 
     Returns
     -------

@@ -214,10 +214,7 @@ def completed(parameters: RotorParameters, outer_diameter: float) -> RotorParame
         reason = "compulsory unless the rotors are solids"
         raise KeyRuleError("rotors.face_width", "nothing", reason)
     return replace(
-        parameters,
-        inner_tooth_count=inner.tooth_count,
-        eccentricity=eccentricity,
-        face_width=width,
+        parameters, inner_tooth_count=inner.tooth_count, eccentricity=eccentricity, face_width=width
     )
 
 
@@ -258,7 +255,7 @@ def _center(curve: Array) -> Array:
 
 
 def turned_to_axis(curve: Array, tooth_count: int, name: str) -> Array:
-    """Move a rotor outline to its centre and turn its farthest points to the negative y axis.
+    """Move a rotor outline to its centre and turn its farthest points to the negative y axis. [m].
 
     Parameters
     ----------
@@ -268,11 +265,6 @@ def turned_to_axis(curve: Array, tooth_count: int, name: str) -> Array:
         Teeth or lobes that the outline must have.
     name : str
         File name for error messages.
-
-    Returns
-    -------
-    ndarray
-        Outline about its centre. [m]
 
     Raises
     ------

@@ -42,11 +42,7 @@ class RotorParameters(KeyTable):
         default=0.0,
     )
     generating_radius: float | None = quantity(
-        "mm",
-        "Radius of the lobe centres of a trochoidal pair.",
-        above=0,
-        high=500,
-        default=None,
+        "mm", "Radius of the lobe centres of a trochoidal pair.", above=0, high=500, default=None
     )
     lobe_radius: float | None = quantity(
         "mm", "Radius of the outer rotor's lobes of a trochoidal pair.", above=0, high=200,

@@ -36,15 +36,6 @@ def geometry_summary(
 ) -> dict[str, object]:
     """Numbers of the geometry report.
 
-    Parameters
-    ----------
-    parameters : GerotorParameters
-        Machine.
-    pocket : Pockets
-        Pockets over their place.
-    timing : Timing
-        Openings to the ports.
-
     Returns
     -------
     dict
@@ -57,7 +48,9 @@ def geometry_summary(
         "displacement_cm3_per_rev": pocket.area_per_radian * width * 2e6 * np.pi,
         "max_pocket_volume_mm3": float(pocket.area.max()) * width * 1e9,
         "min_pocket_volume_mm3": float(pocket.area.min()) * width * 1e9,
-        "no_undercut_limit_mm": _undercut_limit(parameters),
+        "no_undercut_limit_mm": trochoid_of(parameters.rotors).no_undercut_limit * 1e3
+        if parameters.rotors.kind == "trochoidal"
+        else None,
         "flow_ripple_percent": 100.0 * flow_ripple(pocket),
         "eccentricity_mm": rotors.eccentricity * 1e3,
         "inner_tip_diameter_mm": 2.0 * float(inner.max()),
@@ -71,12 +64,6 @@ def geometry_summary(
         "trapped_volume_mm3": timing.trapped_area(pocket) * width * 1e9,
         "sealed_shaft_angle_deg": float(np.rad2deg(timing.sealed_angle(pocket))),
     }
-
-
-def _undercut_limit(parameters: GerotorParameters) -> float | None:
-    if parameters.rotors.kind != "trochoidal":
-        return None
-    return trochoid_of(parameters.rotors).no_undercut_limit * 1e3
 
 
 def design_checks(

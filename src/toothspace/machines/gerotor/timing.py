@@ -69,13 +69,5 @@ class Timing:
 
 
 def timing_of(ports: Ports, pocket: Pockets) -> Timing:
-    """Openings of a pocket to both ports.
-
-    Parameters
-    ----------
-    ports : Ports
-        Kidneys.
-    pocket : Pockets
-        Pockets over their place.
-    """
+    """Openings of a pocket to both ports."""
     return Timing(*(openings(ports, pocket, name) for name in ("inlet", "outlet")))

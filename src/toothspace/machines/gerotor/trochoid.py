@@ -99,11 +99,7 @@ class Trochoid:
         # at sigma zero the lobe stands half a pitch from the cavity on the negative y axis
         first = self.generating_radius * np.exp(1j * (start - sigma))
         second = 1j * self.eccentricity * np.exp(-1j * (count + 1) * sigma)
-        return (
-            first + second,
-            -1j * first - 1j * lobes * second,
-            -first - lobes**2 * second,
-        )
+        return (first + second, -1j * first - 1j * lobes * second, -first - lobes**2 * second)
 
     def path_curvature(self, sigma: Array) -> Array:
         """Curvature of the trochoid, positive where convex. [1/m]."""
@@ -122,8 +118,6 @@ def inner_outline(design: Trochoid, points_per_tooth: int, offset: float) -> Arr
 
     Parameters
     ----------
-    design : Trochoid
-        Generating data.
     points_per_tooth : int
         Points on one tooth.
     offset : float
@@ -162,8 +156,6 @@ def outer_outline(design: Trochoid, points_per_lobe: int, offset: float) -> Arra
 
     Parameters
     ----------
-    design : Trochoid
-        Generating data.
     points_per_lobe : int
         Points on one lobe and cavity.
     offset : float

@@ -21,11 +21,7 @@ from toothspace.simulation.lateral.coupling import (
     couple_point,
 )
 from toothspace.simulation.lateral.loads import face_deflection
-from toothspace.simulation.lateral.problem import (
-    LateralNumbers,
-    film_fields,
-    film_places,
-)
+from toothspace.simulation.lateral.problem import LateralNumbers, film_fields, film_places
 
 
 def coupled_solution(

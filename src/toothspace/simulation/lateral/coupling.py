@@ -153,12 +153,8 @@ def couple_point(
     ----------
     description : MachineDescription
         The machine after running-in.
-    fluid : FluidLaw
-        Fluid.
     run : callable
         Lumped solution at the operating point, of a changed machine.
-    request : PointRequest
-        Start and settings.
 
     Notes
     -----

@@ -86,8 +86,6 @@ def film_temperatures(balance: Balance, heating: FilmHeating) -> Array:
     ----------
     balance : Balance
         Solved films, a state for every shaft angle.
-    heating : FilmHeating
-        Oil and share of the heat.
     """
     own, count = heating.balance, len(balance.states)
     power, flow = np.zeros((2, len(balance.states[0].films)))

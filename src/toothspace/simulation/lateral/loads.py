@@ -134,10 +134,7 @@ def face_deflection(state: StackState) -> dict[str, float]:
         pairs = zip(fields, state.snapshot.masks, strict=True)
         return max(float(np.abs(field[mask.film]).max()) for field, mask in pairs)
 
-    return {
-        "film_deformation_largest": largest(wide),
-        "film_deformation_error": largest(error),
-    }
+    return {"film_deformation_largest": largest(wide), "film_deformation_error": largest(error)}
 
 
 def node_pressures(description: MachineDescription, data: xr.Dataset) -> Callable[[float], Array]:

@@ -137,11 +137,7 @@ class LateralProblem:
             )
 
     def march(
-        self,
-        start: Balance,
-        steps: int,
-        revolutions: float = 1.0,
-        progress: Progress | None = None,
+        self, start: Balance, steps: int, revolutions: float = 1.0, progress: Progress | None = None
     ) -> LateralTrack:
         """March over the shaft angle with transient squeeze.
 
@@ -257,12 +253,8 @@ def lateral_problem(
     ----------
     description : MachineDescription
         The machine, with its lateral balance.
-    fluid : FluidLaw
-        Fluid.
     data : xarray.Dataset
         Samples of one revolution: chamber and port pressures, journal forces.
-    settings : LateralSettings
-        Grids and laws.
     nose_pressure : float, optional
         Absolute pressure on the nose; default the low pressure. [Pa]
 

@@ -94,12 +94,8 @@ def reduce_lateral(
     ----------
     description : MachineDescription
         Machine with a floating bearing.
-    fluid : FluidLaw
-        Fluid.
     run : callable
         Lumped solution of a changed machine at the condition.
-    settings : LateralSettings
-        Grids and laws.
     progress : callable, optional
         Told how many columns of the table are done.
 

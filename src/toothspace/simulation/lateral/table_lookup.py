@@ -57,8 +57,6 @@ def with_table_load(
         Machine of the run, with a lateral table.
     condition : OperatingCondition
         Condition at the pressure that the run was expected to reach.
-    solution : Solution
-        Its solution.
     """
     force, moment = axial_load(balance_of(description), chamber_pressures(description, condition))
     span = abs(condition.outlet_pressure - condition.inlet_pressure)

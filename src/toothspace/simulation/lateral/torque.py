@@ -34,8 +34,6 @@ def with_film_torque(
 
     Parameters
     ----------
-    description : MachineDescription
-        Machine.
     viscosity : float
         Viscosity that its films are sheared with. [Pa s]
     data : xarray.Dataset
