@@ -242,7 +242,7 @@ def test_a_rotor_whirling_at_half_speed_in_thick_oil_costs_few_steps():
                 "inlet_pressure": "4.99 bar",
                 "outlet_pressure": "91.48 bar",
             },
-            "run.revolutions": 4,
+            "run.revolutions": 3,
             "run.max_steps": 100_000,
         }
     )
