@@ -74,7 +74,7 @@ HOPELESS_ERROR = 1.2
 # Jacobian is assumed to contract by FRESH_RATE until measured.
 REFACTOR_CHANGE = 0.2
 JACOBIAN_AGE = 20
-SLOW_RATE = 0.3
+SLOW_RATE = 0.5
 FRESH_RATE = 0.1
 RATE_MEMORY = 0.3
 
