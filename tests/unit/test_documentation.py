@@ -120,6 +120,7 @@ def test_script_of_a_page_runs(page: Path, workplace: Path) -> None:
     names: dict[str, object] = {}
     for text in (text for kind, text in blocks(page) if kind == "python"):
         exec(compile(text, page.name, "exec"), names)
+    assert names.keys() - {"__builtins__"}
 
 
 @pytest.mark.slow

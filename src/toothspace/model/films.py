@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, final
 
 import numpy as np
@@ -95,14 +96,20 @@ def _film_maps(journals: list[LumpedJournalBearing]) -> tuple[list[JournalMap], 
         key = _map_key(journal)
         if key in maps:
             continue
-        shape = build_journal_map(_slenderness(journal))
+        shape = _journal_map(_slenderness(journal))
         if journal.solved is not None:
             shape = shape._replace(nodes=journal.solved.force_nodes)
         maps[key] = shape
     keys = list(maps)
-    return list(maps.values()) or [build_journal_map(1.0)], [
+    return list(maps.values()) or [_journal_map(1.0)], [
         keys.index(_map_key(journal)) for journal in journals
     ]
+
+
+@lru_cache(maxsize=8)
+def _journal_map(slenderness: float) -> JournalMap:
+    # a tenth of a second each; runs against an orifice assemble their machine more than once
+    return build_journal_map(slenderness)
 
 
 def _map_key(journal: LumpedJournalBearing) -> Any:
