@@ -110,20 +110,23 @@ def end_at_random(name: str, whole: Path, longest: float, draw: random.Random) -
         return [f"{name}, {end.name}: {text}" for text in found]
 
 
-def starve(name: str, whole: Path, size: int) -> list[str]:
-    """Run a command that may write files of so many bytes only; what harm that did."""
+def limited(name: str, whole: Path, kind: int, size: int) -> tuple[int, str, list[str]]:
+    """Exit code, messages and harm of a command with so much of one resource only. [B]."""
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
         (folder / "whole.nc").write_bytes(whole.read_bytes())
         limit = (size, size)
-        process = start(
-            commands(folder)[name], lambda: resource.setrlimit(resource.RLIMIT_FSIZE, limit)
-        )
+        process = start(commands(folder)[name], lambda: resource.setrlimit(kind, limit))
         code, messages = finish(process)
-        found = list(harm(folder, killed=False))
-        if "Traceback" in messages or code not in (0, 2, 3):
-            found.append(f"code {code}: {messages[-300:]}")
-        return [f"{name}, files of {size} bytes: {text}" for text in found]
+        return code, messages, list(harm(folder, killed=False))
+
+
+def starve(name: str, whole: Path, size: int) -> list[str]:
+    """Run a command that may write files of so many bytes only; what harm that did."""
+    code, messages, found = limited(name, whole, resource.RLIMIT_FSIZE, size)
+    if "Traceback" in messages or code not in (0, 2, 3):
+        found.append(f"code {code}: {messages[-300:]}")
+    return [f"{name}, files of {size} bytes: {text}" for text in found]
 
 
 def on_small_disks(whole: Path) -> Iterator[str]:
@@ -196,18 +199,10 @@ def with_cache(whole: Path, draw: random.Random) -> Iterator[str]:
 def without_memory(name: str, whole: Path, draw: random.Random) -> list[str]:
     """A command that may take little memory, its workers too; what harm that did."""
     size = draw.randrange(100, 500) * 2**20
-    with tempfile.TemporaryDirectory() as place:
-        folder = Path(place)
-        (folder / "whole.nc").write_bytes(whole.read_bytes())
-        limit = (size, size)
-        process = start(
-            commands(folder)[name], lambda: resource.setrlimit(resource.RLIMIT_DATA, limit)
-        )
-        code, messages = finish(process)
-        found = list(harm(folder, killed=False))
-        if code in (1, 70, -11):
-            found.append(f"code {code}: {messages[-300:]}")
-        return [f"{name}, {size // 2**20} MiB of memory: {text}" for text in found]
+    code, messages, found = limited(name, whole, resource.RLIMIT_DATA, size)
+    if code in (1, 70, -11):
+        found.append(f"code {code}: {messages[-300:]}")
+    return [f"{name}, {size // 2**20} MiB of memory: {text}" for text in found]
 
 
 def main() -> int:
