@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from toothspace.closures.gap_flow import equal_leakage_height, ring_sector_gap
+from toothspace.closures.gap_flow import ring_sector_gap
 from toothspace.core.types import Array, IntArray
 from toothspace.geometry.curve import signed_area
 from toothspace.machines.gerotor.parameters import GerotorParameters
@@ -163,10 +163,7 @@ def gap_by_motion(pocket: Pockets) -> Array:
 
 def side_gap(parameters: GerotorParameters) -> float:
     """Height that lets the same leakage through as the gaps of both faces. [m]."""
-    lateral = parameters.lateral
-    if lateral.side_gap is not None:
-        return lateral.side_gap
-    return float(equal_leakage_height(lateral.side_gap_a or 0.0, lateral.side_gap_b or 0.0))
+    return parameters.lateral.side_gap or parameters.lateral.leakage_height
 
 
 def shaft_radius(parameters: GerotorParameters, pocket: Pockets) -> float:
