@@ -59,12 +59,7 @@ from toothspace.model.contact_data import (
     motion_rows,
     rigid_mesh,
 )
-from toothspace.model.description import (
-    ChamberFamily,
-    FlowPath,
-    MachineDescription,
-    categories_of,
-)
+from toothspace.model.description import ChamberFamily, FlowPath, MachineDescription, categories_of
 from toothspace.model.films import (
     JournalData,
     journal_data,

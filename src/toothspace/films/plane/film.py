@@ -12,7 +12,7 @@ import numpy as np
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.films.reynolds.equation import FilmGrid, FluidField, GapField
+from toothspace.films.reynolds.equation import FilmGrid, FluidField, GapField, ring_grid
 from toothspace.films.reynolds.fluid import FilmFluid
 from toothspace.films.reynolds.linearised import pressure_responses
 from toothspace.films.reynolds.rough_surfaces import (
@@ -31,11 +31,7 @@ from toothspace.films.reynolds.state import (
     relative_error,
     solve_state,
 )
-from toothspace.numerics.complementarity import (
-    ComplementaritySolution,
-    Constraint,
-    residual,
-)
+from toothspace.numerics.complementarity import ComplementaritySolution, Constraint, residual
 from toothspace.numerics.linear_system import PRESCRIBED
 from toothspace.numerics.structured_grid import CellBalance
 
@@ -65,6 +61,20 @@ def polar_points(angle: Array, angle_face: Array, radius: Array, rim: Array) -> 
 
     x, y = at(angle, radius)
     return PlanePoints(x, y, at(angle_face, radius), at(angle, rim))
+
+
+def polar_grid(rows: int, rim: Array) -> FilmGrid:
+    """Grid whose ring of cells turns at one radian per second, from the radii between its lanes.
+
+    Radial conductances are exact for a gap that does not change along the radius; nothing flows
+    through a rim of no radius.
+    """
+    step, width, radius = 2.0 * np.pi / rows, np.diff(rim), 0.5 * (rim[1:] + rim[:-1])
+    with np.errstate(divide="ignore"):
+        inner = np.log(radius[0] / rim[0])
+    between = np.array([inner, *np.log(radius[1:] / radius[:-1]), np.log(rim[-1] / radius[-1])])
+    area = 0.5 * step * (rim[1:] ** 2 - rim[:-1] ** 2)
+    return ring_grid(rows, width / (radius * step), step / between, 0.5 * radius * width, area)
 
 
 @final
@@ -176,7 +186,8 @@ class PlaneSolution:
         [N/m, N m/rad and mixed; the same times s]
         """
         film = self.film
-        changes = [_rigid_change(film, k, rate) for rate in (False, True) for k in range(3)]
+        places = film.points
+        changes = [rigid_change(places, k, rate) for rate in (False, True) for k in range(3)]
         responses = self.responses(changes)
         table = -np.array([self.load(response) for response in responses]).T
         return table[:, :3], table[:, 3:]
@@ -278,9 +289,8 @@ def solve_plane(film: PlaneFilm, history: FilmHistory | None = None) -> PlaneSol
     return PlaneSolution(film, state.fluid, state.balance, state.fields, state.status, state.gauge)
 
 
-def _rigid_change(film: PlaneFilm, motion: int, rate: bool) -> GapField:
-    """Change of the gap by a unit lift or rotation of the upper face about x or y."""
-    points = film.points
+def rigid_change(points: PlanePoints, motion: int, rate: bool) -> GapField:
+    """Change of the gap by a unit lift or rotation of the upper face about x or y, or its rate."""
 
     def shape(x: Array, y: Array) -> Array:
         return np.ascontiguousarray((np.ones_like(x), y, -x)[motion])
