@@ -29,8 +29,7 @@ def ratio_over_plateau_speed(data: xr.Dataset) -> Figure:
     ):
         ratio.plot(speed, data[name].mean("start_angle").values, "o-", color=color, label=label)
     ratio.axhline(PAPER_RATIO, color=GREY, linewidth=0.8, linestyle="--")
-    ratio.set_ylabel("Start-up pressure ratio (-)")
-    ratio.set_title("Start-up pressure over running pressure")
+    ratio.set(ylabel="Start-up pressure ratio (-)", title="Start-up pressure over running pressure")
     ratio.legend(loc="upper right")
     for name, label, color in (
         ("startup_pressure_bar", "Start-up", ORANGE),
@@ -39,8 +38,7 @@ def ratio_over_plateau_speed(data: xr.Dataset) -> Figure:
     ):
         values = data[name].mean("start_angle").values
         pressure.plot(speed, values, "o-", color=color, label=label)
-    pressure.set_ylabel("Pressure (bar)")
-    pressure.set_xlabel("Plateau speed (rpm)")
+    pressure.set(ylabel="Pressure (bar)", xlabel="Plateau speed (rpm)")
     pressure.legend(loc="upper center", ncols=3)
     return figure
 

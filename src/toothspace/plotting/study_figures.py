@@ -110,8 +110,7 @@ def efficiency_contours(data: xr.Dataset) -> Figure:
         if values.count() > 3:
             _contours(axes, speed, pressure, values)
         axes.plot(*map(np.ravel, np.meshgrid(speed, pressure)), ".", color=GREY, ms=3)
-        axes.set_title(title)
-        axes.set_ylabel("Pressure difference (bar)")
+        axes.set(title=title, ylabel="Pressure difference (bar)")
     panels[-1].set_xlabel("Shaft speed (rpm)")
     return figure
 
@@ -140,8 +139,7 @@ def characteristics(data: xr.Dataset) -> Figure:
             speed = float(data["shaft_speed"][k]) * _RPM
             axes.plot(pressure, data[name].values[k], "o-", ms=3, label=f"{speed:.4g} rpm")
         _lay_over(axes, data, name)
-        axes.set_xlabel("Pressure difference (bar)")
-        axes.set_ylabel(_label(name))
+        axes.set(xlabel="Pressure difference (bar)", ylabel=_label(name))
     panels[1].legend()
     return figure
 
@@ -275,8 +273,7 @@ def histograms(data: xr.Dataset) -> Figure:
         axes.hist(values, bins=max(5, min(30, round(np.sqrt(values.size)))), color=BLUE)
         for mark in np.percentile(values, (5.0, 50.0, 95.0)) if values.size else ():
             axes.axvline(float(mark), color=INK, ls="--", lw=0.9)
-        axes.set_xlabel(axes.get_ylabel())
-        axes.set_ylabel("Number of points")
+        axes.set(xlabel=axes.get_ylabel(), ylabel="Number of points")
     return figure
 
 
@@ -352,8 +349,7 @@ def _over_time(axes: Axes, data: xr.Dataset, name: str, used: Array) -> None:
     held = np.logical_not(used)
     axes.plot(time[held], data[name].values[held], ".", color=GREY, ms=3, label="held out")
     axes.plot(time, data[f"fitted_{name}"].values, color=ORANGE, lw=1.2, label="fitted")
-    axes.set_xlabel("Time (s)")
-    axes.set_ylabel(_label(name))
+    axes.set(xlabel="Time (s)", ylabel=_label(name))
 
 
 def _deviations(axes: Axes, data: xr.Dataset, name: str, used: Array) -> None:
@@ -362,8 +358,7 @@ def _deviations(axes: Axes, data: xr.Dataset, name: str, used: Array) -> None:
     axes.axhline(0.0, color=GREY, lw=0.9)
     axes.plot(x[used], y[used], "o", color=BLUE, ms=4, label="used")
     axes.plot(x[held], y[held], "o", color=ORANGE, ms=4, mfc="white", label="held out")
-    axes.set_xlabel(f"Measured {label_of(name)}")
-    axes.set_ylabel("Fitted minus measured (% of mean)")
+    axes.set(xlabel=f"Measured {label_of(name)}", ylabel="Fitted minus measured (% of mean)")
 
 
 def _short(path: str) -> str:

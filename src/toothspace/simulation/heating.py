@@ -24,7 +24,7 @@ from toothspace.model.heat_network import (
 )
 from toothspace.model.path_category import LATERAL_PATHS
 from toothspace.results.performance import drain_flow
-from toothspace.results.solution import Solution, warned
+from toothspace.results.solution import Solution
 from toothspace.results.variables import dataset_from
 
 _FIFTIETH = 0.02
@@ -70,9 +70,7 @@ def run_with_heat(
         change = max(abs(found[1][name] - before[name]) for name in before)
         if change < _AGREED:
             return _with_temperatures(solution, *found)
-    solution = _with_temperatures(solution, *found)
-    provenance = warned(solution.provenance, _NOT_AGREED.format(change))
-    return replace(solution, provenance=provenance)
+    return _with_temperatures(solution, *found).noted(_NOT_AGREED.format(change))
 
 
 def _temperatures(
@@ -137,8 +135,7 @@ def _with_temperatures(
         {"temperature": list(temperature.values())}, {"heat_node": list(temperature)}
     )
     data = solution.data.merge(found, combine_attrs="override")
-    statistics = {**solution.statistics, "warm_up_time": network.warm_up_time}
-    return replace(solution, data=data, statistics=statistics)
+    return replace(solution, data=data).noted(warm_up_time=network.warm_up_time)
 
 
 def lateral_heating(case: Case) -> FilmHeating | None:

@@ -75,9 +75,11 @@ def solved_responses(
     relative_tolerance : float
         Residual of the linear solution over its right-hand side. [-]
     """
-    disturbances = [residual(balance, one, fields.potential, fields.saturation) for one in varied]
-    known = fields.kind == PRESCRIBED
-    sides = np.array([np.where(known, 0.0, -d).ravel() for d in disturbances])
+    known, changes = fields.kind == PRESCRIBED, list(varied)
+    sides = np.empty((len(changes), known.size))
+    for side, change in zip(sides, changes, strict=True):
+        disturbance = residual(balance, change, fields.potential, fields.saturation)
+        side[:] = np.where(known, 0.0, -disturbance).ravel()
     found = fields.system.solve(sides, relative_tolerance=relative_tolerance)
     held = (fields.kind != SATURATED) | (fields.potential <= 0.0)
     return [np.where(held, 0.0, response.reshape(held.shape)) for response in found]
