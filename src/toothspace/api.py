@@ -14,7 +14,7 @@ from toothspace.core.errors import CaseError
 from toothspace.core.processes import start_worker
 from toothspace.core.progress import Progress
 from toothspace.core.registry import machine_type
-from toothspace.machines.shared_drafts import draft_case
+from toothspace.machines.shared_draft import draft_case
 from toothspace.model.description import MachineDescription
 from toothspace.results.credibility import with_interval, with_warnings
 from toothspace.results.solution import Solution
@@ -68,14 +68,14 @@ def simulate(case: Case, progress: Progress | None = None) -> Solution:
         solution = _with_both_flanks(setup, solution)
     compiling = compile_seconds() - compiled
     wall = time.perf_counter() - started - compiling
-    return solution.noted(wall_time=wall, compile_time=compiling)
+    return solution.with_note(wall_time=wall, compile_time=compiling)
 
 
 def _with_both_flanks(setup: Setup, solution: Solution) -> Solution:
     try:
         drawn = set_up(setup.case.replace(setup.description.as_drawn))
     except CaseError as error:
-        return solution.noted(f"Flanks as in the file cannot be computed with: {error}")
+        return solution.with_note(f"Flanks as in the file cannot be computed with: {error}")
     return with_interval(solution, run.simulate(drawn, None))
 
 

@@ -42,7 +42,7 @@ def with_warnings(
     """
     drawing = [check.sentence for check in checks if check.of_drawing and not check.passed]
     found = "\n".join([*_pressure(solution, highest_pressure), *_numbers(solution), *drawing])
-    return solution.noted(found)
+    return solution.with_note(found)
 
 
 def with_interval(solution: Solution, drawn: Solution) -> Solution:
@@ -72,7 +72,7 @@ def with_interval(solution: Solution, drawn: Solution) -> Solution:
     )
     text = f"Flanks as in the file, not the involute that fits them, give {told}."
     numbers = {f"as_drawn_{name}": value for name, value in other.items() if name in fitted}
-    return solution.noted(text, **numbers)
+    return solution.with_note(text, **numbers)
 
 
 def _pressure(solution: Solution, highest: float) -> Iterator[str]:

@@ -83,7 +83,7 @@ class Solution:
             "real_time_factor": self.ledger.duration / wall if wall else float("nan"),
         }
 
-    def noted(self, warning: str = "", **statistics: float) -> Solution:
+    def with_note(self, warning: str = "", **statistics: float) -> Solution:
         """Solution with more statistics, and with a warning if it is not empty."""
         provenance = dict(self.provenance)
         if warning:

@@ -70,7 +70,7 @@ def run_with_heat(
         change = max(abs(found[1][name] - before[name]) for name in before)
         if change < _AGREED:
             return _with_temperatures(solution, *found)
-    return _with_temperatures(solution, *found).noted(_NOT_AGREED.format(change))
+    return _with_temperatures(solution, *found).with_note(_NOT_AGREED.format(change))
 
 
 def _temperatures(
@@ -135,7 +135,7 @@ def _with_temperatures(
         {"temperature": list(temperature.values())}, {"heat_node": list(temperature)}
     )
     data = solution.data.merge(found, combine_attrs="override")
-    return replace(solution, data=data).noted(warm_up_time=network.warm_up_time)
+    return replace(solution, data=data).with_note(warm_up_time=network.warm_up_time)
 
 
 def lateral_heating(case: Case) -> FilmHeating | None:

@@ -54,7 +54,7 @@ class WornMachine:
         """Solution on this machine: not done on a casing that was cut only in part."""
         if self.status is Status.DONE or solution.status is Status.INTERRUPTED:
             return solution
-        return replace(solution, status=self.status).noted("Running-in ended before its time.")
+        return replace(solution, status=self.status).with_note("Running-in ended before its time.")
 
     @property
     def values(self) -> dict[str, Any]:

@@ -19,7 +19,7 @@ from toothspace.studies.measured import Measured, Signals, read_measured
 from toothspace.studies.points import Evaluate, evaluate_points, point, summary_numbers
 from toothspace.studies.records import Record
 from toothspace.studies.study import StudyContext, StudyResult, StudyTable
-from toothspace.studies.variation import Axis, axes_of, quantiles, written_values
+from toothspace.studies.variation import Axis, axes_of, values_at, written_values
 
 
 def run(case: Case, context: StudyContext) -> StudyResult:
@@ -104,7 +104,7 @@ class _Model:
         return {name: rows[0] for name, rows in self._channels(shares[None], everywhere).items()}
 
     def _channels(self, shares: Array, rows: Array) -> dict[str, Array]:
-        values = [written_values(self.axes, row) for row in quantiles(self.axes, shares)]
+        values = [written_values(self.axes, row) for row in values_at(self.axes, shares)]
         self.tried += len(values)
         if self.measured.times is not None:
             return self._signals(values, rows)

@@ -18,7 +18,7 @@ from toothspace.studies.points import Point, evaluate_points, point, require_som
 from toothspace.studies.records import Record, failed_count
 from toothspace.studies.study import StudyContext, StudyResult, StudyTable
 from toothspace.studies.tabulate import points_dataset, points_table
-from toothspace.studies.variation import Axis, axes_of, quantiles, unit_samples, written_values
+from toothspace.studies.variation import Axis, axes_of, unit_samples, values_at, written_values
 
 _INFEASIBLE = 1e12
 _FAILED = 1e15
@@ -119,7 +119,7 @@ class _TriedPoints:
         return bool(found.success) or "iterations" in str(found.message)
 
     def _evaluate(self, shares: Array) -> list[Record]:
-        rows = quantiles(self.axes, shares)
+        rows = values_at(self.axes, shares)
         points: list[Point] = [point(self.case, written_values(self.axes, row)) for row in rows]
         context = self._counting()
         records = evaluate_points(points, context)

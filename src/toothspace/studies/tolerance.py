@@ -20,7 +20,7 @@ from toothspace.studies.sensitivity import (
 )
 from toothspace.studies.study import Row, StudyContext, StudyResult, StudyTable
 from toothspace.studies.tabulate import columns, points_dataset, points_table
-from toothspace.studies.variation import Axis, axes_of, quantiles, unit_samples, written_values
+from toothspace.studies.variation import Axis, axes_of, unit_samples, values_at, written_values
 
 
 def run(case: Case, context: StudyContext) -> StudyResult:
@@ -40,7 +40,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     assert isinstance(study, ToleranceStudy)
     axes = axes_of(study.vary, str(case.source or "case"))
     shares = _shares(study, len(axes))
-    rows = quantiles(axes, shares)
+    rows = values_at(axes, shares)
     points = [point(case, written_values(axes, row)) for row in rows]
     records = collected(points, context)
     # with indices, the first two blocks are the plain sample; the rest repeats its values

@@ -111,7 +111,7 @@ def elastic_solution(point: CoupledPoint, steps: int, progress: Progress | None 
     force, moment = axial_load(point.problem.stack.balance, point.problem.node_pressure)
     rise, numbers = point.temperature_rise, point.numbers
     warnings = filter(None, [seat_warning(numbers), equilibrium_warning(point)])
-    return replace(point.solution, status=status, data=data).noted(
+    return replace(point.solution, status=status, data=data).with_note(
         "\n".join(warnings),
         lateral_leakage=numbers.leakage,
         lateral_leakage_mismatch=point.leakage_mismatch,

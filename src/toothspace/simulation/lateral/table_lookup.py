@@ -61,7 +61,7 @@ def with_table_load(
     force, moment = axial_load(balance_of(description), chamber_pressures(description, condition))
     span = abs(condition.outlet_pressure - condition.inlet_pressure)
     told = _ONE_LOAD.format(force, 1e-5 * span)
-    return solution.noted(told, lateral_axial_force=force, lateral_axial_moment=moment)
+    return solution.with_note(told, lateral_axial_force=force, lateral_axial_moment=moment)
 
 
 def run_with_table(description: MachineDescription, run: LumpedRun, slide: float) -> Solution:
@@ -110,7 +110,7 @@ def run_with_table(description: MachineDescription, run: LumpedRun, slide: float
     if agreed:
         table.check(*load)
     status = Status.DONE if agreed else Status.NOT_CONVERGED
-    return replace(solution, status=status).noted(
+    return replace(solution, status=status).with_note(
         "" if agreed else _NOT_AGREED.format(100.0 * mismatch / flow),
         lateral_axial_force=load[0],
         lateral_axial_moment=load[1],
