@@ -80,7 +80,7 @@ def solution_from(
     """
     system = history.system
     seen = observe(system.arrays, history.states)
-    trapped = trapped_flows(history, seen)
+    trapped, kinds = trapped_flows(history, seen), leakage_categories(system)
     ports, own = port_values(history, seen), system.arrays.chambers
     angle = own.phase + np.outer(history.states[:, 0], own.ratio)
     values = {
@@ -93,7 +93,8 @@ def solution_from(
         "opening_area": _openings(system.description, history.states[:, 0]),
         **body_values(history, seen),
         **loss_values(history, seen),
-        **_path_values(system),
+        "path_label": np.array([category.label for category in kinds], dtype=str),
+        "path_colour": np.array([category.colour for category in kinds], dtype=str),
         "leakage": _leakage(system, seen, trapped),
         "equivalent_leakage": _equivalent_leakage(system, seen),
         "drain_flow_rate": _drain_flow_rate(system, seen),
@@ -432,15 +433,6 @@ def _by_path(system: System, values: Array) -> Array:
 def leakage_categories(system: System) -> list[PathCategory]:
     """Categories of the paths of a machine that leak, in the order of the dimension ``path``."""
     return [category for category in system.categories if category.role in LEAKAGES]
-
-
-def _path_values(system: System) -> dict[str, Array]:
-    """How reports name and colour the leakage paths."""
-    kinds = leakage_categories(system)
-    return {
-        "path_label": np.array([category.label for category in kinds], dtype=str),
-        "path_colour": np.array([category.colour for category in kinds], dtype=str),
-    }
 
 
 def attributes_of(description: MachineDescription, title: str) -> dict[str, str]:

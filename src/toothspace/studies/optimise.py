@@ -130,11 +130,8 @@ class _TriedPoints:
 
     def _counting(self) -> StudyContext:
         """Progress over the whole search instead of one batch."""
-        report, done, total = (
-            self.context.progress,
-            len(self.records),
-            self.study.evaluation_count,
-        )
+        report, done = self.context.progress, len(self.records)
+        total = self.study.evaluation_count
         if report is None:
             return self.context
 
@@ -159,13 +156,9 @@ class _TriedPoints:
     def _cost(self, record: Record) -> float:
         if not record.succeeded:
             return _FAILED
-        violation = self.violation(record)
-        return (
-            _INFEASIBLE * (1.0 + min(violation, 100.0)) if violation > 0.0 else self._loss(record)
-        )
-
-    def _loss(self, record: Record) -> float:
-        merit = self.merit(record)
+        violation, merit = self.violation(record), self.merit(record)
+        if violation > 0.0:
+            return _INFEASIBLE * (1.0 + min(violation, 100.0))
         upwards = self.study.targets is None and self.study.goal == "maximise"
         return _FAILED if math.isnan(merit) else -merit if upwards else merit
 
