@@ -13,7 +13,7 @@ from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.films.thermal import HIGHEST_RISE, FilmHeating, HeatBalance
 from toothspace.model.description import MachineDescription
-from toothspace.model.fluid import LiquidState, library_liquid, table_liquid
+from toothspace.model.fluid import LiquidState, fit_table, library_liquid
 from toothspace.model.heat_network import (
     HeatExchange,
     HeatFlows,
@@ -191,5 +191,5 @@ def liquid_of(case: Case, temperature: float | None = None) -> LiquidState:
     assert case.fluid is not None
     given = case.fluid.temperature if temperature is None else temperature
     if case.fluid.table is not None:
-        return table_liquid(case.fluid.table, given)
+        return fit_table(case.fluid.table, given)
     return library_liquid(case.fluid.name or "", given)
