@@ -303,7 +303,7 @@ def solve_compliant(
     status = Status.DONE if settled else Status.NOT_CONVERGED
     gauge = fluid.gauge(np.maximum(fields.potential, 0.0), lowest)
     liquid = fluid.fields(gauge + lowest)
-    plane = PlaneSolution(moved, liquid, now.found.balance, fields, status, gauge)
+    plane = PlaneSolution(gauge, liquid, now.found.balance, fields, status, moved)
     touch = (now.touch[1].copy(), now.touch[2].copy())
     return CompliantSolution(plane, contact, *touch, kind, largest, now.found)
 

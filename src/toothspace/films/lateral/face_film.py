@@ -365,7 +365,7 @@ def _stiff(
     fields = solve_complementarity(balance, film.constraint, start)
     status = Status.DONE if fields.converged else Status.NOT_CONVERGED
     gauge = fluid.gauge(np.maximum(fields.potential, 0.0), lowest)
-    plane = PlaneSolution(film, fluid.fields(gauge + lowest), balance, fields, status, gauge)
+    plane = PlaneSolution(gauge, fluid.fields(gauge + lowest), balance, fields, status, film)
     contact, slope = contact_field(film.gap.centre, max(law.roughness, 1e-12), law.contact)
     known = film.grid.mark == PRESCRIBED
     contact[known], slope[known] = 0.0, 0.0

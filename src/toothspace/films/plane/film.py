@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple, final
 
@@ -12,7 +12,7 @@ import numpy as np
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.films.reynolds.equation import FilmGrid, FluidField, GapField, ring_grid
+from toothspace.films.reynolds.equation import FilmGrid, GapField, ring_grid
 from toothspace.films.reynolds.fluid import FilmFluid
 from toothspace.films.reynolds.linearised import pressure_responses
 from toothspace.films.reynolds.rough_surfaces import (
@@ -26,14 +26,14 @@ from toothspace.films.reynolds.state import (
     Exchange,
     FilmHistory,
     FilmProblem,
+    FilmState,
     exchange,
     memory,
     relative_error,
     solve_state,
 )
-from toothspace.numerics.complementarity import ComplementaritySolution, Constraint, residual
+from toothspace.numerics.complementarity import Constraint, residual
 from toothspace.numerics.linear_system import PRESCRIBED
-from toothspace.numerics.structured_grid import CellBalance
 
 
 class PlanePoints(NamedTuple):
@@ -97,18 +97,10 @@ class PlaneFilm:
 
 @final
 @dataclass(frozen=True)
-class PlaneSolution:
+class PlaneSolution(FilmState):
     """Fields of a plane film and the state that they were found with."""
 
     film: PlaneFilm
-    fluid: FluidField = field(repr=False)
-    """Liquid at the pressure of the cells."""
-    balance: CellBalance = field(repr=False)
-    fields: ComplementaritySolution = field(repr=False)
-    status: Status
-    """Whether there is a solution and the iterations settled."""
-    gauge: Array = field(repr=False)
-    """Pressure above the cavitation pressure. [Pa]"""
 
     @property
     def pressure(self) -> Array:
@@ -286,7 +278,7 @@ def solve_plane(film: PlaneFilm, history: FilmHistory | None = None) -> PlaneSol
         film.grid, film.gap, film.fluid, film.cavitation_pressure, film.constraint, film.law
     )
     state = solve_state(problem, history=memory(problem, history))
-    return PlaneSolution(film, state.fluid, state.balance, state.fields, state.status, state.gauge)
+    return PlaneSolution(**vars(state), film=film)
 
 
 def rigid_change(points: PlanePoints, motion: int, rate: bool) -> GapField:
