@@ -1,11 +1,11 @@
-"""Depths of running-in kept on disk, beside the compiled code and keyed by its sources."""
+"""Depths of running-in kept on disk, keyed by the sources of the package."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 from toothspace.core.array_store import keep_arrays, load_arrays
-from toothspace.core.compiled import CACHE_FOLDER
+from toothspace.core.compiled import cache_root, digest_of_sources
 from toothspace.core.types import Array
 
 _MOST_FILES = 2000
@@ -13,7 +13,7 @@ _MOST_FILES = 2000
 
 def folder() -> Path:
     """Folder of the stored depths."""
-    return CACHE_FOLDER.parent / CACHE_FOLDER.name.replace("compiled", "running-in")
+    return cache_root() / f"running-in-{digest_of_sources()}"
 
 
 def load(key: str) -> dict[str, Array] | None:
