@@ -14,6 +14,7 @@ from toothspace.core.errors import CaseError
 from toothspace.core.processes import start_worker
 from toothspace.core.progress import Progress
 from toothspace.core.registry import machine_type
+from toothspace.machines.shared_designs import evaluate_designs
 from toothspace.machines.shared_draft import draft_case
 from toothspace.model.description import MachineDescription
 from toothspace.results.credibility import with_interval, with_warnings
@@ -136,6 +137,7 @@ def _simulate_safely(case: Case) -> Solution | Exception:
 __all__ = [
     "describe",
     "draft_case",
+    "evaluate_designs",
     "fluid_of",
     "load_case",
     "set_up",
