@@ -357,7 +357,7 @@ class ExternalGearTables(MachineTables):
 
     part_tables: ClassVar[Mapping[str, str]] = {
         "running_in": "casing.wear_in",
-        "floating_bearing": "floating_bearing",
+        "floating_part": "floating_bearing",
         "elastic_bodies": "elastic_bodies",
         "startup": "startup",
     }
