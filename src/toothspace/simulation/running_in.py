@@ -10,7 +10,7 @@ import numpy as np
 
 from toothspace.case.fingerprint import fingerprint
 from toothspace.core.array_store import keep_arrays, load_arrays
-from toothspace.core.compiled import CACHE_FOLDER
+from toothspace.core.compiled import cache_root, digest_of_sources
 from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.core.progress import Progress, part
 from toothspace.core.status import Status
@@ -109,7 +109,7 @@ def run_in(setup: Setup, progress: Progress | None = None) -> WornMachine:
 
 def folder() -> Path:
     """Folder of stored depths, beside the compiled code and keyed by its sources."""
-    return CACHE_FOLDER.parent / CACHE_FOLDER.name.replace("compiled", "running-in")
+    return cache_root() / f"running-in-{digest_of_sources()}"
 
 
 def load(key: str) -> dict[str, Array] | None:
