@@ -116,7 +116,7 @@ def make_members(
     bank: TableBank,
     parts: Sequence[ChamberFamily | FlowPath | ContactPair],
     first_table: int,
-    gates: Sequence[int],
+    gate: Sequence[int],
     packed: bool = False,
 ) -> Members:
     """Return the members of parts, which stand nowhere yet.
@@ -129,7 +129,7 @@ def make_members(
         Parts of one kind; each has a table, or one for each of its members.
     first_table : int
         Number of their first table.
-    gates : sequence of int
+    gate : sequence of int
         Gate of the members of each part.
     packed : bool
         Whether closed members are left out.
@@ -146,7 +146,7 @@ def make_members(
         table=table,
         phase=phase,
         ratio=ratio,
-        gate=np.repeat(np.asarray(gates, dtype=np.int64), counts),
+        gate=np.repeat(np.asarray(gate, dtype=np.int64), counts),
         packed=int(packed),
         origin=np.asarray(phase * nodes / bank.period[table], dtype=float),
         growth=np.asarray(ratio * nodes / bank.period[table], dtype=float),
