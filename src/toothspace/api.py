@@ -3,23 +3,28 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from toothspace.case import Case, load_case
 from toothspace.case.fingerprint import fingerprint
 from toothspace.core.compiled import compile_seconds
 from toothspace.core.errors import CaseError
+from toothspace.core.keys import KeyRuleError
 from toothspace.core.processes import start_worker
 from toothspace.core.progress import Progress
-from toothspace.core.registry import machine_type
+from toothspace.core.registry import machine_type, machine_type_names
 from toothspace.machines.shared_draft import draft_case
 from toothspace.model.description import MachineDescription
 from toothspace.results.credibility import with_interval, with_warnings
 from toothspace.results.solution import Solution
 from toothspace.simulation import run
 from toothspace.simulation.setup import Setup, fluid_of, known_pressure, require_condition
+
+if TYPE_CHECKING:
+    from toothspace.core.types import Array
+    from toothspace.geometry.evaluated_designs import EvaluatedDesigns
 
 _KEPT_MACHINES = 4
 
@@ -36,6 +41,46 @@ def describe(case: Case) -> MachineDescription:
             del _machines[next(iter(_machines))]
         _machines[key] = machine_type(case.machine_type).describe(case.machine_spec)
     return _machines[key]
+
+
+def evaluate_designs(
+    case: Case,
+    varied: Mapping[str, Array],
+    addendum: float | None = None,
+    displacement: float | None = None,
+) -> EvaluatedDesigns:
+    """Kinematics of the machine of a case with other values of some keys, many at once.
+
+    Parameters
+    ----------
+    case : Case
+        Everything that does not vary.
+    varied : mapping of str to ndarray
+        Values by key path, arrays of one shape (n,). [SI unit]
+    addendum : float or None
+        Height of the teeth above the shifted reference line, from which tip diameters follow;
+        None for those given. [module]
+    displacement : float or None
+        Geometric displacement for which face widths are chosen; None for those given. [m3/rad]
+
+    Raises
+    ------
+    CaseError
+        If the machine has no closed form, or a key does not act on its kinematics.
+    """
+    evaluate = None
+    if case.machine is not None:
+        evaluate = machine_type(case.machine_type).evaluate_designs
+    if evaluate is None:
+        found = repr(case.machine_type) if case.machine_type else "no machine"
+        able = [repr(name) for name in machine_type_names() if machine_type(name).evaluate_designs]
+        raise CaseError(f"{case.label}: machine.type: found {found}, allowed {' or '.join(able)}")
+    inner = {path.removeprefix("machine."): values for path, values in varied.items()}
+    try:
+        evaluated: EvaluatedDesigns = evaluate(case.machine, inner, addendum, displacement)
+    except KeyRuleError as error:
+        raise CaseError(f"{case.label}: machine.{error}") from error
+    return evaluated
 
 
 def set_up(case: Case) -> Setup:
@@ -136,6 +181,7 @@ def _simulate_safely(case: Case) -> Solution | Exception:
 __all__ = [
     "describe",
     "draft_case",
+    "evaluate_designs",
     "fluid_of",
     "load_case",
     "set_up",

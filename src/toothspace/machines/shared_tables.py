@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar, Literal, cast, final
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, cast, final
 
 from toothspace.closures.gap_flow import equal_leakage_height
 from toothspace.core.keys import (
@@ -20,6 +20,9 @@ from toothspace.core.keys import (
     text,
 )
 from toothspace.model.description import MachineDescription
+
+if TYPE_CHECKING:
+    from toothspace.geometry.evaluated_designs import EvaluatedDesigns
 
 DEFAULT_NODES = 720
 """About how many table nodes stand on one turn."""
@@ -86,11 +89,15 @@ class MachineType:
     draft : callable or None
         From CAD files, the name of their unit, the wanted section and the folder of the case file
         to a :class:`CaseDraft`, or None where they hold no such machine.
+    evaluate_designs : callable or None
+        From ``[machine]``, arrays of varied values by key path, a common addendum and a common
+        displacement (None for those given) to the kinematics of many designs.
     """
 
     name: str
     describe: Callable[..., MachineDescription]
     draft: Callable[..., CaseDraft | None] | None = None
+    evaluate_designs: Callable[..., EvaluatedDesigns] | None = None
 
 
 def named_beside(file: Path, folder: Path) -> str:

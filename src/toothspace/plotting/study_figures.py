@@ -331,6 +331,29 @@ def search_history(data: xr.Dataset) -> Figure:
     return figure
 
 
+def _design_scan(data: xr.Dataset) -> list[StudyFigure]:
+    if not data["feasible"].any():
+        return []
+    caption = "Designs that hold all constraints, over each varied key; orange: the best."
+    return [StudyFigure("designs", caption, feasible_designs(data))]
+
+
+@styled
+def feasible_designs(data: xr.Dataset) -> Figure:
+    """Objective of the feasible designs over each varied key."""
+    name, kept = data.attrs["objective"], data["feasible"].values
+    sign = 1.0 if data.attrs["goal"] == "maximise" else -1.0
+    merit = data[name].values
+    best = int(np.argmax(np.where(kept, sign * merit, -np.inf)))
+    figure, panels = _panels_of(data.attrs["varied"].split(), 2, 0.4, 2.4)
+    for axes, path in panels:
+        axes.plot(data[path].values[kept], merit[kept], ".", color=BLUE, ms=2, rasterized=True)
+        axes.plot(data[path].values[best], merit[best], "o", color=ORANGE, ms=6)
+        axes.set_xlabel(_axis_label(data, path))
+        axes.set_ylabel(_label(name))
+    return figure
+
+
 def _calibrate(data: xr.Dataset) -> list[StudyFigure]:
     names = [str(n).removeprefix("fitted_") for n in data.data_vars if str(n).startswith("fitted_")]
     if not names:
@@ -378,6 +401,7 @@ _FIGURES: Mapping[str, Callable[..., list[StudyFigure]]] = {
     "calibrate": _calibrate,
     "contact_span": contact_span_figures,
     "source_ripple": source_figures,
+    "design_scan": _design_scan,
     "efficiency_map": _efficiency_map,
     "hysteresis": hysteresis_figures,
     "nose_pressure": nose_figures,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from toothspace.gearing.flank_contacts import flank_contacts, rigid_mesh
 from toothspace.gearing.meshing import displacement
@@ -26,6 +26,9 @@ from toothspace.machines.external_gear.summary import design_checks, geometry_su
 from toothspace.machines.shared_tables import DEFAULT_NODES, CaseDraft, MachineType
 from toothspace.model.description import MachineDescription, RunningIn
 from toothspace.model.lateral_balance import LateralBalance
+
+if TYPE_CHECKING:
+    from toothspace.geometry.evaluated_designs import EvaluatedDesigns
 
 
 def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescription:
@@ -98,5 +101,12 @@ def _draft(*given: Any) -> CaseDraft | None:
     return draft_case(*given)
 
 
-MACHINE = MachineType("external_gear", describe, _draft)
+def _designs(*given: Any) -> EvaluatedDesigns:
+    # arrays of gears, which a run does not need
+    from toothspace.machines.external_gear.designs import evaluate_designs
+
+    return evaluate_designs(*given)
+
+
+MACHINE = MachineType("external_gear", describe, _draft, _designs)
 """The machine type found through the entry point."""
