@@ -13,8 +13,8 @@ from toothspace.case import load_case
 from toothspace.cli import main
 from toothspace.core.errors import CaseError
 from toothspace.geometry.body_section import SectionRequest
+from toothspace.geometry.cad_export import Section, export_section
 from toothspace.geometry.involute import InvoluteGear, generate_profile
-from toothspace.geometry.section_export import Section, export_section
 
 trimesh = pytest.importorskip("trimesh")
 

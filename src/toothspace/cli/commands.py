@@ -417,7 +417,7 @@ def stand_alone_film(
     if getattr(case, table) is None:
         raise CaseError(f"{case_file}: {table}: found nothing, allowed a table [{table}]")
     from toothspace import api
-    from toothspace.films.grid_dependence import grid_report
+    from toothspace.films.summaries import grid_report
 
     with _file_named(case_file):
         solve = api.solve_bearing if table == "bearing" else api.solve_film

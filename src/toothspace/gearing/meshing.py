@@ -60,7 +60,7 @@ class MeshedGears:
     mesh: Mesh
     face_width: float
     loaded_is_left: bool
-    pair: InvolutePair | None
+    pair: InvolutePair[float] | None
 
     @property
     def counts(self) -> tuple[int, int]:

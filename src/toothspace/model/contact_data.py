@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -33,7 +34,7 @@ from toothspace.model.arrays import (
     SLIDING,
 )
 from toothspace.model.contact_pair import CONTACT_CHANNELS, ContactPair, RigidMesh
-from toothspace.model.description import MachineDescription
+from toothspace.model.description import ChamberFamily, MachineDescription
 from toothspace.model.films import lateral_drag
 from toothspace.model.ledger import FRICTION_MECHANISMS
 from toothspace.model.operating_point import OperatingCondition
@@ -103,18 +104,21 @@ def contact_parts(
     rows = [row for c in contacts for row in [_constants(c)] * c.count]
     return ContactParts(
         tables=tables,
-        reading=_readings(contacts, first_table, POSSIBLE if compliant else OPEN),
+        reading=member_readings(contacts, first_table, POSSIBLE if compliant else OPEN),
         data=np.array(rows, dtype=float).reshape(count, 11),
         counts={"contacts": count, "compliant": count if compliant else 0},
     )
 
 
-def _readings(contacts: list[ContactPair], first_table: int, gate: int) -> Reading:
-    counts = [contact.count for contact in contacts]
+def member_readings(
+    parts: Sequence[ContactPair | ChamberFamily], first_table: int, gate: int
+) -> Reading:
+    """How all contacts, or all chambers, read their tables, the first of which has a number."""
+    counts = [part.count for part in parts]
     return Reading(
-        table=member_tables(first_table, counts, [len(contact.own) for contact in contacts]),
-        phase=np.concatenate([*(contact.phases for contact in contacts), np.zeros(0)]),
-        ratio=np.repeat([float(contact.angle_ratio) for contact in contacts], counts),
+        table=member_tables(first_table, counts, [len(part.own) for part in parts]),
+        phase=np.concatenate([*(part.phases for part in parts), np.zeros(0)]),
+        ratio=np.repeat([float(part.angle_ratio) for part in parts], counts),
         gate=np.full(sum(counts), gate),
         packed=False,
     )
@@ -222,15 +226,8 @@ def motion_rows(
         if motion.axis == "rotation":
             row[MOTION_MASS], row[MOTION_RATIO] = body.inertia, body.speed_ratio
             row[LATERAL_DRAG] = drag[motion.body]
-            row[CLEARANCE] /= _lever(description, k)
+            levers = [np.abs(c.gap_by_motion.values[:, k]).max() for c in description.contacts]
+            row[CLEARANCE] /= float(max(levers))
         elif body.role == "shaft" and motion.axis in ("x", "y"):
             row[EXTERNAL_FORCE] = condition.radial_load["xy".index(motion.axis)]
     return rows
-
-
-def _lever(description: MachineDescription, motion: int) -> float:
-    """Largest lever of a contact about the axis of a turning body. [m]."""
-    return max(
-        float(np.abs(contact.gap_by_motion.values[:, motion]).max())
-        for contact in description.contacts
-    )

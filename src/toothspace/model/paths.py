@@ -11,11 +11,7 @@ from toothspace.core.types import Array, IntArray
 from toothspace.model.arrays import CURVED_GAP, FITTED_GAP, ORIFICE, PARALLEL_GAP
 from toothspace.model.circuit_description import CircuitNetwork
 from toothspace.model.description import FlowPath, MachineDescription
-from toothspace.model.path_category import (
-    CIRCUIT_ORIFICE,
-    LOAD_ORIFICE,
-    PathCategory,
-)
+from toothspace.model.path_category import CIRCUIT_ORIFICE, LOAD_ORIFICE, PathCategory
 from toothspace.model.tables import Reading, member_tables
 from toothspace.numerics.periodic_table import PeriodicTable
 

@@ -47,7 +47,7 @@ class JournalDefinition:
     def __post_init__(self) -> None:
         for key in ("diameter", "length", "radial_clearance", "dynamic_viscosity"):
             value = getattr(self, key)
-            if not isinstance(value, Real) or not value > 0.0:
+            if not (isinstance(value, Real) and float(value) > 0.0):
                 raise CaseError(f"bearing.{key}: found {value!r}, allowed are positive SI numbers")
         for key, allowed in _CHOICES.items():
             value = getattr(self, key)

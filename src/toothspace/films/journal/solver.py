@@ -9,7 +9,6 @@ from typing import final
 import numpy as np
 
 from toothspace.core.errors import CaseError
-from toothspace.core.status import Status
 from toothspace.core.types import Array, IntArray
 from toothspace.films.journal.definition import JournalDefinition
 from toothspace.films.journal.geometry import (
@@ -26,18 +25,18 @@ from toothspace.films.journal.geometry import (
     lobed,
 )
 from toothspace.films.reynolds.cavitation import CAVITATION
-from toothspace.films.reynolds.equation import FilmGrid, FluidField, GapField
+from toothspace.films.reynolds.equation import FilmGrid, GapField
 from toothspace.films.reynolds.rough_surfaces import SMOOTH, FlowLaw, contact_field
 from toothspace.films.reynolds.state import (
     FilmHistory,
     FilmProblem,
+    FilmState,
     memory,
     relative_error,
     solve_state,
 )
-from toothspace.numerics.complementarity import ComplementaritySolution, face_flows, residual
+from toothspace.numerics.complementarity import face_flows, residual
 from toothspace.numerics.linear_system import PRESCRIBED
-from toothspace.numerics.structured_grid import CellBalance
 
 
 @final
@@ -51,22 +50,14 @@ class JournalContact:
 
 @final
 @dataclass(frozen=True)
-class JournalField:
+class JournalField(FilmState):
     """Discrete film and its solution, kept for variations."""
 
     mesh: JournalMesh
     grid: FilmGrid
     gap: GapField
-    fluid: FluidField
-    """Liquid at the pressure of the cells."""
-    balance: CellBalance
-    fields: ComplementaritySolution
     law: FlowLaw
     contact: JournalContact | None
-    gauge: Array
-    """Pressure above the cavitation pressure. [Pa]"""
-    status: Status
-    """Whether the cavity boundary settled."""
 
 
 @lru_cache(maxsize=32)
@@ -145,18 +136,7 @@ def solve_field(
         grid, gap, bearing.fluid, bearing.cavitation_pressure, CAVITATION[bearing.cavitation], law
     )
     state = solve_state(problem, start, memory(problem, history))
-    return JournalField(
-        mesh,
-        grid,
-        gap,
-        state.fluid,
-        state.balance,
-        state.fields,
-        law,
-        contact,
-        state.gauge,
-        state.status,
-    )
+    return JournalField(**vars(state), mesh=mesh, grid=grid, gap=gap, law=law, contact=contact)
 
 
 def _walls(

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
+from toothspace.geometry.cad_export import Section, export_section
 from toothspace.geometry.curve import polar
-from toothspace.geometry.section_export import Section, export_section
 from toothspace.machines.gerotor.contact_table import export_contacts
 from toothspace.machines.gerotor.lobe_pairs import contacts_of
 from toothspace.machines.gerotor.parameters import GerotorParameters
