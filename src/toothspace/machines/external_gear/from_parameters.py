@@ -203,6 +203,7 @@ def _casing(machine: keys.ExternalGearTables, drive: spec.Gear, driven: spec.Gea
         outlet_angle=casing.outlet_angle or 0.0,
         contour=contour,
         wear_in=wear and RunningIn(wear.pressure, wear.shaft_speed, wear.temperature),
+        roughness=casing.roughness,
     )
 
 

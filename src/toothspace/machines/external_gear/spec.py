@@ -76,6 +76,8 @@ class Casing:
         departs from the bores: beyond three clearances the space counts as port. [m]
     wear_in : RunningIn or None
         Running-in condition; None leaves the casing unworn.
+    roughness : float
+        Of the bores, which keeps tips that touch them apart. [m]
     """
 
     radial_clearance: float
@@ -83,6 +85,7 @@ class Casing:
     outlet_angle: float
     contour: Array | None = None
     wear_in: RunningIn | None = None
+    roughness: float = 1e-6
 
 
 @final
