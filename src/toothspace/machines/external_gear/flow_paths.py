@@ -42,7 +42,7 @@ def flow_paths(
         places = assembly.table_places(gear, spaces[0].angles.size) - turn
         clearance, cover = casing.clearance_at(places), bore_cover(assembly, gear, places)
         motion = _clearance_by_motion(gear, places)
-        roughness = spec.casing.roughness
+        roughness = spec.keys.casing.roughness
         paths.append(
             own.tips("tooth_tip", TOOTH_TIP, clearance, cover, motion, roughness, BODIES[gear])
         )
