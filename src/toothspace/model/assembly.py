@@ -57,7 +57,6 @@ from toothspace.model.contact_data import (
     contact_parts,
     held_by_contacts,
     loaded_contacts,
-    member_readings,
     motion_rows,
     rigid_mesh,
 )
@@ -78,7 +77,6 @@ from toothspace.model.paths import (
     circuit_orifices,
     load_orifice,
     path_arrays,
-    path_readings,
     path_tables,
 )
 from toothspace.model.quasi_static import bush_positions
@@ -152,7 +150,8 @@ def assemble(
     tables = [
         table for family in families for table in _chamber_tables(description, family, motion_map)
     ]
-    contacts = contact_parts(description, condition, motion_map, len(tables))
+    first_of_contacts = len(tables)
+    contacts = contact_parts(description, condition, motion_map)
     tables += contacts.tables
     first_of_paths = len(tables)
     tables += [table for path in paths for table in path_tables(path, motion_map)]
@@ -177,9 +176,17 @@ def assemble(
         surface=_surface(description, condition),
         film=journals.film,
         bank=bank,
-        chambers=make_members(bank, member_readings(description.families, 0, OPEN)),
-        contacts=make_members(bank, contacts.reading),
-        paths=make_members(bank, path_readings(paths, first_of_paths)),
+        chambers=make_members(bank, families, 0, [OPEN] * len(families)),
+        contacts=make_members(
+            bank, contacts.pairs, first_of_contacts, [contacts.gate] * len(contacts.pairs)
+        ),
+        paths=make_members(
+            bank,
+            paths,
+            first_of_paths,
+            [int(path.kind != "orifice") for path in paths],
+            packed=True,
+        ),
         dynamic_index=_dynamic_index(description, condition),
         **path_arrays(description, paths, categories),
         journal=journals.rows,

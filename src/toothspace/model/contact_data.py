@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -34,11 +33,11 @@ from toothspace.model.arrays import (
     SLIDING,
 )
 from toothspace.model.contact_pair import CONTACT_CHANNELS, ContactPair, RigidMesh
-from toothspace.model.description import ChamberFamily, MachineDescription
+from toothspace.model.description import MachineDescription
 from toothspace.model.films import lateral_drag
 from toothspace.model.ledger import FRICTION_MECHANISMS
 from toothspace.model.operating_point import OperatingCondition
-from toothspace.model.tables import OPEN, Reading, member_tables
+from toothspace.model.tables import OPEN
 from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
 
 REACH = 0.3e-3
@@ -55,7 +54,8 @@ class ContactParts:
     """Tables, members and constants of the contacts that carry load."""
 
     tables: list[PeriodicTable]
-    reading: Reading
+    pairs: list[ContactPair]
+    gate: int
     data: Array
     counts: dict[str, int]
 
@@ -86,7 +86,6 @@ def contact_parts(
     description: MachineDescription,
     condition: OperatingCondition,
     motion_map: Array,
-    first_table: int,
 ) -> ContactParts:
     """Collect the arrays of all contacts that carry load."""
     contacts = loaded_contacts(description, condition)
@@ -104,23 +103,10 @@ def contact_parts(
     rows = [row for c in contacts for row in [_constants(c)] * c.count]
     return ContactParts(
         tables=tables,
-        reading=member_readings(contacts, first_table, POSSIBLE if compliant else OPEN),
+        pairs=contacts,
+        gate=POSSIBLE if compliant else OPEN,
         data=np.array(rows, dtype=float).reshape(count, 11),
         counts={"contacts": count, "compliant": count if compliant else 0},
-    )
-
-
-def member_readings(
-    parts: Sequence[ContactPair | ChamberFamily], first_table: int, gate: int
-) -> Reading:
-    """How all contacts, or all chambers, read their tables, the first of which has a number."""
-    counts = [part.count for part in parts]
-    return Reading(
-        table=member_tables(first_table, counts, [len(part.own) for part in parts]),
-        phase=np.concatenate([*(part.phases for part in parts), np.zeros(0)]),
-        ratio=np.repeat([float(part.angle_ratio) for part in parts], counts),
-        gate=np.full(sum(counts), gate),
-        packed=False,
     )
 
 

@@ -225,7 +225,7 @@ def elastic_energy(system: System, state: Array) -> float:
 
 
 def port_values(history: History, seen: Observation) -> dict[str, Array]:
-    """Shaft, ports and flows through them, at every sample."""
+    """Shaft, ports and flows through them, at every sample, by result variable. [SI]."""
     system = history.system
     inlet, outlet = system.description.inlet_node, system.description.outlet_node
     sign = -1.0 if system.description.mode == "motor" else 1.0
@@ -242,7 +242,7 @@ def port_values(history: History, seen: Observation) -> dict[str, Array]:
 
 
 def constants_of(system: System, values: Mapping[str, Any]) -> dict[str, Array]:
-    """Displacement and properties of the fluid at the mean pressures of the ports."""
+    """Displacement and properties of the fluid at the mean pressures of the ports. [SI]."""
     fluid = system.arrays.fluid
     found = {
         f"{port}_density": mixture_density(
@@ -298,7 +298,7 @@ def _leaving(system: System, seen: Observation, node: int) -> Array:
 
 
 def chamber_values(system: System, seen: Observation) -> dict[str, Array]:
-    """Pressures of the chambers, and what gas and vapour fill of them, at every sample."""
+    """Pressures of the chambers [Pa], and what gas and vapour fill of them [-], at every sample."""
     chambers, fluid = slice(0, system.arrays.size.chambers), system.arrays.fluid
     pressure, gas = seen.pressure[:, chambers], seen.gas[:, chambers]
     specific = 1.0 / seen.density[:, chambers]
@@ -322,7 +322,7 @@ def _openings(description: MachineDescription, shaft_angle: Array) -> Array:
 
 
 def body_values(history: History, seen: Observation) -> dict[str, Array]:
-    """Motions of the bodies, forces on them and in their contacts, at every sample."""
+    """Motions of the bodies, forces on them and in their contacts, at every sample. [SI]."""
     system, size = history.system, history.system.arrays.size
     names = [body.name for body in system.description.bodies]
     shape = (history.times.size, len(names), 3)
@@ -386,7 +386,7 @@ def _contact_gaps(history: History) -> Array:
 
 
 def loss_values(history: History, seen: Observation) -> dict[str, Array]:
-    """Friction torque and power by mechanism, at every sample."""
+    """Friction torque [N m] and power [W] by mechanism, at every sample."""
     present = history.system.description.friction_mechanisms
     torque = seen.torque[:, [FRICTION_MECHANISMS.index(name) for name in present]]
     return {"torque_loss": torque, "power_loss": torque * history.states[:, 1:2]}

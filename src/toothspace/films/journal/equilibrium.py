@@ -173,7 +173,7 @@ def _damped_step(
 
 
 def closeness(place: Array, bearing: JournalDefinition) -> float:
-    """One less the smallest gap over the clearance: the eccentricity ratio in a cylinder."""
+    """One less the smallest gap over the clearance: the eccentricity ratio in a cylinder. [-]."""
     if bearing.lobes is None:
         return float(np.hypot(*place))
     nearer = place[0] * np.cos(_ROUND) + place[1] * np.sin(_ROUND)

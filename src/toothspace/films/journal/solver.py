@@ -165,7 +165,7 @@ def _refuse_contact(gap: GapField, motion: MotionState, bearing: JournalDefiniti
 def contact_load(
     bearing: JournalDefinition, speed: SurfaceSpeed, film: JournalField
 ) -> tuple[Array, float]:
-    """Force on the shaft by asperities, and the torque by which they brake it."""
+    """Force on the shaft by asperities [N], and the torque by which they brake it [N m]."""
     if film.contact is None or bearing.surfaces is None:
         return np.zeros(2), 0.0
     force = journal_load(film.mesh, film.contact.pressure, film.grid.area)[:2]
@@ -177,7 +177,7 @@ def contact_load(
 def friction_torques(
     bearing: JournalDefinition, speed: SurfaceSpeed, film: JournalField
 ) -> tuple[float, float]:
-    """Torques on shaft and bush; a cavity carries shear in proportion to its film fraction."""
+    """Torques on shaft and bush [N m]; a cavity shears in proportion to its film fraction."""
     radius = 0.5 * bearing.diameter
     thickness = 1.0 / (bearing.dynamic_viscosity * film.fluid.fluidity)
     couette, pattern, pressure = film.mesh.weight * journal_shear(
@@ -189,7 +189,7 @@ def friction_torques(
 
 
 def boundary_flows(film: JournalField) -> tuple[float, Array, float]:
-    """Supply by prescribed cells, flow out of the two ends, relative error of the balance."""
+    """Supply by prescribed cells, flow out of the two ends [m3/s], error of the balance [-]."""
     weight, b = film.mesh.weight, film.balance
     potential, saturation = np.maximum(film.fields.potential, 0.0), film.fields.saturation
     _, flow_y = face_flows(b, b, potential, saturation)

@@ -181,7 +181,7 @@ class FaceFilm:
         return _overstep(change, self.boundary.mask.film, self.gap, self.law.roughness)
 
     def coefficients(self, motions: tuple[int, ...]) -> tuple[Array, Array]:
-        """Stiffness and damping 3x3 of the covered load; unasked motions have zero columns.
+        """Stiffness [N/m] and damping [N s/m] 3x3 of the covered load; zero columns if not asked.
 
         Minus the derivatives with position and velocity of the upper face.
         """

@@ -132,7 +132,7 @@ class FaceGrid:
         )
 
     def face_moments(self, cells: BoolArray) -> Array:
-        """Area of cells and its first moments in the machine frame: lift and rotations."""
+        """Area of cells [m2] and its first moments in the machine frame [m3]."""
         x0, y0 = self.interface.face.center
         area = np.where(cells, self.area, 0.0)
         x, y = self.points.x + x0, self.points.y + y0

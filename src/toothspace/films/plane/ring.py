@@ -208,7 +208,7 @@ class LateralSolution(FaceSolution):
         return self.lateral.surfaces
 
     def coefficients(self) -> tuple[Array, Array]:
-        """Stiffness and damping 3x3 for lift of the upper face and its rotations about x and y.
+        """Stiffness [N/m] and damping [N s/m] 3x3 for lift of the upper face and both rotations.
 
         Of film and touching asperities; units as of
         :meth:`~toothspace.films.plane.film.PlaneSolution.rigid_coefficients`.

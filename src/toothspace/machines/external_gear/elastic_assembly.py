@@ -125,7 +125,7 @@ class ElasticAssembly:
         return found
 
     def _bearing(self, part: _BlockPart) -> ElasticBody:
-        own, moves = self._block, self._block.presses(part.side)
+        own, moves = self._block, self._block.is_floating(part.side)
         body = bearing_body(
             self.assembly,
             own.material,
@@ -175,7 +175,7 @@ class ElasticAssembly:
 
     def _bearing_loads(self, part: _BlockPart) -> list[BodyLoad]:
         own, name, found = self._block, part.name, list[BodyLoad]()
-        if self._block.presses(part.side):
+        if self._block.is_floating(part.side):
             if self._high_on(part).area > 0.0:
                 found.append(BodyLoad(name, "high", "high"))
             if self._nose_on(part).area > 0.0:
@@ -219,7 +219,7 @@ class ElasticAssembly:
 
 def half_names(block: FloatingBlock, side: str) -> tuple[str, ...]:
     """Elastic bodies of the halves beside the gears; empty for a bearing in one piece."""
-    split = block.keys.split and block.presses(side)
+    split = block.keys.split and block.is_floating(side)
     return tuple(f"{side}_{name}" for name in BODIES) if split else ()
 
 

@@ -145,7 +145,7 @@ class GearFlanks:
         turned = numbering.space_phases[0] + numbering.ratios[0] * shaft_angle
         place = np.mod(turned, FULL_TURN) - np.pi
         side = loaded_throats(assembly, drive_spaces(*assembly.teeth, assembly.mesh, place))
-        point = side.drive_point if face.gear == 0 else side.driven_point
+        point = side.drive.point if face.gear == 0 else side.driven.point
         pitch = self._profile.pitch_angle
         angle = np.mod(face.own_angle(shaft_angle, *point.T), FULL_TURN)
         return [(int(k), int(angle[k] // pitch)) for k in np.flatnonzero(side.weight > 0.0)]

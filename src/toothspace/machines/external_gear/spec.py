@@ -97,7 +97,7 @@ class FloatingBlock:
         given = self.keys.nose
         return _patch(given and given.area, given and given.center)
 
-    def presses(self, side: str) -> bool:
+    def is_floating(self, side: str) -> bool:
         """Whether the bearing on a side is pressed on its back and held by nothing else."""
         return side == "floating" or self.arrangement != "asymmetric"
 

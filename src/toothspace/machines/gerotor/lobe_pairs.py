@@ -11,7 +11,6 @@ from scipy.ndimage import minimum_filter1d
 from toothspace.core.types import Array
 from toothspace.gearing.materials import library_material, reduced_modulus
 from toothspace.machines.gerotor.bodies import BODIES, motions
-from toothspace.machines.gerotor.contact_search import placed_rotors
 from toothspace.machines.gerotor.contact_table import APART, LobeContact, fading, lobe_contacts
 from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.profiles import Rotors
@@ -41,7 +40,7 @@ def rotor_contacts(parameters: GerotorParameters, rotors: Rotors) -> tuple[Conta
     tuple of ContactPair
         One per kind of contact: ``lobe_0`` lives longest.
     """
-    contacts = contacts_of(rotors)
+    contacts = lobe_contacts(rotors)
     if parameters.contact.theory == "single":
         contacts = (single_contact(contacts[0], 1.0 if parameters.mode == "pump" else -1.0),)
     return tuple(_pair(parameters, rotors, f"lobe_{k}", c) for k, c in enumerate(contacts))
@@ -50,7 +49,7 @@ def rotor_contacts(parameters: GerotorParameters, rotors: Rotors) -> tuple[Conta
 def _pair(
     parameters: GerotorParameters, rotors: Rotors, name: str, contact: LobeContact
 ) -> ContactPair:
-    settings, ratio = parameters.contact, rotors.inner_tooth_count / rotors.outer_tooth_count
+    settings, ratio = parameters.contact, rotors.speed_ratio
     material = library_material(parameters.rotors.material, "machine.rotors.material")
     moved = motions(parameters)
     return ContactPair(
@@ -133,11 +132,6 @@ def _moment(arm: Array, normal: Array, *, along: bool) -> Array:
     if along:
         return np.asarray(np.sum(arm * normal, axis=1), dtype=float)
     return np.asarray(arm[:, 0] * normal[:, 1] - arm[:, 1] * normal[:, 0], dtype=float)
-
-
-def contacts_of(rotors: Rotors) -> tuple[LobeContact, ...]:
-    """Find all contacts of the rotors of a case."""
-    return lobe_contacts(placed_rotors(rotors))
 
 
 def single_contact(contact: LobeContact, sign: float) -> LobeContact:

@@ -14,10 +14,8 @@ import numpy as np
 from toothspace.core.types import Array
 from toothspace.geometry.curve import polar, turned
 from toothspace.machines.gerotor.contact_search import (
-    PlacedRotors,
     distance_to_inner,
     nearest_place,
-    placed_rotors,
 )
 from toothspace.machines.gerotor.profiles import Rotors, trochoid_of
 from toothspace.machines.gerotor.rotor_parameters import RotorParameters
@@ -147,41 +145,40 @@ def _closest_approach(rotors: Rotors, place: Array) -> LobePath:
     Where several points of a lobe are equally close, the one whose normal passes nearest to the
     pitch point is taken: it is the one that the law of gearing allows to touch.
     """
-    placed = placed_rotors(rotors)
-    lobe, step = _lobe_samples(placed)
-    turn = place - 0.5 * placed.pitch
+    lobe, step = _lobe_samples(rotors)
+    turn = place - 0.5 * rotors.pitch
     angle, along = np.broadcast_arrays(turn[:, None], lobe)
-    gap, _, normal, point = _throats(placed, angle, along)
+    gap, _, normal, point = _throats(rotors, angle, along)
     to_pitch = point - rotors.pitch_point
     miss = normal[..., 0] * to_pitch[..., 1] - normal[..., 1] * to_pitch[..., 0]
     best = np.argmin(gap + _MISS_WEIGHT * miss**2 / rotors.eccentricity, axis=1)
-    outer = nearest_place(placed, turn, lobe[best], step)
-    gap, inner, normal, point = _throats(placed, turn, outer)
+    outer = nearest_place(rotors, turn, lobe[best], step)
+    gap, inner, normal, point = _throats(rotors, turn, outer)
     return LobePath(
         place=place,
         point=point - 0.5 * gap[:, None] * normal,
         normal=normal,
         gap=gap,
-        inner_curvature=placed.inner.curvature(inner),
-        outer_curvature=-placed.outer.curvature(outer),
+        inner_curvature=rotors.inner_curve.curvature(inner),
+        outer_curvature=-rotors.outer_curve.curvature(outer),
     )
 
 
-def _throats(placed: PlacedRotors, angle: Array, along: Array) -> tuple[Array, Array, Array, Array]:
+def _throats(rotors: Rotors, angle: Array, along: Array) -> tuple[Array, Array, Array, Array]:
     """Gap [m], arc length on the inner outline [m], normal and point on the outer outline."""
-    inner, gap = distance_to_inner(placed, angle, along)
-    tangent = turned(placed.inner.tangent(inner), placed.turns * angle)
+    inner, gap = distance_to_inner(rotors, angle, along)
+    tangent = turned(rotors.inner_curve.tangent(inner), rotors.turns * angle)
     normal = np.stack([tangent[..., 1], -tangent[..., 0]], axis=-1)
-    return gap, inner, normal, turned(placed.outer.point(along), angle)
+    return gap, inner, normal, turned(rotors.outer_curve.point(along), angle)
 
 
-def _lobe_samples(placed: PlacedRotors) -> tuple[Array, float]:
+def _lobe_samples(rotors: Rotors) -> tuple[Array, float]:
     """Arc lengths over the lobe that follows the cavity on the negative y axis, and their step.
 
     The cavity floor beside the lobe is concave: no throat between pockets lies there.
     """
-    outer = placed.outer
-    step = outer.length / (placed.outer_count * _LOBE_SAMPLES)
+    outer = rotors.outer_curve
+    step = outer.length / (rotors.outer_tooth_count * _LOBE_SAMPLES)
     points = np.asarray(outer.tree.data)
     cavity = float(outer.nearest(points[[np.argmin(points[:, 1])]])[0])
     along = cavity + step * (np.arange(_LOBE_SAMPLES) + 0.5)
