@@ -119,8 +119,8 @@ def _shortened(outline: re.Match[str]) -> str:
 
 
 @contextmanager
-def pdf_pages(path: str | Path, title: str) -> Iterator[Callable[[Figure], None]]:
-    """Open a PDF file; the function that it gives adds a figure as a page."""
+def pdf_pages(path: str | Path, title: str) -> Iterator[Callable[..., None]]:
+    """Open a PDF file; the function that it gives adds a figure as a page, saved as asked for."""
     import matplotlib as mpl
     from matplotlib.backends.backend_pdf import PdfPages
 
