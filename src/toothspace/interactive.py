@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import reprlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from html import escape
+from numbers import Integral
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
@@ -15,7 +17,7 @@ from toothspace import api
 from toothspace.case import Case, load_case
 from toothspace.case.study import SweepStudy
 from toothspace.core.errors import CaseError
-from toothspace.core.files import write_text
+from toothspace.core.files import path_of, write_text
 from toothspace.core.types import Array
 from toothspace.core.units import Quantity, as_text, parse_quantity, split_quantity, to_si
 from toothspace.model.description import MachineDescription
@@ -93,7 +95,7 @@ class Solution(results.Solution):
         index = "s" if frame.index.name == "time" else "rad"
         heads = [f"{name} [{unit}]" for name, unit in frame.attrs["units"].items()]
         text = frame.to_csv(index_label=f"{frame.index.name} [{index}]", header=heads)
-        target = Path(path)
+        target = path_of(path, "CSV", "a file to write")
         target.parent.mkdir(parents=True, exist_ok=True)
         return write_text(target, text)
 
@@ -108,7 +110,7 @@ class Solution(results.Solution):
         from toothspace.report import write_report
 
         stem = Path(self.provenance.get("case_file") or "case").stem
-        return write_report(self, Path(f"{stem}.html") if path is None else path, self.description)
+        return write_report(self, f"{stem}.html" if path is None else path, self.description)
 
     def _repr_html_(self) -> str:
         from toothspace.plotting.style import figure_to_svg
@@ -279,7 +281,9 @@ def simulate_all(
     workers : int
         Processes.
     """
-    found = api.simulate_all([_as_case(case) for case in cases], workers)
+    if not isinstance(cases, Iterable) or isinstance(cases, (str, Mapping)):
+        raise CaseError(f"cases: found {reprlib.repr(cases)}, allowed a list of cases")
+    found = api.simulate_all([_as_case(case) for case in cases], _processes(workers))
     return [one if isinstance(one, Exception) else _interactive(one) for one in found]
 
 
@@ -356,8 +360,9 @@ def sweep(
     from toothspace.studies.registry import run_study
 
     study = replace(_as_case(case), study=SweepStudy(vary=vary))
-    resume = folder is not None and Path(folder).is_dir()
-    return run_study(study, folder, progress=progress, workers=workers, resume=resume)
+    place = None if folder is None else path_of(folder, "folder", "a folder")
+    resume = place is not None and place.is_dir()
+    return run_study(study, place, progress=progress, workers=_processes(workers), resume=resume)
 
 
 def evaluate_designs(
@@ -418,3 +423,9 @@ def _in_si(raw: Any) -> Array:
         numbers = [to_si(*split_quantity(str(as_text(one)))) for one in given.flat]
         return np.asarray(numbers).reshape(given.shape)
     return given.astype(float)
+
+
+def _processes(workers: object) -> int:
+    if isinstance(workers, bool) or not isinstance(workers, Integral) or workers < 1:
+        raise CaseError(f"workers: found {reprlib.repr(workers)}, allowed a whole number above 0")
+    return int(workers)

@@ -21,7 +21,7 @@ from toothspace.studies import run_study
 from toothspace.studies.least_squares import fit
 from toothspace.studies.measured import read_measured
 from toothspace.studies.records import FILE_NAME
-from toothspace.studies.sensitivity import index_samples, rank_correlations, sobol_indices
+from toothspace.studies.tolerance import index_samples, rank_correlations, sobol_indices
 from toothspace.studies.variation import unit_samples
 
 CLEARANCE = "machine.casing.radial_clearance"

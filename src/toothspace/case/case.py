@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import reprlib
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -28,6 +29,7 @@ from toothspace.case.shipped import shipped_case
 from toothspace.case.stand_alone import FILMS, FilmKeys, JournalBearingCase
 from toothspace.case.study import STUDIES
 from toothspace.core.errors import CaseError
+from toothspace.core.files import path_of
 from toothspace.core.keys import (
     FileText,
     KeyRuleError,
@@ -185,7 +187,8 @@ class Case(KeyTable):
         CaseError
             A line for every key, with what was found and what is allowed.
         """
-        return _made(Document("case", dict(tables)), Path(folder))
+        _require_table("case", tables)
+        return _made(Document("case", dict(tables)), path_of(folder, "folder", "a folder"))
 
     @classmethod
     def from_toml(cls, text: str, folder: str | Path = ".", label: str = "case") -> Case:
@@ -205,8 +208,11 @@ class Case(KeyTable):
         CaseError
             A line for every key, with what was found, what is allowed and where it stands.
         """
-        document = parse_document(text, label, Path(folder))
-        return _made(document, Path(folder), source=Path(folder) / f"{label}.toml")
+        if not isinstance(text, str):
+            raise CaseError(f"{label}: found {text!r}, allowed the text of a case file")
+        place = path_of(folder, "folder", "a folder")
+        document = parse_document(text, label, place)
+        return _made(document, place, source=place / f"{label}.toml")
 
     def replace(self, values: Mapping[str, Any]) -> Case:
         """Return a case with other values, checked again, with a hash of its own.
@@ -224,6 +230,7 @@ class Case(KeyTable):
         CaseError
             A line for every key, with what was found and what is allowed.
         """
+        _require_table("values", values)
         changed = tuple(
             f"{path}={value if isinstance(value, str) else shown(as_text(value))}"
             for path, value in values.items()
@@ -319,6 +326,11 @@ class Case(KeyTable):
         return f"<Case {self.title!r}: {machine}{condition}, {self.run.fidelity}>"
 
 
+def _require_table(name: str, given: object) -> None:
+    if not isinstance(given, Mapping):
+        raise CaseError(f"{name}: found {reprlib.repr(given)}, allowed a table of keys and values")
+
+
 def _relative(file: Path, folder: Path) -> str:
     try:
         return Path(os.path.relpath(file, folder)).as_posix()
@@ -364,11 +376,13 @@ def load_case(source: str | Path | Mapping[str, Any], overrides: Iterable[str] =
     CaseError
         A line for every key, with file, what was found, what is allowed and where it stands.
     """
-    given = tuple(overrides)
+    if not isinstance(overrides, Iterable):
+        raise CaseError(f"--set: found {overrides!r}, allowed a list of key.path=value")
+    given = (overrides,) if isinstance(overrides, str) else tuple(overrides)
     if isinstance(source, Mapping):
         document, path = Document("case", dict(source)), None
     else:
-        path = Path(source)
+        path = path_of(source, "case", "a file, the name of a shipped case, or tables")
         if not path.suffix and path.name == str(source) and not path.exists():
             path = shipped_case(path.name)
         document = read_document(path, str(path) if path.name != str(source) else str(source))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from operator import attrgetter
 from typing import Any, Protocol
 
 from toothspace.case.circuit import Circuit
@@ -129,9 +130,10 @@ def _fluid(case: CaseTables) -> Iterator[Problem]:
     fluid = case.fluid
     assert fluid is not None
     temperatures = {"fluid.temperature": fluid.temperature}
-    wear_in = getattr(getattr(case.machine, "casing", None), "wear_in", None)
-    if wear_in is not None:
-        temperatures["machine.casing.wear_in.temperature"] = wear_in.temperature
+    table = getattr(case.machine, "part_tables", {}).get("running_in")
+    running_in = table and attrgetter(table)(case.machine)
+    if running_in:
+        temperatures[f"machine.{table}.temperature"] = running_in.temperature
     law: Any = None
     for path, temperature in temperatures.items():
         try:

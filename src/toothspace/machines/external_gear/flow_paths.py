@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from toothspace.closures.gap_flow import equal_leakage_height, tilted_gap_height
+from toothspace.closures.gap_flow import tilted_gap_height
 from toothspace.core.types import Array
 from toothspace.gearing.numbering import FULL_TURN, Numbering
 from toothspace.gearing.openings import groove_openings, port_lengths
@@ -103,12 +103,11 @@ def grooves_by_port(assembly: Assembly, spaces: Spaces) -> dict[str, Array]:
 
 def _land(assembly: Assembly, profile: GearProfile) -> tuple[float, tuple[float, float]]:
     """Height and radii of the land between tooth root and shaft; a tilt raises the height. [m]."""
-    inner, outer = 0.5 * assembly.spec.journals.diameter, profile.root_radius
-    tilt = assembly.spec.lateral.tilt * 0.5 * (inner + outer) / profile.tip_radius
+    inner, outer = assembly.spec.shaft_radius, profile.root_radius
+    tilt = assembly.spec.keys.lateral.tilt * 0.5 * (inner + outer) / profile.tip_radius
     return float(tilted_gap_height(side_gap(assembly), tilt)), (inner, outer)
 
 
 def side_gap(assembly: Assembly) -> float:
     """Height that lets the same leakage through as the gaps of both faces. [m]."""
-    lateral = assembly.spec.lateral
-    return float(equal_leakage_height(lateral.side_gap_floating, lateral.side_gap_solid))
+    return assembly.spec.keys.lateral.leakage_height
