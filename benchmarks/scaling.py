@@ -5,7 +5,8 @@
     python -m benchmarks.scaling --part teeth
 
 Processor times, the best of three; each film size in a process of its own, whose peak memory above
-that of the loaded program, with what describes the film, is reported. Exponents are slopes of a straight line through logarithms.
+that of the loaded program, with what describes the film, is reported. Exponents are slopes of a
+straight line through logarithms.
 """
 
 from __future__ import annotations

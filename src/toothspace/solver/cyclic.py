@@ -115,7 +115,7 @@ def march_revolutions(
             search = search or _PeriodicSearch(system, piece)
             search.learn(piece)
             free = search.closes(piece) if search.moved else _soon_alike(changes)
-            search.moved = _PATIENCE <= done and not free and not (search.moved and done >= _HURRY)
+            search.moved = done >= _PATIENCE and not free and not (search.moved and done >= _HURRY)
             if search.moved:
                 march.restart(float(piece.times[-1]), search.start(piece))
     except KeyboardInterrupt:

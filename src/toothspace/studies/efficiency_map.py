@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from itertools import product
-from operator import itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -66,8 +65,8 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     points = [_point(case, speed, difference) for speed, difference in pairs]
     # light loads take the most revolutions: the longest points first, so that no worker waits
     order = sorted(range(len(pairs)), key=lambda k: pairs[k][1] / pairs[k][0])
-    found = collected([points[k] for k in order], context)
-    records = [record for _, record in sorted(zip(order, found, strict=True), key=itemgetter(0))]
+    done = dict(zip(order, collected([points[k] for k in order], context), strict=True))
+    records = [done[k] for k in range(len(pairs))]
     speeds = [from_si(speed, "rpm") for speed, _ in pairs]
     differences = [difference * 1e-5 for _, difference in pairs]
     heads = {"speed n (rpm)": speeds, "pressure difference dp (bar)": differences}
