@@ -5,15 +5,12 @@ from __future__ import annotations
 import hashlib
 import os
 import reprlib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from importlib import import_module
 from pathlib import Path
 from typing import Any, final
 
-from toothspace.case.circuit import Circuit
-from toothspace.case.conditions import FluidChoice, HeatSettings, OperatingPoint, RunSettings
 from toothspace.case.document import (
     Document,
     document_text,
@@ -26,30 +23,20 @@ from toothspace.case.fingerprint import fingerprint
 from toothspace.case.overrides import CONDITIONS, split_override, with_values
 from toothspace.case.rules import broken_rules
 from toothspace.case.shipped import shipped_case
-from toothspace.case.stand_alone import FILMS, FilmKeys, JournalBearingCase
-from toothspace.case.study import STUDIES
+from toothspace.case.tables import MACHINE_KEY, SCHEMA_VERSION, CaseTables
 from toothspace.core.errors import CaseError
 from toothspace.core.files import path_of
 from toothspace.core.keys import (
     FileText,
     KeyRuleError,
-    KeyTable,
     Problem,
     Problems,
     Source,
     Table,
-    Variant,
-    declare,
-    integer,
     joined,
     shown,
-    table,
-    text,
 )
-from toothspace.core.registry import machine_modules
 from toothspace.core.units import as_text
-
-SCHEMA_VERSION = 1
 
 _KEPT_MACHINES = 16
 
@@ -57,37 +44,8 @@ _machines: dict[str, Any] = {}
 
 
 @final
-class _MachineTypes(Mapping[str, type]):
-    """Class of the keys ``[machine]`` of every installed machine type, imported when asked for."""
-
-    def __getitem__(self, name: str) -> type:
-        return import_module(f"{machine_modules()[name]}.parameters").PARAMETERS
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(machine_modules())
-
-    def __len__(self) -> int:
-        return len(machine_modules())
-
-    def name_of(self, spec: type) -> str:
-        """Return the machine type whose keys a class holds, empty for other classes."""
-        package = spec.__module__.removesuffix(".parameters")
-        named = (name for name, module in machine_modules().items() if module == package)
-        return next((name for name in named if self[name] is spec), "")
-
-
-MACHINE_TABLES = _MachineTypes()
-MACHINE_KEY = Variant(
-    tag="type",
-    variants=MACHINE_TABLES,
-    name_of_table=MACHINE_TABLES.name_of,
-    doc="The machine; keys by its type.",
-)
-
-
-@final
 @dataclass(frozen=True, kw_only=True)
-class Case(KeyTable):
+class Case(CaseTables):
     """Input of one reproducible run.
 
     The keys are what is solved; every construction, :func:`dataclasses.replace` included, checks
@@ -127,36 +85,6 @@ class Case(KeyTable):
         If a value, or several together, ask for the impossible.
     """
 
-    schema: int = integer(
-        "Version of the case file's keys.",
-        low=SCHEMA_VERSION,
-        high=SCHEMA_VERSION,
-        default=SCHEMA_VERSION,
-    )
-    title: str = text("What this case is.", default="")
-    machine: Any = declare(MACHINE_KEY, None)
-    fluid: FluidChoice | None = table(FluidChoice, "Fluid and temperature.", default=None)
-    operating_point: OperatingPoint | None = table(
-        OperatingPoint, "Steady condition.", default=None
-    )
-    circuit: Circuit | None = table(
-        Circuit, "Transient condition: elements and connections.", default=None
-    )
-    bearing: JournalBearingCase | None = table(
-        JournalBearingCase, "Stand-alone journal bearing.", default=None
-    )
-    film: FilmKeys | None = declare(
-        Variant(tag="kind", variants=FILMS, doc="Stand-alone film."), None
-    )
-    study: Any = declare(
-        Variant(tag="kind", variants=STUDIES, doc="Study that drives the condition."), None
-    )
-    heat: HeatSettings = table(
-        HeatSettings,
-        "Temperatures of oil, bodies and films at an operating point.",
-        default=HeatSettings(),
-    )
-    run: RunSettings = table(RunSettings, "Fidelity and numerical settings.", default=RunSettings())
     source: Path | None = field(default=None, compare=False)
     overrides: tuple[str, ...] = field(default=(), compare=False)
 

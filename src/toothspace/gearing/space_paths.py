@@ -139,7 +139,7 @@ class ToothSpaces:
 
     def tips(
         self, name: str, category: PathCategory, clearance: Array | float, cover: Array,
-        motion: Array, worn_by: str | None = None,
+        motion: Array, roughness: float, worn_by: str | None = None,
     ) -> FlowPath:  # fmt: skip
         """Gap between tooth tips and the wall round them, from the space behind to that ahead.
 
@@ -155,6 +155,8 @@ class ToothSpaces:
             Part of a tip that seals. [-]
         motion : ndarray, shape (places, 5)
             Derivative of the height by the micro-motions. [-]
+        roughness : float
+            Of the wall, which parts it from tips that touch. [m]
         worn_by : str or None
             Body that cuts into the wall.
         """
@@ -173,6 +175,7 @@ class ToothSpaces:
             shear_speed=monotone_table(FULL_TURN, np.full(count, speed)),
             throat_speed=speed,
             worn_by=worn_by,
+            minimum_height=roughness,
         )
 
     def mouths(self, edges: tuple[float, float]) -> list[FlowPath]:

@@ -65,8 +65,8 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     points = [_point(case, speed, difference) for speed, difference in pairs]
     # light loads take the most revolutions: the longest points first, so that no worker waits
     order = sorted(range(len(pairs)), key=lambda k: pairs[k][1] / pairs[k][0])
-    done = dict(zip(order, collected([points[k] for k in order], context), strict=True))
-    records = [done[k] for k in range(len(pairs))]
+    record_of = dict(zip(order, collected([points[k] for k in order], context), strict=True))
+    records = [record_of[k] for k in range(len(pairs))]
     speeds = [from_si(speed, "rpm") for speed, _ in pairs]
     differences = [difference * 1e-5 for _, difference in pairs]
     heads = {"speed n (rpm)": speeds, "pressure difference dp (bar)": differences}

@@ -212,8 +212,15 @@ def reduce_lateral_films(setup: Setup, progress: Progress | None = None) -> xr.D
     -------
     xarray.Dataset
         Tables over ``lateral_force`` and ``lateral_moment``.
+
+    Raises
+    ------
+    CaseError
+        If the case has no operating point.
     """
     case = setup.case
+    if case.operating_point is None:
+        raise CaseError("--film: found lateral films, allowed with an [operating_point]")
     # the films of this machine are what is to be found
     machine = run_in_machine(
         api.set_up(replace(case, run=replace(case.run, film_tables=None))), progress

@@ -42,7 +42,10 @@ def flow_paths(
         places = assembly.table_places(gear, spaces[0].angles.size) - turn
         clearance, cover = casing.clearance_at(places), bore_cover(assembly, gear, places)
         motion = _clearance_by_motion(gear, places)
-        paths.append(own.tips("tooth_tip", TOOTH_TIP, clearance, cover, motion, BODIES[gear]))
+        roughness = spec.keys.casing.roughness
+        paths.append(
+            own.tips("tooth_tip", TOOTH_TIP, clearance, cover, motion, roughness, BODIES[gear])
+        )
         paths.extend(own.mouths((casing.inlet_angle, casing.outlet_angle)))
         paths.extend(own.grooves(grooves_by_port(assembly, spaces[gear])))
         paths.append(own.lateral(side_gap(assembly), profile.tooth_space_area))

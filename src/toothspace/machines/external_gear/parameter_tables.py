@@ -187,6 +187,9 @@ class CasingParameters(KeyTable):
     radial_clearance: float = quantity(
         "um", "Bore radius minus tip radius, before wear.", low=1, high=1000
     )
+    roughness: float = quantity(
+        "um", "Of the bores: keeps tips that touch it apart.", low=0.01, high=100, default=1e-6
+    )
     inlet_angle: float | None = quantity(
         "deg",
         "From the mesh side of the centre line to the inlet port edge along the bore; default of "
