@@ -171,6 +171,7 @@ def _march_against_orifice(
 
 def _gauge_pressure(history: History) -> float:
     """Mean pressure of the outlet volume over the last revolution, above that of the load. [Pa]."""
-    seen = observe(history.system.arrays, history.states[:-1])
+    samples = history.states[: max(len(history.states) - 1, 1)]
+    seen = observe(history.system.arrays, samples)
     mean = float(seen.pressure[:, history.system.description.outlet_node].mean())
     return mean - history.system.condition.load_pressure
