@@ -32,9 +32,9 @@ def require_some() -> None:
 def load_linear_algebra() -> None:
     """Load NumPy's and SciPy's linear algebra while there is memory for it.
 
-    Each of its threads reserves some 40 MB in either library. Where these are refused, OpenBLAS ends
-    the process by itself or asks without end, so nothing is loaded unless they fit. With twice as
-    much at hand the libraries are left to those who need them.
+    Each of its threads reserves some 40 MB in either library. Where these are refused, OpenBLAS
+    ends the process by itself or asks without end, so nothing is loaded unless they fit. With twice
+    as much at hand the libraries are left to those who need them.
 
     Raises
     ------
