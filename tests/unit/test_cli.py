@@ -540,8 +540,8 @@ def test_what_a_library_says_without_memory_is_put_as_lack_of_memory(
 def test_libraries_that_end_or_hang_without_memory_are_not_loaded(mebibytes: int) -> None:
     """OpenBLAS at 60 MiB: exit code 1 of its own; at 150 to 200 MiB it asks for ever."""
     program = (
-        "import resource as r, sys; "
-        f"r.setrlimit(r.RLIMIT_DATA, ({mebibytes << 20},) * 2)\n"
+        "import resource, sys\n"
+        f"resource.setrlimit(resource.RLIMIT_DATA, ({mebibytes << 20},) * 2)\n"
         "from toothspace.cli import main; sys.exit(main(['fluids', '--list']))"
     )
     run = subprocess.run(

@@ -94,8 +94,7 @@ def angle_axis(axes: Axes, label: str = "Shaft angle (deg)", span: float = 360.0
     from matplotlib.ticker import MultipleLocator
 
     step = 60.0 if span > 200.0 else 10.0 if span > 40.0 else 5.0
-    axes.set_xlabel(label)
-    axes.set_xlim(0.0, span)
+    axes.set(xlabel=label, xlim=(0.0, span))
     axes.xaxis.set_major_locator(MultipleLocator(step))
 
 

@@ -11,7 +11,6 @@ from toothspace.case import Case
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.orifice import DISCHARGE_COEFFICIENT
 from toothspace.core.progress import UNKNOWN, Progress, tell
-from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.results.solution import Solution
@@ -21,11 +20,15 @@ from toothspace.simulation.running_in import CUT_SHORT, WornMachine, run_in
 from toothspace.simulation.setup import Setup, fluid_temperature, provenance_of
 from toothspace.solver.accuracy import Assembled, march_to_balance
 from toothspace.solver.compiled_model import observe
-from toothspace.solver.cyclic import History, RunPlan, first_turn_state
+from toothspace.solver.cyclic import History, RunPlan, first_turn_state, march_revolutions
 from toothspace.solver.outcome import solution_from
 
 _LOAD_ROUNDS = 4
+_LOAD_SETTLED = 1e-2
 _LOAD_MATCH = 2e-3
+_WITHOUT_LEAKAGE = 0.5
+_MOST_LEAKAGE = 1.5
+"""Powers of the pressure that the area of the load orifice grows with. [-]"""
 
 
 @final
@@ -133,24 +136,41 @@ def _march_against_orifice(
     progress: Progress | None,
 ) -> History:
     """Size the load orifice until the mean outlet pressure is the one asked for."""
+
+    def loaded() -> Assembled:
+        return Assembled(description, fluid, replace(condition, load_area=area))
+
     wanted = condition.outlet_pressure - condition.load_pressure
     flow = description.displacement * condition.shaft_speed
     area = flow / (DISCHARGE_COEFFICIENT * np.sqrt(2.0 * wanted / fluid.reference_density))
-    state: Array | None = None
+
+    def sizing(_: float, text: str) -> None:
+        tell(progress, UNKNOWN, f"load orifice, {text}")
+
+    system, once = loaded().at(condition.relative_tolerance), replace(plan, revolutions=1)
+    history = march_revolutions(system, once, sizing)
+    found, settled = _gauge_pressure(history), False
+    while history.status not in CUT_SHORT and not settled:
+        history = march_revolutions(system, once, sizing, first_turn_state(history))
+        before, found = found, _gauge_pressure(history)
+        settled = abs(found / before - 1.0) < _LOAD_SETTLED
+    exponent = _WITHOUT_LEAKAGE
     for _ in range(_LOAD_ROUNDS):
-        loaded = Assembled(description, fluid, replace(condition, load_area=area))
-        history = march_to_balance(loaded, plan, progress, state)
         if history.status in CUT_SHORT:
             break
-        found = mean_outlet_pressure(history) - condition.load_pressure
+        wider, before = (found / wanted) ** exponent, found
+        area *= wider
+        history = march_to_balance(loaded(), plan, progress, first_turn_state(history))
+        found = _gauge_pressure(history)
         if abs(found / wanted - 1.0) < _LOAD_MATCH:
             break
-        area *= np.sqrt(found / wanted)
-        state = first_turn_state(history)
+        slope = np.log(wider) / np.log(before / found)
+        exponent = float(np.clip(slope, _WITHOUT_LEAKAGE, _MOST_LEAKAGE))
     return history
 
 
-def mean_outlet_pressure(history: History) -> float:
-    """Mean pressure of the outlet volume over the last revolution. [Pa]."""
+def _gauge_pressure(history: History) -> float:
+    """Mean pressure of the outlet volume over the last revolution, above that of the load. [Pa]."""
     seen = observe(history.system.arrays, history.states[:-1])
-    return float(seen.pressure[:, history.system.description.outlet_node].mean())
+    mean = float(seen.pressure[:, history.system.description.outlet_node].mean())
+    return mean - history.system.condition.load_pressure

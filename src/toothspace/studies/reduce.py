@@ -11,7 +11,6 @@ import xarray as xr
 
 from toothspace import api
 from toothspace.case import Case
-from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.journal_friction import FrictionCurve
 from toothspace.core.errors import CaseError
 from toothspace.core.progress import Progress, part, tell
@@ -24,44 +23,17 @@ from toothspace.films.journal.mixed_lubrication import (
     sweep_friction,
 )
 from toothspace.model.description import LumpedJournalBearing, MachineDescription
-from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.quasi_static import mean_force
 from toothspace.simulation.elastic import lateral_settings
 from toothspace.simulation.film_tables import JOURNAL_SIZES, KINDS, lateral_sizes
 from toothspace.simulation.lateral.reduction import reduce_lateral
 from toothspace.simulation.lumped import run_in_machine
-from toothspace.simulation.setup import circuit_condition, condition_of, provenance_of
+from toothspace.simulation.setup import Setup, provenance_of
 
 LOAD_LEVELS = (1.0 / 30.0, 0.1, 1.0 / 3.0, 1.0, 3.0)
 """Loads of the sweeps over the mean load of the condition. [-]"""
 SOMMERFELD_NUMBERS = (*np.geomspace(0.001, 0.2, 16), 2.0)
 """Points of the sweep; the last gives the line of the full film. [-]"""
-
-
-@final
-@dataclass(frozen=True, eq=False)
-class ReduceInput:
-    """What every reduction starts from.
-
-    Parameters
-    ----------
-    case : Case
-        Case with a machine and a condition.
-    description : MachineDescription
-        The machine.
-    fluid : FluidLaw
-        Fluid at the temperature of the case.
-    condition : OperatingCondition
-        Condition of the case.
-    progress : callable, optional
-        Told what is done.
-    """
-
-    case: Case
-    description: MachineDescription
-    fluid: FluidLaw
-    condition: OperatingCondition
-    progress: Progress | None = None
 
 
 def reduce_films(
@@ -88,13 +60,17 @@ def reduce_films(
     CaseError
         If the case has no machine, or the machine no such film.
     """
-    given = _input(case)
-    wanted = list(kinds) or [kind for kind, found in REDUCED.items() if found.has(given)]
-    _check(given, wanted)
+    setup = api.set_up(case)
+    able = [kind for kind, found in REDUCED.items() if found.has(setup.description)]
+    wanted = list(kinds) or able
+    for kind in wanted or ["none"]:
+        if kind not in able:
+            allowed = ", ".join(able) or "a machine with journal bearings"
+            raise CaseError(f"--film: found {kind!r}, allowed {allowed}")
     parts = []
     for k, kind in enumerate(wanted):
         own = part(progress, kind, k / len(wanted), (k + 1) / len(wanted))
-        parts.append(REDUCED[kind].reduce(replace(given, progress=own)))
+        parts.append(REDUCED[kind].reduce(setup, own))
     tables = xr.merge(parts, join="exact", compat="no_conflicts", combine_attrs="drop_conflicts")
     tables.attrs |= {KINDS: " ".join(wanted), **provenance_of(case)}
     return tables
@@ -111,34 +87,12 @@ def reduce_summary(tables: xr.Dataset) -> dict[str, Any]:
     return numbers
 
 
-def _input(case: Case) -> ReduceInput:
-    if case.machine_spec is None:
-        raise CaseError("machine: found none, allowed a case with a [machine] table")
-    description, fluid = api.describe(case), api.fluid_of(case)
-    if case.circuit is not None:
-        condition = circuit_condition(case, description, fluid)
-    elif case.operating_point is not None:
-        condition = condition_of(case, description)
-    else:
-        allowed = "a case with an [operating_point] or a [circuit]"
-        raise CaseError(f"operating_point: found none, allowed {allowed}")
-    return ReduceInput(case, description, fluid, condition)
-
-
-def _check(given: ReduceInput, wanted: Sequence[str]) -> None:
-    able = [kind for kind, found in REDUCED.items() if found.has(given)]
-    for kind in wanted or ["none"]:
-        if kind not in able:
-            allowed = ", ".join(able) or "a machine with journal bearings"
-            raise CaseError(f"--film: found {kind!r}, allowed {allowed}")
-
-
-def reduce_journals(given: ReduceInput) -> xr.Dataset:
+def reduce_journals(setup: Setup, progress: Progress | None = None) -> xr.Dataset:
     """Friction of every journal bearing over load and Sommerfeld number.
 
     Parameters
     ----------
-    given : ReduceInput
+    setup : Setup
         Machine, fluid and condition; the loads are shares of its mean pressure load.
 
     Returns
@@ -152,13 +106,13 @@ def reduce_journals(given: ReduceInput) -> xr.Dataset:
     walls. The load is that of quasi-static chamber pressures; the mesh force is part of it
     where the machine ties the bodies by a rigid mesh.
     """
-    description = given.description
-    force = mean_force(description, given.condition)
-    viscosity = float(given.fluid.dynamic_viscosity)
+    description = setup.description
+    force = mean_force(description, setup.condition)
+    viscosity = float(setup.fluid.dynamic_viscosity)
     sweeps: list[list[FrictionSweep]] = []
     loads: list[list[float]] = []
     for number, journal in enumerate(description.journals):
-        tell(given.progress, number / len(description.journals), f"friction of {journal.body}")
+        tell(progress, number / len(description.journals), f"friction of {journal.body}")
         mean = _load_of(description, journal, force)
         bearing = machine_bearing(journal, viscosity)
         loads.append([part * mean for part in LOAD_LEVELS])
@@ -246,12 +200,12 @@ def _journal_summary(tables: xr.Dataset) -> dict[str, Any]:
     return numbers
 
 
-def reduce_lateral_films(given: ReduceInput) -> xr.Dataset:
+def reduce_lateral_films(setup: Setup, progress: Progress | None = None) -> xr.Dataset:
     """Torque and leakage beside the gears over force and moment on the floating bearing.
 
     Parameters
     ----------
-    given : ReduceInput
+    setup : Setup
         Machine with a floating bearing, fluid and condition.
 
     Returns
@@ -259,17 +213,17 @@ def reduce_lateral_films(given: ReduceInput) -> xr.Dataset:
     xarray.Dataset
         Tables over ``lateral_force`` and ``lateral_moment``.
     """
-    case = given.case
+    case = setup.case
     # the films of this machine are what is to be found
     machine = run_in_machine(
-        api.set_up(replace(case, run=replace(case.run, film_tables=None))), given.progress
+        api.set_up(replace(case, run=replace(case.run, film_tables=None))), progress
     )
     found = reduce_lateral(
         machine.description,
-        given.fluid,
-        lambda changed: machine.solve(given.condition, changed),
+        setup.fluid,
+        lambda changed: machine.solve(setup.condition, changed),
         lateral_settings(case),
-        given.progress,
+        progress,
     )
     over = ("lateral_force", "lateral_moment")
     columns = {
@@ -284,13 +238,13 @@ def reduce_lateral_films(given: ReduceInput) -> xr.Dataset:
         f"lateral_{name}": (over, getattr(found, name), _about(*text))
         for name, text in columns.items()
     }
-    for name, size in lateral_sizes(given.description).items():
+    for name, size in lateral_sizes(setup.description).items():
         units = "m" if name == "height" else "m2"
         values[f"lateral_{name}"] = ((), size, _about(units, name.replace("_", " ")))
-    viscosity = float(given.fluid.dynamic_viscosity)
+    viscosity = float(setup.fluid.dynamic_viscosity)
     scalars = {
         "viscosity": (viscosity, "Pa s", "Viscosity"),
-        "shaft_speed": (given.condition.shaft_speed, "rad/s", "Shaft speed"),
+        "shaft_speed": (setup.condition.shaft_speed, "rad/s", "Shaft speed"),
         "closed_torque": (found.closed_torque, "N m", "Torque of the closed form"),
         "condition_force": (found.load[0], "N", "Axial force at the condition"),
         "condition_moment": (found.load[1], "N m", "Moment about x at the condition"),
@@ -324,19 +278,19 @@ def _lateral_summary(tables: xr.Dataset) -> dict[str, Any]:
 class ReducedFilm:
     """One kind of film: whether a machine has it, its tables, and their summary."""
 
-    has: Callable[[ReduceInput], bool]
-    reduce: Callable[[ReduceInput], xr.Dataset]
+    has: Callable[[MachineDescription], bool]
+    reduce: Callable[[Setup, Progress | None], xr.Dataset]
     summary: Callable[[xr.Dataset], dict[str, Any]]
 
 
 REDUCED: Mapping[str, ReducedFilm] = {
     "journal": ReducedFilm(
-        has=lambda given: bool(given.description.journals),
+        has=lambda description: bool(description.journals),
         reduce=reduce_journals,
         summary=_journal_summary,
     ),
     "lateral": ReducedFilm(
-        has=lambda given: given.description.lateral_balance is not None,
+        has=lambda description: description.lateral_balance is not None,
         reduce=reduce_lateral_films,
         summary=_lateral_summary,
     ),

@@ -106,7 +106,7 @@ NOTICE = Notice()
 
 
 def compile_seconds() -> float:
-    """Seconds that this process has spent on compiling and on loading compiled code."""
+    """Time that this process has spent on compiling and on loading compiled code. [s]."""
     return NOTICE.seconds
 
 

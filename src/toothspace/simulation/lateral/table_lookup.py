@@ -10,7 +10,7 @@ from toothspace.core.status import Status
 from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_load import axial_load, chamber_pressures, with_lateral_films
 from toothspace.model.operating_point import OperatingCondition
-from toothspace.results.solution import Solution, warned
+from toothspace.results.solution import Solution
 from toothspace.simulation.lateral.coupling import (
     NEGLIGIBLE,
     LumpedRun,
@@ -60,15 +60,8 @@ def with_table_load(
     """
     force, moment = axial_load(balance_of(description), chamber_pressures(description, condition))
     span = abs(condition.outlet_pressure - condition.inlet_pressure)
-    return replace(
-        solution,
-        statistics={
-            **solution.statistics,
-            "lateral_axial_force": force,
-            "lateral_axial_moment": moment,
-        },
-        provenance=warned(solution.provenance, _ONE_LOAD.format(force, 1e-5 * span)),
-    )
+    told = _ONE_LOAD.format(force, 1e-5 * span)
+    return solution.with_note(told, lateral_axial_force=force, lateral_axial_moment=moment)
 
 
 def run_with_table(description: MachineDescription, run: LumpedRun, slide: float) -> Solution:
@@ -116,22 +109,10 @@ def run_with_table(description: MachineDescription, run: LumpedRun, slide: float
         force = table.force_of(factor * float(np.exp(next_change(known))), moment)
     if agreed:
         table.check(*load)
-    return _reported(solution, load, mismatch / flow, agreed)
-
-
-def _reported(
-    solution: Solution, load: tuple[float, float], mismatch: float, agreed: bool
-) -> Solution:
-    """Solution with its axial load, not converged if films and run disagree."""
-    statistics = {
-        **solution.statistics,
-        "lateral_axial_force": load[0],
-        "lateral_axial_moment": load[1],
-        "lateral_leakage_mismatch": mismatch,
-    }
-    if agreed:
-        return replace(solution, statistics=statistics)
-    provenance = warned(solution.provenance, _NOT_AGREED.format(100.0 * mismatch))
-    return replace(
-        solution, statistics=statistics, provenance=provenance, status=Status.NOT_CONVERGED
+    status = Status.DONE if agreed else Status.NOT_CONVERGED
+    return replace(solution, status=status).with_note(
+        "" if agreed else _NOT_AGREED.format(100.0 * mismatch / flow),
+        lateral_axial_force=load[0],
+        lateral_axial_moment=load[1],
+        lateral_leakage_mismatch=mismatch / flow,
     )
