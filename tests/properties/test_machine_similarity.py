@@ -56,7 +56,7 @@ def enlarged(keys: Any, factor: float) -> Any:
     return dataclasses.replace(keys, **changes)
 
 
-def sized(name: str, factor: float, **run: object) -> Case:
+def sized(name: str, factor: float, **run: Any) -> Case:
     """A shipped case of so many times its size, with an oil of so many times the viscosity."""
 
     def with_oil(case: Case, viscosity: Array) -> Case:
@@ -88,7 +88,7 @@ def compare(one: Solution, other: Solution, factor: float, tolerance: float) -> 
 
 def test_a_machine_of_twice_the_size_runs_alike() -> None:
     """One revolution is enough to find a length that is written into the code."""
-    short = {"until": None, "revolutions": 1, "samples_per_revolution": 180}
+    short: dict[str, Any] = {"until": None, "revolutions": 1, "samples_per_revolution": 180}
     one, two = (api.simulate(sized("egm12_pump", factor, **short)) for factor in (1.0, 2.0))
     compare(one, two, 2.0, 0.02)
 
@@ -107,12 +107,12 @@ def points() -> Array:
 
 
 def mirrored(outline: Array) -> Array:
-    return outline * np.array([-1.0, 1.0])
+    return np.asarray(outline * np.array([-1.0, 1.0]))
 
 
 def turned(outline: Array, angle: float) -> Array:
     cosine, sine = np.cos(angle), np.sin(angle)
-    return outline @ np.array([[cosine, sine], [-sine, cosine]])
+    return np.asarray(outline @ np.array([[cosine, sine], [-sine, cosine]]))
 
 
 def described(folder: Path, outline: Array) -> MachineDescription:
