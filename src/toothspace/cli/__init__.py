@@ -19,7 +19,7 @@ from collections.abc import Sequence
 
 from toothspace.core.errors import ToothspaceError
 from toothspace.core.interrupts import ending_interrupts
-from toothspace.core.memory import is_short, load_linear_algebra
+from toothspace.core.memory import is_short, load_linear_algebra, roomy
 
 EXIT_DONE = 0
 EXIT_BAD_INPUT = 2
@@ -29,6 +29,7 @@ EXIT_INTERRUPTED = 130
 _OBJECTS_BETWEEN_COLLECTIONS = 100_000
 
 
+@roomy
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line.
 
