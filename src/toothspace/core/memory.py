@@ -7,7 +7,8 @@ from collections.abc import Callable
 from types import FunctionType
 from typing import ParamSpec, TypeVar, cast
 
-_Parameters, _Result = ParamSpec("_Parameters"), TypeVar("_Result")
+_Parameters = ParamSpec("_Parameters")
+_Result = TypeVar("_Result")
 _LIBRARIES, _PER_THREAD = 64 * 2**20, 96 * 2**20
 _MARGIN = 64 * 2**20
 _MOST_THREADS = 64
