@@ -19,7 +19,7 @@ from collections.abc import Sequence
 
 from toothspace.core.errors import ToothspaceError
 from toothspace.core.interrupts import ending_interrupts
-from toothspace.core.memory import is_short, load_linear_algebra, roomy
+from toothspace.core.memory import is_short, load_linear_algebra
 
 EXIT_DONE = 0
 EXIT_BAD_INPUT = 2
@@ -27,9 +27,10 @@ EXIT_NUMERICAL_FAILURE = 3
 EXIT_UNEXPECTED = 70
 EXIT_INTERRUPTED = 130
 _OBJECTS_BETWEEN_COLLECTIONS = 100_000
+_STACK_WORDS = 2**16 + 1
+"""Asked for by the first call; rounding up to a power of two leaves as many to all below it."""
 
 
-@roomy
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line.
 
@@ -73,6 +74,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # without memory libraries fail in words of their own
         return _out_of_memory() if is_short() else _unexpected(error)
     return int(code or EXIT_DONE)
+
+
+# CPython takes its stack in pieces of 16 KiB and gives an empty one back at once: a loop that
+# calls across their border, deep in an import, would ask the system for memory in every round
+main.__code__ = main.__code__.replace(co_stacksize=_STACK_WORDS)
 
 
 def _say_no_more() -> None:

@@ -3,17 +3,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
-from types import FunctionType
-from typing import ParamSpec, TypeVar, cast
 
-_Parameters = ParamSpec("_Parameters")
-_Result = TypeVar("_Result")
 _LIBRARIES, _PER_THREAD = 64 * 2**20, 96 * 2**20
 _MARGIN = 64 * 2**20
 _MOST_THREADS = 64
-_ROOM = 2**16 + 1
-"""Words of Python's stack that a roomy function asks for; rounding up leaves as many below it."""
 
 
 def offers(size: int) -> bool:
@@ -56,14 +49,3 @@ def load_linear_algebra() -> None:
         raise MemoryError
     if not offers(2 * needed):
         import scipy.linalg  # noqa: F401
-
-
-def roomy(function: Callable[_Parameters, _Result]) -> Callable[_Parameters, _Result]:
-    """Give a function and all that it calls one piece of Python's stack; returns the function.
-
-    CPython otherwise takes pieces of 16 KiB from the system and gives an empty one back at once:
-    a loop whose calls cross from one piece to the next asks for memory in every round.
-    """
-    code = cast("FunctionType", function).__code__
-    cast("FunctionType", function).__code__ = code.replace(co_stacksize=_ROOM)
-    return function
