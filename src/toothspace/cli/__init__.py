@@ -11,6 +11,7 @@ output      summaries as text or JSON, messages, progress
 
 from __future__ import annotations
 
+import atexit
 import errno
 import gc
 import os
@@ -46,6 +47,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     # what imports leave behind stays to the end: looking through it again and again is in vain
     gc.set_threshold(_OBJECTS_BETWEEN_COLLECTIONS)
+    # the system takes all memory back at the end: Python need not search it for cycles before
+    atexit.register(gc.freeze)
     try:
         load_linear_algebra()
         from toothspace.cli.application import application
