@@ -117,7 +117,9 @@ def test_tables_agree_with_shapely_polygons(
         chambers = []
         for spaces in spaces_at(assembly, shaft_angle):
             areas = section_areas(spaces)
-            shapes = [shapely.Polygon(each).buffer(0.0) for each in space_outlines(spaces)]
+            outlined = space_outlines(spaces)
+            assert np.array_equal(space_outlines(spaces, np.array([2]))[0], outlined[2])
+            shapes = [shapely.Polygon(each).buffer(0.0) for each in outlined]
             # chords of the sampled flanks and arcs
             assert shapely.area(shapes) == pytest.approx(areas, rel=1e-3, abs=2e-9)
             chambers += shapes
