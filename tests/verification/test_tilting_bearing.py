@@ -87,9 +87,10 @@ def test_gears_stay_in_the_middle_between_two_tilting_bearings(changes: list[str
 
 
 def test_bearing_that_trapped_pressure_pushes_off_settles_on_its_cover() -> None:
-    """Spaces that are shut first (some 700 bar) lift it; gears stand between wide films."""
+    """Grooves beyond single-flank timing shut spaces early, and these lift it off wide films."""
     stiff = 'machine.floating_bearing.shaft_stiffness="1e6 N m/rad"'
-    problem = _problem(stiff, file=CASE.parent / "fuel14_pump.toml")
+    late = [f'machine.relief_grooves.{side}_side_offset="6 mm"' for side in ("closing", "opening")]
+    problem = _problem(stiff, *late, file=CASE.parent / "fuel14_pump.toml")
     found = problem.settle(problem.started(2e-6))
     q, play = found.balance.position, problem.stack.balance.floating.axial_play
     assert found.settled
