@@ -2,7 +2,7 @@
 
 State vector: shaft angle, shaft speed, fluid mass of each dynamic node, undissolved gas mass
 of each dynamic node, free micro-motions, their velocities, flows of fluid columns with the
-memory of their friction, twist of an elastic coupling and speed of the load beyond it, then
+memory of their friction, load on tabulated lateral films and its moment, twist of an elastic coupling and speed of the load beyond it, then
 the ledger states.
 
 Few arrays with named columns instead of many arrays: compiled functions pass them by value,
@@ -17,6 +17,7 @@ from toothspace.closures.bearing_map import JournalMap
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.compiled import passed_by_address
 from toothspace.core.types import Array, IntArray
+from toothspace.model.lateral_table import LateralLookup
 from toothspace.model.tables import Members, TableBank
 
 # Columns of ``node``: state of chambers and ports.
@@ -65,8 +66,9 @@ NODE_COLUMNS = 22
     OPENING,
     BY_HEIGHT,
     DRAG_BY_HEIGHT,
-) = range(17)
-PATH_COLUMNS = 17
+    NOMINAL_HEIGHT,
+) = range(18)
+PATH_COLUMNS = 18
 
 # Kinds of paths, in the order of their rows; ``kinds`` holds the first of each.
 CURVED_GAP, FITTED_GAP, PARALLEL_GAP, ORIFICE = range(4)
@@ -82,9 +84,17 @@ CURVED_GAP, FITTED_GAP, PARALLEL_GAP, ORIFICE = range(4)
     FAMILY_COUNT,
     PARTNER_SHIFT,
 ) = range(8)
-MULTIPLICITY, MINIMUM_HEIGHT, THROAT_SPEED, CARRIED_SHARE, GAP_VISCOSITY = range(5)
+(
+    MULTIPLICITY,
+    MINIMUM_HEIGHT,
+    THROAT_SPEED,
+    CARRIED_SHARE,
+    GAP_VISCOSITY,
+    LATERAL_SHARE,  # how much of the height follows that of tabulated lateral films
+) = range(6)
 
-# Columns of ``chamber_values``: volume, dV/d(mesh rotation), dV/d(each free motion).
+# Columns of ``chamber_values``: volume, dV/d(mesh rotation), dV/d(each free motion), then axial
+# force and moment by the pressure where lateral films are tabulated.
 CHANNEL_VOLUME, CHANNEL_MESH, CHANNEL_MOTION = range(3)
 
 # Columns of ``path_values``: geometry, drag and shear speed, d(height)/d(each free motion).
@@ -239,6 +249,7 @@ class Sizes(NamedTuple):
     position: int
     velocity: int
     column: int
+    film: int
     load: int
     core: int
     total: int
@@ -298,6 +309,7 @@ class SystemArrays(NamedTuple):
     journal: Array
     asperity: Array
     friction_curves: Array
+    lateral: LateralLookup
     node: Array
     path: Array
     chamber_values: Array

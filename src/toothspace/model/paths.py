@@ -13,6 +13,7 @@ from toothspace.model.circuit_description import CircuitNetwork
 from toothspace.model.description import FlowPath, MachineDescription
 from toothspace.model.path_category import (
     CIRCUIT_ORIFICE,
+    LATERAL_PATHS,
     LOAD_ORIFICE,
     PathCategory,
 )
@@ -114,8 +115,8 @@ def path_arrays(
 ) -> dict[str, Any]:
     """Integer and real columns of every path as compiled code reads them, first of each kind."""
     counts = [path.count for path in paths]
-    node_a = _drain_joined(description, np.concatenate([path.nodes_a for path in paths]))
-    node_b = _drain_joined(description, np.concatenate([path.nodes_b for path in paths]))
+    node_a = drain_joined(description, np.concatenate([path.nodes_a for path in paths]))
+    node_b = drain_joined(description, np.concatenate([path.nodes_b for path in paths]))
     index = np.column_stack(
         [
             np.repeat([_KINDS[path.kind] for path in paths], counts),
@@ -134,6 +135,7 @@ def path_arrays(
             np.repeat([path.throat_speed for path in paths], counts),
             np.repeat([float(path.drags_opening_only) for path in paths], counts),
             np.repeat([path.viscosity_ratio for path in paths], counts),
+            np.repeat([float(path.category in LATERAL_PATHS) for path in paths], counts),
         ]
     ).astype(float)
     starts = np.searchsorted(index[:, 0], range(len(_KINDS) + 1))
@@ -147,7 +149,7 @@ def path_arrays(
     }
 
 
-def _drain_joined(description: MachineDescription, nodes: IntArray) -> IntArray:
+def drain_joined(description: MachineDescription, nodes: IntArray) -> IntArray:
     """Lead the drain into the port that collects it."""
     target = {
         "inlet": description.inlet_node,

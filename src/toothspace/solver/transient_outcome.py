@@ -25,6 +25,7 @@ from toothspace.solver.outcome import (
     body_values,
     into_port,
     labels_of,
+    lateral_values,
     loss_values,
     window_ledger,
 )
@@ -139,6 +140,7 @@ def _values(march: TransientMarch, times: Array, states: Array) -> dict[str, Arr
         **_chamber_values(system, seen),
         **body_values(history, seen),
         **loss_values(history, seen),
+        **lateral_values(history, seen),
     }
 
 

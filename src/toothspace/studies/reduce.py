@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
+from itertools import product
 from typing import Any, final
 
 import numpy as np
@@ -28,7 +29,7 @@ from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.quasi_static import mean_force
 from toothspace.simulation.elastic import lateral_settings
 from toothspace.simulation.film_tables import JOURNAL_SIZES, KINDS, lateral_sizes
-from toothspace.simulation.lateral.reduction import reduce_lateral
+from toothspace.simulation.lateral.reduction import LateralReduction, reduce_lateral
 from toothspace.simulation.lumped import run_in_machine
 from toothspace.simulation.setup import circuit_condition, condition_of, provenance_of
 
@@ -53,6 +54,8 @@ class ReduceInput:
         Fluid at the temperature of the case.
     condition : OperatingCondition
         Condition of the case.
+    pressures, speeds : sequence of float
+        Pressure differences [Pa] and shaft speeds [rad/s] of lateral films; empty: the condition's.
     progress : callable, optional
         Told what is done.
     """
@@ -61,11 +64,18 @@ class ReduceInput:
     description: MachineDescription
     fluid: FluidLaw
     condition: OperatingCondition
+    pressures: Sequence[float] = ()
+    speeds: Sequence[float] = ()
     progress: Progress | None = None
 
 
 def reduce_films(
-    case: Case, kinds: Sequence[str] = (), progress: Progress | None = None
+    case: Case,
+    kinds: Sequence[str] = (),
+    progress: Progress | None = None,
+    *,
+    pressures: Sequence[float] = (),
+    speeds: Sequence[float] = (),
 ) -> xr.Dataset:
     """Solve the films of a machine and reduce them to tables.
 
@@ -77,6 +87,9 @@ def reduce_films(
         Kinds of films, names of :data:`REDUCED`; all that the machine has if empty.
     progress : callable, optional
         Called with the finished share and a short text.
+    pressures, speeds : sequence of float
+        Pressure differences [Pa] and shaft speeds [rad/s] at which lateral films are solved; those
+        of the case if empty.
 
     Returns
     -------
@@ -88,7 +101,7 @@ def reduce_films(
     CaseError
         If the case has no machine, or the machine no such film.
     """
-    given = _input(case)
+    given = replace(_input(case), pressures=pressures, speeds=speeds)
     wanted = list(kinds) or [kind for kind, found in REDUCED.items() if found.has(given)]
     _check(given, wanted)
     parts = []
@@ -247,75 +260,138 @@ def _journal_summary(tables: xr.Dataset) -> dict[str, Any]:
 
 
 def reduce_lateral_films(given: ReduceInput) -> xr.Dataset:
-    """Torque and leakage beside the gears over force and moment on the floating bearing.
+    """Torque and leakage beside the faces over load, pressure difference and shaft speed.
 
     Parameters
     ----------
     given : ReduceInput
-        Machine with a floating bearing, fluid and condition.
+        Machine with a floating bearing, fluid and conditions.
 
     Returns
     -------
     xarray.Dataset
-        Tables over ``lateral_force`` and ``lateral_moment``.
+        Tables over ``lateral_force_share``, ``lateral_moment_share``,
+        ``lateral_pressure_difference`` and ``lateral_shaft_speed``. Opening forces that lift the
+        bearing off its films at any of the others are left out.
+
+    Raises
+    ------
+    CaseError
+        If the case has no operating point.
     """
-    case = given.case
+    case, balance = given.case, given.description.lateral_balance
+    assert balance is not None
+    if case.operating_point is None:
+        raise CaseError("--film: found lateral films, allowed with an [operating_point]")
     # the films of this machine are what is to be found
     machine = run_in_machine(
         api.set_up(replace(case, run=replace(case.run, film_tables=None))), given.progress
     )
-    found = reduce_lateral(
-        machine.description,
-        given.fluid,
-        lambda changed: machine.solve(given.condition, changed),
-        lateral_settings(case),
-        given.progress,
+    at = given.condition
+    inward = balance.high_node == given.description.inlet_node
+    high, low = (at.inlet_pressure, at.outlet_pressure)[:: 1 if inward else -1]
+    port = "inlet_pressure" if inward else "outlet_pressure"
+    grid = sorted(given.pressures or (high - low,)), sorted(given.speeds or (at.shaft_speed,))
+    found: list[LateralReduction] = []
+    # loads are tabulated about those of the highest pressure and speed
+    for number, (rise, speed) in enumerate(reversed(list(product(*grid)))):
+        condition = replace(at, shaft_speed=speed, **{port: low + rise})
+        count = len(grid[0]) * len(grid[1])
+        one = reduce_lateral(
+            machine.description,
+            given.fluid,
+            lambda changed, condition=condition: machine.solve(condition, changed),
+            lateral_settings(case),
+            (found[0].force_share, found[0].moment_share) if found else None,
+            part(given.progress, f"{number + 1} of {count}", number / count, (number + 1) / count),
+        )
+        found.append(one)
+    return _lateral_tables(given, grid, found[::-1])
+
+
+def _lateral_tables(
+    given: ReduceInput, grid: tuple[Sequence[float], ...], found: list[LateralReduction]
+) -> xr.Dataset:
+    over = (
+        "lateral_force_share",
+        "lateral_moment_share",
+        "lateral_pressure_difference",
+        "lateral_shaft_speed",
     )
-    over = ("lateral_force", "lateral_moment")
+    shape = tuple(map(len, grid))
+
+    def laid(values: list[Any]) -> Array:
+        """Values of all conditions, with pressure and speed last."""
+        stacked = np.array(values)
+        return np.moveaxis(stacked.reshape(*shape, *stacked.shape[1:]), (0, 1), (-2, -1))
+
     columns = {
         "torque": ("N m", "Torque of the lateral films at the shaft"),
-        "extra_torque": ("N m", "Torque beyond the closed form"),
         "pressure_torque": ("N m", "Part of the torque that viscosity and speed do not change"),
+        "asperity_torque": ("N m", "Part of that by asperities"),
         "leakage_factor": ("1", "Leakage over that of the closed form"),
+        "lag": ("s", "Time in which the gap follows the load"),
         "smallest_gap": ("m", "Smallest gap"),
         "converged": ("1", "Whether the bearing is in equilibrium"),
     }
     values: dict[str, Any] = {
-        f"lateral_{name}": (over, getattr(found, name), _about(*text))
+        f"lateral_{name}": (over, laid([getattr(one, name) for one in found]), _about(*text))
         for name, text in columns.items()
     }
+    of_condition: dict[str, tuple[list[float], str, str]] = {
+        "closed_torque": ([one.closed_torque for one in found], "N m", "Torque of the closed form"),
+        "force_unit": ([one.force_unit for one in found], "N", "Force of share one"),
+        "torque_unit": (
+            [one.force_unit * one.reach for one in found],
+            "N m",
+            "Moment of share one",
+        ),
+        "condition_force": ([one.load[0] for one in found], "N", "Axial force at the condition"),
+        "condition_moment": (
+            [one.load[1] for one in found],
+            "N m",
+            "Moment about x at the condition",
+        ),
+    }
+    for name, (numbers, units, text) in of_condition.items():
+        values[f"lateral_{name}"] = (over[2:], laid(numbers), _about(units, text))
     for name, size in lateral_sizes(given.description).items():
         units = "m" if name == "height" else "m2"
         values[f"lateral_{name}"] = ((), size, _about(units, name.replace("_", " ")))
     viscosity = float(given.fluid.dynamic_viscosity)
-    scalars = {
-        "viscosity": (viscosity, "Pa s", "Viscosity"),
-        "shaft_speed": (given.condition.shaft_speed, "rad/s", "Shaft speed"),
-        "closed_torque": (found.closed_torque, "N m", "Torque of the closed form"),
-        "condition_force": (found.load[0], "N", "Axial force at the condition"),
-        "condition_moment": (found.load[1], "N m", "Moment about x at the condition"),
+    values["lateral_viscosity"] = ((), viscosity, _about("Pa s", "Viscosity"))
+    axes = {
+        over[0]: (found[0].force_share, "1", "Axial force, away from the faces, over force_unit"),
+        over[1]: (found[0].moment_share, "1", "Moment about x over torque_unit"),
+        over[2]: (grid[0], "Pa", "Pressure difference behind the bearing"),
+        over[3]: (grid[1], "rad/s", "Shaft speed"),
     }
-    for name, (value, units, text) in scalars.items():
-        values[f"lateral_{name}"] = ((), value, _about(units, text))
-    force = ("lateral_force", found.force, _about("N", "Axial force, away from the gears"))
-    moment = ("lateral_moment", found.moment, _about("N m", "Moment about x on the bearing"))
-    return xr.Dataset(values, {"lateral_force": force, "lateral_moment": moment})
+    tables = xr.Dataset(
+        values, {name: (name, v, _about(unit, text)) for name, (v, unit, text) in axes.items()}
+    )
+    tables["lateral_extra_torque"] = tables["lateral_torque"] - tables["lateral_closed_torque"]
+    tables["lateral_extra_torque"].attrs = _about("N m", "Torque beyond the closed form")
+    opening = found[-1].force_share > found[-1].load[0] / found[-1].force_unit
+    settled = tables["lateral_converged"].all(over[1:]).values
+    return tables.isel(lateral_force_share=settled | ~opening)
 
 
 def _lateral_summary(tables: xr.Dataset) -> dict[str, Any]:
     """Ranges of the loads, the torques and the factors."""
     numbers: dict[str, Any] = {"lateral_points": int(tables["lateral_torque"].size)}
-    for name, unit in (
-        ("force", "N"),
-        ("moment", "N_m"),
-        ("extra_torque", "N_m"),
-        ("pressure_torque", "N_m"),
-        ("leakage_factor", ""),
+    for name, scale, label in (
+        ("force_share", 1.0, "force_share"),
+        ("moment_share", 1.0, "moment_share"),
+        ("pressure_difference", 1e-5, "pressure_difference_bar"),
+        ("shaft_speed", 30.0 / np.pi, "shaft_speed_rpm"),
+        ("extra_torque", 1.0, "extra_torque_N_m"),
+        ("pressure_torque", 1.0, "pressure_torque_N_m"),
+        ("leakage_factor", 1.0, "leakage_factor"),
+        ("lag", 1e3, "lag_ms"),
+        ("condition_force", 1.0, "condition_force_N"),
     ):
-        values = tables[f"lateral_{name}"].values
-        label = f"lateral_{name}_{unit}" if unit else f"lateral_{name}"
-        numbers[label] = [float(np.nanmin(values)), float(np.nanmax(values))]
-    numbers["lateral_condition_force_N"] = float(tables["lateral_condition_force"])
+        values = scale * tables[f"lateral_{name}"].values
+        numbers[f"lateral_{label}"] = [float(np.nanmin(values)), float(np.nanmax(values))]
     return numbers
 
 

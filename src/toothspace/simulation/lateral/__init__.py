@@ -12,6 +12,5 @@ heat           films whose viscosity follows the heat that they dissipate
 coupled_run    a coupled operating point over one revolution, as a solution
 history        what a run over one revolution keeps
 reduction      films over axial load and moment, for tables
-table_lookup   lumped runs that read these tables
 =============  ======================================================================
 """
