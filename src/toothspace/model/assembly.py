@@ -74,7 +74,13 @@ from toothspace.model.films import (
 )
 from toothspace.model.fluid_column import FLUID_COLUMN
 from toothspace.model.inlet_volume import inlet_gas_fraction
-from toothspace.model.lateral_load import SampledLoads, lateral_lookup, load_table, sampled_loads
+from toothspace.model.lateral_load import (
+    SampledLoads,
+    lateral_lookup,
+    load_table,
+    sampled_loads,
+    with_lateral_leakage,
+)
 from toothspace.model.lateral_table import LOAD_STATES
 from toothspace.model.ledger import FRICTION_MECHANISMS, GAS_MASS, MASS, PORT_NODES, THROTTLING
 from toothspace.model.operating_point import OperatingCondition
@@ -163,7 +169,9 @@ def assemble(
     first_of_paths = len(tables)
     tables += [table for path in paths for table in path_tables(path, motion_map)]
     bank = pack_tables(tables)
-    bush = bush_positions(description, condition, motion_map, free)
+    table = description.lateral_table
+    seated = with_lateral_leakage(description, table.seat_factor) if table else description
+    bush = bush_positions(seated, condition, motion_map, free)
     journals = journal_data(description, free, bush)
     sizes = _sizes(description, condition, len(free), paths)
     sizes = sizes._replace(journals=journals.rows.shape[0], **contacts.counts)

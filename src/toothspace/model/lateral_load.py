@@ -19,7 +19,7 @@ from toothspace.model.paths import drain_joined
 from toothspace.model.quasi_static import quasi_static_pressures
 from toothspace.numerics.periodic_table import PeriodicTable, smooth_table
 
-_ROWS, _LANES, _ANGLES = 720, 24, 4
+_ROWS, _LANES, _ANGLES = 360, 24, 4
 _SAMPLES = 16
 """Angles of one pitch at which the load on a face is sampled. [-]"""
 

@@ -40,6 +40,8 @@ class LateralTable:
     lag_number : ndarray
         Time in which the gap follows the load, squeezing its films, times pressure difference over
         viscosity; its logarithm is linear between nodes. [-]
+    seat_factor : float
+        Leakage factor of the quasi-static pressures that press the bearings to their seats. [-]
     """
 
     force_share: Array
@@ -51,6 +53,7 @@ class LateralTable:
     drag_share: Array
     asperity_share: Array
     lag_number: Array
+    seat_factor: float = 1.0
 
     @property
     def axes(self) -> tuple[Array, ...]:
