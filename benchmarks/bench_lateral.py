@@ -31,8 +31,7 @@ from toothspace.films.lateral.motion import Balance
 from toothspace.numerics import multigrid_cycle
 from toothspace.simulation.elastic import lateral_settings
 from toothspace.simulation.lateral.coupling import PointRequest, couple_point
-from toothspace.simulation.lateral.history import LateralTrack
-from toothspace.simulation.lateral.problem import LateralProblem, lateral_problem
+from toothspace.simulation.lateral.problem import LateralProblem, LateralTrack, lateral_problem
 from toothspace.simulation.lumped import RunInMachine, run_in_machine
 from toothspace.simulation.setup import condition_of
 

@@ -36,8 +36,8 @@ CAPABILITIES: dict[str, tuple[str, ...]] = {
     "compilation in seconds": ("core/comp*", "warmup.py", "solver/compiled_model.py"),
     "files, interrupts, warnings of results": (
         "core/files.py", "core/netcdf.py", "core/interrupts.py", "core/array_store.py",
-        "core/processes.py", "solver/accuracy.py", "results/io.py", "results/file_layout.py",
-        "results/credibility.py",
+        "core/processes.py", "core/memory.py", "solver/accuracy.py", "results/io.py",
+        "results/file_layout.py", "results/credibility.py",
     ),
     "heat network": (
         "model/heat_network.py", "simulation/heating.py", "simulation/lateral/heat.py",
@@ -55,6 +55,11 @@ CAPABILITIES: dict[str, tuple[str, ...]] = {
     ),
     "mixing, roots, splines, second core": (
         *(f"numerics/{name}.py" for name in ("acceleration", "parallel", "roots", "spline")),
+    ),
+    "form in the browser": ("app/*",),
+    "kinematics of many designs at once": (
+        "gearing/design_values.py", "geometry/*_designs.py", "machines/external_gear/designs.py",
+        "studies/design_scan.py",
     ),
     "internal gears with crescent": ("machines/crescent/*", "gearing/ring_*"),
 }  # fmt: skip

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import toothspace as ts
-from toothspace.geometry.cad_export import _step_face
+from toothspace.geometry.cad_export import gear_section, step_face
 from toothspace.geometry.involute import InvoluteGear, generate_profile
 
 CASE = """
@@ -127,7 +127,7 @@ def gear_on_shaft(pump: Pump, y: float, low: float, high: float) -> Any:
     from OCP.BRepPrimAPI import BRepPrimAPI_MakePrism
     from OCP.gp import gp_Trsf, gp_Vec
 
-    face = _step_face(generate_profile(pump.gear, 200))
+    face = step_face(gear_section(generate_profile(pump.gear, 200)))
     teeth = BRepPrimAPI_MakePrism(face, gp_Vec(0.0, 0.0, pump.width)).Shape()
     shaft = without(
         cylinder(pump.shaft, 0.0, 0.0, low, high), box((-2.5, 2.5), (6.0, 12.0), (high - 15, high))

@@ -3,21 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from toothspace.gearing.gear_tables import ReliefGrooves
+from toothspace.gearing.materials import Material
 from toothspace.gearing.numbering import number
 from toothspace.gearing.spaces import Spaces, drive_spaces, driven_spaces
+from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear
 from toothspace.machines.external_gear.assembly import Assembly
-from toothspace.machines.external_gear.spec import (
-    Casing,
-    ExternalGearSpec,
-    Gear,
-    JournalBearings,
-    LateralGaps,
+from toothspace.machines.external_gear.parameter_tables import (
+    BlockGrooveParameters,
+    CasingParameters,
+    GearParameters,
+    JournalBearingParameters,
+    LateralParameters,
 )
+from toothspace.machines.external_gear.parameters import ExternalGearParameters
+from toothspace.machines.external_gear.spec import ExternalGearSpec, FloatingBlock, Gear
 
 TWELVE = InvoluteGear(
     tooth_count=12,
@@ -37,41 +41,87 @@ FOURTEEN = InvoluteGear(
 )
 
 
+CARBURISED_STEEL = Material(elastic_modulus=206e9, poisson_ratio=0.3, hardness=7e9)
+"""Case-hardened gear steel 16CrNi4."""
+
+LINED_STEEL_BUSH = Material(elastic_modulus=100e9, poisson_ratio=0.34, hardness=1e9)
+"""Leaded bronze running layer of a bush."""
+
+_KEYS = {"casing", "lateral", "journal_bearings", "elastic_bodies"}
+_MESH = {"normal_backlash", "center_distance"}
+
+
+def gear_of(tooth: InvoluteGear | GearProfile, face_width: float, **surface: float) -> Gear:
+    """Gear of case-hardened steel."""
+    return Gear(tooth=tooth, face_width=face_width, material=CARBURISED_STEEL, **surface)
+
+
+def changed(spec: ExternalGearSpec, **changes: Any) -> ExternalGearSpec:
+    """The machine with other keys, gears or grooves."""
+    keys = replace(spec.keys, **{n: v for n, v in changes.items() if n in _KEYS})
+    mesh = {name: value for name, value in changes.items() if name in _MESH}
+    keys = replace(keys, gears=replace(keys.gears, **mesh))
+    parts = {n: v for n, v in changes.items() if n not in _KEYS | _MESH}
+    return replace(spec, keys=keys, center_distance=keys.gears.center_distance, **parts)
+
+
+def machine_of(tooth: InvoluteGear, face_width: float, **tables: Any) -> ExternalGearSpec:
+    """Machine of two equal gears from tables of ``[machine]``."""
+    mesh = {name: tables.pop(name) for name in _MESH & tables.keys()}
+    gears = GearParameters(
+        tooth_count=tooth.tooth_count,
+        module=tooth.module,
+        pressure_angle=tooth.pressure_angle,
+        profile_shift=tooth.profile_shift,
+        tip_diameter=tooth.tip_diameter,
+        face_width=face_width,
+        **mesh,
+    )
+    keys = ExternalGearParameters(gears=gears, **tables)
+    gear = gear_of(tooth, face_width)
+    return replace(keys.assemble(), drive=gear, driven=gear, bush=LINED_STEEL_BUSH)
+
+
 def egm12(mode: str = "motor", **changes: object) -> ExternalGearSpec:
     """Motor or pump of 4.95 cm3/rev."""
-    gear = Gear(tooth=TWELVE, face_width=7.5e-3)
     inlet, outlet = (55.0, 70.0) if mode == "motor" else (70.0, 55.0)
-    spec = ExternalGearSpec(
-        drive=gear,
-        driven=gear,
-        casing=Casing(
+    spec = machine_of(
+        TWELVE,
+        7.5e-3,
+        mode=mode,
+        casing=CasingParameters(
             radial_clearance=20e-6,
             inlet_angle=np.deg2rad(inlet),
             outlet_angle=np.deg2rad(outlet),
         ),
-        journals=JournalBearings(diameter=18e-3, length=19e-3, radial_clearance=8e-6),
-        lateral=LateralGaps(side_gap_floating=8e-6, side_gap_solid=8e-6),
-        grooves=ReliefGrooves(closing_side_offset=3.652e-3, opening_side_offset=3.652e-3),
-        mode="motor" if mode == "motor" else "pump",
+        journal_bearings=JournalBearingParameters(
+            diameter=18e-3, length=19e-3, radial_clearance=8e-6
+        ),
+        lateral=LateralParameters(side_gap=8e-6),
+        relief_grooves=BlockGrooveParameters(
+            closing_side_offset=3.652e-3, opening_side_offset=3.652e-3
+        ),
         normal_backlash=0.02e-3,
     )
-    return replace(spec, **changes)  # type: ignore[arg-type]
+    return changed(spec, **changes)
 
 
 def fuel14(**changes: object) -> ExternalGearSpec:
     """Fuel pump of 43 cm3/rev."""
-    gear = Gear(tooth=FOURTEEN, face_width=23.4e-3)
-    spec = ExternalGearSpec(
-        drive=gear,
-        driven=gear,
-        casing=Casing(
+    spec = machine_of(
+        FOURTEEN,
+        23.4e-3,
+        mode="pump",
+        casing=CasingParameters(
             radial_clearance=40e-6,
             inlet_angle=np.deg2rad(70.0),
             outlet_angle=np.deg2rad(55.0),
         ),
-        journals=JournalBearings(diameter=40e-3, length=38e-3, radial_clearance=25e-6),
-        lateral=LateralGaps(side_gap_floating=3e-6, side_gap_solid=3e-6),
-        grooves=ReliefGrooves(
+        journal_bearings=JournalBearingParameters(
+            diameter=40e-3, length=38e-3, radial_clearance=25e-6
+        ),
+        lateral=LateralParameters(side_gap=3e-6),
+        relief_grooves=BlockGrooveParameters(
             closing_side_offset=5.8e-3,
             opening_side_offset=5.8e-3,
             width=15e-3,
@@ -80,19 +130,22 @@ def fuel14(**changes: object) -> ExternalGearSpec:
         ),
         center_distance=63.06e-3,
     )
-    return replace(spec, **changes)  # type: ignore[arg-type]
+    return changed(spec, **changes)
 
 
 def unequal(drive_teeth: int = 11, driven_teeth: int = 13, **changes: object) -> ExternalGearSpec:
     """Pump with two different gears, module and tool of the 12-tooth design."""
     drive, driven = (
-        Gear(
-            tooth=replace(TWELVE, tooth_count=count, tip_diameter=None, profile_shift=0.35),
-            face_width=7.5e-3,
-        )
-        for count in (drive_teeth, driven_teeth)
+        gear_of(replace(TWELVE, tooth_count=n, tip_diameter=None, profile_shift=0.35), 7.5e-3)
+        for n in (drive_teeth, driven_teeth)
     )
     return egm12("pump", drive=drive, driven=driven, **changes)
+
+
+def floating_block(block: FloatingBlock, **changes: Any) -> FloatingBlock:
+    """A floating bearing with other data or keys."""
+    own = {n: changes.pop(n) for n in ("length", "arrangement") if n in changes}
+    return replace(block, keys=replace(block.keys, **changes), **own)
 
 
 ALL = {

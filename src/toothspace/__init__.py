@@ -19,6 +19,7 @@ _PUBLIC = {
     "simulate": "toothspace.interactive",
     "simulate_all": "toothspace.interactive",
     "sweep": "toothspace.interactive",
+    "evaluate_designs": "toothspace.interactive",
     "compare": "toothspace.interactive",
     "Solution": "toothspace.interactive",
     "load_solution": "toothspace.interactive",

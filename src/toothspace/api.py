@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,17 +11,20 @@ from toothspace.case import Case, load_case
 from toothspace.case.fingerprint import fingerprint
 from toothspace.core.compiled import compile_seconds
 from toothspace.core.errors import CaseError
+from toothspace.core.keys import KeyRuleError
 from toothspace.core.processes import start_worker
 from toothspace.core.progress import Progress
 from toothspace.core.registry import machine_type, machine_type_names
+from toothspace.machines.shared_draft import draft_case
 from toothspace.model.description import MachineDescription
 from toothspace.results.credibility import with_interval, with_warnings
-from toothspace.results.solution import Solution, warned
+from toothspace.results.solution import Solution
 from toothspace.simulation import run
 from toothspace.simulation.setup import Setup, fluid_of, known_pressure, require_condition
 
 if TYPE_CHECKING:
-    from toothspace.geometry.body_section import SectionRequest
+    from toothspace.core.types import Array
+    from toothspace.geometry.evaluated_designs import EvaluatedDesigns
 
 _KEPT_MACHINES = 4
 
@@ -41,36 +43,44 @@ def describe(case: Case) -> MachineDescription:
     return _machines[key]
 
 
-def draft_case(files: Sequence[Path], unit: str, request: SectionRequest, folder: Path) -> str:
-    """First case file of the machine whose parts are in CAD files of one frame.
+def evaluate_designs(
+    case: Case,
+    varied: Mapping[str, Array],
+    addendum: float | None = None,
+    displacement: float | None = None,
+) -> EvaluatedDesigns:
+    """Kinematics of the machine of a case with other values of some keys, many at once.
 
     Parameters
     ----------
-    files : sequence of Path
-        Files.
-    unit : str
-        Length unit of those that have none of their own.
-    request : SectionRequest
-        Axis and plane of the gears, None to find them.
-    folder : Path
-        Where the case file will be.
-
-    Returns
-    -------
-    str
-        TOML of the machine type that uses most of the parts, with comments on what is assumed.
+    case : Case
+        Everything that does not vary.
+    varied : mapping of str to ndarray
+        Values by key path, arrays of one shape (n,). [SI unit]
+    addendum : float or None
+        Height of the teeth above the shifted reference line, from which tip diameters follow;
+        None for those given. [module]
+    displacement : float or None
+        Geometric displacement for which face widths are chosen; None for those given. [m3/rad]
 
     Raises
     ------
     CaseError
-        If no machine type finds its parts.
+        If the machine has no closed form, or a key does not act on its kinematics.
     """
-    types = [machine_type(name) for name in machine_type_names()]
-    drafts = [one.draft(files, unit, request, folder) for one in types if one.draft is not None]
-    found = [draft for draft in drafts if draft is not None]
-    if not found:
-        raise CaseError(f"{files[0]}: --case: found no machine, allowed gears or rotors of one")
-    return max(found, key=lambda draft: draft.parts).text
+    evaluate = None
+    if case.machine is not None:
+        evaluate = machine_type(case.machine_type).evaluate_designs
+    if evaluate is None:
+        found = repr(case.machine_type) if case.machine_type else "no machine"
+        able = [repr(name) for name in machine_type_names() if machine_type(name).evaluate_designs]
+        raise CaseError(f"{case.label}: machine.type: found {found}, allowed {' or '.join(able)}")
+    inner = {path.removeprefix("machine."): values for path, values in varied.items()}
+    try:
+        evaluated: EvaluatedDesigns = evaluate(case.machine, inner, addendum, displacement)
+    except KeyRuleError as error:
+        raise CaseError(f"{case.label}: machine.{error}") from error
+    return evaluated
 
 
 def set_up(case: Case) -> Setup:
@@ -103,16 +113,14 @@ def simulate(case: Case, progress: Progress | None = None) -> Solution:
         solution = _with_both_flanks(setup, solution)
     compiling = compile_seconds() - compiled
     wall = time.perf_counter() - started - compiling
-    times = {"wall_time": wall, "compile_time": compiling}
-    return replace(solution, statistics={**solution.statistics, **times})
+    return solution.with_note(wall_time=wall, compile_time=compiling)
 
 
 def _with_both_flanks(setup: Setup, solution: Solution) -> Solution:
     try:
         drawn = set_up(setup.case.replace(setup.description.as_drawn))
     except CaseError as error:
-        text = f"Flanks as in the file cannot be computed with: {error}"
-        return replace(solution, provenance=warned(solution.provenance, text))
+        return solution.with_note(f"Flanks as in the file cannot be computed with: {error}")
     return with_interval(solution, run.simulate(drawn, None))
 
 
@@ -131,23 +139,13 @@ def simulate_all(cases: Iterable[Case], workers: int = 1) -> list[Solution | Exc
 
 
 def solve_bearing(case: Case, fields: Path | None = None) -> dict[str, Any]:
-    """Solve the table ``[bearing]`` of a case.
+    """Solve the table ``[bearing]`` of a case, as :func:`solve_film` does.
 
-    Parameters
-    ----------
-    case : Case
-        Case with a ``bearing``.
-    fields : Path, optional
-        File for the fields, NetCDF (.nc) or VTK (.vts).
-
-    Returns
-    -------
-    dict
-        Numbers with unit suffixes; forces and torques act on the shaft by the film.
+    Forces and torques act on the shaft by the film.
     """
-    from toothspace.simulation import stand_alone
+    from toothspace.simulation.stand_alone import solve
 
-    return stand_alone.solve_bearing(case, fields)
+    return solve(case, case.bearing, None, fields)
 
 
 def solve_film(case: Case, fields: Path | None = None) -> dict[str, Any]:
@@ -156,7 +154,7 @@ def solve_film(case: Case, fields: Path | None = None) -> dict[str, Any]:
     Parameters
     ----------
     case : Case
-        Case with a ``film``.
+        Case with the table.
     fields : Path, optional
         File for the fields, NetCDF (.nc) or VTK (.vts); one per body of a machine.
 
@@ -165,10 +163,9 @@ def solve_film(case: Case, fields: Path | None = None) -> dict[str, Any]:
     dict
         Numbers with unit suffixes; the load of a pad is that of the pressure above ambient.
     """
-    from toothspace.simulation import stand_alone
+    from toothspace.simulation.stand_alone import solve
 
-    description = None if case.machine_spec is None else describe(case)
-    return stand_alone.solve_film(case, description, fields)
+    return solve(case, case.film, None if case.machine_spec is None else describe(case), fields)
 
 
 def _simulate_safely(case: Case) -> Solution | Exception:
@@ -184,6 +181,7 @@ def _simulate_safely(case: Case) -> Solution | Exception:
 __all__ = [
     "describe",
     "draft_case",
+    "evaluate_designs",
     "fluid_of",
     "load_case",
     "set_up",

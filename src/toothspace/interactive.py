@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+import reprlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from html import escape
+from numbers import Integral
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
+
+import numpy as np
 
 from toothspace import api
 from toothspace.case import Case, load_case
 from toothspace.case.study import SweepStudy
 from toothspace.core.errors import CaseError
-from toothspace.core.files import write_text
+from toothspace.core.files import path_of, write_text
+from toothspace.core.types import Array
+from toothspace.core.units import Quantity, as_text, parse_quantity, split_quantity, to_si
 from toothspace.model.description import MachineDescription
 from toothspace.results import io
 from toothspace.results import solution as results
@@ -23,6 +29,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from toothspace.core.progress import Progress
+    from toothspace.geometry.evaluated_designs import EvaluatedDesigns
     from toothspace.report.comparison import Comparison
     from toothspace.studies.study import StudyResult
 
@@ -88,7 +95,7 @@ class Solution(results.Solution):
         index = "s" if frame.index.name == "time" else "rad"
         heads = [f"{name} [{unit}]" for name, unit in frame.attrs["units"].items()]
         text = frame.to_csv(index_label=f"{frame.index.name} [{index}]", header=heads)
-        target = Path(path)
+        target = path_of(path, "CSV", "a file to write")
         target.parent.mkdir(parents=True, exist_ok=True)
         return write_text(target, text)
 
@@ -103,7 +110,7 @@ class Solution(results.Solution):
         from toothspace.report import write_report
 
         stem = Path(self.provenance.get("case_file") or "case").stem
-        return write_report(self, Path(f"{stem}.html") if path is None else path, self.description)
+        return write_report(self, f"{stem}.html" if path is None else path, self.description)
 
     def _repr_html_(self) -> str:
         from toothspace.plotting.style import figure_to_svg
@@ -274,7 +281,9 @@ def simulate_all(
     workers : int
         Processes.
     """
-    found = api.simulate_all([_as_case(case) for case in cases], workers)
+    if not isinstance(cases, Iterable) or isinstance(cases, (str, Mapping)):
+        raise CaseError(f"cases: found {reprlib.repr(cases)}, allowed a list of cases")
+    found = api.simulate_all([_as_case(case) for case in cases], _processes(workers))
     return [one if isinstance(one, Exception) else _interactive(one) for one in found]
 
 
@@ -351,5 +360,72 @@ def sweep(
     from toothspace.studies.registry import run_study
 
     study = replace(_as_case(case), study=SweepStudy(vary=vary))
-    resume = folder is not None and Path(folder).is_dir()
-    return run_study(study, folder, progress=progress, workers=workers, resume=resume)
+    place = None if folder is None else path_of(folder, "folder", "a folder")
+    resume = place is not None and place.is_dir()
+    return run_study(study, place, progress=progress, workers=_processes(workers), resume=resume)
+
+
+def evaluate_designs(
+    case: Case | str | Path,
+    values: Mapping[str, Any],
+    *,
+    addendum: float | None = None,
+    displacement: Quantity | str | None = None,
+) -> EvaluatedDesigns:
+    """Kinematics of many gear designs at once, without a run: closed forms over arrays.
+
+    Parameters
+    ----------
+    case : Case, str or Path
+        Machine with gears given by parameters; its keys count where none are given here.
+    values : mapping of key path to array
+        Numbers, in SI units where the key has a unit, or texts with units; arrays are broadcast
+        together. Keys of the teeth, ``face_width``, ``normal_backlash`` and ``center_distance``.
+    addendum : float, optional
+        Height of the teeth above the shifted reference line, in modules: tip diameters follow
+        module, tooth count and profile shift. Left out, they are those given.
+    displacement : Quantity or str, optional
+        Such as ``"4.95 cm^3/rev"``: the face width of each design is chosen for it.
+
+    Returns
+    -------
+    EvaluatedDesigns
+        Numbers as of ``toothspace geometry``, of the shape of the arrays, NaN of designs that
+        cannot be made or do not turn; ``reasons``, ``valid``, ``keeps_rules`` and ``why(index)``
+        say what is against a design.
+
+    Raises
+    ------
+    CaseError
+        If a key does not act on the kinematics, or the teeth come from a file.
+
+    Examples
+    --------
+    >>> import toothspace as ts
+    >>> designs = ts.evaluate_designs(
+    ...     "egm12_pump", {"machine.gears.tooth_count": [10, 12, 14]}, addendum=1.0
+    ... )
+    >>> designs["flow_ripple_percent"].round(1).tolist()
+    [19.6, 16.7, 14.5]
+    """
+    arrays = {path: _in_si(raw) for path, raw in values.items()}
+    shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
+    rows = {path: np.broadcast_to(array, shape).ravel() for path, array in arrays.items()}
+    volume = None
+    if displacement is not None:
+        volume = parse_quantity(str(displacement), "cm^3/rev")
+    return api.evaluate_designs(_as_case(case), rows, addendum, volume).shaped(shape)
+
+
+def _in_si(raw: Any) -> Array:
+    given = np.asarray(raw)
+    if given.dtype.kind in "OU":
+        numbers = [to_si(*split_quantity(str(as_text(one)))) for one in given.flat]
+        return np.asarray(numbers).reshape(given.shape)
+    return given.astype(float)
+
+
+def _processes(workers: object) -> int:
+    if isinstance(workers, bool) or not isinstance(workers, Integral) or workers < 1:
+        raise CaseError(f"workers: found {reprlib.repr(workers)}, allowed a whole number above 0")
+    return int(workers)

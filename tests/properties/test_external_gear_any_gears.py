@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from tests.external_gear_designs import egm12, spaces_at
+from tests.external_gear_designs import changed, egm12, gear_of, spaces_at
 from toothspace.core.errors import GeometryError
 from toothspace.gearing.meshing import flow_over_pitch
 from toothspace.gearing.spaces import area_by_motion, section_areas
@@ -27,10 +27,7 @@ def gear_machines(draw: st.DrawFn) -> ExternalGearSpec:
     rounding = draw(st.sampled_from([0.0, 0.02, 0.05])) * module
     counts = draw(st.tuples(st.integers(8, 30), st.integers(8, 30)))
     drive, driven = (
-        Gear(
-            tooth=InvoluteGear(count, module, angle, shift, tip_rounding=rounding),
-            face_width=5.0 * module,
-        )
+        gear_of(InvoluteGear(count, module, angle, shift, tip_rounding=rounding), 5.0 * module)
         for count in counts
     )
     spec = egm12(
@@ -40,7 +37,8 @@ def gear_machines(draw: st.DrawFn) -> ExternalGearSpec:
         grooves=None,
         normal_backlash=draw(st.floats(0.0, 0.04)) * module,
     )
-    return replace(spec, journals=replace(spec.journals, diameter=3.0 * module))
+    bearing = replace(spec.keys.journal_bearings, diameter=3.0 * module)
+    return changed(spec, journal_bearings=bearing)
 
 
 def built(spec: ExternalGearSpec) -> Assembly:
@@ -93,11 +91,11 @@ def test_tables_give_the_closed_form_displacement(spec: ExternalGearSpec) -> Non
 def test_tables_scale_with_size(spec: ExternalGearSpec, factor: float) -> None:
     """A machine of other size has volumes times the cube of the factor."""
     assembly = built(spec)
-    larger = replace(
+    larger = changed(
         spec,
         drive=_scaled(spec.drive, factor),
         driven=_scaled(spec.driven, factor),
-        normal_backlash=factor * (spec.normal_backlash or 0.0),
+        normal_backlash=factor * (spec.keys.gears.normal_backlash or 0.0),
     )
     small, large = (
         np.concatenate([section_areas(s) for s in spaces_at(a, 0.3)])

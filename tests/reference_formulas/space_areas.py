@@ -28,8 +28,9 @@ def section_area_rates(spaces: Spaces) -> Array:
     velocity of its middle.
     """
     sides = (spaces.right, spaces.left)
-    (p_right, u_right, _), (p_left, u_left, _) = (own_end(spaces, side) for side in sides)
-    (q_right, v_right, _), (q_left, v_left, _) = (other_end(spaces, side) for side in sides)
+    near, far = ([end(spaces, side) for side in sides] for end in (own_end, other_end))
+    (p_right, u_right), (p_left, u_left) = ((end.point, end.velocity) for end in near)
+    (q_right, v_right), (q_left, v_left) = ((end.point, end.velocity) for end in far)
     drive, driven = 1.0, -spaces.mesh.ratio
     own_speed, other_speed = (drive, driven) if spaces.is_drive else (driven, drive)
     own = -0.5 * own_speed * (_square(p_left - spaces.center) - _square(p_right - spaces.center))

@@ -34,7 +34,7 @@ from toothspace.simulation.lateral.problem import (
 )
 from toothspace.studies import balance_sweep, bearing_map, hysteresis
 from toothspace.studies.balance_sweep import GAPS, FilmTable, claims, follow
-from toothspace.studies.friction_curves import friction_curves
+from toothspace.studies.hysteresis import friction_curves
 from toothspace.studies.stored_point import stored_point
 from toothspace.studies.study import StudyContext
 

@@ -13,8 +13,8 @@ from toothspace.case import load_case
 from toothspace.cli import main
 from toothspace.core.errors import CaseError
 from toothspace.geometry.body_section import SectionRequest
+from toothspace.geometry.cad_export import Section, export_section
 from toothspace.geometry.involute import InvoluteGear, generate_profile
-from toothspace.geometry.section_export import Section, export_section
 
 trimesh = pytest.importorskip("trimesh")
 
@@ -62,7 +62,7 @@ def test_pump_of_several_files_becomes_a_case(parts: list[Path]) -> None:
     assert spec.center_distance == pytest.approx(DISTANCE, abs=1e-8)
     assert spec.drive.face_width == pytest.approx(1.5 * WIDTH, abs=1e-8)
     assert case.machine.gears.profile.name == "lower.stl"
-    assert spec.casing.radial_clearance == pytest.approx(BORE - GEAR.tip_radius, abs=2e-6)
+    assert case.machine.casing.radial_clearance == pytest.approx(BORE - GEAR.tip_radius, abs=2e-6)
     # without the number, the distance follows from the frame that the files share
     alone = case.replace({"machine.gears.center_distance": None})
     assert alone.machine_spec.center_distance == pytest.approx(DISTANCE, abs=1e-8)

@@ -14,7 +14,7 @@ import pytest
 
 import toothspace as ts
 from toothspace.case import Case
-from toothspace.case.case import MACHINE_TABLES
+from toothspace.case.tables import MACHINE_TABLES
 from toothspace.core.keys import KeyTable, keys_of
 from toothspace.core.units import Quantity, exact_text, parse_quantity, to_si
 from toothspace.simulation.setup import fluid_of, provenance_of

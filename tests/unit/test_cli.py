@@ -518,3 +518,34 @@ def test_a_run_without_memory_ends_with_a_line_and_the_code_of_a_failure(
     monkeypatch.setattr("toothspace.api.simulate", greedy)
     assert main(["run", str(MOTOR)]) == 3
     assert capsys.readouterr().err.splitlines()[-1].startswith("memory: found no more")
+
+
+def test_what_a_library_says_without_memory_is_put_as_lack_of_memory(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What fails is anything: SystemError, ImportError, an error of LLVM."""
+
+    def fails(*_: object, **__: object) -> None:
+        raise SystemError("returned NULL without setting an exception")
+
+    monkeypatch.setattr("toothspace.api.simulate", fails)
+    assert main(["run", str(MOTOR)]) == 70
+    monkeypatch.setattr("toothspace.cli.is_short", lambda: True)
+    assert main(["run", str(MOTOR)]) == 3
+    assert capsys.readouterr().err.splitlines()[-1].startswith("memory: found no more")
+
+
+@posix
+@pytest.mark.parametrize("mebibytes", [60, 150])
+def test_libraries_that_end_or_hang_without_memory_are_not_loaded(mebibytes: int) -> None:
+    """OpenBLAS at 60 MiB: exit code 1 of its own; at 150 to 200 MiB it asks for ever."""
+    program = (
+        "import resource, sys\n"
+        f"resource.setrlimit(resource.RLIMIT_DATA, ({mebibytes << 20},) * 2)\n"
+        "from toothspace.cli import main; sys.exit(main(['fluids', '--list']))"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False
+    )
+    assert run.returncode == 3, run.stderr
+    assert run.stderr.startswith("memory: found no more")

@@ -152,8 +152,8 @@ def test_values_are_in_si_units() -> None:
     tooth = case.machine_spec.drive.tooth
     assert (tooth.tooth_count, tooth.module) == (12, pytest.approx(2.75e-3, rel=1e-12))
     assert case.machine.casing.inlet_angle == pytest.approx(math.radians(55.0), rel=1e-12)
-    assert case.machine_spec.casing.wear_in.pressure == pytest.approx(260e5, rel=1e-12)
-    assert case.machine_spec.journals.seat_clearance == pytest.approx(25e-6, rel=1e-12)
+    assert case.machine.casing.wear_in.pressure == pytest.approx(260e5, rel=1e-12)
+    assert case.machine.bearing_blocks.radial_clearance == pytest.approx(25e-6, rel=1e-12)
     assert case.fluid is not None
     assert case.fluid.temperature == pytest.approx(323.15, rel=1e-12)
     assert case.operating_point is not None
@@ -299,7 +299,7 @@ def test_override_takes_the_place_of_its_alternative() -> None:
     changes = ["run.revolutions=2", "machine.gears.center_distance=34.5 mm"]
     case = load_case(MOTOR, changes)
     assert (case.run.revolutions, case.run.until) == (2, None)
-    assert case.machine_spec.normal_backlash is None
+    assert case.machine.gears.normal_backlash is None
     assert case.machine_spec.center_distance == pytest.approx(34.5e-3, rel=1e-12)
 
 

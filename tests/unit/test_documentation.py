@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 import typer
 
+from examples import pump_from_cad as drawing
 from toothspace import cli
 from toothspace.case import load_case
 from toothspace.cli.application import application
@@ -123,6 +124,24 @@ def test_script_of_a_page_runs(page: Path, workplace: Path) -> None:
     assert names.keys() - {"__builtins__"}
 
 
+def draw_parts_of_a_reader() -> None:
+    """One gear and a whole pump as STEP files, the pump part by part as meshes too."""
+    pytest.importorskip("OCP", reason="STEP files need the extra cad")
+    assert cli.main(["geometry", "cases/egm12_motor.toml", "--export", "step", "--force"]) == 0
+    Path("egm12_motor_drive.step").replace("gear.step")
+    pump = drawing.Pump()
+    drawing.write_assembly(Path("pump.step"), pump)
+    parts = {
+        "gear1.stl": drawing.gear_on_shaft(pump, 0.0, -20.0, pump.width + 60.0),
+        "gear2.stl": drawing.gear_on_shaft(pump, pump.distance, -20.0, pump.width + 20.0),
+        "housing.stl": drawing.housing(pump),
+        "middle.stl": drawing.housing(pump),
+    }
+    for name, shape in parts.items():
+        import_module("OCP.BRepMesh").BRepMesh_IncrementalMesh(shape, 0.005)
+        import_module("OCP.StlAPI").StlAPI_Writer().Write(shape, name)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("page", pages_with("sh", "(?m)^toothspace"))
 def test_commands_of_a_page_run(page: Path, workplace: Path) -> None:
@@ -135,9 +154,7 @@ def test_commands_of_a_page_run(page: Path, workplace: Path) -> None:
         if words[0] == "study" or "fan_drive" in words[1:2]:
             assert load_case(words[1])
         elif words[0] == "gear":
-            pytest.importorskip("OCP", reason="STEP files need the extra cad")
-            assert cli.main(["geometry", "cases/egm12_motor.toml", "--export", "step"]) == 0
-            Path("egm12_motor_drive.step").rename("gear.step")
+            draw_parts_of_a_reader()
             assert cli.main(words) == 0
         elif words[0] == "compare":
             for name in words[1:3]:

@@ -8,9 +8,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.external_gear_designs import ALL, TWELVE, egm12, fuel14, unequal
+from tests.external_gear_designs import (
+    ALL,
+    CARBURISED_STEEL,
+    TWELVE,
+    changed,
+    egm12,
+    fuel14,
+    gear_of,
+    unequal,
+)
 from toothspace.api import describe, load_case
 from toothspace.core.errors import GeometryError
+from toothspace.core.keys import KeyRuleError
 from toothspace.gearing.closest_points import Placement, project
 from toothspace.gearing.gear_face import tooth_fraction
 from toothspace.gearing.materials import reduced_modulus
@@ -28,8 +38,8 @@ from toothspace.machines.external_gear import MACHINE
 from toothspace.machines.external_gear.assembly import assemble
 from toothspace.machines.external_gear.casing import bore
 from toothspace.machines.external_gear.flow_paths import bore_cover
-from toothspace.machines.external_gear.spec import CARBURISED_STEEL, Casing, Gear
-from toothspace.model.description import MachineDescription, RunningIn
+from toothspace.machines.external_gear.parameter_tables import WearInParameters
+from toothspace.model.description import MachineDescription
 
 REFERENCE_MOTOR = Path(__file__).parents[2] / "cases" / "egm12_motor.toml"
 
@@ -197,9 +207,9 @@ def test_trapped_volume_is_never_closed_nor_short_circuited(pump: MachineDescrip
 def test_drain_and_running_in_follow_mode_and_casing() -> None:
     assert MACHINE.describe(egm12("pump"), nodes=72).drain == "inlet"
     assert MACHINE.describe(egm12("motor"), nodes=72).drain == "outlet"
-    wear = RunningIn(pressure=260e5, shaft_speed=157.1, temperature=323.15)
+    wear = WearInParameters(pressure=260e5, shaft_speed=157.1, temperature=323.15)
     spec = egm12("pump")
-    worn = replace(spec, casing=replace(spec.casing, wear_in=wear))
+    worn = changed(spec, casing=replace(spec.keys.casing, wear_in=wear))
     running_in = MACHINE.describe(worn, nodes=72).running_in
     assert running_in is not None
     assert running_in.pressure == 260e5
@@ -219,10 +229,7 @@ def test_summary_has_the_contract_names() -> None:
 
 def test_profile_from_points_gives_the_generated_machine() -> None:
     """Displacement within 0.1 %, volumes within 0.2 % of their range, without involute data."""
-    gear = Gear(
-        tooth=replace(generate_profile(TWELVE, 200), involute=None, breaks=()),
-        face_width=7.5e-3,
-    )
+    gear = gear_of(replace(generate_profile(TWELVE, 200), involute=None, breaks=()), 7.5e-3)
     read = MACHINE.describe(egm12("pump", drive=gear, driven=gear), nodes=360)
     made = MACHINE.describe(egm12("pump"), nodes=360)
     assert read.displacement == pytest.approx(made.displacement, rel=1e-3)
@@ -245,10 +252,7 @@ def contour_with_ports(clearance: float) -> np.ndarray:
 
 def test_casing_contour_gives_port_edges_and_clearance() -> None:
     """Port edges within two rays, 0.5 degrees; chords of the contour cost 0.1 um of clearance."""
-    casing = Casing(
-        radial_clearance=20e-6, inlet_angle=1.0, outlet_angle=1.0, contour=contour_with_ports(20e-6)
-    )
-    assembly = assemble(egm12("pump", casing=casing))
+    assembly = assemble(egm12("pump", casing_contour=contour_with_ports(20e-6)))
     for gear in (0, 1):
         found = bore(assembly, gear)
         assert np.rad2deg(found.inlet_angle) == pytest.approx(70.0, abs=0.5)
@@ -257,30 +261,27 @@ def test_casing_contour_gives_port_edges_and_clearance() -> None:
 
 
 def test_casing_that_cuts_the_gear_is_refused() -> None:
-    casing = Casing(
-        radial_clearance=20e-6, inlet_angle=1.0, outlet_angle=1.0, contour=contour_with_ports(-1e-4)
-    )
     with pytest.raises(GeometryError, match=r"machine\.casing\.contour"):
-        MACHINE.describe(egm12("pump", casing=casing))
+        MACHINE.describe(egm12("pump", casing_contour=contour_with_ports(-1e-4)))
 
 
 def test_gears_that_do_not_reach_one_another_are_refused() -> None:
-    gear = Gear(tooth=generate_profile(TWELVE, 200), face_width=7.5e-3)
+    gear = gear_of(generate_profile(TWELVE, 200), 7.5e-3)
     spec = egm12("pump", drive=gear, driven=gear, normal_backlash=None, center_distance=41e-3)
     with pytest.raises(GeometryError, match="center_distance"):
         MACHINE.describe(spec)
 
 
 def test_overlapping_profiles_are_refused() -> None:
-    gear = Gear(tooth=generate_profile(TWELVE, 200), face_width=7.5e-3)
+    gear = gear_of(generate_profile(TWELVE, 200), 7.5e-3)
     spec = egm12("pump", drive=gear, driven=gear, normal_backlash=None, center_distance=34.3e-3)
     with pytest.raises(GeometryError, match="overlap"):
         MACHINE.describe(spec)
 
 
 def test_distance_or_backlash_is_needed() -> None:
-    with pytest.raises(GeometryError, match="neither"):
-        MACHINE.describe(egm12("pump", normal_backlash=None))
+    with pytest.raises(KeyRuleError, match="unless normal_backlash is given"):
+        egm12("pump", normal_backlash=None)
 
 
 def test_displacement_of_unequal_gears_equals_the_mean_flow() -> None:

@@ -191,3 +191,21 @@ def test_unknown_film_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: P
     path = tmp_path / "films.nc"
     assert main(["reduce", str(MOTOR), "-o", str(path), "--film", "cheese"]) == 2
     assert "--film: found 'cheese', allowed journal" in capsys.readouterr().err
+
+
+def test_lateral_films_need_an_operating_point(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    case = tmp_path / "start.toml"
+    case.write_text(
+        f"""base = "{MOTOR.parent / "startup_fan_drive.toml"}"
+[machine.floating_bearing]
+material = "AlSi"
+length = "19 mm"
+high_pressure_area = {{area = "760 mm^2", center = ["-8.16 mm", "17.34 mm"]}}
+motion = "axial"
+"""
+    )
+    told = ["reduce", str(case), "--film", "lateral", "-o", str(tmp_path / "a.nc")]
+    assert main(told) == 2
+    assert "allowed with an [operating_point]" in capsys.readouterr().err

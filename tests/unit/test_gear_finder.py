@@ -109,9 +109,11 @@ def test_gear_and_shaft_of_one_body(tmp_path: Path) -> None:
     from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt, gp_Vec
     from OCP.STEPControl import STEPControl_AsIs, STEPControl_Writer
 
-    from toothspace.geometry.cad_export import _step_face
+    from toothspace.geometry.cad_export import gear_section, step_face
 
-    teeth = BRepPrimAPI_MakePrism(_step_face(generate_profile(MOTOR, 60)), gp_Vec(0, 0, 7.5))
+    teeth = BRepPrimAPI_MakePrism(
+        step_face(gear_section(generate_profile(MOTOR, 60))), gp_Vec(0, 0, 7.5)
+    )
     place = gp_Ax2(gp_Pnt(0, 0, -40), gp_Dir(0, 0, 1))
     shaft = BRepPrimAPI_MakeCylinder(place, 9.0, 70.0)
     writer = STEPControl_Writer()

@@ -15,8 +15,8 @@ from toothspace.case import load_case
 from toothspace.cli import main
 from toothspace.core.errors import CaseError, GeometryError
 from toothspace.geometry.body_section import SectionRequest
+from toothspace.geometry.cad_export import Section, export_section, smooth_pieces
 from toothspace.geometry.curve import signed_area
-from toothspace.geometry.section_export import Section, export_section, smooth_pieces
 from toothspace.machines.gerotor.export import export_profiles
 from toothspace.machines.gerotor.lobe_path import lobe_path
 from toothspace.machines.gerotor.pockets import pockets

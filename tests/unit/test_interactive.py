@@ -120,6 +120,51 @@ def test_simulate_takes_paths_tables_and_overrides(ran: list[Case]) -> None:
         ts.simulate(MOTOR, run__fidelty="ideal")
 
 
+@pytest.mark.parametrize("wrong", [3, None, [1], b"x", 2.5, object()])
+@pytest.mark.parametrize("name", ["load_case", "simulate", "describe", "load_solution"])
+def test_what_is_no_case_and_no_result_is_refused_by_name(name: str, wrong: object) -> None:
+    kind = "result" if name == "load_solution" else "case"
+    with pytest.raises(ts.CaseError, match=rf"^{kind}: found .*, allowed a"):
+        getattr(ts, name)(wrong)
+
+
+def test_wrong_types_end_in_one_message(solution: ts.Solution) -> None:
+    case = ts.load_case(MOTOR)
+    calls = {
+        "result: found 3": lambda: ts.compare(solution, 3),  # type: ignore[arg-type]
+        "cases: found 'egm12_pump'": lambda: ts.simulate_all("egm12_pump"),
+        "workers: found '2'": lambda: ts.simulate_all([], workers="2"),  # type: ignore[arg-type]
+        "workers: found 0": lambda: ts.sweep(case, {"run.max_revolutions": [9]}, workers=0),
+        "values: found 3": lambda: case.replace(3),  # type: ignore[arg-type]
+        "case: found None": lambda: ts.Case.from_dict(None),  # type: ignore[arg-type]
+        "folder: found 3": lambda: ts.Case.from_dict({}, 3),  # type: ignore[arg-type]
+        "--set: found 3": lambda: ts.load_case(MOTOR, 3),  # type: ignore[arg-type]
+        "CSV: found 3": lambda: solution.to_csv(3),  # type: ignore[arg-type]
+        "report: found 3": lambda: solution.report(3),  # type: ignore[arg-type]
+        "bearing.diameter: found '1 mm'": lambda: ts.films.JournalBearing(
+            diameter="1 mm",  # type: ignore[arg-type]
+            length=0.1,
+            radial_clearance=1e-4,
+            dynamic_viscosity=0.01,
+        ),
+    }
+    for message, call in calls.items():
+        with pytest.raises(ts.CaseError, match=f"^{message}"):
+            call()
+
+
+def test_unknown_fluid_stands_among_the_other_problems() -> None:
+    tables = ts.load_case(MOTOR).to_dict()
+    tables["machine"]["gears"]["module"] = "3"
+    tables["fluid"]["name"] = "iso_vg_45"
+    with pytest.raises(ts.CaseError) as refused:
+        ts.Case.from_dict(tables)
+    assert [line.split(": ")[1] for line in str(refused.value).splitlines()] == [
+        "machine.gears.module",
+        "fluid.name",
+    ]
+
+
 def test_several_cases(ran: list[Case]) -> None:
     found = ts.simulate_all([MOTOR, ts.load_case(MOTOR)])
     assert all(isinstance(one, ts.Solution) for one in found)

@@ -26,7 +26,7 @@ from toothspace.core.status import Status
 from toothspace.model.assembly import System, assemble
 from toothspace.model.fluid import fluid_law
 from toothspace.model.operating_point import OperatingCondition
-from toothspace.simulation import running_in, running_in_store
+from toothspace.simulation import running_in
 from toothspace.simulation.setup import Setup, fluid_of
 from toothspace.solver import cyclic
 from toothspace.solver.cyclic import RunPlan, march_revolutions
@@ -90,7 +90,7 @@ def test_the_step_limit_reaches_the_integrator(system: System) -> None:
 @pytest.fixture
 def motor(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Case:
     """The motor with running-in replaced by stand-ins, and an empty store."""
-    monkeypatch.setattr(running_in_store, "folder", lambda: tmp_path / "store")
+    monkeypatch.setattr(running_in, "folder", lambda: tmp_path / "store")
     monkeypatch.setattr(running_in, "assemble", lambda *_: None)
     monkeypatch.setattr(running_in, "running_in_depths", lambda _: {"drive_gear": np.arange(3.0)})
     return api.load_case(MOTOR)
@@ -138,7 +138,7 @@ def test_running_in_that_was_interrupted_is_not_used(
     marches(monkeypatch, Status.INTERRUPTED)
     with pytest.raises(KeyboardInterrupt):
         run_in(motor)
-    assert not running_in_store.folder().exists()
+    assert not running_in.folder().exists()
 
 
 def test_running_in_that_failed_is_used_but_not_kept(
@@ -147,19 +147,19 @@ def test_running_in_that_failed_is_used_but_not_kept(
     asked = marches(monkeypatch, Status.STEP_TOO_SMALL)
     depths = run_in(motor).depths
     assert depths
-    assert not running_in_store.folder().exists()
+    assert not running_in.folder().exists()
     assert asked[0].max_steps == motor.run.max_steps
 
 
 def test_a_broken_file_of_depths_counts_as_none(motor: Case) -> None:
-    running_in_store.save("a", {"tip": np.ones(2)})
-    found = running_in_store.load("a")
+    running_in.save("a", {"tip": np.ones(2)})
+    found = running_in.load("a")
     assert found is not None
     assert found["tip"].tolist() == [1.0, 1.0]
-    path = running_in_store.folder() / "a.npz"
+    path = running_in.folder() / "a.npz"
     path.write_bytes(path.read_bytes()[:40])
-    assert running_in_store.load("a") is None
-    assert running_in_store.load("b") is None
+    assert running_in.load("a") is None
+    assert running_in.load("b") is None
 
 
 def test_fingerprints_follow_content() -> None:

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from tests.lateral_stack import VISCOSITY, loads, pressures, ring_stack
+from toothspace.films.lateral.motion import Balance
 from toothspace.films.thermal import FilmHeating, HeatBalance
-from toothspace.simulation.lateral.heat import settle_heated
+from toothspace.simulation.lateral.heat import SettledBearing, settle_bearing
 from toothspace.simulation.lateral.problem import LateralProblem, LateralSettings
 
 SUPPLY, THINNING = 330.0, 0.02
@@ -24,6 +25,10 @@ def _heating(share: float, **changes: float) -> FilmHeating:
     )
 
 
+def _settled(problem: LateralProblem, start: Balance, heating: FilmHeating) -> SettledBearing:
+    return settle_bearing(replace(problem, settings=LateralSettings(heating=heating)), start)
+
+
 @pytest.fixture(scope="module")
 def problem() -> LateralProblem:
     """Ring between low pressure on one side and high on the other, so that oil flows through."""
@@ -36,8 +41,8 @@ def problem() -> LateralProblem:
 
 def test_isothermal_films_keep_the_temperature_of_the_supply(problem: LateralProblem) -> None:
     start = problem.started(2e-6)
-    found = settle_heated(problem, start, _heating(0.0))
-    assert found.agreed
+    found = _settled(problem, start, _heating(0.0))
+    assert found.warm
     assert found.temperatures == pytest.approx([SUPPLY, SUPPLY])
     cold = problem.settle(start).balance
     assert found.equilibrium.balance.position == pytest.approx(cold.position, rel=1e-9)
@@ -46,8 +51,8 @@ def test_isothermal_films_keep_the_temperature_of_the_supply(problem: LateralPro
 def test_heat_of_the_films_agrees_with_their_viscosity(problem: LateralProblem) -> None:
     """Heat balance by hand: T = T0 + P / (2 rho c Q) with the film's own power and flow."""
     heating = _heating(1.0)
-    found = settle_heated(problem, problem.started(2e-6), heating)
-    assert found.agreed
+    found = _settled(problem, problem.started(2e-6), heating)
+    assert found.warm
     assert found.equilibrium.settled
     for film, law, temperature in zip(
         found.equilibrium.balance.states[0].films,
@@ -61,12 +66,12 @@ def test_heat_of_the_films_agrees_with_their_viscosity(problem: LateralProblem) 
         assert temperature - SUPPLY == pytest.approx(rise, abs=0.3)
         assert law.fluid.dynamic_viscosity == pytest.approx(heating.viscosity(temperature))
     # thrown-away heat: half of it in the oil warms it less, as much as it thins less
-    half = settle_heated(problem, problem.started(2e-6), _heating(0.5))
+    half = _settled(problem, problem.started(2e-6), _heating(0.5))
     assert SUPPLY < half.temperatures.min() < found.temperatures.min()
 
 
 def test_film_hotter_than_the_fluid_is_known_for_has_not_agreed(problem: LateralProblem) -> None:
     limit = SUPPLY + 0.5
-    found = settle_heated(problem, problem.started(2e-6), _heating(1.0, highest_temperature=limit))
-    assert not found.agreed
+    found = _settled(problem, problem.started(2e-6), _heating(1.0, highest_temperature=limit))
+    assert not found.warm
     assert found.temperatures.max() <= limit

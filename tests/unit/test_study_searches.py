@@ -21,7 +21,7 @@ from toothspace.studies import run_study
 from toothspace.studies.least_squares import fit
 from toothspace.studies.measured import read_measured
 from toothspace.studies.records import FILE_NAME
-from toothspace.studies.sensitivity import index_samples, rank_correlations, sobol_indices
+from toothspace.studies.tolerance import index_samples, rank_correlations, sobol_indices
 from toothspace.studies.variation import unit_samples
 
 CLEARANCE = "machine.casing.radial_clearance"
@@ -302,3 +302,61 @@ def test_bad_measurements_are_refused(header: str, row: str, message: str, tmp_p
 def test_bad_studies_are_refused(study: str, message: str) -> None:
     with pytest.raises(CaseError, match=message):
         case_with_study(study)
+
+
+def test_design_scan_finds_the_best_of_many_gears(tmp_path: Path) -> None:
+    text = """
+kind = "design_scan"
+objective = "flow_ripple_percent"
+goal = "minimise"
+sample_count = 2000
+best_count = 3
+addendum = 1.1
+displacement = "4.95 cm^3/rev"
+constraints = {envelope_cm3 = {high = 26.0}, contact_ratio = {low = 1.1}}
+[study.vary]
+"machine.gears.tooth_count" = {from = 9, to = 18}
+"machine.gears.module" = {from = "1.8 mm", to = "3.4 mm"}
+"machine.gears.profile_shift" = {from = 0.0, to = 0.7}
+"""
+    result = run_study(case_with_study(text, "egm12_pump"), tmp_path)
+    assert result.status is Status.DONE
+    kept = result.data["feasible"].values
+    ripple = result.data["flow_ripple_percent"].values
+    assert result.numbers["best_merit"] == np.min(ripple[kept])
+    assert np.all(result.data["envelope_cm3"].values[kept] <= 26.0)
+    assert np.all(result.data["reasons"].values[kept] == 0)
+    head, *rows = (tmp_path / "best.csv").read_text().splitlines()
+    assert head.startswith("machine.gears.tooth_count,machine.gears.module (mm)")
+    assert len(rows) == 3
+    # the best design is a case that can be run, and has these numbers
+    best = result.numbers["best_point"]
+    values = dict(result.numbers["best"])
+    values["machine.gears.tip_diameter"] = f"{best['tip_diameter_mm']:.12g} mm"
+    values["machine.gears.face_width"] = f"{best['face_width_mm']:.12g} mm"
+    summary = api.describe(case_with_study(text, "egm12_pump").at_point(values)).geometry_summary
+    assert summary["displacement_cm3_per_rev"] == pytest.approx(4.95)
+    assert summary["flow_ripple_percent"] == pytest.approx(best["flow_ripple_percent"])
+    assert "Flow ripple" in study_report_html(result)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ('objective = "noise"', "'noise', which is no result, allowed displacement_cm3_per_rev"),
+        ("addendum = 2.0", "found no possible design"),
+    ],
+)
+def test_design_scan_names_what_is_wrong(change: str, message: str) -> None:
+    text = """
+kind = "design_scan"
+objective = "contact_ratio"
+sample_count = 64
+[study.vary]
+"machine.gears.profile_shift" = {from = 0.0, to = 0.7}
+"""
+    key = change.partition(" ")[0]
+    lines = [line for line in text.splitlines() if not line.startswith(key)]
+    lines.insert(1, change)
+    with pytest.raises(CaseError, match=message):
+        run_study(case_with_study("\n".join(lines), "egm12_pump"))

@@ -10,8 +10,8 @@ import pytest
 from tests.external_gear_designs import egm12
 from toothspace.gearing.gear_tables import ReliefGrooves
 from toothspace.machines.external_gear.assembly import assemble
+from toothspace.machines.external_gear.parameter_tables import WearInParameters
 from toothspace.machines.external_gear.trapping import mesh_chain, trapping, trapping_checks
-from toothspace.model.description import RunningIn
 
 BAR = 1e5
 
@@ -19,8 +19,10 @@ BAR = 1e5
 def _pump(backlash: float, closing: float, opening: float, mode: str = "pump"):
     """12-tooth machine with offsets in mm and a condition of 200 bar, 1500 rpm."""
     casing = replace(
-        egm12(mode).casing,
-        wear_in=RunningIn(pressure=200 * BAR, shaft_speed=1500 * math.pi / 30, temperature=323.0),
+        egm12(mode).keys.casing,
+        wear_in=WearInParameters(
+            pressure=200 * BAR, shaft_speed=1500 * math.pi / 30, temperature=323.0
+        ),
     )
     grooves = ReliefGrooves(closing_side_offset=closing * 1e-3, opening_side_offset=opening * 1e-3)
     return assemble(egm12(mode, normal_backlash=backlash * 1e-3, grooves=grooves, casing=casing))
@@ -37,7 +39,7 @@ def test_peak_agrees_with_the_run_of_the_machine(closing, opening, simulated):
     """Lumped runs of the pump at 1500 rpm, 200 bar, backlash 0.107 mm; within 15 %."""
     assembly = _pump(0.107, closing, opening)
     found = trapping(
-        mesh_chain(assembly, assembly.spaces(720)), assembly, assembly.spec.casing.wear_in
+        mesh_chain(assembly, assembly.spaces(720)), assembly, assembly.spec.keys.casing.wear_in
     )
     assert found.peak_pressure / BAR == pytest.approx(simulated, rel=0.15)
 
@@ -47,7 +49,7 @@ def test_short_circuit_is_that_by_which_the_flow_of_the_run_falls(opening, lost)
     """Loss of volumetric efficiency against grooves at 3.4 mm; within 0.015 of the ideal flow."""
     assembly = _pump(0.107, 3.4, opening)
     found = trapping(
-        mesh_chain(assembly, assembly.spaces(720)), assembly, assembly.spec.casing.wear_in
+        mesh_chain(assembly, assembly.spaces(720)), assembly, assembly.spec.keys.casing.wear_in
     )
     assert found.short_circuit == pytest.approx(lost, abs=0.015)
 

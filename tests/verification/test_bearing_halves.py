@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
-from tests.external_gear_designs import fuel14
+from tests.external_gear_designs import floating_block, fuel14
 from tests.lateral_stack import HIGH, LOW, loads, pressures, ring_stack, split_stack
 from toothspace.core.errors import GeometryError
 from toothspace.films.lateral.equilibrium import Equilibrium, SearchSettings, find_equilibrium
@@ -16,7 +14,14 @@ from toothspace.films.lateral.motion import Loads, StepSettings, state_at
 from toothspace.films.lateral.stack import Stack
 from toothspace.gearing.materials import Material
 from toothspace.machines.external_gear.describe import describe
-from toothspace.machines.external_gear.spec import FloatingBlock, Spring
+from toothspace.machines.external_gear.floating_parameters import (
+    FloatingBearingParameters,
+    HousingContactParameters,
+    NoseParameters,
+    PressureAreaParameters,
+    SpringParameters,
+)
+from toothspace.machines.external_gear.spec import FloatingBlock
 
 APPROACH = 3e-13
 
@@ -72,20 +77,18 @@ def test_gears_stay_between_two_split_bearings() -> None:
 
 def _machine(**changes: object) -> FloatingBlock:
     metal = Material(elastic_modulus=1e11, poisson_ratio=0.3, hardness=1e9, density=8800.0)
-    springs = tuple(Spring(force=70.0, x=x, y=y) for x in (-12e-3, 9e-3) for y in (0.0, 31.53e-3))
-    bearing = FloatingBlock(
-        material=metal,
-        length=38e-3,
-        roughness=0.4e-6,
-        seal_line=8e-3,
-        nose_area=400e-6,
-        nose_center=(-20e-3, 28e-3),
+    springs = tuple(
+        SpringParameters(force=70.0, x=x, y=y) for x in (-12e-3, 9e-3) for y in (0.0, 31.53e-3)
+    )
+    keys = FloatingBearingParameters(
+        high_pressure_area=PressureAreaParameters(seal_line_x=8e-3),
+        nose=NoseParameters(area=400e-6, center=(-20e-3, 28e-3)),
         springs=springs,
         seal_preload=35.0,
-        contact_area=900e-6,
+        housing_contact=HousingContactParameters(area=900e-6),
         split=True,
     )
-    return replace(bearing, **changes)  # type: ignore[arg-type]
+    return floating_block(FloatingBlock(keys=keys, material=metal, length=38e-3), **changes)
 
 
 def test_halves_of_a_machine_add_up_to_the_whole() -> None:
@@ -108,7 +111,9 @@ def test_halves_of_a_machine_add_up_to_the_whole() -> None:
 
 
 def test_split_needs_an_outline_of_the_balanced_area() -> None:
-    bearing = _machine(seal_line=None, high_pressure_area=2000e-6)
+    bearing = _machine(
+        high_pressure_area=PressureAreaParameters(area=2000e-6, center=(0.0, 31.53e-3))
+    )
     with pytest.raises(GeometryError, match=r"floating_bearing\.split: found"):
         describe(fuel14(floating_block=bearing))
 

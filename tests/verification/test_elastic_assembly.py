@@ -12,7 +12,7 @@ import pytest
 import shapely
 import shapely.affinity
 
-from tests.external_gear_designs import egm12
+from tests.external_gear_designs import changed, egm12, floating_block
 from toothspace.api import set_up
 from toothspace.case import load_case
 from toothspace.core.errors import CaseError, GeometryError
@@ -34,9 +34,15 @@ from toothspace.machines.external_gear.elastic_bodies import (
     gear_body,
 )
 from toothspace.machines.external_gear.films import FaceOfGear
-from toothspace.machines.external_gear.floating_parameters import ElasticBodiesParameters
+from toothspace.machines.external_gear.floating_parameters import (
+    ElasticBodiesParameters,
+    FloatingBearingParameters,
+    NoseParameters,
+    PressureAreaParameters,
+    SpringParameters,
+)
 from toothspace.machines.external_gear.loads import BODIES
-from toothspace.machines.external_gear.spec import FloatingBlock, Spring
+from toothspace.machines.external_gear.spec import FloatingBlock
 from toothspace.model.film_faces import FILM
 from toothspace.model.lateral_balance import BodyLoad, LateralBalance
 from toothspace.simulation.elastic import lateral_settings
@@ -51,24 +57,24 @@ FINER = MeshSize(0.13, 0.13, 0.17)
 REPOSITORY = Path(__file__).parents[2]
 BRONZE = Material(elastic_modulus=100e9, poisson_ratio=0.33, hardness=1e9, density=8800.0)
 LENGTH, SEAL_FORCE, NOSE = 19e-3, 120.0, (20e-6, (-6e-3, 17.2e-3))
-SPRINGS = (Spring(force=30.0, x=0.0, y=-12e-3), Spring(force=50.0, x=0.0, y=46e-3))
+SPRINGS = (
+    SpringParameters(force=30.0, x=0.0, y=-12e-3),
+    SpringParameters(force=50.0, x=0.0, y=46e-3),
+)
 SIZE = MeshSize(0.24, 0.25, 0.2)
 
 needs_gmsh = pytest.mark.skipif(shutil.which("gmsh") is None, reason="gmsh is not installed")
 
 
 def _pressed(**changes: object) -> FloatingBlock:
-    given = FloatingBlock(
-        material=BRONZE,
-        length=LENGTH,
-        roughness=0.4e-6,
-        seal_line=3e-3,
-        nose_area=NOSE[0],
-        nose_center=NOSE[1],
+    keys = FloatingBearingParameters(
+        high_pressure_area=PressureAreaParameters(seal_line_x=3e-3),
+        nose=NoseParameters(area=NOSE[0], center=NOSE[1]),
         springs=SPRINGS,
         seal_preload=SEAL_FORCE,
     )
-    return replace(given, **changes)  # type: ignore[arg-type]
+    given = FloatingBlock(keys=keys, material=BRONZE, length=LENGTH)
+    return floating_block(given, **changes)
 
 
 def _assembly(mode: str = "pump", /, **changes: object) -> Assembly:
@@ -102,8 +108,8 @@ def gear() -> InfluenceMatrix:
 
 def _gear(wheel: int, mode: str = "pump", /, **changes: object) -> InfluenceMatrix:
     assembly = _assembly(mode, **changes)
-    short = replace(assembly.spec.journals, length=0.2e-3)
-    short_shaft = replace(assembly, spec=replace(assembly.spec, journals=short))
+    short = replace(assembly.spec.keys.journal_bearings, length=0.2e-3)
+    short_shaft = replace(assembly, spec=changed(assembly.spec, journal_bearings=short))
     return influence_matrix(gear_body(short_shaft, wheel, SIZE), estimate_error=False, cache=False)
 
 
@@ -208,7 +214,7 @@ def test_contacts_press_on_both_gears_against_each_other(mode: str) -> None:
 
 
 def test_helical_teeth_push_both_gears_at_the_pitch_point() -> None:
-    assembly, balance = _assembly(), _balance(gear_forces=(250.0, -250.0), nose_area=0.0)
+    assembly, balance = _assembly(), _balance(gear_axial_force=(250.0, -250.0), nose=None)
     drive, driven = balance.body_forces
     assert (drive.size, driven.size) == (250.0, -250.0)
     assert balance.thrust(balance.bodies) == 0.0
@@ -290,7 +296,7 @@ def test_equal_pressure_on_face_and_back_compresses_without_tilt() -> None:
 def test_high_pressure_area_without_outline_lies_behind_a_chord() -> None:
     """Its area is met; it stands on the side of its centre."""
     area, center = 300e-6, (9e-3, 17.2e-3)
-    given = _balance(seal_line=None, high_pressure_area=area, high_pressure_center=center)
+    given = _balance(high_pressure_area=PressureAreaParameters(area=area, center=center))
     shape = _bodies(given).high_pressure
     assert shape.area == pytest.approx(area, rel=1e-6)
     assert shape.centroid.x > 5e-3
@@ -348,7 +354,7 @@ def _with_file(path: Path, **changes: object) -> ElasticAssembly:
     """Bodies whose floating bearing is that of a file."""
     assembly = _assembly()
     files = ElasticBodiesParameters(floating_bearing=path, **changes)  # type: ignore[arg-type]
-    spec = replace(assembly.spec, body_files=files)
+    spec = changed(assembly.spec, elastic_bodies=files)
     return replace(_bodies(_balance()), assembly=replace(assembly, spec=spec), size=SIZE)
 
 
@@ -367,7 +373,7 @@ def _block(path: Path, low: float = 0.0, width: float = 1.0) -> Path:
         axis = gp_Ax2(gp_Pnt(0.0, y, 1e3 * low), gp_Dir(0.0, 0.0, 1.0))
         return BRepPrimAPI_MakeCylinder(axis, 1e3 * radius, 1e3 * LENGTH).Shape()
 
-    tip, bore = assembly.profiles[0].tip_radius, 0.5 * assembly.spec.journals.diameter
+    tip, bore = assembly.profiles[0].tip_radius, 0.5 * assembly.spec.keys.journal_bearings.diameter
     shape = BRepAlgoAPI_Fuse(cylinder(tip, 0.0), cylinder(tip, rise)).Shape()
     for y in (0.0, rise):
         shape = BRepAlgoAPI_Cut(shape, cylinder(width * bore, y)).Shape()
@@ -388,7 +394,7 @@ def test_bearing_of_a_file_deforms_as_the_swept_one(tmp_path: Path) -> None:
     bodies = _with_file(path, edge_length=2.5e-3)
     plain = replace(bodies.assembly.spec, grooves=None)
     bodies = replace(bodies, assembly=replace(bodies.assembly, spec=plain), size=FINER)
-    swept = replace(plain, body_files=None)
+    swept = changed(plain, elastic_bodies=None)
     solid = _condensed(bodies)
     wanted = _condensed(replace(bodies, assembly=replace(bodies.assembly, spec=swept)))
     assert solid.mass == pytest.approx(wanted.mass, rel=0.01)
@@ -443,7 +449,7 @@ def test_case_names_the_files(tmp_path: Path) -> None:
     case = REPOSITORY / "cases" / "hysteresis_055.toml"
     key = "machine.elastic_bodies.floating_bearing"
     found = load_case(case, (f'{key}="{path}"', 'machine.elastic_bodies.edge_length="3 mm"'))
-    files = found.machine_spec.body_files
+    files = found.machine.elastic_bodies
     assert files == ElasticBodiesParameters(floating_bearing=path, edge_length=3e-3)
     with pytest.raises(CaseError, match=r"elastic_bodies\.drive_gear: found .*no\.step"):
         load_case(case, ('machine.elastic_bodies.drive_gear="no.step"',))

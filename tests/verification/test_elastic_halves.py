@@ -10,7 +10,7 @@ import pytest
 import shapely
 import shapely.affinity
 
-from tests.external_gear_designs import egm12
+from tests.external_gear_designs import changed, egm12, floating_block
 from tests.lateral_stack import (
     AREA,
     HIGH,
@@ -46,8 +46,14 @@ from toothspace.machines.external_gear.assembly import assemble
 from toothspace.machines.external_gear.balance import lateral_balance
 from toothspace.machines.external_gear.elastic_assembly import ElasticAssembly
 from toothspace.machines.external_gear.elastic_bodies import MeshSize
-from toothspace.machines.external_gear.floating_parameters import ElasticBodiesParameters
-from toothspace.machines.external_gear.spec import FloatingBlock, Spring
+from toothspace.machines.external_gear.floating_parameters import (
+    ElasticBodiesParameters,
+    FloatingBearingParameters,
+    NoseParameters,
+    PressureAreaParameters,
+    SpringParameters,
+)
+from toothspace.machines.external_gear.spec import FloatingBlock
 from toothspace.model.lateral_balance import LateralBalance
 from toothspace.simulation.elastic import lateral_settings
 from toothspace.simulation.lateral.problem import LateralProblem, lateral_problem
@@ -67,18 +73,18 @@ CELLS = (24, 8)
 
 
 def _balance(**changes: object) -> LateralBalance:
-    given = FloatingBlock(
-        material=BRONZE,
-        length=LENGTH,
-        roughness=0.4e-6,
-        seal_line=3e-3,
-        nose_area=20e-6,
-        nose_center=(-6e-3, MIDDLE),
-        springs=(Spring(force=30.0, x=2e-3, y=-12e-3), Spring(force=50.0, x=0.0, y=46e-3)),
+    keys = FloatingBearingParameters(
+        high_pressure_area=PressureAreaParameters(seal_line_x=3e-3),
+        nose=NoseParameters(area=20e-6, center=(-6e-3, MIDDLE)),
+        springs=(
+            SpringParameters(force=30.0, x=2e-3, y=-12e-3),
+            SpringParameters(force=50.0, x=0.0, y=46e-3),
+        ),
         seal_preload=120.0,
         split=True,
     )
-    pressed = replace(given, **changes)  # type: ignore[arg-type]
+    given = FloatingBlock(keys=keys, material=BRONZE, length=LENGTH)
+    pressed = floating_block(given, **changes)
     assembly = assemble(egm12("pump", floating_block=pressed))
     found = lateral_balance(assembly, number(assembly.counts))
     assert found is not None
@@ -166,7 +172,7 @@ def test_files_are_refused_for_halves(tmp_path: Path) -> None:
     file = tmp_path / "block.step"
     file.write_text("ISO-10303-21;", encoding="utf-8")
     files = ElasticBodiesParameters(floating_bearing=file)
-    spec = replace(bodies.assembly.spec, body_files=files)
+    spec = changed(bodies.assembly.spec, elastic_bodies=files)
     given = replace(bodies, assembly=replace(bodies.assembly, spec=spec))
     with pytest.raises(GeometryError, match=r"floating_bearing: found a file of a split bearing"):
         given()

@@ -118,8 +118,8 @@ def _chamber(assembly: Assembly, spaces: Spaces, motion: np.ndarray) -> float:
         shapely.LinearRing(_moved(driven, motion, center)).intersection(window),
     ]
     for side in (spaces.left, spaces.right):
-        start = side.drive_point[0]
-        end = _moved(side.driven_point, motion, center)[0]
+        start = side.drive.point[0]
+        end = _moved(side.driven.point, motion, center)[0]
         beyond = 2e-3 * (end - start)
         rings.append(shapely.LineString([start - beyond, end + beyond]))
     pieces = list(polygonize(unary_union(rings)))

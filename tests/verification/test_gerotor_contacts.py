@@ -20,17 +20,14 @@ from tests.drawn_rotors import (
 )
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
-from toothspace.machines.gerotor.contact_search import PlacedRotors
 from toothspace.machines.gerotor.contact_table import (
     NODES_PER_PITCH,
     LobeContact,
     export_contacts,
     lobe_contacts,
 )
-from toothspace.machines.gerotor.contour import contour
-from toothspace.machines.gerotor.lobe_pairs import contacts_of
 from toothspace.machines.gerotor.parameters import RotorParameters
-from toothspace.machines.gerotor.profiles import rotors_from
+from toothspace.machines.gerotor.profiles import Rotors, rotors_from
 
 CLEARANCE = 40e-6
 DESIGNS = {"trochoidal": trochoidal, "cycloidal": cycloidal}
@@ -39,7 +36,7 @@ DESIGNS = {"trochoidal": trochoidal, "cycloidal": cycloidal}
 @pytest.fixture(scope="module", params=list(DESIGNS))
 def design(request: pytest.FixtureRequest) -> tuple[Array, Array, tuple[LobeContact, ...]]:
     inner, outer = DESIGNS[request.param](CLEARANCE)
-    rotors = PlacedRotors(contour(inner), contour(outer), ECCENTRICITY, INNER_COUNT)
+    rotors = Rotors(inner, outer, INNER_COUNT, ECCENTRICITY, CLEARANCE)
     return inner, outer, lobe_contacts(rotors)
 
 
@@ -103,7 +100,8 @@ def contacts_at(
     for contact in contacts:
         rows = node + NODES_PER_PITCH * np.arange(contact.copies)
         rows = rows[contact.near[rows]]
-        gaps.append(contact.displaced_gap(motion[:2], motion[2])[rows])
+        moved = contact.gap + contact.normal @ np.array(motion[:2]) + contact.lever * motion[2]
+        gaps.append(moved[rows])
         places.append(contact.outer_point[rows] @ np.array([1.0, 1.0j]))
     return np.concatenate(places), np.concatenate(gaps)
 
@@ -179,7 +177,7 @@ def test_exported_table_holds_the_contacts(
 
 def test_trochoidal_lobes_keep_their_radius() -> None:
     inner, outer = trochoidal(CLEARANCE)
-    rotors = PlacedRotors(contour(inner), contour(outer), ECCENTRICITY, INNER_COUNT)
+    rotors = Rotors(inner, outer, INNER_COUNT, ECCENTRICITY, CLEARANCE)
     lobe, cavity = lobe_contacts(rotors)
     assert (lobe.copies, cavity.copies) == (OUTER_COUNT, 1)
     assert lobe.radius_outer == pytest.approx(LOBE_RADIUS, rel=1e-3)
@@ -192,7 +190,7 @@ def test_rough_outlines_are_refused() -> None:
     inner, outer = (
         points + noise.normal(0.0, 1e-6, points.shape) for points in trochoidal(CLEARANCE)
     )
-    rotors = PlacedRotors(contour(inner), contour(outer), ECCENTRICITY, INNER_COUNT)
+    rotors = Rotors(inner, outer, INNER_COUNT, ECCENTRICITY, CLEARANCE)
     with pytest.raises(GeometryError, match="smooth profiles"):
         lobe_contacts(rotors)
 
@@ -211,7 +209,7 @@ def test_any_tooth_count_has_one_endless_set_of_contacts(kind: str, count: int) 
         face_width=10e-3,
         tip_clearance=30e-6,
     )
-    contact = contacts_of(rotors_from(design))[0]
+    contact = lobe_contacts(rotors_from(design))[0]
     assert count + 1 <= contact.copies <= count + 2
     gap = contact.gap[steady(contact)]
     assert gap == pytest.approx(30e-6, abs=0.1e-6)

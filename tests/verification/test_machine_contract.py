@@ -55,7 +55,7 @@ def described(name: str, mode: str | None = None) -> MachineDescription:
     case = api.load_case(CASES / f"{name}.toml")
     if mode is None:
         return api.describe(case)
-    spec = replace(case.machine_spec, mode=mode)
+    spec = replace(case.machine, mode=mode).assemble()
     return machine_type(case.machine_type).describe(spec)  # type: ignore[no-any-return]
 
 

@@ -14,10 +14,11 @@ import numpy as np
 import pytest
 
 from examples import minimal_external_gear as oracle
+from tests.external_gear_designs import gear_of, machine_of
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.types import Array
 from toothspace.geometry.involute_gear import InvoluteGear
-from toothspace.machines.external_gear import spec
+from toothspace.machines.external_gear import parameter_tables as keys
 from toothspace.machines.external_gear.describe import describe
 from toothspace.model.arrays import CATEGORY
 from toothspace.model.assembly import System, assemble
@@ -53,21 +54,22 @@ def simplified_machine() -> MachineDescription:
         tool_tip_radius=oracle.TOOL_RADIUS / oracle.MODULE,
         tip_diameter=2.0 * oracle.TIP_RADIUS,
     )
-    gear = spec.Gear(tooth=tooth, face_width=oracle.WIDTH, tip_rounding=0.0)
-    machine = spec.ExternalGearSpec(
-        drive=gear,
-        driven=gear,
+    gear = gear_of(tooth, oracle.WIDTH, tip_rounding=0.0)
+    machine = machine_of(
+        tooth,
+        oracle.WIDTH,
+        mode="pump",
         normal_backlash=oracle.BACKLASH,
-        casing=spec.Casing(
+        casing=keys.CasingParameters(
             radial_clearance=oracle.TIP_GAP,
             inlet_angle=oracle.INLET_EDGE,
             outlet_angle=oracle.OUTLET_EDGE,
         ),
-        journals=spec.JournalBearings(
+        journal_bearings=keys.JournalBearingParameters(
             diameter=2.0 * oracle.SHAFT_RADIUS, length=19e-3, radial_clearance=8e-6
         ),
-        lateral=spec.LateralGaps(side_gap_floating=oracle.SIDE_GAP, side_gap_solid=oracle.SIDE_GAP),
-        grooves=spec.ReliefGrooves(
+        lateral=keys.LateralParameters(side_gap=oracle.SIDE_GAP),
+        relief_grooves=keys.BlockGrooveParameters(
             closing_side_offset=oracle.GROOVE_EDGE,
             opening_side_offset=oracle.GROOVE_EDGE,
             width=oracle.GROOVE_WIDTH,
@@ -75,7 +77,7 @@ def simplified_machine() -> MachineDescription:
             depth=oracle.GROOVE_DEPTH,
         ),
     )
-    return without_motion(describe(machine, NODES))
+    return without_motion(describe(replace(machine, drive=gear, driven=gear), NODES))
 
 
 def without_motion(machine: MachineDescription) -> MachineDescription:

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Iterable, Iterator, Mapping
+import reprlib
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from importlib import import_module
 from pathlib import Path
 from typing import Any, final
 
-from toothspace.case.circuit import Circuit
-from toothspace.case.conditions import FluidChoice, HeatSettings, OperatingPoint, RunSettings
 from toothspace.case.document import (
     Document,
     document_text,
@@ -25,29 +23,20 @@ from toothspace.case.fingerprint import fingerprint
 from toothspace.case.overrides import CONDITIONS, split_override, with_values
 from toothspace.case.rules import broken_rules
 from toothspace.case.shipped import shipped_case
-from toothspace.case.stand_alone import FILMS, FilmKeys, JournalBearingCase
-from toothspace.case.study import STUDIES
+from toothspace.case.tables import MACHINE_KEY, SCHEMA_VERSION, CaseTables
 from toothspace.core.errors import CaseError
+from toothspace.core.files import path_of
 from toothspace.core.keys import (
     FileText,
     KeyRuleError,
-    KeyTable,
     Problem,
     Problems,
     Source,
     Table,
-    Variant,
-    declare,
-    integer,
     joined,
     shown,
-    table,
-    text,
 )
-from toothspace.core.registry import machine_modules
 from toothspace.core.units import as_text
-
-SCHEMA_VERSION = 1
 
 _KEPT_MACHINES = 16
 
@@ -55,37 +44,8 @@ _machines: dict[str, Any] = {}
 
 
 @final
-class _MachineTypes(Mapping[str, type]):
-    """Class of the keys ``[machine]`` of every installed machine type, imported when asked for."""
-
-    def __getitem__(self, name: str) -> type:
-        return import_module(f"{machine_modules()[name]}.parameters").PARAMETERS
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(machine_modules())
-
-    def __len__(self) -> int:
-        return len(machine_modules())
-
-    def name_of(self, spec: type) -> str:
-        """Return the machine type whose keys a class holds, empty for other classes."""
-        package = spec.__module__.removesuffix(".parameters")
-        named = (name for name, module in machine_modules().items() if module == package)
-        return next((name for name in named if self[name] is spec), "")
-
-
-MACHINE_TABLES = _MachineTypes()
-MACHINE_KEY = Variant(
-    tag="type",
-    variants=MACHINE_TABLES,
-    name_of_table=MACHINE_TABLES.name_of,
-    doc="The machine; keys by its type.",
-)
-
-
-@final
 @dataclass(frozen=True, kw_only=True)
-class Case(KeyTable):
+class Case(CaseTables):
     """Input of one reproducible run.
 
     The keys are what is solved; every construction, :func:`dataclasses.replace` included, checks
@@ -125,36 +85,6 @@ class Case(KeyTable):
         If a value, or several together, ask for the impossible.
     """
 
-    schema: int = integer(
-        "Version of the case file's keys.",
-        low=SCHEMA_VERSION,
-        high=SCHEMA_VERSION,
-        default=SCHEMA_VERSION,
-    )
-    title: str = text("What this case is.", default="")
-    machine: Any = declare(MACHINE_KEY, None)
-    fluid: FluidChoice | None = table(FluidChoice, "Fluid and temperature.", default=None)
-    operating_point: OperatingPoint | None = table(
-        OperatingPoint, "Steady condition.", default=None
-    )
-    circuit: Circuit | None = table(
-        Circuit, "Transient condition: elements and connections.", default=None
-    )
-    bearing: JournalBearingCase | None = table(
-        JournalBearingCase, "Stand-alone journal bearing.", default=None
-    )
-    film: FilmKeys | None = declare(
-        Variant(tag="kind", variants=FILMS, doc="Stand-alone film."), None
-    )
-    study: Any = declare(
-        Variant(tag="kind", variants=STUDIES, doc="Study that drives the condition."), None
-    )
-    heat: HeatSettings = table(
-        HeatSettings,
-        "Temperatures of oil, bodies and films at an operating point.",
-        default=HeatSettings(),
-    )
-    run: RunSettings = table(RunSettings, "Fidelity and numerical settings.", default=RunSettings())
     source: Path | None = field(default=None, compare=False)
     overrides: tuple[str, ...] = field(default=(), compare=False)
 
@@ -185,7 +115,8 @@ class Case(KeyTable):
         CaseError
             A line for every key, with what was found and what is allowed.
         """
-        return _made(Document("case", dict(tables)), Path(folder))
+        _require_table("case", tables)
+        return _made(Document("case", dict(tables)), path_of(folder, "folder", "a folder"))
 
     @classmethod
     def from_toml(cls, text: str, folder: str | Path = ".", label: str = "case") -> Case:
@@ -205,8 +136,11 @@ class Case(KeyTable):
         CaseError
             A line for every key, with what was found, what is allowed and where it stands.
         """
-        document = parse_document(text, label, Path(folder))
-        return _made(document, Path(folder), source=Path(folder) / f"{label}.toml")
+        if not isinstance(text, str):
+            raise CaseError(f"{label}: found {text!r}, allowed the text of a case file")
+        place = path_of(folder, "folder", "a folder")
+        document = parse_document(text, label, place)
+        return _made(document, place, source=place / f"{label}.toml")
 
     def replace(self, values: Mapping[str, Any]) -> Case:
         """Return a case with other values, checked again, with a hash of its own.
@@ -224,6 +158,7 @@ class Case(KeyTable):
         CaseError
             A line for every key, with what was found and what is allowed.
         """
+        _require_table("values", values)
         changed = tuple(
             f"{path}={value if isinstance(value, str) else shown(as_text(value))}"
             for path, value in values.items()
@@ -319,6 +254,11 @@ class Case(KeyTable):
         return f"<Case {self.title!r}: {machine}{condition}, {self.run.fidelity}>"
 
 
+def _require_table(name: str, given: object) -> None:
+    if not isinstance(given, Mapping):
+        raise CaseError(f"{name}: found {reprlib.repr(given)}, allowed a table of keys and values")
+
+
 def _relative(file: Path, folder: Path) -> str:
     try:
         return Path(os.path.relpath(file, folder)).as_posix()
@@ -364,11 +304,13 @@ def load_case(source: str | Path | Mapping[str, Any], overrides: Iterable[str] =
     CaseError
         A line for every key, with file, what was found, what is allowed and where it stands.
     """
-    given = tuple(overrides)
+    if not isinstance(overrides, Iterable):
+        raise CaseError(f"--set: found {overrides!r}, allowed a list of key.path=value")
+    given = (overrides,) if isinstance(overrides, str) else tuple(overrides)
     if isinstance(source, Mapping):
         document, path = Document("case", dict(source)), None
     else:
-        path = Path(source)
+        path = path_of(source, "case", "a file, the name of a shipped case, or tables")
         if not path.suffix and path.name == str(source) and not path.exists():
             path = shipped_case(path.name)
         document = read_document(path, str(path) if path.name != str(source) else str(source))

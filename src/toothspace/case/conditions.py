@@ -13,6 +13,7 @@ from toothspace.core.keys import (
     Choice,
     Integer,
     Items,
+    KeyRuleError,
     KeyTable,
     QuantityKey,
     Row,
@@ -27,6 +28,7 @@ from toothspace.core.keys import (
     table,
     text,
 )
+from toothspace.library import library_names
 from toothspace.results.variables import CHANNELS
 
 _CELLS = Integer(low=8, high=4000)
@@ -72,6 +74,9 @@ class FluidChoice(KeyTable):
     def __post_init__(self) -> None:
         if self.table is None:
             require(self, "unless a table is given", "name")
+            names = library_names("fluids")
+            if self.name not in names:
+                raise KeyRuleError("name", repr(self.name), ", ".join(names))
         else:
             forbid(self, "because a table is given", "name")
 

@@ -35,7 +35,7 @@ def split_override(override: str) -> tuple[str, Any]:
     KeyRuleError
         If it has no key or no value.
     """
-    path, equals, value = (part.strip() for part in override.partition("="))
+    path, equals, value = (part.strip() for part in str(override).partition("="))
     if not equals or not value or not _PATH.fullmatch(path):
         raise KeyRuleError("--set", repr(override), "key.path=value")
     return path, _value(value)

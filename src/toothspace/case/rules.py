@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, Protocol
+from operator import attrgetter
+from typing import Any
 
-from toothspace.case.circuit import Circuit
-from toothspace.case.conditions import FluidChoice, HeatSettings, OperatingPoint, RunSettings
+from toothspace.case.conditions import HeatSettings
 from toothspace.case.overrides import CONDITIONS
-from toothspace.case.stand_alone import FilmKeys, JournalBearingCase, LateralFilmCase
+from toothspace.case.stand_alone import LateralFilmCase
 from toothspace.case.study import BalanceSweepStudy, HysteresisStudy, NosePressureStudy
+from toothspace.case.tables import CaseTables
 from toothspace.core.errors import CaseError
 from toothspace.core.keys import Problem
 from toothspace.core.units import format_si
@@ -19,60 +20,6 @@ LEAST_LOAD = 5e3
 """Smallest mean pressure drop that a load orifice can be sized for. [Pa]."""
 
 _HEAT_PRESETS = ("lumped", "films")
-
-
-class CaseTables(Protocol):
-    """Tables of a case that the rules compare."""
-
-    @property
-    def title(self) -> str:
-        """What the case is."""
-        ...  # pragma: no cover
-
-    @property
-    def machine(self) -> Any:
-        """Keys of the machine."""
-        ...  # pragma: no cover
-
-    @property
-    def fluid(self) -> FluidChoice | None:
-        """Fluid and temperature."""
-        ...  # pragma: no cover
-
-    @property
-    def operating_point(self) -> OperatingPoint | None:
-        """Steady condition."""
-        ...  # pragma: no cover
-
-    @property
-    def circuit(self) -> Circuit | None:
-        """Transient condition."""
-        ...  # pragma: no cover
-
-    @property
-    def bearing(self) -> JournalBearingCase | None:
-        """Stand-alone journal bearing."""
-        ...  # pragma: no cover
-
-    @property
-    def film(self) -> FilmKeys | None:
-        """Stand-alone film."""
-        ...  # pragma: no cover
-
-    @property
-    def study(self) -> Any:
-        """Study that drives the condition."""
-        ...  # pragma: no cover
-
-    @property
-    def heat(self) -> HeatSettings:
-        """Temperatures of oil, bodies and films."""
-        ...  # pragma: no cover
-
-    @property
-    def run(self) -> RunSettings:
-        """Fidelity and numerical settings."""
-        ...  # pragma: no cover
 
 
 def broken_rules(case: CaseTables) -> Iterator[Problem]:
@@ -129,9 +76,10 @@ def _fluid(case: CaseTables) -> Iterator[Problem]:
     fluid = case.fluid
     assert fluid is not None
     temperatures = {"fluid.temperature": fluid.temperature}
-    wear_in = getattr(getattr(case.machine, "casing", None), "wear_in", None)
-    if wear_in is not None:
-        temperatures["machine.casing.wear_in.temperature"] = wear_in.temperature
+    table = getattr(case.machine, "part_tables", {}).get("running_in")
+    running_in = table and attrgetter(table)(case.machine)
+    if running_in:
+        temperatures[f"machine.{table}.temperature"] = running_in.temperature
     law: Any = None
     for path, temperature in temperatures.items():
         try:

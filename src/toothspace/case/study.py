@@ -10,6 +10,7 @@ from typing import Any, final
 
 from toothspace.core.errors import CaseError
 from toothspace.core.keys import (
+    Flag,
     Free,
     Grid,
     Items,
@@ -431,6 +432,41 @@ class OptimiseStudy(KeyTable):
             forbid(self, 'with method = "least_squares"', "constraints")
 
 
+@final
+@dataclass(frozen=True, kw_only=True)
+class DesignScanStudy(KeyTable):
+    """``kind = "design_scan"``: kinematics of very many gears, without runs."""
+
+    vary: Mapping[str, Any] = declare(_VARY)
+    objective: str = text("Number of the geometry report to be made best.")
+    goal: str = choice("Direction.", "maximise", "minimise", default="maximise")
+    constraints: Mapping[str, Limit] | None = declare(_LIMITS, None)
+    design_rules: bool = declare(
+        Flag(doc="Whether a best design must keep the design rules of the geometry report."), True
+    )
+    addendum: float | None = number(
+        "Height of the teeth above the shifted reference line, in modules, from which tip "
+        "diameters follow; default those of the case.",
+        low=0.5,
+        high=2.0,
+        default=None,
+    )
+    displacement: float | None = quantity(
+        "cm^3/rev",
+        "Geometric displacement for which the face width of each design is chosen.",
+        above=0,
+        high=10000,
+        default=None,
+    )
+    sample_count: int = integer("Number of designs.", low=2, high=10**7, default=100_000)
+    method: str = choice("How points are placed.", "latin_hypercube", "sobol", default="sobol")
+    best_count: int = integer("Designs in the table of the best.", low=1, high=1000, default=20)
+    seed: int = integer("Seed of the random numbers.", low=0, high=2**31, default=0)
+
+    def __post_init__(self) -> None:
+        check_vary(self.vary, "vary")
+
+
 STUDIES: Mapping[str, type] = {
     "startup": StartupStudy,
     "efficiency_map": EfficiencyMapStudy,
@@ -443,6 +479,7 @@ STUDIES: Mapping[str, type] = {
     "calibrate": CalibrateStudy,
     "tolerance": ToleranceStudy,
     "optimise": OptimiseStudy,
+    "design_scan": DesignScanStudy,
     "sweep": SweepStudy,
 }
 """Studies by the value of their key ``kind``."""

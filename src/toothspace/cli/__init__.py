@@ -11,6 +11,7 @@ output      summaries as text or JSON, messages, progress
 
 from __future__ import annotations
 
+import errno
 import gc
 import os
 import sys
@@ -18,6 +19,7 @@ from collections.abc import Sequence
 
 from toothspace.core.errors import ToothspaceError
 from toothspace.core.interrupts import ending_interrupts
+from toothspace.core.memory import is_short, load_linear_algebra
 
 EXIT_DONE = 0
 EXIT_BAD_INPUT = 2
@@ -43,6 +45,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # what imports leave behind stays to the end: looking through it again and again is in vain
     gc.set_threshold(_OBJECTS_BETWEEN_COLLECTIONS)
     try:
+        load_linear_algebra()
         from toothspace.cli.application import application
 
         given = list(sys.argv[1:] if arguments is None else arguments) or ["--help"]
@@ -58,20 +61,27 @@ def main(arguments: Sequence[str] | None = None) -> int:
         _say_no_more()
         return EXIT_DONE
     except OSError as error:
+        if error.errno == errno.ENOMEM:
+            return _out_of_memory()
         _say_no_more()
         name = f"{error.filename}: " if error.filename else ""
         return _complain(f"{name}found {error.strerror or error}", EXIT_BAD_INPUT)
     except MemoryError:
-        found = "memory: found no more, allowed coarser grids, fewer samples or fewer --workers"
-        return _complain(found, EXIT_NUMERICAL_FAILURE)
+        return _out_of_memory()
     except Exception as error:
-        return _unexpected(error)
+        # without memory libraries fail in words of their own
+        return _out_of_memory() if is_short() else _unexpected(error)
     return int(code or EXIT_DONE)
 
 
 def _say_no_more() -> None:
     # what waits for a full disk or a closed pipe would fail again at the end of the process
     sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123, SIM115
+
+
+def _out_of_memory() -> int:
+    allowed = "coarser grids, fewer samples, fewer --workers or OPENBLAS_NUM_THREADS=1"
+    return _complain(f"memory: found no more, allowed {allowed}", EXIT_NUMERICAL_FAILURE)
 
 
 def _unexpected(error: Exception) -> int:

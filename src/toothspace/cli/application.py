@@ -284,6 +284,18 @@ def fluids(as_json: Json = False) -> int:
 
 
 @application.command()
+def app(
+    folder: Annotated[
+        Path, typer.Argument(metavar="DIR", help="Folder of case files and of files they name.")
+    ] = Path(),
+    port: Annotated[int, typer.Option(min=0, max=65535, help="Port, 0 for a free one.")] = 0,
+    browser: Annotated[bool, typer.Option(help="Open the browser.")] = True,
+) -> int:
+    """Fill in a case in the browser and run it, on this computer alone."""
+    return commands.app(folder, port, browser=browser)
+
+
+@application.command()
 def warmup(as_json: Json = False) -> int:
     """Compile everything that runs need, once, so that the first run starts at once."""
     return commands.warmup(as_json=as_json)

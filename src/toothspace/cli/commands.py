@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
+from threading import Thread
 from typing import TYPE_CHECKING, Any, final
 
 from toothspace.cli import output
@@ -175,6 +176,7 @@ def run(
     from toothspace import api
     from toothspace.simulation.presets import unused_tables
 
+    Thread(target=_load_ahead, daemon=True).start()
     try:
         with _file_named(case_file), output.progress(case.title) as progress:
             solution = api.simulate(case, progress=progress)
@@ -194,6 +196,13 @@ def run(
     if kept != target:
         return _BAD_INPUT
     return _EXIT_CODES.get(solution.status, _NUMERICAL_FAILURE)
+
+
+def _load_ahead() -> None:
+    """Load what keeps results; compiled code leaves the interpreter free for it."""
+    with suppress(Exception):  # who needs a library says what it lacks
+        for library in ("xarray", "h5netcdf"):
+            import_module(library)
 
 
 def _keep(solution: Solution, target: Path) -> Path | None:
@@ -417,7 +426,7 @@ def stand_alone_film(
     if getattr(case, table) is None:
         raise CaseError(f"{case_file}: {table}: found nothing, allowed a table [{table}]")
     from toothspace import api
-    from toothspace.films.grid_dependence import grid_report
+    from toothspace.films.summaries import grid_report
 
     with _file_named(case_file):
         solve = api.solve_bearing if table == "bearing" else api.solve_film
@@ -482,6 +491,24 @@ def validate(only: str, book: Target, *, short: bool, as_json: bool) -> int:
         output.write({name: found["verdict"] for name, found in verdicts}, as_json=False)
     output.message(f"Validation book: {target}")
     return 0 if summary["status"] == "done" else _NUMERICAL_FAILURE
+
+
+def app(folder: Path, port: int, *, browser: bool) -> int:
+    """Serve the form until Ctrl-C; returns the exit code."""
+    if not folder.is_dir():
+        raise CaseError(f"{folder}: found no folder, allowed one with case files")
+    import webbrowser
+
+    from toothspace.app.server import FormServer
+    from toothspace.app.session import Session
+
+    with FormServer(Session(folder), port) as server:
+        output.message(f"Open {server.address}\nEnd with Ctrl-C.")
+        if browser:
+            webbrowser.open(server.address)
+        with suppress(KeyboardInterrupt):
+            server.serve_forever()
+    return 0
 
 
 def warmup(*, as_json: bool) -> int:

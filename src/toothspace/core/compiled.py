@@ -6,15 +6,15 @@ what they do.
 
 from __future__ import annotations
 
-from toothspace.core.compilation.cache import CACHE_FOLDER, compiled_sources
+from toothspace.core.compilation.cache import cache_root, digest_of_sources
 from toothspace.core.compilation.decorators import inlined, kernel, merged, njit, prange
 from toothspace.core.compilation.notice import compile_seconds
 from toothspace.core.compilation.records import passed_by_address
 
 __all__ = [
-    "CACHE_FOLDER",
+    "cache_root",
     "compile_seconds",
-    "compiled_sources",
+    "digest_of_sources",
     "inlined",
     "kernel",
     "merged",

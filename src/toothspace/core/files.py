@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import reprlib
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -51,6 +52,26 @@ def _new_draft(target: Path) -> Path:
     )
     os.close(handle)
     return Path(name)
+
+
+def path_of(given: object, name: str, allowed: str) -> Path:
+    """Return a text or path as a path.
+
+    Parameters
+    ----------
+    name : str
+        What it is the path of, for messages.
+    allowed : str
+        What may be given, for messages.
+
+    Raises
+    ------
+    CaseError
+        If it is anything else.
+    """
+    if not isinstance(given, (str, os.PathLike)):
+        raise CaseError(f"{name}: found {reprlib.repr(given)}, allowed {allowed}")
+    return Path(given)
 
 
 def read_bytes(path: Path, label: str, allowed: str, most: int) -> bytes:

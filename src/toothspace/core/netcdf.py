@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING
 
 from toothspace.core.errors import CaseError
-from toothspace.core.files import write_bytes
+from toothspace.core.files import path_of, write_bytes
 from toothspace.core.interrupts import interrupts_held
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def write_dataset(dataset: xr.Dataset, path: str | Path) -> Path:
     OSError
         If the file cannot be written whole, as on a full disk.
     """
-    target = Path(path)
+    target = path_of(path, "result", "a file to write")
     target.parent.mkdir(parents=True, exist_ok=True)
     # the HDF5 library ends the process where a disk refuses a write, so it writes into memory
     content = bytes(dataset.to_netcdf(engine="h5netcdf"))
@@ -53,7 +53,7 @@ def read_dataset(path: str | Path) -> xr.Dataset:
     """
     import xarray as xr
 
-    place = Path(path)
+    place = path_of(path, "result", "a NetCDF file")
     if not place.is_file():
         found = "a folder" if place.is_dir() else "no file" if place.exists() else "nothing"
         raise CaseError(f"{path}: found {found}, allowed a NetCDF file")

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from toothspace.core.array_store import load_arrays, save_arrays
-from toothspace.core.compiled import CACHE_FOLDER
+from toothspace.core.compiled import cache_root
 from toothspace.core.types import Array
 from toothspace.elasticity.body import ElasticBody
 from toothspace.elasticity.influence_matrix import InfluenceMatrix
@@ -27,7 +27,7 @@ def _sources() -> str:
 
 def folder() -> Path:
     """Folder of the stored matrices, beside that of the compiled code."""
-    return CACHE_FOLDER.parent / "elasticity"
+    return cache_root() / "elasticity"
 
 
 def _path(name: str) -> Path:

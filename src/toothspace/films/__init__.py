@@ -9,8 +9,7 @@ module           responsibility
 :mod:`.lateral`  films on the faces of gears and rotors, with floating bearings in balance
 thermal          bulk heat balance of a film
 field_files      NetCDF and VTK files of the fields
-summaries        solved films to named numbers
-grid_dependence  how far these numbers depend on the grid
+summaries        solved films to named numbers, and how far these depend on the grid
 public           what ``toothspace.films`` offers
 ================ ==================================================================
 """

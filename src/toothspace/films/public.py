@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from toothspace.closures.journal_friction import FrictionCurve
 from toothspace.films.field_files import film_dataset, save_film, save_film_vtk
-from toothspace.films.grid_dependence import grid_report
 from toothspace.films.journal.bearing import JournalBearing
 from toothspace.films.journal.geometry import Groove, Lobes
 from toothspace.films.journal.mixed_lubrication import (
@@ -26,7 +25,7 @@ from toothspace.films.plane.pad import Pad, PadSolution, Pocket
 from toothspace.films.plane.ring import LateralFilm, LateralSolution
 from toothspace.films.reynolds.fluid import FilmFluid
 from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
-from toothspace.films.summaries import bearing_summary, pad_summary
+from toothspace.films.summaries import bearing_summary, grid_report, pad_summary
 from toothspace.films.thermal import HeatBalance, HeatedFilm, solve_heated
 
 __all__ = [

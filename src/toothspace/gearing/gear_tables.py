@@ -35,7 +35,7 @@ CONTOUR_SUFFIXES = (".txt", ".csv", ".dxf")
 
 GROOVE_DEPTH = 1.5e-3
 """Depth of a groove where none is given. [m]"""
-_TOOTH_KEYS = (
+TOOTH_KEYS = (
     "tooth_count",
     "module",
     "pressure_angle",
@@ -122,7 +122,7 @@ class MeshingGearParameters(KeyTable):
         GeometryError
             If the tooth is impossible, with the key in the given table.
         """
-        values: dict[str, Any] = {name: getattr(self, name) for name in _TOOTH_KEYS}
+        values: dict[str, Any] = {name: getattr(self, name) for name in TOOTH_KEYS}
         try:
             tooth = InvoluteGear(**values)
             tooth_form(tooth)

@@ -99,6 +99,38 @@ class _Ends(NamedTuple):
 
 @final
 @dataclass(frozen=True)
+class ThroatEnd:
+    """End of throats of one kind on one gear at many angles.
+
+    Parameters
+    ----------
+    point : ndarray, shape (angles, 2)
+        Place; the cusp of the tip circles where there is no throat. [m]
+    velocity : ndarray, shape (angles, 2)
+        Its derivative with respect to the shaft angle. [m/rad]
+    swept : ndarray
+        Area swept from the root middle along flank and tip circle to the end. [m2]
+    along : ndarray
+        Place of the end on its tip circle, or of the tip corner where it is on the flank. [rad]
+    corner : ndarray
+        Place of the tip corner. [rad]
+    curvature : ndarray
+        Curvature of the flank at the end, positive where convex. [1/m]
+    inward : ndarray
+        Curve length from the tip corner to the end, negative where it is on the tip circle. [m]
+    """
+
+    point: Array
+    velocity: Array
+    swept: Array
+    along: Array
+    corner: Array
+    curvature: Array
+    inward: Array
+
+
+@final
+@dataclass(frozen=True)
 class Throats:
     """Throats of one kind at many angles; arrays of shape (angles,) or (angles, 2).
 
@@ -106,51 +138,27 @@ class Throats:
     ----------
     weight : ndarray
         1 where the throat is complete, 0 where the teeth are not in the lens. [-]
-    drive_point, driven_point : ndarray
-        Ends of the throat; both at the cusp of the tip circles where there is none. [m]
-    drive_velocity, driven_velocity : ndarray
-        Their derivatives with respect to the shaft angle. [m/rad]
-    drive_swept, driven_swept : ndarray
-        Area swept from the root middle along flank and tip circle to the end. [m2]
-    drive_along, driven_along : ndarray
-        Place of the end on its tip circle, or of the tip corner where it is on the flank. [rad]
-    drive_corner, driven_corner : ndarray
-        Place of the tip corner. [rad]
     gap : ndarray
         Distance along the normal, negative where the flanks overlap. [m]
     normal : ndarray
         Unit vector from the drive to the driven flank. [-]
-    drive_curvature, driven_curvature : ndarray
-        Curvature of the flanks at the ends, positive where convex. [1/m]
     at_corner : ndarray
         True where an end lies at a tip corner. [-]
-    drive_inward, driven_inward : ndarray
-        Curve length from the tip corner to the end, negative where it is on the tip circle. [m]
+    drive, driven : ThroatEnd
+        Ends on both gears.
     """
 
     weight: Array
-    drive_point: Array
-    driven_point: Array
-    drive_velocity: Array
-    driven_velocity: Array
-    drive_swept: Array
-    driven_swept: Array
-    drive_along: Array
-    driven_along: Array
-    drive_corner: Array
-    driven_corner: Array
     gap: Array
     normal: Array
-    drive_curvature: Array
-    driven_curvature: Array
     at_corner: Array
-    drive_inward: Array
-    driven_inward: Array
+    drive: ThroatEnd
+    driven: ThroatEnd
 
     @property
     def middle(self) -> Array:
         """Middle of the throat. [m]."""
-        return 0.5 * (self.drive_point + self.driven_point)
+        return 0.5 * (self.drive.point + self.driven.point)
 
 
 def throats(drive: Flank, driven: Flank, mesh: Mesh, angles: Array) -> Throats:
@@ -171,26 +179,19 @@ def throats(drive: Flank, driven: Flank, mesh: Mesh, angles: Array) -> Throats:
         Geometry at the angles.
     """
     data = _throat_rows(drive, driven, mesh, np.ascontiguousarray(angles, dtype=float))
-    return Throats(
-        weight=data[:, 0],
-        drive_point=data[:, 1:3],
-        driven_point=data[:, 3:5],
-        drive_velocity=data[:, 5:7],
-        driven_velocity=data[:, 7:9],
-        drive_swept=data[:, 9],
-        driven_swept=data[:, 10],
-        drive_along=data[:, 11],
-        driven_along=data[:, 12],
-        drive_corner=data[:, 13],
-        driven_corner=data[:, 14],
-        gap=data[:, 15],
-        normal=data[:, 16:18],
-        drive_curvature=data[:, 18],
-        driven_curvature=data[:, 19],
-        at_corner=data[:, 20] != FREE,
-        drive_inward=data[:, 21],
-        driven_inward=data[:, 22],
+    ends = (
+        ThroatEnd(
+            point=data[:, 1 + 2 * k : 3 + 2 * k],
+            velocity=data[:, 5 + 2 * k : 7 + 2 * k],
+            swept=data[:, 9 + k],
+            along=data[:, 11 + k],
+            corner=data[:, 13 + k],
+            curvature=data[:, 18 + k],
+            inward=data[:, 21 + k],
+        )
+        for k in (0, 1)
     )
+    return Throats(data[:, 0], data[:, 15], data[:, 16:18], data[:, 20] != FREE, *ends)
 
 
 @inlined

@@ -60,7 +60,7 @@ class MeshedGears:
     mesh: Mesh
     face_width: float
     loaded_is_left: bool
-    pair: InvolutePair | None
+    pair: InvolutePair[float] | None
 
     @property
     def counts(self) -> tuple[int, int]:
@@ -155,7 +155,7 @@ def facing_throats(teeth: tuple[Tooth, Tooth], mesh: Mesh, is_left: bool, angles
 
 def driven_lever(side: Throats, mesh: Mesh) -> Array:
     """Derivative of the gap with respect to the driven gear's right-handed rotation. [m/rad]."""
-    x, y = side.driven_point.T
+    x, y = side.driven.point.T
     return np.asarray(
         -side.normal[:, 0] * (y - mesh.center_distance) + side.normal[:, 1] * x, dtype=float
     )
@@ -360,7 +360,7 @@ def relative_radius(side: Throats, tip_rounding: float) -> Array:
     """Relative radius of curvature of a throat; a sharp corner counts with its edge. [m]."""
     low, high = _RADIUS_RANGE
     edge = max(tip_rounding, low)
-    curvature = side.drive_curvature + side.driven_curvature
+    curvature = side.drive.curvature + side.driven.curvature
     curvature = np.where(side.at_corner, np.maximum(curvature, 1.0 / edge), curvature)
     return np.asarray(1.0 / np.clip(curvature, 1.0 / high, 1.0 / low), dtype=float)
 
@@ -377,12 +377,12 @@ def throat_drag(gears: MeshedGears, side: Throats, *, leading: bool) -> Array:
 
     Half of the throat moves with each gear, as in the forces of the chamber pressures.
     """
-    near = 0.75 * side.drive_point + 0.25 * side.driven_point
-    far = 0.25 * side.drive_point + 0.75 * side.driven_point
+    near = 0.75 * side.drive.point + 0.25 * side.driven.point
+    far = 0.25 * side.drive.point + 0.75 * side.driven.point
     far = far - np.array([0.0, gears.mesh.center_distance])
     drive = np.column_stack([-near[:, 1], near[:, 0]])
     driven = gears.mesh.ratio * np.column_stack([far[:, 1], -far[:, 0]])
-    throat = 0.5 * (side.drive_velocity + side.driven_velocity)
+    throat = 0.5 * (side.drive.velocity + side.driven.velocity)
     slip = 0.5 * (drive + driven) - throat
     along = slip[:, 0] * side.normal[:, 1] - slip[:, 1] * side.normal[:, 0]
     return np.where(side.weight > 0.0, -along if leading else along, 0.0)
@@ -412,7 +412,7 @@ def _without_overshoot(values: Array, slopes: Array) -> Array:
 
 def _gap_rate(gears: MeshedGears, side: Throats) -> Array:
     """Derivative of the gap with respect to the shaft angle, both gears turning. [m/rad]."""
-    x, y = side.drive_point.T
+    x, y = side.drive.point.T
     drive_lever = -side.normal[:, 0] * y + side.normal[:, 1] * x
     driven = driven_lever(side, gears.mesh)
     return np.asarray(-drive_lever - gears.mesh.ratio * driven, dtype=float)
@@ -421,8 +421,8 @@ def _gap_rate(gears: MeshedGears, side: Throats) -> Array:
 def _along_normal(gears: MeshedGears, side: Throats) -> tuple[Array, Array]:
     """Distances of the throat's ends from both centres along the normal, signed. [m]."""
     center = np.array([0.0, gears.mesh.center_distance])
-    drive = np.sum(side.drive_point * side.normal, axis=1)
-    driven = np.sum((side.driven_point - center) * side.normal, axis=1)
+    drive = np.sum(side.drive.point * side.normal, axis=1)
+    driven = np.sum((side.driven.point - center) * side.normal, axis=1)
     return drive, driven
 
 
@@ -434,10 +434,10 @@ def flank_radii(gears: MeshedGears, side: Throats) -> tuple[Array, Array]:
     """
     drive, driven = (np.abs(part) for part in _along_normal(gears, side))
     sharp = 1.0 / _LEAST_RADIUS
-    drive = np.where(side.drive_curvature > 0.2 * sharp, _LEAST_RADIUS, drive)
+    drive = np.where(side.drive.curvature > 0.2 * sharp, _LEAST_RADIUS, drive)
     drive, driven = np.maximum(drive, _LEAST_RADIUS), np.maximum(driven, _LEAST_RADIUS)
     driven = np.copysign(driven, gears.mesh.ratio)
-    return drive, np.where(side.driven_curvature > 0.2 * sharp, _LEAST_RADIUS, driven)
+    return drive, np.where(side.driven.curvature > 0.2 * sharp, _LEAST_RADIUS, driven)
 
 
 def slip_by_motion(gears: MeshedGears, side: Throats) -> Array:

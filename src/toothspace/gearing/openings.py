@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from toothspace.core.types import Array
 from toothspace.gearing.outlines import space_outline
-from toothspace.gearing.spaces import Spaces
+from toothspace.gearing.spaces import Spaces, other_end, own_end
 from toothspace.gearing.tooth import Tooth
 
 _LEAST_AREA = 1e-12
@@ -33,11 +33,10 @@ def port_lengths(spaces: Spaces, edges: tuple[float, float]) -> tuple[Array, Arr
     lens = _lens(spaces, own=True)
     # the left flank of a drive space is on the tooth behind, that of a driven space ahead
     sides = (spaces.left, spaces.right) if spaces.is_drive else (spaces.right, spaces.left)
-    gear = "drive" if spaces.is_drive else "driven"
+    near, far = (own_end(spaces, side) for side in sides)
     behind, ahead, last, first = (
-        _with_rotation(spaces.own, getattr(side, f"{gear}_{place}"))
-        for place in ("corner", "along")
-        for side in sides
+        _with_rotation(spaces.own, place)
+        for place in (near.corner, far.corner, near.along, far.along)
     )
     turn = 2.0 * np.pi
     inlet = _overlap(np.maximum(first, behind), ahead, lens, inlet_edge)
@@ -53,8 +52,7 @@ def _beyond_lens(spaces: Spaces) -> tuple[Array, Array]:
     lens, radius = _lens(spaces, own=False), abs(spaces.other.tip_radius)
     inlet, outlet = np.zeros(spaces.angles.size), np.zeros(spaces.angles.size)
     for side in (spaces.left, spaces.right):
-        place = side.driven_along if spaces.is_drive else side.drive_along
-        along = _with_rotation(spaces.other, place)
+        along = _with_rotation(spaces.other, other_end(spaces, side).along)
         there = side.weight > 0.0
         inlet += np.where(there, np.maximum(along - lens, 0.0), 0.0)
         outlet += np.where(there, np.maximum(-lens - along, 0.0), 0.0)

@@ -94,18 +94,18 @@ def _side(spaces: Spaces, throat: Throats, index: int, *, own: bool) -> _Side:
     is_drive = spaces.is_drive == own
     tooth: Tooth = spaces.own if own else spaces.other
     flank = tooth.left if throat is spaces.left else tooth.right
-    name = "drive" if is_drive else "driven"
-    corner = float(getattr(throat, f"{name}_corner")[index])
+    end = throat.drive if is_drive else throat.driven
+    corner = float(end.corner[index])
     polar = 0.5 * np.pi + corner if is_drive else -0.5 * np.pi - corner
     return _Side(
         flank=flank,
         turn=polar - flank.corner_angle,
         center=spaces.center if own else spaces.other_center,
         is_drive=is_drive,
-        inward=float(getattr(throat, f"{name}_inward")[index]),
-        along=float(getattr(throat, f"{name}_along")[index]),
+        inward=float(end.inward[index]),
+        along=float(end.along[index]),
         corner=corner,
-        point=getattr(throat, f"{name}_point")[index],
+        point=end.point[index],
     )
 
 

@@ -168,7 +168,7 @@ def ring_tooth(ring: RingGear, points: int = 200) -> Tooth:
 
 @final
 @dataclass(frozen=True)
-class InternalPair(InvolutePair):
+class InternalPair(InvolutePair[float]):
     """Pinion in a ring gear.
 
     Parameters

@@ -9,7 +9,8 @@ from typing import final
 import numpy as np
 
 from toothspace.closures.gap_flow import ring_sector_gap
-from toothspace.core.types import Array, IntArray
+from toothspace.core.types import Array
+from toothspace.gearing.chamber_paths import ChamberPaths
 from toothspace.gearing.mesh_split import Throats
 from toothspace.gearing.meshing import (
     MeshedGears,
@@ -115,9 +116,16 @@ class ToothSpaces:
         return 0 if self.spaces.is_drive else 1
 
     @property
-    def nodes(self) -> IntArray:
-        """Nodes of the spaces."""
-        return self.numbering.nodes[self.gear]
+    def _paths(self) -> ChamberPaths:
+        nodes = self.numbering.nodes[self.gear]
+        return ChamberPaths(
+            nodes=nodes,
+            behind=np.roll(nodes, -1),
+            ahead=nodes,
+            angle_ratio=self.numbering.ratios[self.gear],
+            phases=self.numbering.space_phases[self.gear],
+            land_phases=self.numbering.tooth_phases[self.gear],
+        )
 
     def chambers(self, name: str) -> ChamberFamily:
         """Volumes of the spaces; their jumps of slope, which would cost steps, are rounded."""
@@ -131,7 +139,7 @@ class ToothSpaces:
 
     def tips(
         self, name: str, category: PathCategory, clearance: Array | float, cover: Array,
-        motion: Array, worn_by: str | None = None,
+        motion: Array, roughness: float, worn_by: str | None = None,
     ) -> FlowPath:  # fmt: skip
         """Gap between tooth tips and the wall round them, from the space behind to that ahead.
 
@@ -147,6 +155,8 @@ class ToothSpaces:
             Part of a tip that seals. [-]
         motion : ndarray, shape (places, 5)
             Derivative of the height by the micro-motions. [-]
+        roughness : float
+            Of the wall, which parts it from tips that touch. [m]
         worn_by : str or None
             Body that cuts into the wall.
         """
@@ -156,20 +166,16 @@ class ToothSpaces:
         geometry[:, 0] = clearance
         geometry[:, 1] = self.width * cover
         geometry[:, 2] = tooth.land_angle * tooth.tip_radius
-        return FlowPath(
-            name=f"{name}_{self.label}",
-            category=category,
-            kind="parallel_gap",
-            nodes_a=np.roll(self.nodes, -1),
-            nodes_b=self.nodes,
-            angle_ratio=self.numbering.ratios[self.gear],
-            phases=self.numbering.tooth_phases[self.gear],
-            geometry=monotone_table(FULL_TURN, geometry),
+        return self._paths.over_lands(
+            f"{name}_{self.label}",
+            category,
+            geometry,
             height_by_motion=smooth_table(FULL_TURN, motion),
             drag_speed=monotone_table(FULL_TURN, np.full(count, 0.5 * speed)),
             shear_speed=monotone_table(FULL_TURN, np.full(count, speed)),
             throat_speed=speed,
             worn_by=worn_by,
+            minimum_height=roughness,
         )
 
     def mouths(self, edges: tuple[float, float]) -> list[FlowPath]:
@@ -199,20 +205,13 @@ class ToothSpaces:
         tables: Mapping[str, Array],
         multiplicity: float,
     ) -> list[FlowPath]:
-        return [
-            FlowPath(
-                name=f"{name}_{port}_{self.label}",
-                category=categories[port],
-                kind="orifice",
-                nodes_a=self.nodes,
-                nodes_b=np.full_like(self.nodes, getattr(self.numbering, port)),
-                angle_ratio=self.numbering.ratios[self.gear],
-                phases=self.numbering.space_phases[self.gear],
-                geometry=monotone_table(FULL_TURN, table),
-                multiplicity=multiplicity,
+        found = []
+        for port, table in tables.items():
+            label, node = f"{name}_{port}_{self.label}", getattr(self.numbering, port)
+            found.append(
+                self._paths.to_node(label, categories[port], table, node, "orifice", multiplicity)
             )
-            for port, table in tables.items()
-        ]
+        return found
 
     def lateral(self, height: float, space_area: float) -> FlowPath:
         """Gaps over the tooth faces, from the space behind to the space ahead.
@@ -231,18 +230,13 @@ class ToothSpaces:
         """
         tip, root = (abs(r) for r in (self.spaces.own.tip_radius, self.gears.root_radii[self.gear]))
         depth, middle = abs(tip - root), 0.5 * (tip + root)
-        ring = np.pi * abs(tip**2 - root**2) / self.nodes.size
+        ring = np.pi * abs(tip**2 - root**2) / abs(self.spaces.own.tooth_count)
         row = np.array([height, depth, (ring - space_area) / depth])
         speed = middle * self.numbering.ratios[self.gear]
-        return FlowPath(
-            name=f"lateral_{self.label}",
-            category=LATERAL,
-            kind="parallel_gap",
-            nodes_a=np.roll(self.nodes, -1),
-            nodes_b=self.nodes,
-            angle_ratio=self.numbering.ratios[self.gear],
-            phases=self.numbering.tooth_phases[self.gear],
-            geometry=monotone_table(FULL_TURN, np.tile(row, (4, 1))),
+        return self._paths.over_lands(
+            f"lateral_{self.label}",
+            LATERAL,
+            row,
             drag_speed=monotone_table(FULL_TURN, np.full(4, 0.5 * speed)),
             multiplicity=FACES,
         )
@@ -262,15 +256,6 @@ class ToothSpaces:
         FlowPath
             The path, :func:`~toothspace.closures.gap_flow.ring_sector_gap`.
         """
-        row = np.array([height, *ring_sector_gap(*radii, FULL_TURN / self.nodes.size)])
-        return FlowPath(
-            name=f"drain_{self.label}",
-            category=DRAIN,
-            kind="parallel_gap",
-            nodes_a=self.nodes,
-            nodes_b=np.full_like(self.nodes, self.numbering.drain),
-            angle_ratio=self.numbering.ratios[self.gear],
-            phases=self.numbering.space_phases[self.gear],
-            geometry=monotone_table(FULL_TURN, np.tile(row, (4, 1))),
-            multiplicity=FACES,
-        )
+        sector = ring_sector_gap(*radii, abs(self.spaces.own.pitch_angle))
+        row, node = np.array([height, *sector]), self.numbering.drain
+        return self._paths.to_node(f"drain_{self.label}", DRAIN, row, node, multiplicity=FACES)

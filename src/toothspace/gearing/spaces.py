@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import final
 
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.gearing.mesh_split import Mesh, Throats, throats
+from toothspace.gearing.mesh_split import Mesh, ThroatEnd, Throats, throats
 from toothspace.gearing.tooth import Tooth
 
 
@@ -72,21 +71,14 @@ def driven_spaces(drive: Tooth, driven: Tooth, mesh: Mesh, angles: Array) -> Spa
     return Spaces(driven, drive, mesh, False, angles, left, right)
 
 
-_End = tuple[Array, Array, Array]
+def own_end(spaces: Spaces, side: Throats) -> ThroatEnd:
+    """End of a throat on the gear of the spaces."""
+    return side.drive if spaces.is_drive else side.driven
 
 
-def own_end(spaces: Spaces, side: Throats) -> _End:
-    """Point [m], velocity [m/rad] and swept area [m2] of a throat's end on the own gear."""
-    if spaces.is_drive:
-        return side.drive_point, side.drive_velocity, side.drive_swept
-    return side.driven_point, side.driven_velocity, side.driven_swept
-
-
-def other_end(spaces: Spaces, side: Throats) -> _End:
-    """Point [m], velocity [m/rad] and swept area [m2] of a throat's end on the other gear."""
-    if spaces.is_drive:
-        return side.driven_point, side.driven_velocity, side.driven_swept
-    return side.drive_point, side.drive_velocity, side.drive_swept
+def other_end(spaces: Spaces, side: Throats) -> ThroatEnd:
+    """End of a throat on the other gear."""
+    return side.driven if spaces.is_drive else side.drive
 
 
 def section_areas(spaces: Spaces) -> Array:
@@ -102,17 +94,17 @@ def section_areas(spaces: Spaces) -> Array:
     Green's theorem :math:`A = \frac12 \oint (x\,dy - y\,dx)` along own flanks, throats, the
     other gear's tooth and the tip circles; the flank parts are integrals of the splines.
     """
-    (p_right, _, s_right), (p_left, _, s_left) = _both(spaces, own_end)
-    (q_right, _, t_right), (q_left, _, t_left) = _both(spaces, other_end)
-    own = s_left - s_right
+    right, left = (own_end(spaces, side) for side in (spaces.right, spaces.left))
+    far_right, far_left = (other_end(spaces, side) for side in (spaces.right, spaces.left))
+    own = left.swept - right.swept
     tooth = spaces.other
     tip = 0.5 * tooth.tip_radius**2 * (tooth.right.corner_angle - tooth.left.corner_angle)
-    beyond = (t_right - tooth.right.area[-1]) - (t_left - tooth.left.area[-1])
+    beyond = (far_right.swept - tooth.right.area[-1]) - (far_left.swept - tooth.left.area[-1])
     offset = spaces.other_center - spaces.center
-    shift = 0.5 * _cross(offset[None, :], q_right - q_left)
+    shift = 0.5 * _cross(offset[None, :], far_right.point - far_left.point)
     segments = 0.5 * (
-        _cross(p_left - spaces.center, q_left - spaces.center)
-        + _cross(q_right - spaces.center, p_right - spaces.center)
+        _cross(left.point - spaces.center, far_left.point - spaces.center)
+        + _cross(far_right.point - spaces.center, right.point - spaces.center)
     )
     return own + tip + beyond + shift + segments
 
@@ -134,7 +126,7 @@ def wall_ends(spaces: Spaces, side: Throats, of_own: bool) -> Array:
     """
     drive_wall = of_own == spaces.is_drive
     tooth = spaces.own if of_own else spaces.other
-    corner = side.drive_corner if drive_wall else side.driven_corner
+    corner = (side.drive if drive_wall else side.driven).corner
     flank = tooth.left if side is spaces.left else tooth.right
     # places grow with the rotation: with the polar angle on the drive gear, against it on the other
     along = corner - flank.corner_angle if drive_wall else corner + flank.corner_angle
@@ -165,10 +157,6 @@ def area_by_motion(spaces: Spaces) -> Array:
     center = np.array([0.0, spaces.mesh.center_distance])
     turned = -0.5 * (_square(driven[1] - center) - _square(driven[0] - center))
     return np.column_stack([*_translation(*drive), *_translation(*driven), turned])
-
-
-def _both(spaces: Spaces, end: Callable[[Spaces, Throats], _End]) -> tuple[_End, _End]:
-    return end(spaces, spaces.right), end(spaces, spaces.left)
 
 
 def _translation(start: Array, end: Array) -> tuple[Array, Array]:

@@ -1,13 +1,14 @@
-"""Gear sections as text, DXF, STL and STEP files."""
+"""Plane sections with holes as text, DXF, STL and STEP files."""
 
 from __future__ import annotations
 
 import io
 import tempfile
 from collections.abc import Callable
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, final
 
 import numpy as np
 
@@ -15,23 +16,68 @@ from toothspace.core.errors import GeometryError
 from toothspace.core.files import write_bytes
 from toothspace.core.optional import package_of_extra
 from toothspace.core.types import Array
+from toothspace.geometry.curve import turned
 from toothspace.geometry.gear_profile import GearProfile
 
 EXPORT_SUFFIXES = (".txt", ".dxf", ".stl", ".step")
-_STEP_UNIT = 1e-3
+_MILLIMETRE = 1e-3
 _DXF_UNITS = {1e-3: 4, 1e-2: 5, 1.0: 6, 25.4e-3: 1}
+_CORNER = np.deg2rad(12.0)
+
+
+@final
+@dataclass(frozen=True)
+class Section:
+    """A plane section of a solid.
+
+    Parameters
+    ----------
+    boundary : ndarray, shape (n, 2)
+        Closed counter-clockwise curve, first point not repeated. [m]
+    holes : tuple of ndarray
+        Closed counter-clockwise curves inside it. [m]
+    pieces : tuple of ndarray
+        Smooth pieces of the boundary; if not given, it is cut at its corners. [m]
+    title : str
+        What text files call it.
+    layer : str
+        Layer of DXF files.
+    """
+
+    boundary: Array
+    holes: tuple[Array, ...] = ()
+    pieces: tuple[Array, ...] = ()
+    title: str = "closed curve"
+    layer: str = "ROTOR"
+
+    @property
+    def curves(self) -> tuple[Array, ...]:
+        """Boundary and holes. [m]."""
+        return (self.boundary, *self.holes)
+
+
+def gear_section(profile: GearProfile) -> Section:
+    """Section of a whole gear with its centre at the origin and a tooth on the x axis."""
+    inner = {*profile.breaks, profile.tip_start, profile.tip_end} - {0, len(profile.points) - 1}
+    cuts = [0, *sorted(inner), len(profile.points) - 1]
+    pieces = tuple(
+        turned(profile.points[a : b + 1], tooth * profile.pitch_angle)
+        for tooth in range(profile.tooth_count)
+        for a, b in pairwise(cuts)
+    )
+    title = f"gear section, {profile.tooth_count} teeth"
+    return Section(profile.closed_polygon(), pieces=pieces, title=title, layer="GEAR")
 
 
 def export_gear(profile: GearProfile, path: Path, face_width: float, unit: float = 1e-3) -> None:
-    """Write a whole gear; the format follows the suffix of the file.
+    """Write a whole gear; see :func:`gear_section` and :func:`export_section`.
 
     Parameters
     ----------
     profile : GearProfile
-        Gear section, written with its centre at the origin and a tooth on the x axis.
+        Gear section.
     path : Path
-        File with suffix ``.txt`` (points), ``.dxf`` (closed polyline), ``.stl`` or ``.step``
-        (solid from z = 0 to the face width); it is replaced in one step when complete.
+        File; the format follows its suffix.
     face_width : float
         Tooth length, used by the solids. [m]
     unit : float
@@ -40,58 +86,87 @@ def export_gear(profile: GearProfile, path: Path, face_width: float, unit: float
     Raises
     ------
     GeometryError
-        For another suffix, a face width that is not positive, or if the optional package for STEP
-        files is missing.
+        As :func:`export_section`.
+    """
+    export_section(gear_section(profile), path, face_width, unit)
+
+
+def export_section(section: Section, path: Path, width: float, unit: float = 1e-3) -> None:
+    """Write a section; the format follows the suffix of the file.
+
+    Parameters
+    ----------
+    path : Path
+        File with suffix ``.txt`` (points of all curves, separated by empty lines), ``.dxf``
+        (closed polylines), ``.stl`` or ``.step`` (solid from z = 0 to the width); it is replaced
+        in one step when complete.
+    width : float
+        Height of the solid. [m]
+    unit : float
+        Length of one unit of the file; STEP files are always in mm. [m]
+
+    Raises
+    ------
+    GeometryError
+        For another suffix, a width that is not positive, or if the optional package for the
+        format is missing.
     """
     path = Path(path)
     writers: dict[str, Callable[[], bytes]] = {
-        ".txt": lambda: _text_bytes(profile, unit),
-        ".dxf": lambda: _dxf_bytes(profile, unit),
-        ".stl": lambda: _stl_bytes(profile, face_width, unit),
-        ".step": lambda: _step_bytes(profile, face_width),
+        ".txt": lambda: _text_bytes(section, unit),
+        ".dxf": lambda: _dxf_bytes(section, unit),
+        ".stl": lambda: _stl_bytes(section, width, unit),
+        ".step": lambda: _step_bytes(section, width),
     }
     suffix = path.suffix.lower()
     if suffix not in writers:
         raise GeometryError(
             f"{path}: found the suffix {suffix or 'none'!r}, allowed {', '.join(EXPORT_SUFFIXES)}"
         )
-    if not 0.0 < face_width < np.inf:
-        raise GeometryError(f"face_width: found {face_width:g} m, allowed above 0")
+    if not 0.0 < width < np.inf:
+        raise GeometryError(f"face_width: found {width:g} m, allowed above 0")
     write_bytes(path, writers[suffix]())
 
 
-def _text_bytes(profile: GearProfile, unit: float) -> bytes:
+def _text_bytes(section: Section, unit: float) -> bytes:
     stream = io.StringIO()
-    header = f"gear section, {profile.tooth_count} teeth, unit {unit:g} m\nx y"
-    np.savetxt(stream, profile.closed_polygon() / unit, fmt="%.9f", header=header)
+    for number, curve in enumerate(section.curves):
+        stream.write("\n" if number else "")
+        closed = np.vstack([curve, curve[:1]]) / unit
+        np.savetxt(stream, closed, fmt="%.9f", header=f"{section.title}, unit {unit:g} m\nx y")
     return stream.getvalue().encode()
 
 
-def _dxf_bytes(profile: GearProfile, unit: float) -> bytes:
+def _dxf_bytes(section: Section, unit: float) -> bytes:
     ezdxf = package_of_extra("ezdxf", "cad", "export: found the format 'dxf'")
     drawing = ezdxf.new("R2010")
     drawing.header["$INSUNITS"] = _DXF_UNITS.get(unit, 0)
-    outline = profile.closed_polygon() / unit
-    drawing.modelspace().add_lwpolyline(
-        [(x, y) for x, y in outline], close=True, dxfattribs={"layer": "GEAR"}
-    )
+    for curve in section.curves:
+        drawing.modelspace().add_lwpolyline(
+            [(x, y) for x, y in curve / unit], close=True, dxfattribs={"layer": section.layer}
+        )
     stream = io.StringIO()
     drawing.write(stream)
     return stream.getvalue().encode()
 
 
-def _stl_bytes(profile: GearProfile, face_width: float, unit: float) -> bytes:
+def _stl_bytes(section: Section, width: float, unit: float) -> bytes:
     import shapely
 
     trimesh = package_of_extra("trimesh", "cad", "export: found the format 'stl'")
-    outline = distinct_in_single_precision(profile.closed_polygon() / unit)
-    vertices, triangles = _cap_triangles(shapely.Polygon(outline))
-    solid = trimesh.creation.extrude_triangulation(vertices, triangles, height=face_width / unit)
+    curves = [_distinct_in_single_precision(c / unit) for c in section.curves]
+    vertices = np.vstack(curves)
+    number = {point.tobytes(): index for index, point in enumerate(vertices)}
+    # one fan per gear would fold at undercut roots; constrained triangles never do
+    polygon = shapely.Polygon(curves[0], curves[1:])
+    triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(polygon))
+    corners = shapely.get_coordinates(triangles).reshape(len(triangles), 4, 2)[:, :3]
+    indices = np.asarray([[number[c.tobytes()] for c in triangle] for triangle in corners])
+    solid = trimesh.creation.extrude_triangulation(vertices, indices, height=width / unit)
     return bytes(solid.export(file_type="stl"))
 
 
-def distinct_in_single_precision(outline: Array) -> Array:
-    """Drop points that 32-bit numbers cannot tell from their neighbour."""
+def _distinct_in_single_precision(outline: Array) -> Array:
     # STL stores 32-bit numbers: neighbours that would coincide leave a leaking mesh
     spacing = 8.0 * np.finfo(np.float32).eps * float(np.abs(outline).max())
     kept = [outline[0]]
@@ -101,41 +176,7 @@ def distinct_in_single_precision(outline: Array) -> Array:
     return np.array(kept)
 
 
-def _cap_triangles(polygon: Any) -> tuple[Array, Any]:
-    # one fan per gear would fold at undercut roots; constrained triangles never do
-    import shapely
-
-    outline = np.asarray(polygon.exterior.coords)[:-1]
-    number = {point.tobytes(): index for index, point in enumerate(outline)}
-    triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(polygon))
-    corners = shapely.get_coordinates(triangles).reshape(len(triangles), 4, 2)[:, :3]
-    indices = [[number[corner.tobytes()] for corner in triangle] for triangle in corners]
-    return outline, np.asarray(indices)
-
-
-def _step_bytes(profile: GearProfile, face_width: float) -> bytes:
-    with tempfile.TemporaryDirectory() as folder:
-        target = Path(folder) / "gear.step"
-        return face_prism_bytes(lambda: _step_face(profile), face_width, target)
-
-
-def face_prism_bytes(face: Callable[[], Any], width: float, target: Path) -> bytes:
-    """Return the STEP file of a plane face drawn out along z.
-
-    Parameters
-    ----------
-    face : callable
-        Builds the face, in millimetres.
-    width : float
-        Height of the solid. [m]
-    target : Path
-        Scratch file; its name is written into the header.
-
-    Raises
-    ------
-    GeometryError
-        If the optional package for STEP files is missing.
-    """
+def _step_bytes(section: Section, width: float) -> bytes:
     package_of_extra("OCP.STEPControl", "cad", "export: found the suffix '.step'")
     from OCP.BRepPrimAPI import BRepPrimAPI_MakePrism
     from OCP.gp import gp_Vec
@@ -144,40 +185,68 @@ def face_prism_bytes(face: Callable[[], Any], width: float, target: Path) -> byt
     from toothspace.geometry.ocp import silence_ocp
 
     silence_ocp()
-    solid = BRepPrimAPI_MakePrism(face(), gp_Vec(0.0, 0.0, width / _STEP_UNIT)).Shape()
+    solid = BRepPrimAPI_MakePrism(step_face(section), gp_Vec(0.0, 0.0, width / _MILLIMETRE)).Shape()
     writer = STEPControl_Writer()
     writer.Transfer(solid, STEPControl_AsIs)
-    writer.Write(str(target))
-    return target.read_bytes()
+    with tempfile.TemporaryDirectory() as folder:
+        # the name of the scratch file is written into the header
+        target = Path(folder) / f"{section.layer.lower()}.step"
+        writer.Write(str(target))
+        return target.read_bytes()
 
 
-def _step_face(profile: GearProfile) -> Any:
+def step_face(section: Section) -> Any:
+    """Return the plane face of a section, in millimetres."""
     from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakeWire
 
-    wire = BRepBuilderAPI_MakeWire()
-    for tooth in range(profile.tooth_count):
-        for piece in _smooth_pieces(profile):
-            wire.Add(spline_edge(piece, tooth * profile.pitch_angle))
-    return BRepBuilderAPI_MakeFace(wire.Wire(), True).Face()
+    boundary = section.pieces or smooth_pieces(section.boundary)
+    wires = []
+    for pieces in (boundary, *(smooth_pieces(hole[::-1]) for hole in section.holes)):
+        wire = BRepBuilderAPI_MakeWire()
+        for piece in pieces:
+            wire.Add(_spline_edge(piece))
+        wires.append(wire.Wire())
+    made = BRepBuilderAPI_MakeFace(wires[0], True)
+    for hole in wires[1:]:
+        made.Add(hole)
+    return made.Face()
 
 
-def _smooth_pieces(profile: GearProfile) -> list[Array]:
-    inner = {*profile.breaks, profile.tip_start, profile.tip_end} - {0, len(profile.points) - 1}
-    cuts = [0, *sorted(inner), len(profile.points) - 1]
-    return [profile.points[a : b + 1] for a, b in pairwise(cuts)]
+def smooth_pieces(curve: Array) -> list[Array]:
+    """Cut a closed curve at its corners, or into two halves where it has fewer than two.
+
+    Parameters
+    ----------
+    curve : ndarray, shape (n, 2)
+        Closed curve, first point not repeated. [m]
+
+    Returns
+    -------
+    list of ndarray
+        Pieces; each starts where the previous one ends, the last one ends at the first. [m]
+    """
+    edge = np.roll(curve, -1, axis=0) - curve
+    before = np.roll(edge, 1, axis=0)
+    turn = np.arctan2(
+        before[:, 0] * edge[:, 1] - before[:, 1] * edge[:, 0], np.sum(before * edge, axis=1)
+    )
+    cuts = np.flatnonzero(np.abs(turn) > _CORNER)
+    if cuts.size < 2:
+        cuts = np.array([0, len(curve) // 2])
+    closed = np.vstack([np.roll(curve, -cuts[0], axis=0), curve[cuts[0]]])
+    ends = [*(cuts - cuts[0]), len(curve)]
+    return [closed[a : b + 1] for a, b in pairwise(ends)]
 
 
-def spline_edge(points: Array, rotation: float) -> Any:
-    """Return the edge through points [m], turned by an angle [rad], in millimetres."""
+def _spline_edge(points: Array) -> Any:
     from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge
     from OCP.GeomAPI import GeomAPI_Interpolate
     from OCP.gp import gp_Pnt
 
-    cosine, sine = np.cos(rotation), np.sin(rotation)
-    turned = points @ np.array([[cosine, sine], [-sine, cosine]]) / _STEP_UNIT
-    step = np.hypot(*np.diff(turned, axis=0).T)
-    kept = turned[np.concatenate([step > 2e-6, [True]])]
-    kept[0] = turned[0]
+    points = points / _MILLIMETRE
+    step = np.hypot(*np.diff(points, axis=0).T)
+    kept = points[np.concatenate([step > 2e-6, [True]])]
+    kept[0] = points[0]
     array = _point_array_type()(1, len(kept))
     for index, (x, y) in enumerate(kept):
         array.SetValue(index + 1, gp_Pnt(float(x), float(y), 0.0))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from toothspace.core.design_check import DesignCheck
-from toothspace.geometry.gear_pair import GearPair, trapped_volume_change
+from toothspace.geometry.gear_pair import GearPair, Real, trapped_volume_change
 from toothspace.geometry.involute import InvoluteGear, ToothForm
 
 MIN_CONTACT_RATIO = 1.05
@@ -11,7 +11,7 @@ MAX_SPUR_CONTACT_RATIO = 2.0
 MIN_TIP_LAND = 0.2
 MIN_ROOT_CLEARANCE = 0.1
 MAX_BACKLASH = 0.1
-_VENTED_SHARE = 0.5
+VENTED_SHARE = 0.5
 _ENCLOSED_SHARE = 0.002
 """Largest change of the enclosed volume over face width and square of the module. [-]
 
@@ -117,7 +117,7 @@ def root_clearance_check(
     )
 
 
-def least_normal_backlash(module: float, center_distance: float) -> float:
+def least_normal_backlash(module: Real, center_distance: Real) -> Real:
     r"""Smallest normal backlash recommended for industrial drives of medium and large modules. [m].
 
     Parameters
@@ -162,14 +162,14 @@ def _backlash(pair: GearPair) -> DesignCheck:
 
 def _trapped_volume(pair: GearPair, face_width: float, *, vented: bool) -> DesignCheck:
     change = trapped_volume_change(pair, face_width)
-    share = _VENTED_SHARE if vented else _ENCLOSED_SHARE
+    share = VENTED_SHARE if vented else _ENCLOSED_SHARE
     spacing = f"vented by relief grooves at most {pair.relief_groove_spacing * 1e3:.4g} mm apart"
     return DesignCheck(
         name="trapped volume change",
         value=change * 1e9,
         unit="mm3",
         allowed=f"below {share:g} face_width module^2, "
-        + (spacing if vented else f"without relief grooves; below {_VENTED_SHARE:g} {spacing}"),
+        + (spacing if vented else f"without relief grooves; below {VENTED_SHARE:g} {spacing}"),
         passed=change <= share * face_width * pair.drive.module**2,
         reason="Fluid enclosed between two contacts is squeezed and stretched; unless grooves vent "
         "it, pressure peaks load the bearings and then cavitation erodes the flanks.",

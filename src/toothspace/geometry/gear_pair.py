@@ -10,70 +10,72 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal, final
+from typing import Generic, Literal, TypeVar, cast, final
 
 import numpy as np
 
 from toothspace.core.errors import GeometryError
-from toothspace.core.types import FloatOrArray
+from toothspace.core.types import Array, FloatOrArray
 from toothspace.geometry.involute import (
     InvoluteGear,
     ToothForm,
-    generate_profile,
     involute_function,
     tooth_form,
 )
+from toothspace.geometry.involute_gears import InvoluteGears
 from toothspace.geometry.mesh_clearance import flank_clearance as flank_clearance
 from toothspace.numerics.roots import root_between
 
 Sealing = Literal["single", "dual"]
+Real = TypeVar("Real", float, Array)
 
-_LARGEST_OVERLAP = 1e-6
+LARGEST_OVERLAP = 1e-6
 
 
-class InvolutePair(ABC):
+class InvolutePair(ABC, Generic[Real]):
     """What external and internal pairs of involute gears have in common.
 
-    Lengths along the line of action count from the pitch point.
+    Lengths along the line of action count from the pitch point. Numbers are those of one pair,
+    or arrays over many.
     """
 
     @property
     @abstractmethod
-    def speed_ratio(self) -> float:
+    def speed_ratio(self) -> Real:
         """Speed of the driven gear over that of the drive gear, negative of an external pair."""
 
     @property
     @abstractmethod
-    def tip_radii(self) -> tuple[float, float]:
+    def tip_radii(self) -> tuple[Real, Real]:
         """Tip circles of drive and driven gear. [m]."""
 
     @property
     @abstractmethod
-    def pitch_radii(self) -> tuple[float, float]:
+    def pitch_radii(self) -> tuple[Real, Real]:
         """Operating pitch radii of drive and driven gear. [m]."""
 
     @property
     @abstractmethod
-    def operating_pressure_angle(self) -> float:
+    def operating_pressure_angle(self) -> Real:
         """Angle of the line of action to the common tangent of the pitch circles. [rad]."""
 
     @property
     @abstractmethod
-    def base_pitch(self) -> float:
+    def base_pitch(self) -> Real:
         """Distance of consecutive contacts along the line of action. [m]."""
 
     @property
     @abstractmethod
-    def path_of_contact(self) -> tuple[float, float]:
+    def path_of_contact(self) -> tuple[Real, Real]:
         """Positions at which a tooth pair begins and ends contact. [m]."""
 
     @property
-    def contact_ratio(self) -> float:
+    def contact_ratio(self) -> Real:
         """Mean number of tooth pairs in contact. [-]."""
         start, end = self.path_of_contact
         return (end - start) / self.base_pitch
 
-    def sealing_window(self, flank_sealing: Sealing = "single") -> tuple[float, float]:
+    def sealing_window(self, flank_sealing: Sealing = "single") -> tuple[Real, Real]:
         """Positions of the sealing contact over one pitch, as near the pitch point as can be.
 
         Parameters
@@ -84,18 +86,18 @@ class InvolutePair(ABC):
 
         Returns
         -------
-        tuple of float
+        tuple
             Window: with two pairs in contact the one nearer to the pitch point gives more flow.
             About the middle of a path that is shorter than the window. [m]
         """
         start, end = self.path_of_contact
         span = self.base_pitch * (1.0 if flank_sealing == "single" else 0.5)
-        first = min(max(start, -0.5 * span), end - span)
-        if end - start < span:
-            first = 0.5 * (start + end - span)
+        room = 0.5 * np.maximum(end - start - span, 0.0)
+        middle = 0.5 * (start + end - span)
+        first: Real = np.clip(-0.5 * span, middle - room, middle + room)
         return first, first + span
 
-    def flow_per_radian(self, face_width: float, position: FloatOrArray) -> FloatOrArray:
+    def flow_per_radian(self, face_width: FloatOrArray, position: FloatOrArray) -> FloatOrArray:
         r"""Volume delivered per radian of the shaft while the sealing contact is at a position.
 
         Parameters
@@ -130,8 +132,8 @@ class InvolutePair(ABC):
         return 0.5 * face_width * (swept - (1.0 - self.speed_ratio) * np.asarray(position) ** 2)
 
     def displacement_per_radian(
-        self, face_width: float, flank_sealing: Sealing = "single"
-    ) -> float:
+        self, face_width: FloatOrArray, flank_sealing: Sealing = "single"
+    ) -> Real:
         """Geometric displacement per radian of the shaft.
 
         Parameters
@@ -148,19 +150,21 @@ class InvolutePair(ABC):
         """
         first, last = self.sealing_window(flank_sealing)
         mean_square = (first**2 + first * last + last**2) / 3.0
-        return float(self.flow_per_radian(face_width, np.sqrt(mean_square)))
+        return cast("Real", self.flow_per_radian(face_width, np.sqrt(mean_square)))
 
-    def flow_ripple(self, flank_sealing: Sealing = "single") -> float:
+    def flow_ripple(self, flank_sealing: Sealing = "single") -> Real:
         """Largest less smallest ideal flow over its mean, ``single`` or ``dual`` sealing. [-]."""
-        ends = np.array(self.sealing_window(flank_sealing))
-        least = 0.0 if ends[0] < 0.0 < ends[1] else np.abs(ends).min()
-        flow = np.asarray(self.flow_per_radian(1.0, np.array([least, np.abs(ends).max()])))
-        return float((flow[0] - flow[1]) / self.displacement_per_radian(1.0, flank_sealing))
+        first, last = self.sealing_window(flank_sealing)
+        largest = np.maximum(np.abs(first), np.abs(last))
+        least = np.maximum(np.maximum(first, -last), 0.0)
+        swing = 0.5 * (1.0 - self.speed_ratio) * (largest**2 - least**2)
+        ripple: Real = (swing / self.displacement_per_radian(1.0, flank_sealing))[()]
+        return ripple
 
 
 @final
 @dataclass(frozen=True)
-class GearPair(InvolutePair):
+class GearPair(InvolutePair[float]):
     """Two gears at their operating centre distance; build it with one of the functions below.
 
     Parameters
@@ -331,7 +335,7 @@ def pair_from_center_distance(
     _check_base_pitch(drive, driven)
     tight = pair_from_backlash(drive, driven, 0.0).center_distance
     longest = drive.tip_radius + driven.tip_radius
-    if not tight - _LARGEST_OVERLAP <= center_distance < longest:
+    if not tight - LARGEST_OVERLAP <= center_distance < longest:
         raise GeometryError(
             f"center_distance: found {center_distance * 1e3:.5g} mm, allowed {tight * 1e3:.6g} mm "
             f"(no backlash) to {longest * 1e3:.6g} mm (tips no longer meet)"
@@ -356,13 +360,15 @@ def trapped_volume_change(pair: GearPair, face_width: float) -> float:
     -----
     With two contacts one base pitch apart, the rate is
     :math:`b (1 + r_{w1}/r_{w2}) p_b s / r_{b1}` per radian, :math:`s` being the distance of their
-    midpoint from the pitch point; it is integrated from the first double contact to :math:`s = 0`.
-    Backlash is taken as open (single flank).
+    midpoint from the pitch point; it is integrated from the first double contact to :math:`s = 0`,
+    or to the last one before. Backlash is taken as open (single flank).
     """
-    start, _ = pair.path_of_contact
-    distance = min(start + 0.5 * pair.base_pitch, 0.0)
+    start, end = pair.path_of_contact
+    half = 0.5 * pair.base_pitch
+    first, last = min(start + half, 0.0), min(end - half, 0.0)
+    shrinking = max(first**2 - last**2, 0.0) if end - start > 2.0 * half else 0.0
     ratio = 1.0 - pair.speed_ratio
-    return float(0.5 * face_width * ratio * pair.base_pitch * distance**2 / pair.drive.base_radius)
+    return float(0.5 * face_width * ratio * pair.base_pitch * shrinking / pair.drive.base_radius)
 
 
 def _roll_length(gear: InvoluteGear, radius: float) -> float:
@@ -406,11 +412,13 @@ def _checked(pair: GearPair) -> GearPair:
 
 
 def _check_overlap(pair: GearPair) -> None:
-    # a tip below the involute may still clear the fillet, so the profiles decide
-    play = flank_clearance(
-        generate_profile(pair.drive, 100), generate_profile(pair.driven, 100), pair.center_distance
-    )
-    if play < -_LARGEST_OVERLAP:
+    # a tip below the involute may still clear the fillet
+    drive, driven = InvoluteGears.of(pair.drive), InvoluteGears.of(pair.driven)
+    distance = np.array([pair.center_distance])
+    play = np.minimum(
+        drive.fillet_play(driven, distance), driven.fillet_play(drive, distance)
+    ).item()
+    if play < -LARGEST_OVERLAP:
         tips = f"{pair.drive.tip_radius * 2e3:.5g} and {pair.driven.tip_radius * 2e3:.5g} mm"
         raise GeometryError(
             f"tip_diameter: found {tips}: the teeth interfere by {-play * 1e3:.4g} mm at a root "

@@ -53,12 +53,12 @@ def read_curves(path: Path, unit: float, layer: str | None) -> list[Array]:
 
 def _kept(path: Path, order: dict[str, Any]) -> Mapping[str, Any]:
     # by content, so that commands and workers read a file once
-    from toothspace.core.compiled import CACHE_FOLDER
+    from toothspace.core.compiled import cache_root
 
     digest = hashlib.sha256(path.read_bytes() + json.dumps([path.suffix.lower(), order]).encode())
     for module in _READING:
         digest.update((Path(__file__).parent / f"{module}.py").read_bytes())
-    place = CACHE_FOLDER.parent / "sections" / f"{digest.hexdigest()[:32]}.npz"
+    place = cache_root() / "sections" / f"{digest.hexdigest()[:32]}.npz"
     known = load_arrays(place)
     if known is None:
         known = read_in_process(path, order)

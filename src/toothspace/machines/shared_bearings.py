@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal, Protocol
+from typing import Literal
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from toothspace.core.errors import GeometryError
 from toothspace.gearing.materials import Material, library_material, reduced_modulus
 from toothspace.geometry.curve import closed_length, polar_moment
 from toothspace.geometry.gear_profile import GearProfile
+from toothspace.machines.shared_tables import ShaftBearingParameters
 from toothspace.model.description import Body, LumpedJournalBearing
 
 HOUSING_MATERIAL = "cast_iron"
@@ -22,23 +23,12 @@ CORRELATION_LENGTH = 10e-6
 """Half-height correlation length of machined surfaces. [m]"""
 
 
-class _ShaftBearing(Protocol):
-    @property
-    def diameter(self) -> float: ...
-    @property
-    def length(self) -> float: ...
-    @property
-    def radial_clearance(self) -> float: ...
-    @property
-    def roughness_shaft(self) -> float: ...
-    @property
-    def roughness_bush(self) -> float: ...
-    @property
-    def boundary_friction(self) -> float: ...
-
-
 def shaft_bearings(
-    body: str, bearing: _ShaftBearing, shaft: Material, bush: Material, seat_clearance: float = 0.0
+    body: str,
+    bearing: ShaftBearingParameters,
+    shaft: Material,
+    bush: Material,
+    seat_clearance: float = 0.0,
 ) -> LumpedJournalBearing:
     """Two equal bearings of a shaft.
 
@@ -46,7 +36,7 @@ def shaft_bearings(
     ----------
     body : str
         Body on the shaft.
-    bearing : object with the keys of ``[machine.journal_bearings]``
+    bearing : ShaftBearingParameters
         Size and surfaces.
     seat_clearance : float
         Radial clearance of what holds the bearings, in the housing. [m]
@@ -133,7 +123,11 @@ def require_rim(key: str, diameter: float, root_radius: float) -> None:
 
 
 def gear_on_shaft(
-    name: str, profile: GearProfile, width: float, material: Material, bearing: _ShaftBearing
+    name: str,
+    profile: GearProfile,
+    width: float,
+    material: Material,
+    bearing: ShaftBearingParameters,
 ) -> Body:
     """Gear of a profile with the journals of its shaft, at the origin, driven by the shaft.
 
@@ -147,7 +141,7 @@ def gear_on_shaft(
         Face width. [m]
     material : Material
         Material of gear and shaft.
-    bearing : object with the keys of ``[machine.journal_bearings]``
+    bearing : ShaftBearingParameters
         Bearings of the shaft.
 
     Returns

@@ -6,10 +6,23 @@ import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, cast, final
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, cast, final
 
-from toothspace.core.keys import KeyTable, choice, forbid, number, quantity, require, text
+from toothspace.closures.gap_flow import equal_leakage_height
+from toothspace.core.keys import (
+    KeyTable,
+    choice,
+    forbid,
+    instead_of,
+    number,
+    quantity,
+    require,
+    text,
+)
 from toothspace.model.description import MachineDescription
+
+if TYPE_CHECKING:
+    from toothspace.geometry.evaluated_designs import EvaluatedDesigns
 
 DEFAULT_NODES = 720
 """About how many table nodes stand on one turn."""
@@ -76,11 +89,15 @@ class MachineType:
     draft : callable or None
         From CAD files, the name of their unit, the wanted section and the folder of the case file
         to a :class:`CaseDraft`, or None where they hold no such machine.
+    evaluate_designs : callable or None
+        From ``[machine]``, arrays of varied values by key path, a common addendum and a common
+        displacement (None for those given) to the kinematics of many designs.
     """
 
     name: str
     describe: Callable[..., MachineDescription]
     draft: Callable[..., CaseDraft | None] | None = None
+    evaluate_designs: Callable[..., EvaluatedDesigns] | None = None
 
 
 def named_beside(file: Path, folder: Path) -> str:
@@ -165,6 +182,40 @@ class ShaftSealParameters(KeyTable):
     """``[machine.seals]``."""
 
     shaft_seal_torque: float = quantity("N m", "Friction of the shaft seal.", low=0, high=100)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SideGapParameters(KeyTable):
+    """``[machine.lateral]``: films beside the faces, of one height or each of its own."""
+
+    each: ClassVar[tuple[str, str]]
+    """Keys of both heights."""
+
+    side_gap: float | None = quantity(
+        "um", "Film height of both faces.", low=0.1, high=500, default=None
+    )
+
+    def __post_init__(self) -> None:
+        instead_of(self, "side_gap", *self.each)
+
+    @property
+    def side_gaps(self) -> tuple[float, float]:
+        """Film heights in the order of the keys. [m]."""
+        if self.side_gap is not None:
+            return self.side_gap, self.side_gap
+        first, second = self.each
+        return getattr(self, first), getattr(self, second)
+
+    @property
+    def leakage_height(self) -> float:
+        """Height that lets the same leakage through as the gaps of both faces. [m]."""
+        return float(equal_leakage_height(*self.side_gaps))
+
+    @property
+    def shear_height(self) -> float:
+        """Height that shears like the gaps of both faces together. [m]."""
+        first, second = self.side_gaps
+        return 2.0 / (1.0 / first + 1.0 / second)
 
 
 @dataclass(frozen=True, kw_only=True)

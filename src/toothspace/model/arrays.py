@@ -2,8 +2,8 @@
 
 State vector: shaft angle, shaft speed, fluid mass of each dynamic node, undissolved gas mass
 of each dynamic node, free micro-motions, their velocities, flows of fluid columns with the
-memory of their friction, load on tabulated lateral films and its moment, twist of an elastic coupling and speed of the load beyond it, then
-the ledger states.
+memory of their friction, load on tabulated lateral films and its moment, twist of an elastic
+coupling and speed of the load beyond it, then the ledger states.
 
 Few arrays with named columns instead of many arrays: compiled functions pass them by value,
 and each costs reference counting.
@@ -22,52 +22,19 @@ from toothspace.model.tables import Members, TableBank
 
 # Columns of ``node``: state of chambers and ports.
 (
-    VOLUME,
-    VOLUME_RATE,
-    PRESSURE,
-    PRESSURE_BY_MASS,
-    PRESSURE_BY_GAS,
-    PRESSURE_BY_VOLUME,
-    GAS,
-    DENSITY,
-    LIQUID_ENTHALPY,
-    GAS_ENTHALPY,
-    MASS_RATE,
-    GAS_RATE,
-    EXCHANGE_RATE,
-    EXCHANGE_BY_PRESSURE,
-    EXCHANGE_BY_GAS,
-    ROOT_VISCOSITY,
-    REST_VOLUME,
-    WALL_COMPLIANCE,
-    GAS_VOLUME,
-    PRECHARGE,
-    GAS_EXPONENT,
-    WALL_SLOPE,
-) = range(22)
+    VOLUME, VOLUME_RATE, PRESSURE, PRESSURE_BY_MASS, PRESSURE_BY_GAS, PRESSURE_BY_VOLUME, GAS,
+    DENSITY, LIQUID_ENTHALPY, GAS_ENTHALPY, MASS_RATE, GAS_RATE, EXCHANGE_RATE,
+    EXCHANGE_BY_PRESSURE, EXCHANGE_BY_GAS, ROOT_VISCOSITY, REST_VOLUME, WALL_COMPLIANCE,
+    GAS_VOLUME, PRECHARGE, GAS_EXPONENT, WALL_SLOPE,
+) = range(22)  # fmt: skip
 NODE_COLUMNS = 22
 
 # Columns of ``path``: what flows through a path.
 (
-    FLOW,
-    VOLUME_FLOW,
-    FLOW_BY_PRESSURE,
-    FLOW_BY_HEIGHT,
-    HEIGHT,
-    DRAG,
-    LOSS,
-    SHEAR,
-    DROP,
-    INFLOW_DENSITY,
-    MEAN_VISCOSITY,
-    RUNNING_HEIGHT,
-    HEIGHT_FACTOR,
-    CONDUCTANCE,
-    OPENING,
-    BY_HEIGHT,
-    DRAG_BY_HEIGHT,
-    NOMINAL_HEIGHT,
-) = range(18)
+    FLOW, VOLUME_FLOW, FLOW_BY_PRESSURE, FLOW_BY_HEIGHT, HEIGHT, DRAG, LOSS, SHEAR, DROP,
+    INFLOW_DENSITY, MEAN_VISCOSITY, RUNNING_HEIGHT, HEIGHT_FACTOR, CONDUCTANCE, OPENING,
+    BY_HEIGHT, DRAG_BY_HEIGHT, NOMINAL_HEIGHT,
+) = range(18)  # fmt: skip
 PATH_COLUMNS = 18
 
 # Kinds of paths, in the order of their rows; ``kinds`` holds the first of each.
@@ -75,23 +42,10 @@ CURVED_GAP, FITTED_GAP, PARALLEL_GAP, ORIFICE = range(4)
 
 # Columns of ``path_index`` and ``path_data``: what a path is.
 (
-    KIND,
-    CATEGORY,
-    NODE_A,
-    NODE_B,
-    PRESENT_B,
-    FAMILY_FIRST,
-    FAMILY_COUNT,
-    PARTNER_SHIFT,
-) = range(8)
-(
-    MULTIPLICITY,
-    MINIMUM_HEIGHT,
-    THROAT_SPEED,
-    CARRIED_SHARE,
-    GAP_VISCOSITY,
-    LATERAL_SHARE,  # how much of the height follows that of tabulated lateral films
-) = range(6)
+    KIND, CATEGORY, NODE_A, NODE_B, PRESENT_B, FAMILY_FIRST, FAMILY_COUNT, PARTNER_SHIFT,
+) = range(8)  # fmt: skip
+# of a path's height, LATERAL_SHARE follows that of tabulated lateral films
+MULTIPLICITY, MINIMUM_HEIGHT, THROAT_SPEED, CARRIED_SHARE, GAP_VISCOSITY, LATERAL_SHARE = range(6)
 
 # Columns of ``chamber_values``: volume, dV/d(mesh rotation), dV/d(each free motion), then axial
 # force and moment by the pressure where lateral films are tabulated.
@@ -108,42 +62,19 @@ CURVATURE, LAW_LEVEL, LAW_EXPONENT, POSSIBLE, GAP_BY_MOTION = 1, 2, 3, 6, 7
 
 # Columns of ``contact``: what acts in a contact, then constants of its pair.
 (
-    CONTACT_FORCE,
-    CONTACT_ENERGY,
-    CONTACT_DAMPING,
-    CONTACT_FRICTION,
-    CONTACT_SLIP,
-    CONTACT_TORQUE,
-    FORCE_BY_OVERLAP,
-    FORCE_BY_RATE,
-    FRICTION_BY_FORCE,
-    FRICTION_BY_SLIP,
-    PAIR_MODULUS,
-    PAIR_ROUGHNESS,
-    PAIR_BOUNDARY,
-    PAIR_LIMIT,
-    PAIR_WIDTH,
-    PAIR_ONSET,
-    PAIR_DAMPING,
-    PAIR_POWER_LAW,
-    PAIR_ACCOUNT,
-    PAIR_SQUEEZE,
-    PAIR_LOSS,
-) = range(21)
+    CONTACT_FORCE, CONTACT_ENERGY, CONTACT_DAMPING, CONTACT_FRICTION, CONTACT_SLIP,
+    CONTACT_TORQUE, FORCE_BY_OVERLAP, FORCE_BY_RATE, FRICTION_BY_FORCE, FRICTION_BY_SLIP,
+    PAIR_MODULUS, PAIR_ROUGHNESS, PAIR_BOUNDARY, PAIR_LIMIT, PAIR_WIDTH, PAIR_ONSET,
+    PAIR_DAMPING, PAIR_POWER_LAW, PAIR_ACCOUNT, PAIR_SQUEEZE, PAIR_LOSS,
+) = range(21)  # fmt: skip
 CONTACT_STATE = 10
 CONTACT_COLUMNS = 21
 
 # Columns of ``motion``; ratio and drag are those of a rotation, zero otherwise.
 (
-    MOTION_MASS,
-    EXTERNAL_FORCE,
-    CLEARANCE,
-    MOTION_RATIO,
-    LATERAL_DRAG,
-    PRESSURE_FORCE,
-    FILM_FORCE,
-    CONTACT_LOAD,
-) = range(8)
+    MOTION_MASS, EXTERNAL_FORCE, CLEARANCE, MOTION_RATIO, LATERAL_DRAG, PRESSURE_FORCE,
+    FILM_FORCE, CONTACT_LOAD,
+) = range(8)  # fmt: skip
 MOTION_COLUMNS = 8
 
 # Columns of ``journal``.
@@ -185,49 +116,18 @@ CURVE_COLUMNS = 7
 # slide (+1, -1), or zero while it sticks or while its speed is prescribed at zero. Driven are
 # the bodies that turn against the shaft, whose friction and inertia the mesh carries.
 (
-    FREE,
-    DIRECTION,
-    INERTIA,
-    LOAD_LINEAR,
-    LOAD_CUBIC,
-    LOAD_CONSTANT,
-    BREAKAWAY,
-    RUNNING_FRICTION,
-    BREAKAWAY_SPEED,
-    ADDED_FRICTION,
-    FADE,
-    DRIVING_TORQUE,
-    HOLDING_TORQUE,
-    SPEED_KNOT,
-    SPEED_KNOTS,
-    LOAD_KNOT,
-    LOAD_KNOTS,
-    PRESENT_LOAD,
-    LOAD_SQUARE,
-    LOAD_INERTIA,
-    COUPLING_STIFFNESS,
-    COUPLING_DAMPING,
-    DRIVEN_INERTIA,
-    DRIVEN_LATERAL,
-    DRIVEN_FRICTION,
-) = range(25)
+    FREE, DIRECTION, INERTIA, LOAD_LINEAR, LOAD_CUBIC, LOAD_CONSTANT, BREAKAWAY,
+    RUNNING_FRICTION, BREAKAWAY_SPEED, ADDED_FRICTION, FADE, DRIVING_TORQUE, HOLDING_TORQUE,
+    SPEED_KNOT, SPEED_KNOTS, LOAD_KNOT, LOAD_KNOTS, PRESENT_LOAD, LOAD_SQUARE, LOAD_INERTIA,
+    COUPLING_STIFFNESS, COUPLING_DAMPING, DRIVEN_INERTIA, DRIVEN_LATERAL, DRIVEN_FRICTION,
+) = range(25)  # fmt: skip
 DRIVE_COLUMNS = 25
 
 # Columns of ``elements``: hydraulic elements of a circuit and their present flow.
 (
-    ELEMENT_KIND,
-    ELEMENT_A,
-    ELEMENT_B,
-    FIRST_KNOT,
-    KNOTS,
-    PARAMETER_1,
-    PARAMETER_2,
-    PARAMETER_3,
-    PARAMETER_4,
-    ELEMENT_FLOW,
-    ELEMENT_BY_A,
-    ELEMENT_BY_B,
-) = range(12)
+    ELEMENT_KIND, ELEMENT_A, ELEMENT_B, FIRST_KNOT, KNOTS, PARAMETER_1, PARAMETER_2,
+    PARAMETER_3, PARAMETER_4, ELEMENT_FLOW, ELEMENT_BY_A, ELEMENT_BY_B,
+) = range(12)  # fmt: skip
 ELEMENT_COLUMNS = 12
 ELEMENT_PARAMETERS = 4
 

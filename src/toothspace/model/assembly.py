@@ -7,6 +7,7 @@ from typing import Any, final
 
 import numpy as np
 
+from toothspace.closures.aeration import gas_exchange_rate
 from toothspace.closures.density import mixture_density
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.types import Array, BoolArray, IntArray
@@ -59,21 +60,14 @@ from toothspace.model.contact_data import (
     motion_rows,
     rigid_mesh,
 )
-from toothspace.model.description import (
-    ChamberFamily,
-    FlowPath,
-    MachineDescription,
-    categories_of,
-)
+from toothspace.model.description import ChamberFamily, FlowPath, MachineDescription, categories_of
 from toothspace.model.films import (
-    JournalData,
     journal_data,
     lateral_asperity_share,
     lateral_drag,
     lateral_torque_coefficient,
 )
 from toothspace.model.fluid_column import FLUID_COLUMN
-from toothspace.model.inlet_volume import inlet_gas_fraction
 from toothspace.model.lateral_load import (
     SampledLoads,
     lateral_lookup,
@@ -90,13 +84,13 @@ from toothspace.model.paths import (
     circuit_orifices,
     load_orifice,
     path_arrays,
-    path_readings,
     path_tables,
 )
 from toothspace.model.quasi_static import bush_positions
-from toothspace.model.tables import OPEN, Reading, make_members, member_tables, pack_tables
+from toothspace.model.tables import OPEN, make_members, pack_tables
 from toothspace.model.walls import wall_volume
 from toothspace.numerics.periodic_table import PeriodicTable, stack_tables
+from toothspace.numerics.roots import root_between
 
 _CONTACT_COLUMNS = 7
 _SLOWEST_SPEED = 1.0
@@ -164,7 +158,8 @@ def assemble(
         for family in families
         for table in _chamber_tables(description, family, motion_map, loads)
     ]
-    contacts = contact_parts(description, condition, motion_map, len(tables))
+    first_of_contacts = len(tables)
+    contacts = contact_parts(description, condition, motion_map)
     tables += contacts.tables
     first_of_paths = len(tables)
     tables += [table for path in paths for table in path_tables(path, motion_map)]
@@ -179,14 +174,29 @@ def assemble(
     elements, schedule = circuit_rows(condition.circuit, places, drive, condition.schedules)
     arrays = SystemArrays(
         size=sizes,
-        constant=_constants(description, condition, journals),
+        constant=Constants(
+            lateral_torque=float(lateral_torque_coefficient(description)),
+            asperity_share=lateral_asperity_share(description),
+            seal_torque=float(description.seal_torque),
+            relative_tolerance=float(condition.relative_tolerance),
+            pressure_scale=5.0 * max(condition.inlet_pressure, condition.outlet_pressure),
+            asperity_range=journals.asperity_range,
+        ),
         fluid=fluid,
         surface=_surface(description, condition),
         film=journals.film,
         bank=bank,
-        chambers=make_members(bank, _chambers(description)),
-        contacts=make_members(bank, contacts.reading),
-        paths=make_members(bank, path_readings(paths, first_of_paths)),
+        chambers=make_members(bank, families, 0, [OPEN] * len(families)),
+        contacts=make_members(
+            bank, contacts.pairs, first_of_contacts, [contacts.gate] * len(contacts.pairs)
+        ),
+        paths=make_members(
+            bank,
+            paths,
+            first_of_paths,
+            [int(path.kind != "orifice") for path in paths],
+            packed=True,
+        ),
         dynamic_index=_dynamic_index(description, condition),
         **path_arrays(description, paths, categories),
         journal=journals.rows,
@@ -287,18 +297,6 @@ def _chamber_tables(
     return [stack_tables(table, load) for table in tables]
 
 
-
-def _chambers(description: MachineDescription) -> Reading:
-    counts = [family.count for family in description.families]
-    return Reading(
-        table=member_tables(0, counts, [len(family.own) for family in description.families]),
-        phase=np.concatenate([family.phases for family in description.families]),
-        ratio=np.repeat([family.angle_ratio for family in description.families], counts),
-        gate=np.full(sum(counts), OPEN),
-        packed=False,
-    )
-
-
 def _surface(description: MachineDescription, condition: OperatingCondition) -> ContactSurface:
     mesh = rigid_mesh(description, condition)
     if mesh is None:
@@ -311,19 +309,6 @@ def _surface(description: MachineDescription, condition: OperatingCondition) -> 
         contact.limiting_shear,
         contact.width,
         mesh.lever,
-    )
-
-
-def _constants(
-    description: MachineDescription, condition: OperatingCondition, journals: JournalData
-) -> Constants:
-    return Constants(
-        lateral_torque=float(lateral_torque_coefficient(description)),
-        asperity_share=lateral_asperity_share(description),
-        seal_torque=float(description.seal_torque),
-        relative_tolerance=float(condition.relative_tolerance),
-        pressure_scale=5.0 * max(condition.inlet_pressure, condition.outlet_pressure),
-        asperity_range=journals.asperity_range,
     )
 
 
@@ -505,3 +490,34 @@ def _partners(index: IntArray) -> list[int]:
         return [int(index[NODE_B])]
     first, count = int(index[FAMILY_FIRST]), int(index[FAMILY_COUNT])
     return list(range(first, first + count))
+
+
+_TOLERANCE = 1e-14
+
+
+def inlet_gas_fraction(pressure: float, residence_time: float, law: FluidLaw) -> float:
+    """Mass fraction of free gas of the fluid that enters the machine.
+
+    Parameters
+    ----------
+    pressure : float
+        Absolute pressure of the inlet volume, above the vapour pressure. [Pa]
+    residence_time : float
+        Inlet volume over volume flow rate, positive. [s]
+    law : FluidLaw
+        Constants of the fluid. [SI]
+
+    Returns
+    -------
+    float
+        Mass of free gas per mass of mixture, between zero and the total gas content. [-]
+    """
+    feed = law.feed_gas_mass_fraction
+
+    def excess(gas: float) -> float:
+        return feed - gas + residence_time * float(gas_exchange_rate(pressure, gas, law)[0])
+
+    highest = 1.1 * law.total_gas_mass_fraction + law.nuclei_mass_fraction
+    if excess(0.0) <= 0.0 or excess(highest) >= 0.0:
+        return feed
+    return root_between(excess, 0.0, highest, _TOLERANCE * highest)

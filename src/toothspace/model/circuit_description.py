@@ -39,12 +39,7 @@ from toothspace.model.arrays import (
     SPEED_KNOT,
     SPEED_KNOTS,
 )
-from toothspace.model.circuit import (
-    PRESSURE_VALVE,
-    PROPORTIONAL_VALVE,
-    RESISTANCE,
-    SUPPLY_PUMP,
-)
+from toothspace.model.circuit import PRESSURE_VALVE, PROPORTIONAL_VALVE, RESISTANCE, SUPPLY_PUMP
 from toothspace.model.fluid_column import FLUID_COLUMN
 
 _KINDS = {

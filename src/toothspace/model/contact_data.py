@@ -37,7 +37,7 @@ from toothspace.model.description import MachineDescription
 from toothspace.model.films import lateral_drag
 from toothspace.model.ledger import FRICTION_MECHANISMS
 from toothspace.model.operating_point import OperatingCondition
-from toothspace.model.tables import OPEN, Reading, member_tables
+from toothspace.model.tables import OPEN
 from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
 
 REACH = 0.3e-3
@@ -54,7 +54,8 @@ class ContactParts:
     """Tables, members and constants of the contacts that carry load."""
 
     tables: list[PeriodicTable]
-    reading: Reading
+    pairs: list[ContactPair]
+    gate: int
     data: Array
     counts: dict[str, int]
 
@@ -85,7 +86,6 @@ def contact_parts(
     description: MachineDescription,
     condition: OperatingCondition,
     motion_map: Array,
-    first_table: int,
 ) -> ContactParts:
     """Collect the arrays of all contacts that carry load."""
     contacts = loaded_contacts(description, condition)
@@ -103,20 +103,10 @@ def contact_parts(
     rows = [row for c in contacts for row in [_constants(c)] * c.count]
     return ContactParts(
         tables=tables,
-        reading=_readings(contacts, first_table, POSSIBLE if compliant else OPEN),
+        pairs=contacts,
+        gate=POSSIBLE if compliant else OPEN,
         data=np.array(rows, dtype=float).reshape(count, 11),
         counts={"contacts": count, "compliant": count if compliant else 0},
-    )
-
-
-def _readings(contacts: list[ContactPair], first_table: int, gate: int) -> Reading:
-    counts = [contact.count for contact in contacts]
-    return Reading(
-        table=member_tables(first_table, counts, [len(contact.own) for contact in contacts]),
-        phase=np.concatenate([*(contact.phases for contact in contacts), np.zeros(0)]),
-        ratio=np.repeat([float(contact.angle_ratio) for contact in contacts], counts),
-        gate=np.full(sum(counts), gate),
-        packed=False,
     )
 
 
@@ -222,15 +212,8 @@ def motion_rows(
         if motion.axis == "rotation":
             row[MOTION_MASS], row[MOTION_RATIO] = body.inertia, body.speed_ratio
             row[LATERAL_DRAG] = drag[motion.body]
-            row[CLEARANCE] /= _lever(description, k)
+            levers = [np.abs(c.gap_by_motion.values[:, k]).max() for c in description.contacts]
+            row[CLEARANCE] /= float(max(levers))
         elif body.role == "shaft" and motion.axis in ("x", "y"):
             row[EXTERNAL_FORCE] = condition.radial_load["xy".index(motion.axis)]
     return rows
-
-
-def _lever(description: MachineDescription, motion: int) -> float:
-    """Largest lever of a contact about the axis of a turning body. [m]."""
-    return max(
-        float(np.abs(contact.gap_by_motion.values[:, motion]).max())
-        for contact in description.contacts
-    )

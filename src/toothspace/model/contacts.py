@@ -17,12 +17,7 @@ and losses then balance to round-off.
 
 from __future__ import annotations
 
-from toothspace.closures.contact_law import (
-    impact_factor,
-    logarithmic_law,
-    power_law,
-    rounded_depth,
-)
+from toothspace.closures.contact_law import impact_factor, logarithmic_law, power_law, rounded_depth
 from toothspace.closures.squeeze_film import REACH, squeeze_damping
 from toothspace.closures.traction import FlankSurface, mesh_friction
 from toothspace.core.compiled import kernel

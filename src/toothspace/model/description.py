@@ -27,13 +27,7 @@ from toothspace.model.film_faces import FilmFace, SharedFaces
 from toothspace.model.lateral_balance import LateralBalance
 from toothspace.model.lateral_table import LateralTable
 from toothspace.model.ledger import FRICTION_MECHANISMS
-from toothspace.model.machine_parts import (
-    PATH_CHANNELS,
-    ChamberFamily,
-    FlowPath,
-    Motion,
-    PathKind,
-)
+from toothspace.model.machine_parts import PATH_CHANNELS, ChamberFamily, FlowPath, Motion, PathKind
 from toothspace.model.path_category import PathCategory
 from toothspace.numerics.periodic_table import PeriodicTable
 

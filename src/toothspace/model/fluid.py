@@ -16,16 +16,16 @@ from toothspace.core.constants import AIR_GAS_CONSTANT, ATMOSPHERIC_PRESSURE, ZE
 from toothspace.core.errors import CaseError
 from toothspace.core.frozen import Columns
 from toothspace.library import load_fluid
-from toothspace.model.fluid_table import fit_table
+from toothspace.model.fluid_table import LiquidState, fit_table
 
 __all__ = [
     "FluidLaw",
     "GasModel",
     "LiquidState",
+    "fit_table",
     "fluid_law",
     "library_liquid",
     "mixed_law",
-    "table_liquid",
 ]
 
 EQUILIBRIUM_RATE = 1e5
@@ -36,55 +36,6 @@ NUCLEI_VOLUME_FRACTION = 1e-6
 
 VAPOUR_SMOOTHING_RATIO = 0.25
 """Width of the transition to the vapour pressure over the vapour pressure. [-]"""
-
-
-TABLE_AIR_FRACTION = 0.08
-"""Dissolved air at one atmosphere over volume of liquid, of a table. [-]"""
-
-
-@final
-@dataclass(frozen=True)
-class LiquidState:
-    """Properties of a liquid at one temperature, without gas.
-
-    Parameters
-    ----------
-    density : float
-        At zero pressure. [kg/m3]
-    bulk_modulus : float
-        At zero pressure. [Pa]
-    bulk_modulus_slope : float
-        Rise of the bulk modulus per pressure. [-]
-    dynamic_viscosity : float
-        At zero pressure. [Pa s]
-    pressure_viscosity : float
-        Barus coefficient of the dynamic viscosity. [1/Pa]
-    vapour_pressure : float
-        Lowest pressure, numerical floor included. [Pa]
-    specific_heat_capacity : float
-        Specific heat capacity. [J/(kg K)]
-    dissolved_air_fraction : float
-        Default volume of dissolved air at one atmosphere over volume of liquid. [-]
-    """
-
-    density: float
-    bulk_modulus: float
-    bulk_modulus_slope: float
-    dynamic_viscosity: float
-    pressure_viscosity: float
-    vapour_pressure: float
-    specific_heat_capacity: float
-    dissolved_air_fraction: float
-
-    @property
-    def compliance(self) -> float:
-        """Compressibility a at zero pressure. [1/Pa]."""
-        return 1.0 / self.bulk_modulus
-
-    @property
-    def stiffening(self) -> float:
-        """Stiffening b of the density law. [1/Pa]."""
-        return 0.5 * self.compliance * (self.bulk_modulus_slope - 1.0)
 
 
 @final
@@ -202,34 +153,6 @@ def library_liquid(name: str, temperature: float) -> LiquidState:
     )
 
 
-def table_liquid(path: Path | Columns, temperature: float) -> LiquidState:
-    """Return the properties of a liquid from a user's table at a temperature.
-
-    Parameters
-    ----------
-    path : Path
-        CSV file, see :mod:`toothspace.model.fluid_table`. [-]
-    temperature : float
-        Absolute temperature. [K]
-
-    Raises
-    ------
-    CaseError
-        If the table is bad or does not reach the temperature.
-    """
-    fit = fit_table(path, temperature)
-    return LiquidState(
-        density=fit.density,
-        bulk_modulus=1.0 / fit.compliance,
-        bulk_modulus_slope=1.0 + 2.0 * fit.stiffening / fit.compliance,
-        dynamic_viscosity=fit.dynamic_viscosity,
-        pressure_viscosity=fit.pressure_viscosity,
-        vapour_pressure=fit.vapour_pressure,
-        specific_heat_capacity=fit.specific_heat_capacity,
-        dissolved_air_fraction=TABLE_AIR_FRACTION,
-    )
-
-
 def highest_pressure(source: str | Path | Columns, temperature: float) -> float:
     """Return the absolute pressure up to which the properties of a fluid are known. [Pa].
 
@@ -296,9 +219,9 @@ def fluid_law(
 
 def _liquid(source: str | Path | Columns, temperature: float) -> LiquidState:
     if isinstance(source, (Path, Columns)):
-        return table_liquid(source, temperature)
+        return fit_table(source, temperature)
     if source.endswith(".csv"):
-        return table_liquid(Path(source), temperature)
+        return fit_table(Path(source), temperature)
     return library_liquid(source, temperature)
 
 

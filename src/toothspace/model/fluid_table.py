@@ -45,38 +45,67 @@ _POWER = re.compile(r"(?<=[A-Za-z])(\d)")
 _POSITIVE = ("temperature", "density", "dynamic_viscosity", "specific_heat_capacity")
 
 
-@final
+TABLE_AIR_FRACTION = 0.08
+"""Dissolved air at one atmosphere over volume of liquid, of a table. [-]"""
+
+
 @dataclass(frozen=True)
-class TableFit:
-    """Constants of a liquid fitted to a table at one temperature.
+class LiquidState:
+    """Properties of a liquid at one temperature, without gas.
 
     Parameters
     ----------
     density : float
         At zero pressure. [kg/m3]
-    compliance, stiffening : float
-        Constants a and b of the density law. [1/Pa]
+    bulk_modulus : float
+        At zero pressure. [Pa]
+    bulk_modulus_slope : float
+        Rise of the bulk modulus per pressure. [-]
     dynamic_viscosity : float
         At zero pressure. [Pa s]
     pressure_viscosity : float
-        Barus coefficient. [1/Pa]
+        Barus coefficient of the dynamic viscosity. [1/Pa]
     vapour_pressure : float
-        Vapour pressure with its numerical floor. [Pa]
+        Lowest pressure, numerical floor included. [Pa]
     specific_heat_capacity : float
         Specific heat capacity. [J/(kg K)]
+    dissolved_air_fraction : float
+        Default volume of dissolved air at one atmosphere over volume of liquid. [-]
+    """
+
+    density: float
+    bulk_modulus: float
+    bulk_modulus_slope: float
+    dynamic_viscosity: float
+    pressure_viscosity: float
+    vapour_pressure: float
+    specific_heat_capacity: float
+    dissolved_air_fraction: float
+
+    @property
+    def compliance(self) -> float:
+        """Compressibility a at zero pressure. [1/Pa]."""
+        return 1.0 / self.bulk_modulus
+
+    @property
+    def stiffening(self) -> float:
+        """Stiffening b of the density law. [1/Pa]."""
+        return 0.5 * self.compliance * (self.bulk_modulus_slope - 1.0)
+
+
+@final
+@dataclass(frozen=True)
+class TableFit(LiquidState):
+    """Properties of a liquid fitted to a table at one temperature.
+
+    Parameters
+    ----------
     density_error, viscosity_error : float
         Largest relative error of the fit at the points of the isotherms used. [-]
     highest_pressure : float
         Pressure up to which these isotherms reach. [Pa]
     """
 
-    density: float
-    compliance: float
-    stiffening: float
-    dynamic_viscosity: float
-    pressure_viscosity: float
-    vapour_pressure: float
-    specific_heat_capacity: float
     density_error: float
     viscosity_error: float
     highest_pressure: float
@@ -242,14 +271,16 @@ def _between(lines: list[dict[str, Array]], share: float) -> TableFit:
             return default
         return float((1.0 - share) * lines[0][name][0] + share * lines[1][name][0])
 
+    compliance = float(1.0 / constants[1])
     return TableFit(
         density=float(constants[0]),
-        compliance=float(1.0 / constants[1]),
-        stiffening=float(constants[2]),
+        bulk_modulus=1.0 / compliance,
+        bulk_modulus_slope=1.0 + 2.0 * float(constants[2]) / compliance,
         dynamic_viscosity=float(np.exp(constants[3])),
         pressure_viscosity=float(constants[4]),
         vapour_pressure=max(level("vapour_pressure", VAPOUR_FLOOR), VAPOUR_FLOOR),
         specific_heat_capacity=level("specific_heat_capacity", DEFAULT_HEAT_CAPACITY),
+        dissolved_air_fraction=TABLE_AIR_FRACTION,
         density_error=max(fits[0][1], fits[1][1]),
         viscosity_error=max(fits[0][2], fits[1][2]),
         highest_pressure=min(float(line["pressure"].max()) for line in lines),

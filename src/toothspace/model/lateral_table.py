@@ -90,9 +90,9 @@ LEAKAGE, SHEAR, DRAG, ASPERITY, LAG = range(5)
     LOAD_SCALE,
 ) = range(8)
 LATERAL_NOW = 8
-"""Columns of what was looked up last: lateral gaps and shear over their closed forms, torque of drag
-and of asperities over that of the closed form by viscosity and speed [Pa], load of the pressures,
-time in which the gap follows it [s], and force of share one [N]."""
+"""Columns of what was looked up last: lateral gaps and shear over their closed forms, torque of
+drag and of asperities over that of the closed form by viscosity and speed [Pa], load of the
+pressures, time in which the gap follows it [s], and force of share one [N]."""
 
 
 @passed_by_address
@@ -112,6 +112,4 @@ def no_lookup() -> LateralLookup:
     now = np.zeros(LATERAL_NOW)
     now[[HEIGHT_RATIO, SHEAR_RATIO]] = 1.0
     empty = np.zeros((0, 0))
-    return LateralLookup(
-        empty, np.zeros(0, np.int64), np.zeros((0,) * 5), empty, np.zeros(0), now
-    )
+    return LateralLookup(empty, np.zeros(0, np.int64), np.zeros((0,) * 5), empty, np.zeros(0), now)

@@ -64,8 +64,8 @@ from toothspace.model.arrays import (
     HEIGHT_BY_MOTION,
     HEIGHT_FACTOR,
     INFLOW_DENSITY,
-    LIQUID_ENTHALPY,
     LATERAL_SHARE,
+    LIQUID_ENTHALPY,
     LOSS,
     MASS_RATE,
     MEAN_VISCOSITY,
@@ -92,7 +92,8 @@ from toothspace.model.lateral_table import HEIGHT_RATIO
 from toothspace.model.ledger import THROTTLING
 
 SMOOTH_THROAT = 1.0
-HEIGHT_SMOOTHING = 1e-7
+HEIGHT_SMOOTHING = 0.1
+LEAST_ROUNDING = 1e-9
 CLOSED_ORIFICE = 1e-12
 CLOSED_GAP = 1e-7
 
@@ -133,8 +134,8 @@ def gather_open(s: SystemArrays) -> None:
 @kernel
 def running_height(nominal: float, residual: float) -> tuple[float, float]:
     """Gap height and its slope; it keeps its residual where bodies would touch. [m], [-]."""
-    excess = nominal - residual
-    root = math.sqrt(excess * excess + 4.0 * HEIGHT_SMOOTHING * HEIGHT_SMOOTHING)
+    excess, rounding = nominal - residual, max(HEIGHT_SMOOTHING * residual, LEAST_ROUNDING)
+    root = math.sqrt(excess * excess + 4.0 * rounding * rounding)
     return residual + 0.5 * (excess + root), 0.5 * (1.0 + excess / root)
 
 

@@ -72,7 +72,7 @@ class OperatingCondition:
 
     @property
     def schedules(self) -> tuple[Array, Array]:
-        """Prescribed shaft speed and torque of the load, over time."""
+        """Prescribed shaft speed [rad/s] and torque of the load [N m], each over the time [s]."""
         if self.free_shaft is None:
             return self.speed_schedule, np.zeros((0, 2))
         return self.speed_schedule, self.free_shaft.load_schedule

@@ -17,7 +17,6 @@ from toothspace.model.path_category import (
     LOAD_ORIFICE,
     PathCategory,
 )
-from toothspace.model.tables import Reading, member_tables
 from toothspace.numerics.periodic_table import PeriodicTable
 
 _KINDS = {
@@ -30,38 +29,31 @@ _KINDS = {
 
 def load_orifice(node: int, load: int, area: float) -> FlowPath:
     """Return the orifice from the outlet volume, or the end of a line, to the load. [m2]."""
-    return FlowPath(
-        name="load_orifice",
-        category=LOAD_ORIFICE,
-        kind="orifice",
-        nodes_a=np.array([node]),
-        nodes_b=np.array([load]),
-        angle_ratio=1.0,
-        phases=np.zeros(1),
-        geometry=_constant_orifice(area),
-    )
+    return _orifice("load_orifice", LOAD_ORIFICE, (node, load), area)
 
 
 def circuit_orifices(circuit: CircuitNetwork, places: Mapping[str, int]) -> tuple[FlowPath, ...]:
     """Return the orifices of a circuit as flow paths."""
     return tuple(
-        FlowPath(
-            name=f"circuit_orifice_{k}",
-            category=CIRCUIT_ORIFICE,
-            kind="orifice",
-            nodes_a=np.array([places[orifice.node_a]]),
-            nodes_b=np.array([places[orifice.node_b]]),
-            angle_ratio=1.0,
-            phases=np.zeros(1),
-            geometry=_constant_orifice(orifice.area),
+        _orifice(
+            f"circuit_orifice_{k}", CIRCUIT_ORIFICE, (places[o.node_a], places[o.node_b]), o.area
         )
-        for k, orifice in enumerate(circuit.orifices)
+        for k, o in enumerate(circuit.orifices)
     )
 
 
-def _constant_orifice(area: float) -> PeriodicTable:
+def _orifice(name: str, category: PathCategory, ends: tuple[int, int], area: float) -> FlowPath:
     constant = np.tile([area, np.sqrt(4.0 * area / np.pi)], (2, 1))
-    return PeriodicTable(2.0 * np.pi, constant, np.zeros_like(constant))
+    return FlowPath(
+        name=name,
+        category=category,
+        kind="orifice",
+        nodes_a=np.array(ends[:1]),
+        nodes_b=np.array(ends[1:]),
+        angle_ratio=1.0,
+        phases=np.zeros(1),
+        geometry=PeriodicTable(2.0 * np.pi, constant, np.zeros_like(constant)),
+    )
 
 
 def by_kind(paths: Sequence[FlowPath]) -> tuple[FlowPath, ...]:
@@ -94,18 +86,6 @@ def _path_table(path: FlowPath, geometry: PeriodicTable, motion_map: Array) -> P
         values[:, columns] = table.values if mix is None else table.values @ mix
         slopes[:, columns] = table.slopes if mix is None else table.slopes @ mix
     return PeriodicTable(period, values, slopes)
-
-
-def path_readings(paths: Sequence[FlowPath], first_table: int) -> Reading:
-    """Table, phase and growth of the angle of every path."""
-    counts = [path.count for path in paths]
-    return Reading(
-        table=member_tables(first_table, counts, [len(path.own) for path in paths]),
-        phase=np.concatenate([path.phases for path in paths]),
-        ratio=np.repeat([path.angle_ratio for path in paths], counts),
-        gate=np.repeat([0 if path.kind == "orifice" else 1 for path in paths], counts),
-        packed=True,
-    )
 
 
 def path_arrays(

@@ -9,6 +9,8 @@ import numpy as np
 
 from toothspace.core.compiled import kernel, passed_by_address
 from toothspace.core.types import Array, IntArray
+from toothspace.model.contact_pair import ContactPair
+from toothspace.model.machine_parts import ChamberFamily, FlowPath
 from toothspace.numerics.periodic_table import PeriodicTable
 
 OFFSET, NODES, CHANNELS = range(3)
@@ -28,28 +30,17 @@ class TableBank(NamedTuple):
     period: Array
 
 
-class Reading(NamedTuple):
-    """Things that read one row of a table each: which table, phase and growth of its angle.
-
-    Where the channel ``gate`` is zero the thing is closed and its other channels are not read.
-    Things that are packed are read only while they are open.
-    """
-
-    table: IntArray
-    phase: Array
-    ratio: Array
-    gate: IntArray
-    packed: bool
-
-
 @passed_by_address
 class Members(NamedTuple):
     """Things that read one row of a table each, and where in their tables they stand.
 
     Parameters
     ----------
-    table, phase, ratio, gate, packed
-        See :class:`Reading`.
+    table, phase, ratio : ndarray, shape (members,)
+        Number of the table, its angle at shaft angle zero [rad] and the growth of that. [-]
+    gate, packed
+        Channel that says by zero that a member is closed, so that others are not read; whether
+        closed members are left out altogether.
     origin, growth : ndarray, shape (members,)
         Place in the table in nodes at shaft angle zero, and its growth per angle. [-], [1/rad]
     interval, place : ndarray, shape (members,)
@@ -121,21 +112,44 @@ OPEN = -1
 CLOSED, UNKNOWN = 1, 0
 
 
-def make_members(bank: TableBank, reading: Reading) -> Members:
-    """Return members that stand nowhere yet."""
-    table = np.asarray(reading.table, dtype=np.int64)
+def make_members(
+    bank: TableBank,
+    parts: Sequence[ChamberFamily | FlowPath | ContactPair],
+    first_table: int,
+    gate: Sequence[int],
+    packed: bool = False,
+) -> Members:
+    """Return the members of parts, which stand nowhere yet.
+
+    Parameters
+    ----------
+    bank : TableBank
+        Tables.
+    parts : sequence of ChamberFamily, FlowPath or ContactPair
+        Parts of one kind; each has a table, or one for each of its members.
+    first_table : int
+        Number of their first table.
+    gate : sequence of int
+        Gate of the members of each part.
+    packed : bool
+        Whether closed members are left out.
+    """
+    counts = [part.count for part in parts]
+    table = member_tables(first_table, counts, [len(part.own) for part in parts])
+    phase = np.concatenate([*(part.phases for part in parts), np.zeros(0)])
+    ratio = np.repeat([float(part.angle_ratio) for part in parts], counts)
     count, nodes = table.size, bank.layout[table, NODES]
     channels = bank.layout[table, CHANNELS]
     most = int(channels.max(initial=0))
     having = [np.flatnonzero(channels > k) for k in range(most)]
     return Members(
         table=table,
-        phase=np.asarray(reading.phase, dtype=float),
-        ratio=np.asarray(reading.ratio, dtype=float),
-        gate=np.asarray(reading.gate, dtype=np.int64),
-        packed=int(reading.packed),
-        origin=np.asarray(reading.phase * nodes / bank.period[table], dtype=float),
-        growth=np.asarray(reading.ratio * nodes / bank.period[table], dtype=float),
+        phase=phase,
+        ratio=ratio,
+        gate=np.repeat(np.asarray(gate, dtype=np.int64), counts),
+        packed=int(packed),
+        origin=np.asarray(phase * nodes / bank.period[table], dtype=float),
+        growth=np.asarray(ratio * nodes / bank.period[table], dtype=float),
         interval=np.full(count, np.nan),
         place=np.zeros(count),
         last=np.array([members[-1] + 1 for members in having], dtype=np.int64),

@@ -1,8 +1,12 @@
-"""Root of a function of one variable between two places."""
+"""Roots of functions of one variable between two places."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+
+import numpy as np
+
+from toothspace.core.types import Array
 
 _ROUNDING = 4.0 * 2.0**-52
 _MOST_STEPS = 200
@@ -69,3 +73,39 @@ def root_between(
             )
         share = min(max(share, smallest), 1.0 - smallest)
     return best
+
+
+def roots_between(function: Callable[[Array], Array], low: Array, high: Array) -> Array:
+    """Find where many functions change their sign: secants that keep a bracket.
+
+    Parameters
+    ----------
+    function : callable
+        Values at one place of each function.
+    low, high : ndarray
+        Ends. Without a change of sign between them the result means nothing.
+
+    Returns
+    -------
+    ndarray
+        Roots, to rounding. [unit of the ends]
+
+    References
+    ----------
+    M. Dowell, P. Jarratt, BIT 11 (1971) 168-174 (Illinois method).
+    """
+    behind, place = low, high
+    value_behind, value = function(behind), function(place)
+    bracketed = value_behind * value < 0.0
+    for _ in range(_MOST_STEPS):
+        rise = np.where(bracketed, value - value_behind, np.inf)
+        step = value * (place - behind) / rise
+        trial = place - step
+        found = function(trial)
+        crossed = found * value < 0.0
+        behind = np.where(crossed, place, behind)
+        value_behind = np.where(crossed, value, 0.5 * value_behind)
+        place, value = trial, found
+        if not np.any(np.abs(step) > _ROUNDING * np.abs(place)):
+            break
+    return place

@@ -96,8 +96,7 @@ def span_lines(data: xr.Dataset) -> Figure:
             pressure = 1e-5 * np.asarray(data["pressure_difference"])[points]
             values = np.asarray(data[name])[points]
             axes.plot(pressure, values, "o-", markersize=3, label=f"{1e6 * value:.3g} µm")
-        axes.set_xlabel("Pressure difference (bar)")
-        axes.set_ylabel(label)
+        axes.set(xlabel="Pressure difference (bar)", ylabel=label)
     panels[0].axhline(1.0, color=GREY, linestyle="--", linewidth=0.8)
     panels[0].set_ylim(bottom=0.0)
     panels[1].legend(title="Tip clearance")

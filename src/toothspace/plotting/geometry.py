@@ -31,9 +31,7 @@ def volumes(description: MachineDescription) -> Figure:
         upper.plot(degrees, family.volume(angle)[:, 0] * 1e9, style, color=color, label=label)
         slope = family.volume.derivative(angle)[:, 0] * family.angle_ratio
         lower.plot(degrees, slope * 1e9, style, color=color)
-    upper.set_title("Chamber volume and its derivative")
-    upper.set_ylabel("Volume (mm³)")
-    upper.set_ylim(bottom=0.0)
+    upper.set(title="Chamber volume and its derivative", ylabel="Volume (mm³)", ylim=(0.0, None))
     upper.legend(loc="lower right")
     lower.set_ylabel("dV/dφ (mm³/rad)")
     angle_axis(lower, "Chamber angle (deg)", float(degrees[-1]))
@@ -135,8 +133,7 @@ def _draw_mesh_window(
     axes.set_xlabel("Shaft angle from the smallest volume (deg); shaded: sealed from both ports")
     twin = axes.twinx()
     twin.plot(degrees, family.volume(own)[:, 0] * 1e9, color=INK, linestyle="--")
-    twin.set_ylabel("Volume (mm³), dashed")
-    twin.set_ylim(bottom=0.0)
+    twin.set(ylabel="Volume (mm³), dashed", ylim=(0.0, None))
     twin.grid(visible=False)
 
 

@@ -106,8 +106,7 @@ def loops(data: xr.Dataset, panels: tuple[tuple[str, str], ...] = POSITION_PANEL
     figure = new_figure(7.2, 5.4)
     for axes, (name, label) in zip(np.ravel(figure.subplots(2, 2)), panels, strict=True):
         _loop(axes, data, name)
-        axes.set_ylabel(label)
-        axes.set_xlabel("Outlet pressure (bar)")
+        axes.set(ylabel=label, xlabel="Outlet pressure (bar)")
     if panels is POSITION_PANELS and "measured_relative_position_um" in data:
         # measured positions are relative: they begin where the computed ones do
         first = float(data["bearing_position_um"][0])
@@ -167,8 +166,7 @@ def nose_lines(data: xr.Dataset) -> Figure:
         own = [k for k, other in enumerate(names) if other == name]
         position = data["bearing_position_um"].values[own]
         axes.plot(ratio[own], position, mark, color=color, ms=5, mfc="none", label=name)
-    axes.set_xlabel("Nose pressure over outlet pressure")
-    axes.set_ylabel("Bearing position (µm)")
+    axes.set(xlabel="Nose pressure over outlet pressure", ylabel="Bearing position (µm)")
     axes.legend()
     axes.grid(color=GREY, alpha=0.25)
     axes.tick_params(colors=INK)

@@ -78,8 +78,7 @@ def _bar_figure(
     axes.grid(visible=False, axis="y")
     axes.tick_params(axis="y", length=0)
     axes.margins(x=0.12)
-    axes.set_title(title)
-    axes.set_xlabel(label)
+    axes.set(title=title, xlabel=label)
     return figure
 
 
@@ -101,8 +100,7 @@ def ledger_waterfall(solution: Solution, description: MachineDescription | None 
     figure = new_figure(7.2, 4.2)
     axes = figure.subplots()
     _draw_waterfall(axes, supplied, steps, delivered)
-    axes.set_ylabel("Power (W)")
-    axes.set_title("Power ledger")
+    axes.set(ylabel="Power (W)", title="Power ledger")
     axes.tick_params(axis="x", rotation=40, length=0)
     for label in axes.get_xticklabels():
         label.set_horizontalalignment("right")

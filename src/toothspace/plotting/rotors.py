@@ -39,8 +39,7 @@ def pocket_cycle(solution: Solution, description: MachineDescription) -> Figure:
     figure = new_figure(7.2, 5.6)
     pressure, volume, area = figure.subplots(3, 1, sharex=True)
     pressure.plot(degrees, np.asarray(data["chamber_pressure"])[sample, chamber] / _BAR, color=BLUE)
-    pressure.set_ylabel("Pressure (bar)")
-    pressure.set_title("One pocket over a turn of the outer rotor")
+    pressure.set(ylabel="Pressure (bar)", title="One pocket over a turn of the outer rotor")
     volume.plot(degrees, 1e6 * np.asarray(data["chamber_volume"])[sample, chamber], color=INK)
     volume.set_ylabel("Volume (cm³)")
     for port, color in (("inlet", BLUE), ("outlet", ORANGE)):
@@ -88,8 +87,7 @@ def tooth_contact_forces(solution: Solution, description: MachineDescription) ->
         color = CYCLE[k % len(CYCLE)]
         force.plot(degrees, values, color=color, linewidth=1.2, label=f"tooth {k + 1}")
     force.plot(degrees, found.force.sum(axis=1), color=GREY, linestyle="--", label="sum")
-    force.set_ylabel("Contact force (N)")
-    force.set_title("Contact force of the outer rotor's teeth")
+    force.set(ylabel="Contact force (N)", title="Contact force of the outer rotor's teeth")
     force.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, fontsize=7.5)
     loaded = found.loaded()
     count.fill_between(degrees, loaded, step="mid", color=BLUE, alpha=0.35, linewidth=0.0)

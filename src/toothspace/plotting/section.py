@@ -103,7 +103,7 @@ def gear_section(
 
 
 def top_of_scale(solution: Solution) -> float:
-    """Pressure of the darkest colour: short peaks beyond 1.5 times the port pressure share it."""
+    """Pressure of the darkest colour; short peaks beyond 1.5 port pressures share it. [Pa]."""
     ports = max(float(solution.data[f"{port}_pressure"].max()) for port in ("inlet", "outlet"))
     return min(float(solution.data["chamber_pressure"].max()), 1.5 * ports)
 

@@ -50,8 +50,7 @@ def source_and_impedance(data: xr.Dataset) -> Figure:
     phase.plot(hertz, np.degrees(data["source_impedance_phase"]), "o-", color=GREEN)
     phase.set_ylim(-180.0, 180.0)
     phase.set_yticks([-180, -90, 0, 90, 180])
-    phase.set_ylabel("Its phase (deg)")
-    phase.set_xlabel("Frequency (Hz)")
+    phase.set(ylabel="Its phase (deg)", xlabel="Frequency (Hz)")
     return figure
 
 

@@ -53,10 +53,8 @@ def speed_and_pressure(
     ):
         if measured and name in measured:
             axes.plot(measured["time"], factor * measured[name], color=INK, label="Measured")
-    speed.set_ylabel("Speed (rpm)")
-    pressure.set_ylabel("Pressure difference (bar)")
-    pressure.set_xlabel("Time (s)")
-    speed.set_title("Speed and pressure over time")
+    pressure.set(ylabel="Pressure difference (bar)", xlabel="Time (s)")
+    speed.set(ylabel="Speed (rpm)", title="Speed and pressure over time")
     speed.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, borderaxespad=0.2)
     return figure
 

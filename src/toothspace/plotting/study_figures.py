@@ -13,7 +13,16 @@ from toothspace.plotting.bearing_figures import balance_figures, map_figures
 from toothspace.plotting.contact_figures import contact_span_figures
 from toothspace.plotting.lateral_figures import StudyFigure, hysteresis_figures, nose_figures
 from toothspace.plotting.source_figures import source_figures
-from toothspace.plotting.style import BLUE, GREY, INK, ORANGE, PRESSURE_COLOURS, new_figure, styled
+from toothspace.plotting.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    INK,
+    ORANGE,
+    PRESSURE_COLOURS,
+    new_figure,
+    styled,
+)
 from toothspace.studies.tabulate import label_of
 
 if TYPE_CHECKING:
@@ -66,8 +75,6 @@ def study_figures(kind: str, data: xr.Dataset) -> list[StudyFigure]:
 
 
 def _startup(data: xr.Dataset) -> list[StudyFigure]:
-    from toothspace.plotting.startup_study import breakaway_over_angle, ratio_over_plateau_speed
-
     found = []
     if _has(data, "startup_pressure_ratio", "settled_pressure_bar"):
         if data.sizes["plateau_speed"] > 1:
@@ -110,8 +117,7 @@ def efficiency_contours(data: xr.Dataset) -> Figure:
         if values.count() > 3:
             _contours(axes, speed, pressure, values)
         axes.plot(*map(np.ravel, np.meshgrid(speed, pressure)), ".", color=GREY, ms=3)
-        axes.set_title(title)
-        axes.set_ylabel("Pressure difference (bar)")
+        axes.set(title=title, ylabel="Pressure difference (bar)")
     panels[-1].set_xlabel("Shaft speed (rpm)")
     return figure
 
@@ -140,8 +146,7 @@ def characteristics(data: xr.Dataset) -> Figure:
             speed = float(data["shaft_speed"][k]) * _RPM
             axes.plot(pressure, data[name].values[k], "o-", ms=3, label=f"{speed:.4g} rpm")
         _lay_over(axes, data, name)
-        axes.set_xlabel("Pressure difference (bar)")
-        axes.set_ylabel(_label(name))
+        axes.set(xlabel="Pressure difference (bar)", ylabel=_label(name))
     panels[1].legend()
     return figure
 
@@ -275,8 +280,7 @@ def histograms(data: xr.Dataset) -> Figure:
         axes.hist(values, bins=max(5, min(30, round(np.sqrt(values.size)))), color=BLUE)
         for mark in np.percentile(values, (5.0, 50.0, 95.0)) if values.size else ():
             axes.axvline(float(mark), color=INK, ls="--", lw=0.9)
-        axes.set_xlabel(axes.get_ylabel())
-        axes.set_ylabel("Number of points")
+        axes.set(xlabel=axes.get_ylabel(), ylabel="Number of points")
     return figure
 
 
@@ -327,6 +331,29 @@ def search_history(data: xr.Dataset) -> Figure:
     return figure
 
 
+def _design_scan(data: xr.Dataset) -> list[StudyFigure]:
+    if not data["feasible"].any():
+        return []
+    caption = "Designs that hold all constraints, over each varied key; orange: the best."
+    return [StudyFigure("designs", caption, feasible_designs(data))]
+
+
+@styled
+def feasible_designs(data: xr.Dataset) -> Figure:
+    """Objective of the feasible designs over each varied key."""
+    name, kept = data.attrs["objective"], data["feasible"].values
+    sign = 1.0 if data.attrs["goal"] == "maximise" else -1.0
+    merit = data[name].values
+    best = int(np.argmax(np.where(kept, sign * merit, -np.inf)))
+    figure, panels = _panels_of(data.attrs["varied"].split(), 2, 0.4, 2.4)
+    for axes, path in panels:
+        axes.plot(data[path].values[kept], merit[kept], ".", color=BLUE, ms=2, rasterized=True)
+        axes.plot(data[path].values[best], merit[best], "o", color=ORANGE, ms=6)
+        axes.set_xlabel(_axis_label(data, path))
+        axes.set_ylabel(_label(name))
+    return figure
+
+
 def _calibrate(data: xr.Dataset) -> list[StudyFigure]:
     names = [str(n).removeprefix("fitted_") for n in data.data_vars if str(n).startswith("fitted_")]
     if not names:
@@ -352,8 +379,7 @@ def _over_time(axes: Axes, data: xr.Dataset, name: str, used: Array) -> None:
     held = np.logical_not(used)
     axes.plot(time[held], data[name].values[held], ".", color=GREY, ms=3, label="held out")
     axes.plot(time, data[f"fitted_{name}"].values, color=ORANGE, lw=1.2, label="fitted")
-    axes.set_xlabel("Time (s)")
-    axes.set_ylabel(_label(name))
+    axes.set(xlabel="Time (s)", ylabel=_label(name))
 
 
 def _deviations(axes: Axes, data: xr.Dataset, name: str, used: Array) -> None:
@@ -362,8 +388,7 @@ def _deviations(axes: Axes, data: xr.Dataset, name: str, used: Array) -> None:
     axes.axhline(0.0, color=GREY, lw=0.9)
     axes.plot(x[used], y[used], "o", color=BLUE, ms=4, label="used")
     axes.plot(x[held], y[held], "o", color=ORANGE, ms=4, mfc="white", label="held out")
-    axes.set_xlabel(f"Measured {label_of(name)}")
-    axes.set_ylabel("Fitted minus measured (% of mean)")
+    axes.set(xlabel=f"Measured {label_of(name)}", ylabel="Fitted minus measured (% of mean)")
 
 
 def _short(path: str) -> str:
@@ -376,6 +401,7 @@ _FIGURES: Mapping[str, Callable[..., list[StudyFigure]]] = {
     "calibrate": _calibrate,
     "contact_span": contact_span_figures,
     "source_ripple": source_figures,
+    "design_scan": _design_scan,
     "efficiency_map": _efficiency_map,
     "hysteresis": hysteresis_figures,
     "nose_pressure": nose_figures,
@@ -384,3 +410,48 @@ _FIGURES: Mapping[str, Callable[..., list[StudyFigure]]] = {
     "sweep": _sweep,
     "tolerance": _tolerance,
 }
+
+
+PAPER_RATIO = 4.0
+"""Start-up over running pressure in measurements of Pawar, Vacca and Rigosi. [-]"""
+
+
+@styled
+def ratio_over_plateau_speed(data: xr.Dataset) -> Figure:
+    """Start-up pressure over running pressure, over the plateau speed of the supply."""
+    figure = new_figure(7.2, 5.2)
+    ratio, pressure = figure.subplots(2, 1, sharex=True)
+    speed = data["plateau_speed"].values * _RPM
+    for name, label, color in (
+        ("startup_pressure_ratio", "over largest running pressure", BLUE),
+        ("startup_to_settled_ratio", "over settled pressure", GREEN),
+    ):
+        ratio.plot(speed, data[name].mean("start_angle").values, "o-", color=color, label=label)
+    ratio.axhline(PAPER_RATIO, color=GREY, linewidth=0.8, linestyle="--")
+    ratio.set(ylabel="Start-up pressure ratio (-)", title="Start-up pressure over running pressure")
+    ratio.legend(loc="upper right")
+    for name, label, color in (
+        ("startup_pressure_bar", "Start-up", ORANGE),
+        ("max_running_pressure_bar", "Largest running", BLUE),
+        ("settled_pressure_bar", "Settled", GREEN),
+    ):
+        values = data[name].mean("start_angle").values
+        pressure.plot(speed, values, "o-", color=color, label=label)
+    pressure.set(ylabel="Pressure (bar)", xlabel="Plateau speed (rpm)")
+    pressure.legend(loc="upper center", ncols=3)
+    return figure
+
+
+@styled
+def breakaway_over_angle(data: xr.Dataset) -> Figure:
+    """Pressure at which the shaft breaks away, over the start angle."""
+    figure = new_figure(7.2, 3.2)
+    axes = figure.subplots()
+    angle = np.degrees(data["start_angle"].values)
+    mean = data["breakaway_pressure_bar"].mean("plateau_speed").values
+    axes.plot(angle, mean, "o-", color=ORANGE)
+    axes.axhline(float(np.nanmean(mean)), color=GREY, linewidth=0.8, linestyle="--")
+    axes.set_xlabel("Start angle (deg)")
+    axes.set_ylabel("Breakaway pressure (bar)")
+    axes.set_title("Breakaway over one tooth pitch")
+    return figure

@@ -94,8 +94,7 @@ def angle_axis(axes: Axes, label: str = "Shaft angle (deg)", span: float = 360.0
     from matplotlib.ticker import MultipleLocator
 
     step = 60.0 if span > 200.0 else 10.0 if span > 40.0 else 5.0
-    axes.set_xlabel(label)
-    axes.set_xlim(0.0, span)
+    axes.set(xlabel=label, xlim=(0.0, span))
     axes.xaxis.set_major_locator(MultipleLocator(step))
 
 
@@ -120,8 +119,8 @@ def _shortened(outline: re.Match[str]) -> str:
 
 
 @contextmanager
-def pdf_pages(path: str | Path, title: str) -> Iterator[Callable[[Figure], None]]:
-    """Open a PDF file; the function that it gives adds a figure as a page."""
+def pdf_pages(path: str | Path, title: str) -> Iterator[Callable[..., None]]:
+    """Open a PDF file; the function that it gives adds a figure as a page, saved as asked for."""
     import matplotlib as mpl
     from matplotlib.backends.backend_pdf import PdfPages
 

@@ -50,8 +50,7 @@ def chamber_pressure_over_turn(
         if family is None or description is None:
             degrees = _degrees(solution)
             axes.plot(degrees, np.asarray(solution.data["chamber_pressure"])[:, 0] / _BAR)
-            axes.set_title("Pressure of the first chamber")
-            axes.set_ylabel("Pressure (bar)")
+            axes.set(title="Pressure of the first chamber", ylabel="Pressure (bar)")
             angle_axis(axes, span=float(degrees[-1]))
             continue
         angle, pressure, gas = _over_own_angle(solution, description, family)
@@ -65,8 +64,7 @@ def chamber_pressure_over_turn(
         _mark_windows(axes, description, family)
         span = float(np.degrees(family.volume.period))
         angle_axis(axes, f"Angle of the {readable(family.name).lower()} chamber (deg)", span)
-        axes.set_ylabel("Pressure (bar)")
-        axes.set_title(readable(family.name))
+        axes.set(ylabel="Pressure (bar)", title=readable(family.name))
     return figure
 
 
@@ -215,7 +213,6 @@ def time_history(solution: Solution, description: MachineDescription | None = No
     figure = new_figure(7.2, 6.4)
     speed, torque, pressure, flow = figure.subplots(4, 1, sharex=True)
     speed.plot(time, np.asarray(data["shaft_speed"]) * 30.0 / np.pi, color=GREEN)
-    speed.set_ylabel("Speed (rpm)")
     torque.plot(time, np.asarray(data["shaft_torque"]), color=GREEN)
     torque.set_ylabel("Torque (N m)")
     for port, color in (("inlet", BLUE), ("outlet", ORANGE)):
@@ -224,9 +221,8 @@ def time_history(solution: Solution, description: MachineDescription | None = No
         flow.plot(time, np.asarray(data[f"{port}_flow_rate"]) * _LITRE_PER_MINUTE, color=color)
     pressure.set_ylabel("Pressure (bar)")
     pressure.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2)
-    flow.set_ylabel("Flow (L/min)")
-    flow.set_xlabel("Time (s)")
-    speed.set_title("Course of the run")
+    flow.set(ylabel="Flow (L/min)", xlabel="Time (s)")
+    speed.set(ylabel="Speed (rpm)", title="Course of the run")
     return figure
 
 
@@ -243,8 +239,7 @@ def contact_forces(solution: Solution, description: MachineDescription | None = 
         axes.plot(degrees, force[:, members] / 1e3, color=color, linewidth=1.0)
         axes.plot([], [], color=color, label=readable(name))
     axes.plot(degrees, force.sum(axis=1) / 1e3, color=GREY, linestyle="--", label="Sum")
-    axes.set_ylabel("Contact force (kN)")
-    axes.set_title("Contact forces between the teeth")
+    axes.set(ylabel="Contact force (kN)", title="Contact forces between the teeth")
     angle_axis(axes, span=float(degrees[-1]))
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, borderaxespad=0.2)
     return figure

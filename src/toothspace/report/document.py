@@ -49,7 +49,7 @@ def write_document(
             keep(_text_page(lines[first : first + count]))
         for caption, figure in figures:
             figure.supxlabel("\n".join(wrap(caption, 100)), fontsize=8, color=GREY)
-            keep(figure)
+            keep(figure, bbox_inches="tight", pad_inches=_MARGIN)
     return path
 
 

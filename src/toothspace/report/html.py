@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from toothspace.core.constants import ZERO_CELSIUS
-from toothspace.core.files import write_text
+from toothspace.core.files import path_of, write_text
 from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
 from toothspace.plotting.catalogue import FigureEntry, available_figures
@@ -90,7 +90,7 @@ def write_report(
         ``time`` [s] and measured ``shaft_speed`` [rad/s] or ``pressure_difference`` [Pa], laid
         over a run over time.
     """
-    target = Path(path)
+    target = path_of(path, "report", "a file to write")
     target.parent.mkdir(parents=True, exist_ok=True)
     note = ""
     if description is None:

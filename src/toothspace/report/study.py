@@ -62,11 +62,19 @@ def _table(table: StudyTable) -> dict[str, Any]:
     rows = [[_cell(row[k]) for k in kept] for row in table.rows[:_LONGEST_TABLE]]
     return {
         "name": table.name,
-        "head": [table.head[k].replace("_", " ") for k in kept],
+        "head": [_heading(table.head[k]) for k in kept],
         "rows": rows,
         "left_out": len(table.rows) - len(rows),
         "columns_left_out": len(table.head) - len(kept),
     }
+
+
+def _heading(name: str) -> str:
+    """Key paths stay as they are in a case file."""
+    if "." in name:
+        return name
+    label, _, unit = quantity(name, "")
+    return f"{label} ({unit})" if unit else label
 
 
 def _columns(table: StudyTable) -> list[int]:

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 
 from toothspace.core.status import Status
 from toothspace.model.description import DesignCheck
-from toothspace.results.solution import Solution, warned
+from toothspace.results.solution import Solution
 
 BALANCE_LIMITS = {"mass_balance_error": 1e-6, "energy_balance_error": 1e-4}
 """Balance errors above which a result is not to be trusted. [-]"""
@@ -43,7 +42,7 @@ def with_warnings(
     """
     drawing = [check.sentence for check in checks if check.of_drawing and not check.passed]
     found = "\n".join([*_pressure(solution, highest_pressure), *_numbers(solution), *drawing])
-    return replace(solution, provenance=warned(solution.provenance, found))
+    return solution.with_note(found)
 
 
 def with_interval(solution: Solution, drawn: Solution) -> Solution:
@@ -73,8 +72,7 @@ def with_interval(solution: Solution, drawn: Solution) -> Solution:
     )
     text = f"Flanks as in the file, not the involute that fits them, give {told}."
     numbers = {f"as_drawn_{name}": value for name, value in other.items() if name in fitted}
-    statistics = {**solution.statistics, **numbers}
-    return replace(solution, statistics=statistics, provenance=warned(solution.provenance, text))
+    return solution.with_note(text, **numbers)
 
 
 def _pressure(solution: Solution, highest: float) -> Iterator[str]:

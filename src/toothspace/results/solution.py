@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -83,6 +83,13 @@ class Solution:
             "real_time_factor": self.ledger.duration / wall if wall else float("nan"),
         }
 
+    def with_note(self, warning: str = "", **statistics: float) -> Solution:
+        """Solution with more statistics, and with a warning if it is not empty."""
+        provenance = dict(self.provenance)
+        if warning:
+            provenance["warnings"] = "\n".join(filter(None, [provenance.get("warnings"), warning]))
+        return replace(self, provenance=provenance, statistics={**self.statistics, **statistics})
+
     def save(self, path: str | Path) -> Path:
         """Write one NetCDF file; an interrupted write leaves no half file behind.
 
@@ -102,11 +109,3 @@ class Solution:
         return write_result(
             path, self.data, self.ledger, self.events, attributes, self.statistics, self.provenance
         )
-
-
-def warned(provenance: Mapping[str, str], warning: str) -> dict[str, str]:
-    """Provenance with one more warning, as it is where the warning is empty."""
-    if not warning:
-        return dict(provenance)
-    text = "\n".join(filter(None, [provenance.get("warnings", ""), warning]))
-    return {**provenance, "warnings": text}

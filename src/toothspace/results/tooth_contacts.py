@@ -50,7 +50,7 @@ class ToothForces:
         return np.asarray(np.count_nonzero(self.force > share * self.mean_total, axis=1))
 
     def span(self, share: float = LOADED_SHARE) -> float:
-        """Return the part of its turn in which a tooth is loaded, in pitches.
+        """Return the part of its turn in which a tooth is loaded, in pitches. [-].
 
         One pitch is the span of single-contact theory: one tooth after the other.
         """

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -144,7 +144,7 @@ def with_lateral_loads(description: MachineDescription, tables: xr.Dataset) -> M
     own = {name: tables[f"lateral_{name}"] for name in _NEEDED["lateral"]}
     drag = own["pressure_torque"] - own["asperity_torque"]
     over = own["leakage_factor"].dims
-    values = {
+    values: dict[str, Any] = {
         "leakage_factor": own["leakage_factor"],
         "shear_share": (own["torque"] - own["pressure_torque"]) / own["closed_torque"],
         "drag_share": drag / own["torque_unit"],

@@ -13,7 +13,7 @@ from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.films.thermal import HIGHEST_RISE, FilmHeating, HeatBalance
 from toothspace.model.description import MachineDescription
-from toothspace.model.fluid import LiquidState, library_liquid, table_liquid
+from toothspace.model.fluid import LiquidState, fit_table, library_liquid
 from toothspace.model.heat_network import (
     HeatExchange,
     HeatFlows,
@@ -24,7 +24,7 @@ from toothspace.model.heat_network import (
 )
 from toothspace.model.path_category import LATERAL_PATHS
 from toothspace.results.performance import drain_flow
-from toothspace.results.solution import Solution, warned
+from toothspace.results.solution import Solution
 from toothspace.results.variables import dataset_from
 
 _FIFTIETH = 0.02
@@ -70,9 +70,7 @@ def run_with_heat(
         change = max(abs(found[1][name] - before[name]) for name in before)
         if change < _AGREED:
             return _with_temperatures(solution, *found)
-    solution = _with_temperatures(solution, *found)
-    provenance = warned(solution.provenance, _NOT_AGREED.format(change))
-    return replace(solution, provenance=provenance)
+    return _with_temperatures(solution, *found).with_note(_NOT_AGREED.format(change))
 
 
 def _temperatures(
@@ -137,8 +135,7 @@ def _with_temperatures(
         {"temperature": list(temperature.values())}, {"heat_node": list(temperature)}
     )
     data = solution.data.merge(found, combine_attrs="override")
-    statistics = {**solution.statistics, "warm_up_time": network.warm_up_time}
-    return replace(solution, data=data, statistics=statistics)
+    return replace(solution, data=data).with_note(warm_up_time=network.warm_up_time)
 
 
 def lateral_heating(case: Case) -> FilmHeating | None:
@@ -194,5 +191,5 @@ def liquid_of(case: Case, temperature: float | None = None) -> LiquidState:
     assert case.fluid is not None
     given = case.fluid.temperature if temperature is None else temperature
     if case.fluid.table is not None:
-        return table_liquid(case.fluid.table, given)
+        return fit_table(case.fluid.table, given)
     return library_liquid(case.fluid.name or "", given)

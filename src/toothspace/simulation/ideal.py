@@ -115,7 +115,7 @@ def ideal_solution(
 def outlet_members(
     description: MachineDescription, shaft_angle: Array, *, dual_flank: bool
 ) -> BoolArray:
-    """Which chambers deliver to the outlet; shape (angles, chambers).
+    """Which chambers deliver to the outlet; shape (angles, chambers). [-].
 
     Each group of joined chambers belongs to the port to which it is wider open; a group
     between two contacts, open to none, belongs to the outlet while it shrinks: relief grooves

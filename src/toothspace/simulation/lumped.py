@@ -12,27 +12,30 @@ from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.orifice import DISCHARGE_COEFFICIENT
 from toothspace.core.progress import UNKNOWN, Progress, tell
 from toothspace.core.status import Status
-from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
 from toothspace.model.operating_point import OperatingCondition
-from toothspace.results.solution import Solution, warned
+from toothspace.results.solution import Solution
 from toothspace.simulation.heating import run_with_heat
 from toothspace.simulation.presets import interface_models, interface_text
 from toothspace.simulation.running_in import CUT_SHORT, WornMachine, run_in
 from toothspace.simulation.setup import Setup, fluid_temperature, provenance_of
 from toothspace.solver.accuracy import Assembled, march_to_balance
 from toothspace.solver.compiled_model import observe
-from toothspace.solver.cyclic import History, RunPlan, first_turn_state
+from toothspace.solver.cyclic import History, RunPlan, first_turn_state, march_revolutions
 from toothspace.solver.outcome import solution_from
 
 _LOAD_ROUNDS = 4
+_LOAD_SETTLED = 1e-2
 _LOAD_MATCH = 2e-3
 _RARELY = 0.01
 _SEAT_ROUNDS, _SEATED = 6, 0.05
 _BEYOND = (
-    "The load on the lateral films is beyond their table in {:.0f} % of the time, and counts as its "
-    "edge: make tables over a wider range."
+    "The load on the lateral films is beyond their table in {:.0f} % of the time, and counts as "
+    "its edge: make tables over a wider range."
 )
+_WITHOUT_LEAKAGE = 0.5
+_MOST_LEAKAGE = 1.5
+"""Powers of the pressure that the area of the load orifice grows with. [-]"""
 
 
 @final
@@ -70,7 +73,6 @@ class RunInMachine:
         progress: Progress | None = None,
     ) -> Solution:
         """Lumped solution at a condition, of the machine or a changed one."""
-
         machine = description or self.description
         for _ in range(_SEAT_ROUNDS):
             history = _march(self.case, machine, self.fluid, condition, progress)
@@ -90,9 +92,7 @@ class RunInMachine:
 def within_table(solution: Solution) -> Solution:
     """Solution that says so where the load on lateral films was beyond their table."""
     beyond = float(solution.data["lateral_load_beyond"].mean())
-    if beyond <= _RARELY:
-        return solution
-    return replace(solution, provenance=warned(solution.provenance, _BEYOND.format(100 * beyond)))
+    return solution.with_note(_BEYOND.format(100 * beyond) if beyond > _RARELY else "")
 
 
 def run_in_machine(setup: Setup, progress: Progress | None = None) -> RunInMachine:
@@ -151,24 +151,42 @@ def _march_against_orifice(
     progress: Progress | None,
 ) -> History:
     """Size the load orifice until the mean outlet pressure is the one asked for."""
+
+    def loaded() -> Assembled:
+        return Assembled(description, fluid, replace(condition, load_area=area))
+
     wanted = condition.outlet_pressure - condition.load_pressure
     flow = description.displacement * condition.shaft_speed
     area = flow / (DISCHARGE_COEFFICIENT * np.sqrt(2.0 * wanted / fluid.reference_density))
-    state: Array | None = None
+
+    def sizing(_: float, text: str) -> None:
+        tell(progress, UNKNOWN, f"load orifice, {text}")
+
+    system, once = loaded().at(condition.relative_tolerance), replace(plan, revolutions=1)
+    history = march_revolutions(system, once, sizing)
+    found, settled = _gauge_pressure(history), False
+    while history.status not in CUT_SHORT and not settled:
+        history = march_revolutions(system, once, sizing, first_turn_state(history))
+        before, found = found, _gauge_pressure(history)
+        settled = abs(found / before - 1.0) < _LOAD_SETTLED
+    exponent = _WITHOUT_LEAKAGE
     for _ in range(_LOAD_ROUNDS):
-        loaded = Assembled(description, fluid, replace(condition, load_area=area))
-        history = march_to_balance(loaded, plan, progress, state)
         if history.status in CUT_SHORT:
             break
-        found = mean_outlet_pressure(history) - condition.load_pressure
+        wider, before = (found / wanted) ** exponent, found
+        area *= wider
+        history = march_to_balance(loaded(), plan, progress, first_turn_state(history))
+        found = _gauge_pressure(history)
         if abs(found / wanted - 1.0) < _LOAD_MATCH:
             break
-        area *= np.sqrt(found / wanted)
-        state = first_turn_state(history)
+        slope = np.log(wider) / np.log(before / found)
+        exponent = float(np.clip(slope, _WITHOUT_LEAKAGE, _MOST_LEAKAGE))
     return history
 
 
-def mean_outlet_pressure(history: History) -> float:
-    """Mean pressure of the outlet volume over the last revolution. [Pa]."""
-    seen = observe(history.system.arrays, history.states[:-1])
-    return float(seen.pressure[:, history.system.description.outlet_node].mean())
+def _gauge_pressure(history: History) -> float:
+    """Mean pressure of the outlet volume over the last revolution, above that of the load. [Pa]."""
+    samples = history.states[: max(len(history.states) - 1, 1)]
+    seen = observe(history.system.arrays, samples)
+    mean = float(seen.pressure[:, history.system.description.outlet_node].mean())
+    return mean - history.system.condition.load_pressure

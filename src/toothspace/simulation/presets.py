@@ -63,7 +63,7 @@ class Preset:
     unused: tuple[str, ...] = ()
 
 
-_BALANCE = ("floating_bearing", "elastic_bodies", "startup")
+_BALANCE = ("floating_part", "elastic_bodies", "startup")
 _CONTACTS = {"tip": ("closed_form",), "contact": ("rigid", "compliant")}
 _PRESETS = (
     Preset(
@@ -112,7 +112,7 @@ def unused_tables(case: Case) -> dict[str, str]:
     if case.circuit is not None:
         reasons.pop("startup", None)  # a circuit lets the shaft turn freely
     if run.film_tables is not None:
-        reasons.pop("floating_bearing", None)
+        reasons.pop("floating_part", None)
     if run.deformation != "bodies":
         reasons.setdefault("elastic_bodies", f"with run.deformation = {run.deformation!r}")
     given = {

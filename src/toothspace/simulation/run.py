@@ -2,46 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from importlib import import_module
 
 from toothspace.core.progress import Progress
 from toothspace.results.solution import Solution
 from toothspace.simulation.setup import Setup
 
-Simulate = Callable[[Setup, Progress | None], Solution]
-
-
-def _ideal() -> Simulate:
-    from toothspace.simulation.ideal import simulate
-
-    return simulate
-
-
-def _lumped() -> Simulate:
-    from toothspace.simulation.lumped import simulate
-
-    return simulate
-
-
-def _elastic() -> Simulate:
-    from toothspace.simulation.elastic import simulate
-
-    return simulate
-
-
-STEADY: Mapping[str, Callable[[], Simulate]] = {
-    "ideal": _ideal,
-    "lumped": _lumped,
-    "films": _lumped,
-    "elastic": _elastic,
+STEADY: Mapping[str, str] = {
+    "ideal": "toothspace.simulation.ideal",
+    "lumped": "toothspace.simulation.lumped",
+    "films": "toothspace.simulation.lumped",
+    "elastic": "toothspace.simulation.elastic",
 }
-"""What imports the simulation of a case with an operating point, by the name of its preset."""
+"""Module that simulates a case with an operating point, by the name of its preset."""
 
 
 def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
     """Simulate a case at its operating point or over the time of its circuit."""
-    if setup.case.circuit is not None:
-        from toothspace.simulation import circuit
-
-        return circuit.simulate(setup, progress)
-    return STEADY[setup.case.run.fidelity]()(setup, progress)
+    over_time = setup.case.circuit is not None
+    module = "toothspace.simulation.circuit" if over_time else STEADY[setup.case.run.fidelity]
+    solution: Solution = import_module(module).simulate(setup, progress)
+    return solution

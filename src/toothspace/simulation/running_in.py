@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, final
 
 import numpy as np
 
 from toothspace.case.fingerprint import fingerprint
+from toothspace.core.array_store import keep_arrays, load_arrays
+from toothspace.core.compiled import cache_root, digest_of_sources
 from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.core.progress import Progress, part
 from toothspace.core.status import Status
@@ -16,14 +19,14 @@ from toothspace.model.assembly import assemble
 from toothspace.model.description import FlowPath, MachineDescription
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.paths import by_kind
-from toothspace.results.solution import Solution, warned
-from toothspace.simulation import running_in_store
+from toothspace.results.solution import Solution
 from toothspace.simulation.setup import Setup, fluid_of
 from toothspace.solver.compiled_model import observe
 from toothspace.solver.cyclic import History, RunPlan, march_revolutions
 
 _PLAN = RunPlan(max_revolutions=20, samples_per_revolution=720)
 _TOLERANCE = 1e-5
+_MOST_FILES = 2000
 CUT_SHORT = (Status.INTERRUPTED, Status.STEP_TOO_SMALL, Status.MAX_STEPS)
 """How a march ends before its time."""
 
@@ -51,8 +54,7 @@ class WornMachine:
         """Solution on this machine: not done on a casing that was cut only in part."""
         if self.status is Status.DONE or solution.status is Status.INTERRUPTED:
             return solution
-        provenance = warned(solution.provenance, "Running-in ended before its time.")
-        return replace(solution, status=self.status, provenance=provenance)
+        return replace(solution, status=self.status).with_note("Running-in ended before its time.")
 
     @property
     def values(self) -> dict[str, Any]:
@@ -90,7 +92,7 @@ def run_in(setup: Setup, progress: Progress | None = None) -> WornMachine:
     )
     fluid = fluid_of(case, state.temperature)
     key = fingerprint(case.machine_type, case.machine_spec, fluid, condition, _PLAN)
-    depths = running_in_store.load(key)
+    depths = load(key)
     if depths is None:
         plan = replace(_PLAN, max_steps=case.run.max_steps)
         history = march_revolutions(
@@ -101,8 +103,23 @@ def run_in(setup: Setup, progress: Progress | None = None) -> WornMachine:
         depths = running_in_depths(history)
         if history.status in CUT_SHORT:
             return WornMachine(description.with_running_in(depths), depths, history.status)
-        running_in_store.save(key, depths)
+        save(key, depths)
     return WornMachine(description.with_running_in(depths), depths)
+
+
+def folder() -> Path:
+    """Folder of stored depths, beside the compiled code and keyed by its sources."""
+    return cache_root() / f"running-in-{digest_of_sources()}"
+
+
+def load(key: str) -> dict[str, Array] | None:
+    """Return the depths stored under a key, or None. [m]."""
+    return load_arrays(folder() / f"{key}.npz")
+
+
+def save(key: str, depths: dict[str, Array]) -> None:
+    """Store depths. [m]."""
+    keep_arrays(folder() / f"{key}.npz", depths, _MOST_FILES)
 
 
 def running_in_depths(history: History) -> dict[str, Array]:

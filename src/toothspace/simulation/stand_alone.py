@@ -66,50 +66,37 @@ class CaseFilms:
     """Numbers with unit suffixes."""
 
 
-def solve_bearing(case: Case, fields: Path | None = None) -> dict[str, Any]:
-    """Solve the table ``[bearing]`` of a case; see :func:`toothspace.api.solve_bearing`."""
-    keys = case.bearing
-    assert keys is not None
-    return _solved(lambda: _solve_journal(case, keys), fields)
-
-
-def solve_film(
-    case: Case, machine: MachineDescription | None, fields: Path | None = None
+def solve(
+    case: Case, keys: FilmKeys | None, machine: MachineDescription | None, fields: Path | None
 ) -> dict[str, Any]:
-    """Solve the table ``[film]`` of a case; see :func:`toothspace.api.solve_film`.
+    """Solve a film of a case; see :func:`toothspace.api.solve_film`.
 
     Parameters
     ----------
     case : Case
-        Case with a ``film``.
+        Case with the film.
+    keys : FilmKeys
+        Its table.
     machine : MachineDescription or None
         Machine whose faces the film is on; None for a film without a machine.
     fields : Path, optional
         File for the fields.
     """
-    return _solved(lambda: _solve(case, machine), fields)
-
-
-def _solve(case: Case, machine: MachineDescription | None) -> CaseFilms:
-    match case.film:
-        case JournalBearingCase() as keys:
-            return _solve_journal(case, keys)
-        case FilmCase() as keys:
-            return _solve_pad(case, keys)
-        case RingFilmCase() as keys:
-            return _solve_ring(case, keys)
-        case LateralFilmCase() as keys:
-            assert machine is not None
-            return _solve_faces(case, keys, machine)
-    raise AssertionError("a case with a film")
-
-
-def _solved(solve: Callable[[], CaseFilms], fields: Path | None) -> dict[str, Any]:
     if fields is not None and fields.suffix.lower() not in FILE_SUFFIXES:
         allowed = ", ".join(FILE_SUFFIXES)
         raise CaseError(f"-o: found the ending {fields.suffix!r}, allowed {allowed}")
     started = time.perf_counter() - compile_seconds()
-    found = solve()
+    match keys:
+        case JournalBearingCase():
+            found = _solve_journal(case, keys)
+        case FilmCase():
+            found = _solve_pad(case, keys)
+        case RingFilmCase():
+            found = _solve_ring(case, keys)
+        case _:
+            assert isinstance(keys, LateralFilmCase)
+            assert machine is not None
+            found = _solve_faces(case, keys, machine)
     if fields is not None:
         for name, film in found.films.items():
             path = fields.with_stem(f"{fields.stem}_{name}") if name else fields

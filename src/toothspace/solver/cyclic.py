@@ -22,8 +22,10 @@ from toothspace.solver.integrator import March, Piece, start_march
 _CYCLIC_PRESSURE = AGREEMENT
 _CYCLIC_POSITION = 2e-3
 _SAME_PLACE = 1e-9
-_PATIENCE = 6
+_PATIENCE = 4
 """Revolutions marched freely before the periodic state is searched for."""
+_HURRY = 8
+"""Revolutions up to which the search moves on from every one, then from every second one."""
 _WAIT = 6
 """Changes among which one is expected to be smaller than those before."""
 _NEARER = 0.8
@@ -112,7 +114,8 @@ def march_revolutions(
                 break
             search = search or _PeriodicSearch(system, piece)
             search.learn(piece)
-            search.moved = not search.moved and done >= _PATIENCE
+            free = search.closes(piece) if search.moved else _soon_alike(changes)
+            search.moved = done >= _PATIENCE and not free and not (search.moved and done >= _HURRY)
             if search.moved:
                 march.restart(float(piece.times[-1]), search.start(piece))
     except KeyboardInterrupt:
@@ -156,6 +159,10 @@ class _PeriodicSearch:
         )
         self._found = self._mixing.following(first, last - first)
 
+    def closes(self, piece: Piece) -> bool:
+        """Whether a revolution ends where it began: the next one shows whether it repeats."""
+        return _difference(self._system, piece.states[:1], piece.states[-1:]) <= 1.0
+
     def start(self, piece: Piece) -> Array:
         """State to begin the next revolution with, not too far from where this one ended."""
         system, last = self._system, piece.states[-1]
@@ -171,6 +178,11 @@ class _PeriodicSearch:
             ]
         )
         return np.asarray(last + min(1.0, _LARGEST_MOVE / np.abs(moved).max()) * step)
+
+
+def _soon_alike(changes: list[float]) -> bool:
+    """Whether the next revolution is expected to agree, from how the changes fall."""
+    return len(changes) > 1 and changes[-1] ** 2 <= changes[-2]
 
 
 def _stalled(changes: list[float]) -> bool:
@@ -242,17 +254,21 @@ def _in_turn(system: System, state: Array, turns: int) -> Array:
 
 def _change(system: System, before: Piece, after: Piece) -> float:
     """Largest change from one revolution to the next over what counts as none. [-]."""
+    return _difference(system, before.states, after.states)
+
+
+def _difference(system: System, before: Array, after: Array) -> float:
     from toothspace.solver.compiled_model import observe
 
     every = slice(None, None, 8)
-    old = observe(system.arrays, before.states[every]).pressure
-    new = observe(system.arrays, after.states[every]).pressure
+    old = observe(system.arrays, before[every]).pressure
+    new = observe(system.arrays, after[every]).pressure
     chambers = system.arrays.size.chambers
     old[:, :chambers] = old[:, successors(system.description)]
     scale = max(system.condition.inlet_pressure, system.condition.outlet_pressure)
     pressures = float(np.sqrt(np.mean((new - old) ** 2))) / (_CYCLIC_PRESSURE * scale)
     size = system.arrays.size
     positions = slice(size.position, size.velocity)
-    moved = np.abs(after.states[:, positions] - before.states[:, positions])
+    moved = np.abs(after[:, positions] - before[:, positions])
     allowed = _CYCLIC_POSITION * system.arrays.motion[:, CLEARANCE]
     return max(pressures, float(np.max(moved / allowed, initial=0.0)))

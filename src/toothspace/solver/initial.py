@@ -28,7 +28,7 @@ _SEARCH_STEPS = 400
 
 
 def start_state(system: System) -> Array:
-    """Return the state vector at the shaft angle of the start."""
+    """Return the state vector at the shaft angle of the start. [SI]."""
     arrays, size = system.arrays, system.arrays.size
     state = np.zeros(size.total)
     state[0] = system.condition.shaft_angle

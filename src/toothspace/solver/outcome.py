@@ -32,8 +32,8 @@ from toothspace.model.arrays import (
 from toothspace.model.assembly import System, node_places
 from toothspace.model.contact_data import loaded_contacts
 from toothspace.model.description import MachineDescription
-from toothspace.model.ledger import FRICTION_MECHANISMS, LEDGER_NAMES, PORT_NODES
 from toothspace.model.lateral_table import FORCE_SHARE, HEIGHT_RATIO, LOAD_SCALE, MOMENT_SHARE
+from toothspace.model.ledger import FRICTION_MECHANISMS, LEDGER_NAMES, PORT_NODES
 from toothspace.model.path_category import (
     CIRCUIT_ORIFICE,
     LEAKAGES,
@@ -83,14 +83,22 @@ def solution_from(
     """
     system = history.system
     seen = observe(system.arrays, history.states)
-    trapped = trapped_flows(history, seen)
+    trapped, kinds = trapped_flows(history, seen), leakage_categories(system)
+    ports, own = port_values(history, seen), system.arrays.chambers
+    angle = own.phase + np.outer(history.states[:, 0], own.ratio)
     values = {
-        **_port_values(history, seen),
-        **_chamber_values(history, seen),
+        **ports,
+        **constants_of(system, ports),
+        **_line_flow(history, seen),
+        **chamber_values(system, seen),
+        "chamber_volume": seen.volume[:, : system.arrays.size.chambers],
+        "chamber_angle": np.mod(angle, 2.0 * np.pi),
+        "opening_area": _openings(system.description, history.states[:, 0]),
         **body_values(history, seen),
         **loss_values(history, seen),
         **lateral_values(history, seen),
-        **_path_values(system),
+        "path_label": np.array([category.label for category in kinds], dtype=str),
+        "path_colour": np.array([category.colour for category in kinds], dtype=str),
         "leakage": _leakage(system, seen, trapped),
         "equivalent_leakage": _equivalent_leakage(system, seen),
         "drain_flow_rate": _drain_flow_rate(system, seen),
@@ -238,13 +246,11 @@ def elastic_energy(system: System, state: Array) -> float:
     return float(np.sum(system.arrays.contact[:, CONTACT_ENERGY]))
 
 
-def _port_values(history: History, seen: Observation) -> dict[str, Array]:
+def port_values(history: History, seen: Observation) -> dict[str, Array]:
+    """Shaft, ports and flows through them, at every sample, by result variable. [SI]."""
     system = history.system
-    description, fluid = system.description, system.arrays.fluid
-    feed = fluid.feed_gas_mass_fraction
-    inlet, outlet = description.inlet_node, description.outlet_node
-    sign = -1.0 if description.mode == "motor" else 1.0
-    mean_in, mean_out = seen.pressure[:, inlet].mean(), seen.pressure[:, outlet].mean()
+    inlet, outlet = system.description.inlet_node, system.description.outlet_node
+    sign = -1.0 if system.description.mode == "motor" else 1.0
     return {
         "shaft_angle": history.states[:, 0],
         "time": history.times,
@@ -254,12 +260,21 @@ def _port_values(history: History, seen: Observation) -> dict[str, Array]:
         "outlet_pressure": seen.pressure[:, outlet],
         "inlet_flow_rate": -into_port(history, seen, "inlet") / seen.density[:, inlet],
         "outlet_flow_rate": into_port(history, seen, "outlet") / seen.density[:, outlet],
-        **_line_flow(history, seen),
-        "displacement": np.asarray(description.displacement),
-        "inlet_density": np.asarray(mixture_density(mean_in, feed, fluid)),
-        "outlet_density": np.asarray(mixture_density(mean_out, feed, fluid)),
-        "specific_heat_capacity": np.asarray(fluid.specific_heat_capacity),
     }
+
+
+def constants_of(system: System, values: Mapping[str, Any]) -> dict[str, Array]:
+    """Displacement and properties of the fluid at the mean pressures of the ports. [SI]."""
+    fluid = system.arrays.fluid
+    found = {
+        f"{port}_density": mixture_density(
+            float(values[f"{port}_pressure"].mean()), fluid.feed_gas_mass_fraction, fluid
+        )
+        for port in ("inlet", "outlet")
+    }
+    found["displacement"] = system.description.displacement
+    found["specific_heat_capacity"] = fluid.specific_heat_capacity
+    return {name: np.asarray(value) for name, value in found.items()}
 
 
 def _line_flow(history: History, seen: Observation) -> dict[str, Array]:
@@ -304,19 +319,15 @@ def _leaving(system: System, seen: Observation, node: int) -> Array:
     return flow
 
 
-def _chamber_values(history: History, seen: Observation) -> dict[str, Array]:
-    arrays, size = history.system.arrays, history.system.arrays.size
-    chambers = slice(0, size.chambers)
+def chamber_values(system: System, seen: Observation) -> dict[str, Array]:
+    """Pressures of the chambers [Pa], and what gas and vapour fill of them [-], at every sample."""
+    chambers, fluid = slice(0, system.arrays.size.chambers), system.arrays.fluid
     pressure, gas = seen.pressure[:, chambers], seen.gas[:, chambers]
     specific = 1.0 / seen.density[:, chambers]
-    angle = arrays.chambers.phase + np.outer(history.states[:, 0], arrays.chambers.ratio)
     return {
         "chamber_pressure": pressure,
-        "chamber_volume": seen.volume[:, chambers],
-        "chamber_gas_fraction": gas_volume_fraction(pressure, gas, arrays.fluid),
-        "chamber_vapour_fraction": vapour_fraction(specific, pressure, gas, arrays.fluid),
-        "chamber_angle": np.mod(angle, 2.0 * np.pi),
-        "opening_area": _openings(history.system.description, history.states[:, 0]),
+        "chamber_gas_fraction": gas_volume_fraction(pressure, gas, fluid),
+        "chamber_vapour_fraction": vapour_fraction(specific, pressure, gas, fluid),
     }
 
 
@@ -333,7 +344,7 @@ def _openings(description: MachineDescription, shaft_angle: Array) -> Array:
 
 
 def body_values(history: History, seen: Observation) -> dict[str, Array]:
-    """Motions of the bodies, forces on them and in their contacts, at every sample."""
+    """Motions of the bodies, forces on them and in their contacts, at every sample. [SI]."""
     system, size = history.system, history.system.arrays.size
     names = [body.name for body in system.description.bodies]
     shape = (history.times.size, len(names), 3)
@@ -341,33 +352,24 @@ def body_values(history: History, seen: Observation) -> dict[str, Array]:
         name: np.zeros(shape)
         for name in ("body_position", "body_velocity", "body_force", "journal_force")
     }
+    values |= {name: np.zeros(shape[:2]) for name in ("body_rotation", "body_moment")}
     for k, motion in enumerate(system.free_motions):
         entry = system.description.motions[motion]
+        body = names.index(entry.body)
         if entry.axis == "rotation":
+            values["body_rotation"][:, body] = history.states[:, size.position + k]
+            values["body_moment"][:, body] = seen.pressure_force[:, k]
             continue
-        where = (slice(None), names.index(entry.body), "xyz".index(entry.axis))
+        where = (slice(None), body, "xyz".index(entry.axis))
         values["body_position"][where] = history.states[:, size.position + k]
         values["body_velocity"][where] = history.states[:, size.velocity + k]
         values["body_force"][where] = seen.pressure_force[:, k]
         values["journal_force"][where] = seen.film_force[:, k]
-    values |= _rotation_values(history, seen, names)
     values |= _journal_values(system, values["body_position"], names)
     if system.arrays.size.contacts:
         values["contact_force"] = seen.contact_force
         values["contact_gap"] = _contact_gaps(history)
     return values
-
-
-def _rotation_values(history: History, seen: Observation, names: list[str]) -> dict[str, Array]:
-    system, size = history.system, history.system.arrays.size
-    rotation = np.zeros((history.times.size, len(names)))
-    moment = np.zeros_like(rotation)
-    for k, motion in enumerate(system.free_motions):
-        entry = system.description.motions[motion]
-        if entry.axis == "rotation":
-            rotation[:, names.index(entry.body)] = history.states[:, size.position + k]
-            moment[:, names.index(entry.body)] = seen.pressure_force[:, k]
-    return {"body_rotation": rotation, "body_moment": moment}
 
 
 def _journal_values(system: System, position: Array, names: list[str]) -> dict[str, Array]:
@@ -406,7 +408,7 @@ def _contact_gaps(history: History) -> Array:
 
 
 def loss_values(history: History, seen: Observation) -> dict[str, Array]:
-    """Friction torque and power by mechanism, at every sample."""
+    """Friction torque [N m] and power [W] by mechanism, at every sample."""
     present = history.system.description.friction_mechanisms
     torque = seen.torque[:, [FRICTION_MECHANISMS.index(name) for name in present]]
     return {"torque_loss": torque, "power_loss": torque * history.states[:, 1:2]}
@@ -453,15 +455,6 @@ def _by_path(system: System, values: Array) -> Array:
 def leakage_categories(system: System) -> list[PathCategory]:
     """Categories of the paths of a machine that leak, in the order of the dimension ``path``."""
     return [category for category in system.categories if category.role in LEAKAGES]
-
-
-def _path_values(system: System) -> dict[str, Array]:
-    """How reports name and colour the leakage paths."""
-    kinds = leakage_categories(system)
-    return {
-        "path_label": np.array([category.label for category in kinds], dtype=str),
-        "path_colour": np.array([category.colour for category in kinds], dtype=str),
-    }
 
 
 def attributes_of(description: MachineDescription, title: str) -> dict[str, str]:

@@ -7,8 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from toothspace.closures.aeration import gas_volume_fraction, vapour_fraction
-from toothspace.closures.density import mixture_density
 from toothspace.core.interrupts import interrupts_held
 from toothspace.core.progress import Progress
 from toothspace.core.status import Status
@@ -18,15 +16,17 @@ from toothspace.results.events import Event
 from toothspace.results.solution import Solution
 from toothspace.results.stream import SampleStream
 from toothspace.results.variables import WITH_EXTREMES, dataset_from
-from toothspace.solver.compiled_model import Observation, observe
+from toothspace.solver.compiled_model import observe
 from toothspace.solver.cyclic import History
 from toothspace.solver.outcome import (
     attributes_of,
     body_values,
-    into_port,
+    chamber_values,
+    constants_of,
     labels_of,
     lateral_values,
     loss_values,
+    port_values,
     window_ledger,
 )
 from toothspace.solver.transient import TimePlan, TransientMarch
@@ -57,7 +57,7 @@ def transient_solution(
     system = march.system
     rows = stream.finish()
     constants = {
-        **_constants(system, rows),
+        **constants_of(system, rows),
         "seat_position": _values(march, *_start(march))["seat_position"],
     }
     data = dataset_from(
@@ -116,28 +116,18 @@ def _values(march: TransientMarch, times: Array, states: Array) -> dict[str, Arr
     system = march.system
     history = _history(march, times, states)
     seen = observe(system.arrays, states, times)
-    description = system.description
-    sign = -1.0 if description.mode == "motor" else 1.0
-    inlet, outlet = description.inlet_node, description.outlet_node
-    nodes = list(_nodes(system).values())
-    torque = seen.torque[:, -1]
+    sign = -1.0 if system.description.mode == "motor" else 1.0
+    ports = port_values(history, seen)
     if system.condition.free_shaft is not None:
         # friction that holds a shaft at rest is inside the machine
-        torque = np.where(states[:, 1] == 0.0, 0.0, torque)
+        ports["shaft_torque"] = np.where(states[:, 1] == 0.0, 0.0, ports["shaft_torque"])
     return {
-        "shaft_angle": states[:, 0],
-        "time": times,
-        "shaft_speed": states[:, 1],
-        "shaft_torque": sign * torque,
+        **ports,
         **_load_values(system, times, states),
         "supply_speed": _supply_speed(system, times),
-        "pressure_difference": sign * (seen.pressure[:, outlet] - seen.pressure[:, inlet]),
-        "inlet_pressure": seen.pressure[:, inlet],
-        "outlet_pressure": seen.pressure[:, outlet],
-        "node_pressure": seen.pressure[:, nodes],
-        "inlet_flow_rate": -into_port(history, seen, "inlet") / seen.density[:, inlet],
-        "outlet_flow_rate": into_port(history, seen, "outlet") / seen.density[:, outlet],
-        **_chamber_values(system, seen),
+        "pressure_difference": sign * (ports["outlet_pressure"] - ports["inlet_pressure"]),
+        "node_pressure": seen.pressure[:, list(_nodes(system).values())],
+        **chamber_values(system, seen),
         **body_values(history, seen),
         **loss_values(history, seen),
         **lateral_values(history, seen),
@@ -177,17 +167,6 @@ def _supply_speed(system: System, times: Array) -> Array:
     return np.asarray(np.interp(times, *pumps[0].schedule.T))
 
 
-def _chamber_values(system: System, seen: Observation) -> dict[str, Array]:
-    chambers, fluid = slice(0, system.arrays.size.chambers), system.arrays.fluid
-    pressure, gas = seen.pressure[:, chambers], seen.gas[:, chambers]
-    specific = 1.0 / seen.density[:, chambers]
-    return {
-        "chamber_pressure": pressure,
-        "chamber_gas_fraction": gas_volume_fraction(pressure, gas, fluid),
-        "chamber_vapour_fraction": vapour_fraction(specific, pressure, gas, fluid),
-    }
-
-
 def _chosen(values: Mapping[str, Array], plan: TimePlan) -> dict[str, Array]:
     """Values that are kept: all with one number in each sample, and the chosen channels."""
     channels = plan.channels
@@ -208,22 +187,6 @@ def _cells(values: Mapping[str, Array], samples: int) -> dict[str, Array]:
             reduced[f"{name}_lowest"] = cells.min(axis=1)
             reduced[f"{name}_highest"] = cells.max(axis=1)
     return reduced
-
-
-def _constants(system: System, rows: Mapping[str, Any]) -> dict[str, Array]:
-    fluid = system.arrays.fluid
-    feed = fluid.feed_gas_mass_fraction
-    density = {
-        f"{port}_density": np.asarray(
-            mixture_density(float(rows[f"{port}_pressure"].mean()), feed, fluid)
-        )
-        for port in ("inlet", "outlet")
-    }
-    return {
-        "displacement": np.asarray(system.description.displacement),
-        "specific_heat_capacity": np.asarray(fluid.specific_heat_capacity),
-        **density,
-    }
 
 
 def _nodes(system: System) -> dict[str, int]:

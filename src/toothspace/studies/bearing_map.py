@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any, final
@@ -14,7 +14,7 @@ from toothspace.core.units import from_si
 from toothspace.simulation.lateral.coupling import CoupledPoint
 from toothspace.simulation.lateral.problem import require_floating_part
 from toothspace.studies.lateral_points import PointCondition, film_numbers, prepare
-from toothspace.studies.points import Point, collected, point, status_of
+from toothspace.studies.points import collected, point, status_of
 from toothspace.studies.study import StudyContext, StudyResult, StudyTable
 from toothspace.studies.tabulate import columns, map_dataset, point_lists
 
@@ -39,14 +39,27 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         raise CaseError(f"{case.source}: study.kind: found {found}, allowed a steady case")
     require_floating_part(case)
     pairs = list(product(study.shaft_speed, study.outlet_pressure))
-    points = [_point(case, *pair) for pair in pairs]
+    points = [
+        point(
+            case,
+            {
+                "operating_point.shaft_speed": f"{from_si(speed, 'rpm'):.12g} rpm",
+                "operating_point.outlet_pressure": f"{pressure * 1e-5:.12g} bar",
+            },
+        )
+        for speed, pressure in pairs
+    ]
     evaluate = BearingNumbers(study.start_gap, study.coupling_rounds)
     records = collected(points, context, evaluate)
     values = {
         "shaft_speed_rpm": [from_si(speed, "rpm") for speed, _ in pairs],
         "outlet_pressure_bar": [pressure * 1e-5 for _, pressure in pairs],
     }
-    lists = {**values, **columns(records), "status": [r.status for r in records]}
+    lists: dict[str, Sequence[Any]] = {
+        **values,
+        **columns(records),
+        "status": [r.status for r in records],
+    }
     axes = {
         "shaft_speed": (study.shaft_speed, "rad/s"),
         "outlet_pressure": (study.outlet_pressure, "Pa"),
@@ -55,16 +68,8 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         status=status_of(records),
         data=map_dataset(axes, records),
         numbers=point_lists(values, records),
-        tables=(StudyTable("points", tuple(lists), tuple(zip(*lists.values(), strict=True))),),
+        tables=(StudyTable.of("points", lists),),
     )
-
-
-def _point(case: Case, speed: float, pressure: float) -> Point:
-    values = {
-        "operating_point.shaft_speed": f"{from_si(speed, 'rpm'):.12g} rpm",
-        "operating_point.outlet_pressure": f"{pressure * 1e-5:.12g} bar",
-    }
-    return point(case, values)
 
 
 @final

@@ -19,7 +19,7 @@ from toothspace.studies.measured import Measured, Signals, read_measured
 from toothspace.studies.points import Evaluate, evaluate_points, point, summary_numbers
 from toothspace.studies.records import Record
 from toothspace.studies.study import StudyContext, StudyResult, StudyTable
-from toothspace.studies.variation import Axis, axes_of, written_values
+from toothspace.studies.variation import Axis, axes_of, values_at, written_values
 
 
 def run(case: Case, context: StudyContext) -> StudyResult:
@@ -104,10 +104,7 @@ class _Model:
         return {name: rows[0] for name, rows in self._channels(shares[None], everywhere).items()}
 
     def _channels(self, shares: Array, rows: Array) -> dict[str, Array]:
-        values = [
-            written_values(self.axes, [a.quantile(s) for a, s in zip(self.axes, row, strict=True)])
-            for row in shares.tolist()
-        ]
+        values = [written_values(self.axes, row) for row in values_at(self.axes, shares)]
         self.tried += len(values)
         if self.measured.times is not None:
             return self._signals(values, rows)
@@ -219,13 +216,20 @@ def _result(case: Case, status: Status, outcome: _Outcome) -> StudyResult:
         for name, column in outcome.predicted.items():
             data[f"fitted_{name}"] = ("row", column)
         values, errors = _values(outcome.axes, outcome.found), _errors(outcome)
+        covariance = outcome.found.covariance
+        size = np.sqrt(np.diag(covariance))
+        with np.errstate(invalid="ignore", divide="ignore"):
+            correlation = covariance / np.outer(size, size)
         numbers |= {
             "evaluations": outcome.found.evaluations,
             **values,
             **errors,
-            "correlation": _correlation(outcome.found).tolist(),
+            "correlation": correlation.tolist(),
         }
-        tables = (_values_table(values), _errors_table(errors))
+        kinds = tuple(errors)
+        rows = [(name, *(errors[kind][name] for kind in kinds)) for name in errors["fit_error"]]
+        beside = StudyTable("errors", ("channel", *kinds), tuple(rows))
+        tables = (_values_table(values), beside)
     return StudyResult(status=status, data=data, numbers=numbers, tables=tables)
 
 
@@ -238,13 +242,6 @@ def _values(axes: Sequence[Axis], found: Fit) -> dict[str, Any]:
         "unit": {a.path: a.unit or "1" for a in axes},
         "at_bounds": [a.path for a, share, _ in rows if min(share, 1.0 - share) < 2e-3],
     }
-
-
-def _correlation(found: Fit) -> Array:
-    covariance = found.covariance
-    size = np.sqrt(np.diag(covariance))
-    with np.errstate(invalid="ignore", divide="ignore"):
-        return np.asarray(covariance / np.outer(size, size))
 
 
 def _errors(outcome: _Outcome) -> dict[str, Any]:
@@ -269,9 +266,3 @@ def _values_table(values: Mapping[str, Any]) -> StudyTable:
         for path, text in values["fitted"].items()
     )  # fmt: skip
     return StudyTable("fitted", ("key", "value", "half width at 95 %", "unit", "note"), rows)
-
-
-def _errors_table(errors: Mapping[str, Any]) -> StudyTable:
-    kinds = tuple(errors)
-    rows = tuple((name, *(errors[kind][name] for kind in kinds)) for name in errors["fit_error"])
-    return StudyTable("errors", ("channel", *kinds), rows)

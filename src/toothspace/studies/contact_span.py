@@ -17,8 +17,8 @@ from toothspace.results.solution import Solution
 from toothspace.studies.measured import read_measured
 from toothspace.studies.points import Point, collected, point, status_of
 from toothspace.studies.records import Record, failed_count
-from toothspace.studies.study import Row, StudyContext, StudyResult, StudyTable
-from toothspace.studies.tabulate import columns, unit_of
+from toothspace.studies.study import StudyContext, StudyResult
+from toothspace.studies.tabulate import columns, numbers_table, unit_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -68,11 +68,15 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     pairs = list(product(clearances, study.pressure_difference or (own,)))
     points = [_point(case, *pair) for pair in pairs]
     records = collected(points, context, contact_numbers)
+    heads = {
+        "tip clearance (um)": [1e6 * clearance for clearance, _ in pairs],
+        "pressure difference (bar)": [1e-5 * difference for _, difference in pairs],
+    }
     return StudyResult(
         status=status_of(records),
         data=waveforms.merge(_dataset(pairs, records)),
         numbers=_numbers(pairs, records, waveforms),
-        tables=(_table(pairs, records),),
+        tables=(numbers_table("contact_span", heads, _NUMBERS, records),),
     )
 
 
@@ -211,12 +215,3 @@ def _numbers(
         **{name: found[name] for name, _ in _NUMBERS if name in found},
         "point_status": [r.status for r in records],
     }
-
-
-def _table(pairs: Sequence[tuple[float, float]], records: Sequence[Record]) -> StudyTable:
-    head = ("tip clearance (um)", "pressure difference (bar)", *(text for _, text in _NUMBERS))
-    rows: tuple[Row, ...] = tuple(
-        (1e6 * clearance, 1e-5 * difference, *(r.number(name) for name, _ in _NUMBERS), r.status)
-        for (clearance, difference), r in zip(pairs, records, strict=True)
-    )
-    return StudyTable("contact_span", (*head, "status"), rows)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,9 +15,8 @@ from toothspace.core.errors import CaseError
 from toothspace.core.units import from_si, parse_quantity
 from toothspace.studies.measured import read_measured
 from toothspace.studies.points import Point, collected, point, status_of
-from toothspace.studies.records import Record
-from toothspace.studies.study import Row, StudyContext, StudyResult, StudyTable
-from toothspace.studies.tabulate import map_dataset, point_lists, unit_of
+from toothspace.studies.study import StudyContext, StudyResult
+from toothspace.studies.tabulate import map_dataset, numbers_table, point_lists, unit_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -64,7 +63,13 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         raise CaseError(f"{case.source}: study.kind: found {found}, allowed a steady case")
     pairs = list(product(study.shaft_speed, study.pressure_difference))
     points = [_point(case, speed, difference) for speed, difference in pairs]
-    records = collected(points, context)
+    # light loads take the most revolutions: the longest points first, so that no worker waits
+    order = sorted(range(len(pairs)), key=lambda k: pairs[k][1] / pairs[k][0])
+    record_of = dict(zip(order, collected([points[k] for k in order], context), strict=True))
+    records = [record_of[k] for k in range(len(pairs))]
+    speeds = [from_si(speed, "rpm") for speed, _ in pairs]
+    differences = [difference * 1e-5 for _, difference in pairs]
+    heads = {"speed n (rpm)": speeds, "pressure difference dp (bar)": differences}
     axes = {
         "shaft_speed": (study.shaft_speed, "rad/s"),
         "pressure_difference": (study.pressure_difference, "Pa"),
@@ -73,13 +78,9 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         status=status_of(records),
         data=map_dataset(axes, records).merge(_measured(case, study)),
         numbers=point_lists(
-            {
-                "shaft_speed_rpm": [from_si(speed, "rpm") for speed, _ in pairs],
-                "pressure_difference_bar": [difference * 1e-5 for _, difference in pairs],
-            },
-            records,
+            {"shaft_speed_rpm": speeds, "pressure_difference_bar": differences}, records
         ),
-        tables=(_table(pairs, records),),
+        tables=(numbers_table("iso_4409", heads, TABLE_COLUMNS, records),),
     )
 
 
@@ -138,17 +139,3 @@ def _measured_point(case: Case, path: Path, row: Mapping[str, Any]) -> tuple[flo
         allowed = "operating_point.shaft_speed and a port pressure of operating_point"
         raise CaseError(f"{path}: columns: found {sorted(row)}, allowed {allowed}")
     return speed, abs(known["outlet_pressure"] - known["inlet_pressure"])
-
-
-def _table(pairs: Sequence[tuple[float, float]], records: Sequence[Record]) -> StudyTable:
-    head = ("speed n (rpm)", "pressure difference dp (bar)", *(text for _, text in TABLE_COLUMNS))
-    rows: tuple[Row, ...] = tuple(
-        (
-            from_si(speed, "rpm"),
-            difference * 1e-5,
-            *(record.number(name) for name, _ in TABLE_COLUMNS),
-            record.status,
-        )
-        for (speed, difference), record in zip(pairs, records, strict=True)
-    )
-    return StudyTable("iso_4409", (*head, "status"), rows)

@@ -113,6 +113,10 @@ class LateralStudy:
         """Numbers of all points as lists, with unit suffixes."""
         numbers = [p.numbers for p in self.points]
         first, shown = numbers[0].position, [film_numbers(n) for n in numbers]
+        rises = [p.temperature_rise for p in self.points]
+        second = {}
+        if numbers[0].positions.size > 1:
+            second["second_position_um"] = [float(n.positions[1]) * 1e6 for n in numbers]
 
         def column(*names: str) -> dict[str, list[float]]:
             return {name: [one[name] for one in shown] for name in names}
@@ -124,8 +128,9 @@ class LateralStudy:
             **column("bearing_position_um"),
             "relative_position_um": [(n.position - first) * 1e6 for n in numbers],
             **column("film_height_um", "smallest_film_um", "leakage_L_per_min", "torque_loss_N_m"),
-            **_parts(numbers),
-            **self._warmth(),
+            "bearing_tilt_mrad": [n.tilt * 1e3 for n in numbers],
+            **second,
+            **({"film_temperature_rise_K": rises} if all(r is not None for r in rises) else {}),
             **column("contact_force_N", "real_contact_area_mm2", "contact_share"),
             **column("wear_power_W_per_mm2", "friction_force_N"),
             "breakaway_force_N": [p.breakaway_force for p in self.points],
@@ -134,12 +139,6 @@ class LateralStudy:
             "force_balance_error": [p.residual for p in self.points],
             "point_status": [p.status.name.lower() for p in self.points],
         }
-
-    def _warmth(self) -> dict[str, list[float]]:
-        """Rise of the hottest film above the fluid, where films warm up."""
-        found = [p.temperature_rise for p in self.points]
-        rises = [rise for rise in found if rise is not None]
-        return {"film_temperature_rise_K": rises} if len(rises) == len(found) else {}
 
     def dataset(self) -> xr.Dataset:
         """Numbers over ``point`` and the fields of all films: at the last angle, wear over all."""
@@ -167,13 +166,12 @@ class LateralStudy:
     def result(self, numbers: Mapping[str, Any], beside: xr.Dataset | None = None) -> StudyResult:
         """Return the study for files and reports, with numbers and data of its own."""
         lists = self.summary()
-        rows = tuple(zip(*lists.values(), strict=True))
         data = self.dataset()
         return StudyResult(
             status=self.status,
             data=data if beside is None else data.merge(beside),
             numbers={**numbers, **lists},
-            tables=(StudyTable("points", tuple(lists), rows),),
+            tables=(StudyTable.of("points", lists),),
         )
 
 
@@ -193,14 +191,6 @@ def film_numbers(numbers: LateralNumbers) -> dict[str, float]:
         "seat_force_N": numbers.seat_force,
         "seat_margin_mm": numbers.seat_margin * 1e3,
     }
-
-
-def _parts(numbers: Sequence[LateralNumbers]) -> dict[str, list[float]]:
-    """Position of the second bearing or half, if there is one, and the largest tilt."""
-    found = {"bearing_tilt_mrad": [n.tilt * 1e3 for n in numbers]}
-    if numbers[0].positions.size > 1:
-        found["second_position_um"] = [float(n.positions[1]) * 1e6 for n in numbers]
-    return found
 
 
 @final

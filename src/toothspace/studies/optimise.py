@@ -18,7 +18,7 @@ from toothspace.studies.points import Point, evaluate_points, point, require_som
 from toothspace.studies.records import Record, failed_count
 from toothspace.studies.study import StudyContext, StudyResult, StudyTable
 from toothspace.studies.tabulate import points_dataset, points_table
-from toothspace.studies.variation import Axis, axes_of, unit_samples, written_values
+from toothspace.studies.variation import Axis, axes_of, unit_samples, values_at, written_values
 
 _INFEASIBLE = 1e12
 _FAILED = 1e15
@@ -119,10 +119,7 @@ class _TriedPoints:
         return bool(found.success) or "iterations" in str(found.message)
 
     def _evaluate(self, shares: Array) -> list[Record]:
-        rows = [
-            tuple(axis.quantile(s) for axis, s in zip(self.axes, row, strict=True))
-            for row in shares.tolist()
-        ]
+        rows = values_at(self.axes, shares)
         points: list[Point] = [point(self.case, written_values(self.axes, row)) for row in rows]
         context = self._counting()
         records = evaluate_points(points, context)
@@ -133,11 +130,8 @@ class _TriedPoints:
 
     def _counting(self) -> StudyContext:
         """Progress over the whole search instead of one batch."""
-        report, done, total = (
-            self.context.progress,
-            len(self.records),
-            self.study.evaluation_count,
-        )
+        report, done = self.context.progress, len(self.records)
+        total = self.study.evaluation_count
         if report is None:
             return self.context
 
@@ -162,13 +156,9 @@ class _TriedPoints:
     def _cost(self, record: Record) -> float:
         if not record.succeeded:
             return _FAILED
-        violation = self.violation(record)
-        return (
-            _INFEASIBLE * (1.0 + min(violation, 100.0)) if violation > 0.0 else self._loss(record)
-        )
-
-    def _loss(self, record: Record) -> float:
-        merit = self.merit(record)
+        violation, merit = self.violation(record), self.merit(record)
+        if violation > 0.0:
+            return _INFEASIBLE * (1.0 + min(violation, 100.0))
         upwards = self.study.targets is None and self.study.goal == "maximise"
         return _FAILED if math.isnan(merit) else -merit if upwards else merit
 

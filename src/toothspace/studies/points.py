@@ -160,13 +160,9 @@ def require_some(records: Sequence[Record]) -> None:
 
 def _key(item: Point, evaluate: Evaluate) -> str:
     content = repr(sorted(item.values.items())) if item.case is None else item.case.hash
-    text = "\n".join((content, _name(evaluate), toothspace.__version__))
+    name = getattr(evaluate, "label", None) or f"{evaluate.__module__}.{evaluate.__qualname__}"
+    text = "\n".join((content, str(name), toothspace.__version__))
     return hashlib.sha256(text.encode()).hexdigest()[:32]
-
-
-def _name(evaluate: Evaluate) -> str:
-    label = getattr(evaluate, "label", None)
-    return str(label) if label else f"{evaluate.__module__}.{evaluate.__qualname__}"
 
 
 def _evaluated(task: _PointTask) -> Record:

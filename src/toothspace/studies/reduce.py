@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
+from functools import partial
 from itertools import product
 from typing import Any, final
 
@@ -12,7 +13,6 @@ import xarray as xr
 
 from toothspace import api
 from toothspace.case import Case
-from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.journal_friction import FrictionCurve
 from toothspace.core.errors import CaseError
 from toothspace.core.progress import Progress, part, tell
@@ -25,48 +25,19 @@ from toothspace.films.journal.mixed_lubrication import (
     sweep_friction,
 )
 from toothspace.model.description import LumpedJournalBearing, MachineDescription
-from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.quasi_static import mean_force
 from toothspace.simulation.elastic import lateral_settings
 from toothspace.simulation.film_tables import JOURNAL_SIZES, KINDS, lateral_sizes
 from toothspace.simulation.lateral.reduction import LateralReduction, reduce_lateral
 from toothspace.simulation.lumped import run_in_machine
-from toothspace.simulation.setup import circuit_condition, condition_of, provenance_of
+from toothspace.simulation.setup import Setup, provenance_of
 
 LOAD_LEVELS = (1.0 / 30.0, 0.1, 1.0 / 3.0, 1.0, 3.0)
 """Loads of the sweeps over the mean load of the condition. [-]"""
 SOMMERFELD_NUMBERS = (*np.geomspace(0.001, 0.2, 16), 2.0)
 """Points of the sweep; the last gives the line of the full film. [-]"""
-
-
-@final
-@dataclass(frozen=True, eq=False)
-class ReduceInput:
-    """What every reduction starts from.
-
-    Parameters
-    ----------
-    case : Case
-        Case with a machine and a condition.
-    description : MachineDescription
-        The machine.
-    fluid : FluidLaw
-        Fluid at the temperature of the case.
-    condition : OperatingCondition
-        Condition of the case.
-    pressures, speeds : sequence of float
-        Pressure differences [Pa] and shaft speeds [rad/s] of lateral films; empty: the condition's.
-    progress : callable, optional
-        Told what is done.
-    """
-
-    case: Case
-    description: MachineDescription
-    fluid: FluidLaw
-    condition: OperatingCondition
-    pressures: Sequence[float] = ()
-    speeds: Sequence[float] = ()
-    progress: Progress | None = None
+Grid = tuple[Sequence[float], Sequence[float]]
+"""Pressure differences [Pa] and shaft speeds [rad/s] of lateral films."""
 
 
 def reduce_films(
@@ -101,13 +72,17 @@ def reduce_films(
     CaseError
         If the case has no machine, or the machine no such film.
     """
-    given = replace(_input(case), pressures=pressures, speeds=speeds)
-    wanted = list(kinds) or [kind for kind, found in REDUCED.items() if found.has(given)]
-    _check(given, wanted)
+    setup = api.set_up(case)
+    able = [kind for kind, found in REDUCED.items() if found.has(setup.description)]
+    wanted = list(kinds) or able
+    for kind in wanted or ["none"]:
+        if kind not in able:
+            allowed = ", ".join(able) or "a machine with journal bearings"
+            raise CaseError(f"--film: found {kind!r}, allowed {allowed}")
     parts = []
     for k, kind in enumerate(wanted):
         own = part(progress, kind, k / len(wanted), (k + 1) / len(wanted))
-        parts.append(REDUCED[kind].reduce(replace(given, progress=own)))
+        parts.append(REDUCED[kind].reduce(setup, own, (pressures, speeds)))
     tables = xr.merge(parts, join="exact", compat="no_conflicts", combine_attrs="drop_conflicts")
     tables.attrs |= {KINDS: " ".join(wanted), **provenance_of(case)}
     return tables
@@ -124,34 +99,12 @@ def reduce_summary(tables: xr.Dataset) -> dict[str, Any]:
     return numbers
 
 
-def _input(case: Case) -> ReduceInput:
-    if case.machine_spec is None:
-        raise CaseError("machine: found none, allowed a case with a [machine] table")
-    description, fluid = api.describe(case), api.fluid_of(case)
-    if case.circuit is not None:
-        condition = circuit_condition(case, description, fluid)
-    elif case.operating_point is not None:
-        condition = condition_of(case, description)
-    else:
-        allowed = "a case with an [operating_point] or a [circuit]"
-        raise CaseError(f"operating_point: found none, allowed {allowed}")
-    return ReduceInput(case, description, fluid, condition)
-
-
-def _check(given: ReduceInput, wanted: Sequence[str]) -> None:
-    able = [kind for kind, found in REDUCED.items() if found.has(given)]
-    for kind in wanted or ["none"]:
-        if kind not in able:
-            allowed = ", ".join(able) or "a machine with journal bearings"
-            raise CaseError(f"--film: found {kind!r}, allowed {allowed}")
-
-
-def reduce_journals(given: ReduceInput) -> xr.Dataset:
+def reduce_journals(setup: Setup, progress: Progress | None = None) -> xr.Dataset:
     """Friction of every journal bearing over load and Sommerfeld number.
 
     Parameters
     ----------
-    given : ReduceInput
+    setup : Setup
         Machine, fluid and condition; the loads are shares of its mean pressure load.
 
     Returns
@@ -165,13 +118,13 @@ def reduce_journals(given: ReduceInput) -> xr.Dataset:
     walls. The load is that of quasi-static chamber pressures; the mesh force is part of it
     where the machine ties the bodies by a rigid mesh.
     """
-    description = given.description
-    force = mean_force(description, given.condition)
-    viscosity = float(given.fluid.dynamic_viscosity)
+    description = setup.description
+    force = mean_force(description, setup.condition)
+    viscosity = float(setup.fluid.dynamic_viscosity)
     sweeps: list[list[FrictionSweep]] = []
     loads: list[list[float]] = []
     for number, journal in enumerate(description.journals):
-        tell(given.progress, number / len(description.journals), f"friction of {journal.body}")
+        tell(progress, number / len(description.journals), f"friction of {journal.body}")
         mean = _load_of(description, journal, force)
         bearing = machine_bearing(journal, viscosity)
         loads.append([part * mean for part in LOAD_LEVELS])
@@ -259,13 +212,17 @@ def _journal_summary(tables: xr.Dataset) -> dict[str, Any]:
     return numbers
 
 
-def reduce_lateral_films(given: ReduceInput) -> xr.Dataset:
+def reduce_lateral_films(
+    setup: Setup, progress: Progress | None = None, grid: Grid = ((), ())
+) -> xr.Dataset:
     """Torque and leakage beside the faces over load, pressure difference and shaft speed.
 
     Parameters
     ----------
-    given : ReduceInput
-        Machine with a floating bearing, fluid and conditions.
+    setup : Setup
+        Machine with a floating bearing, fluid and condition.
+    grid : tuple of sequence of float, optional
+        Pressure differences [Pa] and shaft speeds [rad/s]; those of the condition where empty.
 
     Returns
     -------
@@ -279,39 +236,37 @@ def reduce_lateral_films(given: ReduceInput) -> xr.Dataset:
     CaseError
         If the case has no operating point.
     """
-    case, balance = given.case, given.description.lateral_balance
+    case, balance = setup.case, setup.description.lateral_balance
     assert balance is not None
     if case.operating_point is None:
         raise CaseError("--film: found lateral films, allowed with an [operating_point]")
     # the films of this machine are what is to be found
     machine = run_in_machine(
-        api.set_up(replace(case, run=replace(case.run, film_tables=None))), given.progress
+        api.set_up(replace(case, run=replace(case.run, film_tables=None))), progress
     )
-    at = given.condition
-    inward = balance.high_node == given.description.inlet_node
+    at = setup.condition
+    inward = balance.high_node == setup.description.inlet_node
     high, low = (at.inlet_pressure, at.outlet_pressure)[:: 1 if inward else -1]
-    port = "inlet_pressure" if inward else "outlet_pressure"
-    grid = sorted(given.pressures or (high - low,)), sorted(given.speeds or (at.shaft_speed,))
+    grid = sorted(grid[0] or (high - low,)), sorted(grid[1] or (at.shaft_speed,))
+    count = len(grid[0]) * len(grid[1])
     found: list[LateralReduction] = []
     # loads are tabulated about those of the highest pressure and speed
     for number, (rise, speed) in enumerate(reversed(list(product(*grid)))):
-        condition = replace(at, shaft_speed=speed, **{port: low + rise})
-        count = len(grid[0]) * len(grid[1])
+        inlet, outlet = (low + rise, low) if inward else (low, low + rise)
+        condition = replace(at, shaft_speed=speed, inlet_pressure=inlet, outlet_pressure=outlet)
         one = reduce_lateral(
             machine.description,
-            given.fluid,
-            lambda changed, condition=condition: machine.solve(condition, changed),
+            setup.fluid,
+            partial(machine.solve, condition),
             lateral_settings(case),
             (found[0].force_share, found[0].moment_share) if found else None,
-            part(given.progress, f"{number + 1} of {count}", number / count, (number + 1) / count),
+            part(progress, f"{number + 1} of {count}", number / count, (number + 1) / count),
         )
         found.append(one)
-    return _lateral_tables(given, grid, found[::-1])
+    return _lateral_tables(setup, grid, found[::-1])
 
 
-def _lateral_tables(
-    given: ReduceInput, grid: tuple[Sequence[float], ...], found: list[LateralReduction]
-) -> xr.Dataset:
+def _lateral_tables(setup: Setup, grid: Grid, found: list[LateralReduction]) -> xr.Dataset:
     over = (
         "lateral_force_share",
         "lateral_moment_share",
@@ -355,10 +310,10 @@ def _lateral_tables(
     }
     for name, (numbers, units, text) in of_condition.items():
         values[f"lateral_{name}"] = (over[2:], laid(numbers), _about(units, text))
-    for name, size in lateral_sizes(given.description).items():
+    for name, size in lateral_sizes(setup.description).items():
         units = "m" if name == "height" else "m2"
         values[f"lateral_{name}"] = ((), size, _about(units, name.replace("_", " ")))
-    viscosity = float(given.fluid.dynamic_viscosity)
+    viscosity = float(setup.fluid.dynamic_viscosity)
     values["lateral_viscosity"] = ((), viscosity, _about("Pa s", "Viscosity"))
     axes = {
         over[0]: (found[0].force_share, "1", "Axial force, away from the faces, over force_unit"),
@@ -400,19 +355,19 @@ def _lateral_summary(tables: xr.Dataset) -> dict[str, Any]:
 class ReducedFilm:
     """One kind of film: whether a machine has it, its tables, and their summary."""
 
-    has: Callable[[ReduceInput], bool]
-    reduce: Callable[[ReduceInput], xr.Dataset]
+    has: Callable[[MachineDescription], bool]
+    reduce: Callable[[Setup, Progress | None, Grid], xr.Dataset]
     summary: Callable[[xr.Dataset], dict[str, Any]]
 
 
 REDUCED: Mapping[str, ReducedFilm] = {
     "journal": ReducedFilm(
-        has=lambda given: bool(given.description.journals),
-        reduce=reduce_journals,
+        has=lambda description: bool(description.journals),
+        reduce=lambda setup, progress, _: reduce_journals(setup, progress),
         summary=_journal_summary,
     ),
     "lateral": ReducedFilm(
-        has=lambda given: given.description.lateral_balance is not None,
+        has=lambda description: description.lateral_balance is not None,
         reduce=reduce_lateral_films,
         summary=_lateral_summary,
     ),

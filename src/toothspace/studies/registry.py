@@ -26,6 +26,7 @@ STUDY_MODULES: Mapping[str, str] = {
     "bearing_map": "toothspace.studies.bearing_map",
     "calibrate": "toothspace.studies.calibrate",
     "contact_span": "toothspace.studies.contact_span",
+    "design_scan": "toothspace.studies.design_scan",
     "efficiency_map": "toothspace.studies.efficiency_map",
     "hysteresis": "toothspace.studies.hysteresis",
     "nose_pressure": "toothspace.studies.nose_pressure",

@@ -167,8 +167,7 @@ def _table(data: xr.Dataset) -> StudyTable:
         "blocked pressure ripple (bar)": values["blocked_pressure"] / _BAR,
         "misfit (%)": 100.0 * values["misfit"],
     }
-    rows = tuple(tuple(float(v) for v in row) for row in zip(*columns.values(), strict=True))
-    return StudyTable("source", tuple(columns), rows)
+    return StudyTable.of("source", {head: column.tolist() for head, column in columns.items()})
 
 
 def _numbers(data: xr.Dataset) -> dict[str, Any]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from itertools import product
-from typing import Any
 
 import numpy as np
 
@@ -19,7 +18,7 @@ from toothspace.core.units import from_si
 from toothspace.studies.points import Point, collected, point, status_of
 from toothspace.studies.records import Record, failed_count
 from toothspace.studies.study import Row, StudyContext, StudyResult, StudyTable
-from toothspace.studies.tabulate import map_dataset
+from toothspace.studies.tabulate import map_dataset, numbers_table
 
 COLUMNS = (
     ("breakaway_pressure_bar", "breakaway pressure (bar)"),
@@ -66,12 +65,24 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     pairs = list(product(speeds, angles))
     points = [_point(case, name, supply, speed, angle) for speed, angle in pairs]
     records = collected(points, context)
+    plateaus = [from_si(speed, "rpm") for speed, _ in pairs]
+    degrees = [math.degrees(angle) for _, angle in pairs]
+    heads = {"plateau speed (rpm)": plateaus, "start angle (deg)": degrees}
+    numbers = {
+        "points": len(records),
+        "points_failed": failed_count(records),
+        "plateau_speed_rpm": plateaus,
+        "start_angle_deg": degrees,
+        **{name: [record.number(name) for record in records] for name, _ in COLUMNS},
+        "real_time_factor": [record.number("real_time_factor") for record in records],
+        "point_status": [r.status for r in records],
+    }
     axes = {"plateau_speed": (speeds, "rad/s"), "start_angle": (angles, "rad")}
     return StudyResult(
         status=status_of(records),
         data=map_dataset(axes, records),
-        numbers=_numbers(pairs, records),
-        tables=(_table(pairs, records), _starting_torque(records)),
+        numbers=numbers,
+        tables=(numbers_table("startup", heads, COLUMNS, records), _starting_torque(records)),
     )
 
 
@@ -96,32 +107,6 @@ def _point(case: Case, name: str, supply: Array, speed: float, angle: float) -> 
         "circuit.initial_shaft_angle": f"{math.degrees(angle):.12g} deg",
     }
     return point(case, values)
-
-
-def _numbers(pairs: Sequence[tuple[float, float]], records: Sequence[Record]) -> dict[str, Any]:
-    return {
-        "points": len(records),
-        "points_failed": failed_count(records),
-        "plateau_speed_rpm": [from_si(speed, "rpm") for speed, _ in pairs],
-        "start_angle_deg": [math.degrees(angle) for _, angle in pairs],
-        **{name: [record.number(name) for record in records] for name, _ in COLUMNS},
-        "real_time_factor": [record.number("real_time_factor") for record in records],
-        "point_status": [r.status for r in records],
-    }
-
-
-def _table(pairs: Sequence[tuple[float, float]], records: Sequence[Record]) -> StudyTable:
-    head = ("plateau speed (rpm)", "start angle (deg)", *(text for _, text in COLUMNS), "status")
-    rows: tuple[Row, ...] = tuple(
-        (
-            from_si(speed, "rpm"),
-            math.degrees(angle),
-            *(record.number(name) for name, _ in COLUMNS),
-            record.status,
-        )
-        for (speed, angle), record in zip(pairs, records, strict=True)
-    )
-    return StudyTable("startup", head, rows)
 
 
 def _starting_torque(records: Sequence[Record]) -> StudyTable:

@@ -52,6 +52,11 @@ class StudyTable:
     head: tuple[str, ...]
     rows: tuple[Row, ...]
 
+    @classmethod
+    def of(cls, name: str, columns: Mapping[str, Sequence[Any]]) -> StudyTable:
+        """Table of columns by their heads."""
+        return cls(name, tuple(columns), tuple(zip(*columns.values(), strict=True)))
+
     def to_csv(self) -> str:
         """Return the table as CSV text."""
         buffer = io.StringIO()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -52,6 +52,27 @@ def number_names(records: Sequence[Record]) -> list[str]:
 def columns(records: Sequence[Record]) -> dict[str, list[float]]:
     """Return the numbers of records by name; NaN where a point has none."""
     return {name: [r.number(name) for r in records] for name in number_names(records)}
+
+
+def numbers_table(
+    name: str,
+    values: Mapping[str, Sequence[float | str]],
+    shown: Iterable[tuple[str, str]],
+    records: Sequence[Record],
+) -> StudyTable:
+    """Build the table of the numbers that a study shows.
+
+    Parameters
+    ----------
+    values : mapping
+        Varied values of the points, by the heads of their columns.
+    shown : iterable of (str, str)
+        Names of numbers and heads of their columns.
+    records : sequence of Record
+        The points.
+    """
+    numbers = {head: [r.number(number) for r in records] for number, head in shown}
+    return StudyTable.of(name, {**values, **numbers, "status": [r.status for r in records]})
 
 
 def points_dataset(

@@ -122,7 +122,11 @@ def samples(axes: Sequence[Axis], method: str, count: int, seed: int) -> list[tu
     seed : int
         Seed of the random numbers. [-]
     """
-    shares = unit_samples(len(axes), method, count, seed)
+    return values_at(axes, unit_samples(len(axes), method, count, seed))
+
+
+def values_at(axes: Sequence[Axis], shares: Array) -> list[tuple[Any, ...]]:
+    """Values of the axes at points of the unit cube, of shape (points, keys). [unit]."""
     rows = shares.tolist()
     return [tuple(a.quantile(s) for a, s in zip(axes, row, strict=True)) for row in rows]
 

@@ -10,12 +10,9 @@ import pytest
 import xarray as xr
 
 from toothspace.case import Case, load_case
-from toothspace.case.study import BalanceSweepStudy, NosePressureStudy
 from toothspace.core.status import Status
 from toothspace.model.lateral_balance import HousingContact
 from toothspace.simulation.lateral.problem import lateral_problem
-from toothspace.studies import StudyContext
-from toothspace.studies.balance_sweep import FilmTable, film_tables, follow
 from toothspace.studies.lateral_points import LateralPoints, PointCondition, prepare
 from toothspace.studies.nose_pressure import solve_conditions
 
@@ -59,47 +56,6 @@ def test_chambers_and_not_films_make_the_bearing_depend_on_speed() -> None:
     assert fast < slow - 300.0
     assert abs(_opening(points, slowly, FAST) - slow) < 0.15 * abs(fast - slow)
     assert abs(_opening(points, quickly, SLOW) - fast) < 0.15 * abs(fast - slow)
-
-
-@pytest.fixture(scope="module")
-def tables() -> dict[str, FilmTable]:
-    case = load_case(CASES / "nose_pressure.toml")
-    sweep = load_case(CASES / "balance_sweep.toml").study
-    assert isinstance(case.study, NosePressureStudy)
-    assert isinstance(sweep, BalanceSweepStudy)
-    assert case.operating_point is not None
-    found = {}
-    for one in case.study.conditions:
-        point = replace(case.operating_point, shaft_speed=one.shaft_speed)
-        asked = replace(sweep, outlet_pressures=(one.outlet_pressure,))
-        found[one.name] = film_tables(replace(case, operating_point=point), asked, StudyContext())[
-            0
-        ]
-    return found
-
-
-def _gaps(tables: dict[str, FilmTable], name: str, area: float) -> np.ndarray:
-    """Gaps over the nose pressures of the study, from 2 um. [m]."""
-    table, found = tables[name], []
-    for share in (0.0, 0.0625, 0.125, 0.1875, 0.25):
-        low = table.outlet_pressure - table.difference
-        push = 400e-6 * max(share * table.outlet_pressure - low, 0.0)
-        pressed = replace(table, opening=table.opening - push)
-        found.append(float(follow([pressed], [0], (area, 0.02), 2e-6)[0]))
-    return np.array(found)
-
-
-@pytest.mark.validation
-@pytest.mark.slow
-@pytest.mark.parametrize(("area", "secondary"), [(2341e-6, True), (2400e-6, False)])
-def test_nose_matters_at_low_pressure_alone_and_speed_less_in_a_window(
-    tables: dict[str, FilmTable], area: float, secondary: bool
-) -> None:
-    fast, slow, high = (_gaps(tables, name, area) for name in ("OC1", "OC2", "OC3"))
-    assert np.ptp(fast) > TELL
-    assert np.ptp(high) < TELL
-    speed = abs(fast[0] - slow[0])
-    assert bool(speed < max(np.ptp(fast), np.ptp(slow))) == secondary
 
 
 @pytest.mark.validation

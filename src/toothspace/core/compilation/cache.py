@@ -31,7 +31,6 @@ from numba.core.serialize import dumps
 
 _PACKAGE = Path(__file__).resolve().parents[2]
 _IMPORT = re.compile(r"^\s*from toothspace\.([\w.]+) import", re.MULTILINE)
-_COMPILED = re.compile(r"^@(\w*kernel|merged|inlined|njit)\b", re.MULTILINE)
 _DIGEST = hashlib.sha256().digest_size
 _SECONDS_KEPT = 60 * 24 * 3600.0
 _UNREADABLE = (OSError, ValueError, KeyError, EOFError, pickle.PickleError, AttributeError)
@@ -55,20 +54,15 @@ def _with_imports(found: set[str]) -> dict[str, str]:
         imported = set(_IMPORT.findall(texts[ahead.pop()])) & texts.keys()
         ahead += imported - found
         found |= imported
-    return {name: texts[name] for name in sorted(found)}
-
-
-def compiled_sources() -> dict[str, str]:
-    """Names and texts of all modules that compiled code is made of."""
-    return _with_imports({name for name, text in _texts().items() if _COMPILED.search(text)})
+    return {name: texts[name] for name in found}
 
 
 @cache
-def _digest_of_sources(module: str | None = None) -> str:
-    """Digest of the sources behind a module, or behind all compiled code."""
-    sources = compiled_sources() if module is None else _with_imports({module})
+def digest_of_sources(module: str | None = None) -> str:
+    """Digest of the sources behind a module, or of the whole package."""
+    sources = _texts() if module is None else _with_imports({module})
     digest = hashlib.sha256()
-    for name, text in sources.items():
+    for name, text in sorted(sources.items()):
         digest.update(f"{name}\n{text}".encode())
     return digest.hexdigest()[:16]
 
@@ -82,10 +76,6 @@ def cache_root() -> Path:
 def compiled_folder() -> Path:
     """Folder of the compiled entries."""
     return cache_root() / "compiled"
-
-
-CACHE_FOLDER = cache_root() / f"compiled-{_digest_of_sources()}"
-"""Folder whose name follows the sources; what is computed from compiled code lies beside it."""
 
 
 @final
@@ -134,7 +124,9 @@ class EntryCache:
         """Keep an entry; a folder that cannot be written costs the next start, no more."""
         if not self._kept or result.library.has_dynamic_globals:
             return
-        data = dumps(result._reduce())
+        *parts, environments = result._reduce()
+        # one without constants is never asked, and would load the module that it stands for
+        data = dumps((*parts, tuple(each for each in environments if each.consts)))
         path = self._path(sig, result.codegen)
         try:
             _write(path, hashlib.sha256(data).digest() + data)
@@ -145,7 +137,7 @@ class EntryCache:
 
     def _path(self, sig: Any, codegen: Any) -> Path:
         key = (
-            _digest_of_sources(self._module),
+            digest_of_sources(self._module),
             self._options,
             str(sig),
             codegen.magic_tuple(),

@@ -13,7 +13,7 @@ from typing import Any
 import numba
 from numba.extending import register_jitable
 
-from toothspace.core.compilation.cache import CACHE_FOLDER
+from toothspace.core.compilation.cache import cache_root, digest_of_sources
 
 TESTED = ("0.68",)
 """Numba releases that the parts are tested with."""
@@ -29,10 +29,6 @@ PARTS = _parts_wanted()
 """Whether inner functions are compiled as parts of what Python calls."""
 
 prange = numba.prange
-
-# where Numba keeps what it compiles its own way; it reads the variable once, perhaps before
-os.environ.setdefault("NUMBA_CACHE_DIR", str(CACHE_FOLDER))
-numba.config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"]
 
 if PARTS:
     from toothspace.core.compilation.parts import Formula, Kernel
@@ -51,6 +47,9 @@ if PARTS:
         return function
 
 else:
+    # Numba follows no calls into other modules; it reads the variable once, perhaps before
+    os.environ.setdefault("NUMBA_CACHE_DIR", str(cache_root() / f"compiled-{digest_of_sources()}"))
+    numba.config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"]
 
     def njit(function: Any = None, /, **options: Any) -> Any:
         """Compile a function without the interpreter; options are those of ``numba.njit``."""

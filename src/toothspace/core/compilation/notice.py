@@ -13,6 +13,7 @@ from types import FrameType, FunctionType
 from typing import Any, final
 
 from toothspace.core.compilation.cache import compiled_folder
+from toothspace.core.memory import require_some
 
 _SHORTEST = 0.5
 """Compilation is shown if it takes longer than this. [s]"""
@@ -44,6 +45,7 @@ class Notice:
             finally:
                 self._depth -= 1
             return
+        require_some()  # LLVM ends the process where it gets none
         self._depth, self._done, self._interrupted = 1, 0, False
         self._expected = len(reachable(function))
         self._started = self._shown = time.perf_counter()
@@ -59,6 +61,7 @@ class Notice:
         """Count a function that is about to be compiled."""
         if self._interrupted:
             raise KeyboardInterrupt
+        require_some()
         self._done += 1
         self._expected = max(self._expected, self._done)
         now = time.perf_counter()
@@ -103,7 +106,7 @@ NOTICE = Notice()
 
 
 def compile_seconds() -> float:
-    """Seconds that this process has spent on compiling and on loading compiled code."""
+    """Time that this process has spent on compiling and on loading compiled code. [s]."""
     return NOTICE.seconds
 
 

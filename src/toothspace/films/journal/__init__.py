@@ -7,8 +7,7 @@ geometry             gap between shaft and bush, grooves, lobes, integrals over 
 definition           what is known before a film is solved
 solver               film for a given motion of the shaft
 solution             its fields, loads, flows, stiffness and damping
-equilibrium          position of the shaft under a load
-tilted_equilibrium   the same under a moment, free to tilt
+equilibrium          position of the shaft under a load, and its tilt under a moment
 bearing              :class:`~.bearing.JournalBearing`, which solves it
 shaft_motion         stability threshold and transient orbit
 mixed_lubrication    friction from boundary to full film, reduced to a formula

@@ -8,10 +8,9 @@ from typing import final
 import numpy as np
 
 from toothspace.films.journal.definition import JournalDefinition
-from toothspace.films.journal.equilibrium import find_equilibrium
+from toothspace.films.journal.equilibrium import find_equilibrium, find_tilted_equilibrium
 from toothspace.films.journal.geometry import MotionState, SurfaceSpeed
 from toothspace.films.journal.solution import JournalBearingSolution, solve_motion
-from toothspace.films.journal.tilted_equilibrium import find_tilted_equilibrium
 from toothspace.films.reynolds.rough_surfaces import refuse_deep_contact
 from toothspace.films.reynolds.state import FilmHistory
 

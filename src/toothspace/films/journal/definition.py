@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from numbers import Real
+
+import numpy as np
 
 from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.core.errors import CaseError
@@ -44,8 +47,8 @@ class JournalDefinition:
     def __post_init__(self) -> None:
         for key in ("diameter", "length", "radial_clearance", "dynamic_viscosity"):
             value = getattr(self, key)
-            if not value > 0.0:
-                raise CaseError(f"bearing.{key}: found {value!r}, allowed are positive numbers")
+            if not (isinstance(value, Real) and float(value) > 0.0):
+                raise CaseError(f"bearing.{key}: found {value!r}, allowed are positive SI numbers")
         for key, allowed in _CHOICES.items():
             value = getattr(self, key)
             if value not in allowed:
@@ -56,7 +59,7 @@ class JournalDefinition:
                     f"bearing.grooves.position: found {1e3 * groove.position:g} mm, allowed are "
                     f"grooves on the bearing of {1e3 * self.length:g} mm"
                 )
-        if min(self.grid) < 4:
+        if np.shape(self.grid) != (2,) or min(self.grid) < 4:
             raise CaseError(f"bearing.grid: found {self.grid!r}, allowed are 4 cells or more")
         object.__setattr__(self, "grooves", tuple(self.grooves))
 

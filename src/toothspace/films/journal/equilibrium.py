@@ -10,7 +10,7 @@ from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.films.journal.definition import JournalDefinition
 from toothspace.films.journal.geometry import MotionState, SurfaceSpeed
-from toothspace.films.journal.solution import JournalBearingSolution, solve_motion
+from toothspace.films.journal.solution import JournalBearingSolution, load_derivatives, solve_motion
 
 _LONGEST_STEP = 0.5
 """Longest step over the clearance. [-]"""
@@ -32,6 +32,7 @@ _TOLERANCE = 1e-9
 
 _SMALLEST_SHRINK = 0.3
 """A step may shrink the smallest gap to this part."""
+_STEPS = 40
 
 
 def find_equilibrium(
@@ -42,7 +43,9 @@ def find_equilibrium(
     See :meth:`JournalBearing.equilibrium`.
     """
     if start is None:
-        coarse = replace(bearing, grid=_coarse(bearing.grid))
+        rows, lanes = bearing.grid
+        cells = max(min(rows, 48), rows // 4), max(min(lanes, 9), lanes // 4)
+        coarse = replace(bearing, grid=cells)
         guess = _newton(coarse, load, speed, _first_guess(bearing, load, speed), 1e-3)
         # a coarse grid does not resolve a nearly closed gap, so it may go too far
         place = guess.eccentricity
@@ -52,7 +55,11 @@ def find_equilibrium(
     film = _newton(bearing, load, speed, place, _TOLERANCE)
     if film.status.succeeded:
         return film
-    film = _sunk(bearing, load, _solve_at(bearing, _inner(film.eccentricity, bearing), speed))
+    # the shaft sinks from a place not deeper than 0.7 of the clearance
+    deepest = 0.7 if bearing.lobes is None else 0.7 * (1.0 - bearing.lobes.preload)
+    place = film.eccentricity
+    place = place * min(1.0, deepest / max(float(np.hypot(*place)), 1e-9))
+    film = _sunk(bearing, load, _solve_at(bearing, place, speed))
     return film if film.status.succeeded else _separated(bearing, load, film)
 
 
@@ -68,12 +75,6 @@ def _separated(
     near = (_solve_at(bearing, place, film.speed) for place in (film.eccentricity, beyond))
     runs_away = any(one.status is Status.RUNAWAY for one in near)
     return replace(film, status=Status.RUNAWAY) if runs_away else film
-
-
-def _inner(place: Array, bearing: JournalDefinition) -> Array:
-    """Place from which a shaft is let sink: not deeper than 0.7 of the clearance."""
-    deepest = 0.7 if bearing.lobes is None else 0.7 * (1.0 - bearing.lobes.preload)
-    return np.asarray(place * min(1.0, deepest / max(float(np.hypot(*place)), 1e-9)))
 
 
 def _sunk(
@@ -116,10 +117,6 @@ def _sinking_step(
     return pace, np.asarray(step * min(1.0, longest / max(float(np.hypot(*step)), 1e-300)))
 
 
-def _coarse(grid: tuple[int, int]) -> tuple[int, int]:
-    return max(min(grid[0], 48), grid[0] // 4), max(min(grid[1], 9), grid[1] // 4)
-
-
 def _first_guess(bearing: JournalDefinition, load: Array, speed: SurfaceSpeed) -> Array:
     """Half the smallest clearance of the centred shaft, 55 degrees from the load with rotation."""
     sense = -1.0 if speed.shaft + speed.bush < 0.0 else 1.0
@@ -143,7 +140,7 @@ def _newton(
 ) -> JournalBearingSolution:
     film = _solve_at(bearing, place, speed)
     size = float(np.hypot(*load))
-    for _ in range(40):
+    for _ in range(_STEPS):
         error = film.force + load
         if np.hypot(*error) <= tolerance * size:
             return film
@@ -176,7 +173,7 @@ def _damped_step(
 
 
 def closeness(place: Array, bearing: JournalDefinition) -> float:
-    """One less the smallest gap over the clearance: the eccentricity ratio in a cylinder."""
+    """One less the smallest gap over the clearance: the eccentricity ratio in a cylinder. [-]."""
     if bearing.lobes is None:
         return float(np.hypot(*place))
     nearer = place[0] * np.cos(_ROUND) + place[1] * np.sin(_ROUND)
@@ -196,3 +193,62 @@ def _kept_inside(place: Array, step: Array, bearing: JournalDefinition) -> Array
             break
         step = 0.8 * step
     return step
+
+
+def find_tilted_equilibrium(
+    bearing: JournalDefinition,
+    load: Array,
+    moment: Array,
+    speed: SurfaceSpeed,
+    start: tuple[float, float] | None,
+) -> JournalBearingSolution:
+    """Newton's method with the exact 4x4 stiffness from the untilted equilibrium.
+
+    See :meth:`JournalBearing.equilibrium`.
+    """
+    film = find_equilibrium(bearing, load, speed, start)
+    film = _at(bearing, np.asarray(film.motion.place), speed)
+    wanted = np.concatenate([load, moment])
+    size = np.hypot(*load) * np.array([1.0, 1.0, bearing.length, bearing.length])
+    for _ in range(_STEPS):
+        error = _error(film, wanted)
+        if np.abs(error / size).max() <= _TOLERANCE:
+            return film
+        film = _stepped(bearing, film, wanted, size)
+    return replace(film, status=Status.NOT_CONVERGED)
+
+
+def _at(bearing: JournalDefinition, place: Array, speed: SurfaceSpeed) -> JournalBearingSolution:
+    return solve_motion(bearing, MotionState(place, np.zeros(4)), speed, half=False)
+
+
+def _error(film: JournalBearingSolution, wanted: Array) -> Array:
+    return np.asarray(np.concatenate([film.force, film.moment]) + wanted)
+
+
+def _stepped(
+    bearing: JournalDefinition, film: JournalBearingSolution, wanted: Array, size: Array
+) -> JournalBearingSolution:
+    """Longest part of Newton's step that keeps the gap open and lessens the error."""
+    error = _error(film, wanted)
+    slope = load_derivatives(film.film, bearing.fluid, (0, 1, 2, 3))[:, :4]
+    step, place = np.linalg.solve(-slope, error), np.asarray(film.motion.place)
+    limit = _nearest(bearing, place)
+    limit += (1.0 - _SMALLEST_SHRINK) * max(1.0 - limit, 0.0)
+    for _ in range(60):
+        if _nearest(bearing, place + step) <= limit:
+            break
+        step = 0.8 * step
+    for _ in range(8):
+        trial = _at(bearing, place + step, film.speed)
+        if np.abs(_error(trial, wanted) / size).max() < np.abs(error / size).max():
+            break
+        step = 0.5 * step
+    return trial
+
+
+def _nearest(bearing: JournalDefinition, place: Array) -> float:
+    """One less the smallest gap at both ends over the clearance. [-]."""
+    lean = 0.5 * bearing.length * np.array([place[3], -place[2]])
+    ends = (place[:2] + lean, place[:2] - lean)
+    return max(closeness(end / bearing.radial_clearance, bearing) for end in ends)

@@ -24,7 +24,7 @@ from toothspace.closures.flow_factors import (
 from toothspace.core.compiled import inlined, njit
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
-from toothspace.films.reynolds.equation import FilmGrid, GapField
+from toothspace.films.reynolds.equation import FilmGrid, GapField, ring_grid
 from toothspace.films.reynolds.rough_surfaces import FlowLaw
 
 
@@ -148,10 +148,9 @@ def journal_grid(
     mesh: JournalMesh, radius: float, grooves: tuple[Groove, ...], ends: EndConditions
 ) -> FilmGrid:
     """Metric of the film; unit mean surface speed, to be scaled by half the surface speed."""
-    rows, lanes = mesh.angle.size, mesh.axial.size
+    lanes = mesh.axial.size
     widths = np.diff(mesh.axial_face)
     along = radius * mesh.angle_step
-    shape_x = np.tile(widths / along, (rows + 1, 1))
     distance = np.empty(lanes + 1)
     distance[1:-1] = np.diff(mesh.axial)
     distance[0] = mesh.axial[0] - mesh.axial_face[0]
@@ -159,21 +158,9 @@ def journal_grid(
     closed = np.zeros(lanes + 1, dtype=bool)
     closed[[0, -1]] = ends.wall
     closed[0] |= mesh.weight > 1.0
-    shape_y = np.tile(np.where(closed, 0.0, along / np.where(closed, 1.0, distance)), (rows, 1))
-    grid = FilmGrid(
-        shape_x,
-        shape_y,
-        np.tile(widths, (rows + 1, 1)),
-        np.zeros((rows, lanes + 1)),
-        np.tile(widths * along, (rows, 1)),
-        np.zeros((rows, lanes), dtype=np.int64),
-        np.zeros((rows, lanes)),
-        np.zeros(lanes),
-        np.zeros(lanes),
-        np.full(rows, ends.south),
-        np.full(rows, ends.north),
-        True,
-    )
+    across = np.where(closed, 0.0, along / np.where(closed, 1.0, distance))
+    grid = ring_grid(mesh.angle.size, widths / along, across, widths, widths * along)
+    grid.south[:], grid.north[:] = ends.south, ends.north
     for groove in grooves:
         _cut_groove(grid, mesh, groove)
     return grid

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, final
+from typing import final
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -18,11 +18,9 @@ from toothspace.closures.journal_friction import (
     sommerfeld_number,
 )
 from toothspace.core.types import Array
+from toothspace.films.journal.bearing import JournalBearing
 from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
-
-if TYPE_CHECKING:
-    from toothspace.films.journal.bearing import JournalBearing
-    from toothspace.model.description import LumpedJournalBearing
+from toothspace.model.description import LumpedJournalBearing
 
 
 @final
@@ -92,8 +90,6 @@ def machine_bearing(
     grid : tuple of int
         Cells round the circumference and along the axis. [-]
     """
-    from toothspace.films.journal.bearing import JournalBearing
-
     each = journal.roughness / 2.0**0.5
     return JournalBearing(
         diameter=journal.diameter,

@@ -9,7 +9,6 @@ from typing import final
 import numpy as np
 
 from toothspace.core.errors import CaseError
-from toothspace.core.status import Status
 from toothspace.core.types import Array, IntArray
 from toothspace.films.journal.definition import JournalDefinition
 from toothspace.films.journal.geometry import (
@@ -26,18 +25,18 @@ from toothspace.films.journal.geometry import (
     lobed,
 )
 from toothspace.films.reynolds.cavitation import CAVITATION
-from toothspace.films.reynolds.equation import FilmGrid, FluidField, GapField
+from toothspace.films.reynolds.equation import FilmGrid, GapField
 from toothspace.films.reynolds.rough_surfaces import SMOOTH, FlowLaw, contact_field
 from toothspace.films.reynolds.state import (
     FilmHistory,
     FilmProblem,
+    FilmState,
     memory,
     relative_error,
     solve_state,
 )
-from toothspace.numerics.complementarity import ComplementaritySolution, face_flows, residual
+from toothspace.numerics.complementarity import face_flows, residual
 from toothspace.numerics.linear_system import PRESCRIBED
-from toothspace.numerics.structured_grid import CellBalance
 
 
 @final
@@ -51,22 +50,14 @@ class JournalContact:
 
 @final
 @dataclass(frozen=True)
-class JournalField:
+class JournalField(FilmState):
     """Discrete film and its solution, kept for variations."""
 
     mesh: JournalMesh
     grid: FilmGrid
     gap: GapField
-    fluid: FluidField
-    """Liquid at the pressure of the cells."""
-    balance: CellBalance
-    fields: ComplementaritySolution
     law: FlowLaw
     contact: JournalContact | None
-    gauge: Array
-    """Pressure above the cavitation pressure. [Pa]"""
-    status: Status
-    """Whether the cavity boundary settled."""
 
 
 @lru_cache(maxsize=32)
@@ -145,18 +136,7 @@ def solve_field(
         grid, gap, bearing.fluid, bearing.cavitation_pressure, CAVITATION[bearing.cavitation], law
     )
     state = solve_state(problem, start, memory(problem, history))
-    return JournalField(
-        mesh,
-        grid,
-        gap,
-        state.fluid,
-        state.balance,
-        state.fields,
-        law,
-        contact,
-        state.gauge,
-        state.status,
-    )
+    return JournalField(**vars(state), mesh=mesh, grid=grid, gap=gap, law=law, contact=contact)
 
 
 def _walls(
@@ -185,7 +165,7 @@ def _refuse_contact(gap: GapField, motion: MotionState, bearing: JournalDefiniti
 def contact_load(
     bearing: JournalDefinition, speed: SurfaceSpeed, film: JournalField
 ) -> tuple[Array, float]:
-    """Force on the shaft by asperities, and the torque by which they brake it."""
+    """Force on the shaft by asperities [N], and the torque by which they brake it [N m]."""
     if film.contact is None or bearing.surfaces is None:
         return np.zeros(2), 0.0
     force = journal_load(film.mesh, film.contact.pressure, film.grid.area)[:2]
@@ -197,7 +177,7 @@ def contact_load(
 def friction_torques(
     bearing: JournalDefinition, speed: SurfaceSpeed, film: JournalField
 ) -> tuple[float, float]:
-    """Torques on shaft and bush; a cavity carries shear in proportion to its film fraction."""
+    """Torques on shaft and bush [N m]; a cavity shears in proportion to its film fraction."""
     radius = 0.5 * bearing.diameter
     thickness = 1.0 / (bearing.dynamic_viscosity * film.fluid.fluidity)
     couette, pattern, pressure = film.mesh.weight * journal_shear(
@@ -209,7 +189,7 @@ def friction_torques(
 
 
 def boundary_flows(film: JournalField) -> tuple[float, Array, float]:
-    """Supply by prescribed cells, flow out of the two ends, relative error of the balance."""
+    """Supply by prescribed cells, flow out of the two ends [m3/s], error of the balance [-]."""
     weight, b = film.mesh.weight, film.balance
     potential, saturation = np.maximum(film.fields.potential, 0.0), film.fields.saturation
     _, flow_y = face_flows(b, b, potential, saturation)

@@ -19,7 +19,6 @@ stops              covers, walls and journals that limit lift and tilt
 housing_friction   friction of a floating bearing in its housing
 motion             one implicit step of bearings and gears
 relaxation         way to the equilibrium of bodies that tilt
-stability          motions that grow away from an equilibrium
-equilibrium        equilibrium of bearings and gears, and their motion over a revolution
+equilibrium        equilibrium of bearings and gears, whether it is stable, and a revolution
 =================  ======================================================================
 """

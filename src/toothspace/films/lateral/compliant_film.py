@@ -21,17 +21,11 @@ from toothspace.films.reynolds.active_set import (
     varied_balance,
 )
 from toothspace.films.reynolds.equation import FilmGrid, FluidField, GapField
-from toothspace.films.reynolds.rough_surfaces import (
-    FlowLaw,
-    squeeze_law,
-)
+from toothspace.films.reynolds.linearised import solved_responses
+from toothspace.films.reynolds.rough_surfaces import FlowLaw, squeeze_law
 from toothspace.numerics.banded import stencil_product
 from toothspace.numerics.block_elimination import block_system
-from toothspace.numerics.complementarity import (
-    ComplementaritySolution,
-    assemble,
-    residual,
-)
+from toothspace.numerics.complementarity import ComplementaritySolution, assemble
 from toothspace.numerics.linear_system import (
     PRESCRIBED,
     SATURATED,
@@ -87,23 +81,6 @@ class CompliantSolution:
 
 
 @kernel
-def _couple(
-    film: Linearised,
-    kind: IntArray,
-    potential: Array,
-    saturation: Array,
-    gap_compliance: Array,
-    stencil: Array,
-) -> None:
-    """Add to a matrix what the flows change with the gaps that pressures open.
-
-    ``gap_compliance`` is the change of the gap with the reduced pressure of its cell.
-    """
-    _couple_along(film, kind, potential, saturation, gap_compliance, stencil)
-    _couple_across(film, kind, potential, gap_compliance, stencil)
-
-
-@kernel
 def _couple_along(
     film: Linearised,
     kind: IntArray,
@@ -112,7 +89,10 @@ def _couple_along(
     gap_compliance: Array,
     stencil: Array,
 ) -> None:
-    """Faces of the first index, as :func:`_couple`."""
+    """Add to a matrix what flows along the ring change with the gaps that pressures open.
+
+    ``gap_compliance`` is the change of the gap with the reduced pressure of its cell.
+    """
     b, slope = film
     rows, lanes = kind.shape
     for i in range(rows):
@@ -143,7 +123,7 @@ def _couple_along(
 def _couple_across(
     film: Linearised, kind: IntArray, potential: Array, gap_compliance: Array, stencil: Array
 ) -> None:
-    """Faces of the second index, as :func:`_couple`."""
+    """Faces of the second index, as :func:`_couple_along`."""
     b, slope = film
     rows, lanes = kind.shape
     for i in range(rows):
@@ -323,7 +303,7 @@ def solve_compliant(
     status = Status.DONE if settled else Status.NOT_CONVERGED
     gauge = fluid.gauge(np.maximum(fields.potential, 0.0), lowest)
     liquid = fluid.fields(gauge + lowest)
-    plane = PlaneSolution(moved, liquid, now.found.balance, fields, status, gauge)
+    plane = PlaneSolution(gauge, liquid, now.found.balance, fields, status, moved)
     touch = (now.touch[1].copy(), now.touch[2].copy())
     return CompliantSolution(plane, contact, *touch, kind, largest, now.found)
 
@@ -347,15 +327,9 @@ def compliant_responses(
     plane, found = solution.plane, solution.found
     assert found is not None
     film, fields = (plane.film.grid, plane.film.gap, plane.fluid), plane.fields
-    sides = np.empty((len(lifts), fields.potential.size))
-    for side, lift in zip(sides, lifts, strict=True):
-        varied = varied_balance(found, *film, plane.film.law, GapMotion(lift, solution.gap_slope))
-        disturbance = residual(found.balance, varied, fields.potential, fields.saturation)
-        disturbance[fields.kind == PRESCRIBED] = 0.0
-        side[:] = -disturbance.ravel()
-    responses = fields.system.solve(sides, relative_tolerance=linear)
-    held = (fields.kind != SATURATED) | (fields.potential <= 0.0)
-    return [np.where(held, 0.0, response.reshape(held.shape)) for response in responses]
+    motions = (GapMotion(lift, solution.gap_slope) for lift in lifts)
+    varied = (varied_balance(found, *film, plane.film.law, motion) for motion in motions)
+    return solved_responses(found.balance, fields, varied, linear)
 
 
 def _begin(film: _Reduced, former: CompliantSolution | None) -> tuple[Array, Array, IntArray]:
@@ -417,7 +391,8 @@ def _linearise(
     stencil, rhs = assemble(balance, kind)
     rows, lanes = grid_shape(balance)
     right = stencil_product(stencil, unknown, rows, lanes) - rhs
-    _couple(found, kind, potential, saturation, gap_compliance, stencil)
+    _couple_along(found, kind, potential, saturation, gap_compliance, stencil)
+    _couple_across(found, kind, potential, gap_compliance, stencil)
     if how.frequency > 0.0:
         _store(
             kind,

@@ -70,10 +70,7 @@ class ElasticFaces:
     def distant(self, pressures: Sequence[Array], snapshot: Snapshot) -> list[Array]:
         """Distant deformation of every gap [m] under pressures above the low one. [Pa]."""
         whole = self.deformation(pressures, snapshot)
-        found = []
-        for own, p, share in zip(whole, pressures, self.local, strict=True):
-            found.append(own - share * p)
-        return found
+        return [own - share * p for own, p, share in zip(whole, pressures, self.local, strict=True)]
 
     def gain(
         self, changes: Sequence[Array], snapshot: Snapshot, basis: Sequence[BasisFunctions]

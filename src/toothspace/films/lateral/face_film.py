@@ -20,7 +20,7 @@ from toothspace.films.lateral.compliant_film import (
 )
 from toothspace.films.lateral.face_grid import FaceGrid, Mask
 from toothspace.films.lateral.local_deformation import Accuracy, LocalCompliance
-from toothspace.films.plane.film import PlaneFilm, PlaneSolution
+from toothspace.films.plane.film import PlaneFilm, PlaneSolution, rigid_change
 from toothspace.films.reynolds.cavitation import CAVITATION
 from toothspace.films.reynolds.equation import FluidField, GapField, film_balance
 from toothspace.films.reynolds.fluid import FilmFluid
@@ -181,12 +181,12 @@ class FaceFilm:
         return _overstep(change, self.boundary.mask.film, self.gap, self.law.roughness)
 
     def coefficients(self, motions: tuple[int, ...]) -> tuple[Array, Array]:
-        """Stiffness and damping 3x3 of the covered load; unasked motions have zero columns.
+        """Stiffness [N/m] and damping [N s/m] 3x3 of the covered load; zero columns if not asked.
 
         Minus the derivatives with position and velocity of the upper face.
         """
-        levers = [_lever(self.grid, motion) for motion in motions]
-        changes = [_change(lever, rate) for rate in (False, True) for lever in levers]
+        places = self.grid.points
+        changes = [rigid_change(places, k, rate) for rate in (False, True) for k in motions]
         tables = np.zeros((2, 3, 3))
         for n, total in enumerate(self.pressure_changes(changes)):
             rate, k = divmod(n, len(motions))
@@ -195,7 +195,7 @@ class FaceFilm:
 
     def rates(self) -> list[GapField]:
         """Motions of the upper face: rates of its lift and rotations."""
-        return [_change(_lever(self.grid, motion), True) for motion in range(3)]
+        return [rigid_change(self.grid.points, motion, True) for motion in range(3)]
 
     def pressure_changes(self, changes: Sequence[GapField]) -> list[Array]:
         """Change of the pressure of film and asperities with motions of the undeformed gap.
@@ -243,8 +243,29 @@ class FaceFilm:
         couette = float((shear * radius**2 * self.grid.area).sum()) * speed**2
         push = float((np.where(film, self.contact, 0.0) * self.grid.area * radius).sum())
         asperity = self.law.boundary_friction * push * abs(speed)
+        grid, lowest = self.plane.film.grid, self.plane.film.cavitation_pressure
+        drop_x, drop_y = _drops(self.plane.gauge, grid.south - lowest, grid.north - lowest)
+        # what drives the flow is the reduced pressure, what it costs is the pressure
+        push_x, push_y = _drops(potential, b.south, b.north)
+        free = b.mark != PRESCRIBED
+        film_x, film_y = _film_faces(free)
         flow_x, flow_y = face_flows(b, b, potential, fields.saturation)
-        return _losses(self, (flow_x, flow_y), couette, asperity)
+        flow_x, flow_y = np.where(film_x, flow_x, 0.0), np.where(film_y, flow_y, 0.0)
+        total = float((flow_x * drop_x).sum() + (flow_y * drop_y).sum())
+        conducted = float((np.where(film_x, b.conductance_x, 0.0) * push_x * drop_x).sum())
+        conducted += float((np.where(film_y, b.conductance_y, 0.0) * push_y * drop_y).sum())
+        stored = np.where(free, b.storage * fields.saturation, 0.0)
+        squeeze = float((stored * self.plane.gauge).sum())
+        drag = conducted - total
+        return FilmLosses(
+            shear=couette + drag,
+            drag=drag,
+            asperity=asperity,
+            pressure=total + squeeze,
+            squeeze=squeeze,
+            dissipation=couette + conducted,
+            bore_flow=-float(flow_y[:, 0].sum()),
+        )
 
 
 class FilmLosses(NamedTuple):
@@ -257,34 +278,6 @@ class FilmLosses(NamedTuple):
     squeeze: float  # delivered by the film to approaching faces, negative if they approach
     dissipation: float  # of film flow
     bore_flow: float
-
-
-def _losses(
-    film: FaceFilm, flows: tuple[Array, Array], couette: float, asperity: float
-) -> FilmLosses:
-    flow_x, flow_y = flows
-    b, fields = film.plane.balance, film.plane.fields
-    grid, lowest = film.plane.film.grid, film.plane.film.cavitation_pressure
-    drop_x, drop_y = _drops(film.plane.gauge, grid.south - lowest, grid.north - lowest)
-    # what drives the flow is the reduced pressure, what it costs is the pressure
-    push_x, push_y = _drops(np.maximum(fields.potential, 0.0), b.south, b.north)
-    free = b.mark != PRESCRIBED
-    film_x, film_y = _film_faces(free)
-    flow_x, flow_y = np.where(film_x, flow_x, 0.0), np.where(film_y, flow_y, 0.0)
-    total = float((flow_x * drop_x).sum() + (flow_y * drop_y).sum())
-    conducted = float((np.where(film_x, b.conductance_x, 0.0) * push_x * drop_x).sum())
-    conducted += float((np.where(film_y, b.conductance_y, 0.0) * push_y * drop_y).sum())
-    squeeze = float((np.where(free, b.storage * fields.saturation, 0.0) * film.plane.gauge).sum())
-    drag = conducted - total
-    return FilmLosses(
-        shear=couette + drag,
-        drag=drag,
-        asperity=asperity,
-        pressure=total + squeeze,
-        squeeze=squeeze,
-        dissipation=couette + conducted,
-        bore_flow=-float(flow_y[:, 0].sum()),
-    )
 
 
 def _drops(u: Array, south: Array, north: Array) -> tuple[Array, Array]:
@@ -372,7 +365,7 @@ def _stiff(
     fields = solve_complementarity(balance, film.constraint, start)
     status = Status.DONE if fields.converged else Status.NOT_CONVERGED
     gauge = fluid.gauge(np.maximum(fields.potential, 0.0), lowest)
-    plane = PlaneSolution(film, fluid.fields(gauge + lowest), balance, fields, status, gauge)
+    plane = PlaneSolution(gauge, fluid.fields(gauge + lowest), balance, fields, status, film)
     contact, slope = contact_field(film.gap.centre, max(law.roughness, 1e-12), law.contact)
     known = film.grid.mark == PRESCRIBED
     contact[known], slope[known] = 0.0, 0.0
@@ -397,24 +390,6 @@ def _overstep(change: Array, film: BoolArray, gap: Array, roughness: float) -> f
                     room = (_GROWTH - 1.0) * h + max(roughness, 1e-7)
                 most = max(most, abs(change[i, j]) / max(room, 1e-300))
     return most
-
-
-def _lever(grid: FaceGrid, motion: int) -> tuple[Array, Array, Array]:
-    """Change of the gap at centres and faces by a unit motion of the upper face."""
-    p = grid.points
-
-    def shape(x: Array, y: Array) -> Array:
-        return np.ascontiguousarray((np.ones_like(x), y, -x)[motion])
-
-    return shape(p.x, p.y), shape(*p.face_x), shape(*p.face_y)
-
-
-def _change(lever: tuple[Array, Array, Array], rate: bool) -> GapField:
-    """Change of the undeformed gap with one motion, or with its rate."""
-    zero = np.zeros_like(lever[0])
-    if rate:
-        return GapField(zero, np.zeros_like(lever[1]), np.zeros_like(lever[2]), lever[0], zero)
-    return GapField(*lever, zero, zero)
 
 
 def _gap_field(grid: FaceGrid, face_motion: FaceMotion, deformation: FaceDeformation) -> GapField:

@@ -9,7 +9,7 @@ import numpy as np
 
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array, BoolArray, IntArray
-from toothspace.films.plane.film import PlanePoints, polar_points
+from toothspace.films.plane.film import PlanePoints, polar_grid, polar_points
 from toothspace.films.reynolds.equation import FilmGrid
 from toothspace.model.film_faces import FILM
 from toothspace.model.lateral_balance import FilmInterface
@@ -76,7 +76,8 @@ class FaceGrid:
         step, rim = 2.0 * np.pi / self.rows, self.rims
         face = np.asarray(np.arange(self.rows + 1) * step)
         object.__setattr__(self, "points", polar_points(self.angle, face, self.radius, rim))
-        object.__setattr__(self, "_metric", _metric(self.rows, step, rim, self.radius))
+        metric = polar_grid(self.rows, rim)
+        object.__setattr__(self, "_metric", metric)
         object.__setattr__(self, "area", self._metric.area)
 
     @property
@@ -131,7 +132,7 @@ class FaceGrid:
         )
 
     def face_moments(self, cells: BoolArray) -> Array:
-        """Area of cells and its first moments in the machine frame: lift and rotations."""
+        """Area of cells [m2] and its first moments in the machine frame [m3]."""
         x0, y0 = self.interface.face.center
         area = np.where(cells, self.area, 0.0)
         x, y = self.points.x + x0, self.points.y + y0
@@ -164,30 +165,3 @@ def _moments(pressure: Array, cells: BoolArray, x: Array, y: Array, area: Array)
                 out[1] += push * y[i, j]
                 out[2] -= push * x[i, j]
     return out
-
-
-def _metric(rows: int, step: float, rim: Array, radius: Array) -> FilmGrid:
-    """Metric with the sweep of one radian per second."""
-    lanes, width = radius.size, np.diff(rim)
-    between = np.concatenate(
-        [
-            [np.log(radius[0] / rim[0])],
-            np.log(radius[1:] / radius[:-1]),
-            [np.log(rim[-1] / radius[-1])],
-        ]
-    )
-    area = 0.5 * step * (rim[1:] ** 2 - rim[:-1] ** 2)
-    return FilmGrid(
-        np.tile(width / (radius * step), (rows + 1, 1)),
-        np.tile(step / between, (rows, 1)),
-        np.tile(0.5 * radius * width, (rows + 1, 1)),
-        np.zeros((rows, lanes + 1)),
-        np.tile(area, (rows, 1)),
-        np.zeros((rows, lanes), dtype=np.int64),
-        np.zeros((rows, lanes)),
-        np.zeros(lanes),
-        np.zeros(lanes),
-        np.zeros(rows),
-        np.zeros(rows),
-        True,
-    )

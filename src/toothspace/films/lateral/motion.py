@@ -289,22 +289,17 @@ def _decided(
 
     Stick or slip is revised near the balance only: what once sticks needs more to break away.
     """
-    near = False
+    near, levers = False, levers_of(task.stack)
     for _ in range(_STATUS_ROUNDS):
+        held = [w for k, w in enumerate(levers) if slides is not None and slides[k] == 0]
         force, drag = _forces(task, states, v, slides)
-        found = _newton_step(task, jacobian, force, drag, pull, _held(task, slides), v)
+        found = _newton_step(task, jacobian, force, drag, pull, held, v)
         revised = slides if slides is None else _revised(task, found, v, slides)
         near = near or (steady and found.error <= _NEAR * _scale(task))
         if revised == slides or not near:
             return found, slides, revised == slides
         slides = revised
     return found, slides, False
-
-
-def _held(task: _StepTask, slides: tuple[int, ...] | None) -> list[Array]:
-    """Motions of the bearings that stick."""
-    levers = levers_of(task.stack)
-    return [lever for k, lever in enumerate(levers) if slides is not None and slides[k] == 0]
 
 
 def _balance(

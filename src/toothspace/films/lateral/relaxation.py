@@ -49,13 +49,6 @@ class _Point(NamedTuple):
     change: float  # of the distant deformation over the gap [-]
 
 
-class _RelaxationTask(NamedTuple):
-    stack: Stack
-    snapshots: tuple[Snapshot, ...]
-    loads: Loads
-    start: Balance
-
-
 def relax(
     stack: Stack,
     snapshots: Sequence[Snapshot],
@@ -88,13 +81,31 @@ def relax(
     long as the stiffness predicts the forces found, so that a contact is met slowly.
     """
     scale = balance_force(stack, loads.back)
-    task = _RelaxationTask(stack, tuple(snapshots), loads, start)
-    now = _point(task, start.position, start.states, [list(s.distant) for s in start.states])
+
+    def point(q: Array, former: Sequence[StackState], distant: Fields) -> _Point:
+        still = np.zeros(stack.size)
+        states = tuple(
+            stack.solve(snapshot, q, still, old, given)
+            for snapshot, old, given in zip(snapshots, former, distant, strict=True)
+        )
+        force, stiffness = stop_forces(stack, q)
+        if loads.friction.holds:
+            for k, (sense, lever) in enumerate(zip(start.slides, levers_of(stack), strict=True)):
+                force -= sense * loads.law(k).coulomb_force * lever
+        force += mean_force(states, loads.back)
+        stiffness += mean_coefficients(states)[0]
+        wanted, change = next_deformation(states, distant, loads.back.low)
+        return _Point(states, force, stiffness, wanted, change)
+
+    now = point(start.position, start.states, [list(s.distant) for s in start.states])
     far, taken = _FIRST_STEP, 0
-    while taken < most_steps and not _settled(stack, now, force_tolerance * scale, film_tolerance):
+    while taken < most_steps:
+        settled = now.change <= film_tolerance and all(s.converged for s in now.states)
+        if settled and _size(stack, now.force) <= force_tolerance * scale:
+            break
         taken += 1
         step = limited(now.states, _step(stack, now, scale / far))
-        found = _point(task, now.states[0].position + step, now.states, _followed(now))
+        found = point(now.states[0].position + step, now.states, _followed(now))
         error = _size(stack, found.force - (now.force - now.stiffness @ step))
         size = _size(stack, now.force)
         good = error <= _PREDICTED * max(size, _SMALL * scale)  # false where films are lost
@@ -104,11 +115,6 @@ def relax(
         now = found
         far = min(far * _GROWTH, _LONGEST_STEP) if error <= _GOOD * size else far
     return Relaxed(now.states, _size(stack, now.force) / scale, taken)
-
-
-def _settled(stack: Stack, now: _Point, most_force: float, most_change: float) -> bool:
-    films = now.change <= most_change and all(s.converged for s in now.states)
-    return films and _size(stack, now.force) <= most_force
 
 
 def _step(stack: Stack, now: _Point, holding: float) -> Array:
@@ -132,22 +138,4 @@ def _followed(now: _Point) -> Fields:
 def _size(stack: Stack, force: Array) -> float:
     """Largest force, moments as forces at the rim. [N]."""
     return float(np.abs(force / stack.arms)[stack.free].max())
-
-
-def _point(
-    task: _RelaxationTask, q: Array, former: Sequence[StackState], distant: Fields
-) -> _Point:
-    stack, snapshots, loads, start = task
-    still = np.zeros(stack.size)
-    states = tuple(
-        stack.solve(snapshot, q, still, old, given)
-        for snapshot, old, given in zip(snapshots, former, distant, strict=True)
-    )
-    force, stiffness = stop_forces(stack, q)
-    if loads.friction.holds:
-        for k, (sense, lever) in enumerate(zip(start.slides, levers_of(stack), strict=True)):
-            force -= sense * loads.law(k).coulomb_force * lever
-    force += mean_force(states, loads.back)
-    stiffness += mean_coefficients(states)[0]
-    wanted, change = next_deformation(states, distant, loads.back.low)
-    return _Point(states, force, stiffness, wanted, change)
+    return float(np.abs(force / stack.arms)[stack.free].max())

@@ -203,7 +203,7 @@ class Stack:
 
     @property
     def chains(self) -> list[Array]:
-        """Upper face of every film from the coordinates."""
+        """Matrices from the coordinates to lift [m] and tilts [rad] of every upper film face."""
         return [bearing + body for bearing, body in self._maps]
 
     @property
@@ -247,7 +247,7 @@ class Stack:
 
     @property
     def opening(self) -> Array:
-        """Mean lift of all floating bearings away from the gears, from the coordinates."""
+        """Row from the coordinates to the mean lift of all floating bearings. [m]."""
         tilts = self.balance.motion == "full"
         lever = np.zeros(self.size)
         for part in self.moving_bearings:
@@ -380,14 +380,14 @@ class StackState:
         return max(film.solution.change for film in self.films)
 
     def film_force(self) -> Array:
-        """Generalised forces of films, asperities and tooth spaces on the coordinates."""
+        """Forces [N] and moments [N m] of films, asperities and tooth spaces on the coordinates."""
         force = np.zeros(self.stack.size)
         for film, (bearing, body) in zip(self.films, self.stack._maps, strict=True):
             force += (bearing + body).T @ film.covered_load() + bearing.T @ film.open_load()
         return force
 
     def back_force(self, back: BackPressure) -> Array:
-        """Generalised forces behind the floating bearings, springs and tooth forces."""
+        """Forces [N] and moments [N m] behind the floating bearings, of springs and teeth."""
         stack = self.stack
         force = np.zeros(stack.size)
         # the face as the films see it, so that equal pressure everywhere balances exactly

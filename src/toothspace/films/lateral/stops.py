@@ -72,7 +72,7 @@ def leaning(stack: Stack, q: Array) -> list[str]:
 
 
 def rim_levers(stack: Stack, part: MovingBearing) -> Array:
-    """Lift of places on the rim of a bearing from its three coordinates, one row each."""
+    """Rows from lift and tilts of a bearing to the lift of places on its rim. [-, m, m]."""
     own = [
         i.face for i in stack.balance.interfaces if i.side == part.side and i.body in part.bodies
     ]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple, final
 
@@ -12,7 +12,7 @@ import numpy as np
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.films.reynolds.equation import FilmGrid, FluidField, GapField
+from toothspace.films.reynolds.equation import FilmGrid, GapField, ring_grid
 from toothspace.films.reynolds.fluid import FilmFluid
 from toothspace.films.reynolds.linearised import pressure_responses
 from toothspace.films.reynolds.rough_surfaces import (
@@ -26,18 +26,14 @@ from toothspace.films.reynolds.state import (
     Exchange,
     FilmHistory,
     FilmProblem,
+    FilmState,
     exchange,
     memory,
     relative_error,
     solve_state,
 )
-from toothspace.numerics.complementarity import (
-    ComplementaritySolution,
-    Constraint,
-    residual,
-)
+from toothspace.numerics.complementarity import Constraint, residual
 from toothspace.numerics.linear_system import PRESCRIBED
-from toothspace.numerics.structured_grid import CellBalance
 
 
 class PlanePoints(NamedTuple):
@@ -67,6 +63,20 @@ def polar_points(angle: Array, angle_face: Array, radius: Array, rim: Array) -> 
     return PlanePoints(x, y, at(angle_face, radius), at(angle, rim))
 
 
+def polar_grid(rows: int, rim: Array) -> FilmGrid:
+    """Grid whose ring of cells turns at one radian per second, from the radii between its lanes.
+
+    Radial conductances are exact for a gap that does not change along the radius; nothing flows
+    through a rim of no radius.
+    """
+    step, width, radius = 2.0 * np.pi / rows, np.diff(rim), 0.5 * (rim[1:] + rim[:-1])
+    with np.errstate(divide="ignore"):
+        inner = np.log(radius[0] / rim[0])
+    between = np.array([inner, *np.log(radius[1:] / radius[:-1]), np.log(rim[-1] / radius[-1])])
+    area = 0.5 * step * (rim[1:] ** 2 - rim[:-1] ** 2)
+    return ring_grid(rows, width / (radius * step), step / between, 0.5 * radius * width, area)
+
+
 @final
 @dataclass(frozen=True)
 class PlaneFilm:
@@ -87,18 +97,10 @@ class PlaneFilm:
 
 @final
 @dataclass(frozen=True)
-class PlaneSolution:
+class PlaneSolution(FilmState):
     """Fields of a plane film and the state that they were found with."""
 
     film: PlaneFilm
-    fluid: FluidField = field(repr=False)
-    """Liquid at the pressure of the cells."""
-    balance: CellBalance = field(repr=False)
-    fields: ComplementaritySolution = field(repr=False)
-    status: Status
-    """Whether there is a solution and the iterations settled."""
-    gauge: Array = field(repr=False)
-    """Pressure above the cavitation pressure. [Pa]"""
 
     @property
     def pressure(self) -> Array:
@@ -176,7 +178,8 @@ class PlaneSolution:
         [N/m, N m/rad and mixed; the same times s]
         """
         film = self.film
-        changes = [_rigid_change(film, k, rate) for rate in (False, True) for k in range(3)]
+        places = film.points
+        changes = [rigid_change(places, k, rate) for rate in (False, True) for k in range(3)]
         responses = self.responses(changes)
         table = -np.array([self.load(response) for response in responses]).T
         return table[:, :3], table[:, 3:]
@@ -275,12 +278,11 @@ def solve_plane(film: PlaneFilm, history: FilmHistory | None = None) -> PlaneSol
         film.grid, film.gap, film.fluid, film.cavitation_pressure, film.constraint, film.law
     )
     state = solve_state(problem, history=memory(problem, history))
-    return PlaneSolution(film, state.fluid, state.balance, state.fields, state.status, state.gauge)
+    return PlaneSolution(**vars(state), film=film)
 
 
-def _rigid_change(film: PlaneFilm, motion: int, rate: bool) -> GapField:
-    """Change of the gap by a unit lift or rotation of the upper face about x or y."""
-    points = film.points
+def rigid_change(points: PlanePoints, motion: int, rate: bool) -> GapField:
+    """Change of the gap by a unit lift or rotation of the upper face about x or y, or its rate."""
 
     def shape(x: Array, y: Array) -> Array:
         return np.ascontiguousarray((np.ones_like(x), y, -x)[motion])

@@ -15,6 +15,7 @@ from toothspace.films.plane.film import (
     FaceSolution,
     PlaneFilm,
     PlaneSolution,
+    polar_grid,
     polar_points,
     solve_plane,
 )
@@ -149,7 +150,7 @@ class LateralFilm:
             np.zeros_like(centre) if self.depth is None else self.depth,
         )
         return PlaneFilm(
-            self._metric(step, rim, radius, shaft_speed),
+            self._metric(rim, shaft_speed),
             gap,
             polar_points(angle, face_angle, radius, rim),
             self.fluid,
@@ -166,34 +167,20 @@ class LateralFilm:
         lean = about_x * np.sin(angle) - about_y * np.cos(angle)
         return np.ascontiguousarray(self.side_gap + lean[:, None] * radius)
 
-    def _metric(self, step: float, rim: Array, radius: Array, shaft_speed: float) -> FilmGrid:
-        rows, lanes = self.grid
-        width = np.diff(rim)
-        between = np.empty(lanes + 1)
-        between[1:-1] = np.log(radius[1:] / radius[:-1])
-        between[0] = np.log(radius[0] / rim[0]) if rim[0] > 0.0 else np.inf
-        between[-1] = np.log(rim[-1] / radius[-1])
-        across = step / between
+    def _metric(self, rim: Array, shaft_speed: float) -> FilmGrid:
+        grid = polar_grid(self.grid[0], rim)
         if self.inner_pressure is None:
-            across[0] = 0.0
+            grid.shape_y[:, 0] = 0.0
         if self.outer_pressure is None:
-            across[-1] = 0.0
-        area = 0.5 * step * (rim[1:] ** 2 - rim[:-1] ** 2)
+            grid.shape_y[:, -1] = 0.0
         given = np.full(self.grid, np.nan) if self.given_pressure is None else self.given_pressure
         known = np.isfinite(given)
-        return FilmGrid(
-            np.tile(width / (radius * step), (rows + 1, 1)),
-            np.tile(across, (rows, 1)),
-            np.tile(0.5 * shaft_speed * radius * width, (rows + 1, 1)),
-            np.zeros((rows, lanes + 1)),
-            np.tile(area, (rows, 1)),
-            np.where(known, PRESCRIBED, 0),
-            np.where(known, given, 0.0),
-            np.zeros(lanes),
-            np.zeros(lanes),
-            self._rim_pressure(self.inner_pressure),
-            self._rim_pressure(self.outer_pressure),
-            True,
+        return grid._replace(
+            sweep_x=shaft_speed * grid.sweep_x,
+            mark=np.where(known, PRESCRIBED, 0),
+            prescribed=np.where(known, given, 0.0),
+            south=self._rim_pressure(self.inner_pressure),
+            north=self._rim_pressure(self.outer_pressure),
         )
 
     def _rim_pressure(self, pressure: float | Array | None) -> Array:
@@ -221,7 +208,7 @@ class LateralSolution(FaceSolution):
         return self.lateral.surfaces
 
     def coefficients(self) -> tuple[Array, Array]:
-        """Stiffness and damping 3x3 for lift of the upper face and its rotations about x and y.
+        """Stiffness [N/m] and damping [N s/m] 3x3 for lift of the upper face and both rotations.
 
         Of film and touching asperities; units as of
         :meth:`~toothspace.films.plane.film.PlaneSolution.rigid_coefficients`.

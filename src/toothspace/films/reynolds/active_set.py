@@ -24,7 +24,7 @@ from toothspace.films.reynolds.equation import (
     FilmGrid,
     FluidField,
     GapField,
-    gauge_pressure,
+    empty_balance,
     vary_storage,
 )
 from toothspace.films.reynolds.rough_surfaces import (
@@ -35,7 +35,7 @@ from toothspace.films.reynolds.rough_surfaces import (
     tabulated,
     tabulates,
 )
-from toothspace.numerics.structured_grid import PRESCRIBED, CellBalance
+from toothspace.numerics.structured_grid import CellBalance
 
 
 class GapSlopes(NamedTuple):
@@ -225,21 +225,7 @@ def linearised_balance(
         Average flow between the walls.
     """
     x, y = gap.rigid.face_x.shape, gap.rigid.face_y.shape
-    balance = CellBalance(
-        np.empty(x),
-        np.empty(y),
-        np.empty(x),
-        np.empty(y),
-        np.empty(gap.opening.shape),
-        np.zeros(gap.opening.shape),
-        grid.mark,
-        np.where(grid.mark == PRESCRIBED, gauge_pressure(grid.prescribed, cavitation_pressure), 0),
-        gauge_pressure(grid.west, cavitation_pressure),
-        gauge_pressure(grid.east, cavitation_pressure),
-        gauge_pressure(grid.south, cavitation_pressure),
-        gauge_pressure(grid.north, cavitation_pressure),
-        grid.ring,
-    )
+    balance = empty_balance(grid, cavitation_pressure)
     out = Linearised(balance, GapSlopes(*map(np.empty, (x, x, x, y, y))))
     cells = _Cells(*(np.empty(gap.opening.shape) for _ in range(4)))
     _fill_cells(grid.mark, gap, law, np.array_equal(law.table.along, law.table.across), cells)

@@ -209,9 +209,60 @@ def _fill_cells(
             b.storage[i, j] = fluid.density[i, j] * rate * grid.area[i, j]
 
 
-def gauge_pressure(pressure: Array, cavitation_pressure: float) -> Array:
-    """Pressure above that of cavitation, not below zero. [Pa]."""
-    return np.maximum(pressure - cavitation_pressure, 0.0)
+def ring_grid(rows: int, shape_x: Array, shape_y: Array, sweep_x: Array, area: Array) -> FilmGrid:
+    """Grid of a ring of rows that are alike, of free cells with no pressure beyond the edges.
+
+    Parameters
+    ----------
+    rows : int
+        Cells round the ring. [-]
+    shape_x, sweep_x, area : ndarray, shape (lanes,)
+        As of :class:`FilmGrid`, over the second index. [-, m2/s, m2]
+    shape_y : ndarray, shape (lanes + 1,)
+        The same. [-]
+    """
+    lanes = area.size
+    return FilmGrid(
+        np.tile(shape_x, (rows + 1, 1)),
+        np.tile(shape_y, (rows, 1)),
+        np.tile(sweep_x, (rows + 1, 1)),
+        np.zeros((rows, lanes + 1)),
+        np.tile(area, (rows, 1)),
+        np.zeros((rows, lanes), dtype=np.int64),
+        np.zeros((rows, lanes)),
+        np.zeros(lanes),
+        np.zeros(lanes),
+        np.zeros(rows),
+        np.zeros(rows),
+        True,
+    )
+
+
+def empty_balance(grid: FilmGrid, cavitation_pressure: float) -> CellBalance:
+    """Balance of a grid with its given potentials, whose coefficients are still to be filled in.
+
+    Potentials are pressures above the cavitation pressure [Pa], and not below zero.
+    """
+    given, west, east, south, north = (
+        np.maximum(pressure - cavitation_pressure, 0.0)
+        for pressure in (grid.prescribed, grid.west, grid.east, grid.south, grid.north)
+    )
+    x, y, cells = np.empty_like(grid.shape_x), np.empty_like(grid.shape_y), np.zeros_like(grid.area)
+    return CellBalance(
+        x,
+        y,
+        x.copy(),
+        y.copy(),
+        cells,
+        cells.copy(),
+        grid.mark,
+        np.where(grid.mark == PRESCRIBED, given, 0.0),
+        west,
+        east,
+        south,
+        north,
+        grid.ring,
+    )
 
 
 def film_balance(
@@ -226,23 +277,7 @@ def film_balance(
     Potentials are pressures above the cavitation pressure, given ones not below it: a groove or
     edge of lower pressure holds a cavity. [Pa, m3/s]
     """
-    b = CellBalance(
-        np.empty_like(gap.face_x),
-        np.empty_like(gap.face_y),
-        np.empty_like(gap.face_x),
-        np.empty_like(gap.face_y),
-        np.empty_like(gap.centre),
-        np.zeros_like(gap.centre),
-        grid.mark,
-        np.where(
-            grid.mark == PRESCRIBED, gauge_pressure(grid.prescribed, cavitation_pressure), 0.0
-        ),
-        gauge_pressure(grid.west, cavitation_pressure),
-        gauge_pressure(grid.east, cavitation_pressure),
-        gauge_pressure(grid.south, cavitation_pressure),
-        gauge_pressure(grid.north, cavitation_pressure),
-        grid.ring,
-    )
+    b = empty_balance(grid, cavitation_pressure)
     _fill_x(grid, gap, fluid, law, b, False)
     _fill_y(grid, gap, fluid, law, b, False)
     _fill_cells(grid, gap, fluid, law, b)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -33,8 +33,6 @@ def pressure_responses(
 ) -> list[Array]:
     """Change of the pressure with each of several changes of the gap, cavity boundary exact.
 
-    All changes are right-hand sides of one linear solution.
-
     Parameters
     ----------
     grid, gap, carrier
@@ -56,12 +54,32 @@ def pressure_responses(
         Change of the pressure of every cell per unit. [Pa per unit]
     """
     slope = balance_derivative(grid, gap, carrier, balance, law)
-    sides = np.empty((len(changes), fields.potential.size))
+    varied = (balance_variation(grid, gap, carrier, change, slope, law) for change in changes)
+    return solved_responses(balance, fields, varied, relative_tolerance)
+
+
+def solved_responses(
+    balance: CellBalance,
+    fields: ComplementaritySolution,
+    varied: Iterable[CellBalance],
+    relative_tolerance: float,
+) -> list[Array]:
+    """Change of a solved pressure with variations of its balance: all sides of one solution. [Pa].
+
+    Parameters
+    ----------
+    balance, fields
+        Balance that was solved, and its solution. [Pa, m3/s]
+    varied : iterable of CellBalance
+        First variations of the balance.
+    relative_tolerance : float
+        Residual of the linear solution over its right-hand side. [-]
+    """
+    known, changes = fields.kind == PRESCRIBED, list(varied)
+    sides = np.empty((len(changes), known.size))
     for side, change in zip(sides, changes, strict=True):
-        varied = balance_variation(grid, gap, carrier, change, slope, law)
-        disturbance = residual(balance, varied, fields.potential, fields.saturation)
-        disturbance[fields.kind == PRESCRIBED] = 0.0
-        side[:] = -disturbance.ravel()
+        disturbance = residual(balance, change, fields.potential, fields.saturation)
+        side[:] = np.where(known, 0.0, -disturbance).ravel()
     found = fields.system.solve(sides, relative_tolerance=relative_tolerance)
     held = (fields.kind != SATURATED) | (fields.potential <= 0.0)
     return [np.where(held, 0.0, response.reshape(held.shape)) for response in found]

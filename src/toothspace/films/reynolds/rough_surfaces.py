@@ -296,15 +296,8 @@ def _flow_table(law: FlowLaw) -> FlowTable:
 
 
 def _elastic_plastic(s: RoughSurfaces, ratio: float) -> float:
-    return float(
-        asperity_pressure(
-            ratio * s.roughness,
-            s.roughness,
-            s.correlation_length,
-            s.effective_modulus,
-            s.hardness,
-        )
-    )
+    gap, modulus = ratio * s.roughness, s.effective_modulus
+    return float(asperity_pressure(gap, s.roughness, s.correlation_length, modulus, s.hardness))
 
 
 def _greenwood_tripp(s: RoughSurfaces, ratio: float) -> float:

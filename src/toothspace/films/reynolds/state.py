@@ -62,15 +62,14 @@ class FilmProblem(NamedTuple):
     law: FlowLaw
 
 
-@final
 @dataclass(frozen=True)
 class FilmState:
     """Solved film. The potential of ``fields`` is the reduced pressure above the cavity's."""
 
-    gauge: Array
+    gauge: Array = field(repr=False)
     """Pressure above the cavitation pressure. [Pa]"""
-    fluid: FluidField
-    """Liquid at the pressure."""
+    fluid: FluidField = field(repr=False)
+    """Liquid at the pressure of the cells."""
     balance: CellBalance = field(repr=False)
     """Balance in the reduced pressure. [Pa, m3/s]"""
     fields: ComplementaritySolution = field(repr=False)

@@ -6,9 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from toothspace.geometry.cad_export import export_gear
+from toothspace.geometry.cad_export import Section, export_gear, export_section
 from toothspace.geometry.curve import polar
-from toothspace.geometry.section_export import Section, export_section
 from toothspace.machines.crescent.assembly import assemble
 from toothspace.machines.crescent.filler import filler_outline
 from toothspace.machines.crescent.parameters import CrescentParameters

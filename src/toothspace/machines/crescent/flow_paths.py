@@ -77,7 +77,8 @@ def _tip_path(assembly: CrescentAssembly, own: ToothSpaces) -> FlowPath:
         sign = 1.0 if gear == 0 else -1.0
         motion[:, 2 * gear] = sign * np.sin(places)
         motion[:, 2 * gear + 1] = -sign * np.cos(places)
-    return own.tips("tip", _TIPS[gear], clearance, filler_cover(assembly, gear, places), motion)
+    cover = filler_cover(assembly, gear, places)
+    return own.tips("tip", _TIPS[gear], clearance, cover, motion, filler.roughness)
 
 
 def notch_opening(assembly: CrescentAssembly, own: ToothSpaces, notch: NotchParameters) -> Array:

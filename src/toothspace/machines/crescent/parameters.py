@@ -126,6 +126,9 @@ class FillerParameters(KeyTable):
         "um", "Gap to the tip circle of the pinion.", low=0.5, high=1000
     )
     ring_clearance: float = quantity("um", "Gap to the tip circle of the ring.", low=0.5, high=1000)
+    roughness: float = quantity(
+        "um", "Of the filler: keeps tips that touch it apart.", low=0.01, high=100, default=1e-6
+    )
     compensation: str = choice(
         "Whether the filler stands in the housing, or its halves are pressed radially against the "
         "teeth and follow the gears with these gaps.",

@@ -98,7 +98,7 @@ def assemble(spec: ExternalGearSpec) -> Assembly:
     mesh = _centred_mesh(teeth, distance)
     if pair is None:
         _check_room(profiles, distance)
-    loaded_is_left = spec.mode == "pump"
+    loaded_is_left = spec.keys.mode == "pump"
     return Assembly(
         teeth=teeth,
         root_radii=(profiles[0].root_radius, profiles[1].root_radius),
@@ -123,21 +123,13 @@ def _involute_pair(spec: ExternalGearSpec) -> GearPair | None:
         return None
     if spec.center_distance is not None:
         return pair_from_center_distance(drive, driven, spec.center_distance)
-    return pair_from_backlash(drive, driven, _backlash(spec))
-
-
-def _backlash(spec: ExternalGearSpec) -> float:
-    if spec.normal_backlash is None:
-        raise GeometryError(
-            "machine.gears: found neither center_distance nor normal_backlash, allowed one of them"
-        )
-    return spec.normal_backlash
+    return pair_from_backlash(drive, driven, spec.keys.gears.normal_backlash or 0.0)
 
 
 def _profile_distance(spec: ExternalGearSpec, profiles: tuple[GearProfile, GearProfile]) -> float:
     if spec.center_distance is not None:
         return spec.center_distance
-    backlash = _backlash(spec)
+    backlash = spec.keys.gears.normal_backlash or 0.0
     near = max(
         profiles[0].tip_radius + profiles[1].root_radius,
         profiles[1].tip_radius + profiles[0].root_radius,

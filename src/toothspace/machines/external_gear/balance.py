@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import shapely
@@ -49,38 +49,37 @@ def lateral_balance(assembly: Assembly, numbering: Numbering) -> LateralBalance:
     """
     block = assembly.spec.floating_block
     assert block is not None
-    drain = assembly.spec.drain or ("inlet" if assembly.spec.mode == "pump" else "outlet")
+    keys = assembly.spec.keys
     ports = {"inlet": numbering.inlet, "outlet": numbering.outlet, "external": numbering.drain}
-    pump = assembly.spec.mode == "pump"
     return LateralBalance(
-        arrangement=block.arrangement,
-        motion=block.motion,
+        arrangement=cast(Any, block.arrangement),
+        motion=cast(Any, block.keys.motion),
         interfaces=tuple(
             _interface(assembly, numbering, side, gear) for side in _SIDES for gear in (0, 1)
         ),
         floating=_floating(assembly, block),
-        high_node=numbering.outlet if pump else numbering.inlet,
-        low_node=ports[drain],
+        high_node=ports["outlet" if keys.mode == "pump" else "inlet"],
+        low_node=ports[keys.drain_node],
         body_forces=_tooth_forces(assembly, block),
         body_masses=tuple(body.mass for body in bodies(assembly)),
         elastic_bodies=_elastic_bodies(assembly, numbering, block),
-        halves=_halves(assembly, block) if block.split else (),
+        halves=_halves(assembly, block) if block.keys.split else (),
         body_tilts=_shaft_tilts(assembly),
-        shaft_stiffness=block.shaft_stiffness,
+        shaft_stiffness=block.keys.shaft_stiffness,
     )
 
 
 def _tooth_forces(assembly: Assembly, block: FloatingBlock) -> tuple[AxialForce, ...]:
     """Forces of helical teeth at the pitch point, where contacts stand in the mean."""
     above, below = assembly.mesh.pitch_radii
-    drive, driven = block.gear_forces
+    drive, driven = block.keys.gear_axial_force
     return AxialForce(drive, (0.0, above)), AxialForce(driven, (0.0, -below))
 
 
 def _shaft_tilts(assembly: Assembly) -> tuple[float, ...]:
     """Tilt of every gear at which its shaft meets the far ends of both journal bearings. [rad]."""
     spec = assembly.spec
-    journals = spec.journals
+    journals = spec.keys.journal_bearings
     return tuple(
         journals.radial_clearance / (0.5 * gear.face_width + journals.length)
         for gear in (spec.drive, spec.driven)
@@ -93,15 +92,15 @@ def _elastic_bodies(
     face = bearing_face(assembly)
     high = _high_pressure(assembly, block, face)
     if high is None:
-        high = _behind_a_chord(face, block.high_pressure_area, block.high_pressure_center)
+        high = _behind_a_chord(face, block.high_pressure)
     drive, driven = (FaceOfGear(assembly, numbering, gear) for gear in (0, 1))
     return ElasticAssembly(assembly, high, (drive, driven))
 
 
-def _behind_a_chord(face: Any, area: float, center: tuple[float, float]) -> Any:
-    """Part of a face of a given area behind a chord across the way to a centre. [m]."""
+def _behind_a_chord(face: Any, patch: Patch) -> Any:
+    """Part of a face of the area of a patch behind a chord across the way to its centre. [m]."""
     middle = np.array([face.centroid.x, face.centroid.y])
-    away = np.array(center) - middle
+    away = np.array(patch.center) - middle
     turn = np.arctan2(away[1], away[0])
     reach = float(np.hypot(*np.ptp(np.reshape(face.bounds, (2, 2)), axis=0)))
 
@@ -113,7 +112,7 @@ def _behind_a_chord(face: Any, area: float, center: tuple[float, float]) -> Any:
     low, high = -reach, reach
     for _ in range(_HALVINGS):
         place = 0.5 * (low + high)
-        low, high = (place, high) if part(place).area > area else (low, place)
+        low, high = (place, high) if part(place).area > patch.area else (low, place)
     return part(high)
 
 
@@ -124,7 +123,7 @@ def _interface(assembly: Assembly, numbering: Numbering, side: Side, gear: int) 
     column = block.length / block.material.elastic_modulus
     face = FaceOfGear(assembly, numbering, gear)
     parts = half_names(block, side)
-    gap = spec.lateral.side_gap_floating if side == "floating" else spec.lateral.side_gap_solid
+    gap = spec.keys.lateral.side_gaps[_SIDES.index(side)]
     column += 0.5 * own.face_width / own.material.elastic_modulus
     return FilmInterface(
         name=f"{side}_{BODIES[gear]}",
@@ -141,7 +140,7 @@ def _interface(assembly: Assembly, numbering: Numbering, side: Side, gear: int) 
 
 def bearing_face(assembly: Assembly) -> shapely.Polygon:
     """Face of a bearing block: both tip circles less the shaft bores. [m]."""
-    bore = 0.5 * assembly.spec.journals.diameter
+    bore = assembly.spec.shaft_radius
     centers = [shapely.Point(0.0, 0.0), shapely.Point(0.0, assembly.mesh.center_distance)]
     tips = [profile.tip_radius for profile in assembly.profiles]
     outline = shapely.union_all(
@@ -159,9 +158,7 @@ def _patch(shape: Any) -> Patch:
 def _floating(assembly: Assembly, block: FloatingBlock) -> FloatingBearing:
     face = bearing_face(assembly)
     shape = _high_pressure(assembly, block, face)
-    given = Patch(block.high_pressure_area, block.high_pressure_center)
-    high = given if shape is None else _patch(shape)
-    nose = Patch(block.nose_area, block.nose_center)
+    high, nose = block.high_pressure if shape is None else _patch(shape), block.nose
     if high.area + nose.area > face.area:
         raise GeometryError(
             f"machine.floating_bearing.high_pressure_area: found {high.area * 1e6:.5g} mm^2 with "
@@ -170,9 +167,9 @@ def _floating(assembly: Assembly, block: FloatingBlock) -> FloatingBearing:
         )
     _check_places(block, face, shape)
     middle = (float(face.centroid.x), float(face.centroid.y))
-    loads = [(s.force, s.x, s.y) for s in block.springs]
-    loads += [(block.seal_preload, *middle)] if block.seal_preload > 0.0 else []
-    mass = block.mass or face.area * block.length * block.material.density
+    loads = [(s.force, s.x, s.y) for s in block.keys.springs]
+    loads += [(block.keys.seal_preload, *middle)] if block.keys.seal_preload > 0.0 else []
+    mass = block.keys.mass or face.area * block.length * block.material.density
     return FloatingBearing(
         mass=float(mass),
         face=_patch(face),
@@ -181,7 +178,7 @@ def _floating(assembly: Assembly, block: FloatingBlock) -> FloatingBearing:
         preload=_resultant(loads),
         housing=_housing(block, 1.0),
         gauge_point=(0.0, -assembly.profiles[0].tip_radius),
-        axial_play=block.axial_play,
+        axial_play=block.keys.axial_play,
         wall_stiffness=_held_by_wall(block, face),
     )
 
@@ -191,11 +188,11 @@ def _held_by_wall(block: FloatingBlock, face: Any) -> float:
 
     A layer of modulus E and thickness t on an area A of length L: E A L^2 / (12 t).
     """
-    if block.wall_stiffness is not None:
-        return block.wall_stiffness
+    if block.keys.wall_stiffness is not None:
+        return block.keys.wall_stiffness
     low, _, high, _ = face.bounds
-    layer = 0.5 * float(high - low)
-    return block.material.elastic_modulus * block.contact_area * block.length**2 / (12.0 * layer)
+    area, layer = block.keys.housing.area, 0.5 * float(high - low)
+    return block.material.elastic_modulus * area * block.length**2 / (12.0 * layer)
 
 
 def _check_places(block: FloatingBlock, face: Any, high: Any | None) -> None:
@@ -203,30 +200,30 @@ def _check_places(block: FloatingBlock, face: Any, high: Any | None) -> None:
     outline = shapely.convex_hull(face)
     low_x, low_y, high_x, high_y = (1e3 * float(bound) for bound in face.bounds)
     inside = f"within the bearing, x {low_x:.4g} to {high_x:.4g} mm, y {low_y:.4g} to {high_y:.4g}"
-    places = [(f"springs[{k}]", (s.x, s.y)) for k, s in enumerate(block.springs)]
-    if block.nose_area > 0.0:
-        places.append(("nose.center", block.nose_center))
+    places = [(f"springs[{k}]", (s.x, s.y)) for k, s in enumerate(block.keys.springs)]
+    if block.nose.area > 0.0:
+        places.append(("nose.center", block.nose.center))
     if high is None:
-        places.append(("high_pressure_area.center", block.high_pressure_center))
+        places.append(("high_pressure_area.center", block.high_pressure.center))
     for key, (x, y) in places:
         if not shapely.covers(outline, shapely.Point(x, y)):
             raise GeometryError(
                 f"machine.floating_bearing.{key}: found x {x * 1e3:.5g} mm, y {y * 1e3:.5g} mm, "
                 f"allowed {inside} mm"
             )
-    if block.nose_area > 0.0 and high is not None:
+    if block.nose.area > 0.0 and high is not None:
         _check_nose(block, high)
 
 
 def _check_nose(block: FloatingBlock, high: Any) -> None:
     """Refuse a nose in the high-pressure area: by its outline, or by the centre of a square."""
-    nose = shapely.Point(*block.nose_center)
+    nose = shapely.Point(*block.nose.center)
     found, key = f"x {nose.x * 1e3:.5g} mm, y {nose.y * 1e3:.5g} mm", "center"
     inside = bool(shapely.covers(high, nose))
     if block.nose_contour is not None:
         shared = float(shapely.intersection(high, nose_outline(block)).area)
         found, key = f"{shared * 1e6:.5g} mm^2", "contour"
-        inside = shared > _SHARED * block.nose_area
+        inside = shared > _SHARED * block.nose.area
     if inside:
         raise GeometryError(
             f"machine.floating_bearing.nose.{key}: found {found} in the high-pressure area, "
@@ -235,11 +232,9 @@ def _check_nose(block: FloatingBlock, high: Any) -> None:
 
 
 def _housing(block: FloatingBlock, share: float) -> HousingContact:
+    given = block.keys.housing
     return HousingContact(
-        share * block.contact_area,
-        block.friction_coefficient,
-        block.breakaway_speed,
-        block.friction_law,
+        share * given.area, given.friction_coefficient, given.breakaway_speed, given.law
     )
 
 
@@ -267,8 +262,8 @@ def _halves(assembly: Assembly, block: FloatingBlock) -> tuple[FloatingBearing, 
     for k, (part, gauge) in enumerate(zip(parts, gauges, strict=True)):
         own = shapely.intersection(face, part)
         share = float(own.area / face.area)
-        loads = [(s.force * spring_share(assembly, s.y, k), s.x, s.y) for s in block.springs]
-        loads.append((share * block.seal_preload, own.centroid.x, own.centroid.y))
+        loads = [(s.force * spring_share(assembly, s.y, k), s.x, s.y) for s in block.keys.springs]
+        loads.append((share * block.keys.seal_preload, own.centroid.x, own.centroid.y))
         half = replace(
             whole,
             mass=share * whole.mass,
@@ -300,11 +295,12 @@ def _high_pressure(assembly: Assembly, block: FloatingBlock, face: Any) -> Any |
                 "bearing, allowed on its back face"
             )
         return part
-    if block.seal_line is None:
+    given = block.keys.high_pressure_area
+    near = None if given is None else given.seal_line_x
+    if near is None:
         return None
     low_x, low_y, high_x, high_y = face.bounds
-    near = block.seal_line
-    if assembly.spec.mode == "pump":
+    if assembly.spec.keys.mode == "pump":
         half = shapely.box(min(near, high_x), low_y, high_x, high_y)
     else:
         half = shapely.box(low_x, low_y, max(-near, low_x), high_y)

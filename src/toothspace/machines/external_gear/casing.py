@@ -57,12 +57,15 @@ def bore(assembly: Assembly, gear: int) -> Bore:
     GeometryError
         If a contour does not surround the gear or leaves no sealing bore.
     """
-    casing = assembly.spec.casing
+    casing = assembly.spec.keys.casing
     places = 2.0 * np.pi * np.arange(_RAYS) / _RAYS
-    if casing.contour is None:
+    contour = assembly.spec.casing_contour
+    if contour is None:
+        assert casing.inlet_angle is not None
+        assert casing.outlet_angle is not None
         clearance = np.full(_RAYS, casing.radial_clearance)
         return Bore(casing.inlet_angle, casing.outlet_angle, places, clearance)
-    clearance = _contour_clearance(assembly, gear, casing.contour, places)
+    clearance = _contour_clearance(assembly, gear, contour, places)
     limit = _SEALING_CLEARANCES * casing.radial_clearance
     if clearance.min() <= 0.0 or clearance[_RAYS // 2] > limit:
         raise GeometryError(
@@ -70,7 +73,7 @@ def bore(assembly: Assembly, gear: int) -> Bore:
             f"{clearance[_RAYS // 2] * 1e6:.4g} um opposite to the mesh, allowed above 0 um and "
             f"up to {limit * 1e6:.4g} um"
         )
-    edges = _edge_places(assembly, gear, casing.contour, limit)
+    edges = _edge_places(assembly, gear, contour, limit)
     before = edges[edges < np.pi].max(initial=0.0)
     after = edges[edges > np.pi].min(initial=2.0 * np.pi)
     return Bore(float(before), float(2.0 * np.pi - after), places, np.minimum(clearance, limit))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from toothspace.gearing.flank_contacts import flank_contacts, rigid_mesh
 from toothspace.gearing.meshing import displacement
@@ -24,8 +24,11 @@ from toothspace.machines.external_gear.profile_quality import as_drawn
 from toothspace.machines.external_gear.spec import ExternalGearSpec
 from toothspace.machines.external_gear.summary import design_checks, geometry_summary
 from toothspace.machines.shared_tables import DEFAULT_NODES, CaseDraft, MachineType
-from toothspace.model.description import MachineDescription
+from toothspace.model.description import MachineDescription, RunningIn
 from toothspace.model.lateral_balance import LateralBalance
+
+if TYPE_CHECKING:
+    from toothspace.geometry.evaluated_designs import EvaluatedDesigns
 
 
 def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescription:
@@ -41,7 +44,7 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
     GeometryError
         If the gears cannot be built or put into mesh.
     """
-    assembly = assemble(spec)
+    assembly, keys, wear = assemble(spec), spec.keys, spec.keys.casing.wear_in
     numbering = number(assembly.counts)
     spaces = assembly.spaces(nodes)
     drive, driven = tooth_spaces(assembly, numbering, spaces)
@@ -59,7 +62,7 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
         contacts = own.contact(loaded, is_left=left), own.contact(coast, is_left=not left)
     return MachineDescription(
         name="external_gear",
-        mode=spec.mode,
+        mode=keys.use,
         displacement=displacement(assembly),
         bodies=bodies(assembly),
         motions=MOTIONS,
@@ -70,11 +73,11 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
         contacts=contacts,
         mesh=rigid_mesh(assembly),
         seal_torque=spec.seal_torque,
-        startup=spec.startup,
-        port_volumes=(spec.inlet_volume, spec.outlet_volume),
-        drain=spec.drain or ("inlet" if spec.mode == "pump" else "outlet"),
-        drain_pressure=spec.drain_pressure,
-        running_in=spec.casing.wear_in,
+        startup=None if keys.startup is None else keys.startup.friction,
+        port_volumes=(keys.inlet.volume, keys.outlet.volume),
+        drain=keys.drain_node,
+        drain_pressure=keys.drain_pressure or 1e5,
+        running_in=wear and RunningIn(wear.pressure, wear.shaft_speed, wear.temperature),
         lateral_balance=None if spec.floating_block is None else _balance(assembly, numbering),
         outlines=outlines(assembly),
         chamber_outlines=SpaceOutlines(assembly, numbering),
@@ -98,5 +101,12 @@ def _draft(*given: Any) -> CaseDraft | None:
     return draft_case(*given)
 
 
-MACHINE = MachineType("external_gear", describe, _draft)
+def _designs(*given: Any) -> EvaluatedDesigns:
+    # arrays of gears, which a run does not need
+    from toothspace.machines.external_gear.designs import evaluate_designs
+
+    return evaluate_designs(*given)
+
+
+MACHINE = MachineType("external_gear", describe, _draft, _designs)
 """The machine type found through the entry point."""

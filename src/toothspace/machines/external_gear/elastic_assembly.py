@@ -111,10 +111,6 @@ class ElasticAssembly:
         assert block is not None
         return block
 
-    def _moves(self, side: BearingSide) -> bool:
-        """Whether a bearing is pressed on its back and held by nothing else."""
-        return side == "floating" or self._block.arrangement != "asymmetric"
-
     def _parts(self) -> list[_BlockPart]:
         """Both bearings, halves of the split ones."""
         area = bearing_section(self.assembly).area
@@ -129,7 +125,7 @@ class ElasticAssembly:
         return found
 
     def _bearing(self, part: _BlockPart) -> ElasticBody:
-        own, moves = self._block, self._moves(part.side)
+        own, moves = self._block, self._block.is_floating(part.side)
         body = bearing_body(
             self.assembly,
             own.material,
@@ -146,10 +142,11 @@ class ElasticAssembly:
         own, high = self._block, self._high_on(part)
         areas = {"high": high} if high.area > 0.0 else {}
         lines = {}
-        if own.seal_preload > 0.0:
+        if own.keys.seal_preload > 0.0:
             lines["seal"] = seal_line(high, bearing_section(self.assembly, part.half))
         points = {
-            f"spring_{k}": (own.springs[k].x, own.springs[k].y) for k in self._springs_on(part)
+            f"spring_{k}": (own.keys.springs[k].x, own.keys.springs[k].y)
+            for k in self._springs_on(part)
         }
         patches = {}
         if self._nose_on(part).area > 0.0:
@@ -172,23 +169,23 @@ class ElasticAssembly:
         """Springs on a bearing or half by number, with the share of them that it carries."""
         shares = {
             k: 1.0 if part.half is None else spring_share(self.assembly, spring.y, part.half)
-            for k, spring in enumerate(self._block.springs)
+            for k, spring in enumerate(self._block.keys.springs)
         }
         return {k: share for k, share in shares.items() if share > 0.0}
 
     def _bearing_loads(self, part: _BlockPart) -> list[BodyLoad]:
         own, name, found = self._block, part.name, list[BodyLoad]()
-        if self._moves(part.side):
+        if self._block.is_floating(part.side):
             if self._high_on(part).area > 0.0:
                 found.append(BodyLoad(name, "high", "high"))
             if self._nose_on(part).area > 0.0:
                 area = float(self._nose_on(part).area)
                 found.append(BodyLoad(name, "nose", "nose", factor=area))
-            if own.seal_preload > 0.0:
-                size = part.share * own.seal_preload
+            if own.keys.seal_preload > 0.0:
+                size = part.share * own.keys.seal_preload
                 found.append(BodyLoad(name, "seal", "constant", factor=size))
             for k, share in self._springs_on(part).items():
-                size = share * own.springs[k].force
+                size = share * own.keys.springs[k].force
                 found.append(BodyLoad(name, f"spring_{k}", "constant", factor=size))
         if carries_journals(self.assembly, own.length):
             found += self._radial_loads(part)
@@ -207,7 +204,7 @@ class ElasticAssembly:
 
     def _from_file(self, name: str, body: ElasticBody, half: int | None = None) -> ElasticBody:
         """Body with the shape of its STEP file, where it has one."""
-        files = self.assembly.spec.body_files
+        files = self.assembly.spec.keys.elastic_bodies
         path = None if files is None else getattr(files, _KEYS[name])
         if files is None or path is None:
             return body
@@ -222,8 +219,8 @@ class ElasticAssembly:
 
 def half_names(block: FloatingBlock, side: str) -> tuple[str, ...]:
     """Elastic bodies of the halves beside the gears; empty for a bearing in one piece."""
-    moves = side == "floating" or block.arrangement != "asymmetric"
-    return tuple(f"{side}_{name}" for name in BODIES) if block.split and moves else ()
+    split = block.keys.split and block.is_floating(side)
+    return tuple(f"{side}_{name}" for name in BODIES) if split else ()
 
 
 def spring_share(assembly: Assembly, y: float, half: int) -> float:
@@ -238,8 +235,8 @@ def nose_outline(block: FloatingBlock) -> shapely.Polygon:
     """Nose; a square about its centre where it has no contour. [m]."""
     if block.nose_contour is not None:
         return shapely.Polygon(block.nose_contour)
-    reach = 0.5 * block.nose_area**0.5
-    x, y = block.nose_center
+    reach = 0.5 * block.nose.area**0.5
+    x, y = block.nose.center
     return shapely.box(x - reach, y - reach, x + reach, y + reach)
 
 

@@ -105,7 +105,7 @@ def gear_body(assembly: Assembly, gear: int, size: MeshSize | None = None) -> El
     spec, profile = assembly.spec, assembly.profiles[gear]
     own = (spec.drive, spec.driven)[gear]
     unit, half = assembly.profiles[0].tip_radius, 0.5 * own.face_width
-    radius, reach = 0.5 * spec.journals.diameter, half + spec.journals.length
+    radius, reach = spec.shaft_radius, half + spec.keys.journal_bearings.length
     section = shapely.Polygon(profile.closed_polygon())
     face = section.difference(disc(radius))
     parts = (Prism(section, -half, half), Prism(disc(radius), -reach, reach))
@@ -136,7 +136,7 @@ def bearing_section(assembly: Assembly, half: int | None = None) -> shapely.Poly
     centers = _centers(assembly)
     tips = [profile.tip_radius for profile in assembly.profiles]
     outline = shapely.union_all([disc(r, c) for r, c in zip(tips, centers, strict=True)])
-    bore = 0.5 * assembly.spec.journals.diameter
+    bore = assembly.spec.shaft_radius
     whole = shapely.difference(outline, shapely.union_all([disc(bore, c) for c in centers]))
     return whole if half is None else shapely.intersection(whole, beside_cut(assembly, half))
 
@@ -216,7 +216,7 @@ def bearing_body(
 
 def carries_journals(assembly: Assembly, length: float) -> bool:
     """Whether a body of some length [m] holds the journal bearings: a block, not a plate."""
-    return length > 0.5 * assembly.spec.journals.length
+    return length > 0.5 * assembly.spec.keys.journal_bearings.length
 
 
 def _bearing_parts(
@@ -257,7 +257,7 @@ def radial_loads(
     assembly: Assembly, levels: list[float], gears: tuple[int, ...] = (0, 1)
 ) -> list[Load]:
     """Forces of journals on the bores and of the housing on the outer face, one newton each."""
-    radius, ends = 0.5 * assembly.spec.journals.diameter, (levels[0], levels[1])
+    radius, ends = assembly.spec.shaft_radius, (levels[0], levels[1])
     loads: list[Load] = []
     for gear in gears:
         name, center = _NAMES[gear], _centers(assembly)[gear]
@@ -274,7 +274,7 @@ def wall_direction(assembly: Assembly, axis: str, gear: int) -> float:
     """Sign of the side along an axis on which the housing holds a bearing."""
     if axis == "y":
         return -1.0 if gear == 0 else 1.0
-    return -1.0 if assembly.spec.mode == "pump" else 1.0
+    return -1.0 if assembly.spec.keys.mode == "pump" else 1.0
 
 
 def _wall(assembly: Assembly, gear: int, name: str, levels: tuple[float, float]) -> LateralPressure:

@@ -33,14 +33,14 @@ _ON_FLANK = 1e-4
 
 def lateral_films(assembly: Assembly, numbering: Numbering) -> tuple[LumpedLateralFilm, ...]:
     """Films on the faces of both gears; the height shears like both gaps together."""
-    lateral = assembly.spec.lateral
-    height = 2.0 / (1.0 / lateral.side_gap_floating + 1.0 / lateral.side_gap_solid)
+    lateral = assembly.spec.keys.lateral
+    height = lateral.shear_height
     return tuple(
         LumpedLateralFilm(
             body=name,
             faces=2,
             height=height,
-            inner_radius=0.5 * assembly.spec.journals.diameter,
+            inner_radius=assembly.spec.shaft_radius,
             root_radius=profile.root_radius,
             outer_radius=profile.tip_radius,
             tooth_area_fraction=tooth_fraction(profile),
@@ -68,7 +68,7 @@ def film_face(face: FaceOfGear, gap: float) -> FilmFace:
             for k in (face.gear, mate)
         ),
         center=face.own.center,
-        inner_radius=0.5 * spec.journals.diameter,
+        inner_radius=spec.shaft_radius,
         outer_radius=face.own.profile.tip_radius,
         gap=gap,
         face_map=face,
@@ -87,7 +87,7 @@ def _surfaces(face: FaceOfGear) -> FaceSurfaces | None:
     own = (spec.drive, spec.driven)[face.gear]
     return FaceSurfaces(
         moving_roughness=own.roughness,
-        resting_roughness=block.roughness,
+        resting_roughness=block.keys.roughness,
         effective_modulus=reduced_modulus(own.material, block.material),
         hardness=min(own.material.hardness, block.material.hardness),
     )

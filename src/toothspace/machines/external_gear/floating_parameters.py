@@ -152,6 +152,11 @@ class FloatingBearingParameters(KeyTable):
         (0.0, 0.0),
     )
 
+    @property
+    def housing(self) -> HousingContactParameters:
+        """Contact with the housing, without friction where it is not given."""
+        return self.housing_contact or HousingContactParameters()
+
 
 @final
 @dataclass(frozen=True, kw_only=True)

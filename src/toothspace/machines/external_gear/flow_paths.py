@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from toothspace.closures.gap_flow import equal_leakage_height, tilted_gap_height
+from toothspace.closures.gap_flow import tilted_gap_height
 from toothspace.core.types import Array
 from toothspace.gearing.numbering import FULL_TURN, Numbering
 from toothspace.gearing.openings import groove_openings, port_lengths
@@ -42,7 +42,10 @@ def flow_paths(
         places = assembly.table_places(gear, spaces[0].angles.size) - turn
         clearance, cover = casing.clearance_at(places), bore_cover(assembly, gear, places)
         motion = _clearance_by_motion(gear, places)
-        paths.append(own.tips("tooth_tip", TOOTH_TIP, clearance, cover, motion, BODIES[gear]))
+        roughness = spec.keys.casing.roughness
+        paths.append(
+            own.tips("tooth_tip", TOOTH_TIP, clearance, cover, motion, roughness, BODIES[gear])
+        )
         paths.extend(own.mouths((casing.inlet_angle, casing.outlet_angle)))
         paths.extend(own.grooves(grooves_by_port(assembly, spaces[gear])))
         paths.append(own.lateral(side_gap(assembly), profile.tooth_space_area))
@@ -103,12 +106,11 @@ def grooves_by_port(assembly: Assembly, spaces: Spaces) -> dict[str, Array]:
 
 def _land(assembly: Assembly, profile: GearProfile) -> tuple[float, tuple[float, float]]:
     """Height and radii of the land between tooth root and shaft; a tilt raises the height. [m]."""
-    inner, outer = 0.5 * assembly.spec.journals.diameter, profile.root_radius
-    tilt = assembly.spec.lateral.tilt * 0.5 * (inner + outer) / profile.tip_radius
+    inner, outer = assembly.spec.shaft_radius, profile.root_radius
+    tilt = assembly.spec.keys.lateral.tilt * 0.5 * (inner + outer) / profile.tip_radius
     return float(tilted_gap_height(side_gap(assembly), tilt)), (inner, outer)
 
 
 def side_gap(assembly: Assembly) -> float:
     """Height that lets the same leakage through as the gaps of both faces. [m]."""
-    lateral = assembly.spec.lateral
-    return float(equal_leakage_height(lateral.side_gap_floating, lateral.side_gap_solid))
+    return assembly.spec.keys.lateral.leakage_height

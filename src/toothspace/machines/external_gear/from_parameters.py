@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import fields, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from toothspace.closures.journal_friction import PUBLISHED
 from toothspace.core.errors import CaseError, GeometryError
 from toothspace.core.keys import KeyRuleError, Problem
+from toothspace.core.types import Array
 from toothspace.gearing.gear_tables import ReliefGrooves, read_contours
 from toothspace.gearing.materials import library_material
 from toothspace.geometry.cad_import import is_solid
@@ -16,9 +17,7 @@ from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear, generate_profile
 from toothspace.machines.external_gear import parameter_tables as keys
 from toothspace.machines.external_gear import spec
-from toothspace.machines.external_gear.floating_from_parameters import floating_block
 from toothspace.machines.external_gear.shaft_seal import seal_torque
-from toothspace.model.description import RunningIn, StartupFriction
 
 if TYPE_CHECKING:
     from toothspace.geometry.gear_finder import FoundGear
@@ -55,32 +54,18 @@ def spec_from(machine: keys.ExternalGearTables) -> spec.ExternalGearSpec:
 
         in_file = distance_in_file(machine, drive, driven)
     distance = _check_pair(machine, drive, driven, in_file)
+    bearing = machine.journal_bearings
     return spec.ExternalGearSpec(
+        keys=machine,
         drive=drive,
         driven=driven,
-        casing=_casing(machine, drive, driven),
-        journals=_journals(machine),
-        lateral=_lateral(machine.lateral),
-        grooves=_grooves(machine, drive, driven, distance),
-        floating_block=floating_block(machine),
-        body_files=machine.elastic_bodies,
-        mode=machine.use,
         center_distance=in_file or machine.gears.center_distance,
-        normal_backlash=machine.gears.normal_backlash,
-        drain=machine.drain_node,
-        drain_pressure=1e5 if machine.drain_pressure is None else machine.drain_pressure,
-        seal_torque=seal_torque(machine.seals, machine.journal_bearings.diameter),
-        startup=_startup(machine.startup),
-        inlet_volume=machine.inlet.volume,
-        outlet_volume=machine.outlet.volume,
+        bush=library_material(bearing.material, "journal_bearings.material"),
+        seal_torque=seal_torque(machine.seals, bearing.diameter),
+        casing_contour=_casing_contour(machine, drive, driven),
+        grooves=_grooves(machine, drive, driven, distance),
+        floating_block=_floating_block(machine),
     )
-
-
-def _startup(startup: keys.StartupParameters | None) -> StartupFriction | None:
-    if startup is None or startup.breakaway_torque == 0.0:
-        return None
-    additive = startup.breakaway == "additive"
-    return StartupFriction(startup.breakaway_torque, startup.breakaway_speed, additive)
 
 
 def _check_pair(
@@ -188,22 +173,17 @@ def _face_width(gear: keys.GearParameters, found: FoundGear | None, table: str) 
     return width
 
 
-def _casing(machine: keys.ExternalGearTables, drive: spec.Gear, driven: spec.Gear) -> spec.Casing:
-    casing, contour = machine.casing, None
+def _casing_contour(
+    machine: keys.ExternalGearTables, drive: spec.Gear, driven: spec.Gear
+) -> Array | None:
+    casing = machine.casing
     if is_solid(casing.contour):
         from toothspace.machines.external_gear.solid_contours import casing_contour
 
-        contour = casing_contour(machine, drive, driven)
-    elif casing.contour is not None:
-        contour = read_contours(casing.contour, "casing.contour", casing.contour_unit)[0]
-    wear = casing.wear_in
-    return spec.Casing(
-        radial_clearance=casing.radial_clearance,
-        inlet_angle=casing.inlet_angle or 0.0,
-        outlet_angle=casing.outlet_angle or 0.0,
-        contour=contour,
-        wear_in=wear and RunningIn(wear.pressure, wear.shaft_speed, wear.temperature),
-    )
+        return casing_contour(machine, drive, driven)
+    if casing.contour is None:
+        return None
+    return read_contours(casing.contour, "casing.contour", casing.contour_unit)[0]
 
 
 def _grooves(
@@ -220,24 +200,27 @@ def _grooves(
     return grooves.outlined(polygons, depth, "relief_grooves.contour")
 
 
-def _journals(machine: keys.ExternalGearTables) -> spec.JournalBearings:
-    bearing, blocks = machine.journal_bearings, machine.bearing_blocks
-    return spec.JournalBearings(
-        diameter=bearing.diameter,
-        length=bearing.length,
-        radial_clearance=bearing.radial_clearance,
-        roughness_shaft=bearing.roughness_shaft,
-        roughness_bush=bearing.roughness_bush,
-        boundary_friction=bearing.boundary_friction,
-        material=library_material(bearing.material, "journal_bearings.material"),
-        seat_clearance=blocks.radial_clearance if blocks else 0.0,
-        friction=PUBLISHED if bearing.friction == "published_curve" else None,
+def _floating_block(machine: keys.ExternalGearTables) -> spec.FloatingBlock | None:
+    given = machine.floating_bearing
+    if given is None or given.high_pressure_area is None:
+        return None
+    table, nose = "floating_bearing", given.nose
+    return spec.FloatingBlock(
+        keys=given,
+        material=library_material(given.material, f"{table}.material"),
+        length=given.length or machine.journal_bearings.length,
+        arrangement=machine.lateral.arrangement,
+        high_pressure_contour=_only_polygon(
+            given.high_pressure_area.contour, f"{table}.high_pressure_area.contour"
+        ),
+        nose_contour=_only_polygon(nose and nose.contour, f"{table}.nose.contour"),
     )
 
 
-def _lateral(lateral: keys.LateralParameters) -> spec.LateralGaps:
-    floating = lateral.side_gap_floating if lateral.side_gap is None else lateral.side_gap
-    solid = lateral.side_gap_solid if lateral.side_gap is None else lateral.side_gap
-    assert floating is not None
-    assert solid is not None
-    return spec.LateralGaps(side_gap_floating=floating, side_gap_solid=solid, tilt=lateral.tilt)
+def _only_polygon(path: Path | None, key: str) -> Array | None:
+    if path is None:
+        return None
+    polygons = read_contours(path, key)
+    if len(polygons) != 1:
+        raise KeyRuleError(key, f"{len(polygons)} polygons in {path.name}", "one polygon")
+    return polygons[0]

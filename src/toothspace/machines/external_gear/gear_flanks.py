@@ -56,7 +56,7 @@ def flank_loads(assembly: Assembly, gear: int) -> list[Load]:
 def thrust(assembly: Assembly, gear: int) -> float:
     """Axial force of helical teeth on a gear, along z. [N]."""
     block = assembly.spec.floating_block
-    return 0.0 if block is None else block.gear_forces[gear]
+    return 0.0 if block is None else block.keys.gear_axial_force[gear]
 
 
 def _width(assembly: Assembly, gear: int) -> float:
@@ -66,7 +66,7 @@ def _width(assembly: Assembly, gear: int) -> float:
 def _flank(assembly: Assembly, gear: int, space: int, side: int) -> LateralFaces:
     """Faces in half of a space, from the middle of the tooth beside it, outside the shaft."""
     profile, half = assembly.profiles[gear], 0.5 * _width(assembly, gear)
-    near = 0.5 * (0.5 * assembly.spec.journals.diameter + profile.root_radius)
+    near = 0.5 * (assembly.spec.shaft_radius + profile.root_radius)
     angle = profile.pitch_angle * (space + 0.5 * side + np.linspace(0.0, 0.5, 17))
     rim = np.column_stack([np.cos(angle), np.sin(angle)])
     sector = shapely.Polygon(np.vstack([1.02 * profile.tip_radius * rim, near * rim[::-1]]))
@@ -145,7 +145,7 @@ class GearFlanks:
         turned = numbering.space_phases[0] + numbering.ratios[0] * shaft_angle
         place = np.mod(turned, FULL_TURN) - np.pi
         side = loaded_throats(assembly, drive_spaces(*assembly.teeth, assembly.mesh, place))
-        point = side.drive_point if face.gear == 0 else side.driven_point
+        point = side.drive.point if face.gear == 0 else side.driven.point
         pitch = self._profile.pitch_angle
         angle = np.mod(face.own_angle(shaft_angle, *point.T), FULL_TURN)
         return [(int(k), int(angle[k] // pitch)) for k in np.flatnonzero(side.weight > 0.0)]

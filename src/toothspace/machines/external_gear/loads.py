@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from toothspace.closures.journal_friction import PUBLISHED
 from toothspace.core.types import Array
 from toothspace.gearing.flank_contacts import FlankPair, mesh_motions
 from toothspace.geometry.curve import polar
@@ -36,7 +37,7 @@ def bodies(assembly: Assembly) -> tuple[Body, Body]:
     spec = assembly.spec
     gears = zip(BODIES, assembly.profiles, (spec.drive, spec.driven), strict=True)
     first, second = (
-        gear_on_shaft(name, profile, gear.face_width, gear.material, spec.journals)
+        gear_on_shaft(name, profile, gear.face_width, gear.material, spec.keys.journal_bearings)
         for name, profile, gear in gears
     )
     center = (0.0, assembly.mesh.center_distance)
@@ -46,11 +47,12 @@ def bodies(assembly: Assembly) -> tuple[Body, Body]:
 def journal_bearings(assembly: Assembly) -> tuple[LumpedJournalBearing, ...]:
     """Journal bearings of both gears."""
     spec = assembly.spec
-    bearing = spec.journals
+    bearing, blocks = spec.keys.journal_bearings, spec.keys.bearing_blocks
+    seat = 0.0 if blocks is None else blocks.radial_clearance
     return tuple(
         replace(
-            shaft_bearings(name, bearing, gear.material, bearing.material, bearing.seat_clearance),
-            friction=bearing.friction,
+            shaft_bearings(name, bearing, gear.material, spec.bush, seat),
+            friction=PUBLISHED if bearing.friction == "published_curve" else None,
         )
         for name, gear in zip(BODIES, (spec.drive, spec.driven), strict=True)
     )
@@ -59,12 +61,12 @@ def journal_bearings(assembly: Assembly) -> tuple[LumpedJournalBearing, ...]:
 def outlines(assembly: Assembly) -> dict[str, Array]:
     """Polygons for drawing: gears in their own frame at shaft angle zero, casing and grooves."""
     drive, driven = assembly.profiles
-    mesh, casing = assembly.mesh, assembly.spec.casing
+    mesh, contour = assembly.mesh, assembly.spec.casing_contour
     found = {
         # the drive space 0 and the driven tooth 0 lie on the centre line
         "drive_gear": drive.closed_polygon(0.5 * np.pi + mesh.half_pitch),
         "driven_gear": driven.closed_polygon(-0.5 * np.pi + mesh.turn),
-        "casing": casing.contour if casing.contour is not None else _figure_eight(assembly),
+        "casing": _figure_eight(assembly) if contour is None else contour,
     }
     found.update(groove_polygons(assembly))
     return found
@@ -78,7 +80,7 @@ def groove_polygons(assembly: Assembly) -> dict[str, Array]:
 
 
 def _figure_eight(assembly: Assembly) -> Array:
-    mesh, clearance = assembly.mesh, assembly.spec.casing.radial_clearance
+    mesh, clearance = assembly.mesh, assembly.spec.keys.casing.radial_clearance
     lower = assembly.teeth[0].tip_radius + clearance
     upper = assembly.teeth[1].tip_radius + clearance
     distance = mesh.center_distance

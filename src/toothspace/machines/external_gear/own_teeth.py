@@ -193,7 +193,7 @@ def _flanks(gear: Gear, profile: GearProfile) -> _Flanks:
 
 def _radii(assembly: Assembly, side: Throats) -> tuple[Array, Array]:
     center = np.array([0.0, assembly.mesh.center_distance])
-    return np.hypot(*side.drive_point.T), np.hypot(*(side.driven_point - center).T)
+    return np.hypot(*side.drive.point.T), np.hypot(*(side.driven.point - center).T)
 
 
 def _narrowed(

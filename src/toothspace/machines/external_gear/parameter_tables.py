@@ -18,7 +18,6 @@ from toothspace.core.keys import (
     choice,
     file_path,
     forbid,
-    instead_of,
     integer,
     number,
     optional,
@@ -37,7 +36,13 @@ from toothspace.machines.external_gear.floating_parameters import (
     ElasticBodiesParameters,
     FloatingBearingParameters,
 )
-from toothspace.machines.shared_tables import LinedBearingParameters, MachineTables, PortParameters
+from toothspace.machines.shared_tables import (
+    LinedBearingParameters,
+    MachineTables,
+    PortParameters,
+    SideGapParameters,
+)
+from toothspace.model.description import StartupFriction
 
 PROFILE_KEYS = (
     "profile_unit",
@@ -182,6 +187,9 @@ class CasingParameters(KeyTable):
     radial_clearance: float = quantity(
         "um", "Bore radius minus tip radius, before wear.", low=1, high=1000
     )
+    roughness: float = quantity(
+        "um", "Of the bores: keeps tips that touch it apart.", low=0.01, high=100, default=1e-6
+    )
     inlet_angle: float | None = quantity(
         "deg",
         "From the mesh side of the centre line to the inlet port edge along the bore; default of "
@@ -271,12 +279,11 @@ class JournalBearingParameters(LinedBearingParameters):
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class LateralParameters(KeyTable):
+class LateralParameters(SideGapParameters):
     """``[machine.lateral]``: films between gear faces and bushings."""
 
-    side_gap: float | None = quantity(
-        "um", "Film height of both faces.", low=0.1, high=500, default=None
-    )
+    each = "side_gap_floating", "side_gap_solid"
+
     side_gap_floating: float | None = quantity(
         "um", "Film height at the floating side.", low=0.1, high=500, default=None
     )
@@ -293,9 +300,6 @@ class LateralParameters(KeyTable):
         "plates",
         default="symmetric",
     )
-
-    def __post_init__(self) -> None:
-        instead_of(self, "side_gap", "side_gap_floating", "side_gap_solid")
 
 
 @final
@@ -341,6 +345,14 @@ class StartupParameters(KeyTable):
     breakaway_torque: float = quantity("N m", "Torque that starts the shaft.", low=0, high=1000)
     breakaway_speed: float = quantity("rad/s", "Speed of the friction peak.", above=0, high=1000)
 
+    @property
+    def friction(self) -> StartupFriction | None:
+        """Friction that holds the shaft at rest, None without a breakaway torque."""
+        if self.breakaway_torque == 0.0:
+            return None
+        additive = self.breakaway == "additive"
+        return StartupFriction(self.breakaway_torque, self.breakaway_speed, additive)
+
 
 @dataclass(frozen=True, kw_only=True)
 class ExternalGearTables(MachineTables):
@@ -348,7 +360,7 @@ class ExternalGearTables(MachineTables):
 
     part_tables: ClassVar[Mapping[str, str]] = {
         "running_in": "casing.wear_in",
-        "floating_bearing": "floating_bearing",
+        "floating_part": "floating_bearing",
         "elastic_bodies": "elastic_bodies",
         "startup": "startup",
     }

@@ -1,4 +1,4 @@
-"""Parameters of an external gear pump or motor, in SI units.
+"""What an external gear pump or motor is built from: its keys, and what files and library hold.
 
 Frame: origin at the drive gear, y towards the driven gear, x towards the outlet.
 """
@@ -6,26 +6,22 @@ Frame: origin at the drive gear, y towards the driven gear, x towards the outlet
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, final
+from typing import TYPE_CHECKING, final
 
-from toothspace.closures.journal_friction import FrictionCurves
+import shapely
+
 from toothspace.core.types import Array
 from toothspace.gearing.gear_tables import ReliefGrooves
 from toothspace.gearing.materials import Material
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear
 from toothspace.geometry.tooth_deviations import ToothDeviations
-from toothspace.machines.external_gear.floating_parameters import ElasticBodiesParameters
-from toothspace.model.description import RunningIn, StartupFriction
+from toothspace.machines.external_gear.floating_parameters import FloatingBearingParameters
+from toothspace.machines.external_gear.parameter_tables import ExternalGearTables
+from toothspace.model.lateral_balance import Patch
 
 if TYPE_CHECKING:
     from toothspace.geometry.gear_finder import FoundGear
-
-CARBURISED_STEEL = Material(elastic_modulus=206e9, poisson_ratio=0.3, hardness=7e9)
-"""Case-hardened gear steel 16CrNi4."""
-
-LINED_STEEL_BUSH = Material(elastic_modulus=100e9, poisson_ratio=0.34, hardness=1e9)
-"""Leaded bronze running layer of a bush."""
 
 
 @final
@@ -53,107 +49,11 @@ class Gear:
 
     tooth: InvoluteGear | GearProfile
     face_width: float
-    material: Material = CARBURISED_STEEL
+    material: Material
     roughness: float = 0.25e-6
     tip_rounding: float = 0.1e-3
     found: FoundGear | None = None
     deviations: ToothDeviations | None = None
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class Casing:
-    """Bore round both gears.
-
-    Parameters
-    ----------
-    radial_clearance : float
-        Bore radius minus tip radius. [m]
-    inlet_angle, outlet_angle : float
-        From the mesh side of the centre line to the port edge along the bore. [rad]
-    contour : ndarray, shape (points, 2), or None
-        Section of the casing as a closed polygon; replaces clearance and angles where it
-        departs from the bores: beyond three clearances the space counts as port. [m]
-    wear_in : RunningIn or None
-        Running-in condition; None leaves the casing unworn.
-    """
-
-    radial_clearance: float
-    inlet_angle: float
-    outlet_angle: float
-    contour: Array | None = None
-    wear_in: RunningIn | None = None
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class JournalBearings:
-    """Two equal journal bearings on each gear.
-
-    Parameters
-    ----------
-    diameter, length, radial_clearance : float
-        Size of each bearing. [m]
-    roughness_shaft, roughness_bush : float
-        Root mean square roughness. [m]
-    boundary_friction : float
-        Friction coefficient of touching asperities. [-]
-    material : Material
-        Running layer of the bush.
-    correlation_length : float
-        Half-height correlation length of the combined roughness. [m]
-    seat_clearance : float
-        Radial clearance of the bearing blocks in the housing. [m]
-    friction : FrictionCurves or None
-        Friction coefficient over Sommerfeld number and load; None: from film and asperities.
-    """
-
-    diameter: float
-    length: float
-    radial_clearance: float
-    roughness_shaft: float = 0.15e-6
-    roughness_bush: float = 0.30e-6
-    boundary_friction: float = 0.05
-    material: Material = LINED_STEEL_BUSH
-    correlation_length: float = 10e-6
-    seat_clearance: float = 0.0
-    friction: FrictionCurves | None = None
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class LateralGaps:
-    """Running films between gear faces and bushings.
-
-    Parameters
-    ----------
-    side_gap_floating, side_gap_solid : float
-        Film heights of the two faces. [m]
-    tilt : float
-        Change of height at the tip radius over the mean height. [-]
-    """
-
-    side_gap_floating: float
-    side_gap_solid: float
-    tilt: float = 0.0
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class Spring:
-    """Preload on the back of a floating bearing.
-
-    Parameters
-    ----------
-    force : float
-        Towards the gears. [N]
-    x, y : float
-        Point of action. [m]
-    """
-
-    force: float
-    x: float
-    y: float
 
 
 @final
@@ -163,83 +63,47 @@ class FloatingBlock:
 
     Parameters
     ----------
+    keys : FloatingBearingParameters
+        ``[machine.floating_bearing]``.
     material : Material
         Material of the bearing.
     length : float
         Axial length. [m]
-    roughness : float
-        Root mean square roughness of the face. [m]
-    mass : float or None
-        Mass; None: face times length times density. [kg]
     arrangement : str
         ``symmetric``, ``asymmetric`` or ``plates``.
-    motion : str
-        ``full`` or ``axial``.
-    split : bool
-        Whether it is cut between the gears into halves that move on their own.
-    seal_line : float or None
-        Distance of the chord that divides the back face from the centre line, towards the
-        high-pressure side. [m]
-    high_pressure_contour : ndarray, shape (points, 2), or None
-        Part of the back face at high pressure. [m]
-    high_pressure_area : float
-        The same as a number, where neither chord nor contour is given. [m2]
-    high_pressure_center : tuple of float
-        Its centroid. [m]
-    nose_area : float
-        Patch of the back face with a pressure of its own. [m2]
-    nose_center : tuple of float
-        Its centroid. [m]
-    nose_contour : ndarray, shape (points, 2), or None
-        Its outline; None: a square. [m]
-    springs : tuple of Spring
-        Springs on the back face.
-    seal_preload : float
-        Preload of the seal, on the middle of the face. [N]
-    contact_area : float
-        Outer area of the bearing that low pressure acts on, opposite to high pressure. [m2]
-    friction_coefficient : float
-        Coulomb friction in the housing. [-]
-    breakaway_speed : float
-        Speed of the friction peak. [m/s]
-    friction_law : str
-        ``stick`` or ``stribeck``.
-    axial_play : float
-        Travel away from the gears until the bearing meets its cover. [m]
-    wall_stiffness : float or None
-        Moment about y over the tilt about it, by the wall that the bearing leans on; None: by its
-        own compression. [N m/rad]
-    shaft_stiffness : float or None
-        Moment over tilt by which the journal bearings hold a gear; None: by their films.
-        [N m/rad]
-    gear_forces : tuple of float
-        Axial force of the teeth on drive and driven gear. [N]
+    high_pressure_contour, nose_contour : ndarray, shape (points, 2), or None
+        Outlines on the back face from files. [m]
     """
 
+    keys: FloatingBearingParameters
     material: Material
     length: float
-    roughness: float
-    mass: float | None = None
-    arrangement: Literal["symmetric", "asymmetric", "plates"] = "asymmetric"
-    motion: Literal["full", "axial"] = "full"
-    split: bool = False
-    seal_line: float | None = None
+    arrangement: str = "asymmetric"
     high_pressure_contour: Array | None = None
-    high_pressure_area: float = 0.0
-    high_pressure_center: tuple[float, float] = (0.0, 0.0)
-    nose_area: float = 0.0
-    nose_center: tuple[float, float] = (0.0, 0.0)
     nose_contour: Array | None = None
-    springs: tuple[Spring, ...] = ()
-    seal_preload: float = 0.0
-    contact_area: float = 0.0
-    friction_coefficient: float = 0.0
-    breakaway_speed: float = 6.45e-3
-    friction_law: str = "stick"
-    axial_play: float = 100e-6
-    wall_stiffness: float | None = None
-    shaft_stiffness: float | None = None
-    gear_forces: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def high_pressure(self) -> Patch:
+        """Part of the back face at high pressure, where it is given as a number."""
+        given = self.keys.high_pressure_area
+        return _patch(None if given is None else given.area, given and given.center)
+
+    @property
+    def nose(self) -> Patch:
+        """Part of the back face with a pressure of its own."""
+        if self.nose_contour is not None:
+            shape = shapely.Polygon(self.nose_contour)
+            return Patch(float(shape.area), (float(shape.centroid.x), float(shape.centroid.y)))
+        given = self.keys.nose
+        return _patch(given and given.area, given and given.center)
+
+    def is_floating(self, side: str) -> bool:
+        """Whether the bearing on a side is pressed on its back and held by nothing else."""
+        return side == "floating" or self.arrangement != "asymmetric"
+
+
+def _patch(area: float | None, center: tuple[float, float] | None) -> Patch:
+    return Patch(area or 0.0, center or (0.0, 0.0))
 
 
 @final
@@ -249,52 +113,36 @@ class ExternalGearSpec:
 
     Parameters
     ----------
+    keys : ExternalGearTables
+        ``[machine]``.
     drive, driven : Gear
         Shaft gear and idle gear.
-    casing : Casing
-        Bore and port edges.
-    journals : JournalBearings
-        Journal bearings of both gears.
+    center_distance : float or None
+        Distance of the gear centres, given or as drawn; None: that of the backlash. [m]
+    bush : Material
+        Running layer of the journal bearings.
+    seal_torque : float
+        Torque of the shaft seal. [N m]
+    casing_contour : ndarray, shape (points, 2), or None
+        Section of the casing as a closed polygon; replaces clearance and angles where it
+        departs from the bores: beyond three clearances the space counts as port. [m]
     grooves : ReliefGrooves or None
         Relief grooves of the faces, None without.
     floating_block : FloatingBlock or None
         Force balance of the floating bearing, None without.
-    body_files : ElasticBodiesParameters or None
-        Files of elastic bodies, None without.
-    lateral : LateralGaps
-        Lateral films.
-    mode : str
-        ``pump`` or ``motor``.
-    center_distance : float or None
-        Distance of the gear centres; or give the backlash. [m]
-    normal_backlash : float or None
-        Backlash along the line of action; sets the centre distance of involute gears. [m]
-    drain : str
-        Node that collects the drain; None: inlet of a pump, outlet of a motor.
-    drain_pressure : float
-        Absolute pressure of an external drain. [Pa]
-    seal_torque : float
-        Torque of the shaft seal. [N m]
-    startup : StartupFriction or None
-        Friction of the shaft at rest, None without.
-    inlet_volume, outlet_volume : float
-        Fluid volumes at the ports. [m3]
     """
 
+    keys: ExternalGearTables
     drive: Gear
     driven: Gear
-    casing: Casing
-    journals: JournalBearings
-    lateral: LateralGaps
+    center_distance: float | None
+    bush: Material
+    seal_torque: float = 0.0
+    casing_contour: Array | None = None
     grooves: ReliefGrooves | None = None
     floating_block: FloatingBlock | None = None
-    body_files: ElasticBodiesParameters | None = None
-    mode: Literal["pump", "motor"] = "pump"
-    center_distance: float | None = None
-    normal_backlash: float | None = None
-    drain: Literal["inlet", "outlet", "external"] | None = None
-    drain_pressure: float = 1e5
-    seal_torque: float = 0.0
-    startup: StartupFriction | None = None
-    inlet_volume: float = 50e-6
-    outlet_volume: float = 50e-6
+
+    @property
+    def shaft_radius(self) -> float:
+        """Radius of the journals. [m]."""
+        return 0.5 * self.keys.journal_bearings.diameter

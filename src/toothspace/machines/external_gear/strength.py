@@ -43,13 +43,13 @@ def strength_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
     .. [1] J. Ivantysyn, M. Ivantysynova, Hydrostatic Pumps and Motors, 2001.
     .. [2] ISO 6336-5:2016, figures for case-hardened wrought steels.
     """
-    wear = assembly.spec.casing.wear_in
+    wear = assembly.spec.keys.casing.wear_in
     if wear is None:
         return ()
     difference = wear.pressure - ATMOSPHERIC_PRESSURE
     condition = f"at {wear.pressure * 1e-5:.4g} bar, {wear.shaft_speed * 30.0 / np.pi:.4g} rpm"
     load = bearing_pressure(assembly, difference)
-    sliding = 0.5 * assembly.spec.journals.diameter * wear.shaft_speed
+    sliding = assembly.spec.shaft_radius * wear.shaft_speed
     force = contact_force(assembly, difference)
     rows = (
         ("bearing specific load", load, MAX_BEARING_PRESSURE, "MPa", _WHY_LOAD),
@@ -72,7 +72,7 @@ def strength_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
 
 def bearing_pressure(assembly: Assembly, pressure_difference: float) -> float:
     """Radial load over projected area of both bearings of a gear. [Pa]."""
-    bearing = assembly.spec.journals
+    bearing = assembly.spec.keys.journal_bearings
     radius = max(tooth.tip_radius for tooth in assembly.teeth)
     load = RADIAL_LOAD_COEFFICIENT * pressure_difference * assembly.face_width * 2.0 * radius
     return float(load / (2.0 * bearing.diameter * bearing.length))

@@ -23,7 +23,8 @@ from toothspace.gearing.meshing import displacement, relative_radius
 from toothspace.gearing.spaces import Spaces, section_areas
 from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.external_gear.flow_paths import grooves_by_port, mouth_lengths
-from toothspace.model.description import DesignCheck, RunningIn
+from toothspace.machines.external_gear.parameter_tables import WearInParameters
+from toothspace.model.description import DesignCheck
 
 PEAK_LIMIT = 1.5
 """Highest pressure of a trapped space over the high pressure. [-]"""
@@ -189,12 +190,12 @@ def _throat(assembly: Assembly, side: Throats) -> Way:
     return Way(width * gap, curved_gap_conductance(gap, width, radius, VISCOSITY))
 
 
-def trapping(chain: MeshChain, assembly: Assembly, condition: RunningIn) -> Trapping:
+def trapping(chain: MeshChain, assembly: Assembly, condition: WearInParameters) -> Trapping:
     r"""Pressures of the spaces in the mesh, of an incompressible fluid at one shaft speed.
 
     Parameters
     ----------
-    condition : RunningIn
+    condition : WearInParameters
         Absolute pressure of the high-pressure side, the other one at that of the atmosphere, and
         shaft speed.
 
@@ -216,7 +217,7 @@ def trapping(chain: MeshChain, assembly: Assembly, condition: RunningIn) -> Trap
        machines for fluid power applications, Simul. Model. Pract. Theory 19 (2011) 2007-2031.
     """
     speed, difference = condition.shaft_speed, condition.pressure - ATMOSPHERIC_PRESSURE
-    pressures = _pressures(chain, assembly.spec.mode == "pump", condition)
+    pressures = _pressures(chain, assembly.spec.keys.mode == "pump", condition)
     joined = _both(chain.to_inlet.area, chain.to_outlet.area).sum(axis=1)
     for here, there in ((chain.to_outlet, chain.to_inlet), (chain.to_inlet, chain.to_outlet)):
         through = _both(chain.throat.area, _both(here.area[:, :-1], there.area[:, 1:]))
@@ -245,7 +246,7 @@ def _exchange_drop(chain: MeshChain, speed: float) -> float:
     return float(0.5 * DENSITY * np.max(velocity**2, initial=0.0))
 
 
-def _pressures(chain: MeshChain, is_pump: bool, condition: RunningIn) -> Array:
+def _pressures(chain: MeshChain, is_pump: bool, condition: WearInParameters) -> Array:
     """Pressure of each space: flows over pressure drops of the last iterate, solved anew. [Pa]."""
     low, high = ATMOSPHERIC_PRESSURE, condition.pressure
     inlet, outlet = (low, high) if is_pump else (high, low)
@@ -281,7 +282,7 @@ def trapping_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
     tuple of DesignCheck
         At the pressure and speed of running-in; empty without that condition or without grooves.
     """
-    wear, grooves = assembly.spec.casing.wear_in, assembly.spec.grooves
+    wear, grooves = assembly.spec.keys.casing.wear_in, assembly.spec.grooves
     if wear is None or grooves is None:
         return ()
     spaces = assembly.spaces(_NODES)
@@ -323,14 +324,20 @@ def trapping_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
 
 
 def _estimate(
-    assembly: Assembly, spaces: tuple[Spaces, Spaces], grooves: ReliefGrooves, wear: RunningIn
+    assembly: Assembly,
+    spaces: tuple[Spaces, Spaces],
+    grooves: ReliefGrooves,
+    wear: WearInParameters,
 ) -> Trapping:
     moved = replace(assembly, spec=replace(assembly.spec, grooves=grooves))
     return trapping(mesh_chain(moved, spaces), moved, wear)
 
 
 def _closing_advice(
-    assembly: Assembly, spaces: tuple[Spaces, Spaces], grooves: ReliefGrooves, wear: RunningIn
+    assembly: Assembly,
+    spaces: tuple[Spaces, Spaces],
+    grooves: ReliefGrooves,
+    wear: WearInParameters,
 ) -> str:
     if grooves.closing_contour is not None:
         return " Bring the edge of the closing-side contour nearer to the centre line."
@@ -349,7 +356,10 @@ def _closing_advice(
 
 
 def _opening_advice(
-    assembly: Assembly, spaces: tuple[Spaces, Spaces], grooves: ReliefGrooves, wear: RunningIn
+    assembly: Assembly,
+    spaces: tuple[Spaces, Spaces],
+    grooves: ReliefGrooves,
+    wear: WearInParameters,
 ) -> str:
     if grooves.opening_contour is not None:
         return " Take the edge of the opening-side contour away from the centre line."

@@ -119,17 +119,10 @@ def film_by_motion(parameters: GerotorParameters, pocket: Pockets) -> Array:
     return columns
 
 
-def shear_height(parameters: GerotorParameters) -> float:
-    """Height that shears like the gaps of both faces together. [m]."""
-    lateral = parameters.lateral
-    if lateral.side_gap is not None:
-        return lateral.side_gap
-    return 2.0 / (1.0 / (lateral.side_gap_a or 1.0) + 1.0 / (lateral.side_gap_b or 1.0))
-
-
 def lateral_films(parameters: GerotorParameters, pocket: Pockets) -> tuple[LumpedLateralFilm, ...]:
     """Films on the faces of both rotors."""
-    rotors, height = pocket.rotors, shear_height(parameters)
+    rotors, lateral = pocket.rotors, parameters.lateral
+    height = lateral.side_gap or lateral.shear_height
     inner, outer = np.hypot(*rotors.inner.T), np.hypot(*rotors.outer.T)
     rim = 0.5 * parameters.housing.outer_rotor_diameter
     root, tip, lobe = float(inner.min()), float(inner.max()), float(outer.min())

@@ -14,7 +14,6 @@ import numpy as np
 
 from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.geometry.curve import turned
-from toothspace.machines.gerotor.contour import Contour, contour
 from toothspace.machines.gerotor.profiles import Rotors
 
 _OUTER_SAMPLES = 260
@@ -22,42 +21,6 @@ _BISECTIONS = 26
 _LOST_NODES = 3
 _FARTHEST = 0.6e-3
 _SEARCHED = 0.8e-3
-
-
-@final
-@dataclass(frozen=True)
-class PlacedRotors:
-    """Two rotors at nominal position, as they stand at shaft angle zero.
-
-    Parameters
-    ----------
-    inner, outer : Contour
-        Outlines about their own centres, turned to shaft angle zero.
-    eccentricity : float
-        The inner centre lies this far below the outer one (at minus y). [m]
-    inner_count : int
-        Teeth of the inner rotor; the outer one has one more.
-    """
-
-    inner: Contour
-    outer: Contour
-    eccentricity: float
-    inner_count: int
-
-    @property
-    def outer_count(self) -> int:
-        """Teeth of the outer rotor."""
-        return self.inner_count + 1
-
-    @property
-    def pitch(self) -> float:
-        """Angle of one tooth of the outer rotor. [rad]."""
-        return 2.0 * np.pi / self.outer_count
-
-    @property
-    def turns(self) -> float:
-        """Angle of the inner rotor per angle of the outer one. [-]."""
-        return self.outer_count / self.inner_count
 
 
 @final
@@ -104,14 +67,7 @@ class Branch:
     closed: bool
 
 
-def placed_rotors(rotors: Rotors) -> PlacedRotors:
-    """Rotors of a case for the search."""
-    return PlacedRotors(
-        contour(rotors.inner), contour(rotors.outer), rotors.eccentricity, rotors.inner_tooth_count
-    )
-
-
-def distance_to_inner(rotors: PlacedRotors, angle: Array, place: Array) -> tuple[Array, Array]:
+def distance_to_inner(rotors: Rotors, angle: Array, place: Array) -> tuple[Array, Array]:
     """Nearest place on the inner rotor for places on the outer one.
 
     Parameters
@@ -129,28 +85,27 @@ def distance_to_inner(rotors: PlacedRotors, angle: Array, place: Array) -> tuple
         Distance, negative within the inner rotor. [m]
     """
     seen = seen_from_inner(rotors, angle, place)
-    inner = rotors.inner.nearest(seen)
-    tangent = rotors.inner.tangent(inner)
-    offset = seen - rotors.inner.point(inner)
+    inner = rotors.inner_curve.nearest(seen)
+    tangent = rotors.inner_curve.tangent(inner)
+    offset = seen - rotors.inner_curve.point(inner)
     outside = offset[..., 0] * tangent[..., 1] - offset[..., 1] * tangent[..., 0]
     return inner, np.copysign(np.hypot(offset[..., 0], offset[..., 1]), outside)
 
 
-def seen_from_inner(rotors: PlacedRotors, angle: Array, place: Array) -> Array:
+def seen_from_inner(rotors: Rotors, angle: Array, place: Array) -> Array:
     """Places on the outer outline as points in the turning frame of the inner rotor. [m]."""
-    center = np.array([0.0, -rotors.eccentricity])
-    seen = turned(rotors.outer.point(place), angle) - center
+    seen = turned(rotors.outer_curve.point(place), angle) - rotors.inner_center
     return turned(seen, -rotors.turns * angle)
 
 
-def closest_places(rotors: PlacedRotors, nodes: int, reach: float) -> ClosestPoints:
+def closest_places(rotors: Rotors, nodes: int, reach: float) -> ClosestPoints:
     """All local minima of the distance below ``reach`` at angles of one pitch."""
-    count = _OUTER_SAMPLES * rotors.outer_count
-    step = rotors.outer.length / count
+    count = _OUTER_SAMPLES * rotors.outer_tooth_count
+    step = rotors.outer_curve.length / count
     angle = np.asarray(np.arange(nodes) * (rotors.pitch / nodes), dtype=float)
     grid_angle, place = np.broadcast_arrays(angle[:, None], step * np.arange(count))
     gap = np.full(place.shape, np.inf)
-    near = rotors.inner.within(seen_from_inner(rotors, grid_angle, place), _SEARCHED)
+    near = rotors.inner_curve.within(seen_from_inner(rotors, grid_angle, place), _SEARCHED)
     _, gap[near] = distance_to_inner(rotors, grid_angle[near], place[near])
     least = (gap <= np.roll(gap, 1, axis=1)) & (gap < np.roll(gap, -1, axis=1)) & (gap < reach)
     node, column = np.nonzero(least)
@@ -159,7 +114,7 @@ def closest_places(rotors: PlacedRotors, nodes: int, reach: float) -> ClosestPoi
     return ClosestPoints(node.astype(np.int64), outer, inner, gap)
 
 
-def nearest_place(rotors: PlacedRotors, angle: Array, place: Array, step: float) -> Array:
+def nearest_place(rotors: Rotors, angle: Array, place: Array, step: float) -> Array:
     """Place on the outer outline where the distance is least.
 
     Parameters
@@ -183,14 +138,14 @@ def nearest_place(rotors: PlacedRotors, angle: Array, place: Array, step: float)
     return np.asarray(0.5 * (low + high), dtype=float)
 
 
-def _slope(rotors: PlacedRotors, angle: Array, place: Array) -> Array:
+def _slope(rotors: Rotors, angle: Array, place: Array) -> Array:
     inner, _ = distance_to_inner(rotors, angle, place)
-    tangent = turned(rotors.inner.tangent(inner), (rotors.turns - 1.0) * angle)
-    along = rotors.outer.tangent(place)
+    tangent = turned(rotors.inner_curve.tangent(inner), (rotors.turns - 1.0) * angle)
+    along = rotors.outer_curve.tangent(place)
     return np.asarray(along[..., 0] * tangent[..., 1] - along[..., 1] * tangent[..., 0])
 
 
-def linked(rotors: PlacedRotors, closest: ClosestPoints, nodes: int) -> IntArray:
+def linked(rotors: Rotors, closest: ClosestPoints, nodes: int) -> IntArray:
     """Row that continues every row at the next node (or up to three later); -1: none."""
     successor = np.full(closest.node.size, -1, dtype=np.int64)
     tracks: dict[int, _Track] = {}
@@ -215,22 +170,22 @@ class _Track:
         """Where it should be at this node."""
         return np.asarray(self.place + self.speed * (1 + self.lost))
 
-    def back_one_tooth(self, rotors: PlacedRotors) -> None:
+    def back_one_tooth(self, rotors: Rotors) -> None:
         """Count from the following tooth on both outlines."""
-        inner = rotors.inner.length / rotors.inner_count
-        outer = rotors.outer.length / rotors.outer_count
+        inner = rotors.inner_curve.length / rotors.inner_tooth_count
+        outer = rotors.outer_curve.length / rotors.outer_tooth_count
         self.place = self.place + np.array([outer, inner])
 
 
 def _advance(
-    rotors: PlacedRotors,
+    rotors: Rotors,
     closest: ClosestPoints,
     rows: IntArray,
     tracks: dict[int, _Track],
     successor: IntArray,
 ) -> dict[int, _Track]:
     """Match the tracks with the rows of a node; begin new ones, drop lost ones."""
-    lengths = np.array([rotors.outer.length, rotors.inner.length])
+    lengths = np.array([rotors.outer_curve.length, rotors.inner_curve.length])
     places = np.column_stack([closest.outer[rows], closest.inner[rows]])
     old = list(tracks.values())
     following: dict[int, _Track] = {}

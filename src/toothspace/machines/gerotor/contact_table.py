@@ -24,11 +24,11 @@ from toothspace.geometry.curve import turned
 from toothspace.machines.gerotor.contact_search import (
     Branch,
     ClosestPoints,
-    PlacedRotors,
     branches,
     closest_places,
     linked,
 )
+from toothspace.machines.gerotor.profiles import Rotors
 
 NODES_PER_PITCH = 120
 FOLLOWED = 0.3e-3
@@ -115,31 +115,13 @@ class LobeContact:
         """Derivative of the slip by the outer rotor's own rotation. [m/rad]."""
         return np.asarray(np.sum(self.outer_point * self.normal, axis=1), dtype=float)
 
-    def displaced_gap(self, displacement: tuple[float, float], rotation: float) -> Array:
-        """Gap with the outer rotor moved from its nominal position, to first order.
 
-        Parameters
-        ----------
-        displacement : tuple of float
-            Displacement of the outer rotor. [m]
-        rotation : float
-            Its rotation beyond the kinematic one. [rad]
-
-        Returns
-        -------
-        ndarray
-            Gap at the nodes, negative where the outlines overlap. [m]
-        """
-        moved = self.gap + self.normal @ np.array(displacement) + self.lever * rotation
-        return np.asarray(moved, dtype=float)
-
-
-def lobe_contacts(rotors: PlacedRotors, nodes: int = NODES_PER_PITCH) -> tuple[LobeContact, ...]:
+def lobe_contacts(rotors: Rotors, nodes: int = NODES_PER_PITCH) -> tuple[LobeContact, ...]:
     """Find all contacts of two rotors.
 
     Parameters
     ----------
-    rotors : PlacedRotors
+    rotors : Rotors
         Rotors at nominal position.
     nodes : int
         Angles per pitch of the outer rotor.
@@ -165,9 +147,7 @@ def lobe_contacts(rotors: PlacedRotors, nodes: int = NODES_PER_PITCH) -> tuple[L
     return tuple(_contact(rotors, closest, branch, nodes) for branch in lasting)
 
 
-def _contact(
-    rotors: PlacedRotors, closest: ClosestPoints, branch: Branch, nodes: int
-) -> LobeContact:
+def _contact(rotors: Rotors, closest: ClosestPoints, branch: Branch, nodes: int) -> LobeContact:
     """Geometry along one branch, spread over a whole number of pitches."""
     alive = branch.rows.size
     copies = alive // nodes if branch.closed else -(-(alive + 1) // nodes)
@@ -204,25 +184,28 @@ _NORMAL, _INNER, _OUTER, _RADII = slice(4, 6), slice(6, 8), slice(8, 10), slice(
 _WIDTH = 12
 
 
-def _rows(rotors: PlacedRotors, closest: ClosestPoints, branch: Branch, angle: Array) -> Array:
+def _rows(rotors: Rotors, closest: ClosestPoints, branch: Branch, angle: Array) -> Array:
     """All columns but the rolling speed; rows that are lost for a moment are wrong."""
     outer, inner = closest.outer[branch.rows], closest.inner[branch.rows]
-    center = np.array([0.0, -rotors.eccentricity])
     turn = rotors.turns * angle
-    tangent = turned(rotors.inner.tangent(inner), turn)
+    tangent = turned(rotors.inner_curve.tangent(inner), turn)
     normal = np.column_stack([tangent[:, 1], -tangent[:, 0]])
-    arm = turned(rotors.inner.point(inner), turn)
-    outer_point = turned(rotors.outer.point(outer), angle)
+    arm = turned(rotors.inner_curve.point(inner), turn)
+    outer_point = turned(rotors.outer_curve.point(outer), angle)
     rows = np.zeros((angle.size, _WIDTH))
     rows[:, _GAP] = closest.gap[branch.rows]
-    rows[:, _NORMAL], rows[:, _INNER], rows[:, _OUTER] = normal, arm + center, outer_point
+    rows[:, _NORMAL], rows[:, _INNER], rows[:, _OUTER] = (
+        normal,
+        arm + rotors.inner_center,
+        outer_point,
+    )
     lever = outer_point[:, 0] * normal[:, 1] - outer_point[:, 1] * normal[:, 0]
     drive_lever = arm[:, 0] * normal[:, 1] - arm[:, 1] * normal[:, 0]
     rows[:, _RATE] = lever - rotors.turns * drive_lever
     rows[:, _SLIDING] = np.sum((outer_point - rotors.turns * arm) * normal, axis=1)
     # the outer body lies outside its own outline: a lobe that points inward is convex
-    rows[:, _RADII.start] = _radius(rotors.inner.curvature(inner))
-    rows[:, _RADII.start + 1] = _radius(-rotors.outer.curvature(outer))
+    rows[:, _RADII.start] = _radius(rotors.inner_curve.curvature(inner))
+    rows[:, _RADII.start + 1] = _radius(-rotors.outer_curve.curvature(outer))
     return rows
 
 
@@ -275,7 +258,7 @@ def fading(beyond: IntArray, step: float) -> tuple[Array, Array]:
     return extra, 2.0 * _FADED * part / (_FADING_NODES * step)
 
 
-def _rolling(rotors: PlacedRotors, rows: Array, closed: bool, nodes: int) -> Array:
+def _rolling(rotors: Rotors, rows: Array, closed: bool, nodes: int) -> Array:
     """Sum of the surface speeds relative to the moving contact point. [m/rad]."""
     reach = _SPEED_NODES
     if closed:

@@ -57,7 +57,10 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
     checks = design_checks(spec, pocket, timing)
     columns = motion_columns(spec)
     contacts = rotor_contacts(spec, pocket.rotors)
-    family = _pocket_family(spec, pocket, columns)
+    family, film = _families(spec, pocket, columns)
+    # the pockets feed the film through the faces of the outer rotor
+    share = smooth_table(FULL_TURN, film_by_motion(spec, pocket)[:, columns])
+    fed = replace(family, volume_by_motion=sum_of_tables(family.volume_by_motion, share))
     walls = spec.housing.end_condition == "wall"  # the solved film of the faces feeds the rim
     ratio = contact_ratio(contacts, float(np.median(pocket.path.gap)))
     return MachineDescription(
@@ -66,7 +69,7 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
         displacement=spec.rotors.face_width * pocket.area_per_radian,
         bodies=bodies(spec, pocket),
         motions=motions(spec),
-        families=(_with_film_share(spec, pocket, family), _film_family(spec, len(columns))),
+        families=(fed, film),
         paths=flow_paths(spec, pocket, timing, columns),
         journals=journal_bearings(spec),
         laterals=lateral_films(spec, pocket),
@@ -90,11 +93,14 @@ def _check_room(spec: GerotorParameters, rotors: Rotors) -> None:
     require_shaft_below("machine.rotors.shaft_diameter", shaft, near)
 
 
-def _pocket_family(
+def _families(
     spec: GerotorParameters, pocket: Pockets, columns: tuple[int, ...]
-) -> ChamberFamily:
-    width = spec.rotors.face_width
-    return ChamberFamily(
+) -> tuple[ChamberFamily, ChamberFamily]:
+    """Pockets, and the film round the outer rotor as one chamber of constant volume."""
+    width, housing = spec.rotors.face_width, spec.housing
+    radius = 0.5 * housing.outer_rotor_diameter
+    ring = np.pi * ((radius + housing.radial_clearance) ** 2 - radius**2)
+    of_pockets = ChamberFamily(
         name="pocket",
         angle_ratio=pocket.angle_ratio,
         phases=pocket_phases(pocket),
@@ -103,28 +109,14 @@ def _pocket_family(
         ),
         volume_by_motion=smooth_table(FULL_TURN, width * area_by_motion(pocket)[:, columns]),
     )
-
-
-def _with_film_share(
-    spec: GerotorParameters, pocket: Pockets, family: ChamberFamily
-) -> ChamberFamily:
-    """Pockets with the film that they feed through the faces of the outer rotor."""
-    share = smooth_table(FULL_TURN, film_by_motion(spec, pocket)[:, motion_columns(spec)])
-    return replace(family, volume_by_motion=sum_of_tables(family.volume_by_motion, share))
-
-
-def _film_family(spec: GerotorParameters, motion_count: int) -> ChamberFamily:
-    """Return the film round the outer rotor as one chamber of constant volume."""
-    housing = spec.housing
-    radius = 0.5 * housing.outer_rotor_diameter
-    ring = np.pi * ((radius + housing.radial_clearance) ** 2 - radius**2)
-    return ChamberFamily(
+    film = ChamberFamily(
         name="outer_film",
         angle_ratio=1.0,
         phases=np.zeros(1),
-        volume=monotone_table(FULL_TURN, np.full(4, ring * spec.rotors.face_width)),
-        volume_by_motion=monotone_table(FULL_TURN, np.zeros((4, motion_count))),
+        volume=monotone_table(FULL_TURN, np.full(4, ring * width)),
+        volume_by_motion=monotone_table(FULL_TURN, np.zeros((4, len(columns)))),
     )
+    return of_pockets, film
 
 
 def _draft(*given: Any) -> CaseDraft | None:

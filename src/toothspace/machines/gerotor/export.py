@@ -6,10 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
+from toothspace.geometry.cad_export import Section, export_section
 from toothspace.geometry.curve import polar
-from toothspace.geometry.section_export import Section, export_section
-from toothspace.machines.gerotor.contact_table import export_contacts
-from toothspace.machines.gerotor.lobe_pairs import contacts_of
+from toothspace.machines.gerotor.contact_table import export_contacts, lobe_contacts
 from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.profiles import rotors_from
 
@@ -52,5 +51,5 @@ def export_profiles(spec: GerotorParameters, stem: Path, suffix: str) -> list[Pa
         paths.append(path)
     if suffix == "txt":
         paths.append(stem.with_name(f"{stem.name}_contacts.txt"))
-        export_contacts(paths[-1], contacts_of(rotors))
+        export_contacts(paths[-1], lobe_contacts(rotors))
     return paths

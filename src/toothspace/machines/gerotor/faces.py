@@ -131,7 +131,7 @@ def shared_faces(
             sectors=-(-_SECTORS // count),
             surfaces=_surfaces(parameters),
         )
-        for gap, recesses in zip(side_gaps(parameters), (kidneys, opposite), strict=True)
+        for gap, recesses in zip(parameters.lateral.side_gaps, (kidneys, opposite), strict=True)
     )
     return SharedFaces(
         covers=covers,
@@ -165,11 +165,3 @@ def _rim_film(parameters: GerotorParameters, count: int) -> RimFilm:
         open_ends=housing.end_condition == "pressure",
         chamber=count,
     )
-
-
-def side_gaps(parameters: GerotorParameters) -> tuple[float, float]:
-    """Film heights at the covers with the lower and the higher z. [m]."""
-    lateral = parameters.lateral
-    if lateral.side_gap is not None:
-        return lateral.side_gap, lateral.side_gap
-    return lateral.side_gap_a or 0.0, lateral.side_gap_b or 0.0

@@ -6,12 +6,11 @@ and k + 1, which is ahead of it. After the pockets comes the film round the oute
 
 from __future__ import annotations
 
-from typing import Literal
-
 import numpy as np
 
-from toothspace.closures.gap_flow import equal_leakage_height, ring_sector_gap
-from toothspace.core.types import Array, IntArray
+from toothspace.closures.gap_flow import ring_sector_gap
+from toothspace.core.types import Array
+from toothspace.gearing.chamber_paths import ChamberPaths
 from toothspace.geometry.curve import signed_area
 from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.pockets import FULL_TURN, Pockets
@@ -51,14 +50,25 @@ def flow_paths(
     tuple of FlowPath
         Ports, tips, faces of lobes, land to the shaft, rim to the film round the outer rotor.
     """
-    return (
-        _port_path(pocket, timing.inlet, "inlet"),
-        _port_path(pocket, timing.outlet, "outlet"),
+    housing, count = parameters.housing, pocket.rotors.outer_tooth_count
+    ring, gap = _ring(pocket), side_gap(parameters)
+    root = float(np.hypot(*pocket.rotors.inner.T).min())
+    floor = float(np.hypot(*pocket.rotors.outer.T).max())
+    land = ring_sector_gap(shaft_radius(parameters, pocket), root, FULL_TURN / count)
+    rim = ring_sector_gap(floor, 0.5 * housing.outer_rotor_diameter, FULL_TURN / count)
+    to_drain, to_film = np.array([gap, *land]), np.array([gap, *rim])
+    paths = [
+        ring.to_node("port_inlet", INLET_PORT, timing.inlet, count + 1, "orifice"),
+        ring.to_node("port_outlet", OUTLET_PORT, timing.outlet, count + 2, "orifice"),
         tip_path(parameters, pocket, motions),
         lateral_path(parameters, pocket),
-        drain_path(parameters, pocket),
-        *_film_ends(parameters, pocket),
-    )
+        ring.to_node("drain", DRAIN, to_drain, count + 3, multiplicity=_FACES),
+    ]
+    if housing.end_condition != "wall":
+        paths.append(ring.to_node("rim", RIM, to_film, count, multiplicity=_FACES))
+    if housing.end_condition == "pressure":
+        paths.append(_film_end(parameters, count))
+    return tuple(paths)
 
 
 def pocket_phases(pocket: Pockets) -> Array:
@@ -72,26 +82,15 @@ def lobe_phases(pocket: Pockets) -> Array:
     return pocket_phases(pocket) + np.pi / pocket.rotors.outer_tooth_count
 
 
-def _nodes(pocket: Pockets) -> IntArray:
-    return np.arange(pocket.rotors.outer_tooth_count, dtype=np.int64)
-
-
-def _film_node(pocket: Pockets) -> int:
-    return pocket.rotors.outer_tooth_count
-
-
-def _port_path(pocket: Pockets, table: Array, port: Literal["inlet", "outlet"]) -> FlowPath:
-    own = _nodes(pocket)
-    node = own.size + (1 if port == "inlet" else 2)
-    return FlowPath(
-        name=f"port_{port}",
-        category=INLET_PORT if port == "inlet" else OUTLET_PORT,
-        kind="orifice",
-        nodes_a=own,
-        nodes_b=np.full(own.size, node, dtype=np.int64),
+def _ring(pocket: Pockets) -> ChamberPaths:
+    nodes = np.arange(pocket.rotors.outer_tooth_count, dtype=np.int64)
+    return ChamberPaths(
+        nodes=nodes,
+        behind=nodes,
+        ahead=np.roll(nodes, -1),
         angle_ratio=pocket.angle_ratio,
         phases=pocket_phases(pocket),
-        geometry=monotone_table(FULL_TURN, table),
+        land_phases=lobe_phases(pocket),
     )
 
 
@@ -101,19 +100,13 @@ def tip_path(parameters: GerotorParameters, pocket: Pockets, motions: tuple[int,
     The walls drag fluid only through what the motion of the rotors opens: the layers in the
     nominal gap are in the bookkeeping of ``pockets``.
     """
-    path, own = pocket.path, _nodes(pocket)
+    path = pocket.path
     width = np.full(path.place.size, parameters.rotors.face_width)
-    return FlowPath(
-        name="tip",
-        category=TIP,
-        kind=TIP_GAPS[parameters.rotors.tip_gap_law],
-        nodes_a=own,
-        nodes_b=np.roll(own, -1),
-        angle_ratio=pocket.angle_ratio,
-        phases=lobe_phases(pocket),
-        geometry=monotone_table(
-            FULL_TURN, np.column_stack([path.gap, width, path.relative_radius])
-        ),
+    return _ring(pocket).over_lands(
+        "tip",
+        TIP,
+        np.column_stack([path.gap, width, path.relative_radius]),
+        TIP_GAPS[parameters.rotors.tip_gap_law],
         height_by_motion=smooth_table(FULL_TURN, gap_by_motion(pocket)[:, motions]),
         drag_speed=smooth_table(FULL_TURN, slip_speed(pocket)),
         drags_opening_only=True,
@@ -163,10 +156,7 @@ def gap_by_motion(pocket: Pockets) -> Array:
 
 def side_gap(parameters: GerotorParameters) -> float:
     """Height that lets the same leakage through as the gaps of both faces. [m]."""
-    lateral = parameters.lateral
-    if lateral.side_gap is not None:
-        return lateral.side_gap
-    return float(equal_leakage_height(lateral.side_gap_a or 0.0, lateral.side_gap_b or 0.0))
+    return parameters.lateral.side_gap or parameters.lateral.leakage_height
 
 
 def shaft_radius(parameters: GerotorParameters, pocket: Pockets) -> float:
@@ -182,89 +172,33 @@ def lateral_path(parameters: GerotorParameters, pocket: Pockets) -> FlowPath:
     A land as long as the lobe is thick in the middle of its height, and as wide as both
     rotors' teeth are high.
     """
-    rotors, own = pocket.rotors, _nodes(pocket)
+    rotors = pocket.rotors
     outer, inner = np.hypot(*rotors.outer.T), np.hypot(*rotors.inner.T)
     height = float(np.ptp(outer))
     ring = np.pi * (outer.max() ** 2 - outer.min() ** 2)
     cavities = signed_area(rotors.outer) - np.pi * outer.min() ** 2
     thickness = (ring - cavities) / (rotors.outer_tooth_count * height)
     row = np.array([side_gap(parameters), height + float(np.ptp(inner)), thickness])
+    return _ring(pocket).over_lands("lateral", LATERAL, row, multiplicity=_FACES)
+
+
+def _film_end(parameters: GerotorParameters, film: int) -> FlowPath:
+    """Axial ends of the film round the outer rotor, a chamber of its own, to the drain."""
+    housing = parameters.housing
+    # mean pressure to either end: a quarter of the width is the mean way out
+    row = np.array([
+        housing.radial_clearance,
+        np.pi * housing.outer_rotor_diameter,
+        0.25 * parameters.rotors.face_width,
+    ])  # fmt: skip
     return FlowPath(
-        name="lateral",
-        category=LATERAL,
+        name="film_end",
+        category=RIM,
         kind="parallel_gap",
-        nodes_a=own,
-        nodes_b=np.roll(own, -1),
-        angle_ratio=pocket.angle_ratio,
-        phases=lobe_phases(pocket),
+        nodes_a=np.array([film]),
+        nodes_b=np.array([film + 3]),
+        angle_ratio=1.0,
+        phases=np.zeros(1),
         geometry=monotone_table(FULL_TURN, np.tile(row, (4, 1))),
         multiplicity=_FACES,
     )
-
-
-def drain_path(parameters: GerotorParameters, pocket: Pockets) -> FlowPath:
-    """Gaps over the land between the inner rotor's roots and its shaft, to the drain."""
-    root = float(np.hypot(*pocket.rotors.inner.T).min())
-    radii = shaft_radius(parameters, pocket), root
-    drain = pocket.rotors.outer_tooth_count + 3
-    return _ring_path(parameters, pocket, radii, ("drain", DRAIN, drain))
-
-
-def rim_path(parameters: GerotorParameters, pocket: Pockets) -> FlowPath:
-    """Gaps over the faces of the outer rotor's rim, to the film round it."""
-    floor = float(np.hypot(*pocket.rotors.outer.T).max())
-    radii = floor, 0.5 * parameters.housing.outer_rotor_diameter
-    return _ring_path(parameters, pocket, radii, ("rim", RIM, _film_node(pocket)))
-
-
-def _ring_path(
-    parameters: GerotorParameters,
-    pocket: Pockets,
-    radii: tuple[float, float],
-    label: tuple[str, PathCategory, int],
-) -> FlowPath:
-    own = _nodes(pocket)
-    row = [side_gap(parameters), *ring_sector_gap(*radii, FULL_TURN / own.size)]
-    return FlowPath(
-        name=label[0],
-        category=label[1],
-        kind="parallel_gap",
-        nodes_a=own,
-        nodes_b=np.full(own.size, label[2], dtype=np.int64),
-        angle_ratio=pocket.angle_ratio,
-        phases=pocket_phases(pocket),
-        geometry=monotone_table(FULL_TURN, np.tile(np.array(row), (4, 1))),
-        multiplicity=_FACES,
-    )
-
-
-def _film_ends(parameters: GerotorParameters, pocket: Pockets) -> list[FlowPath]:
-    """What joins the film round the outer rotor at its axial ends."""
-    housing = parameters.housing
-    if housing.end_condition == "wall":
-        return []
-    rim = rim_path(parameters, pocket)
-    if housing.end_condition == "no_flow":
-        return [rim]
-    # mean pressure to either end: a quarter of the width is the mean way out
-    row = np.array(
-        [
-            housing.radial_clearance,
-            np.pi * housing.outer_rotor_diameter,
-            0.25 * parameters.rotors.face_width,
-        ]
-    )
-    return [
-        rim,
-        FlowPath(
-            name="film_end",
-            category=RIM,
-            kind="parallel_gap",
-            nodes_a=np.array([_film_node(pocket)]),
-            nodes_b=np.array([pocket.rotors.outer_tooth_count + 3]),
-            angle_ratio=1.0,
-            phases=np.zeros(1),
-            geometry=monotone_table(FULL_TURN, np.tile(row, (4, 1))),
-            multiplicity=_FACES,
-        ),
-    ]

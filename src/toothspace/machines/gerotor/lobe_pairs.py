@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Literal, final
+from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 from scipy.ndimage import minimum_filter1d
@@ -11,9 +11,8 @@ from scipy.ndimage import minimum_filter1d
 from toothspace.core.types import Array
 from toothspace.gearing.materials import library_material, reduced_modulus
 from toothspace.machines.gerotor.bodies import BODIES, motions
-from toothspace.machines.gerotor.contact_search import placed_rotors
 from toothspace.machines.gerotor.contact_table import APART, LobeContact, fading, lobe_contacts
-from toothspace.machines.gerotor.parameters import ContactParameters, GerotorParameters
+from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.profiles import Rotors
 from toothspace.model.contact_pair import ContactPair
 from toothspace.model.description import Motion
@@ -28,40 +27,8 @@ LAWS: dict[str, Literal["hertz_line", "johnson", "pereira"]] = {
 """Law of the model for every law of a case."""
 
 
-@final
-@dataclass(frozen=True)
-class LobeMechanics:
-    """What the contacts of a rotor pair need besides their geometry.
-
-    Parameters
-    ----------
-    bodies : tuple of str
-        Inner and outer rotor.
-    motions : tuple of Motion
-        Micro-motions of the machine, in order.
-    width : float
-        Length of the contact lines. [m]
-    effective_modulus : float
-        E' = 2 / [...] of the pair. [Pa]
-    roughness : float
-        Combined root mean square roughness. [m]
-    settings : ContactParameters
-        Keys ``[machine.contact]``.
-    driving : float
-        1 where the inner rotor drives the outer one (pump), -1 where it is driven (motor).
-    """
-
-    bodies: tuple[str, str]
-    motions: tuple[Motion, ...]
-    width: float
-    effective_modulus: float
-    roughness: float
-    settings: ContactParameters
-    driving: float = 1.0
-
-
 def rotor_contacts(parameters: GerotorParameters, rotors: Rotors) -> tuple[ContactPair, ...]:
-    """Contacts of the lobes of a machine.
+    """Contacts of the lobes of a machine, or the one pair of single-contact theory.
 
     Parameters
     ----------
@@ -71,56 +38,32 @@ def rotor_contacts(parameters: GerotorParameters, rotors: Rotors) -> tuple[Conta
     Returns
     -------
     tuple of ContactPair
-        See :func:`lobe_pairs`.
-    """
-    material = library_material(parameters.rotors.material, "machine.rotors.material")
-    mechanics = LobeMechanics(
-        bodies=BODIES,
-        motions=motions(parameters),
-        width=parameters.rotors.face_width,
-        effective_modulus=reduced_modulus(material, material),
-        roughness=float(np.sqrt(2.0) * parameters.rotors.roughness),
-        settings=parameters.contact,
-        driving=1.0 if parameters.mode == "pump" else -1.0,
-    )
-    return lobe_pairs(rotors, contacts_of(rotors), mechanics)
-
-
-def lobe_pairs(
-    rotors: Rotors, contacts: tuple[LobeContact, ...], mechanics: LobeMechanics
-) -> tuple[ContactPair, ...]:
-    """Contacts of all lobes for the model, or the one pair of single-contact theory.
-
-    Parameters
-    ----------
-    contacts : tuple of LobeContact
-        Their contacts over the outer rotor's angle.
-
-    Returns
-    -------
-    tuple of ContactPair
         One per kind of contact: ``lobe_0`` lives longest.
     """
-    if mechanics.settings.theory == "single":
-        contacts = (single_contact(contacts[0], mechanics.driving),)
-    return tuple(_pair(rotors, f"lobe_{k}", c, mechanics) for k, c in enumerate(contacts))
+    contacts = lobe_contacts(rotors)
+    if parameters.contact.theory == "single":
+        contacts = (single_contact(contacts[0], 1.0 if parameters.mode == "pump" else -1.0),)
+    return tuple(_pair(parameters, rotors, f"lobe_{k}", c) for k, c in enumerate(contacts))
 
 
-def _pair(rotors: Rotors, name: str, contact: LobeContact, mechanics: LobeMechanics) -> ContactPair:
-    settings = mechanics.settings
-    ratio = rotors.inner_tooth_count / rotors.outer_tooth_count
+def _pair(
+    parameters: GerotorParameters, rotors: Rotors, name: str, contact: LobeContact
+) -> ContactPair:
+    settings, ratio = parameters.contact, rotors.speed_ratio
+    material = library_material(parameters.rotors.material, "machine.rotors.material")
+    moved = motions(parameters)
     return ContactPair(
         name=name,
-        body_a=mechanics.bodies[0],
-        body_b=mechanics.bodies[1],
+        body_a=BODIES[0],
+        body_b=BODIES[1],
         angle_ratio=ratio,
         phases=np.asarray(contact.pitch * np.arange(contact.copies), dtype=float),
         geometry=_geometry(contact, ratio),
-        gap_by_motion=_by_motion(rotors, contact, mechanics, along=False),
-        slip_by_motion=_by_motion(rotors, contact, mechanics, along=True),
-        width=mechanics.width,
-        effective_modulus=mechanics.effective_modulus,
-        roughness=mechanics.roughness,
+        gap_by_motion=_by_motion(rotors, contact, moved, along=False),
+        slip_by_motion=_by_motion(rotors, contact, moved, along=True),
+        width=parameters.rotors.face_width,
+        effective_modulus=reduced_modulus(material, material),
+        roughness=float(np.sqrt(2.0) * parameters.rotors.roughness),
         boundary_friction=settings.boundary_friction,
         law=LAWS[settings.law],
         depth=half_lobe(rotors),
@@ -167,18 +110,16 @@ def _geometry(contact: LobeContact, ratio: float) -> PeriodicTable:
 
 
 def _by_motion(
-    rotors: Rotors, contact: LobeContact, mechanics: LobeMechanics, *, along: bool
+    rotors: Rotors, contact: LobeContact, moved: tuple[Motion, ...], *, along: bool
 ) -> PeriodicTable:
     """Derivatives of gap or slip by every micro-motion of both rotors."""
     direction = contact.normal
     if along:
         direction = np.column_stack([-direction[:, 1], direction[:, 0]])
-    columns = np.zeros((contact.gap.size, len(mechanics.motions)))
+    columns = np.zeros((contact.gap.size, len(moved)))
     arms = (contact.inner_point - rotors.inner_center, contact.outer_point)
-    for column, motion in zip(columns.T, mechanics.motions, strict=True):
-        if motion.body not in mechanics.bodies:
-            continue
-        side = mechanics.bodies.index(motion.body)
+    for column, motion in zip(columns.T, moved, strict=True):
+        side = BODIES.index(motion.body)
         sign = (-1.0, 1.0)[side]
         if motion.axis == "rotation":
             column[:] = sign * _moment(arms[side], contact.normal, along=along)
@@ -191,11 +132,6 @@ def _moment(arm: Array, normal: Array, *, along: bool) -> Array:
     if along:
         return np.asarray(np.sum(arm * normal, axis=1), dtype=float)
     return np.asarray(arm[:, 0] * normal[:, 1] - arm[:, 1] * normal[:, 0], dtype=float)
-
-
-def contacts_of(rotors: Rotors) -> tuple[LobeContact, ...]:
-    """Find all contacts of the rotors of a case."""
-    return lobe_contacts(placed_rotors(rotors))
 
 
 def single_contact(contact: LobeContact, sign: float) -> LobeContact:

@@ -12,13 +12,19 @@ from typing import final
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.geometry.curve import polar
-from toothspace.machines.gerotor.closest_approach import closest_approach
+from toothspace.geometry.curve import polar, turned
+from toothspace.machines.gerotor.contact_search import (
+    distance_to_inner,
+    nearest_place,
+)
 from toothspace.machines.gerotor.profiles import Rotors, trochoid_of
 from toothspace.machines.gerotor.rotor_parameters import RotorParameters
 
 RADIUS_RANGE = (20e-6, 1.0)
 """Relative radii of curvature are kept in this range: cusps count with the lower end. [m]."""
+
+_LOBE_SAMPLES = 240
+_MISS_WEIGHT = 0.02
 
 
 @final
@@ -74,8 +80,7 @@ def lobe_path(parameters: RotorParameters, rotors: Rotors, place: Array) -> Lobe
         return _trochoidal(parameters, rotors, place)
     if parameters.kind == "cycloidal":
         return _cycloidal(rotors, place)
-    found = closest_approach(rotors, place)
-    return LobePath(place, *found)
+    return _closest_approach(rotors, place)
 
 
 def _trochoidal(parameters: RotorParameters, rotors: Rotors, place: Array) -> LobePath:
@@ -132,3 +137,53 @@ def _inverse(radius: Array) -> Array:
     edge = 0.5 * RADIUS_RANGE[0]
     sharp = np.abs(radius) < edge
     return np.asarray(1.0 / np.where(sharp, edge, radius), dtype=float)
+
+
+def _closest_approach(rotors: Rotors, place: Array) -> LobePath:
+    """Throats where a lobe comes closest to the inner rotor.
+
+    Where several points of a lobe are equally close, the one whose normal passes nearest to the
+    pitch point is taken: it is the one that the law of gearing allows to touch.
+    """
+    lobe, step = _lobe_samples(rotors)
+    turn = place - 0.5 * rotors.pitch
+    angle, along = np.broadcast_arrays(turn[:, None], lobe)
+    gap, _, normal, point = _throats(rotors, angle, along)
+    to_pitch = point - rotors.pitch_point
+    miss = normal[..., 0] * to_pitch[..., 1] - normal[..., 1] * to_pitch[..., 0]
+    best = np.argmin(gap + _MISS_WEIGHT * miss**2 / rotors.eccentricity, axis=1)
+    outer = nearest_place(rotors, turn, lobe[best], step)
+    gap, inner, normal, point = _throats(rotors, turn, outer)
+    return LobePath(
+        place=place,
+        point=point - 0.5 * gap[:, None] * normal,
+        normal=normal,
+        gap=gap,
+        inner_curvature=rotors.inner_curve.curvature(inner),
+        outer_curvature=-rotors.outer_curve.curvature(outer),
+    )
+
+
+def _throats(rotors: Rotors, angle: Array, along: Array) -> tuple[Array, Array, Array, Array]:
+    """Gap [m], arc length on the inner outline [m], normal and point on the outer outline."""
+    inner, gap = distance_to_inner(rotors, angle, along)
+    tangent = turned(rotors.inner_curve.tangent(inner), rotors.turns * angle)
+    normal = np.stack([tangent[..., 1], -tangent[..., 0]], axis=-1)
+    return gap, inner, normal, turned(rotors.outer_curve.point(along), angle)
+
+
+def _lobe_samples(rotors: Rotors) -> tuple[Array, float]:
+    """Arc lengths over the lobe that follows the cavity on the negative y axis, and their step.
+
+    The cavity floor beside the lobe is concave: no throat between pockets lies there.
+    """
+    outer = rotors.outer_curve
+    step = outer.length / (rotors.outer_tooth_count * _LOBE_SAMPLES)
+    points = np.asarray(outer.tree.data)
+    cavity = float(outer.nearest(points[[np.argmin(points[:, 1])]])[0])
+    along = cavity + step * (np.arange(_LOBE_SAMPLES) + 0.5)
+    concave = np.flatnonzero(outer.curvature(np.asarray(along, dtype=float)) >= 0.0)
+    middle = _LOBE_SAMPLES // 2
+    first = int(concave[concave < middle].max(initial=-1)) + 1
+    last = int(concave[concave > middle].min(initial=_LOBE_SAMPLES))
+    return np.asarray(along[first:last]), step

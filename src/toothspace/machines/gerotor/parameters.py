@@ -11,7 +11,6 @@ from toothspace.core.keys import (
     choice,
     file_path,
     forbid,
-    instead_of,
     number,
     quantity,
     require,
@@ -24,6 +23,7 @@ from toothspace.machines.shared_tables import (
     PortParameters,
     ShaftBearingParameters,
     ShaftSealParameters,
+    SideGapParameters,
 )
 
 
@@ -110,12 +110,11 @@ class PortContourParameters(KeyTable):
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class FaceGapParameters(KeyTable):
+class FaceGapParameters(SideGapParameters):
     """``[machine.lateral]``: films between rotor faces and covers."""
 
-    side_gap: float | None = quantity(
-        "um", "Film height of both faces.", low=0.1, high=500, default=None
-    )
+    each = "side_gap_a", "side_gap_b"
+
     side_gap_a: float | None = quantity(
         "um", "Film height at the face with the lower z.", low=0.1, high=500, default=None
     )
@@ -128,9 +127,6 @@ class FaceGapParameters(KeyTable):
         "free",
         default="given",
     )
-
-    def __post_init__(self) -> None:
-        instead_of(self, "side_gap", "side_gap_a", "side_gap_b")
 
 
 @final

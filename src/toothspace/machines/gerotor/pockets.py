@@ -62,7 +62,7 @@ class Pockets:
     @property
     def angle_ratio(self) -> float:
         """Growth of the place per shaft angle. [-]."""
-        return speed_ratio(self.rotors)
+        return self.rotors.speed_ratio
 
     @property
     def half_pitch_nodes(self) -> int:
@@ -86,11 +86,6 @@ class Pockets:
     def area_per_radian(self) -> float:
         """Section area displaced per shaft radian. [m2/rad]."""
         return self.rotors.inner_tooth_count * self.displaced_area / FULL_TURN
-
-
-def speed_ratio(rotors: Rotors) -> float:
-    """Speed of the outer rotor over that of the inner one. [-]."""
-    return rotors.inner_tooth_count / rotors.outer_tooth_count
 
 
 def pockets(parameters: RotorParameters, rotors: Rotors, nodes: int) -> Pockets:
@@ -129,7 +124,7 @@ def _check_overlap(rotors: Rotors, path: LobePath) -> None:
 def _area_rate(rotors: Rotors, path: LobePath, half_pitch_nodes: int) -> Array:
     inner = np.sum((path.point - rotors.inner_center) ** 2, axis=1)
     outer = np.sum(path.point**2, axis=1)
-    swept = 0.5 * (inner - speed_ratio(rotors) * outer)
+    swept = 0.5 * (inner - rotors.speed_ratio * outer)
     return np.asarray(
         np.roll(swept, -half_pitch_nodes) - np.roll(swept, half_pitch_nodes), dtype=float
     )
@@ -145,7 +140,7 @@ def _integrated(parameters: RotorParameters, rotors: Rotors, count: int, rate: A
     rate = rate - float(np.mean(rate))
     spline = CubicSpline(place, np.append(rate, rate[0]), bc_type="periodic")
     total = spline.antiderivative()(place[:-1:finer])
-    return np.asarray(total / speed_ratio(rotors), dtype=float)
+    return np.asarray(total / rotors.speed_ratio, dtype=float)
 
 
 def area_by_motion(pocket: Pockets) -> Array:

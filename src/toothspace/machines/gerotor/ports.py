@@ -97,19 +97,13 @@ def ports_of(parameters: PortContourParameters, pocket: Pockets, rim_radius: flo
             f"machine.ports.inner_radius: found {inner * 1e3:.5g} mm, allowed below "
             f"{outer * 1e3:.5g} mm"
         )
-    slot = _slot(parameters, rim_radius)
+    width, length = parameters.radial_slot_width or 0.0, parameters.radial_slot_length or 0.0
+    slot = 0.5 * width / rim_radius, width, length
     if parameters.contour is not None:
         return replace(_from_file(parameters, (*lands, inner, outer)), slot=slot)
     kidney = _kidney((inner, outer), (lands[1], np.pi - lands[0]))
     mirrored = (kidney * np.array([-1.0, 1.0]))[::-1]
     return Ports(*lands, inner, outer, {"inlet": kidney, "outlet": mirrored}, slot)
-
-
-def _slot(parameters: PortContourParameters, rim_radius: float) -> tuple[float, float, float]:
-    width, length = parameters.radial_slot_width, parameters.radial_slot_length
-    if width is None or length is None:
-        return 0.0, 0.0, 0.0
-    return 0.5 * width / rim_radius, width, length
 
 
 def _kidney(radii: tuple[float, float], places: tuple[float, float]) -> Array:

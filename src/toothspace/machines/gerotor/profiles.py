@@ -9,6 +9,7 @@ pocket is on the positive y axis.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NoReturn, final
 
 import numpy as np
@@ -17,8 +18,9 @@ import shapely
 from toothspace.core.errors import GeometryError
 from toothspace.core.keys import KeyRuleError
 from toothspace.core.types import Array
+from toothspace.core.units import to_si
 from toothspace.geometry.curve import counter_clockwise, without_repeats
-from toothspace.machines.gerotor.contour import contour
+from toothspace.machines.gerotor.contour import Contour, contour
 from toothspace.machines.gerotor.cycloid import cycloid
 from toothspace.machines.gerotor.rotor_files import DrawnRotor, drawn_eccentricity, rotor_pair
 from toothspace.machines.gerotor.rotor_parameters import RotorParameters
@@ -26,7 +28,7 @@ from toothspace.machines.gerotor.trochoid import Trochoid, inner_outline, outer_
 
 POINTS_PER_TOOTH = 480
 
-_FILE_UNITS = {"mm": 1e-3, "m": 1.0, "um": 1e-6, "in": 25.4e-3}
+_UNITS = ("mm", "m", "um", "in")
 _LEAST_EDGE = 1e-9
 _FEWEST_EDGES = 16
 _POINTS_FOR_PHASE = 2000
@@ -64,6 +66,31 @@ class Rotors:
         return self.inner_tooth_count + 1
 
     @property
+    def speed_ratio(self) -> float:
+        """Speed of the outer rotor over that of the inner one. [-]."""
+        return self.inner_tooth_count / self.outer_tooth_count
+
+    @property
+    def turns(self) -> float:
+        """Angle of the inner rotor per angle of the outer one. [-]."""
+        return self.outer_tooth_count / self.inner_tooth_count
+
+    @property
+    def pitch(self) -> float:
+        """Angle of one tooth of the outer rotor. [rad]."""
+        return 2.0 * np.pi / self.outer_tooth_count
+
+    @cached_property
+    def inner_curve(self) -> Contour:
+        """Outline of the inner rotor over its arc length."""
+        return contour(self.inner)
+
+    @cached_property
+    def outer_curve(self) -> Contour:
+        """Outline of the outer rotor over its arc length."""
+        return contour(self.outer)
+
+    @property
     def inner_center(self) -> Array:
         """Centre of the inner rotor. [m]."""
         return np.array([0.0, -self.eccentricity])
@@ -96,11 +123,21 @@ def rotors_from(parameters: RotorParameters, points_per_tooth: int = POINTS_PER_
     GeometryError
         If the design undercuts or does not close, or a file holds no rotor.
     """
+    count, half = parameters.inner_tooth_count, 0.5 * parameters.tip_clearance
     if parameters.kind == "trochoidal":
-        return _trochoidal(parameters, points_per_tooth)
-    if parameters.kind == "cycloidal":
-        return _cycloidal(parameters, points_per_tooth)
-    return _from_files(parameters)
+        design = trochoid_of(parameters)
+        design.check()
+        inner = inner_outline(design, points_per_tooth, half)
+        outer = outer_outline(design, points_per_tooth, half)
+    else:
+        if parameters.kind == "cycloidal":
+            rolling = 0.5 * parameters.eccentricity
+            curves = [cycloid(n, rolling, points_per_tooth) for n in (count, count + 1)]
+        else:
+            drawn = _drawn(parameters)
+            curves = [turned_to_axis(one.curve, one.tooth_count, "rotor") for one in drawn]
+        inner, outer = offset_outline(curves[0], -half), offset_outline(curves[1], half)
+    return Rotors(inner, outer, count, parameters.eccentricity, parameters.tip_clearance)
 
 
 def trochoid_of(parameters: RotorParameters) -> Trochoid:
@@ -110,33 +147,6 @@ def trochoid_of(parameters: RotorParameters) -> Trochoid:
         eccentricity=parameters.eccentricity,
         generating_radius=parameters.generating_radius or 0.0,
         lobe_radius=parameters.lobe_radius or 0.0,
-    )
-
-
-def _trochoidal(parameters: RotorParameters, points: int) -> Rotors:
-    design = trochoid_of(parameters)
-    design.check()
-    half = 0.5 * parameters.tip_clearance
-    return _rotors(
-        parameters, inner_outline(design, points, half), outer_outline(design, points, half)
-    )
-
-
-def _cycloidal(parameters: RotorParameters, points: int) -> Rotors:
-    count, rolling = parameters.inner_tooth_count, 0.5 * parameters.eccentricity
-    half = 0.5 * parameters.tip_clearance
-    inner = cycloid(count, rolling, points)
-    outer = cycloid(count + 1, rolling, points)
-    return _rotors(parameters, offset_outline(inner, -half), offset_outline(outer, half))
-
-
-def _rotors(parameters: RotorParameters, inner: Array, outer: Array) -> Rotors:
-    return Rotors(
-        inner=inner,
-        outer=outer,
-        inner_tooth_count=parameters.inner_tooth_count,
-        eccentricity=parameters.eccentricity,
-        tip_clearance=parameters.tip_clearance,
     )
 
 
@@ -221,16 +231,15 @@ def completed(parameters: RotorParameters, outer_diameter: float) -> RotorParame
 def _drawn(parameters: RotorParameters) -> tuple[DrawnRotor, DrawnRotor]:
     assert parameters.inner_profile is not None
     assert parameters.outer_profile is not None
-    return rotor_pair(
-        parameters.inner_profile, parameters.outer_profile, _FILE_UNITS[parameters.profile_unit]
-    )
+    unit = to_si(1.0, parameters.profile_unit)
+    return rotor_pair(parameters.inner_profile, parameters.outer_profile, unit)
 
 
 def _check_unit(unit: str, outer: DrawnRotor, diameter: float) -> None:
     size = float(np.ptp(outer.curve, axis=0).max())
     if _LEAST_OF_RIM * diameter < size < diameter:
         return
-    scales = {name: scale / _FILE_UNITS[unit] for name, scale in _FILE_UNITS.items()}
+    scales = {name: to_si(1.0, name) / to_si(1.0, unit) for name in _UNITS}
     fits = [n for n, s in scales.items() if _LEAST_OF_RIM * diameter < size * s < diameter]
     if len(fits) == 1:
         raise KeyRuleError(
@@ -238,20 +247,6 @@ def _check_unit(unit: str, outer: DrawnRotor, diameter: float) -> None:
             f"{unit!r}, with which the outer rotor's lobes span {1e3 * size:.5g} mm",
             f"{fits[0]!r}, with which it is {1e3 * size * scales[fits[0]]:.5g} mm and fits the rim",
         )
-
-
-def _from_files(parameters: RotorParameters) -> Rotors:
-    half = 0.5 * parameters.tip_clearance
-    outlines = [
-        offset_outline(turned_to_axis(rotor.curve, rotor.tooth_count, "rotor"), sign * half)
-        for rotor, sign in zip(_drawn(parameters), (-1.0, 1.0), strict=True)
-    ]
-    return _rotors(parameters, *outlines)
-
-
-def _center(curve: Array) -> Array:
-    center = shapely.Polygon(curve).centroid
-    return np.array([center.x, center.y])
 
 
 def turned_to_axis(curve: Array, tooth_count: int, name: str) -> Array:
@@ -273,7 +268,8 @@ def turned_to_axis(curve: Array, tooth_count: int, name: str) -> Array:
     """
     outline, count = contour(curve), _POINTS_FOR_PHASE * tooth_count
     even = outline.point(outline.length * np.arange(count) / count)
-    center = _center(even)
+    middle = shapely.Polygon(even).centroid
+    center = np.array([middle.x, middle.y])
     points, even = curve - center, even - center
     radius, angle = np.hypot(*even.T), np.arctan2(even[:, 1], even[:, 0])
     orders = np.arange(2, 2 * tooth_count + 2)

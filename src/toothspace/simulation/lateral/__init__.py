@@ -10,7 +10,6 @@ interpolation  equilibrium at chamber pressures between those of two lumped runs
 torque         torque of the films in the equations of the lumped machine
 heat           films whose viscosity follows the heat that they dissipate
 coupled_run    a coupled operating point over one revolution, as a solution
-history        what a run over one revolution keeps
 reduction      films over axial load and moment, for tables
 =============  ======================================================================
 """

@@ -12,7 +12,7 @@ from toothspace.core.status import Status
 from toothspace.films.lateral.stops import leaning
 from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_load import axial_load
-from toothspace.results.solution import Solution, warned
+from toothspace.results.solution import Solution
 from toothspace.results.variables import VARIABLES
 from toothspace.simulation.lateral.coupling import (
     CoupledPoint,
@@ -109,23 +109,30 @@ def elastic_solution(point: CoupledPoint, steps: int, progress: Progress | None 
     status = point.status if march.converged else Status.NOT_CONVERGED
     status = Status.INTERRUPTED if march.interrupted else status
     force, moment = axial_load(point.problem.stack.balance, point.problem.node_pressure)
-    rise = point.temperature_rise
-    statistics = {
-        **point.solution.statistics,
-        **_statistics(point),
-        "lateral_axial_force": force,
-        "lateral_axial_moment": moment,
+    rise, numbers = point.temperature_rise, point.numbers
+    warnings = filter(None, [seat_warning(numbers), equilibrium_warning(point)])
+    return replace(point.solution, status=status, data=data).with_note(
+        "\n".join(warnings),
+        lateral_leakage=numbers.leakage,
+        lateral_leakage_mismatch=point.leakage_mismatch,
+        lateral_torque_mismatch=point.torque_mismatch,
+        lateral_torque=numbers.viscous_torque + numbers.asperity_torque,
+        lateral_smallest_gap=numbers.smallest_gap,
+        lateral_contact_force=numbers.contact_force,
+        lateral_real_contact_area=numbers.real_contact_area,
+        lateral_contact_share=numbers.contact_share,
+        lateral_wear_power=numbers.wear_power,
+        lateral_housing_friction=numbers.friction_force,
+        solid_bearing_seat_force=numbers.seat_force,
+        solid_bearing_seat_margin=numbers.seat_margin,
+        lateral_axial_force=force,
+        lateral_axial_moment=moment,
         **({} if rise is None else {"lateral_temperature_rise": rise}),
-        "floating_bearing_preload": stack.balance.floating.preload.size,
-        "lateral_iterations": float(sum(march.iterations)),
-        "lateral_equilibrium_residual": point.equilibrium.balance.residual,
-        "lateral_residual": float(max(march.residuals)),
+        floating_bearing_preload=stack.balance.floating.preload.size,
+        lateral_iterations=float(sum(march.iterations)),
+        lateral_equilibrium_residual=point.equilibrium.balance.residual,
+        lateral_residual=float(max(march.residuals)),
         **face_deflection(march.last.states[0]),
-    }
-    warnings = filter(None, [seat_warning(point.numbers), equilibrium_warning(point)])
-    provenance = warned(point.solution.provenance, "\n".join(warnings))
-    return replace(
-        point.solution, status=status, data=data, statistics=statistics, provenance=provenance
     )
 
 
@@ -156,21 +163,3 @@ def equilibrium_warning(point: CoupledPoint) -> str:
 def _entry(name: str, value: object) -> tuple[tuple[str, ...], object, dict[str, str]]:
     entry = VARIABLES[name]
     return entry.dimensions, value, {"long_name": entry.long_name, "units": entry.units}
-
-
-def _statistics(point: CoupledPoint) -> dict[str, float]:
-    numbers = point.numbers
-    return {
-        "lateral_leakage": numbers.leakage,
-        "lateral_leakage_mismatch": point.leakage_mismatch,
-        "lateral_torque_mismatch": point.torque_mismatch,
-        "lateral_torque": numbers.viscous_torque + numbers.asperity_torque,
-        "lateral_smallest_gap": numbers.smallest_gap,
-        "lateral_contact_force": numbers.contact_force,
-        "lateral_real_contact_area": numbers.real_contact_area,
-        "lateral_contact_share": numbers.contact_share,
-        "lateral_wear_power": numbers.wear_power,
-        "lateral_housing_friction": numbers.friction_force,
-        "solid_bearing_seat_force": numbers.seat_force,
-        "solid_bearing_seat_margin": numbers.seat_margin,
-    }

@@ -12,23 +12,17 @@ from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.films.lateral.equilibrium import Equilibrium
-from toothspace.films.lateral.motion import Balance
 from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_load import with_lateral_leakage
 from toothspace.model.path_category import LATERAL_PATHS
 from toothspace.results.solution import Solution
-from toothspace.simulation.lateral.heat import settle_heated
-from toothspace.simulation.lateral.interpolation import (
-    InterpolatedEquilibrium,
-    SettledBearing,
-    Trial,
-)
+from toothspace.simulation.lateral.heat import SettledBearing, settle_bearing
+from toothspace.simulation.lateral.interpolation import InterpolatedEquilibrium, Trial
 from toothspace.simulation.lateral.problem import (
     LateralNumbers,
     LateralProblem,
     LateralSettings,
     lateral_problem,
-    numbers_of,
 )
 from toothspace.simulation.lateral.torque import lumped_torque, with_film_torque
 
@@ -206,7 +200,7 @@ class _LeakageSearch:
         """Equilibrium at the pressures of the run; sets how the paths leak in the next one."""
         start = self._asked.start
         begun = problem.started(start) if isinstance(start, float) else problem.continued(start)
-        found = _settle(problem, begun)
+        found = settle_bearing(problem, begun)
         if leakage <= 0.0 or found.numbers.leakage <= 0.0:
             return found
         moved = problem.stack.opening @ (found.balance.position - begun.position)
@@ -232,7 +226,7 @@ class _LeakageSearch:
         assert self._position is not None
         low, high = self._ends
         trial = Trial(self._log_leakage_factor, leakage, problem, self._position, 0.0, high.sense)
-        held = InterpolatedEquilibrium(trial, trial, _settle).at(0.0, self._position)
+        held = InterpolatedEquilibrium(trial, trial, settle_bearing).at(0.0, self._position)
         trial = replace(trial, position=held.balance.position, excess=held.excess, held=held)
         self._ends = (trial, high) if held.excess > 0.0 else (low, trial)
         return self._interpolated()
@@ -242,7 +236,7 @@ class _LeakageSearch:
         assert self._ends is not None
         assert self._position is not None
         low, high = self._ends
-        known = InterpolatedEquilibrium(low, high, _settle, self._stiffness)
+        known = InterpolatedEquilibrium(low, high, settle_bearing, self._stiffness)
         share, found = known.equilibrium(self._position)
         holding_spring = found.problem.stack.holding_spring
         self._stiffness = holding_spring.stiffness if holding_spring else 0.0
@@ -278,18 +272,6 @@ class _LeakageSearch:
             temperatures=found.temperatures,
         )
         return point, close
-
-
-def _settle(
-    problem: LateralProblem, begun: Balance, temperatures: Array | None = None
-) -> SettledBearing:
-    """Equilibrium, with films that warm up where they are meant to."""
-    if problem.settings.heating is None:
-        found = problem.settle(begun)
-        return SettledBearing(problem, found, numbers_of(problem, found.balance))
-    warm = settle_heated(problem, begun, problem.settings.heating, temperatures)
-    numbers = numbers_of(warm.problem, warm.equilibrium.balance)
-    return SettledBearing(warm.problem, warm.equilibrium, numbers, warm.temperatures, warm.agreed)
 
 
 def _ends(trials: list[Trial]) -> tuple[Trial, Trial] | None:

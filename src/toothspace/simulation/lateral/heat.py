@@ -11,7 +11,7 @@ from toothspace.core.types import Array
 from toothspace.films.lateral.equilibrium import Equilibrium
 from toothspace.films.lateral.motion import Balance
 from toothspace.films.thermal import FilmHeating
-from toothspace.simulation.lateral.problem import LateralProblem
+from toothspace.simulation.lateral.problem import LateralNumbers, LateralProblem, numbers_of
 
 _AGREEMENT = 0.2
 """Difference of temperatures at which heat and viscosity agree. [K]"""
@@ -22,31 +22,43 @@ _RELAXATION = 0.7
 
 @final
 @dataclass(frozen=True, eq=False)
-class HeatedEquilibrium:
-    """Bearing in equilibrium between films at their own temperatures.
+class SettledBearing:
+    """Bearing in equilibrium between films.
 
     Parameters
     ----------
     problem : LateralProblem
-        Films with the viscosity of their temperature.
+        Films and loads, with the viscosity of the films' temperatures.
     equilibrium : Equilibrium
         Equilibrium of bearing and gears.
-    temperatures : ndarray
-        Mean temperature of every film. [K]
-    agreed : bool
-        Whether temperature and dissipated power agree within what the fluid is known for.
+    numbers : LateralNumbers
+        Mean numbers of the films.
+    temperatures : ndarray or None
+        Mean temperature of every film; None at the temperature of the fluid. [K]
+    warm : bool
+        Whether temperatures agree with the power dissipated, within what the fluid is known for.
+    excess : float
+        Force on the holding spring over that behind the bearing: positive if the films push the
+        bearing off. [-]
     """
 
     problem: LateralProblem
     equilibrium: Equilibrium
-    temperatures: Array
-    agreed: bool
+    numbers: LateralNumbers
+    temperatures: Array | None = None
+    warm: bool = True
+    excess: float = 0.0
+
+    @property
+    def balance(self) -> Balance:
+        """Films and positions."""
+        return self.equilibrium.balance
 
 
-def settle_heated(
-    problem: LateralProblem, start: Balance, heating: FilmHeating, begin: Array | None = None
-) -> HeatedEquilibrium:
-    """Find the equilibrium with the viscosity that the heat of every film gives.
+def settle_bearing(
+    problem: LateralProblem, start: Balance, begin: Array | None = None
+) -> SettledBearing:
+    """Find the equilibrium; films that are to warm up get the viscosity that their heat gives.
 
     Parameters
     ----------
@@ -54,8 +66,6 @@ def settle_heated(
         Films at the temperature of the supply.
     start : Balance
         Where bearings and gears start, in every round.
-    heating : FilmHeating
-        Oil, and part of the heat that it carries away.
     begin : ndarray, optional
         Temperatures that the films begin with; default that of the supply. [K]
 
@@ -66,6 +76,10 @@ def settle_heated(
     temperatures are found round by round; a film whose temperature would lie above the range of the
     fluid data keeps the highest one, and the point counts as not agreed.
     """
+    heating = problem.settings.heating
+    if heating is None:
+        found = problem.settle(start)
+        return SettledBearing(problem, found, numbers_of(problem, found.balance))
     supply = heating.balance.supply_temperature
     now = np.full(len(problem.stack.grids), supply) if begin is None else begin
     for _ in range(_MOST_ROUNDS):
@@ -73,10 +87,12 @@ def settle_heated(
         found = heated.settle(start)
         asked = film_temperatures(found.balance, heating)
         within = np.minimum(asked, heating.balance.highest_temperature)
-        if float(np.abs(within - now).max()) <= _AGREEMENT:
-            return HeatedEquilibrium(heated, found, now, bool(np.all(within == asked)))
+        agreed = float(np.abs(within - now).max()) <= _AGREEMENT
+        if agreed:
+            break
         now = now + _RELAXATION * (within - now)
-    return HeatedEquilibrium(heated, found, now, False)
+    warm = agreed and bool(np.all(within == asked))
+    return SettledBearing(heated, found, numbers_of(heated, found.balance), now, warm)
 
 
 def film_temperatures(balance: Balance, heating: FilmHeating) -> Array:

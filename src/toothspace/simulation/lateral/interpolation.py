@@ -9,11 +9,11 @@ from typing import final
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.films.lateral.equilibrium import Equilibrium
 from toothspace.films.lateral.housing_friction import HousingFriction
 from toothspace.films.lateral.motion import Balance, Loads, balance_force
 from toothspace.films.lateral.stack import HoldingSpring, MovingBearing, Snapshot
-from toothspace.simulation.lateral.problem import LateralNumbers, LateralProblem, numbers_of
+from toothspace.simulation.lateral.heat import SettledBearing
+from toothspace.simulation.lateral.problem import LateralProblem, numbers_of
 
 _STIFFNESS = 1e6
 """Stiffness of the holding spring over the force behind the bearing. [1/m]"""
@@ -27,41 +27,6 @@ _APART = 3e-3
 _LEFT = "films and chambers leave {:.3g} N on the bearing"
 _LEAST_STEP = 0.5
 """Smallest part to which one change of the holding spring may take a gap. [-]"""
-
-
-@final
-@dataclass(frozen=True, eq=False)
-class SettledBearing:
-    """Bearing in equilibrium between films.
-
-    Parameters
-    ----------
-    problem : LateralProblem
-        Films and loads.
-    equilibrium : Equilibrium
-        Equilibrium of bearing and gears.
-    numbers : LateralNumbers
-        Mean numbers of the films.
-    temperatures : ndarray or None
-        Mean temperature of every film; None at the temperature of the fluid. [K]
-    warm : bool
-        Whether temperatures agree with the power dissipated.
-    excess : float
-        Force on the holding spring over that behind the bearing: positive if the films push the
-        bearing off. [-]
-    """
-
-    problem: LateralProblem
-    equilibrium: Equilibrium
-    numbers: LateralNumbers
-    temperatures: Array | None = None
-    warm: bool = True
-    excess: float = 0.0
-
-    @property
-    def balance(self) -> Balance:
-        """Films and positions."""
-        return self.equilibrium.balance
 
 
 @final

@@ -45,7 +45,6 @@ from toothspace.films.thermal import FilmHeating
 from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_balance import FilmInterface, LateralBalance
 from toothspace.numerics.parallel import cores_for_fields
-from toothspace.simulation.lateral.history import LateralTrack
 from toothspace.simulation.lateral.loads import loaded_bodies, node_pressures
 
 if TYPE_CHECKING:
@@ -472,3 +471,57 @@ def film_fields(balance: Balance) -> Mapping[str, Array]:
         "film_deformation": np.stack(deformation),
         "film_fraction": np.stack([f.plane.fields.saturation for f in films]),
     }
+
+
+@final
+class LateralTrack:
+    """Record of a march, which holds the films of its last step only: those of all fill memory.
+
+    Attributes
+    ----------
+    positions : list of float
+        Position of the floating bearing at its gauge point after every step. [m]
+    iterations : list of int
+        Film solutions of every step. [-]
+    residuals : list of float
+        Largest residual force of every step over the balance force. [-]
+    converged : bool
+        Whether every step was in balance.
+    interrupted : bool
+        Whether the user stopped the march before its end.
+    """
+
+    def __init__(self, shaft_angle: Array) -> None:
+        self._shaft_angle = shaft_angle
+        self.positions: list[float] = []
+        self.iterations: list[int] = []
+        self.residuals: list[float] = []
+        self.converged = True
+        self.interrupted = False
+        self._wear = np.zeros(())
+        self._last: Balance | None = None
+
+    def take(self, balance: Balance, wear: Array) -> None:
+        """Add a step with its wear indicator, shape (films, rows, columns). [W/m2]."""
+        self.positions.append(balance.states[0].stack.gauge(balance.position))
+        self.iterations.append(balance.iterations)
+        self.residuals.append(balance.residual)
+        self.converged = self.converged and balance.converged
+        self._wear = self._wear + wear
+        self._last = balance
+
+    @property
+    def shaft_angle(self) -> Array:
+        """Angles at the ends of the steps that were made. [rad]."""
+        return self._shaft_angle[: len(self.positions)]
+
+    @property
+    def last(self) -> Balance:
+        """State after the last step."""
+        assert self._last is not None
+        return self._last
+
+    @property
+    def wear(self) -> Array:
+        """Wear indicator, mean over all steps. [W/m2]."""
+        return np.asarray(self._wear / len(self.positions))

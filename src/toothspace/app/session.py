@@ -1,0 +1,139 @@
+"""What the form works with: cases to open, their check, and the one run of the moment."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, final
+
+from toothspace.case import Case, load_case
+from toothspace.case.shipped import shipped_case, shipped_cases
+from toothspace.core.errors import CaseError, ToothspaceError
+from toothspace.core.progress import UNKNOWN, reporting_to
+from toothspace.interactive import Solution, simulate
+from toothspace.library import shipped_folder
+
+_LONGEST_PATH = 1000
+
+
+@final
+class Session:
+    """Cases of one folder and those shipped; one of them runs at a time.
+
+    Parameters
+    ----------
+    folder : Path
+        Folder whose case files are listed and that file paths in a case are relative to.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder.resolve()
+        self._thread: threading.Thread | None = None
+        self._stopped = threading.Event()
+        self._share, self._text = UNKNOWN, ""
+        self._problem = ""
+        self.solution: Solution | None = None
+
+    def cases(self) -> dict[str, str]:
+        """Titles by name: the files of the folder by their file name, then the shipped cases."""
+        own = {path.name: f"file in {self.folder.name}" for path in self.folder.glob("*.toml")}
+        return {**dict(sorted(own.items())), **shipped_cases()}
+
+    def tables(self, name: str) -> dict[str, Any]:
+        """Keys of a case that is listed, as tables with texts for quantities.
+
+        Raises
+        ------
+        CaseError
+            If no case of that name is listed, or it cannot be read.
+        """
+        if name not in self.cases():
+            raise CaseError(f"case: found {name!r}, allowed one that is listed")
+        return load_case(self.folder / name if "." in name else shipped_case(name)).to_dict()
+
+    def case(self, tables: Mapping[str, Any]) -> Case:
+        """Check the keys of a form.
+
+        Raises
+        ------
+        CaseError
+            A line for every key that cannot be taken; a file outside the folder and the shipped
+            cases is one of them.
+        """
+        homes = self.folder, shipped_folder("cases").resolve()
+        for key, text in _texts("", tables):
+            if len(text) > _LONGEST_PATH or "\0" in text:
+                continue
+            place = (self.folder / text).resolve()
+            if place.exists() and not any(place.is_relative_to(home) for home in homes):
+                raise CaseError(f"case: {key}: found {text!r}, allowed a file in {self.folder}")
+        return Case.from_dict(tables, self.folder)
+
+    def start(self, tables: Mapping[str, Any]) -> dict[str, Any]:
+        """Run a case; returns the state.
+
+        Raises
+        ------
+        CaseError
+            If a key cannot be taken, or a run is under way.
+        """
+        case = self.case(tables)
+        if self._thread is not None and self._thread.is_alive():
+            raise CaseError("run: found one under way, allowed one at a time")
+        self.solution, self._problem = None, ""
+        self._share, self._text = UNKNOWN, "geometry"
+        self._stopped.clear()
+        self._thread = threading.Thread(target=self._run, args=(case,), daemon=True)
+        self._thread.start()
+        return self.state()
+
+    def stop(self) -> dict[str, Any]:
+        """End the run where it reports next, keeping what there is by then; returns the state."""
+        self._stopped.set()
+        return self.state()
+
+    def state(self) -> dict[str, Any]:
+        """How far the run is: running, share (null if nobody can tell), text, problem, result."""
+        running = self._thread is not None and self._thread.is_alive()
+        return {
+            "running": running,
+            "share": self._share if math.isfinite(self._share) else None,
+            "text": self._text,
+            "problem": self._problem,
+            "result": None if self.solution is None or running else self.solution._repr_html_(),
+        }
+
+    def wait(self) -> None:
+        """Return when nothing runs."""
+        if self._thread is not None:
+            self._thread.join()
+
+    def _run(self, case: Case) -> None:
+        try:
+            with reporting_to(self._report):
+                self.solution = simulate(case, progress=self._report)
+        except ToothspaceError as error:
+            self._problem = str(error)
+        except KeyboardInterrupt:
+            self._problem = "Stopped before there was a result."
+        except Exception as error:
+            self._problem = f"Unexpected {type(error).__name__}: {error}"
+
+    def _report(self, share: float, text: str) -> None:
+        self._share, self._text = share, text
+        if self._stopped.is_set():
+            self._stopped.clear()
+            raise KeyboardInterrupt
+
+
+def _texts(key: str, value: Any) -> Iterator[tuple[str, str]]:
+    if isinstance(value, str):
+        yield key, value
+    elif isinstance(value, Mapping):
+        for name, item in value.items():
+            yield from _texts(f"{key}.{name}" if key else str(name), item)
+    elif isinstance(value, list):
+        for number, item in enumerate(value):
+            yield from _texts(f"{key}[{number}]", item)

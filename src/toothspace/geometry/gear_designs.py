@@ -1,0 +1,276 @@
+"""Kinematics of many external gear pairs at once: ideal flow, mesh and trapped volume.
+
+Everything is closed form over arrays, the same formulas as those of one pair.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import final
+
+import numpy as np
+
+from toothspace.core.types import Array, IntArray
+from toothspace.geometry import design_rules as rules
+from toothspace.geometry.evaluated_designs import DesignReason, EvaluatedDesigns, marked
+from toothspace.geometry.gear_pair import LARGEST_OVERLAP, InvolutePair
+from toothspace.geometry.involute_gear import involute_function
+from toothspace.geometry.involute_gears import InvoluteGears
+
+_LARGEST_ANGLE = 1.4
+_NEWTON_STEPS = 60
+_LARGEST_BACKLASH = 0.5
+_LARGEST_DIFFERENCE = 1e-9
+
+
+@final
+@dataclass(frozen=True)
+class GearDesigns(InvolutePair[Array]):
+    """Pairs of external gears; arrays of one shape (n,).
+
+    Parameters
+    ----------
+    drive, driven : InvoluteGears
+        Gears.
+    center_distance : ndarray
+        Distances of the gear centres. [m]
+    face_width : ndarray
+        Widths over which the gears mesh. [m]
+    drives : bool
+        Whether the drive gear's flanks push the driven gear (pump) or are pushed (motor).
+    """
+
+    drive: InvoluteGears
+    driven: InvoluteGears
+    center_distance: Array
+    face_width: Array
+    drives: bool = True
+
+    @property
+    def speed_ratio(self) -> Array:
+        """Speed of the driven gears over that of the drive gears, negative. [-]."""
+        return -self.drive.tooth_count / self.driven.tooth_count
+
+    @property
+    def tip_radii(self) -> tuple[Array, Array]:
+        """Tip circles of drive and driven gears. [m]."""
+        return self.drive.tip_radius, self.driven.tip_radius
+
+    @cached_property
+    def pitch_radii(self) -> tuple[Array, Array]:
+        """Operating pitch radii of drive and driven gears. [m]."""
+        first = self.center_distance / (1.0 - 1.0 / self.speed_ratio)
+        return first, self.center_distance - first
+
+    @cached_property
+    def operating_pressure_angle(self) -> Array:
+        """Angles of the lines of action. [rad]."""
+        return np.arccos(_base_sum(self.drive, self.driven) / self.center_distance)
+
+    @property
+    def base_pitch(self) -> Array:
+        """Distance of consecutive contacts along the line of action. [m]."""
+        return 2.0 * np.pi * self.drive.base_radius / self.drive.tooth_count
+
+    @cached_property
+    def normal_backlash(self) -> Array:
+        """Play between the flanks out of contact, along their normal. [m]."""
+        excess = involute_function(self.operating_pressure_angle)
+        tight = tight_involute(self.drive, self.driven)
+        return 2.0 * _base_sum(self.drive, self.driven) * (excess - tight)
+
+    @cached_property
+    def _pitch_rolls(self) -> tuple[Array, Array]:
+        """Distance of the pitch point from the tangent point on each base circle. [m]."""
+        sine = np.sin(self.operating_pressure_angle)
+        return self.pitch_radii[0] * sine, self.pitch_radii[1] * sine
+
+    @cached_property
+    def path_of_contact(self) -> tuple[Array, Array]:
+        """Positions at which a tooth pair begins and ends contact. [m]."""
+        first, second = self._pitch_rolls
+        drive, driven = self.drive, self.driven
+        start = second - driven.roll_length(driven.tip_form_radius)
+        end = drive.roll_length(drive.tip_form_radius) - first
+        low = drive.roll_length(drive.form_radius) - first
+        high = second - driven.roll_length(driven.form_radius)
+        start = np.where(drive.undercut, np.maximum(start, low), start)
+        return start, np.where(driven.undercut, np.minimum(end, high), end)
+
+    @cached_property
+    def involute_margins(self) -> tuple[Array, Array]:
+        """Roll length between fillet and deepest contact on drive and driven gears. [m]."""
+        total, gears = sum(self._pitch_rolls), (self.drive, self.driven)
+        tips = [gear.roll_length(gear.tip_form_radius) for gear in gears]
+        forms = [gear.roll_length(gear.form_radius) for gear in gears]
+        return total - tips[1] - forms[0], total - tips[0] - forms[1]
+
+    @property
+    def root_clearances(self) -> tuple[Array, Array]:
+        """Radial play of the mating tip in the roots of drive and driven gears. [m]."""
+        return (
+            self.center_distance - self.drive.root_radius - self.driven.tip_radius,
+            self.center_distance - self.driven.root_radius - self.drive.tip_radius,
+        )
+
+    def mesh_volume(self, position: Array) -> Array:
+        r"""Volume between two contacts of the loaded flanks, backlash open.
+
+        Parameters
+        ----------
+        position : ndarray
+            Place of the rear contact from the pitch point; the other one is a base pitch ahead.
+            [m]
+
+        Returns
+        -------
+        ndarray
+            Volume. [m3]
+
+        Notes
+        -----
+        By Green's theorem round the four-cornered path through both centres and both contacts,
+
+        .. math:: V/b = \tfrac12 p_b (r_{b1} + r_{b2}) - A_1/z_1 - A_2/z_2
+                  + \frac{(\rho_1 + p_b)^3 - \rho_1^3}{6 r_{b1}}
+                  + \frac{\rho_2^3 - (\rho_2 - p_b)^3}{6 r_{b2}}
+
+        with the areas :math:`A` of both gears and the roll lengths :math:`\rho_{1,2}` of both
+        flanks at the rear contact. It is quadratic in the position. Validity: both contacts on
+        the involute.
+        """
+        pitch, bases = self.base_pitch, (self.drive.base_radius, self.driven.base_radius)
+        rolls = self._pitch_rolls[0] + position, self._pitch_rolls[1] - position
+        area = 0.5 * pitch * (bases[0] + bases[1])
+        area -= self.drive.tooth_area + self.driven.tooth_area
+        area += ((rolls[0] + pitch) ** 3 - rolls[0] ** 3) / (6.0 * bases[0])
+        area += (rolls[1] ** 3 - (rolls[1] - pitch) ** 3) / (6.0 * bases[1])
+        return self.face_width * area
+
+    @cached_property
+    def trapped_volumes(self) -> tuple[Array, Array, Array]:
+        """Volume as the second contact begins, its minimum, and that less the first. [m3]."""
+        (start, end), pitch = self.path_of_contact, self.base_pitch
+        first, last = (start, end - pitch) if self.drives else (end - pitch, start)
+        smallest = np.clip(-0.5 * pitch, np.minimum(first, last), np.maximum(first, last))
+        trapped, dead = self.mesh_volume(first), self.mesh_volume(smallest)
+        return trapped, dead, trapped - dead
+
+    def numbers(self) -> dict[str, Array]:
+        """Numbers of the geometry report by name; the names carry their unit."""
+        trapped, dead, change = self.trapped_volumes
+        lands = self.drive.tip_land, self.driven.tip_land
+        length = self.center_distance + self.drive.tip_radius + self.driven.tip_radius
+        height = 2.0 * np.maximum(*self.tip_radii)
+        return {
+            "displacement_cm3_per_rev": 2e6 * np.pi * self.displacement_per_radian(self.face_width),
+            "flow_ripple_percent": 100.0 * self.flow_ripple(),
+            "flow_ripple_dual_percent": 100.0 * self.flow_ripple("dual"),
+            "contact_ratio": self.contact_ratio,
+            "trapped_volume_mm3": 1e9 * trapped,
+            "dead_volume_mm3": 1e9 * dead,
+            "trapped_volume_change_mm3": 1e9 * change,
+            "tip_land_mm": 1e3 * np.minimum(*lands),
+            "root_clearance_mm": 1e3 * np.minimum(*self.root_clearances),
+            "center_distance_mm": 1e3 * self.center_distance,
+            "normal_backlash_mm": 1e3 * self.normal_backlash,
+            "operating_pressure_angle_deg": np.rad2deg(self.operating_pressure_angle),
+            "base_diameter_mm": 2e3 * self.drive.base_radius,
+            "tip_diameter_mm": 2e3 * self.drive.tip_radius,
+            "face_width_mm": 1e3 * self.face_width,
+            "envelope_cm3": 1e6 * length * height * self.face_width,
+        }
+
+    def evaluated(self) -> EvaluatedDesigns:
+        """Numbers of the designs, and what is against them."""
+        none = np.zeros(self.face_width.shape, dtype=np.int64)
+        return EvaluatedDesigns(self.numbers(), none).refused(self.reasons())
+
+    def reasons(self) -> IntArray:
+        """Bits of :class:`DesignReason` of pairs that cannot turn or break a design rule."""
+        drive, driven = self.drive, self.driven
+        bases = driven.base_radius * drive.tooth_count / (drive.base_radius * driven.tooth_count)
+        meets = self.center_distance < drive.tip_radius + driven.tip_radius
+        overlap = -self.normal_backlash / np.sin(self.operating_pressure_angle)
+        found = (
+            drive.reasons
+            | driven.reasons
+            | marked(
+                meets.shape,
+                {
+                    DesignReason.BASE_PITCH: np.abs(bases - 1.0) > _LARGEST_DIFFERENCE,
+                    DesignReason.NO_MESH: ~(meets & np.isfinite(overlap)),
+                    DesignReason.OVERLAP: overlap > 2.0 * LARGEST_OVERLAP,
+                    DesignReason.ROOT_CLEARANCE: np.minimum(*self.root_clearances) <= 0.0,
+                    DesignReason.CONTACT_RATIO: ~(self.contact_ratio >= 1.0),
+                },
+            )
+        )
+        return found | self._interference(found) | self._broken_rules()
+
+    def _interference(self, found: IntArray) -> IntArray:
+        """Pairs whose tips reach below the involute and cut the fillet there."""
+        which = np.flatnonzero((np.minimum(*self.involute_margins) < 0.0) & (found == 0))
+        if not which.size:
+            return found
+        drive, driven = self.drive.chosen(which), self.driven.chosen(which)
+        distance, play = self.center_distance[which], np.full(found.shape, np.inf)
+        play[which] = np.minimum(
+            drive.fillet_play(driven, distance), driven.fillet_play(drive, distance)
+        )
+        return marked(found.shape, {DesignReason.INTERFERENCE: play < -LARGEST_OVERLAP})
+
+    def _broken_rules(self) -> IntArray:
+        drive, driven, module = self.drive, self.driven, self.drive.module
+        ratio, backlash = self.contact_ratio, self.normal_backlash
+        margins = self.involute_margins
+        deep = (margins[0] < 0.0) & ~drive.undercut | (margins[1] < 0.0) & ~driven.undercut
+        lands = np.minimum(drive.tip_land / module, driven.tip_land / driven.module)
+        rooms = np.minimum(*self.root_clearances) / module
+        least = rules.least_normal_backlash(module, self.center_distance)
+        return marked(
+            module.shape,
+            {
+                DesignReason.CONTACT_RATIO_RULE: (ratio < rules.MIN_CONTACT_RATIO)
+                | (ratio > rules.MAX_SPUR_CONTACT_RATIO),
+                DesignReason.TIP_LAND_RULE: lands < rules.MIN_TIP_LAND,
+                DesignReason.UNDERCUT_RULE: drive.undercut | driven.undercut,
+                DesignReason.INTERFERENCE_RULE: deep,
+                DesignReason.ROOT_CLEARANCE_RULE: rooms < rules.MIN_ROOT_CLEARANCE,
+                DesignReason.BACKLASH_RULE: (backlash < least)
+                | (backlash > rules.MAX_BACKLASH * module),
+                DesignReason.TRAPPED_VOLUME_RULE: self.trapped_volumes[2]
+                > rules.VENTED_SHARE * self.face_width * module**2,
+            },
+        )
+
+
+def _base_sum(drive: InvoluteGears, driven: InvoluteGears) -> Array:
+    return drive.base_radius + driven.base_radius
+
+
+def tight_involute(drive: InvoluteGears, driven: InvoluteGears) -> Array:
+    """Involute function of the operating pressure angle without backlash. [-]."""
+    mean = drive.tooth_count * drive.base_half_angle + driven.tooth_count * driven.base_half_angle
+    return (mean - np.pi) / (drive.tooth_count + driven.tooth_count)
+
+
+def distance_of_backlash(
+    drive: InvoluteGears, driven: InvoluteGears, normal_backlash: Array
+) -> Array:
+    """Centre distances that leave a normal backlash; NaN where there is none. [m]."""
+    total = _base_sum(drive, driven)
+    target = tight_involute(drive, driven) + 0.5 * normal_backlash / total
+    allowed = (normal_backlash >= 0.0) & (normal_backlash <= _LARGEST_BACKLASH * drive.module)
+    largest = np.tan(_LARGEST_ANGLE) - _LARGEST_ANGLE
+    target = np.where(allowed & (target > 0.0) & (target < largest), target, np.nan)
+    # from above, Newton's iterates fall towards the root of a convex function
+    angle = np.minimum(np.cbrt(3.0 * target), _LARGEST_ANGLE)
+    for _ in range(_NEWTON_STEPS):
+        tangent = np.tan(angle)
+        step = (tangent - angle - target) / tangent**2
+        angle = angle - step
+        if not np.any(step > 1e-15):
+            break
+    return np.asarray(total / np.cos(angle))

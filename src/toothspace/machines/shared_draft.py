@@ -1,0 +1,42 @@
+"""First case files of machines whose parts are drawn in CAD files."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from toothspace.core.errors import CaseError
+from toothspace.core.registry import machine_type, machine_type_names
+from toothspace.geometry.body_section import SectionRequest
+
+
+def draft_case(files: Sequence[Path], unit: str, request: SectionRequest, folder: Path) -> str:
+    """First case file of the machine whose parts are in CAD files of one frame.
+
+    Parameters
+    ----------
+    files : sequence of Path
+        Files.
+    unit : str
+        Length unit of those that have none of their own.
+    request : SectionRequest
+        Axis and plane of the gears, None to find them.
+    folder : Path
+        Where the case file will be.
+
+    Returns
+    -------
+    str
+        TOML of the machine type that uses most of the parts, with comments on what is assumed.
+
+    Raises
+    ------
+    CaseError
+        If no machine type finds its parts.
+    """
+    types = [machine_type(name) for name in machine_type_names()]
+    drafts = [one.draft(files, unit, request, folder) for one in types if one.draft is not None]
+    found = [draft for draft in drafts if draft is not None]
+    if not found:
+        raise CaseError(f"{files[0]}: --case: found no machine, allowed gears or rotors of one")
+    return max(found, key=lambda draft: draft.parts).text

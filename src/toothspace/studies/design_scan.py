@@ -1,0 +1,115 @@
+"""Best of very many gear designs by their kinematics, without a run."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from toothspace import api
+from toothspace.case import Case
+from toothspace.case.study import DesignScanStudy
+from toothspace.core.errors import CaseError
+from toothspace.core.status import Status
+from toothspace.core.types import Array, BoolArray
+from toothspace.core.units import to_si
+from toothspace.studies.study import Row, StudyContext, StudyResult, StudyTable
+from toothspace.studies.tabulate import unit_of
+from toothspace.studies.variation import Axis, axes_of, unit_samples
+
+
+def run(case: Case, context: StudyContext) -> StudyResult:
+    """Evaluate designs over ``study.vary`` and keep the best that hold the constraints.
+
+    Returns
+    -------
+    StudyResult
+        Kinematic numbers over ``point``, with the reasons against impossible designs, and the
+        best designs in their order.
+
+    Raises
+    ------
+    CaseError
+        If a number has an unknown name, a key does not act on the kinematics, or no design is
+        possible.
+    """
+    import xarray as xr
+
+    study = case.study
+    assert isinstance(study, DesignScanStudy)
+    axes = axes_of(study.vary, case.label)
+    shares = unit_samples(len(axes), study.method, study.sample_count, study.seed).T
+    columns = [_values(axis, row) for axis, row in zip(axes, shares, strict=True)]
+    varied = {
+        axis.path: column * (to_si(1.0, axis.unit) if axis.unit else 1.0)
+        for axis, column in zip(axes, columns, strict=True)
+    }
+    designs = api.evaluate_designs(case, varied, study.addendum, study.displacement)
+    wanted = (study.objective, *(study.constraints or {}))
+    for name in wanted:
+        if name not in designs.numbers:
+            found, allowed = f"{name!r}, which is no result", ", ".join(designs)
+            raise CaseError(f"{case.label}: study: found {found}, allowed {allowed}")
+    if not designs.valid.any():
+        against = "; ".join(f"{text}: {count}" for text, count in designs.counts().items())
+        raise CaseError(f"{case.label}: study.vary: found no possible design ({against})")
+    kept = designs.keeps_rules if study.design_rules else designs.valid
+    for name, limit in (study.constraints or {}).items():
+        low = -np.inf if limit.low is None else limit.low
+        high = np.inf if limit.high is None else limit.high
+        kept = kept & (designs[name] >= low) & (designs[name] <= high)
+    best = _best(designs[study.objective], kept, study)
+    data: dict[str, Any] = {
+        axis.path: ("point", column, {"units": axis.unit or "1"})
+        for axis, column in zip(axes, columns, strict=True)
+    }
+    data |= {name: ("point", designs[name], {"units": unit_of(name)}) for name in designs}
+    data |= {"reasons": ("point", designs.reasons), "feasible": ("point", kept)}
+    attributes = {
+        "varied": " ".join(axis.path for axis in axes),
+        "objective": study.objective,
+        "goal": study.goal,
+    }
+    head = [f"{axis.path} ({axis.unit})" if axis.unit else axis.path for axis in axes]
+    rows: list[Row] = [
+        (*(float(column[k]) for column in columns), *(float(designs[name][k]) for name in designs))
+        for k in best
+    ]
+    counts = designs.counts()
+    numbers: dict[str, Any] = {
+        "points": len(kept),
+        "points_possible": int(designs.valid.sum()),
+        "points_feasible": int(kept.sum()),
+        "feasible": bool(best),
+    }
+    if best:
+        first = best[0]
+        numbers["best"] = {
+            a.path: a.written(float(c[first])) for a, c in zip(axes, columns, strict=True)
+        }
+        numbers["best_merit"] = float(designs[study.objective][first])
+        numbers["best_point"] = {name: float(designs[name][first]) for name in designs}
+    return StudyResult(
+        status=Status.DONE if best else Status.NOT_CONVERGED,
+        data=xr.Dataset(data, attrs=attributes),
+        numbers=numbers,
+        tables=(
+            StudyTable("best", (*head, *designs), tuple(rows)),
+            StudyTable("reasons", ("what is against designs", "designs"), tuple(counts.items())),
+        ),
+    )
+
+
+def _values(axis: Axis, shares: Array) -> Array:
+    try:
+        return np.array([axis.quantile(share) for share in shares.tolist()], dtype=float)
+    except ValueError as error:
+        allowed = "numbers, or texts with a unit"
+        raise CaseError(f"study.vary.{axis.path}: found words, allowed {allowed}") from error
+
+
+def _best(merit: Array, kept: BoolArray, study: DesignScanStudy) -> list[int]:
+    """Indices of the best designs, the best one first."""
+    sign = -1.0 if study.goal == "maximise" else 1.0
+    order = np.argsort(np.where(kept, sign * merit, np.inf), kind="stable")
+    return [int(k) for k in order[: min(study.best_count, int(kept.sum()))]]

@@ -1,0 +1,150 @@
+"""Real machines enlarged, and drawn turned or mirrored: what must not change, does not.
+
+Enlarged: with lengths, times and viscosities times a factor and pressures and densities as before,
+every number of a run is that of the first times the power of the factor that its unit says. A
+length or time that is written into the code and not into the case breaks it.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from toothspace import api
+from toothspace.case import Case
+from toothspace.core import units
+from toothspace.core.keys import QuantityKey
+from toothspace.core.registry import machine_type
+from toothspace.core.types import Array
+from toothspace.model.description import MachineDescription
+from toothspace.results.solution import Solution
+
+CASES = Path(__file__).resolve().parents[2] / "cases"
+OIL = {
+    "temperature [degC]": [50, 50, 50],
+    "pressure [bar]": [1, 100, 300],
+    "density [kg/m3]": [860, 866, 875],
+}
+VISCOSITY = np.array([0.030, 0.036, 0.052])
+
+
+def power_of(unit: str) -> int:
+    """Power of the factor of a unit, with lengths and times as the factor, mass as its cube."""
+    known = units._unit(re.sub(r"(?<=[A-Za-z])(\d)", r"^\1", unit)).dimensionality
+    return int(sum(many * known.get(f"[{name}]", 0) for name, many in BASE_POWERS.items()))
+
+
+BASE_POWERS = {"length": 1, "time": 1, "mass": 3}
+
+
+def enlarged(keys: Any, factor: float) -> Any:
+    """Keys with every quantity, defaults too, times its power of the factor."""
+    changes: dict[str, Any] = {}
+    for field in dataclasses.fields(keys):
+        value, key = getattr(keys, field.name), field.metadata.get("toothspace.key")
+        if isinstance(key, QuantityKey) and isinstance(value, float):
+            changes[field.name] = value * factor ** power_of(key.unit)
+        elif dataclasses.is_dataclass(value):
+            changes[field.name] = enlarged(value, factor)
+    return dataclasses.replace(keys, **changes)
+
+
+def sized(name: str, factor: float, **run: Any) -> Case:
+    """A shipped case of so many times its size, with an oil of so many times the viscosity."""
+
+    def with_oil(case: Case, viscosity: Array) -> Case:
+        tables = case.to_dict()
+        tables["fluid"].pop("name", None)
+        columns = {**OIL, "dynamic_viscosity [Pa s]": viscosity.tolist()}
+        return Case.from_dict({**tables, "fluid": tables["fluid"] | {"table": columns}}, CASES)
+
+    case = with_oil(api.load_case(CASES / f"{name}.toml"), VISCOSITY)
+    if run:
+        case = dataclasses.replace(case, run=dataclasses.replace(case.run, **run))
+    return with_oil(enlarged(case, factor), factor * VISCOSITY)
+
+
+def compare(one: Solution, other: Solution, factor: float, tolerance: float) -> None:
+    """Hold means over the angle of all variables against those of the machine enlarged."""
+    for name, values in one.data.data_vars.items():
+        # angles go on round the circle, temperatures of bodies hang on conduction
+        if values.dtype.kind != "f" or values.attrs["units"] in ("rad", "K"):
+            continue
+        expected = values * factor ** power_of(values.attrs["units"])
+        # angles agree to round-off only
+        error = expected.copy(data=other.data[name].values - expected.values)
+        if "shaft_angle" in error.dims:
+            error = error.mean("shaft_angle")
+        allowed = tolerance * float(np.abs(expected).max())
+        assert float(np.abs(error).max()) <= allowed, (name, error.values, allowed)
+
+
+def test_a_machine_of_twice_the_size_runs_alike() -> None:
+    """One revolution is enough to find a length that is written into the code."""
+    short: dict[str, Any] = {"until": None, "revolutions": 1, "samples_per_revolution": 180}
+    one, two = (api.simulate(sized("egm12_pump", factor, **short)) for factor in (1.0, 2.0))
+    compare(one, two, 2.0, 0.02)
+
+
+@pytest.mark.slow
+def test_similar_machines_have_similar_cycles() -> None:
+    one, other = (api.simulate(sized("egm12_pump", factor)) for factor in (1.0, 2.0))
+    compare(one, other, 2.0, 0.02)
+    for key in ("volumetric_efficiency", "overall_efficiency"):
+        assert other.summary()[key] == pytest.approx(one.summary()[key], rel=1e-3), key
+
+
+@cache
+def points() -> Array:
+    return np.loadtxt(CASES / "profiles" / "egm12_drive.txt", comments="#")
+
+
+def mirrored(outline: Array) -> Array:
+    return np.asarray(outline * np.array([-1.0, 1.0]))
+
+
+def turned(outline: Array, angle: float) -> Array:
+    cosine, sine = np.cos(angle), np.sin(angle)
+    return np.asarray(outline @ np.array([[cosine, sine], [-sine, cosine]]))
+
+
+def described(folder: Path, outline: Array) -> MachineDescription:
+    path = folder / "gear.txt"
+    np.savetxt(path, outline)
+    tables = api.load_case(CASES / "egm12_motor_profile.toml").to_dict()
+    tables["machine"]["gears"] |= {"profile": str(path)}
+    case = Case.from_dict(tables, CASES)
+    return machine_type("external_gear").describe(case.machine_spec)  # type: ignore[no-any-return]
+
+
+ANGLES = np.linspace(0.0, 2.0 * np.pi, 49)[:-1]
+
+
+def chambers(machine: MachineDescription) -> Mapping[str, Array]:
+    return {family.name: family.volume(ANGLES) for family in machine.families}
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda p: turned(p, 0.37),
+        mirrored,
+        lambda p: np.roll(p[:-1], 101, axis=0),
+        lambda p: p[::-1],
+    ],
+    ids=["turned", "mirrored", "other start", "other sense"],
+)
+def test_a_drawing_may_lie_anyhow(change: Any, tmp_path: Path) -> None:
+    """Teeth alike on both sides: the machine is the same, however its outline is drawn."""
+    first, other = described(tmp_path, points()), described(tmp_path, change(points()))
+    assert other.displacement == pytest.approx(first.displacement, rel=1e-6)
+    expected = chambers(first)
+    for name, volume in chambers(other).items():
+        assert volume == pytest.approx(expected[name], rel=1e-5), name
