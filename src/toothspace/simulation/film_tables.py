@@ -143,7 +143,8 @@ def with_lateral_loads(description: MachineDescription, tables: xr.Dataset) -> M
         raise CaseError("run.film_tables: found loads without an equilibrium, allowed none")
     own = {name: tables[f"lateral_{name}"] for name in _NEEDED["lateral"]}
     drag = own["pressure_torque"] - own["asperity_torque"]
-    over = own["leakage_factor"].dims
+    axes = ("force_share", "moment_share", "pressure_difference", "shaft_speed")
+    over = [own[name].dims[0] for name in axes]
     values: dict[str, Any] = {
         "leakage_factor": own["leakage_factor"],
         "shear_share": (own["torque"] - own["pressure_torque"]) / own["closed_torque"],

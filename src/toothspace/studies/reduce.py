@@ -229,7 +229,7 @@ def reduce_lateral_films(
     xarray.Dataset
         Tables over ``lateral_force_share``, ``lateral_moment_share``,
         ``lateral_pressure_difference`` and ``lateral_shaft_speed``. Opening forces that lift the
-        bearing off its films at any of the others are left out.
+        bearing off its films at all of the others are left out.
 
     Raises
     ------
@@ -288,6 +288,7 @@ def _lateral_tables(setup: Setup, grid: Grid, found: list[LateralReduction]) -> 
         "lag": ("s", "Time in which the gap follows the load"),
         "smallest_gap": ("m", "Smallest gap"),
         "converged": ("1", "Whether the bearing is in equilibrium"),
+        "lifted": ("1", "Whether the force lifts it off: all else is that of the largest before"),
     }
     values: dict[str, Any] = {
         f"lateral_{name}": (over, laid([getattr(one, name) for one in found]), _about(*text))
@@ -326,9 +327,7 @@ def _lateral_tables(setup: Setup, grid: Grid, found: list[LateralReduction]) -> 
     )
     tables["lateral_extra_torque"] = tables["lateral_torque"] - tables["lateral_closed_torque"]
     tables["lateral_extra_torque"].attrs = _about("N m", "Torque beyond the closed form")
-    opening = found[-1].force_share > found[-1].load[0] / found[-1].force_unit
-    settled = tables["lateral_converged"].all(over[1:]).values
-    return tables.isel(lateral_force_share=settled | ~opening)
+    return tables.isel(lateral_force_share=~tables["lateral_lifted"].all(over[1:]).values)
 
 
 def _lateral_summary(tables: xr.Dataset) -> dict[str, Any]:

@@ -48,6 +48,7 @@ _COLUMNS = (
     "lag",
     "smallest_gap",
     "converged",
+    "lifted",
 )
 """Fields of :class:`LateralReduction` that are solved for."""
 _START_GAP = 5e-6
@@ -85,6 +86,8 @@ class LateralReduction:
         Smallest gap. [m]
     converged : ndarray of bool
         Whether the bearing is in equilibrium.
+    lifted : ndarray of bool
+        Whether the force lifts the bearing off: all else is that of the largest that does not.
     """
 
     load: tuple[float, float]
@@ -100,6 +103,7 @@ class LateralReduction:
     lag: Array
     smallest_gap: Array
     converged: BoolArray
+    lifted: BoolArray
 
 
 def reduce_lateral(
@@ -172,6 +176,7 @@ def reduce_lateral(
         moment_share=shares[1],
         closed_torque=closed * point.problem.stack.shaft_speed,
         converged=(found.pop("converged") > 0.0) & (point.status is Status.DONE),
+        lifted=found.pop("lifted") > 0.0,
         **found,
     )
 
@@ -197,7 +202,11 @@ def _column(point: CoupledPoint, fluid: FluidLaw, added: Array, moment: float) -
                 squeeze_lag(problem.stack, rest.balance) if held else np.nan,
                 numbers.smallest_gap,
                 held,
+                0.0,
             )
+            if k > middle and not held:
+                found[:, k] = found[:, k - 1]
+                found[-1, k] = 1.0
             now = rest.balance if held else now
     return found
 
