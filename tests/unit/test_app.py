@@ -91,6 +91,16 @@ def test_problems_name_their_keys(server: FormServer) -> None:
     assert _ask(server, "/check", [1, 2])[0] == 422
 
 
+def test_forms_without_a_right_length_are_refused(server: FormServer) -> None:
+    for length in ("-1", "many", str(2**21)):
+        connection = HTTPConnection(*server.server_address[:2])
+        connection.putrequest("POST", f"/check?token={server.token}")
+        connection.putheader("Content-Length", length)
+        connection.endheaders()
+        assert connection.getresponse().status == 413, length
+        connection.close()
+
+
 def test_files_elsewhere_are_refused(server: FormServer, tmp_path_factory: Any) -> None:
     beyond = tmp_path_factory.mktemp("beyond") / "fluid.csv"
     beyond.write_text("temperature [degC]\n1\n")

@@ -67,11 +67,11 @@ class _Handler(BaseHTTPRequestHandler):
 
     def do_POST(self) -> None:
         """Check, run, stop, or write the case of the form."""
-        size = int(self.headers.get("Content-Length") or 0)
-        if size > _LARGEST_FORM:
+        size = self.headers.get("Content-Length") or "0"
+        if not size.isdecimal() or int(size) > _LARGEST_FORM:
             self._send(413, b"")
             return
-        body = self.rfile.read(size)
+        body = self.rfile.read(int(size))
         if not self._admitted():
             return
         session = self.server.session
