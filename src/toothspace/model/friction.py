@@ -103,9 +103,10 @@ def load_mesh(s: SystemArrays, state: Array, torque: float) -> None:
     ``torque`` is that at the shaft without mesh friction, too small to matter here. [N m]
     """
     drive, now = s.drive, s.lateral.now
-    stress = s.fluid.dynamic_viscosity * now[SHEAR_RATIO] * state[1]
-    stress += drive[DIRECTION] * (now[DRAG_STRESS] + now[ASPERITY_STRESS])
-    drive[DRIVEN_FRICTION] += drive[FADE] * drive[DRIVEN_LATERAL] * stress
+    lateral = drive[DRIVEN_LATERAL] * s.fluid.dynamic_viscosity * now[SHEAR_RATIO]
+    drive[DRIVEN_FRICTION] += drive[FADE] * lateral * state[1]
+    held = drive[DIRECTION] * (now[DRAG_STRESS] + now[ASPERITY_STRESS])
+    drive[DRIVEN_FRICTION] += drive[FADE] * drive[DRIVEN_LATERAL] * held
     if drive[FREE] > 0.0 and drive[DIRECTION] != 0.0:
         acceleration = -(torque + taken_torque(s, state)) / drive[INERTIA]
         drive[DRIVEN_FRICTION] += drive[DRIVEN_INERTIA] * acceleration
@@ -120,11 +121,12 @@ def book_friction(s: SystemArrays, state: Array, ledger: Array, driving: float) 
     torque, motion, speed, now = s.torque, s.motion, state[1], s.lateral.now
     way, fade = s.drive[DIRECTION], s.drive[FADE]
     viscosity = s.fluid.dynamic_viscosity * now[SHEAR_RATIO]
-    lateral, stress = fade * s.constant.lateral_torque, viscosity * speed
-    torque[LATERAL_ASPERITY] = lateral * s.constant.asperity_share * stress
-    torque[LATERAL_VISCOUS] = lateral * stress - torque[LATERAL_ASPERITY]
-    torque[LATERAL_VISCOUS] += lateral * way * now[DRAG_STRESS]
-    torque[LATERAL_ASPERITY] += lateral * way * now[ASPERITY_STRESS]
+    lateral = s.constant.lateral_torque * viscosity
+    torque[LATERAL_ASPERITY] = fade * lateral * s.constant.asperity_share * speed
+    torque[LATERAL_VISCOUS] = fade * lateral * speed - torque[LATERAL_ASPERITY]
+    held = fade * s.constant.lateral_torque * way
+    torque[LATERAL_VISCOUS] += held * now[DRAG_STRESS]
+    torque[LATERAL_ASPERITY] += held * now[ASPERITY_STRESS]
     torque[TIP_SHEAR] = fade * tip_torque(s)
     torque[SHAFT_SEAL] = running_torque(s)
     torque[STARTUP] = startup_torque(s, speed)
