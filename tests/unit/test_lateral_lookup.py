@@ -225,6 +225,38 @@ def test_run_with_the_closed_form_as_a_table_is_that_of_the_closed_form(setup: S
     assert "lateral_leakage_factor" not in runs[0].data
 
 
+def test_start_with_tabulated_films(tmp_path: Path) -> None:
+    case = tmp_path / "start.toml"
+    case.write_text(
+        f"""base = "{CASE.parent / "startup_fan_drive.toml"}"
+[machine.lateral]
+arrangement = "symmetric"
+[machine.floating_bearing]
+material = "AlSi"
+length = "19 mm"
+roughness = "0.4 um"
+high_pressure_area = {{area = "760 mm^2", center = ["-8.16 mm", "17.34 mm"]}}
+motion = "axial"
+seal_preload = "200 N"
+[circuit]
+duration = "0.03 s"
+[circuit.supply]
+speed = [["0 s", "300 rpm"], ["0.2 s", "600 rpm"]]
+[run]
+time_samples = 60
+film_tables = "{CASE.parent / "tables" / "egm12_lateral.nc"}"
+"""
+    )
+    run = api.simulate(load_case(case))
+    assert run.status is Status.DONE
+    assert run.summary()["max_shaft_speed_rpm"] > 10.0  # type: ignore[operator]
+    load = run.data["axial_load"].values
+    # springs press alone at first, then the pressure presses the more
+    assert load[-1] < 2.0 * load[1] < 0.0
+    assert np.ptp(run.data["lateral_leakage_factor"].values) > 0.01
+    assert abs(run.summary()["energy_balance_error"]) < 1e-4  # type: ignore[arg-type]
+
+
 def test_load_beyond_the_table_is_told() -> None:
     def run(beyond: float) -> Solution:
         data = xr.Dataset({"lateral_load_beyond": ("sample", np.full(4, beyond))})
