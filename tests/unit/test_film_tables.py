@@ -193,6 +193,16 @@ def test_unknown_film_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: P
     assert "--film: found 'cheese', allowed journal" in capsys.readouterr().err
 
 
+def test_conditions_of_lateral_films_are_above_zero(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    told = ["reduce", str(MOTOR), "-o", str(tmp_path / "films.nc"), "--pressure", "0 bar"]
+    assert main(told) == 2
+    assert "--pressure: found '0 bar', allowed above zero" in capsys.readouterr().err
+    assert main([*told[:-2], "--speed", "3 bar"]) == 2
+    assert "--speed: " in capsys.readouterr().err
+
+
 def test_lateral_films_need_an_operating_point(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

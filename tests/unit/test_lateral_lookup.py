@@ -1,127 +1,266 @@
-"""Lumped runs with lateral tables: films and run have to agree about the load on the bearing."""
+"""Tabulated lateral films in a run: values between nodes, lag of the gap, limits, balances."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.integrate import solve_ivp
 
 from toothspace import api
 from toothspace.case import load_case
-from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
+from toothspace.core.types import Array
+from toothspace.model.arrays import FLOW, HEIGHT, SystemArrays
+from toothspace.model.assembly import assemble
 from toothspace.model.description import MachineDescription
-from toothspace.model.films import lateral_torque_coefficient
-from toothspace.model.lateral_load import axial_load, chamber_pressures
-from toothspace.model.lateral_table import LateralTable
-from toothspace.model.operating_point import OperatingCondition
-from toothspace.model.path_category import LATERAL_PATHS
+from toothspace.model.lateral_load import (
+    load_period,
+    load_weights,
+    preload_of,
+    with_lateral_leakage,
+)
+from toothspace.model.lateral_lookup import fill_film_rates
+from toothspace.model.lateral_table import (
+    ASPERITY_STRESS,
+    DRAG_STRESS,
+    FORCE_SHARE,
+    HEIGHT_RATIO,
+    LAG_TIME,
+    LOAD_SCALE,
+    MOMENT_SHARE,
+    SHEAR_RATIO,
+    LateralTable,
+)
 from toothspace.results.ledger import Ledger
 from toothspace.results.solution import Solution
-from toothspace.simulation.lateral.table_lookup import load_of_run, run_with_table, with_table_load
+from toothspace.simulation.lumped import run_in_machine, within_table
+from toothspace.simulation.setup import Setup
+from toothspace.solver.compiled_model import evaluate_state, observe
+from toothspace.solver.initial import start_state
 
-CASES = Path(__file__).resolve().parents[2] / "cases"
-FORCES = np.array([-12000.0, -6000.0, 0.0, 6000.0])
-LEAKAGES = np.array([0.1, 1.0, 10.0, 100.0])
-DRAGS = np.array([3.0, 1.0, 0.0, -0.5])
-SLIDE = 3.0
+CASE = Path(__file__).resolve().parents[2] / "cases" / "egm12_motor_reduced.toml"
+FORCES, PRESSURES, SLIDES = np.array([-0.4, 0.0, 0.4]), np.array([1e7, 3e7]), np.array([1.0, 8.0])
+SHAPE = (3, 1, 2, 2)
+LAG_NUMBER = 4e6
+
+
+@dataclass(frozen=True)
+class Films:
+    """Straight lines along every axis, of force share, pressure in MPa and slide in Pa."""
+
+    def log_leakage(self, force: Array, pressure: Array, slide: Array) -> Array:
+        return 1.0 + 2.0 * force + 0.05 * pressure + 0.1 * slide
+
+    def shear(self, force: Array, pressure: Array, slide: Array) -> Array:
+        return 1.5 - force * (1.0 + 0.1 * slide) + 0.02 * pressure
+
+    def drag(self, force: Array, pressure: Array, slide: Array) -> Array:
+        return -1e-3 * (1.0 + force * slide * pressure)
+
+    def asperity(self, force: Array, pressure: Array, slide: Array) -> Array:
+        return 2e-3 * (1.0 - force) + 0.0 * (pressure + slide)
+
+    def table(self) -> LateralTable:
+        force, _, pressure, slide = np.meshgrid(
+            FORCES, [0.0], 1e-6 * PRESSURES, SLIDES, indexing="ij"
+        )
+        at = force, pressure, slide
+        return LateralTable(
+            force_share=FORCES,
+            moment_share=np.zeros(1),
+            pressure=PRESSURES,
+            slide=SLIDES,
+            leakage_factor=np.exp(self.log_leakage(*at)),
+            shear_share=self.shear(*at),
+            drag_share=self.drag(*at),
+            asperity_share=self.asperity(*at),
+            lag_number=np.full(SHAPE, LAG_NUMBER),
+        )
+
+
+def one_node(leakage: float = 1.0, shear: float = 1.0) -> LateralTable:
+    """Table that says the same at every load, pressure and speed."""
+    one, none = np.ones((1, 1, 1, 1)), np.zeros((1, 1, 1, 1))
+    return LateralTable(
+        force_share=np.zeros(1),
+        moment_share=np.zeros(1),
+        pressure=np.array([1e7]),
+        slide=np.ones(1),
+        leakage_factor=leakage * one,
+        shear_share=shear * one,
+        drag_share=none,
+        asperity_share=none,
+        lag_number=LAG_NUMBER * one,
+    )
 
 
 @pytest.fixture(scope="module")
-def motor() -> MachineDescription:
-    return api.describe(load_case(CASES / "egm12_motor_reduced.toml"))
+def setup() -> Setup:
+    case = load_case(CASE)
+    return api.set_up(replace(case, run=replace(case.run, film_tables=None)))
 
 
-def _with_table(machine: MachineDescription, begin: float) -> MachineDescription:
-    table = LateralTable(
-        force=FORCES,
-        moment=np.zeros(1),
-        extra_share=DRAGS[:, None],
-        pressure_share=np.full((FORCES.size, 1), -0.2),
-        leakage_factor=LEAKAGES[:, None],
-        condition_load=(begin, 0.0),
-        condition_slide=SLIDE,
-    )
-    return replace(machine, lateral_table=table)
+def _begun(
+    setup: Setup, machine: MachineDescription, angle: float = 0.0
+) -> tuple[SystemArrays, Array]:
+    system = assemble(machine, setup.fluid, replace(setup.condition, shaft_angle=angle))
+    return system.arrays, start_state(system)
 
 
-class _Carrying:
-    """Stands for lumped runs: the more the faces leak the less pressure the tooth spaces keep."""
-
-    def __init__(self, machine: MachineDescription, at_once: bool = False) -> None:
-        self.machine, self.at_once = machine, at_once
-        self.runs: list[MachineDescription] = []
-
-    def __call__(self, changed: MachineDescription) -> Solution:
-        self.runs.append(changed)
-        wide, plain = (
-            next(p for p in m.paths if p.category in LATERAL_PATHS).geometry.values[:, 0].max()
-            for m in (changed, self.machine)
-        )
-        return self.at(float(wide / plain) ** 3)
-
-    def at(self, factor: float) -> Solution:
-        kept = float(factor < 4.0) if self.at_once else 1.0 / (1.0 + factor / 4.0)
-        over, angle = ("path", "shaft_angle"), np.linspace(0.0, 2.0 * np.pi, 5)
-        chambers = np.full((5, self.machine.chamber_count), 1e5 + kept * 199e5)
-        data = xr.Dataset(
-            {
-                "chamber_pressure": (("shaft_angle", "chamber"), chambers),
-                "inlet_pressure": ("shaft_angle", np.full(5, 200e5)),
-                "outlet_pressure": ("shaft_angle", np.full(5, 1e5)),
-                "shaft_speed": ("shaft_angle", np.full(5, 157.0)),
-                "equivalent_leakage": (over, np.full((2, 5), 4e-7 * factor)),
-            },
-            {"shaft_angle": angle, "path": [c.name for c in LATERAL_PATHS]},
-        )
-        return Solution(Status.DONE, data, Ledger(1.0, 1.0, {}, {}))
+@pytest.fixture(scope="module")
+def tabulated(setup: Setup) -> tuple[SystemArrays, Array]:
+    return _begun(setup, replace(setup.description, lateral_table=Films().table()))
 
 
-@pytest.mark.parametrize("begin", [-11000.0, -3000.0, 5000.0])
-def test_films_and_run_agree_from_any_begin(motor: MachineDescription, begin: float) -> None:
-    run = _Carrying(motor)
-    solution = run_with_table(_with_table(motor, begin), run, 2.0 * SLIDE)
-    assert solution.status is Status.DONE
-    # where both curves cross: the load is linear in the pressure kept, 1/2 at a factor of 4
-    factors = np.geomspace(0.1, 100.0, 4001)
-    low, half = (load_of_run(motor, run.at(f))[0] for f in (1e9, 4.0))
-    forces = low + 2.0 * (half - low) / (1.0 + factors / 4.0)
-    error = np.log(factors) - np.interp(forces, FORCES, np.log(LEAKAGES))
-    force = float(np.interp(0.0, error, forces))
-    assert solution.statistics["lateral_axial_force"] == pytest.approx(force, abs=120.0)
-    drag = lateral_torque_coefficient(run.runs[-1]) / lateral_torque_coefficient(motor)
-    # at twice the speed half of the torque that pressure gives counts
-    assert drag == pytest.approx(1.1 + float(np.interp(force, FORCES, DRAGS)), abs=0.03)
-    assert run.runs[-1].lateral_table is None
-
-
-def test_run_that_never_agrees_is_not_converged(motor: MachineDescription) -> None:
-    # spaces that empty at once: no leakage gives the load that belongs to it
-    solution = run_with_table(_with_table(motor, -3000.0), _Carrying(motor, at_once=True), SLIDE)
-    assert solution.status is Status.NOT_CONVERGED
-    assert "differs from that of the run" in solution.provenance["warnings"]
-
-
-def test_run_over_time_reports_its_one_load(motor: MachineDescription) -> None:
-    done = Solution(Status.DONE, xr.Dataset(), Ledger(1.0, 1.0, {}, {}))
-    condition = OperatingCondition(shaft_speed=157.0, inlet_pressure=200e5, outlet_pressure=1e5)
-    plain = replace(motor, lateral_table=None)
-    reported = with_table_load(_with_table(motor, -3000.0), condition, done)
-    force = reported.statistics["lateral_axial_force"]
-    balance = plain.lateral_balance
+@pytest.mark.parametrize(("force", "counts_as"), [(0.13, 0.13), (-0.27, -0.27), (0.9, 0.4)])
+def test_values_between_nodes(
+    setup: Setup, tabulated: tuple[SystemArrays, Array], force: float, counts_as: float
+) -> None:
+    arrays, begin = tabulated
+    state = begin.copy()
+    state[arrays.size.film] = force
+    evaluate_state(arrays, state)
+    now, films = arrays.lateral.now, Films()
+    viscosity, difference = float(setup.fluid.dynamic_viscosity), 199e5
+    at = np.array(counts_as), np.array(1e-6 * difference), np.array(viscosity * state[1])
+    balance = setup.description.lateral_balance
     assert balance is not None
-    assert force == axial_load(balance, chamber_pressures(plain, condition))[0]
-    assert f"at one load, {force:.4g} N" in reported.provenance["warnings"]
-    assert "199 bar" in reported.provenance["warnings"]
+    unit = difference * balance.floating.high_pressure.area
+    reach = balance.interfaces[0].face.outer_radius
+    closed = arrays.constant.lateral_torque
+    assert now[LOAD_SCALE] == pytest.approx(unit, rel=1e-6)
+    assert now[HEIGHT_RATIO] == pytest.approx(np.exp(films.log_leakage(*at) / 3.0), rel=1e-6)
+    assert now[SHEAR_RATIO] == pytest.approx(films.shear(*at), rel=1e-6)
+    torque = unit * reach
+    assert closed * now[DRAG_STRESS] == pytest.approx(torque * films.drag(*at), rel=1e-6)
+    assert closed * now[ASPERITY_STRESS] == pytest.approx(torque * films.asperity(*at), rel=1e-6)
+    assert now[LAG_TIME] == pytest.approx(LAG_NUMBER * viscosity / difference, rel=1e-6)
 
 
-def test_load_beyond_the_table_is_refused(motor: MachineDescription) -> None:
-    machine = _with_table(motor, -3000.0)
-    assert machine.lateral_table is not None
-    # films that leak little at any load leave the spaces full: some 9 kN open the gap
-    small = replace(machine.lateral_table, leakage_factor=1e-3 * LEAKAGES[:, None])
-    with pytest.raises(CaseError, match="F_z"):
-        run_with_table(replace(machine, lateral_table=small), _Carrying(motor), SLIDE)
+def test_load_is_that_of_the_faces(setup: Setup) -> None:
+    machine = replace(setup.description, lateral_table=Films().table())
+    balance = machine.lateral_balance
+    assert balance is not None
+    found, wanted = [], []
+    unit = 199e5 * balance.floating.high_pressure.area
+    # the ports' parts count by their mean over a pitch, so the means of a pitch agree
+    for share in (np.arange(4) + 0.5) / 4:
+        arrays, state = _begun(setup, machine, share * load_period(balance))
+        seen = observe(arrays, state[None, :])
+        found.append(seen.lateral[0, [FORCE_SHARE, MOMENT_SHARE]] * seen.lateral[0, LOAD_SCALE])
+        pressure = seen.pressure[0, : setup.description.drain_node + 1]
+        load = pressure @ load_weights(balance, state[0], pressure.size) - preload_of(balance)
+        wanted.append(load / np.array([1.0, balance.interfaces[0].face.outer_radius]))
+    assert np.mean(found, axis=0) == pytest.approx(np.mean(wanted, axis=0), abs=0.01 * unit)
+
+
+def test_films_follow_the_load_by_their_lag(tabulated: tuple[SystemArrays, Array]) -> None:
+    arrays, begin = tabulated
+    first = arrays.size.film
+
+    def rates(_: float, carried: Array) -> Array:
+        state, rate = begin.copy(), np.zeros(arrays.size.total)
+        state[first : first + 2] = carried
+        evaluate_state(arrays, state)
+        fill_film_rates.py_func(arrays, state, rate)
+        return rate[first : first + 2]
+
+    evaluate_state(arrays, begin)
+    asked, lag = float(arrays.lateral.now[FORCE_SHARE]), float(arrays.lateral.now[LAG_TIME])
+    assert FORCES[0] < asked < 0.0
+    times = lag * np.array([0.5, 1.0, 3.0])
+    path = solve_ivp(rates, (0.0, times[-1]), [0.3, 0.0], t_eval=times, rtol=1e-9, atol=1e-12)
+    assert path.y[0] == pytest.approx(asked + (0.3 - asked) * np.exp(-times / lag), rel=1e-6)
+    # a table of one moment holds it
+    assert np.all(path.y[1] == 0.0)
+
+
+def test_films_stay_at_the_edge_of_their_table(setup: Setup) -> None:
+    table = replace(Films().table(), force_share=FORCES + 0.8)
+    arrays, state = _begun(setup, replace(setup.description, lateral_table=table))
+    rate = np.zeros(arrays.size.total)
+    assert state[arrays.size.film] == pytest.approx(0.4)
+    evaluate_state(arrays, state)
+    fill_film_rates.py_func(arrays, state, rate)
+    assert rate[arrays.size.film] == 0.0
+    state[arrays.size.film] = 0.7
+    fill_film_rates.py_func(arrays, state, rate)
+    assert rate[arrays.size.film] < 0.0
+
+
+def test_one_node_is_a_machine_of_other_gaps(setup: Setup) -> None:
+    plain, wider = setup.description, with_lateral_leakage(setup.description, 8.0)
+    arrays, state = _begun(setup, wider)
+    table = replace(one_node(8.0), seat_factor=8.0)
+    looked_up, begun = _begun(setup, replace(plain, lateral_table=table))
+    film = arrays.size.film
+    evaluate_state(arrays, state)
+    evaluate_state(looked_up, np.concatenate([state[:film], begun[film : film + 2], state[film:]]))
+    for column in (FLOW, HEIGHT):
+        assert looked_up.path[:, column] == pytest.approx(arrays.path[:, column], rel=1e-12)
+    closed, _ = _begun(setup, plain)
+    evaluate_state(closed, state)
+    assert not np.allclose(closed.path[:, HEIGHT], arrays.path[:, HEIGHT], rtol=0.1)
+
+
+def test_run_with_the_closed_form_as_a_table_is_that_of_the_closed_form(setup: Setup) -> None:
+    coarse = replace(setup.case.run, samples_per_revolution=60, max_revolutions=2)
+    machine = run_in_machine(replace(setup, case=replace(setup.case, run=coarse)))
+    tables = None, one_node(), Films().table()
+    runs = [
+        machine.solve(setup.condition, replace(machine.description, lateral_table=table))
+        for table in tables
+    ]
+    plain, same, films = (run.summary() for run in runs)
+    for name in ("mean_torque_N_m", "mean_flow_L_per_min", "torque_loss_lateral_viscous_N_m"):
+        assert same[name] == pytest.approx(plain[name], rel=1e-4), name
+    # friction that no viscosity makes and gaps that move leave the energy whole
+    assert abs(films["energy_balance_error"]) < 1e-5  # type: ignore[arg-type]
+    assert films["torque_loss_lateral_asperity_N_m"] > 0.0  # type: ignore[operator]
+    assert films["axial_load_N"] != 0.0
+    assert "lateral_leakage_factor" not in runs[0].data
+
+
+def test_start_with_tabulated_films(tmp_path: Path) -> None:
+    case = tmp_path / "start.toml"
+    case.write_text(
+        f"""base = "{CASE.parent / "startup_fan_drive.toml"}"
+[machine.lateral]
+arrangement = "symmetric"
+[machine.floating_bearing]
+material = "AlSi"
+length = "19 mm"
+roughness = "0.4 um"
+high_pressure_area = {{area = "760 mm^2", center = ["-8.16 mm", "17.34 mm"]}}
+motion = "axial"
+seal_preload = "200 N"
+[circuit]
+duration = "0.03 s"
+[circuit.supply]
+speed = [["0 s", "300 rpm"], ["0.2 s", "600 rpm"]]
+[run]
+time_samples = 60
+film_tables = "{CASE.parent / "tables" / "egm12_lateral.nc"}"
+"""
+    )
+    run = api.simulate(load_case(case))
+    assert run.status is Status.DONE
+    assert run.summary()["max_shaft_speed_rpm"] > 10.0  # type: ignore[operator]
+    load = run.data["axial_load"].values
+    # springs press alone at first, then the pressure presses the more
+    assert load[-1] < 2.0 * load[1] < 0.0
+    assert np.ptp(run.data["lateral_leakage_factor"].values) > 0.01
+    assert abs(run.summary()["energy_balance_error"]) < 1e-4  # type: ignore[arg-type]
+
+
+def test_load_beyond_the_table_is_told() -> None:
+    def run(beyond: float) -> Solution:
+        data = xr.Dataset({"lateral_load_beyond": ("sample", np.full(4, beyond))})
+        return within_table(Solution(Status.DONE, data, Ledger(1.0, 1.0, {}, {})))
+
+    assert "beyond their table in 50 % of the time" in run(0.5).provenance["warnings"]
+    assert "warnings" not in run(0.0).provenance

@@ -1,9 +1,11 @@
-"""Tables of lateral films over axial loads: load, lookup, and the machine that reads them."""
+"""Tables of lateral films: the axial load, what is solved, and the machine that reads them."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,17 +13,21 @@ import xarray as xr
 
 from toothspace import api
 from toothspace.case import Case, load_case
+from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.errors import CaseError
+from toothspace.core.progress import Progress
+from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
-from toothspace.model.films import lateral_torque_coefficient
-from toothspace.model.lateral_load import axial_load, chamber_pressures, with_lateral_table
-from toothspace.model.lateral_table import LateralTable
-from toothspace.model.path_category import LATERAL_PATHS
+from toothspace.model.lateral_load import axial_load, chamber_pressures
+from toothspace.model.operating_point import OperatingCondition
 from toothspace.simulation.film_tables import lateral_sizes, with_film_tables
+from toothspace.simulation.lateral.problem import LateralSettings
+from toothspace.simulation.lateral.reduction import LateralReduction
 from toothspace.simulation.setup import condition_of
+from toothspace.studies import reduce
 
 CASE = Path(__file__).resolve().parents[2] / "cases" / "egm12_motor_reduced.toml"
-FORCES, MOMENTS = np.array([-8000.0, -2000.0, 1000.0]), np.array([-20.0, 0.0, 20.0])
+AXES = [-0.3, -0.1, 0.0, 0.1], [0.0], [5e6, 20e6], [50.0, 100.0, 150.0]
 
 
 @pytest.fixture(scope="module")
@@ -55,84 +61,48 @@ def test_load_grows_with_the_pressure_difference(motor: tuple[Case, MachineDescr
     assert loads[0] == pytest.approx(2.0 * loads[1], rel=1e-6)
 
 
-def _table() -> LateralTable:
-    """Drag that falls and leakage that rises with the force, from 1 at -8000 N to 16 at 1000 N."""
-    drag = -0.25e-3 * FORCES[:, None] + 0.0 * MOMENTS
-    leakage = np.array([1.0, 4.0, 16.0])[:, None] * np.ones(MOMENTS.size)
-    return LateralTable(
-        force=FORCES,
-        moment=MOMENTS,
-        extra_share=drag,
-        pressure_share=np.full_like(drag, -0.5),
-        leakage_factor=leakage,
-        condition_load=(-7000.0, 0.0),
-        condition_slide=4.0,
-    )
-
-
-def test_lookup_between_nodes_ends_at_the_edges() -> None:
-    table = _table()
-    # half way between two nodes the leakage is the geometric mean of both
-    assert table(-5000.0, 3.0) == pytest.approx((1.25, 2.0))
-    assert table(1500.0, 0.0) == pytest.approx((-0.25, 16.0))
-    # at twice the speed the closed form has grown, the part of the pressure has not
-    assert table(-5000.0, 3.0, slide=8.0) == pytest.approx((1.5, 2.0))
-    assert table.force_of(2.0, 3.0) == pytest.approx(-5000.0)
-    table.check(1500.0, 0.0)
-    with pytest.raises(CaseError, match="F_z = 9000 N"):
-        table.check(9000.0, 0.0)
-
-
-def test_machine_takes_drag_and_leakage(motor: tuple[Case, MachineDescription]) -> None:
-    case, machine = motor
-    condition = condition_of(case, machine)
-    plain = lateral_torque_coefficient(machine)
-    wide = (np.array([-1e6, 1e6]), np.array([-1e5, 1e5]))
-    table = replace(
-        _table(),
-        force=wide[0],
-        moment=wide[1],
-        extra_share=np.full((2, 2), 0.5),
-        pressure_share=np.zeros((2, 2)),
-        leakage_factor=np.full((2, 2), 8.0),
-    )
-    changed = with_lateral_table(replace(machine, lateral_table=table), condition)
-    assert lateral_torque_coefficient(changed) == pytest.approx(1.5 * plain)
-    for before, after in zip(machine.paths, changed.paths, strict=True):
-        share = 2.0 if before.category in LATERAL_PATHS else 1.0
-        assert after.geometry.values[:, 0] == pytest.approx(share * before.geometry.values[:, 0])
-    assert with_lateral_table(machine, condition) is machine
-
-
 def _file(machine: MachineDescription, path: Path, **changed: float) -> Path:
-    values = {f"lateral_{k}": v for k, v in lateral_sizes(machine).items()}
-    values |= {"lateral_closed_torque": 0.8, "lateral_condition_force": -3000.0}
-    values |= {"lateral_condition_moment": 1.0, "lateral_viscosity": 0.02}
-    values |= {"lateral_shaft_speed": 150.0} | changed
-    over = ("lateral_force", "lateral_moment")
-    shape = (FORCES.size, MOMENTS.size)
-    data = xr.Dataset(
-        {
-            **values,
-            "lateral_extra_torque": (over, np.full(shape, 0.2)),
-            "lateral_pressure_torque": (over, np.full(shape, -0.4)),
-            "lateral_leakage_factor": (over, np.ones(shape)),
-            "lateral_converged": (over, np.ones(shape, dtype=bool)),
-        },
-        {"lateral_force": FORCES, "lateral_moment": MOMENTS},
-        {"film_kinds": "lateral"},
+    over = (
+        "lateral_force_share",
+        "lateral_moment_share",
+        "lateral_pressure_difference",
+        "lateral_shaft_speed",
     )
+    shape = tuple(map(len, AXES))
+    values: dict[str, Any] = {f"lateral_{k}": v for k, v in lateral_sizes(machine).items()}
+    values |= {"lateral_viscosity": 0.02} | changed
+    # stored in another order, as a file may be
+    columns = {
+        "torque": 1.4,
+        "pressure_torque": -0.4,
+        "asperity_torque": 0.2,
+        "leakage_factor": 3.0,
+        "lag": 0.01,
+        "converged": True,
+    }
+    values |= {
+        f"lateral_{name}": (over[::-1], np.full(shape[::-1], value))
+        for name, value in columns.items()
+    }
+    # twice the pressure gives twice the torque of share one
+    values["lateral_torque_unit"] = (over[2:], np.outer([100.0, 200.0], np.ones(3)))
+    values["lateral_closed_torque"] = (over[2:], np.outer(np.ones(2), [0.5, 1.0, 1.5]))
+    data = xr.Dataset(values, dict(zip(over, AXES, strict=True)), {"film_kinds": "lateral"})
     data.to_netcdf(path, engine="h5netcdf")
     return path
 
 
 def test_file_is_read(motor: tuple[Case, MachineDescription], tmp_path: Path) -> None:
-    machine, _ = with_film_tables(motor[1], _file(motor[1], tmp_path / "a.nc"))
-    assert machine.lateral_table is not None
-    assert machine.lateral_table.extra_share == pytest.approx(0.25)
-    assert machine.lateral_table.pressure_share == pytest.approx(-0.5)
-    assert machine.lateral_table.condition_load == (-3000.0, 1.0)
-    assert machine.lateral_table.condition_slide == pytest.approx(3.0)
+    table = with_film_tables(motor[1], _file(motor[1], tmp_path / "a.nc"))[0].lateral_table
+    assert table is not None
+    assert [axis.size for axis in table.axes] == [4, 1, 2, 3]
+    assert table.slide == pytest.approx([1.0, 2.0, 3.0])
+    # 1.8 N m by viscosity over closed forms, -0.6 N m by pressure and 0.2 N m by asperities
+    assert table.shear_share[0, 0, 1] == pytest.approx([3.6, 1.8, 1.2])
+    assert table.drag_share[0, 0, :, 0] == pytest.approx([-6e-3, -3e-3])
+    assert table.asperity_share[3, 0, :, 2] == pytest.approx([2e-3, 1e-3])
+    assert table.lag_number[0, 0, :, 0] == pytest.approx([2.5e6, 1e7])
+    assert table.packed().shape == (4, 1, 2, 3, 5)
 
 
 def test_files_of_other_machines_are_refused(
@@ -147,5 +117,79 @@ def test_files_of_other_machines_are_refused(
     old.to_netcdf(tmp_path / "d.nc", engine="h5netcdf")
     with pytest.raises(CaseError, match="without lateral_pressure_torque, allowed a file"):
         with_film_tables(machine, tmp_path / "d.nc")
+    lost = xr.load_dataset(good, engine="h5netcdf")
+    lost["lateral_converged"][0, 0, 0, 0] = False
+    lost.to_netcdf(tmp_path / "e.nc", engine="h5netcdf")
+    with pytest.raises(CaseError, match="loads without an equilibrium"):
+        with_film_tables(machine, tmp_path / "e.nc")
     with pytest.raises(CaseError, match="floating part in balance"):
         with_film_tables(replace(machine, lateral_balance=None), good)
+
+
+class _Solved:
+    """Stands for solved films: torque and leakage tell the condition that they were asked at."""
+
+    def __init__(self) -> None:
+        self.shares: list[Any] = []
+
+    def __call__(
+        self,
+        description: MachineDescription,
+        fluid: FluidLaw,
+        run: Callable[[MachineDescription], OperatingCondition],
+        settings: LateralSettings,
+        shares: tuple[Array, Array] | None,
+        progress: Progress | None,
+    ) -> LateralReduction:
+        self.shares.append(shares)
+        condition = run(description)
+        rise = condition.inlet_pressure - condition.outlet_pressure
+        force = np.array([-0.2, -0.1, 0.0, 0.1, 0.2])
+        told = rise + condition.shaft_speed + force[:, None]
+        # the lower pressure lifts the bearing at the last two forces, the higher at the last
+        lifted = force[:, None] > (0.15 if rise > 1e7 else 0.05)
+        return LateralReduction(
+            load=(-0.1 * rise, 0.0),
+            force_unit=rise,
+            reach=0.02,
+            force_share=force,
+            moment_share=np.zeros(1),
+            closed_torque=condition.shaft_speed,
+            **dict.fromkeys(("torque", "pressure_torque", "asperity_torque"), told),
+            **dict.fromkeys(("leakage_factor", "lag", "smallest_gap"), told),
+            converged=np.ones(told.shape, dtype=bool),
+            lifted=lifted,
+        )
+
+
+def test_reduction_goes_over_pressures_and_speeds(
+    motor: tuple[Case, MachineDescription], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    solved = _Solved()
+
+    class Machine:
+        description = motor[1]
+
+        def solve(
+            self, condition: OperatingCondition, description: MachineDescription
+        ) -> OperatingCondition:
+            return condition
+
+    monkeypatch.setattr(reduce, "reduce_lateral", solved)
+    monkeypatch.setattr(reduce, "run_in_machine", lambda *_: Machine())
+    setup = api.set_up(motor[0])
+    tables = reduce.reduce_lateral_films(setup, None, ([2e7, 5e6], [150.0, 10.0]))
+    at = {"lateral_pressure_difference": 5e6, "lateral_shaft_speed": 150.0}
+    one = tables.sel(at)
+    force = tables["lateral_force_share"].values
+    # what lifts the bearing everywhere is left out, what lifts it somewhere is kept
+    assert force == pytest.approx([-0.2, -0.1, 0.0, 0.1])
+    assert one["lateral_torque"].values[:, 0] == pytest.approx(5e6 + 150.0 + force, rel=1e-12)
+    assert float(one["lateral_force_unit"]) == pytest.approx(5e6)
+    assert float(one["lateral_closed_torque"]) == 150.0
+    # all are solved at the loads of the highest pressure and speed
+    assert solved.shares[0] is None
+    assert all(shares[0] is solved.shares[1][0] for shares in solved.shares[1:])
+    alone = reduce.reduce_lateral_films(setup)
+    assert alone["lateral_torque"].shape == (4, 1, 1, 1)
+    assert alone["lateral_pressure_difference"].values == pytest.approx(199e5)

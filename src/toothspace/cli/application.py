@@ -227,13 +227,22 @@ def reduce(
         list[str] | None,
         typer.Option(metavar="KIND", help="Kind of film, as journal; repeatable; default all."),
     ] = None,
+    pressure: Annotated[
+        list[str] | None,
+        typer.Option(help="Pressure difference of lateral films, as '50 bar'; repeatable."),
+    ] = None,
+    speed: Annotated[
+        list[str] | None,
+        typer.Option(help="Shaft speed of lateral films, as '300 rpm'; repeatable."),
+    ] = None,
     as_json: Json = False,
     overrides: Overrides = None,
     force: Force = False,
 ) -> int:
     """Solve the films of a machine and reduce them to tables for the lumped preset."""
     target = commands.Target(output, force)
-    return commands.reduce(case, target, film or [], overrides or [], as_json=as_json)
+    grid = pressure or [], speed or []
+    return commands.reduce(case, target, film or [], grid, overrides or [], as_json=as_json)
 
 
 @application.command()

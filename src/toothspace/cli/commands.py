@@ -268,7 +268,7 @@ def gear(
         raise CaseError(f"{file}: --axis: found {section.axis!r}, allowed {', '.join(AXES)}")
     targets = {option: target.checked(option) for option, target in outputs.items()}
     picture = _picture(targets["--plot"]) if "--plot" in targets else None
-    request = SectionRequest(section.axis, _length(section.plane, "--plane"))
+    request = SectionRequest(section.axis, _quantity(section.plane, "--plane"))
     try:
         contents = find_in_files(files, to_si(1.0, section.unit), request)
     except CaseError:
@@ -283,7 +283,7 @@ def gear(
             output.message(f"Note: with --unit {better} the gear has a standard module")
     for warning in flank_warnings(contents):
         output.message(f"Warning: {warning}")
-    found = file_report(contents, _length(section.center_distance, "--center-distance"))
+    found = file_report(contents, _quantity(section.center_distance, "--center-distance"))
     if as_json:
         output.write(found, as_json=True)
     else:
@@ -316,15 +316,24 @@ def _draft(files: Sequence[Path], unit: str, request: SectionRequest, target: Pa
         output.message(f"Note: it does not run as it is: {error}")
 
 
-def _length(text: str | None, option: str) -> float | None:
+def _quantity(text: str | None, option: str, unit: str = "mm") -> float | None:
+    return None if text is None else _read_quantity(text, option, unit)
+
+
+def _read_quantity(text: str, option: str, unit: str) -> float:
     from toothspace.core.units import parse_quantity
 
-    if text is None:
-        return None
     try:
-        return parse_quantity(text, "mm")
+        return parse_quantity(text, unit)
     except CaseError as error:
         raise CaseError(f"{option}: {error}") from error
+
+
+def _positive(option: str, text: str, unit: str) -> float:
+    value = _read_quantity(text, option, unit)
+    if not value > 0.0:
+        raise CaseError(f"{option}: found {text!r}, allowed above zero")
+    return value
 
 
 def report(
@@ -443,6 +452,7 @@ def reduce(
     case_file: Path,
     tables_file: Target,
     kinds: Sequence[str],
+    grid: tuple[Sequence[str], Sequence[str]],
     overrides: Sequence[str],
     *,
     as_json: bool,
@@ -453,8 +463,10 @@ def reduce(
     from toothspace.core.netcdf import write_dataset
     from toothspace.studies.reduce import reduce_films, reduce_summary
 
+    pressures = [_positive("--pressure", text, "bar") for text in grid[0]]
+    speeds = [_positive("--speed", text, "rpm") for text in grid[1]]
     with _file_named(case_file), output.progress(case.title) as progress:
-        tables = reduce_films(case, kinds, progress)
+        tables = reduce_films(case, kinds, progress, pressures=pressures, speeds=speeds)
     write_dataset(tables, target)
     summary = reduce_summary(tables)
     output.write(summary, as_json=as_json)

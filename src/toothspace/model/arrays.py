@@ -2,8 +2,8 @@
 
 State vector: shaft angle, shaft speed, fluid mass of each dynamic node, undissolved gas mass
 of each dynamic node, free micro-motions, their velocities, flows of fluid columns with the
-memory of their friction, twist of an elastic coupling and speed of the load beyond it, then
-the ledger states.
+memory of their friction, load on tabulated lateral films and its moment, twist of an elastic
+coupling and speed of the load beyond it, then the ledger states.
 
 Few arrays with named columns instead of many arrays: compiled functions pass them by value,
 and each costs reference counting.
@@ -17,6 +17,7 @@ from toothspace.closures.bearing_map import JournalMap
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.compiled import passed_by_address
 from toothspace.core.types import Array, IntArray
+from toothspace.model.lateral_table import LateralLookup
 from toothspace.model.tables import Members, TableBank
 
 # Columns of ``node``: state of chambers and ports.
@@ -32,9 +33,9 @@ NODE_COLUMNS = 22
 (
     FLOW, VOLUME_FLOW, FLOW_BY_PRESSURE, FLOW_BY_HEIGHT, HEIGHT, DRAG, LOSS, SHEAR, DROP,
     INFLOW_DENSITY, MEAN_VISCOSITY, RUNNING_HEIGHT, HEIGHT_FACTOR, CONDUCTANCE, OPENING,
-    BY_HEIGHT, DRAG_BY_HEIGHT,
-) = range(17)  # fmt: skip
-PATH_COLUMNS = 17
+    BY_HEIGHT, DRAG_BY_HEIGHT, NOMINAL_HEIGHT,
+) = range(18)  # fmt: skip
+PATH_COLUMNS = 18
 
 # Kinds of paths, in the order of their rows; ``kinds`` holds the first of each.
 CURVED_GAP, FITTED_GAP, PARALLEL_GAP, ORIFICE = range(4)
@@ -43,9 +44,11 @@ CURVED_GAP, FITTED_GAP, PARALLEL_GAP, ORIFICE = range(4)
 (
     KIND, CATEGORY, NODE_A, NODE_B, PRESENT_B, FAMILY_FIRST, FAMILY_COUNT, PARTNER_SHIFT,
 ) = range(8)  # fmt: skip
-MULTIPLICITY, MINIMUM_HEIGHT, THROAT_SPEED, CARRIED_SHARE, GAP_VISCOSITY = range(5)
+# of a path's height, LATERAL_SHARE follows that of tabulated lateral films
+MULTIPLICITY, MINIMUM_HEIGHT, THROAT_SPEED, CARRIED_SHARE, GAP_VISCOSITY, LATERAL_SHARE = range(6)
 
-# Columns of ``chamber_values``: volume, dV/d(mesh rotation), dV/d(each free motion).
+# Columns of ``chamber_values``: volume, dV/d(mesh rotation), dV/d(each free motion), then axial
+# force and moment by the pressure where lateral films are tabulated.
 CHANNEL_VOLUME, CHANNEL_MESH, CHANNEL_MOTION = range(3)
 
 # Columns of ``path_values``: geometry, drag and shear speed, d(height)/d(each free motion).
@@ -146,6 +149,7 @@ class Sizes(NamedTuple):
     position: int
     velocity: int
     column: int
+    film: int
     load: int
     core: int
     total: int
@@ -205,6 +209,7 @@ class SystemArrays(NamedTuple):
     journal: Array
     asperity: Array
     friction_curves: Array
+    lateral: LateralLookup
     node: Array
     path: Array
     chamber_values: Array

@@ -68,7 +68,14 @@ from toothspace.model.films import (
     lateral_torque_coefficient,
 )
 from toothspace.model.fluid_column import FLUID_COLUMN
-from toothspace.model.lateral_load import with_lateral_table
+from toothspace.model.lateral_load import (
+    SampledLoads,
+    lateral_lookup,
+    load_table,
+    sampled_loads,
+    with_lateral_leakage,
+)
+from toothspace.model.lateral_table import LOAD_STATES
 from toothspace.model.ledger import FRICTION_MECHANISMS, GAS_MASS, MASS, PORT_NODES, THROTTLING
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.path_category import PathCategory
@@ -134,7 +141,6 @@ def assemble(
     description: MachineDescription, fluid: FluidLaw, condition: OperatingCondition
 ) -> System:
     """Build the arrays of a machine at a condition."""
-    description = with_lateral_table(description, condition)
     free = _free_motions(description, condition)
     motion_map = _motion_map(description, condition, free)
     paths = description.paths
@@ -146,9 +152,11 @@ def assemble(
         paths = (*paths, *circuit_orifices(condition.circuit, places))
     categories = categories_of(paths)
     paths = by_kind(paths)
-    families = description.families
+    families, loads = description.families, sampled_loads(description)
     tables = [
-        table for family in families for table in _chamber_tables(description, family, motion_map)
+        table
+        for family in families
+        for table in _chamber_tables(description, family, motion_map, loads)
     ]
     first_of_contacts = len(tables)
     contacts = contact_parts(description, condition, motion_map)
@@ -156,7 +164,9 @@ def assemble(
     first_of_paths = len(tables)
     tables += [table for path in paths for table in path_tables(path, motion_map)]
     bank = pack_tables(tables)
-    bush = bush_positions(description, condition, motion_map, free)
+    table = description.lateral_table
+    seated = with_lateral_leakage(description, table.seat_factor) if table else description
+    bush = bush_positions(seated, condition, motion_map, free)
     journals = journal_data(description, free, bush)
     sizes = _sizes(description, condition, len(free), paths)
     sizes = sizes._replace(journals=journals.rows.shape[0], **contacts.counts)
@@ -192,6 +202,7 @@ def assemble(
         journal=journals.rows,
         asperity=journals.asperity,
         friction_curves=journals.curves,
+        lateral=lateral_lookup(description, sizes.nodes, loads),
         node=np.asfortranarray(_nodes(description, fluid, condition, sizes)),
         motion=motion_rows(description, condition, free),
         drive=drive,
@@ -242,7 +253,8 @@ def _sizes(
     chambers = description.chamber_count
     dynamic = int(np.max(_dynamic_index(description, condition))) + 1
     column = 2 + 2 * dynamic + 2 * motions
-    load = column + column_states(condition.circuit)
+    film = column + column_states(condition.circuit)
+    load = film + LOAD_STATES * (description.lateral_table is not None)
     core = load + coupling_states(condition.free_shaft)
     return Sizes(
         chambers=chambers,
@@ -258,6 +270,7 @@ def _sizes(
         position=2 + 2 * dynamic,
         velocity=2 + 2 * dynamic + motions,
         column=column,
+        film=film,
         load=load,
         core=core,
         total=core + THROTTLING + len(categories_of(paths)),
@@ -265,7 +278,10 @@ def _sizes(
 
 
 def _chamber_tables(
-    description: MachineDescription, family: ChamberFamily, motion_map: Array
+    description: MachineDescription,
+    family: ChamberFamily,
+    motion_map: Array,
+    loads: SampledLoads | None,
 ) -> list[PeriodicTable]:
     raw = family.volume_by_motion
     tied = description.mesh.motion if description.mesh else None
@@ -274,7 +290,11 @@ def _chamber_tables(
         select[tied, 0] = 1.0
     mix = np.hstack([select, motion_map])
     by_motion = PeriodicTable(raw.period, raw.values @ mix, raw.slopes @ mix)
-    return [stack_tables(volume, by_motion) for volume in family.own or (family.volume,)]
+    tables = [stack_tables(volume, by_motion) for volume in family.own or (family.volume,)]
+    if loads is None:
+        return tables
+    load = load_table(description, family, loads)
+    return [stack_tables(table, load) for table in tables]
 
 
 def _surface(description: MachineDescription, condition: OperatingCondition) -> ContactSurface:
@@ -373,7 +393,7 @@ def _fill_circuit_nodes(
 
 def _work(sizes: Sizes) -> dict[str, Any]:
     """Work arrays; tables are evaluated channel by channel, so their values stand in columns."""
-    channels = CHANNEL_MOTION + sizes.motions
+    channels = CHANNEL_MOTION + sizes.motions + sizes.load - sizes.film
     gap_channels = GAP_BY_MOTION + 2 * sizes.motions
     return {
         "path": np.zeros((PATH_COLUMNS, sizes.paths)).T,

@@ -61,6 +61,7 @@ from toothspace.model.arrays import (
     SPEED_RATIO,
     SystemArrays,
 )
+from toothspace.model.lateral_table import ASPERITY_STRESS, DRAG_STRESS, SHEAR_RATIO
 from toothspace.model.ledger import FRICTION, JOURNAL_ASPERITY, JOURNAL_VISCOUS
 
 SMALL_RATIO = 1e-9
@@ -132,13 +133,15 @@ def update_film_forces(s: SystemArrays, state: Array) -> None:
 @kernel
 def update_lateral_drag(s: SystemArrays, state: Array) -> None:
     """Start the film forces with the torque of the lateral films on bodies free to turn."""
-    motion, slopes, size = s.motion, s.film_slopes, s.size
+    motion, slopes, size, now = s.motion, s.film_slopes, s.size, s.lateral.now
+    stress = s.drive[DIRECTION] * (now[DRAG_STRESS] + now[ASPERITY_STRESS])
     for k in range(size.motions):
         for m in range(size.motions):
             slopes[0, k, m] = slopes[1, k, m] = 0.0
-        drag = motion[k, LATERAL_DRAG] * s.fluid.dynamic_viscosity
+        drag = motion[k, LATERAL_DRAG] * s.fluid.dynamic_viscosity * now[SHEAR_RATIO]
         turning = motion[k, MOTION_RATIO] * state[1] + state[size.velocity + k]
-        motion[k, FILM_FORCE] = -drag * turning
+        held = motion[k, LATERAL_DRAG] * motion[k, MOTION_RATIO] * stress
+        motion[k, FILM_FORCE] = -drag * turning - held
         slopes[1, k, k] = -drag
 
 

@@ -28,6 +28,7 @@ from toothspace.model.arrays import (
     SystemArrays,
 )
 from toothspace.model.drive import running_torque, startup_torque, taken_torque
+from toothspace.model.lateral_table import ASPERITY_STRESS, DRAG_STRESS, SHEAR_RATIO
 from toothspace.model.ledger import (
     FRICTION,
     LATERAL_ASPERITY,
@@ -101,9 +102,11 @@ def load_mesh(s: SystemArrays, state: Array, torque: float) -> None:
 
     ``torque`` is that at the shaft without mesh friction, too small to matter here. [N m]
     """
-    drive, speed = s.drive, state[1]
-    lateral = drive[DRIVEN_LATERAL] * s.fluid.dynamic_viscosity
-    drive[DRIVEN_FRICTION] += drive[FADE] * lateral * speed
+    drive, now = s.drive, s.lateral.now
+    lateral = drive[DRIVEN_LATERAL] * s.fluid.dynamic_viscosity * now[SHEAR_RATIO]
+    drive[DRIVEN_FRICTION] += drive[FADE] * lateral * state[1]
+    held = drive[DIRECTION] * (now[DRAG_STRESS] + now[ASPERITY_STRESS])
+    drive[DRIVEN_FRICTION] += drive[FADE] * drive[DRIVEN_LATERAL] * held
     if drive[FREE] > 0.0 and drive[DIRECTION] != 0.0:
         acceleration = -(torque + taken_torque(s, state)) / drive[INERTIA]
         drive[DRIVEN_FRICTION] += drive[DRIVEN_INERTIA] * acceleration
@@ -115,11 +118,15 @@ def book_friction(s: SystemArrays, state: Array, ledger: Array, driving: float) 
 
     ``driving`` is the torque at the shaft of all that acts on it besides. [N m]
     """
-    torque, motion, speed = s.torque, s.motion, state[1]
+    torque, motion, speed, now = s.torque, s.motion, state[1], s.lateral.now
     way, fade = s.drive[DIRECTION], s.drive[FADE]
-    lateral = s.constant.lateral_torque * s.fluid.dynamic_viscosity
+    viscosity = s.fluid.dynamic_viscosity * now[SHEAR_RATIO]
+    lateral = s.constant.lateral_torque * viscosity
     torque[LATERAL_ASPERITY] = fade * lateral * s.constant.asperity_share * speed
     torque[LATERAL_VISCOUS] = fade * lateral * speed - torque[LATERAL_ASPERITY]
+    held = fade * s.constant.lateral_torque * way
+    torque[LATERAL_VISCOUS] += held * now[DRAG_STRESS]
+    torque[LATERAL_ASPERITY] += held * now[ASPERITY_STRESS]
     torque[TIP_SHEAR] = fade * tip_torque(s)
     torque[SHAFT_SEAL] = running_torque(s)
     torque[STARTUP] = startup_torque(s, speed)
@@ -127,9 +134,12 @@ def book_friction(s: SystemArrays, state: Array, ledger: Array, driving: float) 
     for mechanism in _RESISTING:
         total += torque[mechanism]
     for k in range(s.size.motions):
-        drag = motion[k, LATERAL_DRAG] * s.fluid.dynamic_viscosity
+        drag = motion[k, LATERAL_DRAG] * viscosity
         turning, ahead = motion[k, MOTION_RATIO] * speed, state[s.size.velocity + k]
         ledger[FRICTION + LATERAL_VISCOUS] += drag * (2.0 * turning + ahead) * ahead
+        held = way * motion[k, LATERAL_DRAG] * motion[k, MOTION_RATIO] * ahead
+        ledger[FRICTION + LATERAL_VISCOUS] += held * now[DRAG_STRESS]
+        ledger[FRICTION + LATERAL_ASPERITY] += held * now[ASPERITY_STRESS]
         total += motion[k, MOTION_RATIO] * drag * ahead
     load_mesh(s, state, driving + total)
     torque[MESH_FRICTION] = way * fade * mesh_torque(s, way * speed)

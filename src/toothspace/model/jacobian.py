@@ -52,6 +52,7 @@ from toothspace.model.arrays import (
 from toothspace.model.circuit import update_elements
 from toothspace.model.drive import add_coupling
 from toothspace.model.fluid_column import FLUID_COLUMN, add_column
+from toothspace.model.lateral_lookup import add_film_rates
 from toothspace.model.ledger import GAS_MASS, MASS
 
 
@@ -81,6 +82,7 @@ def fill_rates(t: float, state: Array, s: SystemArrays, matrix: Array) -> None:
     add_films(s, matrix)
     add_contacts(s, state, matrix)
     add_elements(s, state, t, matrix)
+    add_film_rates(s, matrix)
     add_coupling(s, state, matrix)
 
 

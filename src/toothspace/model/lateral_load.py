@@ -1,76 +1,27 @@
-"""Axial load on the floating bearing, and machines whose lateral films fit it."""
+"""Axial load on the floating bearing by the pressures, and lateral gaps that leak more."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.model.description import MachineDescription
+from toothspace.model.description import ChamberFamily, MachineDescription
 from toothspace.model.film_faces import FILM
-from toothspace.model.films import lateral_face_torque
 from toothspace.model.lateral_balance import FilmInterface, LateralBalance
+from toothspace.model.lateral_table import LATERAL_NOW, LateralLookup, no_lookup
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.path_category import LATERAL_PATHS
+from toothspace.model.paths import drain_joined
 from toothspace.model.quasi_static import quasi_static_pressures
-from toothspace.numerics.periodic_table import PeriodicTable
+from toothspace.numerics.periodic_table import PeriodicTable, smooth_table
 
-_ROWS, _LANES, _ANGLES = 144, 24, 4
-
-
-def with_lateral_table(
-    description: MachineDescription, condition: OperatingCondition
-) -> MachineDescription:
-    """Machine with the drag and leakage of its table at the load of a condition.
-
-    Parameters
-    ----------
-    description : MachineDescription
-        Machine; returned as it is without a table.
-    condition : OperatingCondition
-        Its quasi-static chamber pressures give the load.
-
-    Raises
-    ------
-    CaseError
-        If the load lies outside the table.
-
-    Notes
-    -----
-    Quasi-static pressures are those of a machine that turns slowly: nothing is carried from port
-    to port. A run at one condition looks up the load of its own pressures instead.
-    """
-    table, balance = description.lateral_table, description.lateral_balance
-    if table is None or balance is None:
-        return description
-    load = axial_load(balance, chamber_pressures(description, condition))
-    table.check(*load)
-    return with_lateral_films(description, *table(*load))
-
-
-def with_lateral_films(
-    description: MachineDescription, extra_share: float, leakage_factor: float
-) -> MachineDescription:
-    """Machine without a table whose lateral films drag and leak by given factors more.
-
-    Parameters
-    ----------
-    description : MachineDescription
-        Machine with closed-form films.
-    extra_share : float
-        Torque beyond that of the closed form, over it. [-]
-    leakage_factor : float
-        Leakage over that of the closed form. [-]
-    """
-    share = max(1.0 + extra_share, 0.0)
-    laterals = tuple(
-        replace(f, drag=share * lateral_face_torque(f), viscosity_ratio=1.0)
-        for f in description.laterals
-    )
-    changed = with_lateral_leakage(description, leakage_factor)
-    return replace(changed, laterals=laterals, lateral_table=None)
+_ROWS, _LANES, _ANGLES = 360, 24, 4
+_SAMPLES = 16
+"""Angles of one pitch at which the load on a face is sampled. [-]"""
 
 
 def with_lateral_leakage(description: MachineDescription, factor: float) -> MachineDescription:
@@ -127,20 +78,106 @@ def axial_load(balance: LateralBalance, pressures: Callable[[float], Array]) -> 
     ----------
     .. [1] R. Pawar, A. Vacca, M. Rigosi, start-up of external gear motors, equation 2.9.
     """
-    sides = [i for i in balance.interfaces if i.side == "floating"]
-    angles = (np.arange(_ANGLES) + 0.5) * sides[0].face.period / _ANGLES
-    found = np.zeros(2)
+    angles = (np.arange(_ANGLES) + 0.5) * load_period(balance) / _ANGLES
+    found = -preload_of(balance)
     for angle in angles:
         pressure = pressures(float(angle))
-        pushes = [_face_push(i, float(angle), pressure) for i in sides]
-        area, load = np.sum(pushes, axis=0)
-        found += (load - _back_push(balance, pressure, area)) / _ANGLES
-    middle = balance.floating.face.center[1]
-    return float(found[0]), float(found[1] - middle * found[0])
+        found = found + pressure @ load_weights(balance, float(angle), pressure.size) / _ANGLES
+    return float(found[0]), float(found[1])
 
 
-def _face_push(own: FilmInterface, angle: float, pressure: Array) -> tuple[Array, Array]:
-    """Area and pressure over one side of a gear, each with its moment about x."""
+def load_period(balance: LateralBalance) -> float:
+    """Shaft angle after which the load depends on the pressures in the same way. [rad]."""
+    return next(i.face.period for i in balance.interfaces if i.side == "floating")
+
+
+def preload_of(balance: LateralBalance) -> Array:
+    """Force of springs and seal towards the gears [N], and its moment about x [N m]."""
+    force, about_x, _ = balance.floating.preload.moments
+    return np.array([force, about_x - balance.floating.face.center[1] * force])
+
+
+def load_weights(balance: LateralBalance, shaft_angle: float, nodes: int) -> Array:
+    """Force [m2] and moment about x [m3] on the floating bearing by the pressure of every node.
+
+    The same pressure everywhere gives none: low pressure acts on what is left behind the bearing.
+    """
+    weights = np.zeros((nodes, 2))
+    for own in balance.interfaces:
+        if own.side == "floating":
+            _add_face(weights, own, shaft_angle)
+    high = np.array(balance.floating.high_pressure.moments)[:2]
+    weights[balance.high_node] -= high
+    weights[balance.low_node] -= weights.sum(axis=0)
+    weights[:, 1] -= balance.floating.face.center[1] * weights[:, 0]
+    return weights
+
+
+class SampledLoads(NamedTuple):
+    """Force [m2] and moment about x [m3] by the pressure of every node at shaft angles [rad]."""
+
+    angles: Array
+    weights: Array
+
+
+def load_table(
+    description: MachineDescription, family: ChamberFamily, loads: SampledLoads
+) -> PeriodicTable:
+    """Force [m2] and moment about x [m3] on the floating bearing by the pressure of a chamber.
+
+    Over the table angle of the family, on the nodes of its volume.
+    """
+    angles, weights = loads
+    first = 0
+    for other in description.families:
+        if other is family:
+            break
+        first += other.count
+    period = family.volume.period
+    theta = np.mod(family.phases + family.angle_ratio * angles[:, None], period).ravel()
+    own = weights[:, first : first + family.count].reshape(-1, 2)
+    order = np.argsort(theta)
+    nodes = family.volume.values.shape[0]
+    places = period * np.arange(nodes) / nodes
+    columns = [np.interp(places, theta[order], c[order], period=period) for c in own.T]
+    return smooth_table(period, np.stack(columns, axis=1))
+
+
+def lateral_lookup(
+    description: MachineDescription, nodes: int, loads: SampledLoads | None
+) -> LateralLookup:
+    """Table of the lateral films of a machine as compiled code reads it, for so many nodes."""
+    table, balance = description.lateral_table, description.lateral_balance
+    if table is None or balance is None or loads is None:
+        return no_lookup()
+    counts = np.array([axis.size for axis in table.axes], dtype=np.int64)
+    axes = np.zeros((counts.size, counts.max()))
+    for row, axis in zip(axes, table.axes, strict=True):
+        row[: axis.size] = axis
+    resting = np.zeros((nodes, 2))
+    mean = loads.weights.mean(axis=0)
+    ends = drain_joined(description, np.arange(len(mean)))
+    np.add.at(resting, ends[description.chamber_count :], mean[description.chamber_count :])
+    area, reach = balance.floating.high_pressure.area, balance.interfaces[0].face.outer_radius
+    scales = [area, reach, *preload_of(balance), balance.high_node, balance.low_node]
+    return LateralLookup(
+        axes, counts, table.packed(), resting, np.array(scales), np.zeros(LATERAL_NOW)
+    )
+
+
+def sampled_loads(description: MachineDescription) -> SampledLoads | None:
+    """Loads on the floating bearing over one pitch; None without tabulated lateral films."""
+    balance = description.lateral_balance
+    if description.lateral_table is None or balance is None:
+        return None
+    nodes = description.drain_node + 1
+    angles = (np.arange(_SAMPLES) + 0.5) * load_period(balance) / _SAMPLES
+    weights = np.stack([load_weights(balance, float(a), nodes) for a in angles])
+    return SampledLoads(angles, weights)
+
+
+def _add_face(weights: Array, own: FilmInterface, angle: float) -> None:
+    """Add area and moment about x of one side of a gear, by the nodes whose pressure acts."""
     face = own.face
     edges = np.linspace(face.inner_radius, face.outer_radius, _LANES + 1)
     radius = 0.5 * (edges[1:] + edges[:-1])
@@ -152,22 +189,11 @@ def _face_push(own: FilmInterface, angle: float, pressure: Array) -> tuple[Array
     land = cells.node == FILM
     edge = np.where(land.all(axis=1), face.outer_radius, radius[np.argmin(land, axis=1)])
     ramp = np.log(radius / face.inner_radius) / np.log(edge / face.inner_radius)[:, None]
-    bore, outside = pressure[face.inner_node], pressure[rim.node]
-    under = bore + (outside - bore) * np.clip(ramp, 0.0, 1.0)
-    p = np.where(land, under, pressure[np.where(land, 0, cells.node)])
+    beyond = np.where(land, np.clip(ramp, 0.0, 1.0), 1.0)
     body = face.body_number(own.body)
     owned = (cells.body == body) | face.open_wall(body, cells, x, y)
     area = np.where(owned, radius * (radius[1] - radius[0]) * 2.0 * np.pi / _ROWS, 0.0)
-    return (
-        np.array([area.sum(), (area * y).sum()]),
-        np.array([(p * area).sum(), (p * area * y).sum()]),
-    )
-
-
-def _back_push(balance: LateralBalance, pressure: Array, face: Array) -> Array:
-    """Force and moment about x behind the bearing, its face as the films see it."""
-    bearing = balance.floating
-    high, low = pressure[balance.high_node], pressure[balance.low_node]
-    force, about_x = np.array(bearing.high_pressure.moments)[:2] * (high - low)
-    push = np.array(bearing.preload.moments)[:2]
-    return np.array([force, about_x]) + push + low * face
+    outside = np.where(land, rim.node, cells.node).ravel()
+    for column, arm in enumerate((area, area * y)):
+        weights[:, column] += np.bincount(outside, (arm * beyond).ravel(), len(weights))
+        weights[face.inner_node, column] += float((arm * (1.0 - beyond)).sum())

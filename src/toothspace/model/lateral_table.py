@@ -1,106 +1,115 @@
-"""Lateral films reduced to tables over the axial load on the floating bearing."""
+"""Films beside the faces, reduced to tables over the axial load on the floating bearing."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import final
+from typing import NamedTuple, final
 
 import numpy as np
 
-from toothspace.core.errors import CaseError
-from toothspace.core.types import Array
-
-_MARGIN = 0.1
-"""Part of the range of a table by which a load may lie outside and takes the edge. [-]"""
+from toothspace.core.compiled import passed_by_address
+from toothspace.core.types import Array, IntArray
 
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LateralTable:
-    """Friction and leakage beside the gears over force and moment on the floating bearing.
+    """Friction and leakage beside the faces over load, pressure and speed.
+
+    Axes rise; one node where nothing depends on the quantity. Every array has one value for each
+    force, moment, pressure and slide.
 
     Parameters
     ----------
-    force : ndarray, shape (n,)
-        Unbalanced axial force F_z, positive away from the gears, rising. [N]
-    moment : ndarray, shape (m,)
-        Unbalanced moment M_x about the middle of the face, rising; one where nothing tilts. [N m]
-    extra_share : ndarray, shape (n, m)
-        Torque at the shaft beyond that of the closed form, over it, both at the condition. [-]
-    pressure_share : ndarray, shape (n, m)
-        Part of the torque that does not depend on viscosity and speed, over the same. [-]
-    leakage_factor : ndarray, shape (n, m)
-        Leakage over that of the closed form; its logarithm is linear between the nodes. [-]
-    condition_load : tuple of float
-        Force [N] and moment [N m] at the condition that the table was made at.
-    condition_slide : float
-        Viscosity times shaft speed there. [Pa]
+    force_share : ndarray, shape (n,)
+        Axial force that the films carry, positive away from the faces, over the pressure
+        difference on the high-pressure area. [-]
+    moment_share : ndarray, shape (m,)
+        Its moment about x through the middle of the face, over that force at the tip radius. [-]
+    pressure : ndarray, shape (k,)
+        Pressure difference behind the bearing. [Pa]
+    slide : ndarray, shape (l,)
+        Viscosity times shaft speed. [Pa]
+    leakage_factor : ndarray
+        Leakage over that of the closed form; its logarithm is linear between nodes. [-]
+    shear_share : ndarray
+        Torque that grows with viscosity and speed, over that of the closed form. [-]
+    drag_share, asperity_share : ndarray
+        Torque of the flow that pressure drives along the faces, and of asperities, over the
+        pressure difference on the high-pressure area at the tip radius. [-]
+    lag_number : ndarray
+        Time in which the gap follows the load, squeezing its films, times pressure difference over
+        viscosity; its logarithm is linear between nodes. [-]
+    seat_factor : float
+        Leakage factor of the quasi-static pressures that press the bearings to their seats. [-]
     """
 
-    force: Array
-    moment: Array
-    extra_share: Array
-    pressure_share: Array
+    force_share: Array
+    moment_share: Array
+    pressure: Array
+    slide: Array
     leakage_factor: Array
-    condition_load: tuple[float, float]
-    condition_slide: float
+    shear_share: Array
+    drag_share: Array
+    asperity_share: Array
+    lag_number: Array
+    seat_factor: float = 1.0
 
-    def __call__(
-        self, force: float, moment: float, slide: float | None = None
-    ) -> tuple[float, float]:
-        """Extra torque over the closed form and leakage factor at a force [N] and moment [N m].
+    @property
+    def axes(self) -> tuple[Array, ...]:
+        """Nodes of all four quantities."""
+        return self.force_share, self.moment_share, self.pressure, self.slide
 
-        ``slide`` is viscosity times shaft speed [Pa], by default that of the condition. A load
-        outside the table counts as its edge; :meth:`check` refuses it.
-        """
-        places = (_place(self.force, force), _place(self.moment, moment))
-        leakage = float(np.exp(_bilinear(np.log(self.leakage_factor), *places)))
-        extra = _bilinear(self.extra_share, *places)
-        if slide is not None:
-            # what does not grow with the speed is the less of a torque that does
-            growth = self.condition_slide / slide - 1.0
-            extra += growth * _bilinear(self.pressure_share, *places)
-        return extra, leakage
-
-    def force_of(self, factor: float, moment: float) -> float:
-        """Force [N] at which films leak by a factor [-] more, at a moment [N m]; rising with it."""
-        column = _place(self.moment, moment)
-        found = [
-            _bilinear(np.log(self.leakage_factor), float(i), column) for i in range(self.force.size)
-        ]
-        return float(np.interp(np.log(factor), np.maximum.accumulate(found), self.force))
-
-    def check(self, force: float, moment: float) -> None:
-        """Refuse a load far outside the table.
-
-        Raises
-        ------
-        CaseError
-            If the load lies outside by more than a tenth of its range.
-        """
-        _check(self.force, force, "F_z", "N")
-        _check(self.moment, moment, "M_x", "N m")
-
-
-def _place(nodes: Array, value: float) -> float:
-    """Place between the nodes; outside counts as the edge."""
-    return float(np.interp(value, nodes, np.arange(nodes.size)))
-
-
-def _check(nodes: Array, value: float, name: str, unit: str) -> None:
-    margin = _MARGIN * (nodes[-1] - nodes[0])
-    if nodes.size > 1 and not nodes[0] - margin <= value <= nodes[-1] + margin:
-        raise CaseError(
-            f"run.film_tables: found {name} = {value:.5g} {unit} at this condition, allowed "
-            f"{nodes[0]:.5g} to {nodes[-1]:.5g} {unit}: make tables near it"
+    def packed(self) -> Array:
+        """Values as compiled code reads them, shape (n, m, k, l, columns)."""
+        return np.stack(
+            [
+                np.log(self.leakage_factor),
+                self.shear_share,
+                self.drag_share,
+                self.asperity_share,
+                np.log(self.lag_number),
+            ],
+            axis=-1,
         )
 
 
-def _bilinear(values: Array, row: float, column: float) -> float:
-    last_row, last_column = (n - 1 for n in values.shape)
-    i, j = int(row), int(column)
-    k, m = min(i + 1, last_row), min(j + 1, last_column)
-    s, t = row - i, column - j
-    low = (1.0 - t) * values[i, j] + t * values[i, m]
-    high = (1.0 - t) * values[k, j] + t * values[k, m]
-    return float((1.0 - s) * low + s * high)
+LOAD_STATES = 2
+"""States of tabulated films: the force that they carry and its moment, as shares. [-]"""
+LEAKAGE, SHEAR, DRAG, ASPERITY, LAG = range(5)
+"""Columns of the values of :class:`LateralLookup`; leakage and lag as logarithms."""
+
+(
+    HEIGHT_RATIO,
+    SHEAR_RATIO,
+    DRAG_STRESS,
+    ASPERITY_STRESS,
+    FORCE_SHARE,
+    MOMENT_SHARE,
+    LAG_TIME,
+    LOAD_SCALE,
+) = range(8)
+LATERAL_NOW = 8
+"""Columns of what was looked up last: lateral gaps and shear over their closed forms, torque of
+drag and of asperities over that of the closed form by viscosity and speed [Pa], load of the
+pressures, time in which the gap follows it [s], and force of share one [N]."""
+
+
+@passed_by_address
+class LateralLookup(NamedTuple):
+    """A table as compiled code reads it; without a table there are no counts."""
+
+    axes: Array
+    counts: IntArray
+    values: Array
+    weights: Array
+    scales: Array
+    now: Array
+
+
+def no_lookup() -> LateralLookup:
+    """Return what stands for a machine without a table: closed forms as they are."""
+    now = np.zeros(LATERAL_NOW)
+    now[[HEIGHT_RATIO, SHEAR_RATIO]] = 1.0
+    empty = np.zeros((0, 0))
+    return LateralLookup(empty, np.zeros(0, np.int64), np.zeros((0,) * 5), empty, np.zeros(0), now)

@@ -64,6 +64,7 @@ from toothspace.model.arrays import (
     HEIGHT_BY_MOTION,
     HEIGHT_FACTOR,
     INFLOW_DENSITY,
+    LATERAL_SHARE,
     LIQUID_ENTHALPY,
     LOSS,
     MASS_RATE,
@@ -72,6 +73,7 @@ from toothspace.model.arrays import (
     MULTIPLICITY,
     NODE_A,
     NODE_B,
+    NOMINAL_HEIGHT,
     OPENING,
     ORIFICE,
     PARALLEL_GAP,
@@ -86,6 +88,7 @@ from toothspace.model.arrays import (
     VOLUME_FLOW,
     SystemArrays,
 )
+from toothspace.model.lateral_table import HEIGHT_RATIO
 from toothspace.model.ledger import THROTTLING
 
 SMOOTH_THROAT = 1.0
@@ -171,8 +174,10 @@ def update_heights(s: SystemArrays, state: Array) -> None:
     """Heights of all gaps with the present positions of the bodies, nominal and running."""
     values, path, residual = s.path_values, s.path, s.open_data[:, MINIMUM_HEIGHT]
     gaps = s.open_kinds[ORIFICE]
+    widened = s.lateral.now[HEIGHT_RATIO] - 1.0
     for j in range(gaps):
-        path[j, HEIGHT] = values[j, GEOMETRY]
+        nominal = values[j, GEOMETRY] * (1.0 + s.open_data[j, LATERAL_SHARE] * widened)
+        path[j, HEIGHT] = path[j, NOMINAL_HEIGHT] = nominal
     for k in range(s.size.motions):
         q = state[s.size.position + k]
         for j in range(gaps):
@@ -226,7 +231,7 @@ def drag_walls(s: SystemArrays, speed: float) -> None:
     for j in range(s.open_kinds[ORIFICE]):
         many, wall = data[j, MULTIPLICITY], values[j, DRAG_SPEED]
         width = values[j, 1] if values[j, 1] > CLOSED_GAP else 0.0
-        nominal, height = values[j, 0], path[j, RUNNING_HEIGHT]
+        nominal, height = path[j, NOMINAL_HEIGHT], path[j, RUNNING_HEIGHT]
         dragged, throat = height - data[j, CARRIED_SHARE] * nominal, data[j, THROAT_SPEED]
         opened = path[j, HEIGHT] - nominal
         path[j, DRAG] = many * wall_drag_flow_rate(dragged, width, wall, opened, throat)

@@ -11,7 +11,12 @@ from toothspace.core.types import Array, IntArray
 from toothspace.model.arrays import CURVED_GAP, FITTED_GAP, ORIFICE, PARALLEL_GAP
 from toothspace.model.circuit_description import CircuitNetwork
 from toothspace.model.description import FlowPath, MachineDescription
-from toothspace.model.path_category import CIRCUIT_ORIFICE, LOAD_ORIFICE, PathCategory
+from toothspace.model.path_category import (
+    CIRCUIT_ORIFICE,
+    LATERAL_PATHS,
+    LOAD_ORIFICE,
+    PathCategory,
+)
 from toothspace.numerics.periodic_table import PeriodicTable
 
 _KINDS = {
@@ -90,8 +95,8 @@ def path_arrays(
 ) -> dict[str, Any]:
     """Integer and real columns of every path as compiled code reads them, first of each kind."""
     counts = [path.count for path in paths]
-    node_a = _drain_joined(description, np.concatenate([path.nodes_a for path in paths]))
-    node_b = _drain_joined(description, np.concatenate([path.nodes_b for path in paths]))
+    node_a = drain_joined(description, np.concatenate([path.nodes_a for path in paths]))
+    node_b = drain_joined(description, np.concatenate([path.nodes_b for path in paths]))
     index = np.column_stack(
         [
             np.repeat([_KINDS[path.kind] for path in paths], counts),
@@ -110,6 +115,7 @@ def path_arrays(
             np.repeat([path.throat_speed for path in paths], counts),
             np.repeat([float(path.drags_opening_only) for path in paths], counts),
             np.repeat([path.viscosity_ratio for path in paths], counts),
+            np.repeat([float(path.category in LATERAL_PATHS) for path in paths], counts),
         ]
     ).astype(float)
     starts = np.searchsorted(index[:, 0], range(len(_KINDS) + 1))
@@ -123,7 +129,7 @@ def path_arrays(
     }
 
 
-def _drain_joined(description: MachineDescription, nodes: IntArray) -> IntArray:
+def drain_joined(description: MachineDescription, nodes: IntArray) -> IntArray:
     """Lead the drain into the port that collects it."""
     target = {
         "inlet": description.inlet_node,

@@ -65,6 +65,11 @@ from toothspace.model.drive import (
 )
 from toothspace.model.fluid_column import fill_column_rates, fill_column_weights
 from toothspace.model.friction import book_friction, mesh_force
+from toothspace.model.lateral_lookup import (
+    fill_film_rates,
+    fill_film_weights,
+    update_lateral_films,
+)
 from toothspace.model.ledger import (
     COUPLING,
     GAS_MASS,
@@ -130,6 +135,7 @@ def evaluate_pressures(s: SystemArrays, state: Array) -> bool:
 def evaluate(s: SystemArrays, state: Array) -> None:
     """Compute pressures, flows and forces of a state into the work arrays."""
     evaluate_pressures(s, state)
+    update_lateral_films(s, state)
     update_network(s, state)
     exchange_gas(s, state)
     update_pressure_forces(s)
@@ -157,6 +163,7 @@ def right_hand_side(t: float, state: Array, s: SystemArrays, rate: Array) -> Non
         rate[size.velocity + k] = motion_force(s, k) / motion[k, MOTION_MASS] - carried
     if size.core > size.column:
         fill_column_rates(s, state, rate)
+        fill_film_rates(s, state, rate)
         fill_load_rates(s, state, rate)
     for i in range(size.core, size.total):
         rate[i] = 0.0
@@ -250,7 +257,9 @@ def finish_step(
     tolerance of the accepted one; all else is evaluated, and flows too where paths opened or
     closed in between. Port masses are left out.
     """
-    if evaluate_pressures(s, state):
+    changed = evaluate_pressures(s, state)
+    update_lateral_films(s, state)
+    if changed:
         update_network(s, state)
     else:
         shift_flows(s)
@@ -299,6 +308,7 @@ def fill_weights(s: SystemArrays, state: Array, weight: Array) -> None:
         weight[size.velocity + k] = 1000.0 * tolerance * clearance * max(abs(state[1]), 1.0)
     if size.core > size.column:
         fill_column_weights(s, state, weight)
+        fill_film_weights(s, weight)
         fill_load_weights(s, state, weight)
 
 

@@ -322,11 +322,13 @@ def lateral_numbers(data: xr.Dataset, statistics: Mapping[str, float]) -> dict[s
     data : xarray.Dataset
         Samples of the last revolution.
     statistics : mapping of str to float
-        Numbers of the films in SI units; without them the result is empty.
+        Numbers of the films in SI units; without them and tables the result is empty.
     """
     numbers = {
         name: statistics[key] * unit for name, (key, unit) in _LATERAL.items() if key in statistics
     }
+    if "axial_load" in data:
+        numbers["axial_load_N"] = float(data["axial_load"].mean())
     if "lateral_leakage" in statistics:
         position = float(data["bearing_position"].mean()) * 1e6
         numbers = {"bearing_position_um": position, **numbers}

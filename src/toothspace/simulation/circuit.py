@@ -6,7 +6,7 @@ from toothspace.core.errors import CaseError
 from toothspace.core.progress import Progress
 from toothspace.model.assembly import assemble
 from toothspace.results.solution import Solution
-from toothspace.simulation.lumped import run_in_machine
+from toothspace.simulation.lumped import run_in_machine, within_table
 from toothspace.simulation.setup import Setup
 from toothspace.solver.transient import TimePlan, TransientMarch
 from toothspace.solver.transient_outcome import transient_solution
@@ -36,7 +36,5 @@ def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
     march = TransientMarch(assemble(machine.description, setup.fluid, condition), plan)
     ended = transient_solution(march, machine.provenance, machine.extra, case.title, progress)
     if machine.description.lateral_table is not None:
-        from toothspace.simulation.lateral.table_lookup import with_table_load
-
-        ended = with_table_load(machine.description, condition, ended)
+        ended = within_table(ended)
     return machine.worn.marked(ended)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -25,17 +25,19 @@ _SAME_SIZE = 1e-6
 _NEEDED = {
     "journal": ("friction_terms", "load", *JOURNAL_SIZES),
     "lateral": (
-        "force",
-        "moment",
-        "extra_torque",
+        "force_share",
+        "moment_share",
+        "pressure_difference",
+        "shaft_speed",
+        "torque",
         "pressure_torque",
+        "asperity_torque",
         "leakage_factor",
+        "lag",
         "converged",
         "closed_torque",
-        "condition_force",
-        "condition_moment",
+        "torque_unit",
         "viscosity",
-        "shaft_speed",
     ),
 }
 """Variables of every kind of film, without the name of the kind."""
@@ -139,18 +141,23 @@ def with_lateral_loads(description: MachineDescription, tables: xr.Dataset) -> M
             )
     if not bool(tables["lateral_converged"].all()):
         raise CaseError("run.film_tables: found loads without an equilibrium, allowed none")
-    closed = float(tables["lateral_closed_torque"])
+    own = {name: tables[f"lateral_{name}"] for name in _NEEDED["lateral"]}
+    drag = own["pressure_torque"] - own["asperity_torque"]
+    axes = ("force_share", "moment_share", "pressure_difference", "shaft_speed")
+    over = [own[name].dims[0] for name in axes]
+    values: dict[str, Any] = {
+        "leakage_factor": own["leakage_factor"],
+        "shear_share": (own["torque"] - own["pressure_torque"]) / own["closed_torque"],
+        "drag_share": drag / own["torque_unit"],
+        "asperity_share": own["asperity_torque"] / own["torque_unit"],
+        "lag_number": own["lag"] * own["pressure_difference"] / own["viscosity"],
+    }
     table = LateralTable(
-        force=tables["lateral_force"].values,
-        moment=tables["lateral_moment"].values,
-        extra_share=tables["lateral_extra_torque"].values / closed,
-        pressure_share=tables["lateral_pressure_torque"].values / closed,
-        leakage_factor=tables["lateral_leakage_factor"].values,
-        condition_load=(
-            float(tables["lateral_condition_force"]),
-            float(tables["lateral_condition_moment"]),
-        ),
-        condition_slide=float(tables["lateral_viscosity"] * tables["lateral_shaft_speed"]),
+        force_share=own["force_share"].values,
+        moment_share=own["moment_share"].values,
+        pressure=own["pressure_difference"].values,
+        slide=(own["viscosity"] * own["shaft_speed"]).values,
+        **{name: value.transpose(*over).values for name, value in values.items()},
     )
     return replace(description, lateral_table=table)
 

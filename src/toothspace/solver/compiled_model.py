@@ -110,6 +110,7 @@ class Observation(NamedTuple):
     contact_force: Array
     torque: Array
     element_flow: Array
+    lateral: Array
 
 
 def _empty_observation(arrays: SystemArrays, count: int) -> Observation:
@@ -132,6 +133,7 @@ def _empty_observation(arrays: SystemArrays, count: int) -> Observation:
         contact_force=np.zeros((count, contacts)),
         torque=np.zeros((count, arrays.torque.size)),
         element_flow=np.zeros((count, arrays.elements.shape[0])),
+        lateral=np.zeros((count, arrays.lateral.now.size)),
     )
 
 
@@ -287,6 +289,8 @@ def _observe(s: SystemArrays, times: Array, states: Array, rate: Array, out: Obs
             out.torque[i, k] = s.torque[k]
         for k in range(s.elements.shape[0]):
             out.element_flow[i, k] = s.elements[k, ELEMENT_FLOW]
+        for k in range(s.lateral.now.size):
+            out.lateral[i, k] = s.lateral.now[k]
     s.drive[DIRECTION] = direction
 
 

@@ -18,8 +18,9 @@ from toothspace.model.arrays import (
     VOLUME,
 )
 from toothspace.model.assembly import System, node_places
+from toothspace.model.lateral_table import FORCE_SHARE, MOMENT_SHARE
 from toothspace.model.quasi_static import mean_force, quasi_static_pressures
-from toothspace.solver.compiled_model import find_contacts, place
+from toothspace.solver.compiled_model import evaluate_state, find_contacts, place
 
 _START_ECCENTRICITY = 0.9
 _SEARCH_STEP = 0.5
@@ -51,6 +52,11 @@ def start_state(system: System) -> Array:
             density = float(mixture_density(pressure[node], gas, arrays.fluid))
             state[size.mass + d] = density * arrays.node[node, VOLUME]
             state[size.gas + d] = gas * state[size.mass + d]
+    if size.load > size.film:
+        evaluate_state(arrays, state)
+        for k, axis in enumerate((FORCE_SHARE, MOMENT_SHARE)):
+            nodes = arrays.lateral.axes[k, : arrays.lateral.counts[k]]
+            state[size.film + k] = np.clip(arrays.lateral.now[axis], nodes[0], nodes[-1])
     return state
 
 

@@ -32,6 +32,7 @@ from toothspace.model.arrays import (
 from toothspace.model.assembly import System, node_places
 from toothspace.model.contact_data import loaded_contacts
 from toothspace.model.description import MachineDescription
+from toothspace.model.lateral_table import FORCE_SHARE, HEIGHT_RATIO, LOAD_SCALE, MOMENT_SHARE
 from toothspace.model.ledger import FRICTION_MECHANISMS, LEDGER_NAMES, PORT_NODES
 from toothspace.model.path_category import (
     CIRCUIT_ORIFICE,
@@ -53,6 +54,8 @@ from toothspace.solver.compiled_model import (
 )
 from toothspace.solver.cyclic import History
 
+_MARGIN = 0.1
+"""Part of the range of a table by which a load may lie outside. [-]"""
 _TRAPPED: tuple[PathRole, ...] = ("inlet_groove", "outlet_groove", "mesh")
 """Roles of the paths through which a chamber that is sealed from both ports still flows."""
 
@@ -93,6 +96,7 @@ def solution_from(
         "opening_area": _openings(system.description, history.states[:, 0]),
         **body_values(history, seen),
         **loss_values(history, seen),
+        **lateral_values(history, seen),
         "path_label": np.array([category.label for category in kinds], dtype=str),
         "path_colour": np.array([category.colour for category in kinds], dtype=str),
         "leakage": _leakage(system, seen, trapped),
@@ -113,6 +117,24 @@ def solution_from(
         provenance=provenance,
         events=history.events,
     )
+
+
+def lateral_values(history: History, seen: Observation) -> dict[str, Array]:
+    """Load and leakage of tabulated lateral films; empty without a table."""
+    size, table = history.system.arrays.size, history.system.arrays.lateral
+    if size.load == size.film:
+        return {}
+    beyond = np.zeros(len(history.states), dtype=bool)
+    for k, column in enumerate((FORCE_SHARE, MOMENT_SHARE)):
+        nodes = table.axes[k, : table.counts[k]]
+        margin = _MARGIN * (nodes[-1] - nodes[0])
+        asked = np.clip(seen.lateral[:, column], nodes[0] - margin, nodes[-1] + margin)
+        beyond |= (asked != seen.lateral[:, column]) & (nodes.size > 1)
+    return {
+        "axial_load": history.states[:, size.film] * seen.lateral[:, LOAD_SCALE],
+        "lateral_leakage_factor": seen.lateral[:, HEIGHT_RATIO] ** 3,
+        "lateral_load_beyond": beyond.astype(float),
+    }
 
 
 def trapped_flows(history: History, seen: Observation) -> BoolArray:

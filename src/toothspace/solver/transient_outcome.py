@@ -24,6 +24,7 @@ from toothspace.solver.outcome import (
     chamber_values,
     constants_of,
     labels_of,
+    lateral_values,
     loss_values,
     port_values,
     window_ledger,
@@ -129,6 +130,7 @@ def _values(march: TransientMarch, times: Array, states: Array) -> dict[str, Arr
         **chamber_values(system, seen),
         **body_values(history, seen),
         **loss_values(history, seen),
+        **lateral_values(history, seen),
     }
 
 

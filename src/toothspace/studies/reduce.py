@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
+from functools import partial
+from itertools import product
 from typing import Any, final
 
 import numpy as np
@@ -26,7 +28,7 @@ from toothspace.model.description import LumpedJournalBearing, MachineDescriptio
 from toothspace.model.quasi_static import mean_force
 from toothspace.simulation.elastic import lateral_settings
 from toothspace.simulation.film_tables import JOURNAL_SIZES, KINDS, lateral_sizes
-from toothspace.simulation.lateral.reduction import reduce_lateral
+from toothspace.simulation.lateral.reduction import LateralReduction, reduce_lateral
 from toothspace.simulation.lumped import run_in_machine
 from toothspace.simulation.setup import Setup, provenance_of
 
@@ -34,10 +36,17 @@ LOAD_LEVELS = (1.0 / 30.0, 0.1, 1.0 / 3.0, 1.0, 3.0)
 """Loads of the sweeps over the mean load of the condition. [-]"""
 SOMMERFELD_NUMBERS = (*np.geomspace(0.001, 0.2, 16), 2.0)
 """Points of the sweep; the last gives the line of the full film. [-]"""
+Grid = tuple[Sequence[float], Sequence[float]]
+"""Pressure differences [Pa] and shaft speeds [rad/s] of lateral films."""
 
 
 def reduce_films(
-    case: Case, kinds: Sequence[str] = (), progress: Progress | None = None
+    case: Case,
+    kinds: Sequence[str] = (),
+    progress: Progress | None = None,
+    *,
+    pressures: Sequence[float] = (),
+    speeds: Sequence[float] = (),
 ) -> xr.Dataset:
     """Solve the films of a machine and reduce them to tables.
 
@@ -49,6 +58,9 @@ def reduce_films(
         Kinds of films, names of :data:`REDUCED`; all that the machine has if empty.
     progress : callable, optional
         Called with the finished share and a short text.
+    pressures, speeds : sequence of float
+        Pressure differences [Pa] and shaft speeds [rad/s] at which lateral films are solved; those
+        of the case if empty.
 
     Returns
     -------
@@ -70,7 +82,7 @@ def reduce_films(
     parts = []
     for k, kind in enumerate(wanted):
         own = part(progress, kind, k / len(wanted), (k + 1) / len(wanted))
-        parts.append(REDUCED[kind].reduce(setup, own))
+        parts.append(REDUCED[kind].reduce(setup, own, (pressures, speeds)))
     tables = xr.merge(parts, join="exact", compat="no_conflicts", combine_attrs="drop_conflicts")
     tables.attrs |= {KINDS: " ".join(wanted), **provenance_of(case)}
     return tables
@@ -200,83 +212,140 @@ def _journal_summary(tables: xr.Dataset) -> dict[str, Any]:
     return numbers
 
 
-def reduce_lateral_films(setup: Setup, progress: Progress | None = None) -> xr.Dataset:
-    """Torque and leakage beside the gears over force and moment on the floating bearing.
+def reduce_lateral_films(
+    setup: Setup, progress: Progress | None = None, grid: Grid = ((), ())
+) -> xr.Dataset:
+    """Torque and leakage beside the faces over load, pressure difference and shaft speed.
 
     Parameters
     ----------
     setup : Setup
         Machine with a floating bearing, fluid and condition.
+    grid : tuple of sequence of float, optional
+        Pressure differences [Pa] and shaft speeds [rad/s]; those of the condition where empty.
 
     Returns
     -------
     xarray.Dataset
-        Tables over ``lateral_force`` and ``lateral_moment``.
+        Tables over ``lateral_force_share``, ``lateral_moment_share``,
+        ``lateral_pressure_difference`` and ``lateral_shaft_speed``. Opening forces that lift the
+        bearing off its films at all of the others are left out.
 
     Raises
     ------
     CaseError
         If the case has no operating point.
     """
-    case = setup.case
+    case, balance = setup.case, setup.description.lateral_balance
+    assert balance is not None
     if case.operating_point is None:
         raise CaseError("--film: found lateral films, allowed with an [operating_point]")
     # the films of this machine are what is to be found
     machine = run_in_machine(
         api.set_up(replace(case, run=replace(case.run, film_tables=None))), progress
     )
-    found = reduce_lateral(
-        machine.description,
-        setup.fluid,
-        lambda changed: machine.solve(setup.condition, changed),
-        lateral_settings(case),
-        progress,
+    at = setup.condition
+    inward = balance.high_node == setup.description.inlet_node
+    high, low = (at.inlet_pressure, at.outlet_pressure)[:: 1 if inward else -1]
+    grid = sorted(grid[0] or (high - low,)), sorted(grid[1] or (at.shaft_speed,))
+    count = len(grid[0]) * len(grid[1])
+    found: list[LateralReduction] = []
+    # loads are tabulated about those of the highest pressure and speed
+    for number, (rise, speed) in enumerate(reversed(list(product(*grid)))):
+        inlet, outlet = (low + rise, low) if inward else (low, low + rise)
+        condition = replace(at, shaft_speed=speed, inlet_pressure=inlet, outlet_pressure=outlet)
+        one = reduce_lateral(
+            machine.description,
+            setup.fluid,
+            partial(machine.solve, condition),
+            lateral_settings(case),
+            (found[0].force_share, found[0].moment_share) if found else None,
+            part(progress, f"{number + 1} of {count}", number / count, (number + 1) / count),
+        )
+        found.append(one)
+    return _lateral_tables(setup, grid, found[::-1])
+
+
+def _lateral_tables(setup: Setup, grid: Grid, found: list[LateralReduction]) -> xr.Dataset:
+    over = (
+        "lateral_force_share",
+        "lateral_moment_share",
+        "lateral_pressure_difference",
+        "lateral_shaft_speed",
     )
-    over = ("lateral_force", "lateral_moment")
+    shape = tuple(map(len, grid))
+
+    def laid(values: list[Any]) -> Array:
+        """Values of all conditions, with pressure and speed last."""
+        stacked = np.array(values)
+        return np.moveaxis(stacked.reshape(*shape, *stacked.shape[1:]), (0, 1), (-2, -1))
+
     columns = {
         "torque": ("N m", "Torque of the lateral films at the shaft"),
-        "extra_torque": ("N m", "Torque beyond the closed form"),
         "pressure_torque": ("N m", "Part of the torque that viscosity and speed do not change"),
+        "asperity_torque": ("N m", "Part of that by asperities"),
         "leakage_factor": ("1", "Leakage over that of the closed form"),
+        "lag": ("s", "Time in which the gap follows the load"),
         "smallest_gap": ("m", "Smallest gap"),
         "converged": ("1", "Whether the bearing is in equilibrium"),
+        "lifted": ("1", "Whether the force lifts it off: all else is that of the largest before"),
     }
     values: dict[str, Any] = {
-        f"lateral_{name}": (over, getattr(found, name), _about(*text))
+        f"lateral_{name}": (over, laid([getattr(one, name) for one in found]), _about(*text))
         for name, text in columns.items()
     }
+    of_condition: dict[str, tuple[list[float], str, str]] = {
+        "closed_torque": ([one.closed_torque for one in found], "N m", "Torque of the closed form"),
+        "force_unit": ([one.force_unit for one in found], "N", "Force of share one"),
+        "torque_unit": (
+            [one.force_unit * one.reach for one in found],
+            "N m",
+            "Moment of share one",
+        ),
+        "condition_force": ([one.load[0] for one in found], "N", "Axial force at the condition"),
+        "condition_moment": (
+            [one.load[1] for one in found],
+            "N m",
+            "Moment about x at the condition",
+        ),
+    }
+    for name, (numbers, units, text) in of_condition.items():
+        values[f"lateral_{name}"] = (over[2:], laid(numbers), _about(units, text))
     for name, size in lateral_sizes(setup.description).items():
         units = "m" if name == "height" else "m2"
         values[f"lateral_{name}"] = ((), size, _about(units, name.replace("_", " ")))
     viscosity = float(setup.fluid.dynamic_viscosity)
-    scalars = {
-        "viscosity": (viscosity, "Pa s", "Viscosity"),
-        "shaft_speed": (setup.condition.shaft_speed, "rad/s", "Shaft speed"),
-        "closed_torque": (found.closed_torque, "N m", "Torque of the closed form"),
-        "condition_force": (found.load[0], "N", "Axial force at the condition"),
-        "condition_moment": (found.load[1], "N m", "Moment about x at the condition"),
+    values["lateral_viscosity"] = ((), viscosity, _about("Pa s", "Viscosity"))
+    axes = {
+        over[0]: (found[0].force_share, "1", "Axial force, away from the faces, over force_unit"),
+        over[1]: (found[0].moment_share, "1", "Moment about x over torque_unit"),
+        over[2]: (grid[0], "Pa", "Pressure difference behind the bearing"),
+        over[3]: (grid[1], "rad/s", "Shaft speed"),
     }
-    for name, (value, units, text) in scalars.items():
-        values[f"lateral_{name}"] = ((), value, _about(units, text))
-    force = ("lateral_force", found.force, _about("N", "Axial force, away from the gears"))
-    moment = ("lateral_moment", found.moment, _about("N m", "Moment about x on the bearing"))
-    return xr.Dataset(values, {"lateral_force": force, "lateral_moment": moment})
+    tables = xr.Dataset(
+        values, {name: (name, v, _about(unit, text)) for name, (v, unit, text) in axes.items()}
+    )
+    tables["lateral_extra_torque"] = tables["lateral_torque"] - tables["lateral_closed_torque"]
+    tables["lateral_extra_torque"].attrs = _about("N m", "Torque beyond the closed form")
+    return tables.isel(lateral_force_share=~tables["lateral_lifted"].all(over[1:]).values)
 
 
 def _lateral_summary(tables: xr.Dataset) -> dict[str, Any]:
     """Ranges of the loads, the torques and the factors."""
     numbers: dict[str, Any] = {"lateral_points": int(tables["lateral_torque"].size)}
-    for name, unit in (
-        ("force", "N"),
-        ("moment", "N_m"),
-        ("extra_torque", "N_m"),
-        ("pressure_torque", "N_m"),
-        ("leakage_factor", ""),
+    for name, scale, label in (
+        ("force_share", 1.0, "force_share"),
+        ("moment_share", 1.0, "moment_share"),
+        ("pressure_difference", 1e-5, "pressure_difference_bar"),
+        ("shaft_speed", 30.0 / np.pi, "shaft_speed_rpm"),
+        ("extra_torque", 1.0, "extra_torque_N_m"),
+        ("pressure_torque", 1.0, "pressure_torque_N_m"),
+        ("leakage_factor", 1.0, "leakage_factor"),
+        ("lag", 1e3, "lag_ms"),
+        ("condition_force", 1.0, "condition_force_N"),
     ):
-        values = tables[f"lateral_{name}"].values
-        label = f"lateral_{name}_{unit}" if unit else f"lateral_{name}"
-        numbers[label] = [float(np.nanmin(values)), float(np.nanmax(values))]
-    numbers["lateral_condition_force_N"] = float(tables["lateral_condition_force"])
+        values = scale * tables[f"lateral_{name}"].values
+        numbers[f"lateral_{label}"] = [float(np.nanmin(values)), float(np.nanmax(values))]
     return numbers
 
 
@@ -286,14 +355,14 @@ class ReducedFilm:
     """One kind of film: whether a machine has it, its tables, and their summary."""
 
     has: Callable[[MachineDescription], bool]
-    reduce: Callable[[Setup, Progress | None], xr.Dataset]
+    reduce: Callable[[Setup, Progress | None, Grid], xr.Dataset]
     summary: Callable[[xr.Dataset], dict[str, Any]]
 
 
 REDUCED: Mapping[str, ReducedFilm] = {
     "journal": ReducedFilm(
         has=lambda description: bool(description.journals),
-        reduce=reduce_journals,
+        reduce=lambda setup, progress, _: reduce_journals(setup, progress),
         summary=_journal_summary,
     ),
     "lateral": ReducedFilm(

@@ -11,6 +11,5 @@ torque         torque of the films in the equations of the lumped machine
 heat           films whose viscosity follows the heat that they dissipate
 coupled_run    a coupled operating point over one revolution, as a solution
 reduction      films over axial load and moment, for tables
-table_lookup   lumped runs that read these tables
 =============  ======================================================================
 """

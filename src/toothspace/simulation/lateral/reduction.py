@@ -11,7 +11,9 @@ from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.progress import UNKNOWN, Progress, tell
 from toothspace.core.status import Status
 from toothspace.core.types import Array, BoolArray
-from toothspace.films.lateral.stops import leaning
+from toothspace.films.lateral.motion import Balance
+from toothspace.films.lateral.stack import Stack
+from toothspace.films.lateral.stops import leaning, stop_forces
 from toothspace.model.description import MachineDescription
 from toothspace.model.films import lateral_torque_coefficient
 from toothspace.model.lateral_balance import AxialForce, FloatingBearing, LateralBalance
@@ -38,6 +40,17 @@ _OPENING = (0.005, 0.01, 0.02)
 """Opening forces that are added, over the force of the high-pressure area. [-]"""
 _TILTING = (-0.006, -0.003, 0.0, 0.003, 0.006)
 """Moments that are added, over the force of the high-pressure area times the tip radius. [-]"""
+_COLUMNS = (
+    "torque",
+    "pressure_torque",
+    "asperity_torque",
+    "leakage_factor",
+    "lag",
+    "smallest_gap",
+    "converged",
+    "lifted",
+)
+"""Fields of :class:`LateralReduction` that are solved for."""
 _START_GAP = 5e-6
 """Gap that the search begins with. [m]"""
 
@@ -45,40 +58,52 @@ _START_GAP = 5e-6
 @final
 @dataclass(frozen=True, eq=False)
 class LateralReduction:
-    """Films beside the gears over force and moment on the bearing.
+    """Films beside the faces over force and moment on the bearing at one condition.
+
+    Arrays have one value for each force and moment.
 
     Parameters
     ----------
-    force, moment : ndarray
-        Unbalanced force [N] and moment [N m], see :func:`axial_load`.
     load : tuple of float
         Force [N] and moment [N m] at the condition, where nothing is added.
+    force_unit : float
+        Pressure difference on the high-pressure area, the force of share one. [N]
+    reach : float
+        Tip radius, the arm of moment share one. [m]
+    force_share, moment_share : ndarray
+        Unbalanced force and moment, see :func:`axial_load`, over these. [-]
     closed_torque : float
         Torque of the closed form at the condition. [N m]
-    torque : ndarray, shape (n, m)
+    torque : ndarray
         Torque of all films at the shaft, asperities included. [N m]
-    extra_torque : ndarray, shape (n, m)
-        Torque less that of the closed form. [N m]
-    pressure_torque : ndarray, shape (n, m)
-        Part of the torque that does not depend on viscosity and speed. [N m]
-    leakage_factor : ndarray, shape (n, m)
+    pressure_torque, asperity_torque : ndarray
+        Part of it that viscosity and speed do not change, and the asperities' part of that. [N m]
+    leakage_factor : ndarray
         Leakage over that of the closed form. [-]
-    smallest_gap : ndarray, shape (n, m)
+    lag : ndarray
+        Damping of the films over their stiffness where a force lifts the bearing. [s]
+    smallest_gap : ndarray
         Smallest gap. [m]
-    converged : ndarray of bool, shape (n, m)
+    converged : ndarray of bool
         Whether the bearing is in equilibrium.
+    lifted : ndarray of bool
+        Whether the force lifts the bearing off: all else is that of the largest that does not.
     """
 
-    force: Array
-    moment: Array
     load: tuple[float, float]
+    force_unit: float
+    reach: float
+    force_share: Array
+    moment_share: Array
     closed_torque: float
     torque: Array
-    extra_torque: Array
     pressure_torque: Array
+    asperity_torque: Array
     leakage_factor: Array
+    lag: Array
     smallest_gap: Array
     converged: BoolArray
+    lifted: BoolArray
 
 
 def reduce_lateral(
@@ -86,6 +111,7 @@ def reduce_lateral(
     fluid: FluidLaw,
     run: LumpedRun,
     settings: LateralSettings,
+    shares: tuple[Array, Array] | None = None,
     progress: Progress | None = None,
 ) -> LateralReduction:
     """Solve the films in equilibrium at the pressures of a condition, with added loads.
@@ -96,6 +122,8 @@ def reduce_lateral(
         Machine with a floating bearing.
     run : callable
         Lumped solution of a changed machine at the condition.
+    shares : tuple of ndarray, optional
+        Forces and moments to solve at, as shares [-]; about those of the condition by default.
     progress : callable, optional
         Told how many columns of the table are done.
 
@@ -109,8 +137,11 @@ def reduce_lateral(
     Chambers and films are brought to agreement first, so that the table holds what the coupled
     run finds at the condition. Without friction in the housing, and with a split bearing in one
     piece. Bearings and gears that may not tilt (``motion = "axial"``) do not feel the moment: the
-    table has the one of the condition. Opening forces that lift the bearing off its films for any
-    moment are left out.
+    table has the one of the condition.
+
+    A force step moves the lift q of bearing and gears by :math:`x = K^{-1} l`, K the stiffness of
+    films and stops and l the lever of the lift; the lag is :math:`x^T D x / l^T x` with the
+    films' damping D, for one motion D/K.
     """
     balance = balance_of(description)
     free = replace(description, lateral_balance=_loaded(balance, 0.0, 0.0), lateral_table=None)
@@ -118,45 +149,41 @@ def reduce_lateral(
     point = couple_point(free, fluid, run, PointRequest(settings=settings, start=_START_GAP))
     back = point.problem.loads.back
     load = axial_load(balance, point.problem.node_pressure)
-    scale = balance.floating.high_pressure.area * (back.high - back.low)
-    added = scale * np.concatenate([-np.array(_CLOSING), [0.0], _OPENING])
+    unit = balance.floating.high_pressure.area * (back.high - back.low)
     reach = balance.interfaces[0].face.outer_radius
-    tilts = np.array(_TILTING) if balance.motion == "full" else np.zeros(1)
-    turned = tilts * scale * reach
-    table = np.full((5, added.size, turned.size), np.nan)
-    for j, moment in enumerate(turned):
+    here = np.array([load[0] / unit, load[1] / (unit * reach)])
+    if shares is None:
+        tilts = np.array(_TILTING) if balance.motion == "full" else np.zeros(1)
+        shares = here[0] + np.concatenate([-np.array(_CLOSING), [0.0], _OPENING]), here[1] + tilts
+    added, turned = unit * (shares[0] - here[0]), unit * reach * (shares[1] - here[1])
+    table = np.full((len(_COLUMNS), added.size, turned.size), np.nan)
+    for j, moment in enumerate(turned if balance.motion == "full" else np.zeros(1)):
         tell(progress, j / turned.size, f"moment {j + 1} of {turned.size}")
         table[:, :, j] = _column(point, fluid, added, float(moment))
-    found = (table[3] > 0.0) & (point.status is Status.DONE)
-    kept = found.all(axis=1) | (added <= 0.0)
-    torque = lateral_torque_coefficient(description) * fluid.dynamic_viscosity
-    torque *= point.problem.stack.shaft_speed
     # closed forms leak with the cube of the height
     wide, plain = (
         next(p for p in machine.paths if p.category in LATERAL_PATHS).geometry.values[:, 0].max()
         for machine in (point.description, description)
     )
-    leakage = path_leakage(point.solution) / float(wide / plain) ** 3
+    found = dict(zip(_COLUMNS, table, strict=True))
+    found["leakage_factor"] *= float(wide / plain) ** 3 / path_leakage(point.solution)
+    closed = lateral_torque_coefficient(description) * fluid.dynamic_viscosity
     return LateralReduction(
-        force=load[0] + added[kept],
-        moment=load[1] + turned,
         load=load,
-        closed_torque=torque,
-        torque=table[0][kept],
-        extra_torque=table[0][kept] - torque,
-        pressure_torque=table[4][kept],
-        leakage_factor=table[1][kept] / leakage,
-        smallest_gap=table[2][kept],
-        converged=found[kept],
+        force_unit=unit,
+        reach=reach,
+        force_share=shares[0],
+        moment_share=shares[1],
+        closed_torque=closed * point.problem.stack.shaft_speed,
+        converged=(found.pop("converged") > 0.0) & (point.status is Status.DONE),
+        lifted=found.pop("lifted") > 0.0,
+        **found,
     )
 
 
 def _column(point: CoupledPoint, fluid: FluidLaw, added: Array, moment: float) -> Array:
-    """Numbers over the forces that are added.
-
-    Torque, leakage, smallest gap, whether it is in equilibrium, and torque that pressure causes.
-    """
-    found = np.full((5, added.size), np.nan)
+    """Numbers over the forces that are added, one row for each of the columns."""
+    found = np.full((len(_COLUMNS), added.size), np.nan)
     middle = int(np.argmin(np.abs(added)))
     for way in (range(middle, -1, -1), range(middle + 1, added.size)):
         now = point.equilibrium.balance
@@ -167,11 +194,36 @@ def _column(point: CoupledPoint, fluid: FluidLaw, added: Array, moment: float) -
             rest = problem.settle(problem.continued(now.position))
             numbers = numbers_of(problem, rest.balance)
             held = rest.settled and not leaning(problem.stack, rest.balance.position)
-            torque = numbers.viscous_torque + numbers.asperity_torque
-            still = pressure_torque(rest.balance)
-            found[:, k] = torque, numbers.leakage, numbers.smallest_gap, held, still
+            found[:, k] = (
+                numbers.viscous_torque + numbers.asperity_torque,
+                pressure_torque(rest.balance),
+                numbers.asperity_torque,
+                numbers.leakage,
+                squeeze_lag(problem.stack, rest.balance) if held else np.nan,
+                numbers.smallest_gap,
+                held,
+                0.0,
+            )
+            if k > middle and not held:
+                found[:, k] = found[:, k - 1]
+                found[-1, k] = 1.0
             now = rest.balance if held else now
     return found
+
+
+def squeeze_lag(stack: Stack, balance: Balance) -> float:
+    """Time in which bearing and bodies follow a force on the bearing by squeezing films. [s].
+
+    The first moment of their answer to a step, see :func:`reduce_lateral`.
+    """
+    assert balance.jacobian is not None
+    free = stack.free
+    lever = (stack.opening / stack.arms)[free]
+    scale = np.outer(stack.arms, stack.arms)
+    stiffness = balance.jacobian[0] + stop_forces(stack, balance.position)[1]
+    stiffness, damping = ((m / scale)[np.ix_(free, free)] for m in (stiffness, balance.jacobian[1]))
+    moved = np.linalg.lstsq(stiffness, lever, rcond=None)[0]
+    return float(moved @ damping @ moved / (lever @ moved))
 
 
 def _loaded(balance: LateralBalance, force: float, moment: float) -> LateralBalance:
