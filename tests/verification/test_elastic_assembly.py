@@ -191,7 +191,7 @@ def test_chambers_turn_both_gears_as_their_volumes_change() -> None:
 @pytest.mark.parametrize("mode", ["pump", "motor"])
 def test_contacts_press_on_both_gears_against_each_other(mode: str) -> None:
     """Force along the line of contact, with the arms of the base circles; thrust on the tooth."""
-    changes = {"gear_forces": (250.0, -250.0), "nose_area": 0.0}
+    changes = {"gear_axial_force": (250.0, -250.0), "nose": None}
     assembly = _assembly(mode, **changes)
     bodies = _bodies(_balance(mode, **changes))
     both = [_gear(wheel, mode, **changes) for wheel in (0, 1)]
@@ -486,7 +486,9 @@ def test_loads_of_a_run_balance_on_the_bodies() -> None:
     for gear in ("drive_gear", "driven_gear"):
         assert abs(left[gear][2]) < 0.02 * push
         assert np.hypot(*left[gear][:2]) < 0.06 * shafts
-    # what turns the drive gear comes from the shaft, which is no load of the body
+    # friction, half of it on each gear, and what turns the drive gear are no loads of the bodies;
+    # moments of chambers and contacts are those of their arms on the mesh, within 6 %
     shaft = float(lumped.data["shaft_torque"].mean())
-    assert abs(left["driven_gear"][5]) < 0.05 * shaft
+    friction = 0.5 * float(lumped.data["torque_loss"].mean("shaft_angle").sum())
+    assert abs(left["driven_gear"][5] + friction) < 0.06 * shaft
     assert abs(abs(left["drive_gear"][5]) - shaft) < 0.25 * shaft
