@@ -458,6 +458,16 @@ def test_values_of_numpy_become_json() -> None:
     assert output.plain(value) == {"a": [0, 1], "b": [1, None], "c": None, "d": "x"}
 
 
+def test_lumped_runs_load_no_scipy() -> None:
+    used = "api", "machines.external_gear.describe", "simulation.lumped", "results.file_layout"
+    heavy = {"scipy.linalg", "scipy.sparse", "scipy.spatial", "scipy.special", "matplotlib"}
+    program = (
+        f"import sys, {', '.join(f'toothspace.{name}' for name in used)}\n"
+        f"assert not {heavy!r} & set(sys.modules)\n"
+    )
+    subprocess.run([sys.executable, "-c", program], check=True)
+
+
 def test_help_answers_without_what_is_heavy() -> None:
     heavy = {"numpy", "numba", "scipy", "xarray", "pint", "matplotlib", "shapely"}
     program = (

@@ -221,6 +221,8 @@ def test_ctrl_c_while_compiling_ends_with_the_code_of_an_interrupt(tmp_path: Pat
         env=environment,
         stderr=subprocess.PIPE,
         text=True,
+        # a job in the background of a script ignores Ctrl-C, and would hand that on
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )
     assert process.stderr is not None
     read = ""

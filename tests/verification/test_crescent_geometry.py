@@ -28,7 +28,7 @@ from toothspace.gearing.meshing import (
     facing_throats,
     flow_over_pitch,
 )
-from toothspace.gearing.outlines import space_outline
+from toothspace.gearing.outlines import space_outlines
 from toothspace.gearing.ring_gear import InternalPair, RingGear, pair_from_backlash
 from toothspace.gearing.spaces import area_by_motion, section_areas
 from toothspace.geometry.gear_pair import pair_from_backlash as external_pair
@@ -79,7 +79,7 @@ def test_chambers_and_solids_fill_the_section(mode: str, angle: float) -> None:
     spaces = assembly.spaces_at(*places(assembly, angle))
     areas = np.concatenate([section_areas(s) for s in spaces])
     assert areas.sum() == pytest.approx(fluid, rel=5e-5)
-    drawn = [shapely.Polygon(space_outline(s, k)) for s in spaces for k in range(s.angles.size)]
+    drawn = [shapely.Polygon(outline) for s in spaces for outline in space_outlines(s)]
     assert [one.area for one in drawn] == pytest.approx(areas, abs=3e-8)
     together = shapely.union_all([shapely.make_valid(one) for one in drawn])
     assert together.area == pytest.approx(fluid, rel=1e-4)

@@ -9,7 +9,7 @@ import shapely
 from tests.external_gear_designs import ALL, FOURTEEN, TWELVE, spaces_at
 from tests.reference_formulas.space_areas import section_area_rates
 from toothspace.gearing.meshing import facing_throats
-from toothspace.gearing.outlines import space_outline
+from toothspace.gearing.outlines import space_outlines
 from toothspace.gearing.spaces import (
     Spaces,
     drive_spaces,
@@ -117,10 +117,9 @@ def test_tables_agree_with_shapely_polygons(
         chambers = []
         for spaces in spaces_at(assembly, shaft_angle):
             areas = section_areas(spaces)
-            shapes = [
-                shapely.Polygon(space_outline(spaces, k)).buffer(0.0)
-                for k in range(spaces.angles.size)
-            ]
+            outlined = space_outlines(spaces)
+            assert np.array_equal(space_outlines(spaces, np.array([2]))[0], outlined[2])
+            shapes = [shapely.Polygon(each).buffer(0.0) for each in outlined]
             # chords of the sampled flanks and arcs
             assert shapely.area(shapes) == pytest.approx(areas, rel=1e-3, abs=2e-9)
             chambers += shapes

@@ -11,6 +11,7 @@ output      summaries as text or JSON, messages, progress
 
 from __future__ import annotations
 
+import atexit
 import errno
 import gc
 import os
@@ -27,6 +28,8 @@ EXIT_NUMERICAL_FAILURE = 3
 EXIT_UNEXPECTED = 70
 EXIT_INTERRUPTED = 130
 _OBJECTS_BETWEEN_COLLECTIONS = 100_000
+_STACK_WORDS = 2**16 + 1
+"""Asked for by the first call; rounding up to a power of two leaves as many to all below it."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -44,6 +47,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     # what imports leave behind stays to the end: looking through it again and again is in vain
     gc.set_threshold(_OBJECTS_BETWEEN_COLLECTIONS)
+    # the system takes all memory back at the end: Python need not search it for cycles before
+    atexit.register(gc.freeze)
     try:
         load_linear_algebra()
         from toothspace.cli.application import application
@@ -72,6 +77,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # without memory libraries fail in words of their own
         return _out_of_memory() if is_short() else _unexpected(error)
     return int(code or EXIT_DONE)
+
+
+# CPython takes its stack in pieces of 16 KiB and gives an empty one back at once: a loop that
+# calls across their border, deep in an import, would ask the system for memory in every round
+main.__code__ = main.__code__.replace(co_stacksize=_STACK_WORDS)
 
 
 def _say_no_more() -> None:

@@ -9,7 +9,7 @@ import shapely
 from numpy.typing import NDArray
 
 from toothspace.core.types import Array
-from toothspace.gearing.outlines import space_outline
+from toothspace.gearing.outlines import space_outlines
 from toothspace.gearing.spaces import Spaces, other_end, own_end
 from toothspace.gearing.tooth import Tooth
 
@@ -103,7 +103,7 @@ def groove_openings(
         return {}
     reach = max(_reach(spaces, groove) for groove in polygons.values())
     near = np.flatnonzero(np.abs(spaces.angles) < reach)
-    shapes = np.array([shapely.Polygon(space_outline(spaces, int(k))) for k in near])
+    shapes = np.array([shapely.Polygon(outline) for outline in space_outlines(spaces, near)])
     # touching flanks may cross by rounding errors
     crossed = ~shapely.is_valid(shapes)
     shapes[crossed] = shapely.buffer(shapes[crossed], 0.0)

@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from toothspace.core.types import Array
+from toothspace.core.types import Array, IntArray
 from toothspace.gearing.mesh_split import Throats
 from toothspace.gearing.meshing import MeshedGears
 from toothspace.gearing.numbering import FULL_TURN, Numbering
@@ -21,15 +21,33 @@ _ARC_STEP = np.deg2rad(1.0)
 @final
 @dataclass(frozen=True)
 class _Side:
-    # one end of a throat on one gear at one angle
-    flank: Flank
-    turn: float
+    # ends of a throat on one gear at several angles: the flank's points, those short of the end
+    flank: Array
+    count: IntArray
     center: Array
-    is_drive: bool
-    inward: float
-    along: float
-    corner: float
-    point: Array
+    tip_radius: float
+    rise: float
+    along: Array
+    corner: Array
+    end: Array
+
+    def short_of_end(self, index: int) -> Array:
+        # from the root middle to the throat's end, or to the corner where it is beyond
+        return self.flank[index, : self.count[index]]
+
+    def above(self, index: int) -> Array:
+        # from the throat's end to the corner
+        return self.flank[index, self.count[index] :]
+
+    def point(self, index: int) -> Array:
+        return self.end[index, None, :]
+
+    def arc(self, start: float, end: float) -> Array:
+        # without its ends, which are corners or throat ends
+        steps = 1 + int(abs(end - start) / _ARC_STEP)
+        places = np.arange(1, steps) * ((end - start) / steps) + start
+        circle = np.array([-np.sin(places), self.rise * np.cos(places)]).T
+        return np.asarray(self.tip_radius * circle + self.center, dtype=float)
 
 
 @final
@@ -57,87 +75,69 @@ class SpaceOutlines:
             )
         )
         both = self.gears.spaces_at(first, second)
-        return [space_outline(own, k) for own in both for k in range(own.angles.size)]
+        return [outline for own in both for outline in space_outlines(own)]
 
 
-def space_outline(spaces: Spaces, index: int) -> Array:
-    """Polygon of a tooth space at one of its angles.
+def space_outlines(spaces: Spaces, indices: IntArray | None = None) -> list[Array]:
+    """Polygons of a tooth space at its angles.
+
+    Parameters
+    ----------
+    indices : ndarray of int or None
+        Numbers of the angles; None for all.
 
     Returns
     -------
-    ndarray, shape (points, 2)
-        Outline, counter-clockwise, machine frame. [m]
+    list of ndarray, shape (points, 2)
+        Outlines, counter-clockwise, machine frame. [m]
     """
-    right = _side(spaces, spaces.right, index, own=True)
-    left = _side(spaces, spaces.left, index, own=True)
-    own = [_flank_points(right)[::-1], _flank_points(left)]
-    if max(spaces.left.weight[index], spaces.right.weight[index]) <= 0.0:
-        return np.vstack([*own, _arc(left, left.corner, right.corner)])
-    mouth = [_arc(left, left.corner, left.along), left.point[None, :]]
-    entry = [right.point[None, :], _arc(right, right.along, right.corner)]
-    return np.vstack([*entry, *own, *mouth, *_intruder(spaces, index)])
+    at = np.arange(spaces.angles.size) if indices is None else indices
+    right, left = (_side(spaces, side, at, own=True) for side in (spaces.right, spaces.left))
+    mate_right, mate_left = (
+        _side(spaces, side, at, own=False) for side in (spaces.right, spaces.left)
+    )
+    in_mesh = np.maximum(spaces.left.weight, spaces.right.weight)[at] > 0.0
+    outlines = []
+    for k, meshed in enumerate(in_mesh):
+        flanks = [right.short_of_end(k)[::-1], left.short_of_end(k)]
+        if not meshed:
+            outlines.append(np.concatenate([*flanks, left.arc(left.corner[k], right.corner[k])]))
+            continue
+        entry = [right.point(k), right.arc(right.along[k], right.corner[k])]
+        mouth = [left.arc(left.corner[k], left.along[k]), left.point(k)]
+        tip = mate_left.arc(mate_left.along[k], mate_right.along[k])
+        intruder = [mate_left.point(k), mate_left.above(k)]
+        back = [mate_right.above(k)[::-1], mate_right.point(k)]
+        outlines.append(np.concatenate([*entry, *flanks, *mouth, *intruder, tip, *back]))
+    return outlines
 
 
-def _intruder(spaces: Spaces, index: int) -> list[Array]:
-    right = _side(spaces, spaces.right, index, own=False)
-    left = _side(spaces, spaces.left, index, own=False)
-    return [
-        left.point[None, :],
-        _above(left),
-        _arc(left, left.along, right.along),
-        _above(right)[::-1],
-        right.point[None, :],
-    ]
-
-
-def _side(spaces: Spaces, throat: Throats, index: int, *, own: bool) -> _Side:
+def _side(spaces: Spaces, throat: Throats, at: IntArray, *, own: bool) -> _Side:
     is_drive = spaces.is_drive == own
     tooth: Tooth = spaces.own if own else spaces.other
     flank = tooth.left if throat is spaces.left else tooth.right
     end = throat.drive if is_drive else throat.driven
-    corner = float(end.corner[index])
+    center, corner = spaces.center if own else spaces.other_center, end.corner[at]
     polar = 0.5 * np.pi + corner if is_drive else -0.5 * np.pi - corner
+    points, knots = _clear_points(flank)
+    beyond = np.searchsorted(knots, flank.knots[-1] - np.maximum(end.inward[at], 0.0), "right")
     return _Side(
-        flank=flank,
-        turn=polar - flank.corner_angle,
-        center=spaces.center if own else spaces.other_center,
-        is_drive=is_drive,
-        inward=float(end.inward[index]),
-        along=float(end.along[index]),
+        flank=turned(points, (polar - flank.corner_angle)[:, None]) + center,
+        count=beyond,
+        center=center,
+        tip_radius=flank.tip_radius,
+        rise=1.0 if is_drive else -1.0,
+        along=end.along[at],
         corner=corner,
-        point=end.point[index],
+        end=end.point[at],
     )
 
 
-def _placed(side: _Side, keep: Array) -> Array:
-    starts = side.flank.coefficients[:, [0, 4]]
-    radius, angle = side.flank.tip_radius, side.flank.corner_angle
-    tip = radius * np.array([[np.cos(angle), np.sin(angle)]])
-    # points between an arc and its chord would cross the chord
+def _clear_points(flank: Flank) -> tuple[Array, Array]:
+    # knots with the tip corner, without those between an arc and its chord: they would cross it
+    starts, radius = flank.coefficients[:, [0, 4]], flank.tip_radius
     inside = np.hypot(*starts.T) < radius * np.cos(0.5 * _ARC_STEP)
     clear = inside if radius > 0.0 else np.hypot(*starts.T) > -radius / np.cos(0.5 * _ARC_STEP)
-    points = np.vstack([starts, tip])[keep & np.append(clear, True)]
-    return turned(points, side.turn) + side.center
-
-
-def _flank_points(side: _Side) -> Array:
-    # from the root middle to the throat's end, or to the corner where it is beyond
-    knots = side.flank.knots
-    return _placed(side, knots <= knots[-1] - max(side.inward, 0.0))
-
-
-def _above(side: _Side) -> Array:
-    # from the throat's end to the corner
-    knots = side.flank.knots
-    if side.inward < 0.0:
-        return np.empty((0, 2))
-    return _placed(side, knots > knots[-1] - side.inward)
-
-
-def _arc(side: _Side, start: float, end: float) -> Array:
-    # without its ends, which are corners or throat ends
-    count = 2 + int(abs(end - start) / _ARC_STEP)
-    places = np.linspace(start, end, count)[1:-1]
-    rise = np.cos(places) if side.is_drive else -np.cos(places)
-    circle = np.column_stack([-np.sin(places), rise])
-    return np.asarray(side.flank.tip_radius * circle + side.center, dtype=float)
+    tip = radius * np.array([[np.cos(flank.corner_angle), np.sin(flank.corner_angle)]])
+    keep = np.append(clear, True)
+    return np.vstack([starts, tip])[keep], flank.knots[keep]

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from toothspace.core.errors import CaseError
 from toothspace.core.registry import machine_type, machine_type_names
-from toothspace.geometry.body_section import SectionRequest
+
+if TYPE_CHECKING:
+    # reading solids loads most of SciPy, which a run does without
+    from toothspace.geometry.body_section import SectionRequest
 
 
 def draft_case(files: Sequence[Path], unit: str, request: SectionRequest, folder: Path) -> str:

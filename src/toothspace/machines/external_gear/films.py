@@ -12,7 +12,7 @@ from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.gearing.gear_face import GearFace, GearSection, tooth_fraction
 from toothspace.gearing.materials import reduced_modulus
 from toothspace.gearing.numbering import Numbering
-from toothspace.gearing.outlines import space_outline
+from toothspace.gearing.outlines import space_outlines
 from toothspace.gearing.spaces import Spaces, drive_spaces, driven_spaces
 from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.external_gear.loads import BODIES, groove_polygons
@@ -209,7 +209,7 @@ class FaceOfGear:
         return node
 
     def _mesh_spaces(self, shaft_angle: float) -> list[tuple[int, Array]]:
-        assembly, found = self.assembly, []
+        assembly, found = self.assembly, list[tuple[int, Array]]()
         for gear in (0, 1):
             phases, nodes = self.numbering.space_phases[gear], self.numbering.nodes[gear]
             turn = assembly.mesh.turn if gear == 1 else 0.0
@@ -218,7 +218,7 @@ class FaceOfGear:
             near = np.flatnonzero(np.abs(place) < self._reach(gear))
             make = drive_spaces if gear == 0 else driven_spaces
             spaces: Spaces = make(*assembly.teeth, assembly.mesh, place[near])
-            found += [(int(nodes[k]), space_outline(spaces, i)) for i, k in enumerate(near)]
+            found += zip(nodes[near].tolist(), space_outlines(spaces), strict=True)
         return found
 
     def _reach(self, gear: int) -> float:
