@@ -86,19 +86,33 @@ def compare(one: Solution, other: Solution, factor: float, tolerance: float) -> 
         assert float(np.abs(error).max()) <= allowed, (name, error.values, allowed)
 
 
-def test_a_machine_of_twice_the_size_runs_alike() -> None:
+SHORT: dict[str, Any] = {"until": None, "revolutions": 1, "samples_per_revolution": 180}
+TOLERANCES = {"egm12_pump": 2e-4, "gerotor_trochoidal": 2e-4, "crescent_pump": 1e-3}
+"""Largest differences of means are 5e-5 (1.3e-4 before the integration is tightened), 3.3e-5 and
+5.6e-4; the last, in mesh friction of the crescent, is there at any tolerance."""
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "egm12_pump",
+        pytest.param("gerotor_trochoidal", marks=pytest.mark.slow),
+        pytest.param("crescent_pump", marks=pytest.mark.slow),
+    ],
+)
+def test_a_machine_of_twice_the_size_runs_alike(name: str) -> None:
     """One revolution is enough to find a length that is written into the code."""
-    short: dict[str, Any] = {"until": None, "revolutions": 1, "samples_per_revolution": 180}
-    one, two = (api.simulate(sized("egm12_pump", factor, **short)) for factor in (1.0, 2.0))
-    compare(one, two, 2.0, 0.02)
+    one, two = (api.simulate(sized(name, factor, **SHORT)) for factor in (1.0, 2.0))
+    compare(one, two, 2.0, TOLERANCES[name])
 
 
 @pytest.mark.slow
-def test_similar_machines_have_similar_cycles() -> None:
-    one, other = (api.simulate(sized("egm12_pump", factor)) for factor in (1.0, 2.0))
-    compare(one, other, 2.0, 0.02)
+@pytest.mark.parametrize("name", ["egm12_pump", "crescent_pump"])
+def test_similar_machines_have_similar_cycles(name: str) -> None:
+    one, other = (api.simulate(sized(name, factor)) for factor in (1.0, 2.0))
+    compare(one, other, 2.0, TOLERANCES[name])
     for key in ("volumetric_efficiency", "overall_efficiency"):
-        assert other.summary()[key] == pytest.approx(one.summary()[key], rel=1e-3), key
+        assert other.summary()[key] == pytest.approx(one.summary()[key], rel=1e-4), key
 
 
 @cache

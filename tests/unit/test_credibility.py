@@ -55,6 +55,20 @@ def test_an_efficiency_above_one_or_below_nought_is_told(
     assert part in warnings(replace(solution, ledger=ledger))
 
 
+@pytest.mark.parametrize(
+    ("sign", "reason"), [(-1.0, "moving walls drag"), (1.0, "Look at the timing of the ports")]
+)
+def test_a_small_surplus_names_its_cause(sign: float, reason: str) -> None:
+    """Thick oil at low pressure: walls carry more through the gaps than leaks back."""
+    solution = fake_solution()
+    factor = float(solution.summary()["volumetric_efficiency"]) / 1.002
+    mass = {**solution.ledger.mass, "inlet": factor * solution.ledger.mass["inlet"]}
+    data = solution.data.assign(leakage=sign * solution.data["leakage"])
+    found = warnings(replace(solution, data=data, ledger=replace(solution.ledger, mass=mass)))
+    assert "is 1.0020, above 1" in found
+    assert reason in found
+
+
 def test_a_run_that_was_cut_off_is_not_blamed_on_its_tolerance() -> None:
     whole = fake_solution()
     accounts = {**whole.ledger.energy, "shaft": 1.1 * whole.ledger.energy["shaft"]}

@@ -27,7 +27,9 @@ from toothspace.numerics.periodic_table import monotone_table
 
 _STEEL_MODULUS = 206e9
 _MEASURED_OVER_THEORY = 0.8
-_HERTZ_SHARE_DEPTH = 5e-6
+_HERTZ_SHARE_DEPTH = 2.21e-3
+"""Depth whose flattening ISO 6336 counts to a pair, over half a tooth: 5 um at module 2.75. [-]"""
+
 _RADIUS_OVER_PITCH = 0.34
 
 
@@ -112,7 +114,8 @@ def tooth_stiffness(gears: MeshedGears, flanks: FlankPair) -> float:
     ISO 6336-1 gives the largest stiffness of one pair, flattening included, as
     :math:`c' = 0.8 E / (E_{steel}\, q')` with the minimum flexibility q' of a polynomial in
     reciprocal tooth counts and profile shifts; a ring gear counts with an infinite tooth number.
-    The flattening of the law of the contact, :math:`1/k_H` as its secant at 5 um, is taken off:
+    The flattening of the law of the contact, :math:`1/k_H` as its secant at 5 um of a module
+    of 2.75 mm and in proportion, is taken off:
     :math:`1/\kappa = 1/c' - 1/k_H`.
 
     References
@@ -124,10 +127,11 @@ def tooth_stiffness(gears: MeshedGears, flanks: FlankPair) -> float:
     moduli = [material.elastic_modulus for material in flanks.materials]
     total *= 2.0 * moduli[0] * moduli[1] / (moduli[0] + moduli[1]) / _STEEL_MODULUS
     radius = _RADIUS_OVER_PITCH * gears.mesh.pitch_radii[0]
-    scale = hertz_scale(radius, radius / gears.mesh.ratio, _half_tooth(gears))
+    half = _half_tooth(gears)
+    depth, scale = _HERTZ_SHARE_DEPTH * half, hertz_scale(radius, radius / gears.mesh.ratio, half)
     contact_modulus = 0.5 * reduced_modulus(*flanks.materials)
-    load, _, _, _ = logarithmic_law(_HERTZ_SHARE_DEPTH, float(np.log(scale)), contact_modulus)
-    return float(1.0 / (1.0 / total - _HERTZ_SHARE_DEPTH / load))
+    load, _, _, _ = logarithmic_law(depth, float(np.log(scale)), contact_modulus)
+    return float(1.0 / (1.0 / total - depth / load))
 
 
 def minimum_flexibility(counts: tuple[int, int], profile_shifts: tuple[float, float]) -> float:

@@ -30,9 +30,12 @@ _PHASE_SAMPLES = 181
 _LEAST_RATIO = 1.02
 _SAMPLES = 1441
 _NO_THROAT = 1.0
-_RADIUS_RANGE = 5e-5, 5e-2
+_RADIUS_RANGE = 2.9e-3, 1.46
+"""Relative radii of curvature that count, over the pitch radius of the drive gear. [-]"""
+
 _GROWN_THROAT = 0.05
-_LEAST_RADIUS = 1e-4
+_LEAST_RADIUS = 5.8e-3
+"""Radius of an edge in contact, over the pitch radius of the drive gear. [-]"""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -356,9 +359,9 @@ def throat_width(gears: MeshedGears, side: Throats) -> Array:
     return np.asarray(gears.face_width * grown * grown * (3.0 - 2.0 * grown), dtype=float)
 
 
-def relative_radius(side: Throats, tip_rounding: float) -> Array:
+def relative_radius(mesh: Mesh, side: Throats, tip_rounding: float) -> Array:
     """Relative radius of curvature of a throat; a sharp corner counts with its edge. [m]."""
-    low, high = _RADIUS_RANGE
+    low, high = (part * mesh.pitch_radii[0] for part in _RADIUS_RANGE)
     edge = max(tip_rounding, low)
     curvature = side.drive.curvature + side.driven.curvature
     curvature = np.where(side.at_corner, np.maximum(curvature, 1.0 / edge), curvature)
@@ -430,14 +433,15 @@ def flank_radii(gears: MeshedGears, side: Throats) -> tuple[Array, Array]:
     """Radii of curvature of touching flanks. [m].
 
     On involutes they are the distances of the contact from both centres along the normal, negative
-    on the concave flanks of a ring gear; at a tip corner the edge counts with its rounding.
+    on the concave flanks of a ring gear; at a tip corner the edge counts as rounded.
     """
     drive, driven = (np.abs(part) for part in _along_normal(gears, side))
-    sharp = 1.0 / _LEAST_RADIUS
-    drive = np.where(side.drive.curvature > 0.2 * sharp, _LEAST_RADIUS, drive)
-    drive, driven = np.maximum(drive, _LEAST_RADIUS), np.maximum(driven, _LEAST_RADIUS)
+    edge = _LEAST_RADIUS * gears.mesh.pitch_radii[0]
+    sharp = 0.2 / edge
+    drive = np.where(side.drive.curvature > sharp, edge, drive)
+    drive, driven = np.maximum(drive, edge), np.maximum(driven, edge)
     driven = np.copysign(driven, gears.mesh.ratio)
-    return drive, np.where(side.driven.curvature > 0.2 * sharp, _LEAST_RADIUS, driven)
+    return drive, np.where(side.driven.curvature > sharp, edge, driven)
 
 
 def slip_by_motion(gears: MeshedGears, side: Throats) -> Array:

@@ -38,6 +38,9 @@ FLANK = PathCategory("flank", "flanks", "#56B4E9", "mesh")
 FACES = 2
 """Faces of a gear."""
 
+_PEAKS = 2.0
+"""Height of the peaks of a rough flank over their root mean square. [-]"""
+
 _PORTS = {"inlet": INLET_PORT, "outlet": OUTLET_PORT}
 _GROOVES = {"inlet": INLET_GROOVE, "outlet": OUTLET_GROOVE}
 
@@ -49,7 +52,11 @@ def smooth_step(t: Array) -> Array:
 
 
 def flank_paths(
-    gears: MeshedGears, numbering: Numbering, spaces: Spaces, tip_rounding: float
+    gears: MeshedGears,
+    numbering: Numbering,
+    spaces: Spaces,
+    tip_rounding: float,
+    roughness: tuple[float, float],
 ) -> tuple[FlowPath, FlowPath]:
     """Throats of the drive spaces: ahead to the last driven space, behind to the next one.
 
@@ -59,11 +66,13 @@ def flank_paths(
         Tooth spaces of the drive gear.
     tip_rounding : float
         Radius of an edge between flank and tip. [m]
+    roughness : tuple of float
+        Root mean square roughness of both flanks, whose peaks part them where they touch. [m]
     """
 
     def path(name: str, side: Throats, *, leading: bool) -> FlowPath:
         met = np.mod(numbering.met_spaces - (1 if leading else 0), gears.counts[1])
-        radius = relative_radius(side, tip_rounding)
+        radius = relative_radius(gears.mesh, side, tip_rounding)
         geometry = np.column_stack([side.gap, throat_width(gears, side), radius])
         return FlowPath(
             name=name,
@@ -77,6 +86,7 @@ def flank_paths(
             height_by_motion=monotone_table(FULL_TURN, gap_by_motion(gears, side)),
             drag_speed=monotone_table(FULL_TURN, throat_drag(gears, side, leading=leading)),
             partner_shift=numbering.partner_shift,
+            minimum_height=_PEAKS * sum(roughness),
         )
 
     return (

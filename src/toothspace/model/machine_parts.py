@@ -142,7 +142,7 @@ class FlowPath:
     multiplicity: float = 1.0
     partner_shift: int = 0
     worn_by: str | None = None
-    minimum_height: float = 1e-6
+    minimum_height: float = 0.0
     viscosity_ratio: float = 1.0
     own: tuple[PeriodicTable, ...] = ()
 

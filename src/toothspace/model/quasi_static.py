@@ -13,7 +13,9 @@ from toothspace.core.types import Array
 from toothspace.model.description import FlowPath, MachineDescription
 from toothspace.model.operating_point import OperatingCondition
 
-_OPEN_AREA_CONDUCTANCE = 1e-7
+_OPEN_LENGTH = 1.083e-5
+"""Conductance of an opening over its area and the cube root of the displacement. [-]"""
+
 _GAP_LAWS = {
     "curved_gap": curved_gap_conductance,
     "fitted_gap": fitted_gap_conductance,
@@ -33,8 +35,9 @@ def quasi_static_pressures(
     """
     nodes = description.chamber_count + 3
     matrix = np.zeros((nodes, nodes))
+    open_length = _OPEN_LENGTH * float(np.cbrt(description.displacement))
     for path in description.paths:
-        _add_path(matrix, path, shaft_angle)
+        _add_path(matrix, path, shaft_angle, open_length)
     chambers = description.chamber_count
     ports = condition.port_pressures(description.drain)
     diagonal = np.diag(matrix[:chambers].sum(axis=1) + 1e-30)
@@ -78,16 +81,16 @@ def mean_force(description: MachineDescription, condition: OperatingCondition) -
     return total / _ANGLES
 
 
-def _add_path(matrix: Array, path: FlowPath, shaft_angle: float) -> None:
+def _add_path(matrix: Array, path: FlowPath, shaft_angle: float, open_length: float) -> None:
     geometry = path.geometry(path.phases + path.angle_ratio * shaft_angle)
-    conductance = path.multiplicity * _conductance(path, geometry)
+    conductance = path.multiplicity * _conductance(path, geometry, open_length)
     np.add.at(matrix, (path.nodes_a, path.nodes_b), conductance)
     np.add.at(matrix, (path.nodes_b, path.nodes_a), conductance)
 
 
-def _conductance(path: FlowPath, geometry: Array) -> Array:
+def _conductance(path: FlowPath, geometry: Array, open_length: float) -> Array:
     if path.kind == "orifice":
-        return _OPEN_AREA_CONDUCTANCE * np.maximum(geometry[:, 0], 0.0)
+        return open_length * np.maximum(geometry[:, 0], 0.0)
     height = np.maximum(geometry[:, 0], path.minimum_height)
     width = np.maximum(geometry[:, 1], 0.0)
     law = _GAP_LAWS[path.kind]

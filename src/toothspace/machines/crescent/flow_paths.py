@@ -35,7 +35,9 @@ def flow_paths(
         Flanks, then per gear tips at the filler, ports, recesses, grooves, lateral, drain gaps.
     """
     spec, grooves = assembly.spec, assembly.grooves
-    paths = list(flank_paths(assembly, numbering, spaces[0], spec.pinion.tip_rounding))
+    roughness = spec.pinion.roughness, spec.ring.roughness
+    rounding = spec.pinion.tip_rounding
+    paths = list(flank_paths(assembly, numbering, spaces[0], rounding, roughness))
     for gear, own in enumerate(tooth_spaces(assembly, numbering, spaces)):
         edges, gap = filler_edges(assembly, gear), spec.lateral.side_gap
         paths.append(_tip_path(assembly, own))

@@ -34,8 +34,10 @@ def flow_paths(
         Flanks, then per gear tips, ports, grooves, lateral and drain gaps.
     """
     spec = assembly.spec
-    rounding = min(spec.drive.tip_rounding, spec.driven.tip_rounding)
-    paths = list(flank_paths(assembly, numbering, spaces[0], rounding))
+    gears = spec.drive, spec.driven
+    rounding = min(gear.tip_rounding for gear in gears)
+    peaks = gears[0].roughness, gears[1].roughness
+    paths = list(flank_paths(assembly, numbering, spaces[0], rounding, peaks))
     for gear, own in enumerate(tooth_spaces(assembly, numbering, spaces)):
         profile, casing = assembly.profiles[gear], bore(assembly, gear)
         turn = assembly.mesh.turn if gear == 1 else 0.0

@@ -186,7 +186,7 @@ def _throat(assembly: Assembly, side: Throats) -> Way:
     gap = np.where(side.weight > 0.0, np.maximum(side.gap, 0.0), 0.0)
     width = assembly.face_width
     rounding = min(assembly.spec.drive.tip_rounding, assembly.spec.driven.tip_rounding)
-    radius = relative_radius(side, rounding)
+    radius = relative_radius(assembly.mesh, side, rounding)
     return Way(width * gap, curved_gap_conductance(gap, width, radius, VISCOSITY))
 
 

@@ -19,8 +19,8 @@ from toothspace.machines.gerotor.profiles import Rotors
 _OUTER_SAMPLES = 260
 _BISECTIONS = 26
 _LOST_NODES = 3
-_FARTHEST = 0.6e-3
-_SEARCHED = 0.8e-3
+_FARTHEST, _SEARCHED = 0.24, 0.32
+"""Step of a closest place, and gap that is looked at, over the eccentricity. [-]"""
 
 
 @final
@@ -105,7 +105,8 @@ def closest_places(rotors: Rotors, nodes: int, reach: float) -> ClosestPoints:
     angle = np.asarray(np.arange(nodes) * (rotors.pitch / nodes), dtype=float)
     grid_angle, place = np.broadcast_arrays(angle[:, None], step * np.arange(count))
     gap = np.full(place.shape, np.inf)
-    near = rotors.inner_curve.within(seen_from_inner(rotors, grid_angle, place), _SEARCHED)
+    searched = _SEARCHED * rotors.eccentricity
+    near = rotors.inner_curve.within(seen_from_inner(rotors, grid_angle, place), searched)
     _, gap[near] = distance_to_inner(rotors, grid_angle[near], place[near])
     least = (gap <= np.roll(gap, 1, axis=1)) & (gap < np.roll(gap, -1, axis=1)) & (gap < reach)
     node, column = np.nonzero(least)
@@ -189,7 +190,8 @@ def _advance(
     places = np.column_stack([closest.outer[rows], closest.inner[rows]])
     old = list(tracks.values())
     following: dict[int, _Track] = {}
-    pairs = _nearest_pairs([track.ahead() for track in old], places, lengths)
+    reach = _FARTHEST * rotors.eccentricity
+    pairs = _nearest_pairs([track.ahead() for track in old], places, lengths, reach)
     for k, track in enumerate(old):
         if k in pairs:
             j = pairs[k]
@@ -207,8 +209,10 @@ def _advance(
     return following
 
 
-def _nearest_pairs(expected: list[Array], places: Array, lengths: Array) -> dict[int, int]:
-    """Pairs in the order of their distance, each side used once, none beyond 0.6 mm."""
+def _nearest_pairs(
+    expected: list[Array], places: Array, lengths: Array, reach: float
+) -> dict[int, int]:
+    """Pairs in the order of their distance, each side used once, none beyond ``reach``."""
     if not expected or not places.size:
         return {}
     difference = np.array(expected)[:, None, :] - places[None, :, :]
@@ -217,7 +221,7 @@ def _nearest_pairs(expected: list[Array], places: Array, lengths: Array) -> dict
     pairs: dict[int, int] = {}
     for flat in np.argsort(far, axis=None):
         k, j = divmod(int(flat), places.shape[0])
-        if far[k, j] > _FARTHEST:
+        if far[k, j] > reach:
             break
         if k not in pairs and j not in pairs.values():
             pairs[k] = j

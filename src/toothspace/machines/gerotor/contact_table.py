@@ -31,13 +31,11 @@ from toothspace.machines.gerotor.contact_search import (
 from toothspace.machines.gerotor.profiles import Rotors
 
 NODES_PER_PITCH = 120
-FOLLOWED = 0.3e-3
-"""Gap up to which a closest place is followed. [m]"""
+_FOLLOWED = 0.12
+"""Gap up to which a closest place is followed, over the eccentricity. [-]"""
 
-APART = 1e-3
-_LEAST_RADIUS = 1e-4
-_LARGEST_RADIUS = 10.0
-_FADED = 1e-4
+_APART, _FADED = 0.4, 0.04
+_RADIUS_RANGE = 0.04, 4000.0
 _FADING_NODES = 8
 _SPEED_NODES = 2
 _MOST_KINDS = 12
@@ -136,7 +134,7 @@ def lobe_contacts(rotors: Rotors, nodes: int = NODES_PER_PITCH) -> tuple[LobeCon
     GeometryError
         If the outlines are so rough that every bump makes a contact of its own.
     """
-    closest = closest_places(rotors, nodes, FOLLOWED)
+    closest = closest_places(rotors, nodes, _FOLLOWED * rotors.eccentricity)
     found = branches(closest, linked(rotors, closest, nodes), nodes)
     lasting = [branch for branch in found if branch.rows.size > 2 * _SPEED_NODES]
     if len(lasting) > _MOST_KINDS:
@@ -155,11 +153,11 @@ def _contact(rotors: Rotors, closest: ClosestPoints, branch: Branch, nodes: int)
     angle = np.asarray((number % nodes) * (rotors.pitch / nodes), dtype=float)
     columns = _filled(_rows(rotors, closest, branch, angle), branch.rows >= 0)
     if not branch.closed:
-        _fade(columns, rotors.pitch / nodes)
+        _fade(columns, rotors.pitch / nodes, rotors.eccentricity)
     columns[:, _ROLLING] = _rolling(rotors, columns, branch.closed, nodes)
     place = number % (copies * nodes)
     whole = np.tile(columns[-1], (copies * nodes, 1))
-    whole[:, _GAP], whole[:, _RATE] = APART, 0.0
+    whole[:, _GAP], whole[:, _RATE] = _APART * rotors.eccentricity, 0.0
     whole[place] = columns
     near = np.zeros(copies * nodes, dtype=bool)
     near[place] = True
@@ -204,13 +202,14 @@ def _rows(rotors: Rotors, closest: ClosestPoints, branch: Branch, angle: Array) 
     rows[:, _RATE] = lever - rotors.turns * drive_lever
     rows[:, _SLIDING] = np.sum((outer_point - rotors.turns * arm) * normal, axis=1)
     # the outer body lies outside its own outline: a lobe that points inward is convex
-    rows[:, _RADII.start] = _radius(rotors.inner_curve.curvature(inner))
-    rows[:, _RADII.start + 1] = _radius(-rotors.outer_curve.curvature(outer))
+    rows[:, _RADII.start] = _radius(rotors.inner_curve.curvature(inner), rotors.eccentricity)
+    rows[:, _RADII.start + 1] = _radius(-rotors.outer_curve.curvature(outer), rotors.eccentricity)
     return rows
 
 
-def _radius(curvature: Array) -> Array:
-    size = np.clip(np.abs(curvature), 1.0 / _LARGEST_RADIUS, 1.0 / _LEAST_RADIUS)
+def _radius(curvature: Array, eccentricity: float) -> Array:
+    low, high = (part * eccentricity for part in _RADIUS_RANGE)
+    size = np.clip(np.abs(curvature), 1.0 / high, 1.0 / low)
     return np.asarray(np.copysign(1.0 / size, curvature), dtype=float)
 
 
@@ -222,23 +221,24 @@ def _filled(rows: Array, known: BoolArray) -> Array:
     return rows
 
 
-def _fade(rows: Array, step: float) -> None:
+def _fade(rows: Array, step: float, eccentricity: float) -> None:
     """Open the gap of a contact before it merges with another one.
 
     Where two closest places become one, one ends at a gap that may carry load; its load has
     to pass to the other without a jump.
     """
     count = min(_FADING_NODES, rows.shape[0] // 2)
-    extra, slope = fading(np.arange(1, count + 1), step)
-    if rows[-1, _GAP] < FOLLOWED - _FADED:
+    extra, slope, _ = fading(np.arange(1, count + 1), step, eccentricity)
+    loaded = (_FOLLOWED - _FADED) * eccentricity
+    if rows[-1, _GAP] < loaded:
         rows[-count:, _GAP] += extra
         rows[-count:, _RATE] += slope
-    if rows[0, _GAP] < FOLLOWED - _FADED:
+    if rows[0, _GAP] < loaded:
         rows[:count, _GAP] += extra[::-1]
         rows[:count, _RATE] -= slope[::-1]
 
 
-def fading(beyond: IntArray, step: float) -> tuple[Array, Array]:
+def fading(beyond: IntArray, step: float, eccentricity: float) -> tuple[Array, Array, float]:
     """Widening of a gap over the nodes in which a contact fades out.
 
     Parameters
@@ -247,15 +247,20 @@ def fading(beyond: IntArray, step: float) -> tuple[Array, Array]:
         Nodes beyond the end of the contact's full life; up to zero it is whole.
     step : float
         Angle between nodes. [rad]
+    eccentricity : float
+        Distance of the axes, which gives the scale. [m]
 
     Returns
     -------
     extra, slope : ndarray
-        Widening, :data:`APART` once it is over, and its growth. [m], [m/rad]
+        Widening and its growth. [m], [m/rad]
+    apart : float
+        Gap of a contact that is none, and the widening once it is over. [m]
     """
-    part = np.maximum(beyond, 0) / _FADING_NODES
-    extra = np.where(part > 1.0, APART, _FADED * part**2)
-    return extra, 2.0 * _FADED * part / (_FADING_NODES * step)
+    part, apart = np.maximum(beyond, 0) / _FADING_NODES, _APART * eccentricity
+    faded = _FADED * eccentricity
+    extra = np.where(part > 1.0, apart, faded * part**2)
+    return extra, 2.0 * faded * part / (_FADING_NODES * step), apart
 
 
 def _rolling(rotors: Rotors, rows: Array, closed: bool, nodes: int) -> Array:
@@ -270,7 +275,10 @@ def _rolling(rotors: Rotors, rows: Array, closed: bool, nodes: int) -> Array:
     along = -moved[:, 0] * normal[:, 1] + moved[:, 1] * normal[:, 0]
     arm = rows[:, _INNER] + [0.0, rotors.eccentricity]
     speeds = np.sum((rows[:, _OUTER] + rotors.turns * arm) * normal, axis=1)
-    return np.asarray(np.maximum(np.abs(speeds - 2.0 * along), _LEAST_RADIUS), dtype=float)
+    return np.asarray(
+        np.maximum(np.abs(speeds - 2.0 * along), _RADIUS_RANGE[0] * rotors.eccentricity),
+        dtype=float,
+    )
 
 
 def export_contacts(path: Path, contacts: tuple[LobeContact, ...]) -> None:

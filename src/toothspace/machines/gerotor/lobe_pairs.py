@@ -11,7 +11,7 @@ from scipy.ndimage import minimum_filter1d
 from toothspace.core.types import Array
 from toothspace.gearing.materials import library_material, reduced_modulus
 from toothspace.machines.gerotor.bodies import BODIES, motions
-from toothspace.machines.gerotor.contact_table import APART, LobeContact, fading, lobe_contacts
+from toothspace.machines.gerotor.contact_table import LobeContact, fading, lobe_contacts
 from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.profiles import Rotors
 from toothspace.model.contact_pair import ContactPair
@@ -42,7 +42,8 @@ def rotor_contacts(parameters: GerotorParameters, rotors: Rotors) -> tuple[Conta
     """
     contacts = lobe_contacts(rotors)
     if parameters.contact.theory == "single":
-        contacts = (single_contact(contacts[0], 1.0 if parameters.mode == "pump" else -1.0),)
+        sign = 1.0 if parameters.mode == "pump" else -1.0
+        contacts = (single_contact(contacts[0], sign, rotors.eccentricity),)
     return tuple(_pair(parameters, rotors, f"lobe_{k}", c) for k, c in enumerate(contacts))
 
 
@@ -134,7 +135,7 @@ def _moment(arm: Array, normal: Array, *, along: bool) -> Array:
     return np.asarray(arm[:, 0] * normal[:, 1] - arm[:, 1] * normal[:, 0], dtype=float)
 
 
-def single_contact(contact: LobeContact, sign: float) -> LobeContact:
+def single_contact(contact: LobeContact, sign: float, eccentricity: float) -> LobeContact:
     """Contact of single-contact theory: one pair carries, over one pitch, where its arm is best.
 
     Parameters
@@ -143,6 +144,8 @@ def single_contact(contact: LobeContact, sign: float) -> LobeContact:
         The kind of contact that lives longest.
     sign : float
         1 where the inner rotor drives the outer one (pump), -1 where it is driven (motor).
+    eccentricity : float
+        Distance of the axes. [m]
 
     Returns
     -------
@@ -155,11 +158,12 @@ def single_contact(contact: LobeContact, sign: float) -> LobeContact:
     number = np.arange(contact.gap.size) - middle
     half = contact.gap.size // 2
     distance = np.mod(number + half, contact.gap.size) - half
-    extra, slope = fading(np.abs(distance) - nodes // 2, contact.pitch / nodes)
-    apart = extra >= APART
+    beyond = np.abs(distance) - nodes // 2
+    extra, slope, wide = fading(beyond, contact.pitch / nodes, eccentricity)
+    apart = extra >= wide
     return replace(
         contact,
         near=contact.near & ~apart,
-        gap=np.where(apart, APART, contact.gap + extra),
+        gap=np.where(apart, wide, contact.gap + extra),
         gap_rate=np.where(apart, 0.0, contact.gap_rate + slope * np.sign(distance)),
     )
