@@ -61,6 +61,7 @@ CAPABILITIES: dict[str, tuple[str, ...]] = {
         "gearing/design_values.py", "geometry/*_designs.py", "machines/external_gear/designs.py",
         "studies/design_scan.py",
     ),
+    "lateral films looked up at every instant": ("model/lateral_lookup.py",),
     "internal gears with crescent": ("machines/crescent/*", "gearing/ring_*"),
 }  # fmt: skip
 """What was added since, as patterns of its files below the package; the first that fits counts."""
