@@ -43,7 +43,7 @@ test: kernels  ## run the test suite (without the slow validation runs)
 
 PARTS := 13
 PART ?= $(shell echo $$(( ($$(git rev-list --count HEAD 2>/dev/null || echo 0) + $$(date +%s) / 86400) % $(PARTS) )))
-MINUTES ?= 40
+MINUTES ?= 30
 
 sample: $(READY)  ## run a thirteenth of the slow tests, another one for every commit and day
 	@echo "make sample PART=$(PART)"
