@@ -14,7 +14,7 @@ BALANCE_LIMITS = {"mass_balance_error": 1e-6, "energy_balance_error": 1e-4}
 """Balance errors above which a result is not to be trusted. [-]"""
 
 VOLUMETRIC_LIMIT = 1.001
-"""Volumetric efficiency above which a reader is told why it is above 1. [-]"""
+"""Volumetric efficiency above which a warning says why it is above 1. [-]"""
 
 _BAR = 1e5
 _COMPARED = (

@@ -24,7 +24,7 @@ from toothspace.films.reynolds.equation import (
     FilmGrid,
     FluidField,
     GapField,
-    empty_balance,
+    balance_on_grid,
     vary_storage,
 )
 from toothspace.films.reynolds.rough_surfaces import (
@@ -225,7 +225,7 @@ def linearised_balance(
         Average flow between the walls.
     """
     x, y = gap.rigid.face_x.shape, gap.rigid.face_y.shape
-    balance = empty_balance(grid, cavitation_pressure)
+    balance = balance_on_grid(grid, cavitation_pressure)
     out = Linearised(balance, GapSlopes(*map(np.empty, (x, x, x, y, y))))
     cells = _Cells(*(np.empty(gap.opening.shape) for _ in range(4)))
     _fill_cells(grid.mark, gap, law, np.array_equal(law.table.along, law.table.across), cells)

@@ -238,7 +238,7 @@ def ring_grid(rows: int, shape_x: Array, shape_y: Array, sweep_x: Array, area: A
     )
 
 
-def empty_balance(grid: FilmGrid, cavitation_pressure: float) -> CellBalance:
+def balance_on_grid(grid: FilmGrid, cavitation_pressure: float) -> CellBalance:
     """Balance of a grid with its given potentials, whose coefficients are still to be filled in.
 
     Potentials are pressures above the cavitation pressure [Pa], and not below zero.
@@ -277,7 +277,7 @@ def film_balance(
     Potentials are pressures above the cavitation pressure, given ones not below it: a groove or
     edge of lower pressure holds a cavity. [Pa, m3/s]
     """
-    b = empty_balance(grid, cavitation_pressure)
+    b = balance_on_grid(grid, cavitation_pressure)
     _fill_x(grid, gap, fluid, law, b, False)
     _fill_y(grid, gap, fluid, law, b, False)
     _fill_cells(grid, gap, fluid, law, b)

@@ -76,16 +76,7 @@ def draft_case(
 ) -> CaseDraft | None:
     """Case file of a pump with the gears of CAD files.
 
-    Parameters
-    ----------
-    files : sequence of Path
-        Files in one frame.
-    unit : str
-        Length unit of the files that have none of their own.
-    request : SectionRequest
-        Axis and plane of the gears, None to find them.
-    folder : Path
-        Where the case file will be.
+    Arguments are those of :func:`toothspace.api.draft_case`.
 
     Returns
     -------

@@ -21,23 +21,13 @@ def evaluate_designs(
     addendum: float | None = None,
     displacement: float | None = None,
 ) -> EvaluatedDesigns:
-    """Kinematics of a machine with other gears.
+    """Kinematics of a machine with other gears, as :func:`toothspace.api.evaluate_designs`.
 
-    Parameters
-    ----------
-    machine : ExternalGearTables
-        Everything that does not vary.
-    varied : mapping of str to ndarray
-        Values below ``machine``, arrays of one shape (n,). [SI unit]
-    addendum : float or None
-        Height of the teeth above the reference line, from which the tip diameters follow;
-        None for those that are given. [module]
-    displacement : float or None
-        Geometric displacement for which the face width is chosen; None for that given. [m3/rad]
+    Key paths of ``varied`` begin below ``machine``.
 
     Raises
     ------
-    CaseError
+    KeyRuleError
         If the teeth come from files, or a key does not act on the kinematics.
     """
     own = machine.driven_gear

@@ -28,14 +28,7 @@ def draft_case(
 ) -> CaseDraft | None:
     """Case file of a gerotor pump with the rotors of CAD files.
 
-    Parameters
-    ----------
-    files : sequence of Path
-        Files in one frame.
-    unit : str
-        Length unit of the files that have none of their own.
-    folder : Path
-        Where the case file will be.
+    Arguments are those of :func:`toothspace.api.draft_case`.
 
     Returns
     -------

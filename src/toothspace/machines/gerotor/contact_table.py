@@ -239,7 +239,7 @@ def _fade(rows: Array, step: float, eccentricity: float) -> None:
 
 
 def fading(beyond: IntArray, step: float, eccentricity: float) -> tuple[Array, Array, float]:
-    """Widening of a gap over the nodes in which a contact fades out.
+    """Distance added to a gap over the nodes in which a contact fades out.
 
     Parameters
     ----------
@@ -253,9 +253,9 @@ def fading(beyond: IntArray, step: float, eccentricity: float) -> tuple[Array, A
     Returns
     -------
     extra, slope : ndarray
-        Widening and its growth. [m], [m/rad]
+        Distance added to the gap, and its growth. [m], [m/rad]
     apart : float
-        Gap of a contact that is none, and the widening once it is over. [m]
+        Gap of a contact that is none, and the distance added once it is over. [m]
     """
     part, apart = np.maximum(beyond, 0) / _FADING_NODES, _APART * eccentricity
     faded = _FADED * eccentricity
