@@ -14,6 +14,7 @@ from toothspace.core.progress import UNKNOWN, Progress, tell
 from toothspace.core.status import Status
 from toothspace.model.description import MachineDescription
 from toothspace.model.operating_point import OperatingCondition
+from toothspace.numerics.roots import next_change
 from toothspace.results.solution import Solution
 from toothspace.simulation.heating import run_with_heat
 from toothspace.simulation.presets import interface_models, interface_text
@@ -28,10 +29,18 @@ _LOAD_ROUNDS = 4
 _LOAD_SETTLED = 1e-2
 _LOAD_MATCH = 2e-3
 _RARELY = 0.01
-_SEAT_ROUNDS, _SEATED = 6, 0.05
+_LONGEST_CHANGE = 4.0
+"""Largest change of the logarithm of the leakage that seats the bearings, in one run. [-]"""
+_SEAT_ROUNDS, _SEATED = 8, 0.05
+"""Most runs, and difference of leakage, until bearings sit where the pressures press them."""
 _BEYOND = (
     "The load on the lateral films is beyond their table in {:.0f} % of the time, and counts as "
     "its edge: make tables over a wider range."
+)
+_UNSEATED = (
+    "Seats and gaps of the bearings do not agree: the lateral films leak {:.2f} times as much as "
+    "the gaps that seat the bearings. Make tables with more pressures and speeds about this point, "
+    "or solve the films with fidelity 'elastic'."
 )
 _WITHOUT_LEAKAGE = 0.5
 _MOST_LEAKAGE = 1.5
@@ -74,6 +83,7 @@ class RunInMachine:
     ) -> Solution:
         """Lumped solution at a condition, of the machine or a changed one."""
         machine = description or self.description
+        tried: list[tuple[float, float]] = []
         for _ in range(_SEAT_ROUNDS):
             history = _march(self.case, machine, self.fluid, condition, progress)
             found = solution_from(history, self.provenance, self.extra, self.case.title)
@@ -81,12 +91,13 @@ class RunInMachine:
             if table is None:
                 return found
             # the bearings take their seats under the pressures that the gaps found leave
-            leaks = float(found.data["lateral_leakage_factor"].mean())
-            if found.status is not Status.DONE or abs(leaks / table.seat_factor - 1.0) < _SEATED:
-                break
-            seat = float(np.sqrt(leaks * table.seat_factor)) if table.seat_factor != 1.0 else leaks
+            more = float(found.data["lateral_leakage_factor"].mean()) / table.seat_factor
+            if found.status is not Status.DONE or abs(more - 1.0) < _SEATED:
+                return within_table(found)
+            tried.append((np.log(table.seat_factor), np.log(more)))
+            seat = table.seat_factor * float(np.exp(next_change(tried, _LONGEST_CHANGE)))
             machine = replace(machine, lateral_table=replace(table, seat_factor=seat))
-        return within_table(found)
+        return within_table(found).with_note(_UNSEATED.format(more))
 
 
 def within_table(solution: Solution) -> Solution:
