@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -42,6 +43,7 @@ from toothspace.simulation import lumped
 from toothspace.simulation.lumped import RunInMachine, run_in_machine, within_table
 from toothspace.simulation.running_in import WornMachine
 from toothspace.simulation.setup import Setup
+from toothspace.solver.accuracy import Assembled
 from toothspace.solver.compiled_model import evaluate_state, observe
 from toothspace.solver.initial import start_state
 
@@ -215,7 +217,7 @@ def test_run_with_the_closed_form_as_a_table_is_that_of_the_closed_form(setup: S
     machine = run_in_machine(replace(setup, case=replace(setup.case, run=coarse)))
     tables = None, one_node(), Films().table()
     runs = [
-        machine.solve(setup.condition, replace(machine.description, lateral_table=table))
+        machine.at(setup.condition)(replace(machine.description, lateral_table=table))
         for table in tables
     ]
     plain, same, films = (run.summary() for run in runs)
@@ -266,17 +268,23 @@ def _seated(
     """Run whose gaps leak by a factor that follows the one of the seats, and the latter's."""
     seats: list[float] = []
 
-    def run(history: LateralTable, *_: object) -> Solution:
-        seats.append(history.seat_factor)
-        values = {"lateral_leakage_factor": leak(history.seat_factor), "lateral_load_beyond": 0.0}
+    def march(_: object, machine: Assembled, *__: object) -> SimpleNamespace:
+        assert machine.description.lateral_table is not None
+        return SimpleNamespace(
+            status=Status.DONE, seat=machine.description.lateral_table.seat_factor
+        )
+
+    def run(history: SimpleNamespace, *_: object) -> Solution:
+        seats.append(history.seat)
+        values = {"lateral_leakage_factor": leak(history.seat), "lateral_load_beyond": 0.0}
         data = xr.Dataset({k: ("sample", np.full(4, v)) for k, v in values.items()})
         return Solution(Status.DONE, data, Ledger(1.0, 1.0, {}, {}))
 
-    monkeypatch.setattr(lumped, "_march", lambda case, machine, *_: machine.lateral_table)
+    monkeypatch.setattr(lumped, "_march", march)
     monkeypatch.setattr(lumped, "solution_from", run)
     machine = replace(setup.description, lateral_table=one_node())
     prepared = RunInMachine(setup.case, WornMachine(machine, {}), machine, setup.fluid, {}, {})
-    return prepared.solve(setup.condition), seats
+    return prepared.at(setup.condition)(), seats
 
 
 @pytest.mark.parametrize("slope", [0.5, -0.3, -5.0])
