@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -21,8 +22,11 @@ from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_load import axial_load, chamber_pressures
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.simulation.film_tables import lateral_sizes, with_film_tables
-from toothspace.simulation.lateral.problem import LateralSettings
-from toothspace.simulation.lateral.reduction import LateralReduction
+from toothspace.simulation.lateral.reduction import (
+    LateralReduction,
+    LoadedCondition,
+    load_shares,
+)
 from toothspace.simulation.setup import condition_of
 from toothspace.studies import reduce
 
@@ -134,17 +138,15 @@ class _Solved:
 
     def __call__(
         self,
+        condition: OperatingCondition,
         description: MachineDescription,
         fluid: FluidLaw,
-        run: Callable[[MachineDescription], OperatingCondition],
-        settings: LateralSettings,
-        shares: tuple[Array, Array] | None,
+        shares: tuple[Array, Array],
         progress: Progress | None,
     ) -> LateralReduction:
         self.shares.append(shares)
-        condition = run(description)
         rise = condition.inlet_pressure - condition.outlet_pressure
-        force = np.array([-0.2, -0.1, 0.0, 0.1, 0.2])
+        force = shares[0]
         told = rise + condition.shaft_speed + force[:, None]
         # the lower pressure lifts the bearing at the last two forces, the higher at the last
         lifted = force[:, None] > (0.15 if rise > 1e7 else 0.05)
@@ -173,6 +175,18 @@ def test_reduction_goes_over_pressures_and_speeds(
         def at(self, condition: OperatingCondition) -> Callable[..., OperatingCondition]:
             return lambda description: condition
 
+    seen: list[OperatingCondition] = []
+
+    def agreed(_: object, __: object, run: Callable[..., OperatingCondition], *___: object) -> Any:
+        seen.append(run(motor[1]))
+        return seen[-1]
+
+    def spanned(conditions: list[OperatingCondition]) -> tuple[Array, Array]:
+        assert conditions == seen
+        return np.array([-0.2, -0.1, 0.0, 0.1, 0.2]), np.zeros(1)
+
+    monkeypatch.setattr(reduce, "loaded_condition", agreed)
+    monkeypatch.setattr(reduce, "load_shares", spanned)
     monkeypatch.setattr(reduce, "reduce_lateral", solved)
     monkeypatch.setattr(reduce, "run_in_machine", lambda *_: Machine())
     setup = api.set_up(motor[0])
@@ -185,9 +199,32 @@ def test_reduction_goes_over_pressures_and_speeds(
     assert one["lateral_torque"].values[:, 0] == pytest.approx(5e6 + 150.0 + force, rel=1e-12)
     assert float(one["lateral_force_unit"]) == pytest.approx(5e6)
     assert float(one["lateral_closed_torque"]) == 150.0
-    # all are solved at the loads of the highest pressure and speed
-    assert solved.shares[0] is None
-    assert all(shares[0] is solved.shares[1][0] for shares in solved.shares[1:])
+    # all are solved at the same loads, which come from all conditions
+    assert len(seen) == 4
+    assert all(shares is solved.shares[0] for shares in solved.shares[1:])
+    seen.clear()
     alone = reduce.reduce_lateral_films(setup)
     assert alone["lateral_torque"].shape == (4, 1, 1, 1)
     assert alone["lateral_pressure_difference"].values == pytest.approx(199e5)
+
+
+def test_loads_of_a_table_span_those_of_all_conditions(
+    motor: tuple[Case, MachineDescription],
+) -> None:
+    point: Any = SimpleNamespace(description=motor[1])
+    conditions = [
+        LoadedCondition(point, (share * unit, 0.0), unit, 0.02)
+        for share, unit in ((-0.13, 2e4), (-0.09, 2e3), (-0.115, 1e4))
+    ]
+    force, moment = load_shares(conditions)
+    assert moment.size == 1
+    assert np.all(np.diff(force) > 0.0)
+    assert force[0] < -0.13 - 0.2
+    assert force[-1] == pytest.approx(-0.09 + 0.02)
+    inside = force[(force > -0.1301) & (force < -0.0899)]
+    assert inside[0] == pytest.approx(-0.13)
+    assert inside[-1] == pytest.approx(-0.09)
+    assert np.diff(inside).max() < 0.0101
+    alone, _ = load_shares(conditions[:1])
+    assert -0.13 in alone
+    assert alone.size == 14

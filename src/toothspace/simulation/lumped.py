@@ -76,13 +76,13 @@ class RunInMachine:
     extra: dict[str, Any]
     provenance: dict[str, str]
 
-    def at(self, condition: OperatingCondition, progress: Progress | None = None) -> SuccessiveRuns:
+    def at(self, condition: OperatingCondition, progress: Progress | None = None) -> RepeatedRun:
         """Lumped runs at a condition, of this machine and of changed ones."""
-        return SuccessiveRuns(self, condition, progress)
+        return RepeatedRun(self, condition, progress)
 
 
 @final
-class SuccessiveRuns:
+class RepeatedRun:
     """Lumped runs of a machine at one condition, each begun where the last one ended.
 
     Parameters

@@ -27,7 +27,13 @@ from toothspace.model.description import LumpedJournalBearing, MachineDescriptio
 from toothspace.model.quasi_static import mean_force
 from toothspace.simulation.elastic import lateral_settings
 from toothspace.simulation.film_tables import JOURNAL_SIZES, KINDS, lateral_sizes
-from toothspace.simulation.lateral.reduction import LateralReduction, reduce_lateral
+from toothspace.simulation.lateral.reduction import (
+    LateralReduction,
+    LoadedCondition,
+    load_shares,
+    loaded_condition,
+    reduce_lateral,
+)
 from toothspace.simulation.lumped import run_in_machine
 from toothspace.simulation.setup import Setup, provenance_of
 
@@ -247,22 +253,25 @@ def reduce_lateral_films(
     inward = balance.high_node == setup.description.inlet_node
     high, low = (at.inlet_pressure, at.outlet_pressure)[:: 1 if inward else -1]
     grid = sorted(grid[0] or (high - low,)), sorted(grid[1] or (at.shaft_speed,))
-    count = len(grid[0]) * len(grid[1])
-    found: list[LateralReduction] = []
-    # loads are tabulated about those of the highest pressure and speed
-    for number, (rise, speed) in enumerate(reversed(list(product(*grid)))):
+    plain, fluid = machine.description, setup.fluid
+    pairs = list(product(*grid))
+    count = len(pairs)
+    conditions: list[LoadedCondition] = []
+    for number, (rise, speed) in enumerate(pairs):
+        tell(
+            progress, 0.5 * number / len(pairs), f"films and chambers, {number + 1} of {len(pairs)}"
+        )
         inlet, outlet = (low + rise, low) if inward else (low, low + rise)
         condition = replace(at, shaft_speed=speed, inlet_pressure=inlet, outlet_pressure=outlet)
-        one = reduce_lateral(
-            machine.description,
-            setup.fluid,
-            machine.at(condition),
-            lateral_settings(case),
-            (found[0].force_share, found[0].moment_share) if found else None,
-            part(progress, f"{number + 1} of {count}", number / count, (number + 1) / count),
-        )
-        found.append(one)
-    return _lateral_tables(setup, grid, found[::-1])
+        runs = machine.at(condition)
+        conditions.append(loaded_condition(plain, fluid, runs, lateral_settings(case)))
+    shares = load_shares(conditions)
+    found: list[LateralReduction] = []
+    for number, loaded in enumerate(conditions):
+        done = (0.5 + 0.5 * (number + k) / count for k in (0, 1))
+        told = part(progress, f"loads, {number + 1} of {count}", *done)
+        found.append(reduce_lateral(loaded, plain, fluid, shares, told))
+    return _lateral_tables(setup, grid, found)
 
 
 def _lateral_tables(setup: Setup, grid: Grid, found: list[LateralReduction]) -> xr.Dataset:

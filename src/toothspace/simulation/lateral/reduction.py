@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
 
 from toothspace.closures.fluid_law import FluidLaw
-from toothspace.core.progress import UNKNOWN, Progress, tell
+from toothspace.core.progress import Progress, tell
 from toothspace.core.status import Status
 from toothspace.core.types import Array, BoolArray
 from toothspace.films.lateral.motion import Balance
@@ -38,8 +39,10 @@ _CLOSING = (0.28, 0.2, 0.14, 0.1, 0.07, 0.045, 0.03, 0.02, 0.01, 0.005)
 """Closing forces that are added, over the force of the high-pressure area. [-]"""
 _OPENING = (0.005, 0.01, 0.02)
 """Opening forces that are added, over the force of the high-pressure area. [-]"""
-_TILTING = (-0.006, -0.003, 0.0, 0.003, 0.006)
-"""Moments that are added, over the force of the high-pressure area times the tip radius. [-]"""
+_TILTING = (0.003, 0.006)
+"""Moments that are added both ways, over that force times the tip radius. [-]"""
+_FORCE_STEP, _MOMENT_STEP = 0.01, 0.003
+"""Longest steps between the loads of different conditions. [-]"""
 _COLUMNS = (
     "torque",
     "pressure_torque",
@@ -106,58 +109,119 @@ class LateralReduction:
     lifted: BoolArray
 
 
-def reduce_lateral(
-    description: MachineDescription,
-    fluid: FluidLaw,
-    run: LumpedRun,
-    settings: LateralSettings,
-    shares: tuple[Array, Array] | None = None,
-    progress: Progress | None = None,
-) -> LateralReduction:
-    """Solve the films in equilibrium at the pressures of a condition, with added loads.
+@final
+@dataclass(frozen=True, eq=False)
+class LoadedCondition:
+    """Chambers and films that agree at a condition, and the load on the bearing.
+
+    Parameters
+    ----------
+    point : CoupledPoint
+        Chambers and films.
+    load : tuple of float
+        Force [N] and moment [N m] on the bearing.
+    force_unit : float
+        Pressure difference on the high-pressure area, the force of share one. [N]
+    reach : float
+        Tip radius, the arm of moment share one. [m]
+    """
+
+    point: CoupledPoint
+    load: tuple[float, float]
+    force_unit: float
+    reach: float
+
+    @property
+    def shares(self) -> tuple[float, float]:
+        """Force and moment over those of share one. [-]."""
+        return self.load[0] / self.force_unit, self.load[1] / (self.force_unit * self.reach)
+
+
+def loaded_condition(
+    description: MachineDescription, fluid: FluidLaw, run: LumpedRun, settings: LateralSettings
+) -> LoadedCondition:
+    """Bring chambers and films to agreement, so that tables hold what the coupled run finds.
 
     Parameters
     ----------
     description : MachineDescription
-        Machine with a floating bearing.
+        Machine with a floating bearing, here without friction in the housing and, if it is split,
+        in one piece.
     run : callable
         Lumped solution of a changed machine at the condition.
-    shares : tuple of ndarray, optional
-        Forces and moments to solve at, as shares [-]; about those of the condition by default.
-    progress : callable, optional
-        Told how many columns of the table are done.
 
     Raises
     ------
     CaseError
         If the machine has no floating bearing.
+    """
+    balance = balance_of(description)
+    free = replace(description, lateral_balance=_loaded(balance, 0.0, 0.0), lateral_table=None)
+    point = couple_point(free, fluid, run, PointRequest(settings=settings, start=_START_GAP))
+    back = point.problem.loads.back
+    return LoadedCondition(
+        point,
+        axial_load(balance, point.problem.node_pressure),
+        balance.floating.high_pressure.area * (back.high - back.low),
+        balance.interfaces[0].face.outer_radius,
+    )
+
+
+def load_shares(conditions: Sequence[LoadedCondition]) -> tuple[Array, Array]:
+    """Forces and moments to solve at, as shares: those of all conditions, and beyond them. [-].
+
+    Bearings and gears that may not tilt (``motion = "axial"``) do not feel the moment: one is
+    enough.
+    """
+    forces, moments = zip(*(condition.shares for condition in conditions), strict=True)
+    force = np.concatenate(
+        [
+            min(forces) - np.array(_CLOSING),
+            _steps_between(min(forces), max(forces), _FORCE_STEP),
+            max(forces) + np.array(_OPENING),
+        ]
+    )
+    if balance_of(conditions[0].point.description).motion != "full":
+        return force, np.array(moments[:1])
+    tilting, between = np.array(_TILTING), _steps_between(min(moments), max(moments), _MOMENT_STEP)
+    return force, np.concatenate([min(moments) - tilting[::-1], between, max(moments) + tilting])
+
+
+def _steps_between(low: float, high: float, longest: float) -> Array:
+    return np.linspace(low, high, 1 + int(np.ceil((high - low) / longest)))
+
+
+def reduce_lateral(
+    condition: LoadedCondition,
+    description: MachineDescription,
+    fluid: FluidLaw,
+    shares: tuple[Array, Array],
+    progress: Progress | None = None,
+) -> LateralReduction:
+    """Solve the films in equilibrium at the pressures of a condition, under other loads.
+
+    Parameters
+    ----------
+    condition : LoadedCondition
+        Chambers and films in agreement.
+    description : MachineDescription
+        Machine with the gaps of the closed form.
+    shares : tuple of ndarray
+        Forces and moments to solve at, as shares. [-]
+    progress : callable, optional
+        Told how many columns of the table are done.
 
     Notes
     -----
-    Chambers and films are brought to agreement first, so that the table holds what the coupled
-    run finds at the condition. Without friction in the housing, and with a split bearing in one
-    piece. Bearings and gears that may not tilt (``motion = "axial"``) do not feel the moment: the
-    table has the one of the condition.
-
     A force step moves the lift q of bearing and gears by :math:`x = K^{-1} l`, K the stiffness of
     films and stops and l the lever of the lift; the lag is :math:`x^T D x / l^T x` with the
     films' damping D, for one motion D/K.
     """
-    balance = balance_of(description)
-    free = replace(description, lateral_balance=_loaded(balance, 0.0, 0.0), lateral_table=None)
-    tell(progress, UNKNOWN, "films and chambers at the condition")
-    point = couple_point(free, fluid, run, PointRequest(settings=settings, start=_START_GAP))
-    back = point.problem.loads.back
-    load = axial_load(balance, point.problem.node_pressure)
-    unit = balance.floating.high_pressure.area * (back.high - back.low)
-    reach = balance.interfaces[0].face.outer_radius
-    here = np.array([load[0] / unit, load[1] / (unit * reach)])
-    if shares is None:
-        tilts = np.array(_TILTING) if balance.motion == "full" else np.zeros(1)
-        shares = here[0] + np.concatenate([-np.array(_CLOSING), [0.0], _OPENING]), here[1] + tilts
-    added, turned = unit * (shares[0] - here[0]), unit * reach * (shares[1] - here[1])
+    point, unit, here = condition.point, condition.force_unit, condition.shares
+    added, turned = unit * (shares[0] - here[0]), unit * condition.reach * (shares[1] - here[1])
+    tilting = balance_of(point.description).motion == "full"
     table = np.full((len(_COLUMNS), added.size, turned.size), np.nan)
-    for j, moment in enumerate(turned if balance.motion == "full" else np.zeros(1)):
+    for j, moment in enumerate(turned if tilting else np.zeros(1)):
         tell(progress, j / turned.size, f"moment {j + 1} of {turned.size}")
         table[:, :, j] = _column(point, fluid, added, float(moment))
     # closed forms leak with the cube of the height
@@ -169,9 +233,9 @@ def reduce_lateral(
     found["leakage_factor"] *= float(wide / plain) ** 3 / path_leakage(point.solution)
     closed = lateral_torque_coefficient(description) * fluid.dynamic_viscosity
     return LateralReduction(
-        load=load,
+        load=condition.load,
         force_unit=unit,
-        reach=reach,
+        reach=condition.reach,
         force_share=shares[0],
         moment_share=shares[1],
         closed_torque=closed * point.problem.stack.shaft_speed,
