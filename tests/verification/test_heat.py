@@ -59,6 +59,15 @@ def test_warm_films_are_thinner_in_friction_and_leakage(network, coupled) -> Non
     assert warm["volumetric_efficiency"] < cold["volumetric_efficiency"]
 
 
+def test_films_that_would_be_too_hot_with_cold_oil_are_found() -> None:
+    fast = ("operating_point.shaft_speed=6000 rpm", "operating_point.inlet_pressure=21 bar")
+    _, cold = summary(*fast)
+    solution, numbers = summary(*fast, "heat.model=coupled")
+    assert cold["highest_film_temperature_degC"] > 140.0
+    assert 70.0 < numbers["highest_film_temperature_degC"] < 100.0
+    assert "still change" not in solution.provenance.get("warnings", "")
+
+
 def test_soon_after_the_start_films_are_as_cold_as_the_supply(network) -> None:
     solution, numbers = summary("heat.running_time='1 ms'")
     assert numbers["highest_film_temperature_degC"] == pytest.approx(50.0, abs=1.0)

@@ -23,6 +23,8 @@ from toothspace.model.heat_network import (
     lateral_node,
 )
 from toothspace.model.path_category import LATERAL_PATHS
+from toothspace.numerics.acceleration import Mixing
+from toothspace.numerics.roots import root_between
 from toothspace.results.performance import drain_flow
 from toothspace.results.solution import Solution
 from toothspace.results.variables import dataset_from
@@ -34,6 +36,8 @@ _FIFTIETH = 0.02
 _AGREED = 0.1
 """Change of a film temperature between two rounds that is left. [K]"""
 _ROUNDS = 12
+_REMEMBERED = 1
+"""Former rounds from which the next temperatures are extrapolated."""
 _NOT_AGREED = (
     "Temperatures still change by {:.2g} K from round to round: the viscosities in the films are "
     "not those of the temperatures shown."
@@ -58,19 +62,43 @@ def run_with_heat(
     if case.heat.model == "adiabatic" or solution.status is not Status.DONE:
         return solution
     found = _temperatures(case, description, solution)
+    assert case.fluid is not None
     if case.heat.model == "network":
         return _with_temperatures(solution, *found)
-    change = np.inf
-    for _ in range(_ROUNDS):
-        warm = _warmed(case, description, found[1])
-        solution, before = run(warm), found[1]
+    supply, mixing = np.full(len(found[1]), case.fluid.temperature), Mixing(_REMEMBERED)
+    highest = _highest_temperature(case, case.fluid.temperature)
+    tried, change = supply, np.inf
+    for done in range(_ROUNDS):
+        reached = np.array(list(found[1].values()))
+        change = float(np.abs(reached - tried).max())
+        if change < _AGREED:
+            return _with_temperatures(solution, *found)
+        if tried.max() >= highest and reached.max() > highest:
+            asked = f"heat.model: found films of {reached.max() - ZERO_CELSIUS:.0f} degC"
+            raise CaseError(f"{asked}, allowed temperatures that the fluid is known at")
+        following = mixing.following(tried, reached - tried)
+        if done == 0:
+            following = supply + _sheared_share(case, reached.max(), highest) * (reached - supply)
+        tried = np.clip(following, supply, highest)
+        warm = _warmed(case, description, dict(zip(found[1], tried, strict=True)))
+        solution = run(warm)
         if solution.status is not Status.DONE:
             return solution
         found = _temperatures(case, description, solution)
-        change = max(abs(found[1][name] - before[name]) for name in before)
-        if change < _AGREED:
-            return _with_temperatures(solution, *found)
     return _with_temperatures(solution, *found).with_note(_NOT_AGREED.format(change))
+
+
+def _sheared_share(case: Case, reached: float, highest: float) -> float:
+    """Share of a rise with cold films that is left if all heat follows the viscosity. [-]."""
+    assert case.fluid is not None
+    supply, cold = case.fluid.temperature, liquid_of(case).dynamic_viscosity
+
+    def surplus(share: float) -> float:
+        warm = liquid_of(case, supply + share * (reached - supply))
+        return warm.dynamic_viscosity / cold - share
+
+    most = min(1.0, (highest - supply) / max(reached - supply, _AGREED))
+    return most if surplus(most) >= 0.0 else root_between(surplus, 0.0, most)
 
 
 def _temperatures(
@@ -106,11 +134,7 @@ def _warmed(
     cold = liquid_of(case).dynamic_viscosity
 
     def ratio(node: str) -> float:
-        try:
-            return liquid_of(case, temperature[node]).dynamic_viscosity / cold
-        except CaseError as error:
-            asked = f"heat.model: found films of {temperature[node] - ZERO_CELSIUS:.0f} degC"
-            raise CaseError(f"{asked}, allowed temperatures that the fluid is known at") from error
+        return liquid_of(case, temperature[node]).dynamic_viscosity / cold
 
     laterals = tuple(
         replace(film, viscosity_ratio=ratio(lateral_node(film.body)))
