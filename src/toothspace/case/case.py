@@ -19,7 +19,7 @@ from toothspace.case.document import (
     read_document,
     require_ordinary,
 )
-from toothspace.case.fingerprint import fingerprint
+from toothspace.case.fingerprint import KeptByContent
 from toothspace.case.overrides import CONDITIONS, split_override, with_values
 from toothspace.case.rules import broken_rules
 from toothspace.case.shipped import shipped_case
@@ -38,9 +38,7 @@ from toothspace.core.keys import (
 )
 from toothspace.core.units import as_text
 
-_KEPT_MACHINES = 16
-
-_machines: dict[str, Any] = {}
+_machines = KeptByContent[Any](most=16)
 
 
 @final
@@ -236,7 +234,8 @@ class Case(CaseTables):
 
         None without a machine. Computed from ``machine`` once for the same content.
         """
-        return None if self.machine is None else _assembled(self.machine)
+        machine = self.machine
+        return None if machine is None else _machines.get(lambda: _assembled(machine), machine)
 
     @property
     def name(self) -> str:
@@ -267,20 +266,13 @@ def _relative(file: Path, folder: Path) -> str:
 
 
 def _assembled(machine: Any) -> Any:
-    key = fingerprint(machine)
-    if key not in _machines:
-        try:
-            spec = machine.assemble()
-        except KeyRuleError as error:
-            raise KeyRuleError.of(
-                p._replace(key=joined("machine", p.key)) for p in error.problems
-            ) from error
-        except CaseError as error:
-            raise type(error)(f"machine.{error}") from error
-        while len(_machines) >= _KEPT_MACHINES:
-            del _machines[next(iter(_machines))]
-        _machines[key] = spec
-    return _machines[key]
+    try:
+        return machine.assemble()
+    except KeyRuleError as error:
+        found = (p._replace(key=joined("machine", p.key)) for p in error.problems)
+        raise KeyRuleError.of(found) from error
+    except CaseError as error:
+        raise type(error)(f"machine.{error}") from error
 
 
 def load_case(source: str | Path | Mapping[str, Any], overrides: Iterable[str] = ()) -> Case:

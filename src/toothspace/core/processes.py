@@ -5,9 +5,16 @@ from __future__ import annotations
 import os
 import signal
 import threading
+from collections.abc import Callable, Iterable
+from functools import partial
 from multiprocessing import parent_process
+from typing import TypeVar
 
+from toothspace.core.errors import CaseError
 from toothspace.core.interrupts import ENDING
+
+_Item = TypeVar("_Item")
+_Result = TypeVar("_Result")
 
 _ONE_THREAD = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
 
@@ -30,3 +37,28 @@ def _end_with_parent() -> None:
     if parent is not None:
         parent.join()
         os._exit(1)
+
+
+def outcomes(
+    function: Callable[[_Item], _Result], items: Iterable[_Item], workers: int
+) -> list[_Result | Exception]:
+    """Call a function of a module on every item, in processes if there is more than one worker.
+
+    An item that fails gives its exception, and the others go on.
+    """
+    if workers <= 1:
+        return [_outcome(function, item) for item in items]
+    from concurrent.futures import ProcessPoolExecutor
+
+    with ProcessPoolExecutor(workers, initializer=start_worker) as pool:
+        return list(pool.map(partial(_outcome, function), items))
+
+
+def _outcome(function: Callable[[_Item], _Result], item: _Item) -> _Result | Exception:
+    try:
+        return function(item)
+    except CaseError as error:
+        # its subclasses may not survive the way between processes
+        return CaseError(str(error))
+    except Exception as error:
+        return error
