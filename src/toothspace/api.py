@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from toothspace.case import Case, load_case
-from toothspace.case.fingerprint import KeptByContent
+from toothspace.case.fingerprint import kept_by_content
 from toothspace.core.compiled import compile_seconds
 from toothspace.core.errors import CaseError
 from toothspace.core.processes import outcomes
@@ -26,7 +27,8 @@ if TYPE_CHECKING:
     from toothspace.core.types import Array
     from toothspace.geometry.evaluated_designs import EvaluatedDesigns
 
-_machines = KeptByContent[MachineDescription](most=4)
+_KEPT_MACHINES = 4
+_machines: dict[str, MachineDescription] = {}
 
 
 def describe(case: Case) -> MachineDescription:
@@ -34,7 +36,8 @@ def describe(case: Case) -> MachineDescription:
     name, spec = case.machine_type, case.machine_spec
     if spec is None:
         raise CaseError("machine: found none, allowed a case with a [machine] table")
-    return _machines.get(lambda: machine_type(name).describe(spec), name, spec)
+    make = partial(machine_type(name).describe, spec)
+    return kept_by_content(_machines, _KEPT_MACHINES, make, name, spec)
 
 
 def evaluate_designs(
@@ -43,17 +46,9 @@ def evaluate_designs(
     addendum: float | None = None,
     displacement: float | None = None,
 ) -> EvaluatedDesigns:
-    """Kinematics of many designs, see :func:`toothspace.machines.shared_designs.evaluate_designs`.
-
-    Parameters
-    ----------
-    case : Case
-        Everything that does not vary.
-    varied, addendum, displacement : mapping of str to ndarray, float or None
-        Values of key paths, and of what keys follow from. [SI unit], [module], [m3/rad]
-    """
-    place = case.label, case.machine_type, case.machine
-    return shared_designs.evaluate_designs(*place, varied, addendum, displacement)
+    """See :func:`toothspace.machines.shared_designs.evaluate_designs`. [SI unit]."""
+    fixed = case.label, case.machine_type, case.machine
+    return shared_designs.evaluate_designs(*fixed, varied, addendum, displacement)
 
 
 def set_up(case: Case) -> Setup:

@@ -19,7 +19,7 @@ from tests.conftest import posix
 from tests.toy_machine import toy_machine
 from toothspace import api
 from toothspace.case import Case
-from toothspace.case.fingerprint import KeptByContent, fingerprint
+from toothspace.case.fingerprint import fingerprint
 from toothspace.core.errors import CaseError
 from toothspace.core.keys import KeyRuleError
 from toothspace.core.status import Status
@@ -181,7 +181,7 @@ def test_tables_of_a_machine_are_kept_between_points(monkeypatch: pytest.MonkeyP
         return object()
 
     monkeypatch.setattr(api, "machine_type", lambda _: SimpleNamespace(describe=describe))
-    monkeypatch.setattr(api, "_machines", KeptByContent[Any](most=4))
+    monkeypatch.setattr(api, "_machines", {})
     first = api.describe(api.load_case(MOTOR))
     assert api.describe(api.load_case(MOTOR, ["fluid.temperature=30 degC"])) is first
     for width in range(5, 11):

@@ -7,7 +7,7 @@ import os
 import reprlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, final
 
@@ -19,7 +19,7 @@ from toothspace.case.document import (
     read_document,
     require_ordinary,
 )
-from toothspace.case.fingerprint import KeptByContent
+from toothspace.case.fingerprint import kept_by_content
 from toothspace.case.overrides import CONDITIONS, split_override, with_values
 from toothspace.case.rules import broken_rules
 from toothspace.case.shipped import shipped_case
@@ -38,7 +38,8 @@ from toothspace.core.keys import (
 )
 from toothspace.core.units import as_text
 
-_machines = KeptByContent[Any](most=16)
+_KEPT_MACHINES = 16
+_machines: dict[str, Any] = {}
 
 
 @final
@@ -234,8 +235,10 @@ class Case(CaseTables):
 
         None without a machine. Computed from ``machine`` once for the same content.
         """
-        machine = self.machine
-        return None if machine is None else _machines.get(lambda: _assembled(machine), machine)
+        if self.machine is None:
+            return None
+        make = partial(_assembled, self.machine)
+        return kept_by_content(_machines, _KEPT_MACHINES, make, self.machine)
 
     @property
     def name(self) -> str:

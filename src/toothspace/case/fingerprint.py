@@ -7,7 +7,7 @@ import pickle
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from pathlib import Path
-from typing import Any, Generic, TypeVar, final
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -30,29 +30,17 @@ def fingerprint(*values: Any) -> str:
     return digest.hexdigest()
 
 
-@final
-class KeptByContent(Generic[_Made]):
-    """What was made of the contents asked for last.
-
-    Parameters
-    ----------
-    most : int
-        How many are kept.
-    """
-
-    def __init__(self, most: int) -> None:
-        self._most = most
-        self._kept: dict[str, _Made] = {}
-
-    def get(self, make: Callable[[], _Made], *content: Any) -> _Made:
-        """Return what was made of a content, or make it."""
-        key = fingerprint(*content)
-        if key not in self._kept:
-            made = make()
-            while len(self._kept) >= self._most:
-                del self._kept[next(iter(self._kept))]
-            self._kept[key] = made
-        return self._kept[key]
+def kept_by_content(
+    kept: dict[str, _Made], most: int, make: Callable[[], _Made], *content: Any
+) -> _Made:
+    """Return what was made of a content before, or make it; the oldest beyond ``most`` goes."""
+    key = fingerprint(*content)
+    if key not in kept:
+        made = make()
+        while len(kept) >= most:
+            del kept[next(iter(kept))]
+        kept[key] = made
+    return kept[key]
 
 
 def _parts(value: Any) -> Iterator[bytes]:

@@ -8,13 +8,10 @@ import threading
 from collections.abc import Callable, Iterable
 from functools import partial
 from multiprocessing import parent_process
-from typing import TypeVar
+from typing import Any
 
 from toothspace.core.errors import CaseError
 from toothspace.core.interrupts import ENDING
-
-_Item = TypeVar("_Item")
-_Result = TypeVar("_Result")
 
 _ONE_THREAD = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
 
@@ -39,9 +36,7 @@ def _end_with_parent() -> None:
         os._exit(1)
 
 
-def outcomes(
-    function: Callable[[_Item], _Result], items: Iterable[_Item], workers: int
-) -> list[_Result | Exception]:
+def outcomes(function: Callable[[Any], Any], items: Iterable[Any], workers: int) -> list[Any]:
     """Call a function of a module on every item, in processes if there is more than one worker.
 
     An item that fails gives its exception, and the others go on.
@@ -54,7 +49,7 @@ def outcomes(
         return list(pool.map(partial(_outcome, function), items))
 
 
-def _outcome(function: Callable[[_Item], _Result], item: _Item) -> _Result | Exception:
+def _outcome(function: Callable[[Any], Any], item: Any) -> Any:
     try:
         return function(item)
     except CaseError as error:
