@@ -133,7 +133,7 @@ def collected(
         records = evaluate_points(points, context, evaluate)
     except KeyboardInterrupt:
         records = recorded(points, context, evaluate)
-    require_some(records)
+    require_accepted(records)
     return records
 
 
@@ -146,7 +146,7 @@ def status_of(records: Sequence[Record]) -> Status:
     return Status.POINTS_FAILED
 
 
-def require_some(records: Sequence[Record]) -> None:
+def require_accepted(records: Sequence[Record]) -> None:
     """Refuse a study of which every point is refused.
 
     Raises
