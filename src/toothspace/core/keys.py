@@ -206,7 +206,7 @@ class Key:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Bounded(Key):
+class Bounded:
     """Number between bounds, which are in the display unit; ``above`` is exclusive."""
 
     low: float | None = None
@@ -237,11 +237,11 @@ class Bounded(Key):
         text = " ".join(parts) if self.low is not None else ", ".join(parts)
         return f", {text}" if text else ""
 
-    def bounds(self, prefix: str = "") -> Schema:
+    def bounds(self) -> Schema:
         """Return the bounds as JSON Schema names them."""
         names = "minimum", "exclusiveMinimum", "maximum"
         pairs = zip(names, (self.low, self.above, self.high), strict=True)
-        return {f"{prefix}{name}": bound for name, bound in pairs if bound is not None}
+        return {name: bound for name, bound in pairs if bound is not None}
 
 
 def _is_number(raw: Any) -> bool:
@@ -250,7 +250,7 @@ def _is_number(raw: Any) -> bool:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class QuantityKey(Bounded):
+class QuantityKey(Bounded, Key):
     """Text with a unit."""
 
     unit: str
@@ -283,12 +283,12 @@ class QuantityKey(Bounded):
 
     def schema(self) -> Schema:
         text = {"type": "string", "pattern": _QUANTITY_PATTERN, "x-unit": self.unit}
-        return {**text, **self.bounds("x-")}
+        return {**text, **{f"x-{name}": bound for name, bound in self.bounds().items()}}
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Number(Bounded):
+class Number(Bounded, Key):
     """Dimensionless number."""
 
     def allowed(self) -> str:
@@ -824,9 +824,9 @@ def text(doc: str, *, default: Any = MISSING) -> Any:
     return declare(Text(doc=doc), default)
 
 
-def file_path(doc: str, *suffixes: str, default: Any = None, **inline: bool) -> Any:
+def file_path(doc: str, *suffixes: str, default: Any = None, **instead: bool) -> Any:
     """Declare a file, relative to the case file, with ``points`` or ``columns`` in its place."""
-    return declare(FilePath(doc=doc, suffixes=suffixes, **inline), default)
+    return declare(FilePath(doc=doc, suffixes=suffixes, **instead), default)
 
 
 def table(spec: type, doc: str, *, default: Any = MISSING) -> Any:

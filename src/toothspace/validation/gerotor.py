@@ -94,16 +94,10 @@ def _walls(effort: Effort) -> Evidence:
         turn, span = (0.95, 1.0), (1.7, 2.2)
         if tip != 20:
             turn = span = (-np.inf, np.inf)
-        place = f"{tip} um at the tips:"
+        place, text = f"{tip} um at the tips:", "span over that of a single contact"
         values += [
             within(f"{place} part of the turn with 2 or more", two, "-", words, *turn),
-            within(
-                f"{place} span over that of a single contact",
-                forces.span(),
-                "-",
-                "nearly twice",
-                *span,
-            ),
+            within(f"{place} {text}", forces.span(), "-", "nearly twice", *span),
         ]
     return Evidence(tuple(values))
 
