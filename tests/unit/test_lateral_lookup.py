@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -37,8 +39,11 @@ from toothspace.model.lateral_table import (
 )
 from toothspace.results.ledger import Ledger
 from toothspace.results.solution import Solution
-from toothspace.simulation.lumped import run_in_machine, within_table
+from toothspace.simulation import lumped
+from toothspace.simulation.lumped import RunInMachine, run_in_machine, within_table
+from toothspace.simulation.running_in import WornMachine
 from toothspace.simulation.setup import Setup
+from toothspace.solver.accuracy import Assembled
 from toothspace.solver.compiled_model import evaluate_state, observe
 from toothspace.solver.initial import start_state
 
@@ -212,7 +217,7 @@ def test_run_with_the_closed_form_as_a_table_is_that_of_the_closed_form(setup: S
     machine = run_in_machine(replace(setup, case=replace(setup.case, run=coarse)))
     tables = None, one_node(), Films().table()
     runs = [
-        machine.solve(setup.condition, replace(machine.description, lateral_table=table))
+        machine.at(setup.condition)(replace(machine.description, lateral_table=table))
         for table in tables
     ]
     plain, same, films = (run.summary() for run in runs)
@@ -255,6 +260,51 @@ film_tables = "{CASE.parent / "tables" / "egm12_lateral.nc"}"
     assert load[-1] < 2.0 * load[1] < 0.0
     assert np.ptp(run.data["lateral_leakage_factor"].values) > 0.01
     assert abs(run.summary()["energy_balance_error"]) < 1e-4  # type: ignore[arg-type]
+
+
+def _seated(
+    setup: Setup, leak: Callable[[float], float], monkeypatch: pytest.MonkeyPatch
+) -> tuple[Solution, list[float]]:
+    """Run whose gaps leak by a factor that follows the one of the seats, and the latter's."""
+    seats: list[float] = []
+
+    def march(_: object, machine: Assembled, *__: object) -> SimpleNamespace:
+        assert machine.description.lateral_table is not None
+        return SimpleNamespace(
+            status=Status.DONE, seat=machine.description.lateral_table.seat_factor
+        )
+
+    def run(history: SimpleNamespace, *_: object) -> Solution:
+        seats.append(history.seat)
+        values = {"lateral_leakage_factor": leak(history.seat), "lateral_load_beyond": 0.0}
+        data = xr.Dataset({k: ("sample", np.full(4, v)) for k, v in values.items()})
+        return Solution(Status.DONE, data, Ledger(1.0, 1.0, {}, {}))
+
+    monkeypatch.setattr(lumped, "_march", march)
+    monkeypatch.setattr(lumped, "solution_from", run)
+    machine = replace(setup.description, lateral_table=one_node())
+    prepared = RunInMachine(setup.case, WornMachine(machine, {}), machine, setup.fluid, {}, {})
+    return prepared.at(setup.condition)(), seats
+
+
+@pytest.mark.parametrize("slope", [0.5, -0.3, -5.0])
+def test_seats_and_gaps_come_to_agree(
+    setup: Setup, slope: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also where more leakage past the seats closes the gaps by far more."""
+    found, seats = _seated(setup, lambda seat: 20.0 ** (1.0 - slope) * seat**slope, monkeypatch)
+    assert seats[-1] == pytest.approx(20.0, rel=0.2)
+    assert "warnings" not in found.provenance
+
+
+def test_seats_that_never_agree_with_the_gaps_are_told(
+    setup: Setup, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found, seats = _seated(setup, lambda seat: 30.0 if seat < 20.0 else 10.0, monkeypatch)
+    assert seats[-1] == pytest.approx(20.0, rel=0.05)
+    told = found.provenance["warnings"]
+    assert "leak 0.5" in told or "leak 1.5" in told
+    assert "fidelity 'elastic'" in told
 
 
 def test_load_beyond_the_table_is_told() -> None:

@@ -170,10 +170,8 @@ def test_reduction_goes_over_pressures_and_speeds(
     class Machine:
         description = motor[1]
 
-        def solve(
-            self, condition: OperatingCondition, description: MachineDescription
-        ) -> OperatingCondition:
-            return condition
+        def at(self, condition: OperatingCondition) -> Callable[..., OperatingCondition]:
+            return lambda description: condition
 
     monkeypatch.setattr(reduce, "reduce_lateral", solved)
     monkeypatch.setattr(reduce, "run_in_machine", lambda *_: Machine())

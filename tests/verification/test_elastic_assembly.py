@@ -468,7 +468,7 @@ def test_loads_of_a_run_balance_on_the_bodies() -> None:
     )
     case = load_case(REPOSITORY / "cases" / "hysteresis_055.toml", changes)
     machine = run_in_machine(set_up(case))
-    lumped = machine.solve(condition_of(case, machine.description))
+    lumped = machine.at(condition_of(case, machine.description))()
     problem = lateral_problem(
         machine.description, machine.fluid, lumped.data, lateral_settings(case), 12e5
     )

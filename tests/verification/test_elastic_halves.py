@@ -279,7 +279,7 @@ def _fuel_pump(split: str) -> tuple[LateralProblem, Equilibrium]:
     )
     case = load_case(REPOSITORY / "cases" / "hysteresis_055.toml", changes)
     machine = run_in_machine(set_up(case))
-    data = machine.solve(condition_of(case, machine.description)).data
+    data = machine.at(condition_of(case, machine.description))().data
     problem = lateral_problem(
         machine.description, machine.fluid, data, lateral_settings(case), 12e5
     )

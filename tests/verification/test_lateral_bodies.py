@@ -292,7 +292,7 @@ def _fuel_pump(*changes: str) -> tuple[LateralProblem, Equilibrium]:
     )
     case = load_case(REPOSITORY / "cases" / "hysteresis_078.toml", (*coarse, *changes))
     machine = run_in_machine(set_up(case))
-    data = machine.solve(condition_of(case, machine.description)).data
+    data = machine.at(condition_of(case, machine.description))().data
     problem = lateral_problem(machine.description, machine.fluid, data, lateral_settings(case))
     return problem, problem.settle(problem.started(3e-6))
 

@@ -36,7 +36,7 @@ def _problem(*changes: str, file: Path = CASE) -> LateralProblem:
     ]
     case = load_case(file, [*given, *changes])
     machine = run_in_machine(set_up(case))
-    data = machine.solve(condition_of(case, machine.description)).data
+    data = machine.at(condition_of(case, machine.description))().data
     settings = replace(lateral_settings(case), grid=(84, 10), angles=2)
     return lateral_problem(machine.description, machine.fluid, data, settings)
 
@@ -107,7 +107,7 @@ def test_journal_films_hold_the_shafts_where_nothing_is_given() -> None:
     """Two bearings 61.4 mm apart with the mean load F each at 25 um: F d^2 / (2 c), the less."""
     case = load_case(CASE, ["run.max_revolutions=3", 'machine.floating_bearing.motion="full"'])
     machine = run_in_machine(set_up(case))
-    data = machine.solve(condition_of(case, machine.description)).data
+    data = machine.at(condition_of(case, machine.description))().data
     settings = replace(lateral_settings(case), grid=(42, 6), angles=1)
     problem = lateral_problem(machine.description, machine.fluid, data, settings)
     force = 0.5 * np.linalg.norm(data["journal_force"].values.mean(axis=0)[:, :2], axis=1)

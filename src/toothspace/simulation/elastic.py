@@ -22,7 +22,7 @@ def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
     return coupled_solution(
         machine.description,
         machine.fluid,
-        lambda changed: machine.solve(condition, changed, progress),
+        machine.at(condition, progress),
         request,
         case.run.film_steps_per_revolution,
         progress,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, final
 
@@ -14,6 +15,7 @@ from toothspace.core.progress import UNKNOWN, Progress, tell
 from toothspace.core.status import Status
 from toothspace.model.description import MachineDescription
 from toothspace.model.operating_point import OperatingCondition
+from toothspace.numerics.roots import next_change
 from toothspace.results.solution import Solution
 from toothspace.simulation.heating import run_with_heat
 from toothspace.simulation.presets import interface_models, interface_text
@@ -28,10 +30,18 @@ _LOAD_ROUNDS = 4
 _LOAD_SETTLED = 1e-2
 _LOAD_MATCH = 2e-3
 _RARELY = 0.01
-_SEAT_ROUNDS, _SEATED = 6, 0.05
+_LONGEST_CHANGE = 4.0
+"""Largest change of the logarithm of the leakage that seats the bearings, in one run. [-]"""
+_SEAT_ROUNDS, _SEATED = 8, 0.05
+"""Most runs, and difference of leakage, until bearings sit where the pressures press them."""
 _BEYOND = (
     "The load on the lateral films is beyond their table in {:.0f} % of the time, and counts as "
     "its edge: make tables over a wider range."
+)
+_UNSEATED = (
+    "Seats and gaps of the bearings do not agree: the lateral films leak {:.2f} times as much as "
+    "the gaps that seat the bearings. Make tables with more pressures and speeds about this point, "
+    "or solve the films with fidelity 'elastic'."
 )
 _WITHOUT_LEAKAGE = 0.5
 _MOST_LEAKAGE = 1.5
@@ -66,27 +76,55 @@ class RunInMachine:
     extra: dict[str, Any]
     provenance: dict[str, str]
 
-    def solve(
-        self,
-        condition: OperatingCondition,
-        description: MachineDescription | None = None,
-        progress: Progress | None = None,
-    ) -> Solution:
-        """Lumped solution at a condition, of the machine or a changed one."""
-        machine = description or self.description
+    def at(self, condition: OperatingCondition, progress: Progress | None = None) -> SuccessiveRuns:
+        """Lumped runs at a condition, of this machine and of changed ones."""
+        return SuccessiveRuns(self, condition, progress)
+
+
+@final
+class SuccessiveRuns:
+    """Lumped runs of a machine at one condition, each begun where the last one ended.
+
+    Parameters
+    ----------
+    machine : RunInMachine
+        The machine after running-in.
+    condition : OperatingCondition
+        Operating point.
+    progress : callable, optional
+        Called with the finished share and a short text.
+    """
+
+    def __init__(
+        self, machine: RunInMachine, condition: OperatingCondition, progress: Progress | None
+    ) -> None:
+        self._machine, self._condition, self._progress = machine, condition, progress
+        self._last: History | None = None
+
+    def __call__(self, description: MachineDescription | None = None) -> Solution:
+        """Solution of the machine, or of one that differs in its gaps and films only."""
+        machine = description or self._machine.description
+        tried: list[tuple[float, float]] = []
         for _ in range(_SEAT_ROUNDS):
-            history = _march(self.case, machine, self.fluid, condition, progress)
-            found = solution_from(history, self.provenance, self.extra, self.case.title)
+            found = self._run(machine)
             table = machine.lateral_table
             if table is None:
                 return found
             # the bearings take their seats under the pressures that the gaps found leave
-            leaks = float(found.data["lateral_leakage_factor"].mean())
-            if found.status is not Status.DONE or abs(leaks / table.seat_factor - 1.0) < _SEATED:
-                break
-            seat = float(np.sqrt(leaks * table.seat_factor)) if table.seat_factor != 1.0 else leaks
+            more = float(found.data["lateral_leakage_factor"].mean()) / table.seat_factor
+            if found.status is not Status.DONE or abs(more - 1.0) < _SEATED:
+                return within_table(found)
+            tried.append((np.log(table.seat_factor), np.log(more)))
+            seat = table.seat_factor * float(np.exp(next_change(tried, _LONGEST_CHANGE)))
             machine = replace(machine, lateral_table=replace(table, seat_factor=seat))
-        return within_table(found)
+        return within_table(found).with_note(_UNSEATED.format(more))
+
+    def _run(self, description: MachineDescription) -> Solution:
+        own = self._machine
+        start = Assembled(description, own.fluid, self._condition)
+        history = _march(own.case, start, self._last, self._progress)
+        self._last = history if history.status is Status.DONE else None
+        return solution_from(history, own.provenance, own.extra, own.case.title)
 
 
 def within_table(solution: Solution) -> Solution:
@@ -117,20 +155,14 @@ def run_in_machine(setup: Setup, progress: Progress | None = None) -> RunInMachi
 def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
     """Cyclic state of a case at its operating point."""
     machine = run_in_machine(setup, progress)
-
-    def run(changed: MachineDescription) -> Solution:
-        return machine.solve(setup.condition, changed, progress)
-
-    return machine.worn.marked(run_with_heat(setup.case, machine.description, run))
+    runs = machine.at(setup.condition, progress)
+    return machine.worn.marked(run_with_heat(setup.case, machine.description, runs))
 
 
 def _march(
-    case: Case,
-    description: MachineDescription,
-    fluid: FluidLaw,
-    condition: OperatingCondition,
-    progress: Progress | None,
+    case: Case, machine: Assembled, last: History | None, progress: Progress | None
 ) -> History:
+    """March until cyclic, from the end of the last run if there is one."""
     plan = RunPlan(
         revolutions=case.run.revolutions,
         max_revolutions=case.run.max_revolutions,
@@ -139,48 +171,61 @@ def _march(
     )
     assert case.operating_point is not None
     if case.operating_point.outlet_load == "fixed_pressure":
-        return march_to_balance(Assembled(description, fluid, condition), plan, progress)
-    return _march_against_orifice(description, fluid, condition, plan, progress)
+        state = None if last is None else first_turn_state(last)
+        return march_to_balance(machine, plan, progress, state)
+    return _march_against_orifice(machine, plan, last, progress)
 
 
 def _march_against_orifice(
-    description: MachineDescription,
-    fluid: FluidLaw,
-    condition: OperatingCondition,
-    plan: RunPlan,
-    progress: Progress | None,
+    machine: Assembled, plan: RunPlan, last: History | None, progress: Progress | None
 ) -> History:
     """Size the load orifice until the mean outlet pressure is the one asked for."""
-
-    def loaded() -> Assembled:
-        return Assembled(description, fluid, replace(condition, load_area=area))
-
+    condition = machine.condition
     wanted = condition.outlet_pressure - condition.load_pressure
-    flow = description.displacement * condition.shaft_speed
-    area = flow / (DISCHARGE_COEFFICIENT * np.sqrt(2.0 * wanted / fluid.reference_density))
 
-    def sizing(_: float, text: str) -> None:
-        tell(progress, UNKNOWN, f"load orifice, {text}")
+    def loaded(area: float) -> Assembled:
+        return replace(machine, condition=replace(condition, load_area=area))
 
-    system, once = loaded().at(condition.relative_tolerance), replace(plan, revolutions=1)
-    history = march_revolutions(system, once, sizing)
-    found, settled = _gauge_pressure(history), False
-    while history.status not in CUT_SHORT and not settled:
-        history = march_revolutions(system, once, sizing, first_turn_state(history))
-        before, found = found, _gauge_pressure(history)
-        settled = abs(found / before - 1.0) < _LOAD_SETTLED
+    history = last or _roughly_sized(machine, loaded, wanted, plan, progress)
+    area, found = history.system.condition.load_area, _gauge_pressure(history)
     exponent = _WITHOUT_LEAKAGE
     for _ in range(_LOAD_ROUNDS):
         if history.status in CUT_SHORT:
             break
         wider, before = (found / wanted) ** exponent, found
         area *= wider
-        history = march_to_balance(loaded(), plan, progress, first_turn_state(history))
+        history = march_to_balance(loaded(area), plan, progress, first_turn_state(history))
         found = _gauge_pressure(history)
         if abs(found / wanted - 1.0) < _LOAD_MATCH:
             break
-        slope = np.log(wider) / np.log(before / found)
-        exponent = float(np.clip(slope, _WITHOUT_LEAKAGE, _MOST_LEAKAGE))
+        if abs(wider - 1.0) > _LOAD_MATCH:
+            slope = np.log(wider) / np.log(before / found)
+            exponent = float(np.clip(slope, _WITHOUT_LEAKAGE, _MOST_LEAKAGE))
+    return history
+
+
+def _roughly_sized(
+    machine: Assembled,
+    loaded: Callable[[float], Assembled],
+    wanted: float,
+    plan: RunPlan,
+    progress: Progress | None,
+) -> History:
+    """March against the orifice of a machine that does not leak until its pressure settles."""
+
+    def sizing(_: float, text: str) -> None:
+        tell(progress, UNKNOWN, f"load orifice, {text}")
+
+    condition, density = machine.condition, machine.fluid.reference_density
+    flow = machine.description.displacement * condition.shaft_speed
+    area = flow / (DISCHARGE_COEFFICIENT * np.sqrt(2.0 * wanted / density))
+    system, once = loaded(area).at(condition.relative_tolerance), replace(plan, revolutions=1)
+    history = march_revolutions(system, once, sizing)
+    found, settled = _gauge_pressure(history), False
+    while history.status not in CUT_SHORT and not settled:
+        history = march_revolutions(system, once, sizing, first_turn_state(history))
+        before, found = found, _gauge_pressure(history)
+        settled = abs(found / before - 1.0) < _LOAD_SETTLED
     return history
 
 

@@ -148,7 +148,7 @@ def _recorded(kept: Record) -> FilmTable:
 
 def _film_table(points: LateralPoints, pressure: float) -> FilmTable:
     condition = PointCondition.of(points.case, "", outlet_pressure=pressure)
-    data, machine = points.lumped(condition).data, points.machine
+    data, machine = points.lumped(condition)().data, points.machine
     problem = lateral_problem(machine.description, machine.fluid, data, points.settings)
     rigid = replace(points.settings, angles=_PLANE_ANGLES, deformation="none")
     plane = lateral_problem(machine.description, machine.fluid, data, rigid)

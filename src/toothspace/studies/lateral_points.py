@@ -227,7 +227,7 @@ class LateralPoints:
         return couple_point(
             self.machine.description,
             self.machine.fluid,
-            lambda changed: self.lumped(point, changed, progress),
+            self.lumped(point, progress),
             self._request(point, start),
         )
 
@@ -243,7 +243,7 @@ class LateralPoints:
         They share the chamber pressures of the first. After an interrupt by the user those that
         are finished; records are kept as by :func:`follow`.
         """
-        shared = cache(partial(self.lumped, conditions[0]))
+        shared = cache(self.lumped(conditions[0]))
 
         def solved(condition: PointCondition) -> CoupledPoint:
             request = replace(self._request(condition, start_gap), rounds=1)
@@ -259,17 +259,11 @@ class LateralPoints:
         return tuple(found)
 
     def lumped(
-        self,
-        point: PointCondition,
-        description: MachineDescription | None = None,
-        progress: Progress | None = None,
-    ) -> Solution:
-        """Chamber pressures of one point, of the machine or of a changed one.
+        self, point: PointCondition, progress: Progress | None = None
+    ) -> Callable[..., Solution]:
+        """Lumped runs of one point, of the machine and of changed ones.
 
-        Raises
-        ------
-        KeyboardInterrupt
-            If the user interrupts: films of pressures cut short are no point.
+        An interrupt by the user is raised: films of pressures cut short are no point.
         """
         base = condition_of(self.case, self.machine.description)
         condition = replace(
@@ -279,10 +273,15 @@ class LateralPoints:
             outlet_pressure=point.outlet_pressure,
             relative_tolerance=max(base.relative_tolerance, _LUMPED_TOLERANCE),
         )
-        solution = self.machine.solve(condition, description, progress)
-        if solution.status is Status.INTERRUPTED:
-            raise KeyboardInterrupt
-        return solution
+        runs = self.machine.at(condition, progress)
+
+        def run(description: MachineDescription | None = None) -> Solution:
+            solution = runs(description)
+            if solution.status is Status.INTERRUPTED:
+                raise KeyboardInterrupt
+            return solution
+
+        return run
 
     def _request(self, point: PointCondition, start: Array | float) -> PointRequest:
         return PointRequest(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from functools import partial
 from itertools import product
 from typing import Any, final
 
@@ -257,7 +256,7 @@ def reduce_lateral_films(
         one = reduce_lateral(
             machine.description,
             setup.fluid,
-            partial(machine.solve, condition),
+            machine.at(condition),
             lateral_settings(case),
             (found[0].force_share, found[0].moment_share) if found else None,
             part(progress, f"{number + 1} of {count}", number / count, (number + 1) / count),

@@ -35,7 +35,7 @@ def _filled(points: LateralPoints, case: Case, speed: float) -> xr.Dataset:
         inlet_pressure=case.operating_point.inlet_pressure,
         shaft_speed=speed * np.pi / 30.0,
     )
-    return points.lumped(condition).data
+    return points.lumped(condition)().data
 
 
 def _opening(points: LateralPoints, chambers: xr.Dataset, film: float) -> float:

@@ -15,6 +15,7 @@ from toothspace.films.lateral.equilibrium import Equilibrium
 from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_load import with_lateral_leakage
 from toothspace.model.path_category import LATERAL_PATHS
+from toothspace.numerics.roots import next_change
 from toothspace.results.solution import Solution
 from toothspace.simulation.lateral.heat import SettledBearing, settle_bearing
 from toothspace.simulation.lateral.interpolation import InterpolatedEquilibrium, Trial
@@ -213,7 +214,7 @@ class _LeakageSearch:
         self._ends = _ends(self._known)
         if self._ends is None:
             self._log_leakage_factor += next_change(
-                [(t.log_leakage_factor, t.excess) for t in self._known]
+                [(t.log_leakage_factor, t.excess) for t in self._known], _LONGEST_CHANGE
             )
         else:
             self._position = self._ends[1].position
@@ -290,20 +291,3 @@ def _ends(trials: list[Trial]) -> tuple[Trial, Trial] | None:
     if abs(last.excess - other.excess) <= _STEEP * apart:
         return None
     return (last, other) if last.excess > 0.0 else (other, last)
-
-
-def next_change(known: list[tuple[float, float]]) -> float:
-    """Change of the logarithm of the paths' leakage; secant between opposite errors.
-
-    Parameters
-    ----------
-    known : list of tuple
-        Logarithms that were tried, and by how much the leakage asked for differs. [-]
-    """
-    place, error = known[-1]
-    opposite = [(s, e) for s, e in known if e * error < 0.0]
-    if opposite:
-        other, before = min(opposite, key=lambda pair: abs(pair[0] - place))
-        share = float(np.clip(error / (error - before), 0.2, 0.8))
-        return share * (other - place)
-    return float(np.clip(error, -_LONGEST_CHANGE, _LONGEST_CHANGE))
