@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from toothspace.case import Case, load_case
-from toothspace.case.fingerprint import fingerprint
+from toothspace.case.fingerprint import kept_by_content
 from toothspace.core.compiled import compile_seconds
 from toothspace.core.errors import CaseError
-from toothspace.core.keys import KeyRuleError
-from toothspace.core.processes import start_worker
+from toothspace.core.processes import outcomes
 from toothspace.core.progress import Progress
-from toothspace.core.registry import machine_type, machine_type_names
+from toothspace.core.registry import machine_type
+from toothspace.machines import shared_designs
 from toothspace.machines.shared_draft import draft_case
 from toothspace.model.description import MachineDescription
 from toothspace.results.credibility import with_interval, with_warnings
@@ -27,20 +28,16 @@ if TYPE_CHECKING:
     from toothspace.geometry.evaluated_designs import EvaluatedDesigns
 
 _KEPT_MACHINES = 4
-
 _machines: dict[str, MachineDescription] = {}
 
 
 def describe(case: Case) -> MachineDescription:
     """Turn the machine of a case into its tables; those of the last few machines are kept."""
-    if case.machine_spec is None:
+    name, spec = case.machine_type, case.machine_spec
+    if spec is None:
         raise CaseError("machine: found none, allowed a case with a [machine] table")
-    key = fingerprint(case.machine_type, case.machine_spec)
-    if key not in _machines:
-        while len(_machines) >= _KEPT_MACHINES:
-            del _machines[next(iter(_machines))]
-        _machines[key] = machine_type(case.machine_type).describe(case.machine_spec)
-    return _machines[key]
+    make = partial(machine_type(name).describe, spec)
+    return kept_by_content(_machines, _KEPT_MACHINES, make, name, spec)
 
 
 def evaluate_designs(
@@ -49,38 +46,9 @@ def evaluate_designs(
     addendum: float | None = None,
     displacement: float | None = None,
 ) -> EvaluatedDesigns:
-    """Kinematics of the machine of a case with other values of some keys, many at once.
-
-    Parameters
-    ----------
-    case : Case
-        Everything that does not vary.
-    varied : mapping of str to ndarray
-        Values by key path, arrays of one shape (n,). [SI unit]
-    addendum : float or None
-        Height of the teeth above the shifted reference line, from which tip diameters follow;
-        None for those given. [module]
-    displacement : float or None
-        Geometric displacement for which face widths are chosen; None for those given. [m3/rad]
-
-    Raises
-    ------
-    CaseError
-        If the machine has no closed form, or a key does not act on its kinematics.
-    """
-    evaluate = None
-    if case.machine is not None:
-        evaluate = machine_type(case.machine_type).evaluate_designs
-    if evaluate is None:
-        found = repr(case.machine_type) if case.machine_type else "no machine"
-        able = [repr(name) for name in machine_type_names() if machine_type(name).evaluate_designs]
-        raise CaseError(f"{case.label}: machine.type: found {found}, allowed {' or '.join(able)}")
-    inner = {path.removeprefix("machine."): values for path, values in varied.items()}
-    try:
-        evaluated: EvaluatedDesigns = evaluate(case.machine, inner, addendum, displacement)
-    except KeyRuleError as error:
-        raise CaseError(f"{case.label}: machine.{error}") from error
-    return evaluated
+    """See :func:`toothspace.machines.shared_designs.evaluate_designs`. [SI unit]."""
+    fixed = case.label, case.machine_type, case.machine
+    return shared_designs.evaluate_designs(*fixed, varied, addendum, displacement)
 
 
 def set_up(case: Case) -> Setup:
@@ -129,13 +97,7 @@ def simulate_all(cases: Iterable[Case], workers: int = 1) -> list[Solution | Exc
 
     A numerical failure within a run is a solution with its status, as in :func:`simulate`.
     """
-    items = list(cases)
-    if workers <= 1:
-        return [_simulate_safely(case) for case in items]
-    from concurrent.futures import ProcessPoolExecutor
-
-    with ProcessPoolExecutor(workers, initializer=start_worker) as pool:
-        return list(pool.map(_simulate_safely, items))
+    return outcomes(simulate, cases, workers)
 
 
 def solve_bearing(case: Case, fields: Path | None = None) -> dict[str, Any]:
@@ -166,16 +128,6 @@ def solve_film(case: Case, fields: Path | None = None) -> dict[str, Any]:
     from toothspace.simulation.stand_alone import solve
 
     return solve(case, case.film, None if case.machine_spec is None else describe(case), fields)
-
-
-def _simulate_safely(case: Case) -> Solution | Exception:
-    try:
-        return simulate(case)
-    except CaseError as error:
-        # its subclasses may not survive the way between processes
-        return CaseError(str(error))
-    except Exception as error:  # one case that fails must not end the others
-        return error
 
 
 __all__ = [

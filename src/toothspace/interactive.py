@@ -70,18 +70,13 @@ class Solution(results.Solution):
             if variable.dims[:1] != (axis,) or variable.ndim > 2:
                 continue
             rest = variable.dims[1:]
-            labels = [f"[{label}]" for label in self._labels(rest[0])] if rest else [""]
+            labels = [f"[{label}]" for label in self.data[rest[0]].values] if rest else [""]
             for k, label in enumerate(labels):
                 columns[f"{name}{label}"] = variable.values[:, k] if rest else variable.values
                 units[f"{name}{label}"] = str(variable.attrs.get("units", "1"))
         frame = pd.DataFrame(columns, index=pd.Index(self.data[axis].values, name=axis))
         frame.attrs["units"] = units
         return frame
-
-    def _labels(self, dimension: Any) -> list[Any]:
-        if dimension in self.data.coords:
-            return list(self.data[dimension].values.tolist())
-        return list(range(self.data.sizes[dimension]))
 
     def to_csv(self, path: str | Path) -> Path:
         """Write all samples as CSV, one column for each value, with ``name [unit]`` on top.

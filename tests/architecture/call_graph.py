@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from tests.architecture.sources import PACKAGE, SOURCES, Source
+from toothspace.case.study import STUDIES
 
 Definition = tuple[str, str]
 """Name of a module and of what it defines."""
@@ -194,11 +195,13 @@ def package_graph() -> CallGraph:
 
 
 def entry_points(graph: CallGraph) -> list[Definition]:
-    """Command line, Python interface, stand-alone films, machine types, modules run by ``-m``."""
+    """Command line, Python interface, films, machine types, studies, modules run by ``-m``."""
     found = [*graph.public("toothspace.cli"), *graph.public("toothspace.api")]
     found += graph.public("toothspace.films.public")
     for module, own in graph.modules.items():
         parts = module.split(".")
+        if module.removeprefix("toothspace.studies.") in STUDIES:
+            found.append((module, "run"))
         if any(_is_main(statement) for statement in own.tree.body):
             found.append((module, BODY))
         if parts[:2] == ["toothspace", "machines"] and (

@@ -20,7 +20,7 @@ import pytest
 
 import toothspace
 from tests.conftest import posix
-from toothspace.cli import commands, main, output
+from toothspace.cli import machines, main, output
 from toothspace.core.errors import CaseError, GeometryError
 from toothspace.core.status import Status
 
@@ -381,7 +381,7 @@ def test_export_of_an_unknown_format_or_machine(
 ) -> None:
     assert main(["geometry", str(MOTOR), "--export", "iges"]) == 2
     assert "--export: found 'iges', allowed dxf, stl, step, txt" in capsys.readouterr().err
-    monkeypatch.setattr(commands, "find_spec", lambda _: None)
+    monkeypatch.setattr(machines, "find_spec", lambda _: None)
     assert main(["geometry", str(GEROTOR), "--export", "dxf"]) == 2
     assert "--export: found machine type 'gerotor', allowed" in capsys.readouterr().err
 

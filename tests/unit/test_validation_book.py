@@ -19,7 +19,6 @@ from toothspace.validation.claim import (
     Claim,
     ComparedCurve,
     ComparedValue,
-    CurvePoints,
     Effort,
     Evidence,
     ValidationSource,
@@ -39,16 +38,7 @@ def _fall(gravity: float, margin: float):
         ours, published = 0.5 * gravity * TIME**2, 4.9 * TIME**2
         return Evidence(
             (close("way after 1 s", float(ours[0]), 4.9, "m", rel=0.01),),
-            (
-                ComparedCurve(
-                    "Way",
-                    "time (s)",
-                    "way (m)",
-                    CurvePoints(TIME, ours),
-                    CurvePoints(TIME, published),
-                    margin,
-                ),
-            ),
+            (ComparedCurve("Way", "time (s)", "way (m)", TIME, ours, published, tolerance=margin),),
         )
 
     return measure
@@ -86,7 +76,7 @@ def test_bounds_words_and_curves_for_the_eye() -> None:
     assert ComparedValue("no number", math.nan, "m", 0.0, 1.0).verdict == "fail"
     assert holds("it moves", False, "words").verdict == "fail"
     assert holds("it moves", True, "words").verdict == "pass"
-    free = ComparedCurve("ours alone", "x", "y", CurvePoints(TIME, TIME))
+    free = ComparedCurve("ours alone", "x", "y", TIME, TIME)
     assert free.verdict == "pass"
     assert math.isnan(free.error)
 

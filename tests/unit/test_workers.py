@@ -29,7 +29,7 @@ _POOL = """
 import time
 from toothspace import api
 
-api._simulate_safely = time.sleep
+api.simulate = time.sleep
 print(0, flush=True)
 print(1, flush=True)
 api.simulate_all([600.0, 600.0], workers=2)

@@ -7,7 +7,7 @@ import os
 import reprlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, final
 
@@ -19,7 +19,7 @@ from toothspace.case.document import (
     read_document,
     require_ordinary,
 )
-from toothspace.case.fingerprint import fingerprint
+from toothspace.case.fingerprint import kept_by_content
 from toothspace.case.overrides import CONDITIONS, split_override, with_values
 from toothspace.case.rules import broken_rules
 from toothspace.case.shipped import shipped_case
@@ -39,7 +39,6 @@ from toothspace.core.keys import (
 from toothspace.core.units import as_text
 
 _KEPT_MACHINES = 16
-
 _machines: dict[str, Any] = {}
 
 
@@ -236,7 +235,10 @@ class Case(CaseTables):
 
         None without a machine. Computed from ``machine`` once for the same content.
         """
-        return None if self.machine is None else _assembled(self.machine)
+        if self.machine is None:
+            return None
+        make = partial(_assembled, self.machine)
+        return kept_by_content(_machines, _KEPT_MACHINES, make, self.machine)
 
     @property
     def name(self) -> str:
@@ -267,20 +269,13 @@ def _relative(file: Path, folder: Path) -> str:
 
 
 def _assembled(machine: Any) -> Any:
-    key = fingerprint(machine)
-    if key not in _machines:
-        try:
-            spec = machine.assemble()
-        except KeyRuleError as error:
-            raise KeyRuleError.of(
-                p._replace(key=joined("machine", p.key)) for p in error.problems
-            ) from error
-        except CaseError as error:
-            raise type(error)(f"machine.{error}") from error
-        while len(_machines) >= _KEPT_MACHINES:
-            del _machines[next(iter(_machines))]
-        _machines[key] = spec
-    return _machines[key]
+    try:
+        return machine.assemble()
+    except KeyRuleError as error:
+        found = (p._replace(key=joined("machine", p.key)) for p in error.problems)
+        raise KeyRuleError.of(found) from error
+    except CaseError as error:
+        raise type(error)(f"machine.{error}") from error
 
 
 def load_case(source: str | Path | Mapping[str, Any], overrides: Iterable[str] = ()) -> Case:

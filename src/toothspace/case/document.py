@@ -72,11 +72,11 @@ class Document:
             key = key[: max(key.rfind("."), key.rfind("["), 0)]
         return self.places.get(key, (self.label, 0))
 
-    def refuse(self, problems: Iterable[Problem], kind: type[CaseError] = CaseError) -> CaseError:
+    def refuse(self, problems: Iterable[Problem]) -> CaseError:
         """Return the error of problems: a line for each, with its file and place, in order."""
         placed = [(self.place(problem.key), problem) for problem in dict.fromkeys(problems)]
         placed.sort(key=lambda one: (one[0][0] != self.label, one[0]))
-        return kind("\n".join(located(*place, str(problem)) for place, problem in placed))
+        return CaseError("\n".join(located(*place, str(problem)) for place, problem in placed))
 
 
 def located(label: str, line: int, text: str) -> str:

@@ -1,15 +1,17 @@
-"""Fingerprints: hashes of what a result depends on."""
+"""Fingerprints: hashes of what a result depends on, and what is kept by them."""
 
 from __future__ import annotations
 
 import hashlib
 import pickle
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
+
+_Made = TypeVar("_Made")
 
 
 def fingerprint(*values: Any) -> str:
@@ -26,6 +28,19 @@ def fingerprint(*values: Any) -> str:
         digest.update(part)
         digest.update(b"\0")
     return digest.hexdigest()
+
+
+def kept_by_content(
+    kept: dict[str, _Made], most: int, make: Callable[[], _Made], *content: Any
+) -> _Made:
+    """Return what was made of a content before, or make it; the oldest beyond ``most`` goes."""
+    key = fingerprint(*content)
+    if key not in kept:
+        made = make()
+        while len(kept) >= most:
+            del kept[next(iter(kept))]
+        kept[key] = made
+    return kept[key]
 
 
 def _parts(value: Any) -> Iterator[bytes]:
@@ -46,13 +61,9 @@ def _parts(value: Any) -> Iterator[bytes]:
         yield f"{type(value).__name__} {len(value)}".encode()
         for item in value:
             yield from _parts(item)
+    elif isinstance(value, Path):
+        yield value.read_bytes()
+    elif isinstance(value, (str, int, float, bool, type(None))):
+        yield f"{type(value).__name__} {value!r}".encode()
     else:
-        yield _plain(value)
-
-
-def _plain(value: Any) -> bytes:
-    if isinstance(value, Path):
-        return value.read_bytes()
-    if isinstance(value, (str, int, float, bool, type(None))):
-        return f"{type(value).__name__} {value!r}".encode()
-    return pickle.dumps(value)
+        yield pickle.dumps(value)

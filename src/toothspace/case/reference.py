@@ -30,27 +30,22 @@ _COLUMNS = "| key | allowed | default | meaning |\n|---|---|---|---|\n"
 
 def reference_page() -> str:
     """Return the whole page."""
-    sections = list(_sections())
-    return _HEAD.replace("{columns}", _COLUMNS) + "".join(
-        f"\n## {title}\n\n{body}" for title, body in sections
-    )
-
-
-def _sections() -> Iterator[tuple[str, str]]:
+    page = _HEAD.replace("{columns}", _COLUMNS)
     for name, (key, _) in keys.keys_of(Case).items():
         if isinstance(key, keys.Variant):
-            yield from _variants(name, key)
+            page += "".join(_variants(name, key))
         elif isinstance(key, keys.Table):
-            yield from _tables(name, key.spec, f"`[{name}]`")
+            page += "".join(_tables(name, key.spec, f"`[{name}]`"))
+    return page
 
 
-def _variants(path: str, key: keys.Variant) -> Iterator[tuple[str, str]]:
+def _variants(path: str, key: keys.Variant) -> Iterator[str]:
     for name, spec in key.variants.items():
         yield from _tables(path, spec, f'`[{path}]` with `{key.tag} = "{name}"`')
 
 
-def _tables(path: str, spec: type, title: str) -> Iterator[tuple[str, str]]:
-    yield title, _table(spec)
+def _tables(path: str, spec: type, title: str) -> Iterator[str]:
+    yield f"\n## {title}\n\n{_table(spec)}"
     for name, (key, _) in keys.keys_of(spec).items():
         if isinstance(key, keys.Named) and isinstance(key.item, keys.Variant):
             yield from _variants(f"{path}.NAME", key.item)
@@ -69,9 +64,7 @@ def _table(spec: type) -> str:
     ]
     if not rows:
         return head + "No keys.\n"
-    return (
-        head + "| key | allowed | default | meaning |\n|---|---|---|---|\n" + "\n".join(rows) + "\n"
-    )
+    return head + _COLUMNS + "\n".join(rows) + "\n"
 
 
 def _cell(text: str) -> str:

@@ -279,23 +279,17 @@ _FORMS = (
 )
 
 
-def check_vary(vary: Mapping[str, Any], key: str) -> None:
-    """Refuse varied keys without values.
-
-    Raises
-    ------
-    KeyRuleError
-        With the key concerned.
-    """
+def _check_vary(vary: Mapping[str, Any]) -> None:
+    """Refuse varied keys without values."""
     if not vary:
-        raise KeyRuleError(key, "nothing", "at least one key path with values")
+        raise KeyRuleError("vary", "nothing", "at least one key path with values")
     for path, values in vary.items():
         if isinstance(values, dict):
-            _check_span(values, f"{key}.{path}")
+            _check_span(values, f"vary.{path}")
         elif not isinstance(values, tuple) or not all(map(_is_scalar, values)) or not values:
             found = list(values) if isinstance(values, tuple) else values
             allowed = "a list of values, or {from, to, count}"
-            raise KeyRuleError(f"{key}.{path}", repr(found), allowed)
+            raise KeyRuleError(f"vary.{path}", repr(found), allowed)
 
 
 def _check_span(span: Mapping[str, Any], key: str) -> None:
@@ -343,7 +337,7 @@ class SweepStudy(KeyTable):
     seed: int = integer("Seed of the random numbers.", low=0, high=2**31, default=0)
 
     def __post_init__(self) -> None:
-        check_vary(self.vary, "vary")
+        _check_vary(self.vary)
         if self.method == "grid":
             forbid(self, 'because method = "grid" takes the points from vary', "sample_count")
         else:
@@ -397,7 +391,7 @@ class ToleranceStudy(KeyTable):
     seed: int = integer("Seed of the random numbers.", low=0, high=2**31, default=0)
 
     def __post_init__(self) -> None:
-        check_vary(self.vary, "vary")
+        _check_vary(self.vary)
 
 
 @final
@@ -422,7 +416,7 @@ class OptimiseStudy(KeyTable):
     seed: int = integer("Seed of the random numbers.", low=0, high=2**31, default=0)
 
     def __post_init__(self) -> None:
-        check_vary(self.vary, "vary")
+        _check_vary(self.vary)
         if self.targets is None:
             require(self, "unless targets are given", "objective")
         else:
@@ -464,7 +458,7 @@ class DesignScanStudy(KeyTable):
     seed: int = integer("Seed of the random numbers.", low=0, high=2**31, default=0)
 
     def __post_init__(self) -> None:
-        check_vary(self.vary, "vary")
+        _check_vary(self.vary)
 
 
 STUDIES: Mapping[str, type] = {

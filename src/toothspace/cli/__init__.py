@@ -3,8 +3,12 @@
 =========== ==========================================================
 module      responsibility
 =========== ==========================================================
-application the commands and their options
-commands    what each command does
+application the commands in their order
+runs        runs, studies, films and their reduction
+machines    geometry of a machine, gears in CAD files
+pages       reports, comparison, validation book, form
+lists       shipped cases and fluids, schema, compiling ahead
+options     options, messages and exit codes that commands share
 output      summaries as text or JSON, messages, progress
 =========== ==========================================================
 """
@@ -47,8 +51,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     # what imports leave behind stays to the end: looking through it again and again is in vain
     gc.set_threshold(_OBJECTS_BETWEEN_COLLECTIONS)
-    # the system takes all memory back at the end: Python need not search it for cycles before
-    atexit.register(gc.freeze)
+    if arguments is None:
+        # the process ends with this: its memory need not be searched for cycles before
+        atexit.register(gc.freeze)
     try:
         load_linear_algebra()
         from toothspace.cli.application import application

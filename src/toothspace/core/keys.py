@@ -205,28 +205,43 @@ class Key:
         raise KeyRuleError("", found, self.allowed())
 
 
-def _inside(value: float, bounds: QuantityKey | Number, bound: Callable[[float], float]) -> bool:
-    # bounds in display units are compared with a rounding allowance
-    if not math.isfinite(value):
-        return False
-    slack = 1e-12 * abs(value)
-    return not (
-        (bounds.above is not None and value <= bound(bounds.above))
-        or (bounds.low is not None and value < bound(bounds.low) - slack)
-        or (bounds.high is not None and value > bound(bounds.high) + slack)
-    )
+@dataclass(frozen=True, kw_only=True)
+class Bounded:
+    """Number between bounds, which are in the display unit; ``above`` is exclusive."""
 
+    low: float | None = None
+    high: float | None = None
+    above: float | None = None
 
-def _range(key: QuantityKey | Number, unit: str) -> str:
-    parts = []
-    if key.above is not None:
-        parts.append(f"above {key.above:g}{unit}")
-    if key.low is not None:
-        parts.append(f"from {key.low:g}{unit}")
-    if key.high is not None:
-        parts.append(f"{'to' if key.low is not None else 'at most'} {key.high:g}{unit}")
-    text = " ".join(parts) if key.low is not None else ", ".join(parts)
-    return f", {text}" if text else ""
+    def inside(self, value: float, bound: Callable[[float], float] = float) -> bool:
+        """Tell whether a value lies between the bounds, converted to its unit."""
+        if not math.isfinite(value):
+            return False
+        # bounds in display units are compared with a rounding allowance
+        slack = 1e-12 * abs(value)
+        return not (
+            (self.above is not None and value <= bound(self.above))
+            or (self.low is not None and value < bound(self.low) - slack)
+            or (self.high is not None and value > bound(self.high) + slack)
+        )
+
+    def limits(self, unit: str = "") -> str:
+        """Return the bounds in words, to be put behind what is allowed."""
+        parts = []
+        if self.above is not None:
+            parts.append(f"above {self.above:g}{unit}")
+        if self.low is not None:
+            parts.append(f"from {self.low:g}{unit}")
+        if self.high is not None:
+            parts.append(f"{'to' if self.low is not None else 'at most'} {self.high:g}{unit}")
+        text = " ".join(parts) if self.low is not None else ", ".join(parts)
+        return f", {text}" if text else ""
+
+    def bounds(self) -> Schema:
+        """Return the bounds as JSON Schema names them."""
+        names = "minimum", "exclusiveMinimum", "maximum"
+        pairs = zip(names, (self.low, self.above, self.high), strict=True)
+        return {name: bound for name, bound in pairs if bound is not None}
 
 
 def _is_number(raw: Any) -> bool:
@@ -235,19 +250,14 @@ def _is_number(raw: Any) -> bool:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class QuantityKey(Key):
-    """Text with a unit; bounds are numbers in the display unit, ``above`` is exclusive."""
+class QuantityKey(Bounded, Key):
+    """Text with a unit."""
 
     unit: str
-    low: float | None = None
-    high: float | None = None
-    above: float | None = None
 
     def allowed(self) -> str:
-        limits = _range(self, f" {self.unit}")
-        return (
-            f"{dimension_name(self.unit)} with its unit in quotes, such as '1 {self.unit}'{limits}"
-        )
+        example = f"{dimension_name(self.unit)} with its unit in quotes, such as '1 {self.unit}'"
+        return f"{example}{self.limits(f' {self.unit}')}"
 
     def read(self, raw: Any, source: Source) -> float:
         given = as_text(raw)
@@ -255,7 +265,7 @@ class QuantityKey(Key):
             value, found = float(given), format_si(float(given), self.unit)
         else:
             value, found = self._parsed(given), shown(given)
-        if not _inside(value, self, lambda bound: to_si(bound, self.unit)):
+        if not self.inside(value, lambda bound: to_si(bound, self.unit)):
             self.fail(found)
         return value
 
@@ -272,31 +282,25 @@ class QuantityKey(Key):
         return exact_text(value, self.unit)
 
     def schema(self) -> Schema:
-        bounds = {"x-minimum": self.low, "x-exclusiveMinimum": self.above, "x-maximum": self.high}
-        given = {name: bound for name, bound in bounds.items() if bound is not None}
-        return {"type": "string", "pattern": _QUANTITY_PATTERN, "x-unit": self.unit, **given}
+        text = {"type": "string", "pattern": _QUANTITY_PATTERN, "x-unit": self.unit}
+        return {**text, **{f"x-{name}": bound for name, bound in self.bounds().items()}}
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Number(Key):
+class Number(Bounded, Key):
     """Dimensionless number."""
 
-    low: float | None = None
-    high: float | None = None
-    above: float | None = None
-
     def allowed(self) -> str:
-        return f"a number without unit{_range(self, '')}"
+        return f"a number without unit{self.limits()}"
 
     def read(self, raw: Any, source: Source) -> float:
-        if not _is_number(raw) or abs(raw) > 1e300 or not _inside(float(raw), self, float):
+        if not _is_number(raw) or abs(raw) > 1e300 or not self.inside(float(raw)):
             self.fail(shown(raw))
         return float(raw)
 
     def schema(self) -> Schema:
-        bounds = {"minimum": self.low, "exclusiveMinimum": self.above, "maximum": self.high}
-        return {"type": "number", **{name: b for name, b in bounds.items() if b is not None}}
+        return {"type": "number", **self.bounds()}
 
 
 @final
@@ -311,9 +315,8 @@ class Integer(Key):
         return f"a whole number, from {self.low} to {self.high}"
 
     def read(self, raw: Any, source: Source) -> int:
-        if isinstance(raw, bool) or not isinstance(raw, Integral):
-            self.fail(shown(raw))
-        if not self.low <= int(raw) <= self.high:
+        whole = isinstance(raw, Integral) and not isinstance(raw, bool)
+        if not whole or not self.low <= int(raw) <= self.high:
             self.fail(shown(raw))
         return int(raw)
 
@@ -597,7 +600,7 @@ class Table(Key):
             given = named.get(name, rest.get(name))
             if given is not None:
                 values[name] = problems.of("" if name in named else name, key.read, given, source)
-            elif is_required(dataclass_field):
+            elif dataclass_field.default is MISSING:
                 problems.append(Problem(name, "nothing", key.allowed()))
         problems.settle()
         return values
@@ -607,25 +610,31 @@ class Table(Key):
         found: dict[str, Any] = {}
         for name, (key, dataclass_field) in keys_of(self.spec).items():
             one = getattr(value, name)
-            if one is None or (not is_required(dataclass_field) and one == dataclass_field.default):
-                continue
-            text = key.written(one, file_text)
-            found |= text if isinstance(key, Named) and key.beside else {name: text}
+            if one is not None and one != dataclass_field.default:
+                text = key.written(one, file_text)
+                found |= text if isinstance(key, Named) and key.beside else {name: text}
         return found
 
     def schema(self) -> Schema:
         properties: Schema = {}
+        required: list[str] = []
         others: Any = False
         for name, (key, dataclass_field) in keys_of(self.spec).items():
             if isinstance(key, Named) and key.beside:
                 others = key.item.schema()
-            else:
-                properties[name] = described(key) | _default(key, dataclass_field.default)
-        declared = keys_of(self.spec).items()
+                continue
+            properties[name] = described(key)
+            default = dataclass_field.default
+            if default is MISSING:
+                required.append(name)
+            elif default is not None and isinstance(key, QuantityKey):
+                properties[name]["default"] = format_si(default, key.unit)
+            elif default is not None and isinstance(key, (Number, Integer, Choice, Text, Flag)):
+                properties[name]["default"] = default
         return {
             "type": "object",
             "properties": properties,
-            "required": [n for n, (_, f) in declared if is_required(f) and n in properties],
+            "required": required,
             "additionalProperties": others,
         }
 
@@ -749,16 +758,6 @@ def described(key: Key) -> Schema:
     return {"description": f"{key.doc}{allowed}".strip(), **key.schema()}
 
 
-def _default(key: Key, default: Any) -> Schema:
-    if default is MISSING or default is None:
-        return {}
-    if isinstance(key, QuantityKey):
-        return {"default": format_si(default, key.unit)}
-    if isinstance(key, (Number, Integer, Choice, Text, Flag)):
-        return {"default": default}
-    return {}
-
-
 class KeyTable:
     """Base of the frozen dataclasses that hold the keys of a case.
 
@@ -773,29 +772,17 @@ class KeyTable:
             return  # the base checks the values and its own rules
 
         def checked(self: Any) -> None:
-            check_values(self)
+            problems = Problems()
+            for name, (key, declared) in keys_of(type(self)).items():
+                value = getattr(self, name)
+                if value is not declared.default:
+                    # a text with a unit becomes a number in SI units
+                    object.__setattr__(self, name, problems.of(name, key.read, value, _PYTHON))
+            problems.settle()
             if rules is not None:
                 rules(self)
 
         cls.__post_init__ = checked  # type: ignore[attr-defined]
-
-
-def check_values(table: Any) -> None:
-    """Check every value of a table in place; texts with units become numbers in SI units.
-
-    Raises
-    ------
-    KeyRuleError
-        With all keys whose values are refused.
-    """
-    problems = Problems()
-    for name, (key, dataclass_field) in keys_of(type(table)).items():
-        value = getattr(table, name)
-        if value is dataclass_field.default:
-            continue
-        read = problems.of(name, key.read, value, _PYTHON)
-        object.__setattr__(table, name, read)
-    problems.settle()
 
 
 def declare(key: Key, default: Any = MISSING) -> Any:
@@ -810,57 +797,36 @@ def optional(spec: type, name: str) -> Any:
     return declare(replace(key, doc=f"{meaning}."), None)
 
 
-def quantity(
-    unit: str,
-    doc: str,
-    *,
-    low: float | None = None,
-    high: float | None = None,
-    above: float | None = None,
-    default: float | Any | None = MISSING,
-) -> Any:
-    """Declare a quantity; bounds in ``unit``, default in SI units."""
-    return declare(QuantityKey(doc=doc, unit=unit, low=low, high=high, above=above), default)
+def quantity(unit: str, doc: str, *, default: Any = MISSING, **bounds: float) -> Any:
+    """Declare a quantity; ``low``, ``high`` and ``above`` in ``unit``, default in SI units."""
+    return declare(QuantityKey(doc=doc, unit=unit, **bounds), default)
 
 
-def number(
-    doc: str,
-    *,
-    low: float | None = None,
-    high: float | None = None,
-    above: float | None = None,
-    default: float | Any | None = MISSING,
-) -> Any:
-    """Declare a dimensionless number. [-]."""
-    return declare(Number(doc=doc, low=low, high=high, above=above), default)
+def number(doc: str, *, default: Any = MISSING, **bounds: float) -> Any:
+    """Declare a dimensionless number with ``low``, ``high`` and ``above``. [-]."""
+    return declare(Number(doc=doc, **bounds), default)
 
 
-def integer(doc: str, *, low: int, high: int, default: int | Any | None = MISSING) -> Any:
+def integer(doc: str, *, low: int, high: int, default: Any = MISSING) -> Any:
     """Declare a whole number. [-]."""
     return declare(Integer(doc=doc, low=low, high=high), default)
 
 
 def choice(
-    doc: str,
-    *options: str,
-    default: str | Any | None = MISSING,
-    former: Mapping[str, str] | None = None,
+    doc: str, *options: str, default: Any = MISSING, former: Mapping[str, str] | None = None
 ) -> Any:
     """Declare a choice of words; ``former`` spellings are accepted, with a note."""
     return declare(Choice(doc=doc, options=options, former=former or {}), default)
 
 
-def text(doc: str, *, default: str | Any | None = MISSING) -> Any:
+def text(doc: str, *, default: Any = MISSING) -> Any:
     """Declare a text."""
     return declare(Text(doc=doc), default)
 
 
-def file_path(
-    doc: str, *suffixes: str, default: Any = None, points: bool = False, columns: bool = False
-) -> Any:
-    """Declare a file, relative to the case file; or the curve or table that it would hold."""
-    key = FilePath(doc=doc, suffixes=suffixes, points=points, columns=columns)
-    return declare(key, default)
+def file_path(doc: str, *suffixes: str, default: Any = None, **instead: bool) -> Any:
+    """Declare a file, relative to the case file, with ``points`` or ``columns`` in its place."""
+    return declare(FilePath(doc=doc, suffixes=suffixes, **instead), default)
 
 
 def table(spec: type, doc: str, *, default: Any = MISSING) -> Any:
@@ -871,8 +837,3 @@ def table(spec: type, doc: str, *, default: Any = MISSING) -> Any:
 def keys_of(spec: type) -> dict[str, tuple[Key, Field[Any]]]:
     """Return the declared keys of a dataclass with their fields, in order."""
     return {f.name: (f.metadata[_METADATA], f) for f in fields(spec) if _METADATA in f.metadata}
-
-
-def is_required(declared: Field[Any]) -> bool:
-    """Tell whether a declared field has no default."""
-    return declared.default is MISSING and declared.default_factory is MISSING

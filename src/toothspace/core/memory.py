@@ -23,7 +23,7 @@ def is_short() -> bool:
     return not offers(_MARGIN)
 
 
-def require_some() -> None:
+def require_memory() -> None:
     """Raise :class:`MemoryError` where memory is short, ahead of a library that bears it badly."""
     if is_short():
         raise MemoryError

@@ -5,8 +5,12 @@ from __future__ import annotations
 import os
 import signal
 import threading
+from collections.abc import Callable, Iterable
+from functools import partial
 from multiprocessing import parent_process
+from typing import Any
 
+from toothspace.core.errors import CaseError
 from toothspace.core.interrupts import ENDING
 
 _ONE_THREAD = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
@@ -30,3 +34,26 @@ def _end_with_parent() -> None:
     if parent is not None:
         parent.join()
         os._exit(1)
+
+
+def outcomes(function: Callable[[Any], Any], items: Iterable[Any], workers: int) -> list[Any]:
+    """Call a function of a module on every item, in processes if there is more than one worker.
+
+    An item that fails gives its exception, and the others go on.
+    """
+    if workers <= 1:
+        return [_outcome(function, item) for item in items]
+    from concurrent.futures import ProcessPoolExecutor
+
+    with ProcessPoolExecutor(workers, initializer=start_worker) as pool:
+        return list(pool.map(partial(_outcome, function), items))
+
+
+def _outcome(function: Callable[[Any], Any], item: Any) -> Any:
+    try:
+        return function(item)
+    except CaseError as error:
+        # its subclasses may not survive the way between processes
+        return CaseError(str(error))
+    except Exception as error:
+        return error

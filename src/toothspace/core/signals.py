@@ -38,7 +38,7 @@ def read_columns(path: Path, wanted: Mapping[str, str]) -> dict[str, Array]:
     CaseError
         If a column is missing, has another dimension, or holds something not finite.
     """
-    rows = _rows(path)
+    rows = read_rows(path)
     names = _names(rows)
     return {name: _column(path, rows[1:], names, name, unit) for name, unit in wanted.items()}
 
@@ -51,10 +51,17 @@ def column_names(path: Path) -> list[str]:
     CaseError
         If it is no CSV file.
     """
-    return list(_names(_rows(path)))
+    return list(_names(read_rows(path)))
 
 
-def _rows(path: Path) -> list[list[str]]:
+def read_rows(path: Path) -> list[list[str]]:
+    """Return the cells of a CSV file, separated by commas or semicolons, without empty rows.
+
+    Raises
+    ------
+    CaseError
+        If it is no CSV file.
+    """
     allowed = "a CSV file in UTF-8"
     try:
         text = read_bytes(path, str(path), allowed, _LARGEST_FILE).decode("utf-8-sig")

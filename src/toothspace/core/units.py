@@ -303,22 +303,14 @@ def parse_quantity(text: str, unit: str, allowed: str = "") -> float:
     if not found:
         raise CaseError(f"found {text!r} without a unit, allowed {example}")
     try:
-        found = _with_revolution(found, unit)
+        if dimension_name(unit) == "a displacement" and dimension_name(found) == "a volume":
+            found = f"({found})/rev"
         fits = compatible(found, unit)
     except CaseError as error:
         raise CaseError(f"{error} in {text!r}, allowed {example}") from error
     if not fits:
         raise CaseError(f"found {text!r}, {dimension_name(found)}, allowed {example}")
-    return _finite(to_si(number, found), text, example)
-
-
-def _with_revolution(found: str, wanted: str) -> str:
-    if dimension_name(wanted) == "a displacement" and dimension_name(found) == "a volume":
-        return f"({found})/rev"
-    return found
-
-
-def _finite(value: float, text: str, example: str) -> float:
+    value = to_si(number, found)
     if not math.isfinite(value):
         raise CaseError(f"found {text!r}, which is too large, allowed {example}")
     return value

@@ -9,7 +9,17 @@ import numpy as np
 
 from toothspace.core.types import Array
 from toothspace.plotting.lateral_figures import StudyFigure
-from toothspace.plotting.style import BLUE, CYCLE, GREEN, GREY, INK, ORANGE, new_figure, styled
+from toothspace.plotting.style import (
+    BLUE,
+    CYCLE,
+    GREEN,
+    GREY,
+    INK,
+    ORANGE,
+    contour_lines,
+    new_figure,
+    styled,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -78,7 +88,6 @@ def film_contours(data: xr.Dataset) -> Figure:
 
 def _filled(axes: Axes, grid: tuple[Array, Array, Any], colours: str) -> None:
     from matplotlib.colors import LogNorm, Normalize
-    from matplotlib.patheffects import withStroke
     from matplotlib.ticker import MaxNLocator
 
     values = grid[2]
@@ -89,10 +98,7 @@ def _filled(axes: Axes, grid: tuple[Array, Array, Any], colours: str) -> None:
     else:
         levels = np.asarray(MaxNLocator(_LEVELS, min_n_ticks=4).tick_values(low, high))
         scale = Normalize(levels[0], levels[-1])
-    axes.contourf(*grid, levels=levels, cmap=colours, norm=scale, extend="both")
-    lines = axes.contour(*grid, levels=levels, colors=INK, linewidths=0.6)
-    for text in axes.clabel(lines, fmt="%g", fontsize=7):
-        text.set_path_effects([withStroke(linewidth=2.0, foreground="white")])
+    contour_lines(axes, grid, levels, cmap=colours, norm=scale)
 
 
 def _one_two_five(low: float, high: float) -> Array:

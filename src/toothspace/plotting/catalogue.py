@@ -311,7 +311,7 @@ def _sampled(kind: str, solution: Solution) -> bool:
     if kind == "transient":
         return not steady
     if kind == "start":
-        return bool(np.isfinite(startup.breakaway_time(solution)))
+        return bool(np.isfinite(solution.breakaway_time))
     angle = solution.data["shaft_angle"].values
     if not steady or angle.size < 3:
         return False

@@ -72,8 +72,7 @@ def _band(axes: Axes, solution: Solution, name: str, factor: float, color: str) 
 def breakaway_zoom(solution: Solution, description: MachineDescription | None = None) -> Figure:
     """Pressure difference, speed and angle about the moment in which the shaft breaks away."""
     data = solution.data
-    begin = breakaway_time(solution)
-    time = np.asarray(data["time"]) - begin
+    time = np.asarray(data["time"]) - solution.breakaway_time
     shown = (time > _ZOOM[0]) & (time < _ZOOM[1])
     figure = new_figure(7.2, 4.8)
     rows = figure.subplots(3, 1, sharex=True)
@@ -90,12 +89,6 @@ def breakaway_zoom(solution: Solution, description: MachineDescription | None = 
     rows[0].set_title("Breakaway")
     rows[2].set_xlabel("Time after breakaway (ms)")
     return figure
-
-
-def breakaway_time(solution: Solution) -> float:
-    """When the shaft begins to turn, NaN if it never does. [s]."""
-    times = [event.time for event in solution.events if event.kind == "shaft_released"]
-    return times[0] if times else float("nan")
 
 
 @styled

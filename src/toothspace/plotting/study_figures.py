@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from textwrap import fill
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from toothspace.plotting.style import (
     INK,
     ORANGE,
     PRESSURE_COLOURS,
+    contour_lines,
     new_figure,
     styled,
 )
@@ -107,6 +108,8 @@ def _efficiency_map(data: xr.Dataset) -> list[StudyFigure]:
 @styled
 def efficiency_contours(data: xr.Dataset) -> Figure:
     """Contours of the three efficiencies over shaft speed and pressure difference."""
+    from matplotlib.ticker import MaxNLocator
+
     figure = new_figure(7.2, 8.6)
     speed = data["shaft_speed"].values * _RPM
     pressure = data["pressure_difference"].values * 1e-5
@@ -115,24 +118,14 @@ def efficiency_contours(data: xr.Dataset) -> Figure:
         # below zero a motor is driven: it has no efficiency there
         values = np.ma.masked_invalid(np.where(data[name] > 0.0, 100.0 * data[name], np.nan).T)
         if values.count() > 3:
-            _contours(axes, speed, pressure, values)
+            high = float(values.max())
+            low = max(float(values.min()), high - _SHOWN_RANGE)
+            levels = MaxNLocator(10, steps=[1, 2, 5, 10], min_n_ticks=4).tick_values(low, high)
+            contour_lines(axes, (speed, pressure, values), levels, cmap=PRESSURE_COLOURS)
         axes.plot(*map(np.ravel, np.meshgrid(speed, pressure)), ".", color=GREY, ms=3)
         axes.set(title=title, ylabel="Pressure difference (bar)")
     panels[-1].set_xlabel("Shaft speed (rpm)")
     return figure
-
-
-def _contours(axes: Axes, speed: Array, pressure: Array, values: Any) -> None:
-    from matplotlib.patheffects import withStroke
-    from matplotlib.ticker import MaxNLocator
-
-    high = float(values.max())
-    low = max(float(values.min()), high - _SHOWN_RANGE)
-    levels = MaxNLocator(10, steps=[1, 2, 5, 10], min_n_ticks=4).tick_values(low, high)
-    axes.contourf(speed, pressure, values, levels=levels, cmap=PRESSURE_COLOURS, extend="both")
-    lines = axes.contour(speed, pressure, values, levels=levels, colors=INK, linewidths=0.7)
-    for text in axes.clabel(lines, fmt="%g", fontsize=7.5):
-        text.set_path_effects([withStroke(linewidth=2.0, foreground="white")])
 
 
 @styled

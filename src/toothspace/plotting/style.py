@@ -8,9 +8,10 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, ParamSpec
+from typing import TYPE_CHECKING, Any, ParamSpec
 
 from toothspace.core.files import draft_of
+from toothspace.core.types import Array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -87,6 +88,16 @@ def new_figure(width: float = 7.2, height: float = 3.4) -> Figure:
     from matplotlib.figure import Figure
 
     return Figure(figsize=(width, height), layout="constrained")
+
+
+def contour_lines(axes: Axes, grid: tuple[Array, Array, Any], levels: Any, **fill: Any) -> None:
+    """Filled contours with labelled lines of x, y and values."""
+    from matplotlib.patheffects import withStroke
+
+    axes.contourf(*grid, levels=levels, extend="both", **fill)
+    lines = axes.contour(*grid, levels=levels, colors=INK, linewidths=0.6)
+    for text in axes.clabel(lines, fmt="%g", fontsize=7):
+        text.set_path_effects([withStroke(linewidth=2.0, foreground="white")])
 
 
 def angle_axis(axes: Axes, label: str = "Shaft angle (deg)", span: float = 360.0) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.model.description import ChamberFamily, FlowPath, MachineDescription
+from toothspace.model.description import ChamberFamily, MachineDescription
 from toothspace.model.path_category import OPENINGS, PathCategory
 
 
@@ -30,14 +30,15 @@ def opening_area(
     ndarray
         Area; zero where nothing is open. [m2]
     """
-    first = _first_chamber(description, family)
+    names = [other.name for other in description.families]
+    first = sum(other.count for other in description.families[: names.index(family.name)])
     area = np.zeros_like(angle)
     for path in description.paths:
         if path.category != category or path.kind != "orifice":
             continue
         for member in np.flatnonzero((path.nodes_a == first) | (path.nodes_b == first)):
-            offset = _offset(path, family, int(member))
             scale = path.angle_ratio / family.angle_ratio
+            offset = float(path.phases[member] - scale * family.phases[0])
             area = area + path.multiplicity * path.geometry(scale * angle + offset)[..., 0]
     return area
 
@@ -54,17 +55,3 @@ def opening_windows(
         (float(angle[start]), float(angle[end - 1]))
         for start, end in zip(edges[::2], edges[1::2], strict=True)
     ]
-
-
-def _offset(path: FlowPath, family: ChamberFamily, member: int) -> float:
-    scale = path.angle_ratio / family.angle_ratio
-    return float(path.phases[member] - scale * family.phases[0])
-
-
-def _first_chamber(description: MachineDescription, family: ChamberFamily) -> int:
-    before = 0
-    for other in description.families:
-        if other.name == family.name:
-            break
-        before += other.count
-    return before

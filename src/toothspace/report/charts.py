@@ -22,18 +22,18 @@ from toothspace.results.solution import Solution
 
 _BAR = 1e5
 _MM = 1e3
+_FRAMES = 16
+"""Positions within one tooth pitch; fewer if the samples are coarser."""
 _DRAWN_ERROR = 1.5e-5  # what drawn outlines may deviate [m]
 
 
-def turning_section(solution: Solution, description: MachineDescription, frames: int = 16) -> str:
+def turning_section(solution: Solution, description: MachineDescription) -> str:
     """Section through the machine over one tooth pitch, with a slider for the shaft angle.
 
     Parameters
     ----------
     description : MachineDescription
         Machine that it belongs to, with outlines of its chambers.
-    frames : int
-        Number of positions within one tooth pitch; fewer if the samples are coarser.
 
     Returns
     -------
@@ -44,7 +44,7 @@ def turning_section(solution: Solution, description: MachineDescription, frames:
 
     angle = np.asarray(solution.data["shaft_angle"])
     pitch = 2.0 * np.pi / description.families[0].count
-    wanted = angle[0] + pitch * np.arange(frames) / frames
+    wanted = angle[0] + pitch * np.arange(_FRAMES) / _FRAMES
     samples = sorted({int(np.argmin(np.abs(angle - value))) for value in wanted})
     top = top_of_scale(solution) / _BAR
     housing = housing_region(description)

@@ -10,9 +10,10 @@ from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
-from toothspace.case import Case
 from toothspace.core.files import write_text
 from toothspace.core.status import Status
+from toothspace.report.machine import case_of
+from toothspace.report.page import render
 from toothspace.report.wording import format_value, quantity
 from toothspace.results.ledger import loss_causes
 from toothspace.results.solution import Solution
@@ -20,7 +21,6 @@ from toothspace.results.solution import Solution
 if TYPE_CHECKING:
     import pandas as pd
 
-_TEMPLATES = Path(__file__).parent / "templates"
 _TITLES = ("title", "base")
 """Keys that change no number."""
 
@@ -60,7 +60,7 @@ class Comparison:
 
     @cached_property
     def _keys(self) -> dict[str, tuple[Any, Any]]:
-        one, two = (_leaves(_case_of(s).to_dict()) for s in (self.first, self.second))
+        one, two = (_leaves(case_of(s).to_dict()) for s in (self.first, self.second))
         both = {name: (one.get(name), two.get(name)) for name in {**one, **two}}
         return {name: values for name, values in both.items() if values[0] != values[1]}
 
@@ -109,22 +109,13 @@ class Comparison:
 
     def write(self, path: str | Path) -> Path:
         """Write the comparison as one HTML page that opens offline, and return its path."""
-        from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
-        environment = Environment(
-            loader=FileSystemLoader(_TEMPLATES),
-            autoescape=True,
-            undefined=StrictUndefined,
-            trim_blocks=True,
-            lstrip_blocks=True,
-        )
-        page = environment.get_template("comparison.html.j2").render(
+        page = render(
+            "comparison.html.j2",
             titles=[s.provenance.get("title", "") for s in (self.first, self.second)],
             warnings=self.warnings(),
             keys=self._keys,
             numbers=[_shown_number(name, *both) for name, both in self.numbers().items()],
             losses=[(name, "W", *_shown_row(*both)) for name, both in self.losses().items()],
-            style=(_TEMPLATES / "report.css").read_text(encoding="utf-8"),
         )
         return write_text(Path(path), page)
 
@@ -156,11 +147,6 @@ def _shown_number(name: str, first: float, second: float) -> tuple[str, ...]:
     label = quantity(name, first)
     scale = 100.0 if label.unit == "%" and name.endswith("_efficiency") else 1.0
     return label.label, label.unit, *_shown_row(scale * first, scale * second)
-
-
-def _case_of(solution: Solution) -> Case:
-    folder = Path(solution.provenance.get("case_file", "")).parent
-    return Case.from_toml(solution.provenance.get("case_toml", ""), folder)
 
 
 def _leaves(tables: Mapping[str, Any], path: str = "") -> dict[str, Any]:

@@ -174,6 +174,11 @@ def _numbers(solution: Solution) -> dict[str, Any]:
 
 def _causes(solution: Solution, summary: Mapping[str, object]) -> list[dict[str, Any]]:
     """Losses by cause, each with its places, largest first; flows of the gaps that leak."""
+
+    def flow(account: str) -> str:
+        value = summary.get(f"leakage_{account}_L_per_min") if account else None
+        return format_value(round(value, 5)) if isinstance(value, float) else ""
+
     groups: dict[str, list[LossCause]] = {}
     for entry in loss_causes(solution.ledger):
         groups.setdefault(entry.cause, []).append(entry)
@@ -184,7 +189,7 @@ def _causes(solution: Solution, summary: Mapping[str, object]) -> list[dict[str,
                 "label": entry.label,
                 "power": format_value(entry.power),
                 "share": f"{100.0 * entry.share:.2f}",
-                "flow": _flow(summary, entry.account),
+                "flow": flow(entry.account),
             }
             for entry in sorted(entries, key=lambda entry: -entry.power)
         ]
@@ -205,11 +210,6 @@ def _temperatures(solution: Solution) -> list[LabelledNumber]:
         quantity(f"{name.replace('.', ' of ')}_degC", float(value))
         for name, value in zip(names, celsius, strict=True)
     ]
-
-
-def _flow(summary: Mapping[str, object], account: str) -> str:
-    value = summary.get(f"leakage_{account}_L_per_min") if account else None
-    return format_value(round(value, 5)) if isinstance(value, float) else ""
 
 
 def _machine(solution: Solution, description: MachineDescription | None) -> dict[str, Any]:
@@ -266,12 +266,13 @@ def figures_of(
 ) -> list[tuple[FigureEntry, Figure]]:
     """Return all figures of a result in the order of the chapters."""
     entries = available_figures(solution, description)
-    return [
-        (entry, _drawn(entry, solution, description, measured))
-        for key in _CHAPTERS
-        for entry in entries
-        if entry.chapter == key
-    ]
+
+    def drawn(entry: FigureEntry) -> Figure:
+        if measured and entry.name == "speed_and_pressure":
+            return speed_and_pressure(solution, description, measured)
+        return entry.draw(solution, description)
+
+    return [(entry, drawn(entry)) for key in _CHAPTERS for entry in entries if entry.chapter == key]
 
 
 def _chapters(
@@ -289,14 +290,3 @@ def _chapters(
             picture = turning if key == "pressure" else ""
             chapters.append({"key": key, "title": title, "figures": shown, "turning": picture})
     return chapters
-
-
-def _drawn(
-    entry: FigureEntry,
-    solution: Solution,
-    description: MachineDescription | None,
-    measured: Measured | None,
-) -> Figure:
-    if measured and entry.name == "speed_and_pressure":
-        return speed_and_pressure(solution, description, measured)
-    return entry.draw(solution, description)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from toothspace.case import Case
 from toothspace.core.errors import CaseError
 from toothspace.model.description import MachineDescription
 from toothspace.results.solution import Solution
@@ -14,14 +15,25 @@ NOT_REBUILT = (
 )
 
 
+def case_of(solution: Solution) -> Case:
+    """Return the case that a result carries; files are looked for beside the case file.
+
+    Raises
+    ------
+    CaseError
+        If a file is gone, or the case is none of this version.
+    """
+    folder = Path(solution.provenance.get("case_file", "")).parent
+    return Case.from_toml(solution.provenance.get("case_toml", ""), folder)
+
+
 def machine_of(solution: Solution) -> tuple[MachineDescription | None, str]:
     """Describe the machine of a result.
 
     Parameters
     ----------
     solution : Solution
-        Result with ``case_toml``, ``case_hash`` and ``case_file`` in its provenance; profile
-        files are looked for beside the case file.
+        Result with ``case_toml``, ``case_hash`` and ``case_file`` in its provenance.
 
     Returns
     -------
@@ -31,13 +43,10 @@ def machine_of(solution: Solution) -> tuple[MachineDescription | None, str]:
         Why not; empty if it was.
     """
     from toothspace import api
-    from toothspace.case import Case
 
-    provenance = solution.provenance
-    folder = Path(provenance.get("case_file", "")).parent
     try:
-        case = Case.from_toml(provenance.get("case_toml", ""), folder)
-        if case.hash != provenance.get("case_hash", case.hash):
+        case = case_of(solution)
+        if case.hash != solution.provenance.get("case_hash", case.hash):
             return None, NOT_REBUILT + "files that the case names have changed since the run."
         return api.describe(case), ""
     except CaseError as error:

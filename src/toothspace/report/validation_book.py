@@ -34,11 +34,11 @@ def claim_figure(curves: Sequence[ComparedCurve]) -> Figure:
     """
     figure = new_figure(3.6 * max(len(curves), 2), 2.9)
     for axes, curve in zip(figure.subplots(1, len(curves), squeeze=False)[0], curves, strict=True):
-        marker = "." if curve.ours.x.size <= _FEW else None
-        axes.plot(curve.ours.x, curve.ours.y, color=BLUE, marker=marker, label="toothspace")
+        marker = "." if curve.x.size <= _FEW else None
+        axes.plot(curve.x, curve.y, color=BLUE, marker=marker, label="toothspace")
         if curve.published is not None:
-            place, value = curve.published.x, curve.published.y
-            axes.plot(place, value, "o", color=ORANGE, markersize=3.5, label="published")
+            look = {"color": ORANGE, "markersize": 3.5, "label": "published"}
+            axes.plot(curve.places, curve.published, "o", **look)
             axes.legend()
         if curve.logarithmic:
             axes.set_xscale("log")

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from toothspace.model.description import MachineDescription
-from toothspace.results.ledger import loss_causes
+from toothspace.results.ledger import LossCause, loss_causes
 from toothspace.results.solution import Solution
 
 
@@ -25,8 +25,10 @@ def verdict(solution: Solution) -> str:
         work = f"delivers {flow:.2f} L/min for {torque:.2f} N m"
     text = f"At {speed:.0f} rpm the {mode} {work}."
     if math.isfinite(overall):
-        text += f" Overall efficiency is {100.0 * overall:.1f} %"
-        text += f" ({_efficiency_split(numbers)}); {_causes(solution)}{_largest_loss(solution)}."
+        parts = ("volumetric", "hydromechanical")
+        shares = [f"{p} {100.0 * _number(numbers, f'{p}_efficiency'):.1f} %" for p in parts]
+        text += f" Overall efficiency is {100.0 * overall:.1f} % ({', '.join(shares)});"
+        text += f" {_lost(loss_causes(solution.ledger))}."
     return text
 
 
@@ -45,30 +47,20 @@ def _course(numbers: Mapping[str, float | str]) -> str:
     return text
 
 
-def _efficiency_split(numbers: Mapping[str, float | str]) -> str:
-    volumetric = _number(numbers, "volumetric_efficiency")
-    hydromechanical = _number(numbers, "hydromechanical_efficiency")
-    return f"volumetric {100.0 * volumetric:.1f} %, hydromechanical {100.0 * hydromechanical:.1f} %"
-
-
-def _causes(solution: Solution) -> str:
-    """Points of efficiency that each cause takes, largest first."""
+def _lost(losses: Sequence[LossCause]) -> str:
+    """Points of efficiency that each cause takes, largest first, and the largest loss."""
     shares: dict[str, float] = {}
-    for entry in loss_causes(solution.ledger):
+    for entry in losses:
         shares[entry.cause] = shares.get(entry.cause, 0.0) + 100.0 * entry.share
     named = sorted(shares.items(), key=lambda item: -item[1])
     parts = [f"{cause} {share:.1f}" for cause, share in named if share >= 0.05]
-    return f"lost points: {', '.join(parts)}" if parts else "no losses"
-
-
-def _largest_loss(solution: Solution) -> str:
-    losses = loss_causes(solution.ledger)
+    text = f"lost points: {', '.join(parts)}" if parts else "no losses"
     total = sum(entry.power for entry in losses)
     if total <= 0.0:
-        return ""
+        return text
     largest = max(losses, key=lambda entry: entry.power)
     where = f"{largest.cause}, {largest.label}, with {largest.power:.0f} W"
-    return f"; the largest loss is {where}, {100.0 * largest.power / total:.0f} % of all"
+    return f"{text}; the largest loss is {where}, {100.0 * largest.power / total:.0f} % of all"
 
 
 def warnings_of(solution: Solution, description: MachineDescription | None) -> list[str]:
@@ -88,14 +80,11 @@ def warnings_of(solution: Solution, description: MachineDescription | None) -> l
         found.append(f"Cavitation begins {times} in the evaluation window; see events.")
     if _number(solution.summary(), "overall_efficiency") < 0.0:
         found.append("The machine delivers no power: losses exceed what is supplied.")
-    found += _machine_warnings(description) if description is not None else []
+    if description is not None:
+        notes = description.geometry_summary.get("warnings", ())
+        found += [str(note) for note in notes] if isinstance(notes, list | tuple) else []
+        found += [check.sentence for check in description.checks if not check.passed]
     return list(dict.fromkeys(found))
-
-
-def _machine_warnings(description: MachineDescription) -> list[str]:
-    notes = description.geometry_summary.get("warnings", ())
-    texts = [str(note) for note in notes] if isinstance(notes, list | tuple) else []
-    return texts + [check.sentence for check in description.checks if not check.passed]
 
 
 def _number(numbers: Mapping[str, float | str], name: str) -> float:

@@ -18,7 +18,7 @@ STATISTICS = "statistics_"
 """Beginning of the attributes that hold statistics."""
 PROVENANCE = "provenance"
 """Attribute that lists the names of those that make the provenance."""
-_EVENT_FIELDS = {"event_shaft_angle": 0, "event_time": 1, "event_kind": 2, "event_label": 3}
+_EVENT_FIELDS = ("event_shaft_angle", "event_time", "event_kind", "event_label")
 _LEDGER_FIELDS = (
     "ledger_mass",
     "ledger_energy",
@@ -47,8 +47,10 @@ def write_result(
     Path
         The file written.
     """
+    columns = dict(zip(_EVENT_FIELDS, zip(*events, strict=True), strict=False))
+    event_data = dataset_from({name: np.asarray(values) for name, values in columns.items()}, {})
     dataset = xr.merge(
-        [data, _ledger_dataset(ledger), _event_dataset(events)],
+        [data, _ledger_dataset(ledger), event_data],
         combine_attrs="drop_conflicts",
         join="exact",
         compat="no_conflicts",
@@ -96,14 +98,6 @@ def _by_label(dataset: xr.Dataset, name: str) -> Mapping[str, float]:
     array = dataset[name]
     labels = array[array.dims[0]].values
     return {str(label): float(value) for label, value in zip(labels, array.values, strict=True)}
-
-
-def _event_dataset(events: tuple[Event, ...]) -> xr.Dataset:
-    if not events:
-        return xr.Dataset()
-    columns = list(zip(*events, strict=True))
-    values = {name: np.asarray(columns[k]) for name, k in _EVENT_FIELDS.items()}
-    return dataset_from(values, {})
 
 
 def read_events(dataset: xr.Dataset) -> tuple[Event, ...]:

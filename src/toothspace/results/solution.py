@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
@@ -63,25 +64,23 @@ class Solution:
 
     def summary(self) -> dict[str, float | str]:
         """Return the summary numbers, with unit suffixes, status and wall time."""
-        numbers = self._transient() if "time" in self.data.sizes else self._steady()
-        return {
-            **numbers,
-            "status": self.status.name.lower(),
-            "wall_time_s": float(self.statistics.get("wall_time", float("nan"))),
-        }
+        wall = float(self.statistics.get("wall_time", math.nan))
+        if "time" in self.data.sizes:
+            numbers = {
+                **startup_numbers(self.data, self.breakaway_time),
+                **performance.transient_numbers(self.data, self.ledger),
+                "real_time_factor": self.ledger.duration / wall if wall else math.nan,
+            }
+        else:
+            numbers = performance.summary_numbers(self.data, self.ledger)
+            numbers |= performance.lateral_numbers(self.data, self.statistics)
+        return {**numbers, "status": self.status.name.lower(), "wall_time_s": wall}
 
-    def _steady(self) -> dict[str, float]:
-        numbers = performance.summary_numbers(self.data, self.ledger)
-        return {**numbers, **performance.lateral_numbers(self.data, self.statistics)}
-
-    def _transient(self) -> dict[str, float]:
-        released = [event.time for event in self.events if event.kind == "shaft_released"]
-        wall = float(self.statistics.get("wall_time", float("nan")))
-        return {
-            **startup_numbers(self.data, released[0] if released else float("nan")),
-            **performance.transient_numbers(self.data, self.ledger),
-            "real_time_factor": self.ledger.duration / wall if wall else float("nan"),
-        }
+    @property
+    def breakaway_time(self) -> float:
+        """When the shaft begins to turn, NaN if it never does. [s]."""
+        times = (event.time for event in self.events if event.kind == "shaft_released")
+        return next(times, math.nan)
 
     def with_note(self, warning: str = "", **statistics: float) -> Solution:
         """Solution with more statistics, and with a warning if it is not empty."""

@@ -6,8 +6,10 @@ table is refused. The page ``docs/reference/results.md`` is generated from it.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Literal, final
 
 import numpy as np
@@ -317,14 +319,5 @@ def reference_page() -> str:
     return "\n".join(lines) + "\n"
 
 
-def main(arguments: Sequence[str]) -> None:
-    """Write the reference page to the file named by the only argument."""
-    from pathlib import Path
-
-    Path(arguments[0]).write_text(reference_page(), encoding="utf-8")
-
-
 if __name__ == "__main__":
-    import sys
-
-    main(sys.argv[1:])
+    Path(sys.argv[1]).write_text(reference_page(), encoding="utf-8")

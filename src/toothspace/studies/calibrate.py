@@ -47,7 +47,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     """
     study = case.study
     assert isinstance(study, CalibrateStudy)
-    label = str(case.source or "case")
+    label = case.label
     spans = {path: {"from": low, "to": high} for path, (low, high) in study.fit.items()}
     axes = axes_of(spans, label)
     measured = read_measured(study.data)
@@ -185,18 +185,14 @@ def _used_rows(study: CalibrateStudy, measured: Measured, keys: int, label: str)
 
 def _start(case: Case, axes: Sequence[Axis]) -> Array:
     """Values that stand in the case, where they lie within the bounds; else the middle."""
-    shares = []
-    for axis in axes:
-        share = (_number(case.value(axis.path), axis.unit) - axis.low) / (axis.high - axis.low)
-        shares.append(share if 0.0 < share < 1.0 else 0.5)
-    return np.array(shares)
-
-
-def _number(value: Any, unit: str) -> float:
-    """A value of the case, which is in SI units, in the unit of an axis."""
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        return np.nan
-    return from_si(value, unit) if unit else float(value)
+    shares = np.full(len(axes), 0.5)
+    for k, axis in enumerate(axes):
+        value = case.value(axis.path)
+        if isinstance(value, (int, float)) and not isinstance(value, bool):
+            own = from_si(value, axis.unit) if axis.unit else value
+            share = (own - axis.low) / (axis.high - axis.low)
+            shares[k] = share if 0.0 < share < 1.0 else 0.5
+    return shares
 
 
 def _result(case: Case, status: Status, outcome: _Outcome) -> StudyResult:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
@@ -243,21 +243,16 @@ class LateralPoints:
         They share the chamber pressures of the first. After an interrupt by the user those that
         are finished; records are kept as by :func:`follow`.
         """
-        shared: list[Solution] = []
+        shared = cache(self.lumped(conditions[0]))
 
-        def solved(condition: PointCondition, start: Array | float) -> CoupledPoint:
-            if not shared:
-                shared.append(self.lumped(conditions[0])())
-            return couple_point(
-                self.machine.description,
-                self.machine.fluid,
-                lambda _: shared[0],
-                replace(self._request(condition, start), rounds=1),
-            )
+        def solved(condition: PointCondition) -> CoupledPoint:
+            request = replace(self._request(condition, start_gap), rounds=1)
+            machine = self.machine
+            return couple_point(machine.description, machine.fluid, lambda _: shared(), request)
 
         found = []
         for condition, key in zip(conditions, keys, strict=True):
-            point = _kept_or_solved(context, key, partial(solved, condition, start_gap))
+            point = _kept_or_solved(context, key, partial(solved, condition))
             if point is None:
                 break
             found.append(point)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,6 +12,7 @@ import numpy as np
 
 from toothspace.case import Case
 from toothspace.core.errors import CaseError
+from toothspace.core.signals import read_rows
 from toothspace.core.types import Array
 from toothspace.core.units import compatible, from_si, to_si
 from toothspace.results.variables import VARIABLES
@@ -104,10 +104,15 @@ def read_measured(path: Path) -> Measured:
     CaseError
         If a column or a number is not understood.
     """
-    head, rows = _read(path)
-    if not rows:
+    rows, head = read_rows(path), []
+    for cell in rows[0] if rows else []:
+        match = _HEADER.fullmatch(cell)
+        if match is None:
+            raise CaseError(f"{path}: columns: found {cell!r}, allowed 'name [unit]'")
+        head.append((match[1], match[2] or "1"))
+    if len(rows) < 2:
         raise CaseError(f"{path}: found no rows, allowed at least one")
-    table = np.array([[_number(path, row, k) for k in range(len(head))] for row in rows])
+    table = np.array([[_number(path, row, k) for k in range(len(head))] for row in rows[1:]])
     names = [name for name, _ in head]
     if "time" not in names:
         return _steady(path, head, table)
@@ -127,7 +132,11 @@ def read_measured(path: Path) -> Measured:
 def _steady(path: Path, head: list[tuple[str, str]], table: Array) -> Measured:
     keys = [k for k, (name, _) in enumerate(head) if "." in name]
     settings = tuple(
-        {head[k][0]: _written(float(row[k]), head[k][1]) for k in keys} for row in table
+        {
+            head[k][0]: float(row[k]) if head[k][1] == "1" else f"{row[k]:.12g} {head[k][1]}"
+            for k in keys
+        }
+        for row in table
     )
     channels = {}
     for k, (name, unit) in enumerate(head):
@@ -137,22 +146,6 @@ def _steady(path: Path, head: list[tuple[str, str]], table: Array) -> Measured:
         allowed = "columns of summary numbers, such as 'mean_flow_L_per_min [L/min]'"
         raise CaseError(f"{path}: columns: found {[name for name, _ in head]}, allowed {allowed}")
     return Measured(None, settings, channels)
-
-
-def _read(path: Path) -> tuple[list[tuple[str, str]], list[list[str]]]:
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise CaseError(f"{path}: found {error}, allowed a CSV file in UTF-8") from error
-    separator = ";" if ";" in text.partition("\n")[0] else ","
-    rows = [row for row in csv.reader(text.splitlines(), delimiter=separator) if any(row)]
-    head = []
-    for cell in rows[0] if rows else []:
-        match = _HEADER.fullmatch(cell)
-        if match is None:
-            raise CaseError(f"{path}: columns: found {cell!r}, allowed 'name [unit]'")
-        head.append((match[1], match[2] or "1"))
-    return head, rows[1:]
 
 
 def _number(path: Path, row: list[str], place: int) -> float:
@@ -196,7 +189,3 @@ def _check_unit(path: Path, name: str, unit: str, wanted: str) -> None:
         fits = False
     if not fits:
         raise CaseError(f"{path}: {name}: found the unit {unit!r}, allowed {wanted!r}")
-
-
-def _written(value: float, unit: str) -> Any:
-    return value if unit == "1" else f"{value:.12g} {unit}"

@@ -14,7 +14,7 @@ from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.studies.least_squares import fit
-from toothspace.studies.points import Point, evaluate_points, point, require_some
+from toothspace.studies.points import evaluate_points, point, require_accepted
 from toothspace.studies.records import Record, failed_count
 from toothspace.studies.study import StudyContext, StudyResult, StudyTable
 from toothspace.studies.tabulate import points_dataset, points_table
@@ -54,12 +54,11 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     search = _TriedPoints(case, study, context)
     status = Status.DONE
     try:
-        converged = search.run()
-        if not converged:
+        if not search.run():
             status = Status.NOT_CONVERGED
     except KeyboardInterrupt:
         status = Status.INTERRUPTED
-    require_some(search.records)
+    require_accepted(search.records)
     best = search.best()
     if best is None and status is Status.DONE:
         status = Status.NOT_CONVERGED
@@ -86,8 +85,7 @@ class _TriedPoints:
 
     def __init__(self, case: Case, study: OptimiseStudy, context: StudyContext) -> None:
         self.case, self.study, self.context = case, study, context
-        self.label = str(case.source or "case")
-        self.axes = axes_of(study.vary, self.label)
+        self.axes = axes_of(study.vary, case.label)
         self.rows: list[tuple[Any, ...]] = []
         self.records: list[Record] = []
 
@@ -120,9 +118,8 @@ class _TriedPoints:
 
     def _evaluate(self, shares: Array) -> list[Record]:
         rows = values_at(self.axes, shares)
-        points: list[Point] = [point(self.case, written_values(self.axes, row)) for row in rows]
-        context = self._counting()
-        records = evaluate_points(points, context)
+        points = [point(self.case, written_values(self.axes, row)) for row in rows]
+        records = evaluate_points(points, self._counting())
         self.rows += rows
         self.records += records
         self._check_names(records)
@@ -151,7 +148,7 @@ class _TriedPoints:
             if record.succeeded and missing:
                 allowed = ", ".join(record.numbers)
                 found = f"{missing[0]!r}, which is no result"
-                raise CaseError(f"{self.label}: study: found {found}, allowed {allowed}")
+                raise CaseError(f"{self.case.label}: study: found {found}, allowed {allowed}")
 
     def _cost(self, record: Record) -> float:
         if not record.succeeded:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import hashlib
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import partial
 from typing import Any, final
 
 import toothspace
@@ -41,14 +42,6 @@ class Point:
     values: Mapping[str, Any]
     case: Case | None
     message: str = ""
-
-
-@final
-@dataclass(frozen=True)
-class _PointTask:
-    key: str
-    case: Case
-    evaluate: Evaluate = field(repr=False)
 
 
 def summary_numbers(case: Case) -> Mapping[str, Any]:
@@ -87,17 +80,18 @@ def evaluate_points(
         After an interrupt by the user; finished points are recorded.
     """
     keys = [_key(item, evaluate) for item in points]
-    open_tasks: dict[str, _PointTask] = {}
+    open_cases: dict[str, Case] = {}
     for key, item in zip(keys, points, strict=True):
         if context.records.get(key) is None:
             if item.case is None:
                 context.records.add(Record(key, BAD_INPUT, message=item.message))
             else:
-                open_tasks[key] = _PointTask(key, item.case, evaluate)
-    done = len(points) - len(open_tasks)
+                open_cases[key] = item.case
+    done = len(points) - len(open_cases)
     _tell(context, done, len(points))
+    compute, tasks = partial(_evaluated, evaluate), list(open_cases.items())
     try:
-        for _, record in context.workers.each(_evaluated, list(open_tasks.values())):
+        for _, record in context.workers.each(compute, tasks):
             if record.status == INTERRUPTED:
                 raise KeyboardInterrupt
             context.records.add(record)
@@ -133,7 +127,7 @@ def collected(
         records = evaluate_points(points, context, evaluate)
     except KeyboardInterrupt:
         records = recorded(points, context, evaluate)
-    require_some(records)
+    require_accepted(records)
     return records
 
 
@@ -146,7 +140,7 @@ def status_of(records: Sequence[Record]) -> Status:
     return Status.POINTS_FAILED
 
 
-def require_some(records: Sequence[Record]) -> None:
+def require_accepted(records: Sequence[Record]) -> None:
     """Refuse a study of which every point is refused.
 
     Raises
@@ -165,10 +159,10 @@ def _key(item: Point, evaluate: Evaluate) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:32]
 
 
-def _evaluated(task: _PointTask) -> Record:
-    started = time.perf_counter()
+def _evaluated(evaluate: Evaluate, task: tuple[str, Case]) -> Record:
+    started, (key, case) = time.perf_counter(), task
     try:
-        numbers = dict(task.evaluate(task.case))
+        numbers = dict(evaluate(case))
         status, message = str(numbers.pop("status")), ""
         if status in {s.name.lower() for s in Status} - {"done"}:
             message = Status[status.upper()].value
@@ -177,7 +171,7 @@ def _evaluated(task: _PointTask) -> Record:
     except Exception as error:  # one point that fails must not end a long study
         numbers, status = {}, FAILED
         message = f"{type(error).__name__}: {' '.join(str(error).split())}"
-    return Record(task.key, status, plain(numbers), message, time.perf_counter() - started)
+    return Record(key, status, plain(numbers), message, time.perf_counter() - started)
 
 
 def _tell(context: StudyContext, done: int, total: int) -> None:

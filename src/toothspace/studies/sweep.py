@@ -25,10 +25,9 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     """
     study = case.study
     assert isinstance(study, SweepStudy)
-    label = str(case.source or "case")
-    axes = axes_of(study.vary, label)
+    axes = axes_of(study.vary, case.label)
     if study.method == "grid":
-        rows = grid(axes, label)
+        rows = grid(axes, case.label)
     else:
         assert study.sample_count is not None
         rows = samples(axes, study.method, study.sample_count, study.seed)

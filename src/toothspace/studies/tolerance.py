@@ -32,15 +32,28 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     """
     study = case.study
     assert isinstance(study, ToleranceStudy)
-    axes = axes_of(study.vary, str(case.source or "case"))
-    shares = _shares(study, len(axes))
+    axes = axes_of(study.vary, case.label)
+    indices = study.sensitivity == "sobol_indices"
+    keys = 2 * len(axes) if indices else len(axes)
+    shares = unit_samples(keys, study.method, study.sample_count, study.seed)
+    shares = index_samples(shares) if indices else shares
     rows = values_at(axes, shares)
-    points = [point(case, written_values(axes, row)) for row in rows]
-    records = collected(points, context)
+    records = collected([point(case, written_values(axes, row)) for row in rows], context)
     # with indices, the first two blocks are the plain sample; the rest repeats its values
-    plain = records[: 2 * study.sample_count] if _wants_indices(study) else records
+    plain = records[: 2 * study.sample_count] if indices else records
     scatter = {name: statistics(values) for name, values in columns(plain).items()}
-    effects = _effects(study, axes, shares, records)
+    results = {name: np.asarray(values) for name, values in columns(records).items()}
+    effects: dict[str, dict[str, Array]]
+    if indices:
+        pairs = {name: sobol_indices(values, len(axes)) for name, values in results.items()}
+        effects = {
+            "first_order_index": {name: pair[0] for name, pair in pairs.items()},
+            "total_index": {name: pair[1] for name, pair in pairs.items()},
+        }
+    else:
+        effects = {
+            "rank_correlation": {n: rank_correlations(shares, v) for n, v in results.items()}
+        }
     data = points_dataset(axes, rows, records)
     data.attrs["varied"] = " ".join(axis.path for axis in axes)
     return StudyResult(
@@ -63,30 +76,6 @@ def share_within(limits: Mapping[str, Limit], records: Sequence[Record]) -> floa
         for record in records
     ]
     return float(np.mean(kept))
-
-
-def _wants_indices(study: ToleranceStudy) -> bool:
-    return study.sensitivity == "sobol_indices"
-
-
-def _shares(study: ToleranceStudy, keys: int) -> Array:
-    if not _wants_indices(study):
-        return unit_samples(keys, study.method, study.sample_count, study.seed)
-    return index_samples(unit_samples(2 * keys, study.method, study.sample_count, study.seed))
-
-
-def _effects(
-    study: ToleranceStudy, axes: Sequence[Axis], shares: Array, records: Sequence[Record]
-) -> dict[str, dict[str, Array]]:
-    """Kind of sensitivity to name of the result to its values over the keys."""
-    results = {name: np.asarray(values) for name, values in columns(records).items()}
-    if not _wants_indices(study):
-        return {"rank_correlation": {n: rank_correlations(shares, v) for n, v in results.items()}}
-    pairs = {name: sobol_indices(values, len(axes)) for name, values in results.items()}
-    return {
-        "first_order_index": {name: pair[0] for name, pair in pairs.items()},
-        "total_index": {name: pair[1] for name, pair in pairs.items()},
-    }
 
 
 def _effect_arrays(
@@ -156,21 +145,16 @@ def rank_correlations(inputs: Array, output: Array) -> Array:
     ndarray, shape (keys,)
         From -1 to 1, NaN where nothing changes. [-]
     """
+    from scipy.stats import spearmanr
+
     known = np.isfinite(output)
     found = np.full(inputs.shape[1], np.nan)
     if known.sum() < 3 or np.ptp(output[known]) == 0.0:
         return found
-    ranks = _ranks(output[known])
-    for k in range(inputs.shape[1]):
-        if np.ptp(inputs[known, k]) > 0.0:
-            found[k] = np.corrcoef(_ranks(inputs[known, k]), ranks)[0, 1]
+    for k, values in enumerate(inputs[known].T):
+        if np.ptp(values) > 0.0:
+            found[k] = spearmanr(values, output[known]).statistic
     return found
-
-
-def _ranks(values: Array) -> Array:
-    from scipy.stats import rankdata
-
-    return np.asarray(rankdata(values))
 
 
 def index_samples(base: Array) -> Array:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, final
+from typing import TYPE_CHECKING, Literal, SupportsFloat, final
 
 import numpy as np
 
@@ -84,7 +84,13 @@ class ComparedValue:
 
 
 def close(
-    name: str, ours: float, published: float, unit: str, *, rel: float = 0.0, margin: float = 0.0
+    name: str,
+    ours: SupportsFloat,
+    published: float,
+    unit: str,
+    *,
+    rel: float = 0.0,
+    margin: float = 0.0,
 ) -> ComparedValue:
     """Value that may deviate by a part of the published one, or by a margin in its unit."""
     width = max(rel * abs(published), margin)
@@ -93,24 +99,21 @@ def close(
     )
 
 
+def within(
+    name: str,
+    ours: SupportsFloat,
+    unit: str,
+    words: str,
+    low: float = -math.inf,
+    high: float = math.inf,
+) -> ComparedValue:
+    """Value against what is published in words, and the range that they are taken for."""
+    return ComparedValue(name, float(ours), unit, low, high, words=words)
+
+
 def holds(name: str, statement: bool, words: str) -> ComparedValue:
     """Statement in words that is true (1) or not (0)."""
-    return ComparedValue(name, float(statement), "1 = true", 1.0, 1.0, None, words)
-
-
-@final
-@dataclass(frozen=True)
-class CurvePoints:
-    """Points of a curve.
-
-    Parameters
-    ----------
-    x, y : ndarray
-        Coordinates.
-    """
-
-    x: Array
-    y: Array
+    return within(name, statement, "1 = true", words, 1.0, 1.0)
 
 
 @final
@@ -124,10 +127,12 @@ class ComparedCurve:
         What is drawn.
     x_label, y_label : str
         Axes with units.
-    ours : CurvePoints
-        ComparedCurve of this version.
-    published : CurvePoints or None
-        Points of the publication; None where it shows no numbers and the figure is for the eye.
+    x, y : ndarray
+        Curve of this version.
+    published : ndarray or None
+        Published values; None where there are no numbers and the figure is for the eye.
+    published_x : ndarray or None
+        Where they are published; None for the places of this version.
     tolerance : float
         Largest distance in y at a published point; infinite if the curve itself is not judged.
     logarithmic : bool
@@ -137,19 +142,26 @@ class ComparedCurve:
     name: str
     x_label: str
     y_label: str
-    ours: CurvePoints
-    published: CurvePoints | None = None
+    x: Array
+    y: Array
+    published: Array | None = None
+    published_x: Array | None = None
     tolerance: float = math.inf
     logarithmic: bool = False
+
+    @property
+    def places(self) -> Array:
+        """Where the published points lie."""
+        return self.x if self.published_x is None else self.published_x
 
     @property
     def error(self) -> float:
         """Largest distance at the published points, or nan. [unit of y]."""
         if self.published is None:
             return math.nan
-        order = np.argsort(self.ours.x)
-        found = np.interp(self.published.x, self.ours.x[order], self.ours.y[order])
-        return float(np.max(np.abs(found - self.published.y)))
+        order = np.argsort(self.x)
+        found = np.interp(self.places, self.x[order], self.y[order])
+        return float(np.max(np.abs(found - self.published)))
 
     @property
     def verdict(self) -> Verdict:

@@ -12,14 +12,13 @@ from toothspace.films.reynolds.fluid import FilmFluid
 from toothspace.validation.claim import (
     Claim,
     ComparedCurve,
-    ComparedValue,
-    CurvePoints,
     Effort,
     Evidence,
     ValidationSource,
     close,
+    within,
 )
-from toothspace.validation.resources import columns
+from toothspace.validation.resources import columns, data_file
 
 RAIMONDI = ValidationSource(
     "raimondi_boyd_1958",
@@ -71,38 +70,28 @@ def _raimondi(effort: Effort) -> Evidence:
     rows = columns("raimondi_boyd_1958")
     keep = rows["length_over_diameter"] == 1.0
     ratio, published = rows["eccentricity_ratio"][keep], rows["sommerfeld_number"][keep]
-    grid = (240, 31) if effort == "full" else (120, 21)
-    rel = 0.007 if effort == "full" else 0.02
-    found, angles = [], []
-    for eccentricity in ratio:
-        bearing = JournalBearing(
-            diameter=0.02,
-            length=0.02,
-            radial_clearance=10e-6,
-            dynamic_viscosity=0.03,
-            grid=grid,
-            cavitation="reynolds",
-        )
-        film = bearing.solve(eccentricity=(float(eccentricity), 0.0), shaft_speed=200.0)
-        found.append(film.sommerfeld_number)
-        angles.append(float(np.degrees(film.attitude_angle)))
+    grid, rel, margin = ((240, 31), 0.007, 0.1) if effort == "full" else ((120, 21), 0.02, 0.4)
+    bearing = JournalBearing(
+        diameter=0.02,
+        length=0.02,
+        radial_clearance=10e-6,
+        dynamic_viscosity=0.03,
+        grid=grid,
+        cavitation="reynolds",
+    )
+    films = [bearing.solve(eccentricity=(float(e), 0.0), shaft_speed=200.0) for e in ratio]
+    found = np.array([film.sommerfeld_number for film in films])
+    angles = np.degrees([film.attitude_angle for film in films])
     values = [
         close(f"Sommerfeld number at eps = {e:g}", s, p, "-", rel=rel)
         for e, s, p in zip(ratio, found, published, strict=True)
     ]
     values += [
-        close(
-            f"attitude angle at eps = {e:g}", a, p, "deg", margin=0.1 if effort == "full" else 0.4
-        )
+        close(f"attitude angle at eps = {e:g}", a, p, "deg", margin=margin)
         for e, a, p in zip(ratio, angles, rows["attitude_angle_deg"][keep], strict=True)
     ]
-    curve = ComparedCurve(
-        "Sommerfeld number, L/D = 1",
-        "eccentricity ratio",
-        "S",
-        CurvePoints(ratio, np.array(found)),
-        CurvePoints(ratio, published),
-    )
+    title = "Sommerfeld number, L/D = 1"
+    curve = ComparedCurve(title, "eccentricity ratio", "S", ratio, found, published)
     return Evidence(tuple(values), (curve,))
 
 
@@ -111,23 +100,20 @@ def _butenschoen(effort: Effort) -> Evidence:
     keep = (rows["B_over_D"] == 0.5) & (rows["eps"] <= 0.9)
     if effort == "short":
         keep &= np.arange(keep.size) % 2 == 0
-    grid = (240, 31) if effort == "full" else (120, 21)
-    rel = 0.007 if effort == "full" else 0.02
-    loads, flows = [], []
+    grid, rel = ((240, 31), 0.007) if effort == "full" else ((120, 21), 0.02)
     diameter, clearance, speed = 0.1, 50e-6, 100.0
-    for eccentricity in rows["eps"][keep]:
-        bearing = JournalBearing(
-            diameter=diameter,
-            length=0.5 * diameter,
-            radial_clearance=clearance,
-            dynamic_viscosity=0.01,
-            grid=grid,
-            cavitation="reynolds",
-        )
-        film = bearing.solve(eccentricity=(float(eccentricity), 0.0), shaft_speed=speed)
-        loads.append(film.sommerfeld_number_din)
-        flows.append(film.side_flow / ((diameter / 2) ** 3 * 2 * clearance / diameter * speed))
-    eps = rows["eps"][keep]
+    bearing = JournalBearing(
+        diameter=diameter,
+        length=0.5 * diameter,
+        radial_clearance=clearance,
+        dynamic_viscosity=0.01,
+        grid=grid,
+        cavitation="reynolds",
+    )
+    eps, unit_flow = rows["eps"][keep], (diameter / 2) ** 3 * 2 * clearance / diameter * speed
+    films = [bearing.solve(eccentricity=(float(e), 0.0), shaft_speed=speed) for e in eps]
+    loads = np.array([film.sommerfeld_number_din for film in films])
+    flows = [film.side_flow / unit_flow for film in films]
     values = [
         close(f"So at eps = {e:g}", s, p, "-", rel=rel)
         for e, s, p in zip(eps, loads, rows["So"][keep], strict=True)
@@ -136,26 +122,17 @@ def _butenschoen(effort: Effort) -> Evidence:
         close(f"side flow at eps = {e:g}", q, p, "-", rel=rel)
         for e, q, p in zip(eps, flows, rows["Q"][keep], strict=True)
     ]
-    curve = ComparedCurve(
-        "Load in pure rotation, B/D = 0.5",
-        "eccentricity ratio",
-        "So",
-        CurvePoints(eps, np.array(loads)),
-        CurvePoints(eps, rows["So"][keep]),
-    )
+    title = "Load in pure rotation, B/D = 0.5"
+    curve = ComparedCurve(title, "eccentricity ratio", "So", eps, loads, rows["So"][keep])
     return Evidence(tuple(values), (curve,))
 
 
 def _lund(effort: Effort) -> Evidence:
     rows = columns("lund_thomsen_1978")
-    from toothspace.validation.resources import data_file
-
-    names = [
-        line.split(",")[0]
-        for line in data_file("lund_thomsen_1978").read_text(encoding="utf-8").splitlines()[1:]
-    ]
+    lines = data_file("lund_thomsen_1978").read_text(encoding="utf-8").splitlines()[1:]
+    names = [line.split(",")[0] for line in lines]
     radius, clearance, viscosity, speed = 0.05, 100e-6, 0.01, 100.0
-    worst, eccentricities, numbers = 0.0, [], []
+    worst, eccentricities = 0.0, []
     picked = range(0, len(names), 1 if effort == "full" else 6)
     for k in picked:
         length = 2.0 * radius * rows["L_over_D"][k]
@@ -178,51 +155,24 @@ def _lund(effort: Effort) -> Evidence:
         load = viscosity * rate * 2.0 * radius * length * stiff / rows["S"][k]
         film = bearing.equilibrium(load=(load, 0.0), shaft_speed=speed)
         eccentricities.append(film.eccentricity_ratio)
-        found = np.concatenate(
-            [
-                (film.stiffness * clearance / load).ravel(),
-                (film.damping * clearance * speed / load).ravel(),
-            ]
-        )
+        found = np.stack([film.stiffness, speed * film.damping]).ravel() * clearance / load
         headings = ("Kxx", "Kxy", "Kyx", "Kyy", "Bxx", "Bxy", "Bxy", "Byy")
         table = np.array([rows[name][k] for name in headings])
-        worst = max(
-            worst, float(np.max(np.abs(found - table) / np.maximum(0.06 * np.abs(table), 0.02)))
-        )
-        numbers.append(rows["S"][k])
-    chosen = np.array(list(picked))
-    error = np.abs(np.array(eccentricities) - rows["eps"][chosen])
+        error = np.abs(found - table) / np.maximum(0.06 * np.abs(table), 0.02)
+        worst = max(worst, float(error.max()))
+    published, ours = rows["eps"][list(picked)], np.array(eccentricities)
+    largest, text = (
+        np.abs(ours - published).max(),
+        "largest error of K and B over max(6 % of itself, 0.02)",
+    )
+    axes = "published eccentricity ratio", "eccentricity ratio"
+    curve = ComparedCurve("Equilibrium", *axes, published, ours, published, tolerance=0.01)
     return Evidence(
         (
-            ComparedValue(
-                "largest error of the eccentricity ratio",
-                float(error.max()),
-                "-",
-                0.0,
-                0.01,
-                None,
-                "table",
-            ),
-            ComparedValue(
-                "largest error of K and B over max(6 % of itself, 0.02)",
-                worst,
-                "-",
-                0.0,
-                1.0,
-                None,
-                "table",
-            ),
+            within("largest error of the eccentricity ratio", largest, "-", "table", 0.0, 0.01),
+            within(text, worst, "-", "table", 0.0, 1.0),
         ),
-        (
-            ComparedCurve(
-                "Equilibrium",
-                "published eccentricity ratio",
-                "eccentricity ratio",
-                CurvePoints(rows["eps"][chosen], np.array(eccentricities)),
-                CurvePoints(rows["eps"][chosen], rows["eps"][chosen]),
-                0.01,
-            ),
-        ),
+        (curve,),
     )
 
 
@@ -250,25 +200,15 @@ def _elrod(effort: Effort) -> Evidence:
             eccentricity=(float(rows["eps_h"][k]), float(rows["eps_v"][k])),
             shaft_speed=float(rows["rpm"][k]) * np.pi / 30.0,
         )
-        name = f"eps {rows['eps_h'][k]:g}, {int(rows['n_x'][k])} cells" + (
-            ", linear" if linear else ""
-        )
+        name = f"eps {rows['eps_h'][k]:g}, {int(rows['n_x'][k])} cells"
+        name += ", linear" if linear else ""
         load = float(np.hypot(rows["F_h_N"][k], rows["F_v_N"][k]))
-        values.append(close(f"force, {name}", film.load, load, "N", rel=0.01))
-        values.append(
-            close(
-                f"friction, {name}", film.bush_friction_torque, rows["M_fr_Nm"][k], "N m", rel=0.005
-            )
-        )
-        values.append(
-            close(
-                f"side flow, {name}",
-                film.side_flow * 6e4,
-                -rows["V_dot_m3ps"][k] * 6e4,
-                "L/min",
-                rel=0.04,
-            )
-        )
+        torque, flow = rows["M_fr_Nm"][k], -rows["V_dot_m3ps"][k] * 6e4
+        values += [
+            close(f"force, {name}", film.load, load, "N", rel=0.01),
+            close(f"friction, {name}", film.bush_friction_torque, torque, "N m", rel=0.005),
+            close(f"side flow, {name}", film.side_flow * 6e4, flow, "L/min", rel=0.04),
+        ]
     return Evidence(tuple(values))
 
 
@@ -290,28 +230,14 @@ def _bertocchi(effort: Effort) -> Evidence:
     found = np.interp(place * pad.length, film.x, along)
     peak = float(published.max())
     rms = float(np.sqrt(np.mean((found - published) ** 2)))
+    title, axes = "Pressure along the centre line", ("place over length", "pressure (MPa)")
+    curve = ComparedCurve(title, *axes, film.x / pad.length, along, published, place)
     return Evidence(
         (
-            close("peak pressure", float(along.max()), peak, "MPa", rel=0.03),
-            ComparedValue(
-                "root mean square deviation over the peak",
-                rms / peak,
-                "-",
-                0.0,
-                0.03,
-                None,
-                "curve",
-            ),
+            close("peak pressure", along.max(), peak, "MPa", rel=0.03),
+            within("root mean square deviation over the peak", rms / peak, "-", "curve", 0.0, 0.03),
         ),
-        (
-            ComparedCurve(
-                "Pressure along the centre line",
-                "place over length",
-                "pressure (MPa)",
-                CurvePoints(film.x / pad.length, along),
-                CurvePoints(place, published),
-            ),
-        ),
+        (curve,),
     )
 
 
@@ -331,21 +257,18 @@ def _comsol(effort: Effort) -> Evidence:
     )
     film = bearing.equilibrium(load=(0.0, -40e3), shaft_speed=10000.0 * np.pi / 30.0)
     pressure = film.pressure[:, 10] / 1e5
-    angle, published = rows["phi_deg"], rows["p_bar"]
-    peak = float(published.max())
-    return Evidence(
-        (close("peak pressure", float(pressure.max()), peak, "bar", rel=0.05),),
-        (
-            ComparedCurve(
-                "Pressure in the mid plane",
-                "angle (deg)",
-                "pressure (bar)",
-                CurvePoints(np.degrees(film.angle) % 360.0, pressure),
-                CurvePoints(angle, published),
-                0.07 * peak,
-            ),
-        ),
+    published, peak = rows["p_bar"], float(rows["p_bar"].max())
+    curve = ComparedCurve(
+        "Pressure in the mid plane",
+        "angle (deg)",
+        "pressure (bar)",
+        np.degrees(film.angle) % 360.0,
+        pressure,
+        published,
+        rows["phi_deg"],
+        tolerance=0.07 * peak,
     )
+    return Evidence((close("peak pressure", pressure.max(), peak, "bar", rel=0.05),), (curve,))
 
 
 def _friction(effort: Effort) -> Evidence:
@@ -368,33 +291,15 @@ def _friction(effort: Effort) -> Evidence:
     numbers = np.geomspace(0.001, 0.2, 16 if effort == "full" else 9)
     sweep = sweep_friction(bearing, load=3000.0, sommerfeld_numbers=[float(s) for s in numbers])
     found: Array = np.asarray(sweep.friction_coefficient)
-    level, slope = float(found[0]), _slope(numbers, found)
     published = np.array([PUBLISHED_CURVE(s) for s in numbers]).ravel()
-    return Evidence(
-        (
-            close("friction coefficient at S = 0.001", level, float(published[0]), "-", rel=0.2),
-            close(
-                "least friction coefficient",
-                float(found.min()),
-                float(PUBLISHED_CURVE.minimum()[1]),
-                "-",
-                rel=0.2,
-            ),
-            close(
-                "slope between S = 0.05 and 0.2", slope, _slope(numbers, published), "-", rel=0.2
-            ),
-        ),
-        (
-            ComparedCurve(
-                "Friction coefficient",
-                "Sommerfeld number",
-                "friction coefficient",
-                CurvePoints(numbers, found),
-                CurvePoints(numbers, published),
-                logarithmic=True,
-            ),
-        ),
+    rows = (
+        ("friction coefficient at S = 0.001", found[0], published[0]),
+        ("least friction coefficient", found.min(), PUBLISHED_CURVE.minimum()[1]),
+        ("slope between S = 0.05 and 0.2", _slope(numbers, found), _slope(numbers, published)),
     )
+    name, axis = "Friction coefficient", "Sommerfeld number"
+    curve = ComparedCurve(name, axis, name.lower(), numbers, found, published, logarithmic=True)
+    return Evidence(tuple(close(n, ours, p, "-", rel=0.2) for n, ours, p in rows), (curve,))
 
 
 def _slope(numbers: Array, friction: Array) -> float:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from functools import cache
+from typing import Any
 
 import numpy as np
 
 from toothspace import api
-from toothspace.case.shipped import shipped_case
 from toothspace.results.ripple import spectrum
 from toothspace.results.solution import Solution
 from toothspace.results.tooth_contacts import ToothForces, tooth_forces
@@ -15,12 +14,13 @@ from toothspace.validation.claim import (
     Claim,
     ComparedCurve,
     ComparedValue,
-    CurvePoints,
     Effort,
     Evidence,
     ValidationSource,
     close,
+    within,
 )
+from toothspace.validation.resources import shipped, solved
 
 SOURCE = ValidationSource(
     "gerotor_torque",
@@ -37,22 +37,18 @@ CLOSED_FORMS = ValidationSource(
 )
 
 
+_PUMP = ("gerotor_cycloidal", "operating_point.outlet_load=fixed_pressure")
 _FILMS = ("run.fidelity=films", "run.max_revolutions=200")
 
 
-@cache
-def _solved(speed: float, fidelity: str = "lumped") -> tuple[Solution, ToothForces]:
+def _at(fidelity: str, speed: float = 767.0) -> tuple[str, ...]:
+    """Case and overrides of a preset at a shaft speed. [rpm]."""
     films = _FILMS if fidelity == "films" else ()
-    case = api.load_case(
-        shipped_case("gerotor_cycloidal"),
-        (
-            "operating_point.outlet_load=fixed_pressure",
-            f"operating_point.shaft_speed={speed} rpm",
-            *films,
-        ),
-    )
-    solution = api.simulate(case)
-    return solution, tooth_forces(solution.data, api.describe(case))
+    return (*_PUMP, f"operating_point.shaft_speed={speed} rpm", *films)
+
+
+def _forces(*run: str) -> ToothForces:
+    return tooth_forces(solved(*run).data, api.describe(shipped(*run)))
 
 
 def _fidelities(effort: Effort) -> tuple[str, ...]:
@@ -65,67 +61,43 @@ def _losses_of(solution: Solution) -> dict[str, float]:
     return dict(zip(names, map(float, means), strict=True))
 
 
+def _summary(fidelity: str, speed: float = 767.0) -> dict[str, Any]:
+    return dict(solved(*_at(fidelity, speed)).summary())
+
+
 def _teeth(effort: Effort) -> Evidence:
     values, curves = [], []
     words = "at any angle at least two teeth carry, sometimes three"
     for name in _fidelities(effort):
-        solution, forces = _solved(767.0, name)
-        loaded = np.asarray(forces.loaded(), dtype=float)
-        angle = np.degrees(np.asarray(solution.data["shaft_angle"]))[: loaded.size]
+        loaded = np.asarray(_forces(*_at(name)).loaded(), dtype=float)
+        angle = np.degrees(solved(*_at(name)).data["shaft_angle"].values)
         for least, low, high in ((2, 0.95, 1.0), (3, 1e-3, 0.5)):
-            part = float(np.mean(loaded >= least))
             text = f"{name}: part of the turn with {least} or more"
-            values.append(ComparedValue(text, part, "-", low, high, words=words))
-        points = CurvePoints(angle - angle[0], loaded)
-        curves.append(ComparedCurve(f"Loaded teeth, {name}", "shaft angle (deg)", "teeth", points))
+            values.append(within(text, np.mean(loaded >= least), "-", words, low, high))
+        axes = "shaft angle (deg)", "teeth"
+        curves.append(ComparedCurve(f"Loaded teeth, {name}", *axes, angle - angle[0], loaded))
     return Evidence(tuple(values), tuple(curves))
 
 
 def _span(effort: Effort) -> Evidence:
-    return Evidence(
-        tuple(
-            ComparedValue(
-                f"{name}: span over that of a single contact",
-                float(_solved(767.0, name)[1].span()),
-                "-",
-                1.7,
-                2.2,
-                2.0,
-                "nearly twice",
-            )
-            for name in _fidelities(effort)
-        )
-    )
+    text, limits = "span over that of a single contact", (1.7, 2.2, 2.0, "nearly twice")
+    spans = {name: _forces(*_at(name)).span() for name in _fidelities(effort)}
+    return Evidence(tuple(ComparedValue(f"{n}: {text}", s, "-", *limits) for n, s in spans.items()))
 
 
 def _walls(effort: Effort) -> Evidence:
     values = []
     for tip in (20, 40) if effort == "full" else (20,):
-        case = api.load_case(
-            shipped_case("gerotor_cycloidal"),
-            (
-                "operating_point.outlet_load=fixed_pressure",
-                "machine.housing.end_condition=wall",
-                f'machine.rotors.tip_clearance="{tip} um"',
-            ),
-        )
-        solution = api.simulate(case)
-        forces, judged = tooth_forces(solution.data, api.describe(case)), tip == 20
-        two = float(np.mean(np.asarray(forces.loaded()) >= 2))
-        rows = (
-            ("part of the turn with 2 or more", two, 0.95, 1.0, "at any angle at least two teeth"),
-            ("span over that of a single contact", float(forces.span()), 1.7, 2.2, "nearly twice"),
-        )
+        clearance = f'machine.rotors.tip_clearance="{tip} um"'
+        forces = _forces(*_PUMP, "machine.housing.end_condition=wall", clearance)
+        two, words = np.mean(np.asarray(forces.loaded()) >= 2), "at any angle at least two teeth"
+        turn, span = (0.95, 1.0), (1.7, 2.2)
+        if tip != 20:
+            turn = span = (-np.inf, np.inf)
+        place, text = f"{tip} um at the tips:", "span over that of a single contact"
         values += [
-            ComparedValue(
-                f"{tip} um at the tips: {name}",
-                ours,
-                "-",
-                low if judged else -np.inf,
-                high if judged else np.inf,
-                words=words,
-            )
-            for name, ours, low, high, words in rows
+            within(f"{place} part of the turn with 2 or more", two, "-", words, *turn),
+            within(f"{place} {text}", forces.span(), "-", "nearly twice", *span),
         ]
     return Evidence(tuple(values))
 
@@ -133,54 +105,36 @@ def _walls(effort: Effort) -> Evidence:
 def _losses(effort: Effort) -> Evidence:
     values = []
     for name in _fidelities(effort):
-        loss = _losses_of(_solved(767.0, name)[0])
+        loss = _losses_of(solved(*_at(name)))
         contact = loss.pop("contact_friction")
+        share, words = contact / sum(loss.values()), "gaps dominate, contact friction follows"
+        present = "contact friction is present"
         values += [
-            ComparedValue(
-                f"{name}: contact friction over loss of the gaps",
-                contact / sum(loss.values()),
-                "-",
-                0.0,
-                1.0,
-                words="gaps dominate, contact friction follows",
-            ),
-            ComparedValue(
-                f"{name}: contact friction",
-                contact,
-                "N m",
-                1e-4,
-                words="contact friction is present",
-            ),
+            within(f"{name}: contact friction over loss of the gaps", share, "-", words, 0.0, 1.0),
+            within(f"{name}: contact friction", contact, "N m", present, 1e-4),
         ]
     return Evidence(tuple(values))
 
 
 def _torque_over_speed(effort: Effort) -> Evidence:
     values, curves = [], []
+    words = "mean torque increases with speed at one pressure drop"
     for name in _fidelities(effort):
         speeds = np.array([500.0, 1000.0, 2000.0] + ([4000.0] if effort == "full" else []))
-        torque = np.array([float(_solved(n, name)[0].summary()["mean_torque_N_m"]) for n in speeds])
+        torque = np.array([_summary(name, speed)["mean_torque_N_m"] for speed in speeds])
         values += [
-            ComparedValue(
-                f"{name}: growth from {a:g} to {b:g} rpm",
-                float(later - first),
-                "N m",
-                1e-3,
-                words="mean torque increases with speed at one pressure drop",
-            )
-            for a, b, first, later in zip(speeds, speeds[1:], torque, torque[1:], strict=False)
+            within(f"{name}: growth from {a:g} to {b:g} rpm", growth, "N m", words, 1e-3)
+            for a, b, growth in zip(speeds, speeds[1:], np.diff(torque), strict=False)
         ]
-        points = CurvePoints(speeds, torque)
-        curves.append(
-            ComparedCurve(f"Mean torque, {name}", "shaft speed (rpm)", "torque (N m)", points)
-        )
+        axes = "shaft speed (rpm)", "torque (N m)"
+        curves.append(ComparedCurve(f"Mean torque, {name}", *axes, speeds, torque))
     return Evidence(tuple(values), tuple(curves))
 
 
 def _orders(effort: Effort) -> Evidence:
     values, curves = [], []
     for name in _fidelities(effort):
-        data = _solved(767.0, name)[0].data
+        data = solved(*_at(name)).data
         angle, torque = np.asarray(data["shaft_angle"]), np.asarray(data["shaft_torque"])
         found = spectrum(angle, torque)
         order = np.round(found.order).astype(int)
@@ -188,51 +142,36 @@ def _orders(effort: Effort) -> Evidence:
         others = (order > 0) & (order < 60) & (order % 6 != 0)
         share = float(found.amplitude[others].max() / found.amplitude[teeth].max())
         text = f"{name}: largest other order over largest tooth order"
-        values.append(ComparedValue(text, share, "-", 0.0, 0.1, words="ripple of the teeth"))
-        points = CurvePoints(np.degrees(angle - angle[0]), torque)
-        curves.append(
-            ComparedCurve(f"Shaft torque, {name}", "shaft angle (deg)", "torque (N m)", points)
-        )
+        values.append(within(text, share, "-", "ripple of the teeth", 0.0, 0.1))
+        title, axes = f"Shaft torque, {name}", ("shaft angle (deg)", "torque (N m)")
+        curves.append(ComparedCurve(title, *axes, np.degrees(angle - angle[0]), torque))
     return Evidence(tuple(values), tuple(curves))
 
 
 def _steps(effort: Effort) -> Evidence:
     """Torque as contributions are added, and that of a single contact (Fig. 14)."""
-    single = api.simulate(
-        api.load_case(
-            shipped_case("gerotor_cycloidal"),
-            ("operating_point.outlet_load=fixed_pressure", "machine.contact.theory=single"),
-        )
-    )
+    single = solved(*_PUMP, "machine.contact.theory=single").summary()
     values = []
     for name in _fidelities(effort):
-        solution = _solved(767.0, name)[0]
-        loss, total = _losses_of(solution), float(solution.summary()["mean_torque_N_m"])
+        loss, total = _losses_of(solved(*_at(name))), _summary(name)["mean_torque_N_m"]
         contact = loss.pop("contact_friction")
         gaps = sum(loss.values())
         words = "gaps have a huge impact on the torque, friction at contacts follows"
         values += [
-            ComparedValue(f"{name}: torque without losses", total - gaps - contact, "N m"),
-            ComparedValue(f"{name}: added by the gaps", gaps, "N m", 1e-3, words=words),
-            ComparedValue(f"{name}: added by contacts", contact, "N m", 0.0, gaps, words=words),
+            within(f"{name}: torque without losses", total - gaps - contact, "N m", ""),
+            within(f"{name}: added by the gaps", gaps, "N m", words, 1e-3),
+            within(f"{name}: added by contacts", contact, "N m", words, 0.0, gaps),
         ]
-    ripples = [float(s.summary()["torque_ripple_percent"]) for s in (_solved(767.0)[0], single)]
-    values.append(
-        ComparedValue(
-            "ripple with a single contact over that with all",
-            ripples[1] / ripples[0],
-            "-",
-            1.05,
-            words="for the ripple all contacts must be taken into consideration",
-        )
-    )
-    return Evidence(tuple(values))
+    ripple = "torque_ripple_percent"
+    share = float(single[ripple]) / _summary("lumped")[ripple]
+    words = "for the ripple all contacts must be taken into consideration"
+    text = "ripple with a single contact over that with all"
+    return Evidence((*values, within(text, share, "-", words, 1.05)))
 
 
 def _closed_forms(effort: Effort) -> Evidence:
-    closed, solved = (_solved(767.0, name)[0] for name in ("lumped", "films"))
-    numbers = [s.summary() for s in (closed, solved)]
-    losses = [_losses_of(s) for s in (closed, solved)]
+    numbers = [_summary(name) for name in ("lumped", "films")]
+    losses = [_losses_of(solved(*_at(name))) for name in ("lumped", "films")]
     rows = (
         ("mean torque", "N m", 0.02, [n["mean_torque_N_m"] for n in numbers]),
         ("volumetric efficiency", "-", 0.05, [n["volumetric_efficiency"] for n in numbers]),
@@ -241,9 +180,7 @@ def _closed_forms(effort: Effort) -> Evidence:
         ("friction at the faces", "N m", 0.25, [n["lateral_viscous"] for n in losses]),
         ("contact friction", "N m", 0.25, [n["contact_friction"] for n in losses]),
     )
-    return Evidence(
-        tuple(close(name, float(a), float(b), unit, rel=rel) for name, unit, rel, (a, b) in rows)
-    )
+    return Evidence(tuple(close(name, a, b, unit, rel=rel) for name, unit, rel, (a, b) in rows))
 
 
 CLAIMS = (

@@ -6,8 +6,6 @@ from functools import cache
 
 import numpy as np
 
-from toothspace.api import load_case
-from toothspace.case.shipped import shipped_case
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.studies.hysteresis import follow_pressures
@@ -17,12 +15,13 @@ from toothspace.validation.claim import (
     Claim,
     ComparedCurve,
     ComparedValue,
-    CurvePoints,
     Effort,
     Evidence,
     ValidationSource,
     holds,
+    within,
 )
+from toothspace.validation.resources import shipped
 
 SOURCE = ValidationSource(
     "lateral_gap_friction",
@@ -52,13 +51,7 @@ def _loop(name: str, effort: Effort, seal_line: float | None = None) -> LateralS
     if seal_line is not None:
         area = f'{{seal_line_x="{seal_line} mm"}}'
         overrides = (*overrides, f"machine.floating_bearing.high_pressure_area={area}")
-    return follow_pressures(load_case(shipped_case(name), overrides))
-
-
-@cache
-def _nose(effort: Effort) -> LateralStudy:
-    overrides = () if effort == "full" else _COARSE
-    return solve_conditions(load_case(shipped_case("nose_pressure"), overrides))
+    return follow_pressures(shipped(name, *overrides))
 
 
 def _films(study: LateralStudy) -> Array:
@@ -77,7 +70,8 @@ def _curves(study: LateralStudy) -> tuple[ComparedCurve, ...]:
             f"{name}, way up then down",
             "point along the loop",
             f"{name} (um)",
-            CurvePoints(np.arange(pressure.size, dtype=float), values),
+            np.arange(pressure.size, dtype=float),
+            values,
         )
         for name, values in (("position", _positions(study)), ("mean film", _films(study)))
     )
@@ -87,7 +81,7 @@ def _length(
     name: str, ours: float, words: str, low: float = 0.0, high: float = np.inf
 ) -> ComparedValue:
     """Length in micrometres against what the source says of it."""
-    return ComparedValue(name, float(ours), "um", low, high, words=words)
+    return within(name, ours, "um", words, low, high)
 
 
 def _loop_values(study: LateralStudy) -> list[ComparedValue]:
@@ -156,34 +150,20 @@ def _window(effort: Effort) -> Evidence:
         for name in ("hysteresis_055", "hysteresis_078")
     }
     held = np.array([[_statements(study) for study in loops] for loops in found.values()])
+    largest = {n: np.array([_films(study).max() for study in s]) for n, s in found.items()}
+    words = {True: f"at most {LARGEST_FILM:g} um", False: "statements do not all hold"}
     values = [
-        ComparedValue(
-            f"{name}, seal line at {line:g} mm: largest mean film",
-            float(_films(study).max()),
-            "um",
-            words=f"at most {LARGEST_FILM:g} um" if shows else "statements do not all hold",
-        )
-        for (name, loops), row in zip(found.items(), held, strict=True)
-        for line, study, shows in zip(lines, loops, row, strict=True)
+        within(f"{name}, seal line at {line:g} mm: largest mean film", film, "um", words[shows])
+        for (name, films), row in zip(largest.items(), held.tolist(), strict=True)
+        for line, film, shows in zip(lines, films, row, strict=True)
     ]
-    both = int(np.count_nonzero(held.all(axis=0)))
-    values.append(
-        ComparedValue(
-            "seal lines at which all statements hold in both sets",
-            float(both),
-            "-",
-            1.0,
-            words="one pump shows both loops",
-        )
-    )
+    text = "seal lines at which all statements hold in both sets"
+    both = np.count_nonzero(held.all(axis=0))
+    values.append(within(text, both, "-", "one pump shows both loops", 1.0))
+    axes = "seal line (mm)", "mean film (um)"
     curves = tuple(
-        ComparedCurve(
-            f"Largest mean film, {name}",
-            "seal line (mm)",
-            "mean film (um)",
-            CurvePoints(np.array(lines), np.array([_films(study).max() for study in loops])),
-        )
-        for name, loops in found.items()
+        ComparedCurve(f"Largest mean film, {name}", *axes, np.array(lines), films)
+        for name, films in largest.items()
     )
     return Evidence(tuple(values), curves)
 
@@ -201,41 +181,26 @@ def _second_set(effort: Effort) -> Evidence:
 
 
 def _nose_pressure(effort: Effort) -> Evidence:
-    study = _nose(effort)
+    study = solve_conditions(shipped("nose_pressure", *(() if effort == "full" else _COARSE)))
     positions = _positions(study).reshape(3, -1)
     ranges = np.ptp(positions, axis=1)
     speed = float(abs(positions[0, 0] - positions[1, 0]))
     share = np.linspace(0.0, 25.0, positions.shape[1])
+    axes = "nose pressure (% of outlet)", "position (um)"
     curves = tuple(
-        ComparedCurve(
-            f"position at {name}",
-            "nose pressure (% of outlet)",
-            "position (um)",
-            CurvePoints(share, row),
-        )
+        ComparedCurve(f"position at {name}", *axes, share, row)
         for name, row in zip(("OC1", "OC2", "OC3"), positions, strict=True)
     )
-    words = "nose pressure relevant at OC1 and OC2"
-    return Evidence(
-        (
-            holds("all points found", study.status is Status.DONE, "fifteen points"),
-            _length("change over the nose pressure at OC1", ranges[0], words, MOVED),
-            _length("change over the nose pressure at OC2", ranges[1], words, MOVED),
-            _length(
-                "change over the nose pressure at OC3",
-                ranges[2],
-                "no influence at the highest outlet pressure",
-                high=MOVED,
-            ),
-            _length(
-                "change by speed, OC1 to OC2",
-                speed,
-                "speed is secondary",
-                high=float(max(ranges[0], ranges[1], MOVED)),
-            ),
-        ),
-        curves,
+    text, words = "change over the nose pressure at", "nose pressure relevant at OC1 and OC2"
+    none, most = "no influence at the highest outlet pressure", max(*ranges[:2], MOVED)
+    values = (
+        holds("all points found", study.status is Status.DONE, "fifteen points"),
+        _length(f"{text} OC1", ranges[0], words, MOVED),
+        _length(f"{text} OC2", ranges[1], words, MOVED),
+        _length(f"{text} OC3", ranges[2], none, high=MOVED),
+        _length("change by speed, OC1 to OC2", speed, "speed is secondary", high=float(most)),
     )
+    return Evidence(values, curves)
 
 
 CLAIMS = (

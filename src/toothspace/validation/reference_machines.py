@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-from functools import cache, partial
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from toothspace import api
-from toothspace.case.shipped import shipped_case
 from toothspace.validation.claim import (
     Claim,
     ComparedCurve,
     ComparedValue,
-    CurvePoints,
     Effort,
     Evidence,
     ValidationSource,
+    within,
 )
+from toothspace.validation.resources import solved
 
 GEAR_MACHINES = ValidationSource(
     "gear_machine_ranges",
@@ -64,61 +63,36 @@ DRAIN_LIMIT = 80.0
 _VAPOUR = 0.1
 
 
-@cache
-def _numbers(case: str, *overrides: str) -> dict[str, Any]:
-    return dict(api.simulate(api.load_case(shipped_case(case), overrides)).summary())
+_COARSE = "run.samples_per_revolution=360"
 
 
 def _machine(case: str, effort: Effort) -> dict[str, Any]:
-    short = ("run.samples_per_revolution=360",) if effort == "short" else ()
-    return _numbers(case, *short)
+    return dict(solved(case, *((_COARSE,) if effort == "short" else ())).summary())
 
 
 def _efficiencies(
     numbers: dict[str, Any], ranges: dict[str, tuple[float, float]]
 ) -> list[ComparedValue]:
     return [
-        ComparedValue(
-            name.replace("_", " "), float(numbers[name]), "-", low, high, words=f"{low} to {high}"
-        )
+        within(name.replace("_", " "), numbers[name], "-", f"{low} to {high}", low, high)
         for name, (low, high) in ranges.items()
     ]
 
 
 def _pressures(numbers: dict[str, Any], *, fed: bool) -> list[ComparedValue]:
-    high = max(float(numbers["inlet_pressure_bar"]), float(numbers["outlet_pressure_bar"]))
-    found = [
-        ComparedValue(
-            "highest over working pressure",
-            float(numbers["max_chamber_pressure_bar"]) / high,
-            "-",
-            0.0,
-            PEAK_LIMIT,
-            words="relieved trapped volume",
-        )
-    ]
+    peak = numbers["max_chamber_pressure_bar"]
+    peak /= max(numbers["inlet_pressure_bar"], numbers["outlet_pressure_bar"])
+    words = "relieved trapped volume"
+    found = [within("highest over working pressure", peak, "-", words, 0.0, PEAK_LIMIT)]
     if fed:
-        found.append(
-            ComparedValue(
-                "lowest pressure of a space",
-                float(numbers["min_chamber_pressure_bar"]),
-                "bar",
-                _VAPOUR,
-                words="no vapour where the inlet is fed",
-            )
-        )
+        lowest, words = numbers["min_chamber_pressure_bar"], "no vapour where the inlet is fed"
+        found.append(within("lowest pressure of a space", lowest, "bar", words, _VAPOUR))
     return found
 
 
 def _temperature(numbers: dict[str, Any]) -> ComparedValue:
-    return ComparedValue(
-        "drain temperature",
-        float(numbers["drain_temperature_degC"]),
-        "degC",
-        0.0,
-        DRAIN_LIMIT,
-        words="oil up to 80 degC",
-    )
+    drain, words = numbers["drain_temperature_degC"], "oil up to 80 degC"
+    return within("drain temperature", drain, "degC", words, 0.0, DRAIN_LIMIT)
 
 
 def _ripple(numbers: dict[str, Any], kinematic: float) -> tuple[ComparedValue, ...]:
@@ -135,7 +109,7 @@ def _ripple(numbers: dict[str, Any], kinematic: float) -> tuple[ComparedValue, .
     if not pressure:
         return (flow,)
     words = "peak to peak before an orifice; nothing published to hold it against"
-    return flow, ComparedValue("pressure ripple", pressure, "bar", words=words)
+    return flow, within("pressure ripple", pressure, "bar", words)
 
 
 def _egm12(case: str, effort: Effort) -> Evidence:
@@ -164,24 +138,19 @@ def _beside_measured(case: str) -> tuple[ComparedCurve, ...]:
     curves = []
     for speed, (pressures, measured) in HYDRECO_1919.items():
         found = [
-            _numbers(
+            solved(
                 case,
                 "operating_point.outlet_load=fixed_pressure",
                 f'operating_point.shaft_speed="{speed} rpm"',
                 f'operating_point.outlet_pressure="{pressure + 1.0} bar"',
-                "run.samples_per_revolution=360",
-            )["volumetric_efficiency"]
+                _COARSE,
+            ).summary()["volumetric_efficiency"]
             for pressure in pressures
         ]
-        curves.append(
-            ComparedCurve(
-                f"Volumetric efficiency at {speed} rpm beside a far larger pump",
-                "pressure difference (bar)",
-                "volumetric efficiency",
-                CurvePoints(np.array(pressures), np.array(found, dtype=float)),
-                CurvePoints(np.array(pressures), np.array(measured)),
-            )
-        )
+        title = f"Volumetric efficiency at {speed} rpm beside a far larger pump"
+        axes = "pressure difference (bar)", "volumetric efficiency"
+        points = np.array(pressures), np.array(found, dtype=float), np.array(measured)
+        curves.append(ComparedCurve(title, *axes, *points))
     return tuple(curves)
 
 
@@ -190,37 +159,27 @@ def _map(effort: Effort) -> Evidence:
     speeds = (500.0, 1500.0, 3000.0) if effort == "full" else (1500.0, 3000.0)
     values, curves = [], []
     for speed in speeds:
-        found = [_map_point(speed, pressure) for pressure in pressures]
-        values += [
-            ComparedValue(
-                f"overall efficiency at {speed:g} rpm, {p:g} bar",
-                e,
-                "-",
-                1e-3,
-                1.0,
-                words="the motor turns its load",
+        found = [
+            float(
+                solved(
+                    "egm12_motor",
+                    f'operating_point.shaft_speed="{speed} rpm"',
+                    f'operating_point.inlet_pressure="{pressure + 1.0} bar"',
+                    _COARSE,
+                ).summary()["overall_efficiency"]
             )
+            for pressure in pressures
+        ]
+        title, words = f"overall efficiency at {speed:g} rpm", "the motor turns its load"
+        values += [
+            within(f"{title}, {p:g} bar", e, "-", words, 1e-3, 1.0)
             for p, e in zip(pressures, found, strict=True)
         ]
+        axes = "pressure difference (bar)", "efficiency"
         curves.append(
-            ComparedCurve(
-                f"Overall efficiency at {speed:g} rpm",
-                "pressure difference (bar)",
-                "efficiency",
-                CurvePoints(np.array(pressures), np.array(found)),
-            )
+            ComparedCurve(title.capitalize(), *axes, np.array(pressures), np.array(found))
         )
     return Evidence(tuple(values), tuple(curves))
-
-
-def _map_point(speed: float, difference: float) -> float:
-    numbers = _numbers(
-        "egm12_motor",
-        f'operating_point.shaft_speed="{speed} rpm"',
-        f'operating_point.inlet_pressure="{difference + 1.0} bar"',
-        "run.samples_per_revolution=360",
-    )
-    return float(numbers["overall_efficiency"])
 
 
 _RANGES = (

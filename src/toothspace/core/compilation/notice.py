@@ -13,7 +13,7 @@ from types import FrameType, FunctionType
 from typing import Any, final
 
 from toothspace.core.compilation.cache import compiled_folder
-from toothspace.core.memory import require_some
+from toothspace.core.memory import require_memory
 
 _SHORTEST = 0.5
 """Compilation is shown if it takes longer than this. [s]"""
@@ -45,7 +45,7 @@ class Notice:
             finally:
                 self._depth -= 1
             return
-        require_some()  # LLVM ends the process where it gets none
+        require_memory()  # LLVM ends the process where it gets none
         self._depth, self._done, self._interrupted = 1, 0, False
         self._expected = len(reachable(function))
         self._started = self._shown = time.perf_counter()
@@ -61,7 +61,7 @@ class Notice:
         """Count a function that is about to be compiled."""
         if self._interrupted:
             raise KeyboardInterrupt
-        require_some()
+        require_memory()
         self._done += 1
         self._expected = max(self._expected, self._done)
         now = time.perf_counter()

@@ -1,0 +1,60 @@
+"""Commands that show and copy what comes with the package; heavy imports wait until needed."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from toothspace.cli import output
+from toothspace.cli.options import Force, Json
+
+
+def init(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Shipped case, see 'cases'.")],
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Where to.")] = Path(),
+    force: Force = False,
+) -> None:
+    """Start from a shipped case: copy it with the files that it names."""
+    from toothspace.case.shipped import copy_case
+
+    written = copy_case(name, folder, replace=force)
+    for path in written:
+        output.message(f"Written: {path}")
+    output.message(f"Next: toothspace run {written[0]}")
+
+
+def cases(as_json: Json = False) -> None:
+    """List the shipped cases, which 'run' and 'init' know by name."""
+    from toothspace.case.shipped import shipped_cases
+
+    output.write(shipped_cases(), as_json=as_json)
+
+
+def fluids(as_json: Json = False) -> None:
+    """List the fluids of the library."""
+    from toothspace.library import library_names, load_fluid
+
+    found = {}
+    for name in library_names("fluids"):
+        low, high = load_fluid(name)["temperature_range_degC"]
+        found[name] = f"{load_fluid(name)['title']}, {low:g} to {high:g} degC"
+    output.write(found, as_json=as_json)
+
+
+def warmup(as_json: Json = False) -> None:
+    """Compile everything that runs need, once, so that the first run starts at once."""
+    from toothspace.core.compilation.cache import compiled_folder
+    from toothspace.warmup import warm_up
+
+    output.write(warm_up(), as_json=as_json)
+    output.message(f"Compiled code: {compiled_folder()}")
+
+
+def schema() -> None:
+    """Print the JSON Schema of the case file."""
+    from toothspace.case.json_schema import case_schema
+
+    output.line(json.dumps(case_schema(), indent=2, ensure_ascii=False))

@@ -1,0 +1,125 @@
+"""Commands that write pages or serve one; everything heavy is imported when it is needed."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from toothspace.cli import output
+from toothspace.cli.options import NUMERICAL_FAILURE, Force, Json
+from toothspace.core.errors import CaseError
+from toothspace.core.files import require_writable
+
+_MEASURED = {"shaft_speed": "rpm", "pressure_difference": "bar"}
+"""Signals of a measurement that figures can lay over results."""
+
+
+def report(
+    result: Annotated[Path, typer.Argument(metavar="RESULT.nc", help="Result of a run.")],
+    page: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="HTML or PDF by suffix; default RESULT.html."),
+    ] = None,
+    measured: Annotated[
+        Path | None,
+        typer.Option(
+            "--measured",
+            help="CSV with 'time [s]' and 'shaft_speed [rpm]' or 'pressure_difference [bar]', "
+            "laid over a run over time.",
+        ),
+    ] = None,
+    force: Force = False,
+) -> None:
+    """Write the report of a result: a self-contained HTML page or a PDF document."""
+    from toothspace.core.signals import column_names, read_columns
+    from toothspace.report import write_report
+    from toothspace.results.io import load_solution
+
+    target = require_writable(page or result.with_suffix(".html"), "-o", replace=force)
+    overlay = None
+    if measured:
+        names = column_names(measured)
+        given = {name: unit for name, unit in _MEASURED.items() if name in names}
+        overlay = read_columns(measured, {"time": "s", **(given or _MEASURED)})
+    write_report(load_solution(result), target, measured=overlay)
+    output.message(f"Report: {target}")
+
+
+def compare(
+    first: Annotated[Path, typer.Argument(metavar="A.nc", help="Result of a run.")],
+    second: Annotated[Path, typer.Argument(metavar="B.nc", help="Result of another run.")],
+    page: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="PAGE.html", help="HTML file.")
+    ] = None,
+    as_json: Json = False,
+    force: Force = False,
+) -> None:
+    """Put two results side by side: keys, numbers, causes of loss."""
+    target = None if page is None else require_writable(page, "-o", replace=force)
+    from toothspace.report.comparison import Comparison
+    from toothspace.results.io import load_solution
+
+    comparison = Comparison(load_solution(first), load_solution(second))
+    if as_json:
+        output.write(comparison.to_dict(), as_json=True)
+    else:
+        for name, (one, two) in comparison.keys().items():
+            output.line(f"{name}: {output.shown(one)} -> {output.shown(two)}")
+        output.write_comparison(comparison.numbers())
+        output.write_comparison({f"{n}, W": both for n, both in comparison.losses().items()})
+    for warning in comparison.warnings():
+        output.message(f"Warning: {warning}")
+    if target is not None:
+        output.message(f"Comparison: {comparison.write(target)}")
+
+
+def validate(
+    book: Annotated[
+        Path, typer.Option("-o", "--output", help="HTML file; default validation_book.html.")
+    ] = Path("validation_book.html"),
+    only: Annotated[str, typer.Option(metavar="TEXT", help="Part of a claim, as elrod.")] = "",
+    short: Annotated[
+        bool, typer.Option("--short", help="Coarse grids and few points, in some minutes.")
+    ] = False,
+    as_json: Json = False,
+    force: Force = False,
+) -> int:
+    """Hold this version against published numbers and write the validation book."""
+    from toothspace.report.validation_book import summary_of, write_book
+    from toothspace.validation.book import examine_all, selected
+
+    target, claims = require_writable(book, "-o", replace=force), selected(only)
+    with output.progress("validate:") as progress:
+        examined = examine_all(claims, "short" if short else "full", progress)
+    write_book(examined, target)
+    summary = summary_of(examined)
+    verdicts = {name: found["verdict"] for name, found in summary["claims"].items()}
+    output.write(summary if as_json else verdicts, as_json=as_json)
+    output.message(f"Validation book: {target}")
+    return 0 if summary["status"] == "done" else NUMERICAL_FAILURE
+
+
+def app(
+    folder: Annotated[
+        Path, typer.Argument(metavar="DIR", help="Folder of case files and of files they name.")
+    ] = Path(),
+    port: Annotated[int, typer.Option(min=0, max=65535, help="Port, 0 for a free one.")] = 0,
+    browser: Annotated[bool, typer.Option(help="Open the browser.")] = True,
+) -> None:
+    """Fill in a case in the browser and run it, on this computer alone."""
+    if not folder.is_dir():
+        raise CaseError(f"{folder}: found no folder, allowed one with case files")
+    import webbrowser
+
+    from toothspace.app.server import FormServer
+    from toothspace.app.session import Session
+
+    with FormServer(Session(folder), port) as server:
+        output.message(f"Open {server.address}\nEnd with Ctrl-C.")
+        if browser:
+            webbrowser.open(server.address)
+        with suppress(KeyboardInterrupt):
+            server.serve_forever()

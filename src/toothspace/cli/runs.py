@@ -1,0 +1,258 @@
+"""Commands that compute: runs, studies and films; everything heavy is imported when needed."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import suppress
+from importlib import import_module
+from pathlib import Path
+from threading import Thread
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from toothspace.cli import output
+from toothspace.cli.options import (
+    BAD_INPUT,
+    INTERRUPTED,
+    NUMERICAL_FAILURE,
+    CaseFile,
+    Force,
+    Json,
+    Overrides,
+    exit_code,
+    load,
+    named,
+    read_quantity,
+)
+from toothspace.core.errors import CaseError
+from toothspace.core.files import require_writable
+from toothspace.core.interrupts import interrupts_held
+from toothspace.core.status import Status
+
+if TYPE_CHECKING:
+    from toothspace.results.solution import Solution
+
+_STUDY_FILES = ("points.jsonl", "study.nc", "summary.json")
+
+Fields = Annotated[
+    Path | None,
+    typer.Option("-o", "--output", metavar="FIELDS", help="Fields of the film, .nc or .vts."),
+]
+Grids = Annotated[
+    bool,
+    typer.Option("--grids", help="Also on half and twice the cells: how far the grid matters."),
+]
+
+
+def run(
+    case_file: CaseFile,
+    result: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Result file; default CASE.nc here.")
+    ] = None,
+    as_json: Json = False,
+    fidelity: Annotated[
+        str | None, typer.Option(metavar="P", help="ideal, lumped, films or elastic.")
+    ] = None,
+    overrides: Overrides = None,
+    force: Force = False,
+) -> int:
+    """Simulate a case and write the result."""
+    case = load(
+        case_file, [*(overrides or ()), *([f"run.fidelity={fidelity}"] if fidelity else ())]
+    )
+    for table in ("bearing", "film"):
+        if getattr(case, table) is not None:
+            allowed = f"with 'toothspace {table}' only"
+            raise CaseError(f"{case_file}: {table}: found a stand-alone {table}, allowed {allowed}")
+    target = require_writable(result or Path(f"{case_file.stem}.nc"), "-o", replace=force)
+    from toothspace import api
+    from toothspace.simulation.presets import unused_tables
+
+    Thread(target=_load_ahead, daemon=True).start()
+    try:
+        with named(case_file), output.progress(case.title) as progress:
+            solution = api.simulate(case, progress=progress)
+    except KeyboardInterrupt:
+        output.message(f"{case_file}: interrupted before there was a result")
+        return INTERRUPTED
+    with interrupts_held():
+        kept = _keep(solution, target)
+        output.write(solution.summary(), as_json=as_json)
+        code = exit_code(case_file, solution.status)
+        for warning in filter(None, solution.provenance.get("warnings", "").splitlines()):
+            output.message(f"Warning: {warning}")
+        for path, reason in unused_tables(case).items():
+            output.message(f"Note: [{path}] is not used {reason}")
+        output.message(f"Result: {kept or 'the numbers above only'}")
+    return code if kept == target else BAD_INPUT
+
+
+def _load_ahead() -> None:
+    """Load what keeps results; compiled code leaves the interpreter free for it."""
+    with suppress(Exception):  # who needs a library says what it lacks
+        for library in ("xarray", "h5netcdf"):
+            import_module(library)
+
+
+def _keep(solution: Solution, target: Path) -> Path | None:
+    """Save a result, where its place refuses it in the temporary folder or here; return where."""
+    elsewhere = (Path(folder) / f"{target.stem}_{os.getpid()}.nc" for folder in _last_folders())
+    for place in (target, *elsewhere):
+        try:
+            return solution.save(place)
+        except OSError as error:
+            output.message(f"{place}: found {error.strerror or error} on writing")
+    return None
+
+
+def _last_folders() -> Iterator[str]:
+    with suppress(OSError):
+        yield tempfile.gettempdir()
+    yield "."
+
+
+def study(
+    case_file: CaseFile,
+    folder: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Folder; default CASE_study here.")
+    ] = None,
+    as_json: Json = False,
+    workers: Annotated[int, typer.Option(min=1, max=1024, help="Processes.")] = 1,
+    scheduler: Annotated[
+        str, typer.Option(metavar="ADDRESS", help="Dask scheduler instead of processes.")
+    ] = "",
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Take finished points from the folder.")
+    ] = False,
+    overrides: Overrides = None,
+    force: Force = False,
+) -> int:
+    """Run the study of a case: many runs with one question."""
+    case = load(case_file, overrides)
+    from toothspace.studies.registry import kind_of, run_study
+
+    kind = kind_of(case)
+    folder = folder or Path(f"{case_file.stem}_study")
+    if folder.exists() and not folder.is_dir():
+        raise CaseError(f"{folder}: -o: found a file, allowed a folder")
+    if not (resume or force) and any((folder / name).exists() for name in _STUDY_FILES):
+        raise CaseError(
+            f"{folder}: -o: found results of a study, allowed another folder, --resume or --force"
+        )
+    with named(case_file), output.progress(f"{kind}:") as progress:
+        result = run_study(
+            case, folder, progress=progress, workers=workers, scheduler=scheduler, resume=resume
+        )
+    from toothspace.report.study import write_study_report
+
+    write_study_report(result, folder / "report.html")
+    output.write(result.summary(), as_json=as_json)
+    code = exit_code(case_file, result.status)
+    output.message(f"Results: {folder}")
+    return code
+
+
+def bearing(
+    case_file: CaseFile,
+    fields: Fields = None,
+    as_json: Json = False,
+    grids: Grids = False,
+    overrides: Overrides = None,
+    force: Force = False,
+) -> int:
+    """Solve a stand-alone journal bearing."""
+    return _solve("bearing", case_file, fields, as_json, grids, overrides, force)
+
+
+def film(
+    case_file: CaseFile,
+    fields: Fields = None,
+    as_json: Json = False,
+    grids: Grids = False,
+    overrides: Overrides = None,
+    force: Force = False,
+) -> int:
+    """Solve a stand-alone film, as a pad, a ring or the face of a machine's bearing."""
+    return _solve("film", case_file, fields, as_json, grids, overrides, force)
+
+
+def _solve(
+    table: str,
+    case_file: Path,
+    fields: Path | None,
+    as_json: bool,
+    grids: bool,
+    overrides: list[str] | None,
+    force: bool,
+) -> int:
+    target = None if fields is None else require_writable(fields, "-o", replace=force)
+    case = load(case_file, overrides)
+    if getattr(case, table) is None:
+        raise CaseError(f"{case_file}: {table}: found nothing, allowed a table [{table}]")
+    from toothspace import api
+    from toothspace.films.summaries import grid_report
+
+    with named(case_file):
+        solve = api.solve_bearing if table == "bearing" else api.solve_film
+        summary = solve(case, target)
+
+        def on_grid(cells: tuple[int, int]) -> dict[str, Any]:
+            return solve(load(case_file, [*(overrides or ()), f"{table}.grid={list(cells)}"]))
+
+        own = tuple(getattr(case, table).grid)
+        report = grid_report(on_grid, own, summary) if grids else {}
+    if as_json and grids:
+        output.write({**summary, "grid_report": report}, as_json=True)
+    else:
+        output.write(summary, as_json=as_json)
+        output.write(report, as_json=False)
+    return exit_code(case_file, Status[summary["status"].upper()])
+
+
+def reduce(
+    case_file: CaseFile,
+    tables_file: Annotated[
+        Path, typer.Option("-o", "--output", metavar="TABLES.nc", help="File of the tables.")
+    ],
+    film: Annotated[
+        list[str] | None,
+        typer.Option(metavar="KIND", help="Kind of film, as journal; repeatable; default all."),
+    ] = None,
+    pressure: Annotated[
+        list[str] | None,
+        typer.Option(help="Pressure difference of lateral films, as '50 bar'; repeatable."),
+    ] = None,
+    speed: Annotated[
+        list[str] | None,
+        typer.Option(help="Shaft speed of lateral films, as '300 rpm'; repeatable."),
+    ] = None,
+    as_json: Json = False,
+    overrides: Overrides = None,
+    force: Force = False,
+) -> int:
+    """Solve the films of a machine and reduce them to tables for the lumped preset."""
+    target = require_writable(tables_file, "-o", replace=force)
+    case = load(case_file, overrides)
+    from toothspace.core.netcdf import write_dataset
+    from toothspace.studies.reduce import reduce_films, reduce_summary
+
+    pressures = _positive("--pressure", pressure, "bar")
+    speeds = _positive("--speed", speed, "rpm")
+    with named(case_file), output.progress(case.title) as progress:
+        tables = reduce_films(case, film or (), progress, pressures=pressures, speeds=speeds)
+    write_dataset(tables, target)
+    summary = reduce_summary(tables)
+    output.write(summary, as_json=as_json)
+    output.message(f"Tables: {target}; read by [run] film_tables")
+    return 0 if summary["status"] == Status.DONE.name.lower() else NUMERICAL_FAILURE
+
+
+def _positive(option: str, texts: list[str] | None, unit: str) -> list[float]:
+    values = [read_quantity(option, text, unit) for text in texts or ()]
+    for text, value in zip(texts or (), values, strict=True):
+        if not value > 0.0:
+            raise CaseError(f"{option}: found {text!r}, allowed above zero")
+    return values
