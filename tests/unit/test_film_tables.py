@@ -212,7 +212,7 @@ def test_lateral_films_need_an_operating_point(
 [machine.floating_bearing]
 material = "AlSi"
 length = "19 mm"
-high_pressure_area = {{area = "760 mm^2", center = ["-8.16 mm", "17.34 mm"]}}
+high_pressure_area = {{area = "1350 mm^2", center = ["-8.16 mm", "17.34 mm"]}}
 motion = "axial"
 """
     )

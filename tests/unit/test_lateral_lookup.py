@@ -240,7 +240,7 @@ arrangement = "symmetric"
 material = "AlSi"
 length = "19 mm"
 roughness = "0.4 um"
-high_pressure_area = {{area = "760 mm^2", center = ["-8.16 mm", "17.34 mm"]}}
+high_pressure_area = {{area = "1350 mm^2", center = ["-8.16 mm", "17.34 mm"]}}
 motion = "axial"
 seal_preload = "200 N"
 [circuit]

@@ -58,6 +58,7 @@ HYDRECO_1919 = {
 }
 """Speed, pressure differences and measured volumetric efficiencies (Cundiff, Fig. 4.21). [rpm],
 [bar], [-]"""
+_EFFICIENCIES = {"volumetric_efficiency": (0.93, 0.99), "hydromechanical_efficiency": (0.88, 0.93)}
 PEAK_LIMIT = 1.5
 DRAIN_LIMIT = 80.0
 _VAPOUR = 0.1
@@ -114,10 +115,14 @@ def _ripple(numbers: dict[str, Any], kinematic: float) -> tuple[ComparedValue, .
 
 def _egm12(case: str, effort: Effort) -> Evidence:
     numbers = _machine(case, effort)
-    ranges = {"volumetric_efficiency": (0.93, 0.99), "hydromechanical_efficiency": (0.88, 0.93)}
     # a motor's return line feeds its spaces; the pump draws from a tank at 1 bar
-    parts = _efficiencies(numbers, ranges) + _pressures(numbers, fed=case == "egm12_motor")
+    parts = _efficiencies(numbers, _EFFICIENCIES) + _pressures(numbers, fed=case == "egm12_motor")
     return Evidence((*parts, *_ripple(numbers, 15.7), _temperature(numbers)))
+
+
+def _tabulated(effort: Effort) -> Evidence:
+    numbers = _machine("egm12_motor_reduced", effort)
+    return Evidence((*_efficiencies(numbers, _EFFICIENCIES), _temperature(numbers)))
 
 
 def _fuel(effort: Effort) -> Evidence:
@@ -201,6 +206,14 @@ CLAIMS = (
         "The same of the pump.",
         _RANGES,
         partial(_egm12, "egm12_pump"),
+        0.3,
+    ),
+    Claim(
+        "egm12_motor_reduced",
+        GEAR_MACHINES,
+        "The same of the motor with tables of solved lateral films, 5 to 11 um at this point.",
+        "Ranges as published.",
+        _tabulated,
         0.3,
     ),
     Claim(
