@@ -246,6 +246,37 @@ def reduce(
 
 
 @application.command()
+def fmu(
+    case: CaseFile,
+    output: Annotated[
+        Path, typer.Option("-o", "--output", metavar="UNIT.fmu", help="File of the unit.")
+    ],
+    pressure: Annotated[
+        list[str] | None,
+        typer.Option(help="Pressure difference of the tables, as '50 bar'; repeatable."),
+    ] = None,
+    speed: Annotated[
+        list[str] | None,
+        typer.Option(help="Shaft speed of the tables, as '500 rpm'; repeatable."),
+    ] = None,
+    drive: Annotated[
+        str, typer.Option(metavar="KIND", help="What moves the shaft: speed or torque.")
+    ] = "speed",
+    binary: Annotated[
+        bool, typer.Option(help="Compile for this computer if it has a C compiler.")
+    ] = True,
+    workers: Annotated[int, typer.Option(min=1, max=1024, help="Processes.")] = 1,
+    as_json: Json = False,
+    overrides: Overrides = None,
+    force: Force = False,
+) -> int:
+    """Write a machine as a functional mock-up unit for simulators of systems (FMI 2.0)."""
+    target = commands.Target(output, force)
+    options = commands.FmuOptions(pressure or [], speed or [], drive, binary, workers)
+    return commands.fmu(case, target, options, overrides or [], as_json=as_json)
+
+
+@application.command()
 def validate(
     output: Annotated[
         Path, typer.Option("-o", "--output", help="HTML file; default validation_book.html.")

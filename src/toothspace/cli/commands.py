@@ -137,6 +137,30 @@ class StudyOptions:
 
 @final
 @dataclass(frozen=True)
+class FmuOptions:
+    """What ``fmu`` tabulates and writes.
+
+    Parameters
+    ----------
+    pressures, speeds : sequence of str
+        Pressure differences and shaft speeds with their units.
+    drive : str
+        ``speed`` or ``torque``.
+    binary : bool
+        Whether the unit gets a binary for this computer.
+    workers : int
+        Processes.
+    """
+
+    pressures: Sequence[str]
+    speeds: Sequence[str]
+    drive: str = "speed"
+    binary: bool = True
+    workers: int = 1
+
+
+@final
+@dataclass(frozen=True)
 class GearFileOptions:
     """How ``gear`` reads a file.
 
@@ -472,6 +496,45 @@ def reduce(
     output.write(summary, as_json=as_json)
     output.message(f"Tables: {target}; read by [run] film_tables")
     return 0 if summary["status"] == Status.DONE.name.lower() else _NUMERICAL_FAILURE
+
+
+def fmu(
+    case_file: Path,
+    unit: Target,
+    options: FmuOptions,
+    overrides: Sequence[str],
+    *,
+    as_json: bool,
+) -> int:
+    """Write a machine as a functional mock-up unit; returns the exit code."""
+    target = unit.checked()
+    case = _load(case_file, overrides)
+    from toothspace.fmi.export import export_fmu
+
+    pressures = [_positive("--pressure", text, "bar") for text in options.pressures]
+    speeds = [_positive("--speed", text, "rpm") for text in options.speeds]
+    with _file_named(case_file), output.progress(case.title) as progress:
+        result = export_fmu(
+            case,
+            target,
+            pressures=pressures,
+            speeds=speeds,
+            drive=options.drive,
+            binary=options.binary,
+            workers=options.workers,
+            progress=progress,
+        )
+    summary = result.summary()
+    output.write(summary, as_json=as_json)
+    for warning in summary["warnings"]:
+        output.message(f"Warning: {warning}")
+    if result.status is not Status.DONE:
+        output.message(f"{case_file}: no unit is written; the same command goes on from here.")
+    elif summary["binary"]:
+        output.message(f"Unit: {target}, sources and binary for {summary['binary']}")
+    else:
+        output.message(f"Unit: {target}, sources alone: importers compile them")
+    return _EXIT_CODES.get(result.status, _NUMERICAL_FAILURE)
 
 
 def validate(only: str, book: Target, *, short: bool, as_json: bool) -> int:
