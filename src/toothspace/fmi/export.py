@@ -32,8 +32,9 @@ from toothspace.studies.workers import Workers
 if TYPE_CHECKING:
     import xarray as xr
 
-_SHARES = (0.1, 0.4, 0.7, 1.0)
-"""Default values over those of the operating point. [-]"""
+_PRESSURE_SHARES = (0.1, 0.4, 0.7, 1.0)
+_SPEED_SHARES = (0.1, 0.2, 0.4, 0.7, 1.0)
+"""Default values over those of the operating point; friction is most curved at low speed. [-]"""
 
 DRIVES = ("speed", "torque")
 """What moves the shaft of a unit: its speed is an input, or follows from torques and inertia."""
@@ -90,12 +91,16 @@ def export_fmu(
     # the circuit round the unit sets the pressures, so what the ports see is the machine alone
     held = replace(operating, outlet_load="fixed_pressure", line=None)
     steady = replace(case, operating_point=held, study=None)
-    low, high = sorted((held.inlet_pressure, held.outlet_pressure))
-    grid = case.study if isinstance(case.study, EfficiencyMapStudy) else None
+    low, high = held.inlet_pressure, held.outlet_pressure
+    if getattr(case.machine, "mode", "pump") == "motor":
+        low, high = high, low
+    if isinstance(case.study, EfficiencyMapStudy):
+        pressures = pressures or case.study.pressure_difference
+        speeds = speeds or case.study.shaft_speed
     pressures = _axis(
-        "pressure difference", pressures or (grid.pressure_difference if grid else ()), high - low
+        "pressure_difference", "bar", pressures or [k * (high - low) for k in _PRESSURE_SHARES]
     )
-    speeds = _axis("shaft speed", speeds or (grid.shaft_speed if grid else ()), held.shaft_speed)
+    speeds = _axis("shaft_speed", "rpm", speeds or [k * held.shaft_speed for k in _SPEED_SHARES])
     pairs = list(product(speeds, pressures))
     kept = target.with_name(f"{target.name}.points.jsonl")
     with Workers(workers) as pool:
@@ -146,11 +151,11 @@ def export_fmu(
     )
 
 
-def _axis(name: str, given: Sequence[float], nominal: float) -> list[float]:
-    values = sorted(given or (share * nominal for share in _SHARES))
-    if len(set(values)) < max(len(values), 2) or not values[0] > 0.0:
-        found = f"{len(given)} values" if given else f"a case with {nominal:g}"
-        raise CaseError(f"{name}: found {found}, allowed two or more different ones above zero")
+def _axis(name: str, unit: str, given: Sequence[float]) -> list[float]:
+    values = sorted(set(given))
+    if len(values) < 2 or not values[0] > 0.0:
+        found = ", ".join(f"{from_si(value, unit):g} {unit}" for value in given)
+        raise CaseError(f"{name}: found {found}, allowed at least two values above zero")
     return values
 
 
