@@ -126,7 +126,7 @@ static void evaluate(State *s)
     double turned = fmod(s->angle, PERIOD) / PERIOD * ANGLE_COUNT;
     if (turned < 0.0)
         turned += ANGLE_COUNT;
-    const int first = (int)turned % ANGLE_COUNT, second = (first + 1) % ANGLE_COUNT;
+    const int first = turned < ANGLE_COUNT ? (int)turned : 0, second = (first + 1) % ANGLE_COUNT;
     const double part = turned - floor(turned);
     double ripple[WAVE_COUNT];
     for (int k = 0; k < WAVE_COUNT; k++) {
@@ -252,16 +252,9 @@ static void watch(Machine *m, double step)
 
 static int sound(Machine *m)
 {
-    const State *s = &m->state;
-    int finite = 1;
-    for (int k = 0; k < GIVEN_COUNT; k++) /* inputs and parameters come first */
-        finite = finite && isfinite(s->real[k]);
-    if (!finite)
-        complain(m, fmi2Error, "An input or parameter is not a finite number.");
-    else if (DRIVEN_BY_TORQUE && s->real[SHAFT_INERTIA] <= 0.0)
-        complain(m, fmi2Error, "shaft_inertia: found zero or less, allowed above zero.");
-    else
+    if (!DRIVEN_BY_TORQUE || m->state.real[SHAFT_INERTIA] > 0.0)
         return 1;
+    complain(m, fmi2Error, "shaft_inertia: found zero or less, allowed above zero.");
     return 0;
 }
 
@@ -389,11 +382,16 @@ fmi2Status FMI(fmi2GetBoolean)(void *m, const fmi2ValueReference *references, si
     FOR_EVERY(BOOLEAN_COUNT, values[k] = s->boolean[references[k]]);
 }
 
-fmi2Status FMI(fmi2SetReal)(void *m, const fmi2ValueReference *references, size_t count,
+fmi2Status FMI(fmi2SetReal)(void *component, const fmi2ValueReference *references, size_t count,
                             const fmi2Real *values)
 {
-    State *s = &((Machine *)m)->state;
-    FOR_EVERY(GIVEN_COUNT, s->real[references[k]] = values[k]);
+    Machine *m = component;
+    for (size_t k = 0; k < count; k++)
+        if (!isfinite(values[k])) {
+            complain(m, fmi2Error, "An input or parameter is not a finite number.");
+            return fmi2Error;
+        }
+    FOR_EVERY(GIVEN_COUNT, m->state.real[references[k]] = values[k]);
 }
 
 fmi2Status FMI(fmi2SetBoolean)(void *m, const fmi2ValueReference *references, size_t count,
