@@ -20,6 +20,7 @@ _PUBLIC = {
     "simulate_all": "toothspace.interactive",
     "sweep": "toothspace.interactive",
     "evaluate_designs": "toothspace.interactive",
+    "export_fmu": "toothspace.interactive",
     "compare": "toothspace.interactive",
     "Solution": "toothspace.interactive",
     "load_solution": "toothspace.interactive",

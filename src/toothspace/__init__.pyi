@@ -10,6 +10,7 @@ from toothspace.interactive import Solution as Solution
 from toothspace.interactive import compare as compare
 from toothspace.interactive import describe as describe
 from toothspace.interactive import evaluate_designs as evaluate_designs
+from toothspace.interactive import export_fmu as export_fmu
 from toothspace.interactive import load_solution as load_solution
 from toothspace.interactive import simulate as simulate
 from toothspace.interactive import simulate_all as simulate_all

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import reprlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from html import escape
@@ -358,6 +358,61 @@ def sweep(
     place = None if folder is None else path_of(folder, "folder", "a folder")
     resume = place is not None and place.is_dir()
     return run_study(study, place, progress=progress, workers=_processes(workers), resume=resume)
+
+
+def export_fmu(
+    case: Case | str | Path | Mapping[str, Any],
+    path: str | Path,
+    *,
+    pressure_difference: Sequence[Quantity | str] = (),
+    shaft_speed: Sequence[Quantity | str] = (),
+    drive: str = "speed",
+    binary: bool = True,
+    workers: int = 1,
+    progress: Progress | None = None,
+) -> StudyResult:
+    """Tabulate a machine by steady runs and write it as a unit for FMI 2.0 co-simulation.
+
+    Parameters
+    ----------
+    case : Case, str, Path or mapping
+        Case with an operating point; its ports are held at constant pressure.
+    path : str or Path
+        File to write. Finished runs are kept beside it until it is written, and taken again.
+    pressure_difference, shaft_speed : sequence of Quantity or str, optional
+        At least two values each, such as ``"50 bar"`` and ``"500 rpm"``; left out, those of an
+        efficiency map of the case, or 10, 40, 70 and 100 % of its operating point.
+    drive : str
+        ``speed``: the shaft speed is an input; ``torque``: it follows from load torque and inertia.
+    binary : bool
+        Whether the C compiler of this computer, if there is one, adds a binary to the sources.
+    workers : int
+        Processes that share the runs.
+    progress : callable, optional
+        Called with the finished share and a short text.
+
+    Returns
+    -------
+    StudyResult
+        The tables in ``data``; the unit is written only if its status is ``DONE``.
+
+    Raises
+    ------
+    CaseError
+        If the case has no operating point, an argument is not allowed, or the compiler fails.
+    """
+    from toothspace.fmi import export
+
+    return export.export_fmu(
+        _as_case(case),
+        path_of(path, "path", "a file to write"),
+        pressures=[parse_quantity(str(as_text(value)), "bar") for value in pressure_difference],
+        speeds=[parse_quantity(str(as_text(value)), "rpm") for value in shaft_speed],
+        drive=drive,
+        binary=binary,
+        workers=_processes(workers),
+        progress=progress,
+    )
 
 
 def evaluate_designs(

@@ -37,7 +37,7 @@ def test_wheel_holds_cases_fluids_and_published_numbers(wheel: Path, repository:
     cases = {path.relative_to(repository) for path in (repository / "cases").rglob("*.toml")}
     assert {f"toothspace/shipped/{path.as_posix()}" for path in cases} <= names
     data = repository / "src" / "toothspace"
-    for folder in ("library", "validation", "report/templates"):
+    for folder in ("library", "validation", "report/templates", "fmi"):
         expected = {
             path.relative_to(data.parent).as_posix()
             for path in (data / folder).rglob("*")

@@ -44,6 +44,7 @@ for _command in (
     runs.bearing,
     runs.film,
     runs.reduce,
+    runs.fmu,
     pages.validate,
     lists.init,
     lists.cases,

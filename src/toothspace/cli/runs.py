@@ -250,6 +250,60 @@ def reduce(
     return 0 if summary["status"] == Status.DONE.name.lower() else NUMERICAL_FAILURE
 
 
+def fmu(
+    case_file: CaseFile,
+    unit: Annotated[
+        Path, typer.Option("-o", "--output", metavar="UNIT.fmu", help="File of the unit.")
+    ],
+    pressure: Annotated[
+        list[str] | None,
+        typer.Option(help="Pressure difference of the tables, as '50 bar'; repeatable."),
+    ] = None,
+    speed: Annotated[
+        list[str] | None,
+        typer.Option(help="Shaft speed of the tables, as '500 rpm'; repeatable."),
+    ] = None,
+    drive: Annotated[
+        str, typer.Option(metavar="KIND", help="What moves the shaft: speed or torque.")
+    ] = "speed",
+    binary: Annotated[
+        bool, typer.Option(help="Compile for this computer if it has a C compiler.")
+    ] = True,
+    workers: Annotated[int, typer.Option(min=1, max=1024, help="Processes.")] = 1,
+    as_json: Json = False,
+    overrides: Overrides = None,
+    force: Force = False,
+) -> int:
+    """Write a machine as a functional mock-up unit for simulators of systems (FMI 2.0)."""
+    target = require_writable(unit, "-o", replace=force)
+    case = load(case_file, overrides)
+    from toothspace.fmi.export import export_fmu
+
+    with named(case_file), output.progress(case.title) as progress:
+        result = export_fmu(
+            case,
+            target,
+            pressures=_positive("--pressure", pressure, "bar"),
+            speeds=_positive("--speed", speed, "rpm"),
+            drive=drive,
+            binary=binary,
+            workers=workers,
+            progress=progress,
+        )
+    summary = result.summary()
+    output.write(summary, as_json=as_json)
+    for warning in summary["warnings"]:
+        output.message(f"Warning: {warning}")
+    code = exit_code(case_file, result.status)
+    if result.status is not Status.DONE:
+        output.message(f"{case_file}: no unit is written; the same command goes on from here.")
+    elif summary["binary"]:
+        output.message(f"Unit: {target}, sources and binary for {summary['binary']}")
+    else:
+        output.message(f"Unit: {target}, sources alone: importers compile them")
+    return code
+
+
 def _positive(option: str, texts: list[str] | None, unit: str) -> list[float]:
     values = [read_quantity(option, text, unit) for text in texts or ()]
     for text, value in zip(texts or (), values, strict=True):

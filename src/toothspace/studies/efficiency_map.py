@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,7 +14,15 @@ from toothspace.case.study import EfficiencyMapStudy
 from toothspace.core.errors import CaseError
 from toothspace.core.units import from_si, parse_quantity
 from toothspace.studies.measured import read_measured
-from toothspace.studies.points import Point, collected, point, status_of
+from toothspace.studies.points import (
+    Evaluate,
+    Point,
+    collected,
+    point,
+    status_of,
+    summary_numbers,
+)
+from toothspace.studies.records import Record
 from toothspace.studies.study import StudyContext, StudyResult
 from toothspace.studies.tabulate import map_dataset, numbers_table, point_lists, unit_of
 
@@ -62,11 +70,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         found = "no [operating_point]"
         raise CaseError(f"{case.source}: study.kind: found {found}, allowed a steady case")
     pairs = list(product(study.shaft_speed, study.pressure_difference))
-    points = [_point(case, speed, difference) for speed, difference in pairs]
-    # light loads take the most revolutions: the longest points first, so that no worker waits
-    order = sorted(range(len(pairs)), key=lambda k: pairs[k][1] / pairs[k][0])
-    record_of = dict(zip(order, collected([points[k] for k in order], context), strict=True))
-    records = [record_of[k] for k in range(len(pairs))]
+    records = map_records(case, pairs, context)
     speeds = [from_si(speed, "rpm") for speed, _ in pairs]
     differences = [difference * 1e-5 for _, difference in pairs]
     heads = {"speed n (rpm)": speeds, "pressure difference dp (bar)": differences}
@@ -82,6 +86,29 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         ),
         tables=(numbers_table("iso_4409", heads, TABLE_COLUMNS, records),),
     )
+
+
+def map_records(
+    case: Case,
+    pairs: Sequence[tuple[float, float]],
+    context: StudyContext,
+    evaluate: Evaluate = summary_numbers,
+) -> list[Record]:
+    """Evaluate a case at pairs of shaft speed [rad/s] and pressure difference [Pa], in their order.
+
+    The low-pressure side stays as in the case. After an interrupt the rest is ``interrupted``.
+
+    Raises
+    ------
+    CaseError
+        If every point is refused.
+    """
+    points = [_point(case, speed, difference) for speed, difference in pairs]
+    # light loads take the most revolutions: the longest points first, so that no worker waits
+    order = sorted(range(len(pairs)), key=lambda k: pairs[k][1] / pairs[k][0])
+    found = collected([points[k] for k in order], context, evaluate)
+    record_of = dict(zip(order, found, strict=True))
+    return [record_of[k] for k in range(len(pairs))]
 
 
 def _point(case: Case, speed: float, difference: float) -> Point:
