@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from toothspace.core.types import Array, BoolArray
-from toothspace.geometry.flank_deviation import InvoluteDeviation, PitchDeviation, ProfileDeviation
-from toothspace.geometry.gear_profile import GearProfile, InvoluteFlank
-from toothspace.geometry.involute import InvoluteGear, involute_function, tooth_form
+from toothspace.geometry.flank_deviation import PitchDeviation, ProfileDeviation
+from toothspace.geometry.gear_profile import InvoluteFlank
+from toothspace.geometry.involute_gear import involute_function
 
 _LARGEST_RESIDUAL = 0.01
 """Of the tooth height: beyond it the flank is no involute. [-]"""
@@ -158,16 +158,6 @@ def folded_points(points: Array, tooth_count: int, phase: float) -> FlankPoints:
     return FlankPoints(radius[keep], angle[keep], weight[keep], tooth, tooth_count)
 
 
-def points_of_profile(profile: GearProfile) -> FlankPoints:
-    """Flank points of a single pitch."""
-    flanks = (profile.right_flank, profile.left_flank[::-1])
-    radius = [np.hypot(flank[:, 0], flank[:, 1]) for flank in flanks]
-    angle = [np.arctan2(flank[:, 1], flank[:, 0]) for flank in flanks]
-    weight = [np.abs(np.gradient(values)) for values in radius]
-    columns = np.concatenate(radius), np.concatenate(angle), np.concatenate(weight)
-    return FlankPoints(*columns, np.zeros(len(columns[0]), dtype=np.int64), 1)
-
-
 def fit_involute(points: FlankPoints, root_radius: float, tip_radius: float) -> InvoluteFit | None:
     r"""Fit one involute to both flanks of a tooth and find where it begins and ends.
 
@@ -252,38 +242,6 @@ def _offsets(points: FlankPoints, unknowns: Array, side: float, ends: tuple[floa
     inside = (points.radius >= ends[0]) & (points.radius <= ends[1])
     own = [distance[inside & (points.tooth == k)] for k in range(points.tooth_count)]
     return np.array([float(np.median(part)) if len(part) else 0.0 for part in own])
-
-
-def involute_deviation(profile: GearProfile, reference: InvoluteGear) -> InvoluteDeviation:
-    r"""Distance of a profile's flanks from the ideal involute, as a gear measuring machine gives.
-
-    Parameters
-    ----------
-    profile : GearProfile
-        Profile to judge, for example measured.
-    reference : InvoluteGear
-        Ideal gear with the same tooth count.
-
-    Returns
-    -------
-    InvoluteDeviation
-        Deviation along the flank normal between the ends of the ideal involute.
-
-    Notes
-    -----
-    At equal radius an angular difference :math:`\Delta\vartheta` is the normal distance
-    :math:`r_b \Delta\vartheta`.
-    """
-    form = tooth_form(reference)
-    ends = form.form_radius, form.tip_form_radius
-    unknowns = np.array([reference.base_radius] + 2 * [reference.base_half_angle])
-    found = {}
-    for side, flank in ((RIGHT, profile.right_flank), (LEFT, profile.left_flank[::-1])):
-        radius = np.hypot(flank[:, 0], flank[:, 1])
-        angle = side * np.arctan2(flank[:, 1], flank[:, 0])
-        distance = _distance(radius, angle, unknowns, side)
-        found[side] = _curve(radius, distance, reference.base_radius, ends)
-    return InvoluteDeviation(found[RIGHT], found[LEFT])
 
 
 def _thinned(points: FlankPoints) -> FlankPoints:

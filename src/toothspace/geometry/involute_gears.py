@@ -13,7 +13,7 @@ from toothspace.geometry.evaluated_designs import DesignReason, marked
 from toothspace.geometry.involute_gear import (
     DEFAULT_TOOL_TIP_RADIUS,
     InvoluteGear,
-    involute_function,
+    RackCutTeeth,
 )
 from toothspace.numerics.roots import roots_between
 
@@ -27,7 +27,7 @@ _ARC_SAMPLES = 4
 
 @final
 @dataclass(frozen=True)
-class InvoluteGears:
+class InvoluteGears(RackCutTeeth[Array]):
     """Gears that straight-sided racks cut, as :class:`InvoluteGear`; arrays of one shape (n,).
 
     Parameters
@@ -63,40 +63,10 @@ class InvoluteGears:
         given["tool_tip_radius"] = np.nan if tool is None else tool
         return cls(**{name: np.array([float(value)]) for name, value in given.items()})
 
-    @cached_property
-    def reference_radius(self) -> Array:
-        """Radii at which the racks roll. [m]."""
-        return 0.5 * self.module * self.tooth_count
-
-    @cached_property
-    def base_radius(self) -> Array:
-        """Radii of the base circles. [m]."""
-        return np.asarray(self.reference_radius * np.cos(self.pressure_angle))
-
-    @property
-    def root_radius(self) -> Array:
-        """Radii of the root circles. [m]."""
-        return self.reference_radius - (self.dedendum - self.profile_shift) * self.module
-
     @property
     def tip_radius(self) -> Array:
         """Radii of the tip circles. [m]."""
         return 0.5 * self.tip_diameter
-
-    @cached_property
-    def base_half_angle(self) -> Array:
-        """Half of the angular thickness of a tooth on the base circle. [rad]."""
-        half = 0.25 * np.pi + self.profile_shift * np.tan(self.pressure_angle)
-        return np.asarray(2.0 * half / self.tooth_count + involute_function(self.pressure_angle))
-
-    def half_angle(self, radius: Array) -> Array:
-        """Half of the angular thickness of the unlimited involute at radii [m]. [rad]."""
-        angle = np.arccos(np.minimum(self.base_radius / radius, 1.0))
-        return np.asarray(self.base_half_angle - involute_function(angle))
-
-    def roll_length(self, radius: Array) -> Array:
-        """Length of the tangent from radii [m] to the base circle. [m]."""
-        return np.sqrt(np.maximum(radius**2 - self.base_radius**2, 0.0))
 
     @cached_property
     def _corner(self) -> tuple[Array, Array, Array]:
