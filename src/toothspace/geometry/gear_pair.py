@@ -17,7 +17,7 @@ import numpy as np
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import FloatOrArray
 from toothspace.geometry.involute import InvoluteGear, ToothForm, tooth_form
-from toothspace.geometry.involute_gear import RackCutTeeth, Real, involute_function
+from toothspace.geometry.involute_gear import RackCutTeeth, Real, involute_function, plain
 from toothspace.geometry.involute_gears import InvoluteGears
 from toothspace.geometry.mesh_clearance import flank_clearance as flank_clearance
 from toothspace.numerics.roots import root_between
@@ -183,7 +183,7 @@ class ExternalPair(InvolutePair[Real]):
     def operating_pressure_angle(self) -> Real:
         """Angle of the line of action to the common tangent of the pitch circles. [rad]."""
         bases = self.drive.base_radius + self.driven.base_radius
-        return np.arccos(bases / self.center_distance)
+        return plain(np.arccos(bases / self.center_distance))
 
     @property
     def base_pitch(self) -> Real:
@@ -200,7 +200,7 @@ class ExternalPair(InvolutePair[Real]):
     @cached_property
     def pitch_roll_lengths(self) -> tuple[Real, Real]:
         """Distance of the pitch point from the tangent point on each base circle. [m]."""
-        sine = np.sin(self.operating_pressure_angle)
+        sine = plain(np.sin(self.operating_pressure_angle))
         return self.pitch_radii[0] * sine, self.pitch_radii[1] * sine
 
     @cached_property
@@ -216,9 +216,9 @@ class ExternalPair(InvolutePair[Real]):
         end = self.drive.roll_length(form_1.tip_form_radius) - roll_1
         low = self.drive.roll_length(form_1.form_radius) - roll_1
         high = roll_2 - self.driven.roll_length(form_2.form_radius)
-        starts = np.where(form_1.undercut, np.maximum(start, low), start)[()]
-        ends = np.where(form_2.undercut, np.minimum(end, high), end)[()]
-        return cast("Real", starts), cast("Real", ends)
+        first: Any = np.where(form_1.undercut, low, -np.inf)
+        last: Any = np.where(form_2.undercut, high, np.inf)
+        return plain(np.maximum(start, first)), plain(np.minimum(end, last))
 
     @property
     def root_clearances(self) -> tuple[Real, Real]:

@@ -18,9 +18,14 @@ MAX_TOOTH_COUNT = 400
 DEFAULT_TOOL_TIP_RADIUS = 0.38
 
 
+def plain(value: Real) -> Real:
+    """Python number of a NumPy scalar; arrays as they are."""
+    return value if isinstance(value, np.ndarray) else float(value)
+
+
 def involute_function(pressure_angle: Real) -> Real:
     """Involute function, tan(a) - a, of a pressure angle in [rad]."""
-    return np.tan(pressure_angle) - pressure_angle
+    return plain(np.tan(pressure_angle) - pressure_angle)
 
 
 class RackCutTeeth(Generic[Real]):
@@ -40,12 +45,12 @@ class RackCutTeeth(Generic[Real]):
     @cached_property
     def base_radius(self) -> Real:
         """Radius of the circle that the involute unwinds from. [m]."""
-        return self.reference_radius * np.cos(self.pressure_angle)
+        return plain(self.reference_radius * np.cos(self.pressure_angle))
 
     @property
     def base_pitch(self) -> Real:
         """Distance of neighbouring flanks along their common normal. [m]."""
-        return np.pi * self.module * np.cos(self.pressure_angle)
+        return plain(np.pi * self.module * np.cos(self.pressure_angle))
 
     @property
     def root_radius(self) -> Real:
@@ -56,7 +61,7 @@ class RackCutTeeth(Generic[Real]):
     def base_half_angle(self) -> Real:
         """Half of the tooth's angular thickness on the base circle. [rad]."""
         half = 0.25 * np.pi + self.profile_shift * np.tan(self.pressure_angle)
-        return 2.0 * half / self.tooth_count + involute_function(self.pressure_angle)
+        return plain(2.0 * half / self.tooth_count + involute_function(self.pressure_angle))
 
     def half_angle(self, radius: FloatOrArray) -> FloatOrArray:
         """Half of the angular thickness of the unlimited involute tooth.
@@ -76,7 +81,7 @@ class RackCutTeeth(Generic[Real]):
 
     def roll_length(self, radius: Real) -> Real:
         """Length of the tangent from a radius [m] to the base circle. [m]."""
-        return np.sqrt(np.maximum(radius**2 - self.base_radius**2, 0.0))
+        return plain(np.sqrt(np.maximum(radius**2 - self.base_radius**2, 0.0)))
 
 
 @final

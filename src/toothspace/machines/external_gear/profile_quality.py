@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from toothspace.core.errors import GeometryError
-from toothspace.gearing.meshing import path_of_contact
-from toothspace.geometry.gear_data import GearData, gear_data
+from toothspace.gearing.meshing import contact_range, path_of_contact
+from toothspace.gearing.spaces import Spaces, section_areas
+from toothspace.geometry.gear_data import gear_data
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear
 from toothspace.machines.external_gear.assembly import Assembly, assemble
 from toothspace.machines.external_gear.spec import Gear
-from toothspace.machines.external_gear.trapped_volumes import trapped_volumes
 from toothspace.model.description import DesignCheck
 
 if TYPE_CHECKING:
@@ -40,8 +40,7 @@ def tooth_data(assembly: Assembly) -> dict[str, object]:
 
 def _gear_numbers(gear: Gear, profile: GearProfile) -> dict[str, object]:
     numbers: dict[str, object] = {"tooth_count": profile.tooth_count}
-    data = _generated_data(gear.tooth) if isinstance(gear.tooth, InvoluteGear) else None
-    data = data or gear_data(profile)
+    data = gear.tooth if isinstance(gear.tooth, InvoluteGear) else gear_data(profile)
     if data is not None:
         numbers |= {
             "module_mm": 1e3 * data.module,
@@ -54,21 +53,33 @@ def _gear_numbers(gear: Gear, profile: GearProfile) -> dict[str, object]:
     }
 
 
-def _generated_data(tooth: InvoluteGear) -> GearData:
-    return GearData(
-        tooth_count=tooth.tooth_count,
-        module=tooth.module,
-        pressure_angle=tooth.pressure_angle,
-        profile_shift=tooth.profile_shift,
-        tip_rounding=tooth.tip_rounding,
-        standard=True,
-    )
-
-
 def undercut_of(gear: Gear) -> bool:
     """Whether the root of a gear from file cuts away involute."""
     fit = None if gear.found is None else gear.found.detected.involute
     return fit is not None and fit.flank.undercut
+
+
+def trapped_volumes(assembly: Assembly, spaces: tuple[Spaces, Spaces]) -> tuple[float, float]:
+    """Volume between two consecutive loaded contacts when the second one begins, and its minimum.
+
+    Returns
+    -------
+    tuple of float
+        Trapped volume and dead volume, which the mesh carries back. [m3]
+    """
+    drive, driven = spaces
+    mesh, width = assembly.mesh, assembly.face_width
+    pitch = 2.0 * mesh.half_pitch
+    start, end = contact_range(assembly)
+    # throat angle of the contact that lies behind
+    behind = np.linspace(start, max(end - pitch, start), 61)
+    left = assembly.loaded_is_left
+    lag = mesh.turn + 0.5 * assembly.teeth[1].pitch_angle
+    place_1 = behind if left else behind + pitch
+    place_2 = mesh.ratio * (behind + pitch) - lag
+    area = np.interp(place_1, drive.angles, section_areas(drive))
+    area += np.interp(place_2, driven.angles, section_areas(driven))
+    return float(area[0] * width), float(area.min() * width)
 
 
 def profile_quality(assembly: Assembly, trapped: float) -> dict[str, object]:
