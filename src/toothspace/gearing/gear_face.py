@@ -64,7 +64,7 @@ class GearSection:
         return radii, (left, right)[side]
 
     def contains(self, shaft_angle: float, x: Array, y: Array) -> BoolArray:
-        """Whether points lie in the section."""
+        """Whether points [m] lie in the section at a shaft angle [rad]."""
         (radius, polar), pitch = self.polar(x, y), self.profile.pitch_angle
         place = np.mod(polar - self.tooth_angle(shaft_angle) + 0.5 * pitch, pitch) - 0.5 * pitch
         radii, right, left = self._flanks

@@ -152,10 +152,8 @@ def mesh_at_distance(teeth: tuple[Tooth, Tooth], distance: float) -> Mesh:
 
 def facing_throats(teeth: tuple[Tooth, Tooth], mesh: Mesh, is_left: bool, angles: Array) -> Throats:
     """Throats between left flanks or between right flanks at angles [rad]."""
-    drive, driven = teeth
-    if is_left:
-        return throats(drive.left, driven.left, mesh, angles)
-    return throats(drive.right, driven.right, mesh, angles)
+    drive, driven = ((tooth.left if is_left else tooth.right) for tooth in teeth)
+    return throats(drive, driven, mesh, angles)
 
 
 def driven_lever(side: Throats, mesh: Mesh) -> Array:
@@ -316,7 +314,7 @@ def ideal_flow(gears: MeshedGears, angles: Array) -> Array:
 
 
 def flow_over_pitch(gears: MeshedGears) -> Array:
-    """Ideal single-flank flow over one pitch: the contact nearest to the pitch point seals."""
+    """Ideal flow over one pitch, sealed by the contact nearest to the pitch point. [m3/rad]."""
     pitch = 2.0 * gears.mesh.half_pitch
     steps = pitch * np.arange(_FLOW_SAMPLES) / _FLOW_SAMPLES
     start, end = contact_range(gears)
@@ -388,7 +386,10 @@ def throat_drag(gears: MeshedGears, side: Throats, *, leading: bool) -> Array:
 
 
 def flank_geometry(gears: MeshedGears, side: Throats, share: Array) -> PeriodicTable:
-    """Channels of a flank contact; the slope of the gap is exact, so conjugate flanks stay so."""
+    """Gap [m], share [-], radii [m], levers of sliding and rolling [m] of a flank contact.
+
+    The slope of the gap is exact, so conjugate flanks stay so.
+    """
     drive, driven = flank_radii(gears, side)
     ahead, follows = _along_normal(gears, side)
     ratio = gears.mesh.ratio
@@ -432,7 +433,7 @@ def flank_radii(gears: MeshedGears, side: Throats) -> tuple[Array, Array]:
 
 
 def slip_by_motion(gears: MeshedGears, side: Throats) -> Array:
-    """Derivative of the tangential displacement of the driven flank by every micro-motion."""
+    """Derivative of the slip of the driven flank by every micro-motion. [-], [m/rad]."""
     tangent = np.column_stack([-side.normal[:, 1], side.normal[:, 0]])
     _, follows = _along_normal(gears, side)
     weight = (side.weight > 0.0)[:, None]

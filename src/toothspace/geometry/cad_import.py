@@ -124,7 +124,7 @@ def _read(path: Path, unit: float, layer: str | None) -> list[Array]:
 
 
 def plane_curves(path: Path, unit: float, layer: str | None) -> list[Array]:
-    """Curves of a text or DXF file, read in this process; see ``load_closed_curves``."""
+    """Curves [m] of a text or DXF file, read in this process; see ``load_closed_curves``."""
     suffix = path.suffix.lower()
     if suffix in TEXT_SUFFIXES:
         from toothspace.geometry.point_file import read_point_file

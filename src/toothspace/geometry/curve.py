@@ -143,7 +143,7 @@ def turned(points: Array, angle: FloatOrArray) -> Array:
     return np.stack([c * x - s * y, s * x + c * y], axis=-1)
 
 
-def repeated(points: Array, angles: Array) -> Array:
+def turned_copies(points: Array, angles: Array) -> Array:
     """Points [m] of a piece, repeated one after the other at angles about the origin [rad]. [m]."""
     phasors = np.exp(1j * angles)[:, None] * (points @ np.array([1.0, 1j]))[None, :]
     return np.column_stack([phasors.real.ravel(), phasors.imag.ravel()])
@@ -198,7 +198,7 @@ def arc_lengths(points: Array) -> Array:
     return np.concatenate([[0.0], np.cumsum(np.hypot(step[:, 0], step[:, 1]))])
 
 
-def evenly(points: Array, count: int) -> Array:
+def even_points(points: Array, count: int) -> Array:
     """Points at so many even places along an open polyline, ends included. [m]."""
     along = arc_lengths(points)
     wanted = np.linspace(0.0, along[-1], count)

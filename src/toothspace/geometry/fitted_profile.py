@@ -8,7 +8,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from toothspace.core.types import Array
-from toothspace.geometry.curve import CurveSegment, arc_lengths, evenly, polar, sample_segments
+from toothspace.geometry.curve import CurveSegment, arc_lengths, even_points, polar, sample_segments
 from toothspace.geometry.gear_profile import GearProfile, InvoluteFlank
 
 _ROOT_POINTS = 120
@@ -111,7 +111,7 @@ def _root_path(
     inner = polar(radius[:first], angle[:first] + np.maximum(share, 0.0) * shift)
     inner[0] = polar(np.array([root_radius]), np.array([np.pi / tooth_count]))[0]
     path = np.vstack([polar(np.array([end]), np.array([half])), inner[::-1]])
-    return path if len(path) <= _ROOT_POINTS else evenly(path, _ROOT_POINTS)
+    return path if len(path) <= _ROOT_POINTS else even_points(path, _ROOT_POINTS)
 
 
 def _along(path: Array) -> Callable[[Array], Array]:

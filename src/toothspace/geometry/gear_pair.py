@@ -36,7 +36,7 @@ class InvolutePair(ABC, Generic[Real]):
     @property
     @abstractmethod
     def speed_ratio(self) -> Real:
-        """Speed of the driven gear over that of the drive gear, negative of an external pair."""
+        """Speed of the driven gear over that of the drive gear, negative of external pairs. [-]."""
 
     @property
     @abstractmethod

@@ -10,7 +10,7 @@ import numpy as np
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array, FloatOrArray
-from toothspace.geometry.curve import polar, repeated
+from toothspace.geometry.curve import polar, turned_copies
 
 
 @final
@@ -67,7 +67,7 @@ class InvoluteFlank:
         return points
 
     def scaled(self, factor: float) -> InvoluteFlank:
-        """Similar flank with every length multiplied by a positive factor."""
+        """Similar flank with every length multiplied by a positive factor [-]."""
         lengths = ("base_radius", "form_radius", "tip_form_radius", "residual")
         return replace(self, **{name: factor * getattr(self, name) for name in lengths})
 
@@ -169,10 +169,10 @@ class GearProfile:
             Points, shape (tooth_count (n - 1), 2), counter-clockwise, not repeated at the end. [m]
         """
         angles = rotation + self.pitch_angle * np.arange(self.tooth_count, dtype=float)
-        return repeated(self.points[:-1], angles) + np.asarray(center, dtype=float)
+        return turned_copies(self.points[:-1], angles) + np.asarray(center, dtype=float)
 
     def scaled(self, factor: float) -> GearProfile:
-        """Similar gear with every length multiplied by a positive factor."""
+        """Similar gear with every length multiplied by a positive factor [-]."""
         return replace(
             self,
             points=self.points * factor,

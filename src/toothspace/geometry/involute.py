@@ -261,20 +261,15 @@ def _tip_junction(gear: InvoluteGear) -> tuple[float, float]:
             f"{base / np.cos(pointed) * 2e3:.5g} mm where the tooth is pointed"
         )
     center_radius = gear.tip_radius - rounding
-    if center_radius <= base:
-        raise GeometryError(_rounding_message(gear))
     tip_half_angle = float(gear.half_angle(center_radius)) - rounding / base
-    if tip_half_angle <= 0.0:
-        raise GeometryError(_rounding_message(gear))
+    if center_radius <= base or tip_half_angle <= 0.0:
+        land = gear.tip_radius * 2e3 * float(gear.half_angle(gear.tip_radius))
+        raise GeometryError(
+            f"tip_rounding: found {rounding * 1e3:.4g} mm, allowed smaller: no tip land is left of "
+            f"{land:.4g} mm"
+        )
     roll_length = np.sqrt(center_radius**2 - base**2) + rounding
     return float(np.hypot(base, roll_length)), tip_half_angle
-
-
-def _rounding_message(gear: InvoluteGear) -> str:
-    return (
-        f"tip_rounding: found {gear.tip_rounding * 1e3:.4g} mm, allowed smaller: no tip land is "
-        f"left of {gear.tip_radius * 2e3 * float(gear.half_angle(gear.tip_radius)):.4g} mm"
-    )
 
 
 def _half_tooth(gear: InvoluteGear, form: ToothForm, flank: InvoluteFlank) -> list[CurveSegment]:

@@ -139,9 +139,6 @@ class InvoluteGear(RackCutTeeth[float]):
         if self.tip_diameter is not None:
             upper = self.module * (self.tooth_count + 8.0)
             _check("tip_diameter", self.tip_diameter * 1e3, 0.0, upper * 1e3, "mm", open_low=True)
-        self._check_tool()
-
-    def _check_tool(self) -> None:
         if self._largest_tool_tip_radius < 0.0:
             raise GeometryError(
                 f"dedendum: found {self.dedendum:g} modules, allowed up to "

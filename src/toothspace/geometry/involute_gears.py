@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass, fields, replace
 from functools import cached_property
-from typing import final
+from typing import Any, final
 
 import numpy as np
 
@@ -82,7 +82,7 @@ class InvoluteGears(RackCutTeeth[Array]):
         return depth * self.module, side * self.module, radius * self.module
 
     def fillet(self, tangent: FloatOrArray) -> tuple[Array, Array]:
-        """Root fillets at the tangent of the angle on the rack's corner: radius, space angle."""
+        """Root fillets over the tangent of the rack's corner angle: radius, angle. [m], [rad]."""
         depth_0, side, rho = self._corner
         depth = depth_0 + rho / np.sqrt(1.0 + np.square(tangent))
         along, across = self.reference_radius - depth, depth * tangent
@@ -167,12 +167,17 @@ class InvoluteGears(RackCutTeeth[Array]):
         half = 0.5 * tip**2 * self.tip_half_angle + flank / (6.0 * base) + root
         return 2.0 * (half + self._rounding_sector() + self._fillet_sector())
 
-    def _rounding_sector(self) -> Array:
-        radius, land = self.tip_rounding, self.tip_half_angle
-        center = (self.tip_radius - radius) * np.exp(1j * land)
-        start = self.tip_radius * np.exp(1j * land)
+    @cached_property
+    def _rounding(self) -> tuple[Any, Any, Array]:
+        """Centre and end of the tip rounding as complex numbers [m], angle of its arc [rad]."""
+        land = np.exp(1j * self.tip_half_angle)
+        center = (self.tip_radius - self.tip_rounding) * land
         end = self.tip_form_radius * np.exp(1j * self.half_angle(self.tip_form_radius))
-        turn = np.angle((end - center) * np.exp(-1j * land))
+        return center, end, np.angle((end - center) * np.conj(land))
+
+    def _rounding_sector(self) -> Array:
+        radius, (center, end, turn) = self.tip_rounding, self._rounding
+        start = self.tip_radius * np.exp(1j * self.tip_half_angle)
         chord = np.imag(np.conj(center) * (end - start))
         return np.where(radius > 0.0, 0.5 * (radius**2 * turn + chord), 0.0)
 
@@ -274,9 +279,6 @@ class InvoluteGears(RackCutTeeth[Array]):
 
     def tip_corner(self, share: Array) -> tuple[Array, Array]:
         """Points on the tip rounding, 0 at the land to 1 at the flank: radius, angle [m], [rad]."""
-        land, radius = self.tip_half_angle, self.tip_rounding
-        end = self.tip_form_radius * np.exp(1j * self.half_angle(self.tip_form_radius))
-        center = (self.tip_radius - radius) * np.exp(1j * land)
-        turn = np.angle((end - center) * np.exp(-1j * land))
-        corner = center + radius * np.exp(1j * (land + share * turn))
+        center, _, turn = self._rounding
+        corner = center + self.tip_rounding * np.exp(1j * (self.tip_half_angle + share * turn))
         return np.abs(corner), np.angle(corner)

@@ -46,7 +46,7 @@ def read_sections(path: Path, unit: float, request: SectionRequest) -> list[Body
 
 
 def read_curves(path: Path, unit: float, layer: str | None) -> list[Array]:
-    """Curves of a plane file by a process of its own; see ``cad_import.load_closed_curves``."""
+    """Curves [m] of a plane file by its own process; see ``cad_import.load_closed_curves``."""
     found = _kept(path, {"unit": unit, "layer": layer})
     return [found[f"curve_{k}"] for k in range(len(found))]
 
@@ -72,7 +72,7 @@ def read_in_process(path: Path, order: Mapping[str, Any]) -> dict[str, Any]:
     Parameters
     ----------
     order : mapping
-        ``unit``, and ``request`` of a solid file or ``layer`` of a plane one.
+        ``unit`` [m], and ``request`` of a solid file or ``layer`` of a plane one.
 
     Raises
     ------

@@ -16,7 +16,7 @@ from toothspace.geometry.curve import (
     arc_lengths,
     chord_heights,
     counter_clockwise,
-    evenly,
+    even_points,
     resample_by_curvature,
     signed_area,
     turned,
@@ -393,7 +393,7 @@ def _in_sections(tooth: Array, tolerance: float) -> Array:
     if last - first < 1:
         first, last = max(first - 1, 1), min(last + 1, len(tooth) - 2)
     sections = (tooth[: first + 1], tooth[first : last + 1], tooth[last:])
-    return np.vstack([evenly(section, _SECTION_POINTS) for section in sections])
+    return np.vstack([even_points(section, _SECTION_POINTS) for section in sections])
 
 
 def _normals(curve: Array) -> tuple[Array, Array]:

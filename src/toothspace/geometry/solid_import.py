@@ -53,7 +53,7 @@ def solid_sections(path: Path, unit: float, request: SectionRequest) -> list[Bod
 
 
 def stl_bodies(path: Path, unit: float) -> list[SolidBody]:
-    """Bodies of an STL file, read in this process; see ``solid_sections``."""
+    """Bodies of an STL file in a unit [m], read in this process; see ``solid_sections``."""
     return [SolidBody("", m, partial(_simple_section, m)) for m in _closed_meshes(path, unit)]
 
 

@@ -114,7 +114,7 @@ def notch_opening(assembly: CrescentAssembly, own: ToothSpaces, notch: NotchPara
 
 
 def filler_cover(assembly: CrescentAssembly, gear: int, places: Array) -> Array:
-    """Part of a tooth tip that seals against the filler, 0 where it stands before a port.
+    """Part of a tooth tip that seals against the filler at places [rad], 0 before a port. [-].
 
     It is 1 from the moment the whole land faces the filler until its first corner leaves it.
     """

@@ -90,7 +90,7 @@ class ElasticAssembly:
         return made
 
     def loads(self, shaft_angle: float) -> tuple[BodyLoad, ...]:
-        """Pressures behind the bearing and on the flanks, springs, seal, contacts, journals."""
+        """Loads at a shaft angle [rad]: pressures, springs, seal, contacts, journals. [SI]."""
         flanks = [load for f in self.faces for load in GearFlanks(f).acting(shaft_angle)]
         return (*self._steady, *flanks)
 
@@ -217,7 +217,7 @@ def half_names(block: FloatingBlock, side: str) -> tuple[str, ...]:
 
 
 def spring_share(assembly: Assembly, y: float, half: int) -> float:
-    """Part of a spring that a half carries: both share one that stands on the cut."""
+    """Part of a spring at a height [m] that a half carries: both share one on the cut. [-]."""
     cut = waist(assembly, 0)
     if abs(y - cut) < _ON_THE_CUT:
         return 0.5

@@ -70,7 +70,7 @@ def tooth_spaces(
 
 
 def bore_cover(assembly: Assembly, gear: int, places: Array) -> Array:
-    """Part of a tooth tip that seals against the bore, 0 where it stands in a port or the mesh.
+    """Part of a tip that seals against the bore at places [rad], 0 in a port or the mesh. [-].
 
     It is 1 from the moment the leading tip corner leaves the inlet until the trailing corner
     reaches the outlet, and rises and falls outside over the angle of the tip land.

@@ -150,8 +150,31 @@ def profile_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
     """Whether profiles from files are good enough for what follows from them."""
     checks: list[DesignCheck] = []
     for gear in _from_files(assembly):
-        checks += [_chords(gear.detected), _form(gear.detected), _helix(gear)]
-    return (*checks, *_equal_pitches(assembly))
+        angle = abs(gear.helix_angle)
+        checks += [
+            _chords(gear.detected),
+            _form(gear.detected),
+            DesignCheck(
+                "helix angle of the profile", float(np.rad2deg(angle)), "deg", "0 deg",
+                angle == 0.0,
+                "Teeth are taken as spur with this transverse section: overlap, thrust and the "
+                "spread of trapping along the face width are missing.",
+                of_drawing=True,
+            ),
+        ]  # fmt: skip
+    flanks = [(p.involute, p.tooth_count) for p in assembly.profiles]
+    pitches = [2.0 * np.pi * flank.base_radius / n for flank, n in flanks if flank is not None]
+    if len(pitches) == 2:
+        ratio = abs(pitches[1] / pitches[0] - 1.0)
+        checks.append(
+            DesignCheck(
+                "difference of the base pitches", 100.0 * ratio, "%", "up to 0.1 %",
+                ratio <= _UNEQUAL_PITCH,
+                "Gears of unequal base pitch hand the load over with a shock.",
+                of_drawing=True,
+            )
+        )  # fmt: skip
+    return tuple(checks)
 
 
 def as_drawn(assembly: Assembly) -> dict[str, str]:
@@ -190,33 +213,4 @@ def _form(detected: DetectedGear) -> DesignCheck:
         "Contact and trapped volume are those of the involute that fits; profile_flank = \"drawn\" "
         "computes with the flanks of the file, with mesh = \"elastic\" under load.",
         of_drawing=True,
-    )  # fmt: skip
-
-
-def _helix(gear: FoundGear) -> DesignCheck:
-    angle = abs(gear.helix_angle)
-    return DesignCheck(
-        "helix angle of the profile", float(np.rad2deg(angle)), "deg", "0 deg", angle == 0.0,
-        "Teeth are taken as spur with this transverse section: overlap, thrust and the spread of "
-        "trapping along the face width are missing.",
-        of_drawing=True,
-    )  # fmt: skip
-
-
-def _equal_pitches(assembly: Assembly) -> tuple[DesignCheck, ...]:
-    pitches = [
-        2.0 * np.pi * profile.involute.base_radius / profile.tooth_count
-        for profile in assembly.profiles
-        if profile.involute is not None
-    ]
-    if len(pitches) < 2:
-        return ()
-    ratio = abs(pitches[1] / pitches[0] - 1.0)
-    return (
-        DesignCheck(
-            "difference of the base pitches", 100.0 * ratio, "%", "up to 0.1 %",
-            ratio <= _UNEQUAL_PITCH,
-            "Gears of unequal base pitch hand the load over with a shock.",
-            of_drawing=True,
-        ),
     )  # fmt: skip
