@@ -4,19 +4,25 @@ import sys
 import numpy as np
 import pytest
 
+from tests.reference_formulas.involute_deviation import deviations
 from toothspace.core.errors import GeometryError
 from toothspace.core.files import write_bytes
+from toothspace.geometry.body_section import SectionRequest
 from toothspace.geometry.cad_export import export_gear
-from toothspace.geometry.cad_import import load_closed_curves
+from toothspace.geometry.cad_import import load_body_sections, load_closed_curves
 from toothspace.geometry.curve import signed_area
 from toothspace.geometry.gear_pair import pair_from_backlash
 from toothspace.geometry.involute import InvoluteGear, generate_profile
-from toothspace.geometry.involute_fit import involute_deviation
 from toothspace.geometry.profile_detection import gear_profile_from_curve
 
 MOTOR = InvoluteGear(12, 2.75e-3, np.deg2rad(20.0), 0.3, 40.372e-3, tip_rounding=1e-4)
 UNDERCUT = InvoluteGear(9, 2.75e-3)
 SQUARE = "0,0\n2,0\n2,2\n0,2\n"
+
+
+def cut(path, **request):
+    sections = load_body_sections(path, 1e-3, SectionRequest(**request))
+    return [curve for section in sections for curve in section.curves]
 
 
 def write(folder, name, content):
@@ -52,7 +58,7 @@ def test_round_trip_reproduces_area_tooth_and_displacement(tmp_path, suffix, gea
     assert found.profile.tip_radius == pytest.approx(gear.tip_radius, abs=1e-7)
     assert found.profile.root_radius == pytest.approx(gear.root_radius, abs=1e-6)
     assert found.profile.tooth_space_area == pytest.approx(fine.tooth_space_area, rel=5e-4)
-    assert involute_deviation(found.profile, gear).largest < 1e-6
+    assert np.abs(deviations(found.profile, gear)).max() < 1e-6
     # displacement from what the file holds: tip radius and base pitch
     pair = pair_from_backlash(gear, gear, 2e-5)
     pitch = 2.0 * np.pi * found.profile.base_radius / gear.tooth_count
@@ -169,18 +175,18 @@ def test_bodies_and_plane_of_stl(tmp_path):
     path = two_body_stl(tmp_path / "two.stl")
     both = load_closed_curves(path)
     assert [len(curve) for curve in both] == [4, 64]
-    (small,) = load_closed_curves(path, body=1, plane_z=4e-3)
+    (small,) = cut(path, body=1, plane=4e-3)
     assert small[:, 0].mean() == pytest.approx(40e-3, abs=1e-6)
     with pytest.raises(GeometryError, match="plane_z = 6 mm, allowed -5 to 5 mm"):
-        load_closed_curves(path, plane_z=6e-3)
+        cut(path, plane=6e-3)
     with pytest.raises(GeometryError, match="body = 2, allowed 0 to 1"):
-        load_closed_curves(path, body=2)
+        cut(path, body=2)
 
 
 def test_plane_of_step(tmp_path):
     export_gear(generate_profile(UNDERCUT, 60), tmp_path / "gear.step", 7.5e-3)
     with pytest.raises(GeometryError, match="plane_z = 9 mm, allowed"):
-        load_closed_curves(tmp_path / "gear.step", plane_z=9e-3)
+        cut(tmp_path / "gear.step", plane=9e-3)
 
 
 def test_step_solid_that_is_no_prism_is_cut(tmp_path):
@@ -194,7 +200,7 @@ def test_step_solid_that_is_no_prism_is_cut(tmp_path):
     writer.Write(str(tmp_path / "cone.step"))
     (middle,) = load_closed_curves(tmp_path / "cone.step")
     assert np.hypot(*middle.T) == pytest.approx(7.5e-3, rel=1e-6)
-    (upper,) = load_closed_curves(tmp_path / "cone.step", plane_z=15e-3)
+    (upper,) = cut(tmp_path / "cone.step", plane=15e-3)
     assert np.hypot(*upper.T) == pytest.approx(6.25e-3, rel=1e-6)
 
 

@@ -321,21 +321,16 @@ class FrictionCurve:
         """
         return self.boundary + self.offset
 
-    def full_film_slope(self, lowest: float = 0.05, highest: float = 0.2) -> float:
-        """Mean slope between two Sommerfeld numbers of the full-film branch.
-
-        Parameters
-        ----------
-        lowest, highest : float
-            Sommerfeld numbers. [-]
+    def full_film_slope(self) -> float:
+        """Mean slope of the full-film branch, between Sommerfeld numbers of 0.05 and 0.2.
 
         Returns
         -------
         float
             Slope. [-]
         """
-        values = self(np.array([lowest, highest]))
-        return float((values[1] - values[0]) / (highest - lowest))
+        values = self(np.array([0.05, 0.2]))
+        return float((values[1] - values[0]) / (0.2 - 0.05))
 
     def minimum(self) -> tuple[float, float]:
         """Lowest point of the curve.

@@ -43,7 +43,7 @@ class ChamberPaths:
         self, name: str, category: PathCategory, geometry: Array, kind: PathKind = "parallel_gap",
         **other: Any,
     ) -> FlowPath:  # fmt: skip
-        """Path over the lands, with its channels over the place, or one row of them.
+        """Path over the lands, with its channels [SI] over the place, or one row of them.
 
         ``other`` are further fields of the path.
         """
@@ -63,7 +63,7 @@ class ChamberPaths:
         self, name: str, category: PathCategory, geometry: Array, node: int,
         kind: PathKind = "parallel_gap", multiplicity: float = 1.0,
     ) -> FlowPath:  # fmt: skip
-        """Path from every chamber to one node, with its channels over the place, or one row."""
+        """Path from every chamber to one node, its channels [SI] over the place, or one row."""
         return FlowPath(
             name=name,
             category=category,

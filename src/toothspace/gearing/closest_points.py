@@ -121,7 +121,7 @@ def nearest_knot(flank: Flank, at: Placement, x: float, y: float) -> float:
 def common_normal(
     first: Flank, at_first: Placement, second: Flank, at_second: Placement, start: Closest
 ) -> tuple[float, float, bool]:
-    """Newton for parallel tangents and a connecting line at right angles to them.
+    """Newton for parallel tangents and a line at right angles to them: places [m], whether found.
 
     Well conditioned at zero distance, where minimising the distance is not.
     """

@@ -41,7 +41,13 @@ class GearSection:
     _flanks: tuple[Array, Array, Array] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "_flanks", _flank_angles(self.profile))
+        radii = np.linspace(self.profile.root_radius, self.profile.tip_radius, _FLANK_POINTS)
+        sides = []
+        for flank in (self.profile.right_flank, self.profile.left_flank[::-1]):
+            radius, angle = np.hypot(*flank.T), np.arctan2(flank[:, 1], flank[:, 0])
+            rising = np.maximum.accumulate(radius) == radius
+            sides.append(np.interp(radii, radius[rising], angle[rising]))
+        object.__setattr__(self, "_flanks", (radii, *sides))
 
     def tooth_angle(self, shaft_angle: float) -> float:
         """Angle of the middle of a tooth at a shaft angle. [rad]."""
@@ -58,7 +64,7 @@ class GearSection:
         return radii, (left, right)[side]
 
     def contains(self, shaft_angle: float, x: Array, y: Array) -> BoolArray:
-        """Whether points lie in the section."""
+        """Whether points [m] lie in the section at a shaft angle [rad]."""
         (radius, polar), pitch = self.polar(x, y), self.profile.pitch_angle
         place = np.mod(polar - self.tooth_angle(shaft_angle) + 0.5 * pitch, pitch) - 0.5 * pitch
         radii, right, left = self._flanks
@@ -122,14 +128,3 @@ def under_recesses(
         shapely.prepare(shape)
         found[covered & shapely.contains_xy(shape, x, y)] = fed_by
     return found
-
-
-def _flank_angles(profile: GearProfile) -> tuple[Array, Array, Array]:
-    """Angles of right and left flank about the middle of the tooth, over the radius."""
-    radii = np.linspace(profile.root_radius, profile.tip_radius, _FLANK_POINTS)
-    sides = []
-    for flank in (profile.right_flank, profile.left_flank[::-1]):
-        radius, angle = np.hypot(*flank.T), np.arctan2(flank[:, 1], flank[:, 0])
-        rising = np.maximum.accumulate(radius) == radius
-        sides.append(np.interp(radii, radius[rising], angle[rising]))
-    return radii, sides[0], sides[1]

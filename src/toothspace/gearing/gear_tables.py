@@ -24,9 +24,9 @@ from toothspace.core.keys import (
 )
 from toothspace.core.types import Array
 from toothspace.core.units import to_si
-from toothspace.geometry.cad_import import is_solid, load_closed_curves
+from toothspace.geometry.cad_import import is_solid
 from toothspace.geometry.involute import InvoluteGear, tooth_form
-from toothspace.geometry.polygon import checked_polygon
+from toothspace.geometry.polygon import load_polygons
 
 PROFILE_SUFFIXES = (".txt", ".csv", ".dxf", ".stl", ".step", ".stp")
 """Files that may hold a profile."""
@@ -192,7 +192,15 @@ class ReliefGrooveParameters(KeyTable):
         KeyRuleError
             If two polygons lie on one side, with the key.
         """
-        sides = _groove_sides(polygons, self.contour.name if self.contour else "", key)
+        found: dict[bool, Array] = {}
+        for polygon in polygons:
+            right = bool(polygon[:, 0].mean() > 0.0)
+            if right in found:
+                side, file = "right" if right else "left", self.contour.name if self.contour else ""
+                two = f"two polygons {side} of the centre line in {file}"
+                raise KeyRuleError(key, two, "one polygon on each side")
+            found[right] = polygon
+        sides = found.get(True), found.get(False)
         return ReliefGrooves(
             closing_side_offset=_offset(self.closing_side_offset, sides[0], 1.0),
             opening_side_offset=_offset(self.opening_side_offset, sides[1], -1.0),
@@ -252,19 +260,6 @@ def _offset(given: float | None, contour: Array | None, side: float) -> float:
     return 0.0 if contour is None else float((side * contour[:, 0]).min())
 
 
-def _groove_sides(polygons: list[Array], file: str, key: str) -> tuple[Array | None, Array | None]:
-    found: dict[bool, Array] = {}
-    for polygon in polygons:
-        closing = bool(polygon[:, 0].mean() > 0.0)
-        if closing in found:
-            side = "right" if closing else "left"
-            raise KeyRuleError(
-                key, f"two polygons {side} of the centre line in {file}", "one polygon on each side"
-            )
-        found[closing] = polygon
-    return found.get(True), found.get(False)
-
-
 def read_contours(file: Path | Points, key: str, unit: str = "mm") -> list[Array]:
     """Closed polygons of a file in a unit of length. [m].
 
@@ -274,7 +269,6 @@ def read_contours(file: Path | Points, key: str, unit: str = "mm") -> list[Array
         If it cannot be read, with the key.
     """
     try:
-        curves = load_closed_curves(file, to_si(1.0, unit))
-        return [checked_polygon(curve, file.name) for curve in curves]
+        return load_polygons(file, to_si(1.0, unit))
     except GeometryError as error:
         raise GeometryError(f"{key}: {error}") from error

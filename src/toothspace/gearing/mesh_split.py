@@ -16,6 +16,7 @@ from typing import NamedTuple, final
 
 import numpy as np
 
+from toothspace.closures.smooth import smooth_step
 from toothspace.core.compiled import inlined, njit
 from toothspace.core.types import Array
 from toothspace.gearing.closest_points import (
@@ -206,13 +207,6 @@ def throat_window(drive: Flank, driven: Flank, mesh: Mesh) -> Window:
     if complete > leaves:
         complete = leaves = 0.5 * (complete + leaves)
     return Window(min(enter1, enter2), complete, leaves, max(exit1, exit2))
-
-
-@inlined
-def smooth_step(t: float) -> float:
-    """Rise from 0 to 1 with a continuous derivative."""
-    t = min(max(t, 0.0), 1.0)
-    return t * t * (3.0 - 2.0 * t)
 
 
 @inlined

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from toothspace.closures.smooth import smooth_step
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
 from toothspace.gearing.mesh_split import Mesh, Throats, throats
@@ -29,6 +30,7 @@ FULL_TURN = 2.0 * np.pi
 _PHASE_SAMPLES = 181
 _LEAST_RATIO = 1.02
 _SAMPLES = 1441
+_FLOW_SAMPLES = 1200
 _NO_THROAT = 1.0
 _RADIUS_RANGE = 2.9e-3, 1.46
 """Relative radii of curvature that count, over the pitch radius of the drive gear. [-]"""
@@ -150,10 +152,8 @@ def mesh_at_distance(teeth: tuple[Tooth, Tooth], distance: float) -> Mesh:
 
 def facing_throats(teeth: tuple[Tooth, Tooth], mesh: Mesh, is_left: bool, angles: Array) -> Throats:
     """Throats between left flanks or between right flanks at angles [rad]."""
-    drive, driven = teeth
-    if is_left:
-        return throats(drive.left, driven.left, mesh, angles)
-    return throats(drive.right, driven.right, mesh, angles)
+    drive, driven = ((tooth.left if is_left else tooth.right) for tooth in teeth)
+    return throats(drive, driven, mesh, angles)
 
 
 def driven_lever(side: Throats, mesh: Mesh) -> Array:
@@ -268,16 +268,10 @@ def load_share(gears: MeshedGears, angles: Array) -> Array:
     start, end = contact_range(gears)
     pitch = 2.0 * gears.mesh.half_pitch
     ramp = min(end - start - pitch, 0.5 * (end - start))
-    total = np.zeros_like(angles)
-    for shift in range(-3, 4):
-        total += _bump(angles + shift * pitch, start, end, ramp)
-    own = _bump(angles, start, end, ramp)
-    return np.asarray(own / np.where(own > 0.0, total, 1.0), dtype=float)
-
-
-def _bump(angles: Array, start: float, end: float, ramp: float) -> Array:
-    t = np.clip(np.minimum(angles - start, end - angles) / ramp, 0.0, 1.0)
-    return np.asarray(t * t * (3.0 - 2.0 * t), dtype=float)
+    places = [angles + shift * pitch for shift in range(-3, 4)]
+    pairs = [smooth_step(np.minimum(place - start, end - place) / ramp) for place in places]
+    own = pairs[3]
+    return np.asarray(own / np.where(own > 0.0, sum(pairs), 1.0), dtype=float)
 
 
 def rigid_contact(gears: MeshedGears) -> tuple[Array, float]:
@@ -319,10 +313,10 @@ def ideal_flow(gears: MeshedGears, angles: Array) -> Array:
     return np.asarray(0.5 * gears.face_width * (near + gears.mesh.ratio * far), dtype=float)
 
 
-def flow_over_pitch(gears: MeshedGears, samples: int = 1200) -> Array:
-    """Ideal single-flank flow over one pitch: the contact nearest to the pitch point seals."""
+def flow_over_pitch(gears: MeshedGears) -> Array:
+    """Ideal flow over one pitch, sealed by the contact nearest to the pitch point. [m3/rad]."""
     pitch = 2.0 * gears.mesh.half_pitch
-    steps = pitch * np.arange(samples) / samples
+    steps = pitch * np.arange(_FLOW_SAMPLES) / _FLOW_SAMPLES
     start, end = contact_range(gears)
     angles = 0.5 * (start + end) + steps[:, None] + pitch * np.arange(-2, 2)[None, :]
     flow = ideal_flow(gears, angles.ravel()).reshape(angles.shape)
@@ -392,7 +386,10 @@ def throat_drag(gears: MeshedGears, side: Throats, *, leading: bool) -> Array:
 
 
 def flank_geometry(gears: MeshedGears, side: Throats, share: Array) -> PeriodicTable:
-    """Channels of a flank contact; the slope of the gap is exact, so conjugate flanks stay so."""
+    """Gap [m], share [-], radii [m], levers of sliding and rolling [m] of a flank contact.
+
+    The slope of the gap is exact, so conjugate flanks stay so.
+    """
     drive, driven = flank_radii(gears, side)
     ahead, follows = _along_normal(gears, side)
     ratio = gears.mesh.ratio
@@ -402,23 +399,14 @@ def flank_geometry(gears: MeshedGears, side: Throats, share: Array) -> PeriodicT
     rolling = np.abs(ahead) + abs(ratio) * np.abs(follows)
     columns = [gap, share, drive, driven, -ratio * follows - ahead, rolling]
     table = monotone_table(FULL_TURN, np.column_stack(columns))
-    table.slopes[:, 0] = _without_overshoot(gap, np.where(complete, _gap_rate(gears, side), 0.0))
-    return table
-
-
-def _without_overshoot(values: Array, slopes: Array) -> Array:
-    """Exact slopes, held to three times the smaller secant where the curvature jumps."""
-    right = (np.roll(values, -1) - values) * (values.size / FULL_TURN)
-    limit = 3.0 * np.minimum(np.abs(right), np.abs(np.roll(right, 1)))
-    return np.clip(slopes, -limit, limit)
-
-
-def _gap_rate(gears: MeshedGears, side: Throats) -> Array:
-    """Derivative of the gap with respect to the shaft angle, both gears turning. [m/rad]."""
     x, y = side.drive.point.T
-    drive_lever = -side.normal[:, 0] * y + side.normal[:, 1] * x
-    driven = driven_lever(side, gears.mesh)
-    return np.asarray(-drive_lever - gears.mesh.ratio * driven, dtype=float)
+    lever = -side.normal[:, 0] * y + side.normal[:, 1] * x
+    rate = np.where(complete, -lever - ratio * driven_lever(side, gears.mesh), 0.0)
+    # held to three times the smaller secant where the curvature jumps
+    secant = (np.roll(gap, -1) - gap) * (gap.size / FULL_TURN)
+    limit = 3.0 * np.minimum(np.abs(secant), np.abs(np.roll(secant, 1)))
+    table.slopes[:, 0] = np.clip(rate, -limit, limit)
+    return table
 
 
 def _along_normal(gears: MeshedGears, side: Throats) -> tuple[Array, Array]:
@@ -445,7 +433,7 @@ def flank_radii(gears: MeshedGears, side: Throats) -> tuple[Array, Array]:
 
 
 def slip_by_motion(gears: MeshedGears, side: Throats) -> Array:
-    """Derivative of the tangential displacement of the driven flank by every micro-motion."""
+    """Derivative of the slip of the driven flank by every micro-motion. [-], [m/rad]."""
     tangent = np.column_stack([-side.normal[:, 1], side.normal[:, 0]])
     _, follows = _along_normal(gears, side)
     weight = (side.weight > 0.0)[:, None]

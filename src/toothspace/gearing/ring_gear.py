@@ -15,7 +15,7 @@ import numpy as np
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array, FloatOrArray
 from toothspace.gearing.tooth import LEFT, RIGHT, Tooth, flank_spline
-from toothspace.geometry.curve import CurveSegment, polar, sample_segments
+from toothspace.geometry.curve import CurveSegment, polar, sample_segments, turned_copies
 from toothspace.geometry.gear_pair import InvolutePair
 from toothspace.geometry.involute import InvoluteGear, ToothForm, involute_function, tooth_form
 from toothspace.numerics.roots import root_between
@@ -144,10 +144,9 @@ def ring_outline(ring: RingGear, points: int, rotation: float) -> Array:
         Counter-clockwise. [m]
     """
     half, _ = ring.half_pitch(points // 2)
-    pitch = np.vstack([half[:0:-1] * (1.0, -1.0), half])[:-1]
-    turns = rotation + 2.0 * np.pi / ring.tooth_count * np.arange(ring.tooth_count)
-    phasors = np.exp(1j * turns)[:, None] * (pitch @ np.array([1.0, 1j]))[None, :]
-    return np.column_stack([phasors.real.ravel(), phasors.imag.ravel()])
+    pitch: Array = np.vstack([half[:0:-1] * (1.0, -1.0), half])[:-1]
+    turns = rotation + 2.0 * np.pi / ring.tooth_count * np.arange(ring.tooth_count, dtype=float)
+    return turned_copies(pitch, turns)
 
 
 def ring_tooth(ring: RingGear, points: int = 200) -> Tooth:

@@ -45,12 +45,6 @@ _PORTS = {"inlet": INLET_PORT, "outlet": OUTLET_PORT}
 _GROOVES = {"inlet": INLET_GROOVE, "outlet": OUTLET_GROOVE}
 
 
-def smooth_step(t: Array) -> Array:
-    """Rise from 0 to 1 while the argument does, without a kink. [-]."""
-    t = np.clip(t, 0.0, 1.0)
-    return t * t * (3.0 - 2.0 * t)
-
-
 def flank_paths(
     gears: MeshedGears,
     numbering: Numbering,

@@ -201,12 +201,8 @@ def flank_swept_area(flank: Flank, place: float) -> float:
         (0.7745966692414834, 0.5555555555555556),
     ):
         at = flank.knots[k] + 0.5 * t * (1.0 + node)
-        c = flank.coefficients[k]
-        u = at - flank.knots[k]
-        x = c[0] + u * (c[1] + u * (c[2] + u * c[3]))
-        y = c[4] + u * (c[5] + u * (c[6] + u * c[7]))
-        dx = c[1] + u * (2.0 * c[2] + 3.0 * u * c[3])
-        dy = c[5] + u * (2.0 * c[6] + 3.0 * u * c[7])
+        x, y = flank_point(flank, at)
+        dx, dy, _, _ = flank_tangent(flank, at)
         total += 0.25 * t * weight * (x * dy - y * dx)
     return total
 

@@ -187,17 +187,14 @@ def _cuts(number: int, body: SolidBody, request: SectionRequest) -> list[BodySec
                 return [_section(number, body, likely, teeth, request.plane)]
     if request.face_towards is None:
         return [_section(number, body, axis, None, request.plane)]
-    layers = _layers_from(body.mesh, axis, request.face_towards)[:2]
+    # from the end nearest to the height
+    layers, towards = _layers(body.mesh, axis), request.face_towards
+    if abs(layers[0][0] - towards) >= abs(layers[-1][1] - towards):
+        layers = layers[::-1]
     return [
         replace(_section(number, body, axis, None, 0.5 * sum(layer)), layer=layer)
-        for layer in layers
+        for layer in layers[:2]
     ]
-
-
-def _layers_from(mesh: SurfaceMesh, axis: Array, height: float) -> list[tuple[float, float]]:
-    # between flat faces across the axis, from the end nearest to a height
-    layers = _layers(mesh, axis)
-    return layers if abs(layers[0][0] - height) < abs(layers[-1][1] - height) else layers[::-1]
 
 
 def _section(

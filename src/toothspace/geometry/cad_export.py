@@ -196,7 +196,7 @@ def _step_bytes(section: Section, width: float) -> bytes:
 
 
 def step_face(section: Section) -> Any:
-    """Return the plane face of a section, in millimetres."""
+    """Return the plane face of a section. [mm]."""
     from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakeWire
 
     boundary = section.pieces or smooth_pieces(section.boundary)

@@ -30,27 +30,20 @@ def is_solid(source: object) -> TypeGuard[Path]:
 
 
 def load_closed_curves(
-    path: Path | Points,
-    unit: float = 1e-3,
-    plane_z: float | None = None,
-    layer: str | None = None,
-    body: int | None = None,
+    path: Path | Points, unit: float = 1e-3, layer: str | None = None
 ) -> list[Array]:
     """Read every closed curve of a file, or take the one of given points.
 
     Parameters
     ----------
     path : Path or Points
-        ``.txt``, ``.csv``, ``.dat`` (points), ``.dxf``, ``.stl`` (section), ``.step``, ``.stp``
-        (section); or points in place of a file.
+        ``.txt``, ``.csv``, ``.dat`` (points), ``.dxf``; ``.stl``, ``.step``, ``.stp`` (section
+        across z in the middle of each body, :func:`load_body_sections` cuts elsewhere); or points
+        in place of a file.
     unit : float
         Length of one unit of the file; STEP files carry their own. [m]
-    plane_z : float or None
-        Height of the section plane of a solid; None for the middle of its extent. [m]
     layer : str or None
         DXF layer; None for all.
-    body : int or None
-        Number of the body in a solid file with several, largest volume first; None for all.
 
     Returns
     -------
@@ -68,7 +61,7 @@ def load_closed_curves(
     else:
         path = _present(path)
         with reading(path, "an intact file"):
-            curves = _read(path, unit, plane_z, layer, body)
+            curves = _read(path, unit, layer)
     clean = [without_repeats(curve) for curve in curves]
     for curve in clean:
         if len(curve) < 3:
@@ -115,14 +108,14 @@ def _present(path: Path) -> Path:
     return path
 
 
-def _read(
-    path: Path, unit: float, plane_z: float | None, layer: str | None, body: int | None
-) -> list[Array]:
+def _read(path: Path, unit: float, layer: str | None) -> list[Array]:
     # heavy readers are imported for the format at hand only
     if path.suffix.lower() in SOLID_SUFFIXES:
-        from toothspace.geometry.solid_import import section_of_solids
+        from toothspace.geometry.body_section import SectionRequest
+        from toothspace.geometry.solid_import import solid_sections
 
-        return section_of_solids(path, unit, plane_z, body)
+        cuts = solid_sections(path, unit, SectionRequest())
+        return [curve for cut in cuts for curve in cut.curves]
     if path.stat().st_size > _LARGE:
         from toothspace.geometry.limited_reading import read_curves
 
@@ -131,7 +124,7 @@ def _read(
 
 
 def plane_curves(path: Path, unit: float, layer: str | None) -> list[Array]:
-    """Curves of a text or DXF file, read in this process; see ``load_closed_curves``."""
+    """Curves [m] of a text or DXF file, read in this process; see ``load_closed_curves``."""
     suffix = path.suffix.lower()
     if suffix in TEXT_SUFFIXES:
         from toothspace.geometry.point_file import read_point_file

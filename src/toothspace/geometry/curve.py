@@ -11,6 +11,8 @@ import numpy as np
 from toothspace.core.types import Array, FloatOrArray
 
 _FINE = 801
+_LARGEST_BEND = np.deg2rad(45.0)
+"""Angle beyond which a corner is one of the curve itself. [rad]"""
 _ALIKE, _ARC_TURN, _ARC_PIECES = 0.4, np.deg2rad(20.0), 8
 """Of chords of one circle: least ratio of neighbouring turns, largest turn, pieces of each."""
 
@@ -141,6 +143,12 @@ def turned(points: Array, angle: FloatOrArray) -> Array:
     return np.stack([c * x - s * y, s * x + c * y], axis=-1)
 
 
+def turned_copies(points: Array, angles: Array) -> Array:
+    """Points [m] of a piece, repeated one after the other at angles about the origin [rad]. [m]."""
+    phasors = np.exp(1j * angles)[:, None] * (points @ np.array([1.0, 1j]))[None, :]
+    return np.column_stack([phasors.real.ravel(), phasors.imag.ravel()])
+
+
 def polar_moment(points: Array) -> float:
     """Polar second moment of area of a closed curve about the origin, counter-clockwise. [m4]."""
     p, q = points, np.roll(points, -1, axis=0)
@@ -190,6 +198,13 @@ def arc_lengths(points: Array) -> Array:
     return np.concatenate([[0.0], np.cumsum(np.hypot(step[:, 0], step[:, 1]))])
 
 
+def even_points(points: Array, count: int) -> Array:
+    """Points at so many even places along an open polyline, ends included. [m]."""
+    along = arc_lengths(points)
+    wanted = np.linspace(0.0, along[-1], count)
+    return np.column_stack([np.interp(wanted, along, points[:, axis]) for axis in (0, 1)])
+
+
 def resample_by_curvature(points: Array, count: int) -> Array:
     """Smooth open curve with points close together where it bends.
 
@@ -220,15 +235,13 @@ def resample_by_curvature(points: Array, count: int) -> Array:
     return np.asarray(spline(chosen))
 
 
-def chord_heights(points: Array, largest_bend: float = np.deg2rad(45.0)) -> Array:
+def chord_heights(points: Array) -> Array:
     r"""Distance of every edge of a closed polygon from the smooth curve through its corners.
 
     Parameters
     ----------
     points : ndarray
         Corners, shape (n, 2). [m]
-    largest_bend : float
-        Angle beyond which a corner is one of the curve itself. [rad]
 
     Returns
     -------
@@ -245,7 +258,7 @@ def chord_heights(points: Array, largest_bend: float = np.deg2rad(45.0)) -> Arra
     heading = np.arctan2(step[:, 1], step[:, 0])
     bend = np.abs((heading - np.roll(heading, 1) + np.pi) % (2.0 * np.pi) - np.pi)
     smaller = np.minimum(bend, np.roll(bend, -1))
-    return np.where(smaller < largest_bend, 0.125 * length * smaller, 0.0)
+    return np.where(smaller < _LARGEST_BEND, 0.125 * length * smaller, 0.0)
 
 
 def with_arcs(points: Array) -> Array:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from toothspace.core.design_check import DesignCheck
-from toothspace.geometry.gear_pair import GearPair, Real, trapped_volume_change
+from toothspace.geometry.gear_pair import GearPair, trapped_volume_change
 from toothspace.geometry.involute import InvoluteGear, ToothForm
+from toothspace.geometry.involute_gear import Real
 
 MIN_CONTACT_RATIO = 1.05
 MAX_SPUR_CONTACT_RATIO = 2.0

@@ -39,7 +39,10 @@ def read_dxf(path: Path, unit: float, layer: str | None = None) -> list[Array]:
         For damaged files, open curves, unknown layers and drawings without curves.
     """
     entities = _entities(path, layer)
-    size = _size(entities)
+    from ezdxf import bbox
+
+    extents = bbox.extents(entities, fast=True)
+    size = float(extents.size.magnitude) if extents.has_data else 1.0
     pieces = [_flattened(entity, size * _RELATIVE_SAGITTA) for entity in entities]
     pieces = [piece * unit for piece in pieces if len(piece) >= 2]
     return chain_closed(pieces, size * _RELATIVE_GAP * unit, str(path))
@@ -62,13 +65,6 @@ def _entities(path: Path, layer: str | None) -> list[Any]:
             f"(layers: {layers or 'none'}), allowed {', '.join(_CURVES)}"
         )
     return curves
-
-
-def _size(entities: list[Any]) -> float:
-    from ezdxf import bbox
-
-    extents = bbox.extents(entities, fast=True)
-    return float(extents.size.magnitude) if extents.has_data else 1.0
 
 
 def _flattened(entity: Any, sagitta: float) -> Array:

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from toothspace.core.types import Array
-from toothspace.geometry.curve import CurveSegment, arc_lengths, polar, sample_segments
+from toothspace.geometry.curve import CurveSegment, arc_lengths, even_points, polar, sample_segments
 from toothspace.geometry.gear_profile import GearProfile, InvoluteFlank
 
 _ROOT_POINTS = 120
@@ -77,9 +77,9 @@ def _half_tooth(
         rounding = [CurveSegment(_along(path), (0.7, 1.0))]
     level = 0.0 if sharp else 1.0
     return [
-        CurveSegment(_arc(tip_radius, corner), (0.0, 0.7 * level)),
+        CurveSegment(lambda u: polar(tip_radius, corner * u), (0.0, 0.7 * level)),
         *rounding,
-        CurveSegment(_involute(flank, end), (level, 1.0)),
+        CurveSegment(flank.curve(end), (level, 1.0)),
         CurveSegment(_along(_root_path(radius, angle, flank, tooth_count, root_radius)),
                      (1.0, 0.0)),
     ]  # fmt: skip
@@ -111,15 +111,7 @@ def _root_path(
     inner = polar(radius[:first], angle[:first] + np.maximum(share, 0.0) * shift)
     inner[0] = polar(np.array([root_radius]), np.array([np.pi / tooth_count]))[0]
     path = np.vstack([polar(np.array([end]), np.array([half])), inner[::-1]])
-    return _evenly(path)
-
-
-def _evenly(path: Array) -> Array:
-    along = arc_lengths(path)
-    if len(path) <= _ROOT_POINTS:
-        return path
-    wanted = np.linspace(0.0, along[-1], _ROOT_POINTS)
-    return np.column_stack([np.interp(wanted, along, path[:, axis]) for axis in (0, 1)])
+    return path if len(path) <= _ROOT_POINTS else even_points(path, _ROOT_POINTS)
 
 
 def _along(path: Array) -> Callable[[Array], Array]:
@@ -133,19 +125,3 @@ def _along(path: Array) -> Callable[[Array], Array]:
         )
     spline = CubicSpline(along, kept)
     return lambda u: np.asarray(spline(u * along[-1]))
-
-
-def _arc(radius: float, end: float) -> Callable[[Array], Array]:
-    return lambda u: polar(np.full(len(u), radius), end * u)
-
-
-def _involute(flank: InvoluteFlank, outer: float) -> Callable[[Array], Array]:
-    base = flank.base_radius
-    upper, lower = flank.roll_length(outer), flank.roll_length(flank.form_radius)
-
-    def curve(u: Array) -> Array:
-        roll = upper + (lower - upper) * u
-        angle = flank.base_half_angle - (roll / base - np.arctan(roll / base))
-        return polar(np.hypot(base, roll), angle)
-
-    return curve

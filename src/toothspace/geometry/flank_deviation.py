@@ -94,29 +94,3 @@ class PitchDeviation:
     def run_out(self) -> float:
         """Run-out F_r of a ball in the tooth spaces [m]."""
         return float(np.ptp(self.radial))
-
-
-@final
-@dataclass(frozen=True)
-class InvoluteDeviation:
-    """Normal distance of both flanks of a profile from an ideal involute.
-
-    Parameters
-    ----------
-    right, left : ProfileDeviation
-        Deviations of the flanks.
-    """
-
-    right: ProfileDeviation
-    left: ProfileDeviation
-
-    @property
-    def largest(self) -> float:
-        """Largest absolute deviation of both flanks [m]."""
-        flanks = (self.right, self.left)
-        return float(max(np.abs(flank.deviation).max() for flank in flanks))
-
-    @property
-    def total_profile_deviation(self) -> float:
-        """Larger of the two flanks' peak to peak deviations [m]."""
-        return max(self.right.total, self.left.total)

@@ -59,17 +59,13 @@ class GearData:
         return _INCH / self.module
 
 
-def gear_data(
-    profile: GearProfile, module: float | None = None, pressure_angle: float | None = None
-) -> GearData | None:
+def gear_data(profile: GearProfile) -> GearData | None:
     r"""Data of the gear behind a profile with involute flanks.
 
     Parameters
     ----------
     profile : GearProfile
         One tooth pitch.
-    module, pressure_angle : float or None
-        Given by the user; None to find them. [m], [rad]
 
     Returns
     -------
@@ -92,7 +88,10 @@ def gear_data(
     if flank is None:
         return None
     product = 2.0 * flank.base_radius / profile.tooth_count
-    angle, standard = _pressure_angle(product, module, pressure_angle)
+    known = np.concatenate([_MODULES, _INCH / _PITCHES])
+    off = [np.min(np.abs(known / (product / np.cos(angle)) - 1.0)) for angle in _ANGLES]
+    fitting = np.flatnonzero(np.array(off) < _MATCH)
+    angle = float(_ANGLES[fitting[0] if fitting.size else 0])
     half = flank.base_half_angle - float(involute_function(angle))
     shift = 0.5 * (half * profile.tooth_count - 0.5 * np.pi) / np.tan(angle)
     return GearData(
@@ -101,7 +100,7 @@ def gear_data(
         pressure_angle=angle,
         profile_shift=float(shift),
         tip_rounding=tip_rounding(flank, profile.tip_radius),
-        standard=standard,
+        standard=fitting.size > 0,
     )
 
 
@@ -118,18 +117,3 @@ def tip_rounding(flank: InvoluteFlank, tip_radius: float) -> float:
     steps = np.linspace(0.0, largest, 200)
     below = next((step for step in steps if excess(step) <= 0.0), None)
     return 0.0 if below is None else root_between(excess, 0.0, below)
-
-
-def _pressure_angle(
-    product: float, module: float | None, pressure_angle: float | None
-) -> tuple[float, bool]:
-    if pressure_angle is not None:
-        return pressure_angle, True
-    if module is not None and product < module:
-        return float(np.arccos(product / module)), True
-    for angle in _ANGLES:
-        found = product / np.cos(angle)
-        known = np.concatenate([_MODULES, _INCH / _PITCHES])
-        if np.min(np.abs(known / found - 1.0)) < _MATCH:
-            return float(angle), True
-    return float(_ANGLES[0]), False

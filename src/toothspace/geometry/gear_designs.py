@@ -14,8 +14,7 @@ import numpy as np
 from toothspace.core.types import Array, IntArray
 from toothspace.geometry import design_rules as rules
 from toothspace.geometry.evaluated_designs import DesignReason, EvaluatedDesigns, marked
-from toothspace.geometry.gear_pair import LARGEST_OVERLAP, InvolutePair
-from toothspace.geometry.involute_gear import involute_function
+from toothspace.geometry.gear_pair import LARGEST_OVERLAP, ExternalPair, tight_involute
 from toothspace.geometry.involute_gears import InvoluteGears
 
 _LARGEST_ANGLE = 1.4
@@ -26,7 +25,7 @@ _LARGEST_DIFFERENCE = 1e-9
 
 @final
 @dataclass(frozen=True)
-class GearDesigns(InvolutePair[Array]):
+class GearDesigns(ExternalPair[Array]):
     """Pairs of external gears; arrays of one shape (n,).
 
     Parameters
@@ -48,71 +47,14 @@ class GearDesigns(InvolutePair[Array]):
     drives: bool = True
 
     @property
-    def speed_ratio(self) -> Array:
-        """Speed of the driven gears over that of the drive gears, negative. [-]."""
-        return -self.drive.tooth_count / self.driven.tooth_count
+    def forms(self) -> tuple[InvoluteGears, InvoluteGears]:
+        """The gears themselves, which know the ends of their involutes."""
+        return self.drive, self.driven
 
     @property
     def tip_radii(self) -> tuple[Array, Array]:
         """Tip circles of drive and driven gears. [m]."""
         return self.drive.tip_radius, self.driven.tip_radius
-
-    @cached_property
-    def pitch_radii(self) -> tuple[Array, Array]:
-        """Operating pitch radii of drive and driven gears. [m]."""
-        first = self.center_distance / (1.0 - 1.0 / self.speed_ratio)
-        return first, self.center_distance - first
-
-    @cached_property
-    def operating_pressure_angle(self) -> Array:
-        """Angles of the lines of action. [rad]."""
-        return np.arccos(_base_sum(self.drive, self.driven) / self.center_distance)
-
-    @property
-    def base_pitch(self) -> Array:
-        """Distance of consecutive contacts along the line of action. [m]."""
-        return 2.0 * np.pi * self.drive.base_radius / self.drive.tooth_count
-
-    @cached_property
-    def normal_backlash(self) -> Array:
-        """Play between the flanks out of contact, along their normal. [m]."""
-        excess = involute_function(self.operating_pressure_angle)
-        tight = tight_involute(self.drive, self.driven)
-        return 2.0 * _base_sum(self.drive, self.driven) * (excess - tight)
-
-    @cached_property
-    def _pitch_rolls(self) -> tuple[Array, Array]:
-        """Distance of the pitch point from the tangent point on each base circle. [m]."""
-        sine = np.sin(self.operating_pressure_angle)
-        return self.pitch_radii[0] * sine, self.pitch_radii[1] * sine
-
-    @cached_property
-    def path_of_contact(self) -> tuple[Array, Array]:
-        """Positions at which a tooth pair begins and ends contact. [m]."""
-        first, second = self._pitch_rolls
-        drive, driven = self.drive, self.driven
-        start = second - driven.roll_length(driven.tip_form_radius)
-        end = drive.roll_length(drive.tip_form_radius) - first
-        low = drive.roll_length(drive.form_radius) - first
-        high = second - driven.roll_length(driven.form_radius)
-        start = np.where(drive.undercut, np.maximum(start, low), start)
-        return start, np.where(driven.undercut, np.minimum(end, high), end)
-
-    @cached_property
-    def involute_margins(self) -> tuple[Array, Array]:
-        """Roll length between fillet and deepest contact on drive and driven gears. [m]."""
-        total, gears = sum(self._pitch_rolls), (self.drive, self.driven)
-        tips = [gear.roll_length(gear.tip_form_radius) for gear in gears]
-        forms = [gear.roll_length(gear.form_radius) for gear in gears]
-        return total - tips[1] - forms[0], total - tips[0] - forms[1]
-
-    @property
-    def root_clearances(self) -> tuple[Array, Array]:
-        """Radial play of the mating tip in the roots of drive and driven gears. [m]."""
-        return (
-            self.center_distance - self.drive.root_radius - self.driven.tip_radius,
-            self.center_distance - self.driven.root_radius - self.drive.tip_radius,
-        )
 
     def mesh_volume(self, position: Array) -> Array:
         r"""Volume between two contacts of the loaded flanks, backlash open.
@@ -141,7 +83,7 @@ class GearDesigns(InvolutePair[Array]):
         the involute.
         """
         pitch, bases = self.base_pitch, (self.drive.base_radius, self.driven.base_radius)
-        rolls = self._pitch_rolls[0] + position, self._pitch_rolls[1] - position
+        rolls = self.pitch_roll_lengths[0] + position, self.pitch_roll_lengths[1] - position
         area = 0.5 * pitch * (bases[0] + bases[1])
         area -= self.drive.tooth_area + self.driven.tooth_area
         area += ((rolls[0] + pitch) ** 3 - rolls[0] ** 3) / (6.0 * bases[0])
@@ -246,21 +188,11 @@ class GearDesigns(InvolutePair[Array]):
         )
 
 
-def _base_sum(drive: InvoluteGears, driven: InvoluteGears) -> Array:
-    return drive.base_radius + driven.base_radius
-
-
-def tight_involute(drive: InvoluteGears, driven: InvoluteGears) -> Array:
-    """Involute function of the operating pressure angle without backlash. [-]."""
-    mean = drive.tooth_count * drive.base_half_angle + driven.tooth_count * driven.base_half_angle
-    return (mean - np.pi) / (drive.tooth_count + driven.tooth_count)
-
-
 def distance_of_backlash(
     drive: InvoluteGears, driven: InvoluteGears, normal_backlash: Array
 ) -> Array:
     """Centre distances that leave a normal backlash; NaN where there is none. [m]."""
-    total = _base_sum(drive, driven)
+    total = drive.base_radius + driven.base_radius
     target = tight_involute(drive, driven) + 0.5 * normal_backlash / total
     allowed = (normal_backlash >= 0.0) & (normal_backlash <= _LARGEST_BACKLASH * drive.module)
     largest = np.tan(_LARGEST_ANGLE) - _LARGEST_ANGLE

@@ -10,25 +10,19 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Generic, Literal, TypeVar, cast, final
+from typing import Any, Generic, Literal, cast, final
 
 import numpy as np
 
 from toothspace.core.errors import GeometryError
-from toothspace.core.types import Array, FloatOrArray
-from toothspace.geometry.involute import (
-    InvoluteGear,
-    ToothForm,
-    involute_function,
-    tooth_form,
-)
+from toothspace.core.types import FloatOrArray
+from toothspace.geometry.involute import InvoluteGear, ToothForm, tooth_form
+from toothspace.geometry.involute_gear import RackCutTeeth, Real, involute_function, plain
 from toothspace.geometry.involute_gears import InvoluteGears
 from toothspace.geometry.mesh_clearance import flank_clearance as flank_clearance
 from toothspace.numerics.roots import root_between
 
 Sealing = Literal["single", "dual"]
-Real = TypeVar("Real", float, Array)
-
 LARGEST_OVERLAP = 1e-6
 
 
@@ -42,7 +36,7 @@ class InvolutePair(ABC, Generic[Real]):
     @property
     @abstractmethod
     def speed_ratio(self) -> Real:
-        """Speed of the driven gear over that of the drive gear, negative of an external pair."""
+        """Speed of the driven gear over that of the drive gear, negative of external pairs. [-]."""
 
     @property
     @abstractmethod
@@ -162,9 +156,104 @@ class InvolutePair(ABC, Generic[Real]):
         return ripple
 
 
+class ExternalPair(InvolutePair[Real]):
+    """Two external gears at their operating centre distance, or many such pairs."""
+
+    drive: RackCutTeeth[Real]
+    driven: RackCutTeeth[Real]
+    center_distance: Real
+
+    @property
+    @abstractmethod
+    def forms(self) -> tuple[Any, Any]:
+        """Ends of the involutes of drive and driven gear, as of :class:`ToothForm`."""
+
+    @property
+    def speed_ratio(self) -> Real:
+        """Speed of the driven gear over that of the drive gear, negative. [-]."""
+        return -self.drive.tooth_count / self.driven.tooth_count
+
+    @cached_property
+    def pitch_radii(self) -> tuple[Real, Real]:
+        """Operating pitch radii of drive and driven gear. [m]."""
+        share = self.drive.tooth_count / (self.drive.tooth_count + self.driven.tooth_count)
+        return self.center_distance * share, self.center_distance * (1.0 - share)
+
+    @cached_property
+    def operating_pressure_angle(self) -> Real:
+        """Angle of the line of action to the common tangent of the pitch circles. [rad]."""
+        bases = self.drive.base_radius + self.driven.base_radius
+        return plain(np.arccos(bases / self.center_distance))
+
+    @property
+    def base_pitch(self) -> Real:
+        """Distance of consecutive contacts along the line of action. [m]."""
+        return self.drive.base_pitch
+
+    @cached_property
+    def normal_backlash(self) -> Real:
+        """Play between the flanks out of contact, along their normal. [m]."""
+        total = self.drive.base_radius + self.driven.base_radius
+        excess = involute_function(self.operating_pressure_angle)
+        return 2.0 * total * (excess - tight_involute(self.drive, self.driven))
+
+    @cached_property
+    def pitch_roll_lengths(self) -> tuple[Real, Real]:
+        """Distance of the pitch point from the tangent point on each base circle. [m]."""
+        sine = plain(np.sin(self.operating_pressure_angle))
+        return self.pitch_radii[0] * sine, self.pitch_radii[1] * sine
+
+    @cached_property
+    def path_of_contact(self) -> tuple[Real, Real]:
+        """Positions at which a tooth pair of a pump begins and ends contact. [m].
+
+        Measured from the pitch point along the motion of the contact: negative on the closing
+        side, where the driven tip limits, positive on the opening side, where the drive tip does.
+        Fillets that end the involute early (undercut) shorten the path.
+        """
+        (form_1, form_2), (roll_1, roll_2) = self.forms, self.pitch_roll_lengths
+        start = roll_2 - self.driven.roll_length(form_2.tip_form_radius)
+        end = self.drive.roll_length(form_1.tip_form_radius) - roll_1
+        low = self.drive.roll_length(form_1.form_radius) - roll_1
+        high = roll_2 - self.driven.roll_length(form_2.form_radius)
+        first: Any = np.where(form_1.undercut, low, -np.inf)
+        last: Any = np.where(form_2.undercut, high, np.inf)
+        return plain(np.maximum(start, first)), plain(np.minimum(end, last))
+
+    @property
+    def root_clearances(self) -> tuple[Real, Real]:
+        """Radial play of the mating tip in the roots of drive and driven gear. [m]."""
+        tip_1, tip_2 = self.tip_radii
+        return (
+            self.center_distance - self.drive.root_radius - tip_2,
+            self.center_distance - self.driven.root_radius - tip_1,
+        )
+
+    @cached_property
+    def involute_margins(self) -> tuple[Real, Real]:
+        """Roll length between fillet and the deepest contact on drive and driven gear. [m].
+
+        Negative where the mating tip reaches below the involute: fillet interference, or for an
+        undercut gear merely a shorter path.
+        """
+        (form_1, form_2), (roll_1, roll_2) = self.forms, self.pitch_roll_lengths
+        deepest_1 = roll_1 + roll_2 - self.driven.roll_length(form_2.tip_form_radius)
+        deepest_2 = roll_1 + roll_2 - self.drive.roll_length(form_1.tip_form_radius)
+        return (
+            deepest_1 - self.drive.roll_length(form_1.form_radius),
+            deepest_2 - self.driven.roll_length(form_2.form_radius),
+        )
+
+
+def tight_involute(drive: RackCutTeeth[Real], driven: RackCutTeeth[Real]) -> Real:
+    """Involute function of the operating pressure angle of a pair without backlash. [-]."""
+    mean = drive.tooth_count * drive.base_half_angle + driven.tooth_count * driven.base_half_angle
+    return (mean - np.pi) / (drive.tooth_count + driven.tooth_count)
+
+
 @final
 @dataclass(frozen=True)
-class GearPair(InvolutePair[float]):
+class GearPair(ExternalPair[float]):
     """Two gears at their operating centre distance; build it with one of the functions below.
 
     Parameters
@@ -185,85 +274,9 @@ class GearPair(InvolutePair[float]):
         return tooth_form(self.drive), tooth_form(self.driven)
 
     @property
-    def speed_ratio(self) -> float:
-        """Speed of the driven gear over that of the drive gear, negative."""
-        return -self.drive.tooth_count / self.driven.tooth_count
-
-    @property
     def tip_radii(self) -> tuple[float, float]:
-        """Tip circles of drive and driven gear [m]."""
+        """Tip circles of drive and driven gear. [m]."""
         return self.drive.tip_radius, self.driven.tip_radius
-
-    @property
-    def pitch_radii(self) -> tuple[float, float]:
-        """Operating pitch radii of drive and driven gear [m]."""
-        total = self.drive.tooth_count + self.driven.tooth_count
-        share = self.drive.tooth_count / total
-        return self.center_distance * share, self.center_distance * (1.0 - share)
-
-    @property
-    def operating_pressure_angle(self) -> float:
-        """Angle of the line of action to the common tangent of the pitch circles [rad]."""
-        return float(np.arccos(_base_radius_sum(self.drive, self.driven) / self.center_distance))
-
-    @property
-    def base_pitch(self) -> float:
-        """Distance of consecutive contacts along the line of action [m]."""
-        return self.drive.base_pitch
-
-    @property
-    def normal_backlash(self) -> float:
-        """Play between the flanks out of contact, along their normal [m]."""
-        total = _base_radius_sum(self.drive, self.driven)
-        excess = involute_function(self.operating_pressure_angle)
-        return float(2.0 * total * (excess - _tight_involute(self.drive, self.driven)))
-
-    @property
-    def pitch_roll_lengths(self) -> tuple[float, float]:
-        """Distance of the pitch point from the tangent point on each base circle [m]."""
-        first, second = self.pitch_radii
-        sine = float(np.sin(self.operating_pressure_angle))
-        return first * sine, second * sine
-
-    @property
-    def path_of_contact(self) -> tuple[float, float]:
-        """Positions at which a tooth pair of a pump begins and ends contact [m].
-
-        Measured from the pitch point along the motion of the contact: negative on the closing
-        side, where the driven tip limits, positive on the opening side, where the drive tip does.
-        Fillets that end the involute early (undercut) shorten the path.
-        """
-        (form_1, form_2), (roll_1, roll_2) = self.forms, self.pitch_roll_lengths
-        start = roll_2 - _roll_length(self.driven, form_2.tip_form_radius)
-        end = _roll_length(self.drive, form_1.tip_form_radius) - roll_1
-        if form_1.undercut:
-            start = max(start, _roll_length(self.drive, form_1.form_radius) - roll_1)
-        if form_2.undercut:
-            end = min(end, roll_2 - _roll_length(self.driven, form_2.form_radius))
-        return start, end
-
-    @property
-    def root_clearances(self) -> tuple[float, float]:
-        """Radial play of the mating tip in the drive gear's and in the driven gear's root [m]."""
-        return (
-            self.center_distance - self.drive.root_radius - self.driven.tip_radius,
-            self.center_distance - self.driven.root_radius - self.drive.tip_radius,
-        )
-
-    @property
-    def involute_margins(self) -> tuple[float, float]:
-        """Roll length between fillet and the deepest contact on drive and driven gear [m].
-
-        Negative where the mating tip reaches below the involute: fillet interference, or for an
-        undercut gear merely a shorter path.
-        """
-        (form_1, form_2), (roll_1, roll_2) = self.forms, self.pitch_roll_lengths
-        deepest_1 = roll_1 + roll_2 - _roll_length(self.driven, form_2.tip_form_radius)
-        deepest_2 = roll_1 + roll_2 - _roll_length(self.drive, form_1.tip_form_radius)
-        return (
-            deepest_1 - _roll_length(self.drive, form_1.form_radius),
-            deepest_2 - _roll_length(self.driven, form_2.form_radius),
-        )
 
     @property
     def relief_groove_spacing(self) -> float:
@@ -303,8 +316,8 @@ def pair_from_backlash(
             f"normal_backlash: found {normal_backlash * 1e3:.4g} mm, allowed 0 to "
             f"{0.5 * drive.module * 1e3:.4g} mm"
         )
-    total = _base_radius_sum(drive, driven)
-    target = _tight_involute(drive, driven) + 0.5 * normal_backlash / total
+    total = drive.base_radius + driven.base_radius
+    target = tight_involute(drive, driven) + 0.5 * normal_backlash / total
     if target <= 0.0:
         raise GeometryError(
             f"profile_shift: found a sum of {drive.profile_shift + driven.profile_shift:g}, "
@@ -369,20 +382,6 @@ def trapped_volume_change(pair: GearPair, face_width: float) -> float:
     shrinking = max(first**2 - last**2, 0.0) if end - start > 2.0 * half else 0.0
     ratio = 1.0 - pair.speed_ratio
     return float(0.5 * face_width * ratio * pair.base_pitch * shrinking / pair.drive.base_radius)
-
-
-def _roll_length(gear: InvoluteGear, radius: float) -> float:
-    return float(np.sqrt(max(radius**2 - gear.base_radius**2, 0.0)))
-
-
-def _base_radius_sum(drive: InvoluteGear, driven: InvoluteGear) -> float:
-    return drive.base_radius + driven.base_radius
-
-
-def _tight_involute(drive: InvoluteGear, driven: InvoluteGear) -> float:
-    # involute function of the operating pressure angle without backlash
-    mean = drive.tooth_count * drive.base_half_angle + driven.tooth_count * driven.base_half_angle
-    return (mean - np.pi) / (drive.tooth_count + driven.tooth_count)
 
 
 def _check_base_pitch(drive: InvoluteGear, driven: InvoluteGear) -> None:

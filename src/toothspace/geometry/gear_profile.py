@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array, FloatOrArray
+from toothspace.geometry.curve import polar, turned_copies
 
 
 @final
@@ -52,16 +54,22 @@ class InvoluteFlank:
         """Length of the tangent from the base circle to the flank at a radius [m]."""
         return float(np.sqrt(max(radius**2 - self.base_radius**2, 0.0)))
 
+    def curve(self, outer: float) -> Callable[[Array], Array]:
+        """Points from a radius inwards to the form radius over 0 to 1, even in roll length. [m]."""
+        base, upper, lower = self.base_radius, *map(self.roll_length, (outer, self.form_radius))
+
+        def points(u: Array) -> Array:
+            roll = upper + (lower - upper) * u
+            return polar(
+                np.hypot(base, roll), self.base_half_angle - (roll / base - np.arctan(roll / base))
+            )
+
+        return points
+
     def scaled(self, factor: float) -> InvoluteFlank:
-        """Similar flank with every length multiplied by a positive factor."""
-        return InvoluteFlank(
-            base_radius=self.base_radius * factor,
-            base_half_angle=self.base_half_angle,
-            form_radius=self.form_radius * factor,
-            tip_form_radius=self.tip_form_radius * factor,
-            undercut=self.undercut,
-            residual=self.residual * factor,
-        )
+        """Similar flank with every length multiplied by a positive factor [-]."""
+        lengths = ("base_radius", "form_radius", "tip_form_radius", "residual")
+        return replace(self, **{name: factor * getattr(self, name) for name in lengths})
 
 
 @final
@@ -160,20 +168,15 @@ class GearProfile:
         ndarray
             Points, shape (tooth_count (n - 1), 2), counter-clockwise, not repeated at the end. [m]
         """
-        angles = rotation + self.pitch_angle * np.arange(self.tooth_count)
-        phasors = np.exp(1j * angles)[:, None] * (self.points[:-1] @ np.array([1.0, 1j]))[None, :]
-        outline = np.column_stack([phasors.real.ravel(), phasors.imag.ravel()])
-        return outline + np.asarray(center, dtype=float)
+        angles = rotation + self.pitch_angle * np.arange(self.tooth_count, dtype=float)
+        return turned_copies(self.points[:-1], angles) + np.asarray(center, dtype=float)
 
     def scaled(self, factor: float) -> GearProfile:
-        """Similar gear with every length multiplied by a positive factor."""
-        return GearProfile(
-            tooth_count=self.tooth_count,
+        """Similar gear with every length multiplied by a positive factor [-]."""
+        return replace(
+            self,
             points=self.points * factor,
-            tip_start=self.tip_start,
-            tip_end=self.tip_end,
             tip_radius=self.tip_radius * factor,
             root_radius=self.root_radius * factor,
-            involute=None if self.involute is None else self.involute.scaled(factor),
-            breaks=self.breaks,
+            involute=self.involute and self.involute.scaled(factor),
         )

@@ -128,7 +128,14 @@ def generate_profile(gear: InvoluteGear, points_per_tooth: int = 200) -> GearPro
             f"points_per_tooth: found {points_per_tooth}, allowed an even number 40 to 20000"
         )
     form = tooth_form(gear)
-    half, breaks = sample_segments(_half_tooth(gear, form), points_per_tooth // 2)
+    flank = InvoluteFlank(
+        base_radius=gear.base_radius,
+        base_half_angle=gear.base_half_angle,
+        form_radius=form.form_radius,
+        tip_form_radius=form.tip_form_radius,
+        undercut=form.undercut,
+    )
+    half, breaks = sample_segments(_half_tooth(gear, form, flank), points_per_tooth // 2)
     points = np.vstack([half[:0:-1] * (1.0, -1.0), half])
     middle = len(half) - 1
     tip_end = middle + breaks[0]
@@ -140,13 +147,7 @@ def generate_profile(gear: InvoluteGear, points_per_tooth: int = 200) -> GearPro
         tip_end=tip_end,
         tip_radius=gear.tip_radius,
         root_radius=gear.root_radius,
-        involute=InvoluteFlank(
-            base_radius=gear.base_radius,
-            base_half_angle=gear.base_half_angle,
-            form_radius=form.form_radius,
-            tip_form_radius=form.tip_form_radius,
-            undercut=form.undercut,
-        ),
+        involute=flank,
         breaks=mirrored + tuple(middle + index for index in breaks),
     )
 
@@ -253,79 +254,44 @@ def _tip_junction(gear: InvoluteGear) -> tuple[float, float]:
             f"of {base * 2e3:.5g} mm"
         )
     if float(gear.half_angle(gear.tip_radius)) <= 0.0:
+        half = gear.base_half_angle
+        pointed = root_between(lambda angle: involute_function(angle) - half, 1e-6, 1.5)
         raise GeometryError(
             f"tip_diameter: found {gear.tip_radius * 2e3:.5g} mm, allowed below "
-            f"{_pointed_radius(gear) * 2e3:.5g} mm where the tooth is pointed"
+            f"{base / np.cos(pointed) * 2e3:.5g} mm where the tooth is pointed"
         )
     center_radius = gear.tip_radius - rounding
-    if center_radius <= base:
-        raise GeometryError(_rounding_message(gear))
     tip_half_angle = float(gear.half_angle(center_radius)) - rounding / base
-    if tip_half_angle <= 0.0:
-        raise GeometryError(_rounding_message(gear))
+    if center_radius <= base or tip_half_angle <= 0.0:
+        land = gear.tip_radius * 2e3 * float(gear.half_angle(gear.tip_radius))
+        raise GeometryError(
+            f"tip_rounding: found {rounding * 1e3:.4g} mm, allowed smaller: no tip land is left of "
+            f"{land:.4g} mm"
+        )
     roll_length = np.sqrt(center_radius**2 - base**2) + rounding
     return float(np.hypot(base, roll_length)), tip_half_angle
 
 
-def _rounding_message(gear: InvoluteGear) -> str:
-    return (
-        f"tip_rounding: found {gear.tip_rounding * 1e3:.4g} mm, allowed smaller: no tip land is "
-        f"left of {gear.tip_radius * 2e3 * float(gear.half_angle(gear.tip_radius)):.4g} mm"
-    )
-
-
-def _pointed_radius(gear: InvoluteGear) -> float:
-    def excess(angle: float) -> float:
-        return float(involute_function(angle)) - gear.base_half_angle
-
-    return float(gear.base_radius / np.cos(root_between(excess, 1e-6, 1.5)))
-
-
-def _half_tooth(gear: InvoluteGear, form: ToothForm) -> list[CurveSegment]:
+def _half_tooth(gear: InvoluteGear, form: ToothForm, flank: InvoluteFlank) -> list[CurveSegment]:
     # from the tooth axis outwards: land, rounding, involute, fillet, root
     rounded = float(gear.tip_rounding > 0.0)
-    segments = [_arc_segment(gear.tip_radius, (0.0, form.tip_half_angle), (0.0, 0.7 * rounded))]
+    corner = 1.0 if _corner_center(gear)[1] > 0.0 else 0.0
+    sharp = 2.0 if form.undercut else 1.0
+    land, end, pitch = form.tip_half_angle, form.fillet_end, np.pi / gear.tooth_count
+    segments = [CurveSegment(lambda u: polar(gear.tip_radius, land * u), (0.0, 0.7 * rounded))]
     if rounded:
         segments.append(CurveSegment(_rounding_arc(gear, form), (0.7, 1.0)))
-    segments.append(CurveSegment(_flank_curve(gear, form), (rounded, 1.0)))
-    corner = 1.0 if _corner_center(gear)[1] > 0.0 else 0.0
-    end = form.fillet_end
-    segments.append(CurveSegment(lambda u: fillet_point(gear, end * (1.0 - u)), (1.0, corner)))
-    root_angle = float(_fillet_polar(gear, np.zeros(1))[1][0])
+    segments += [
+        CurveSegment(flank.curve(form.tip_form_radius), (rounded, sharp)),
+        CurveSegment(lambda u: fillet_point(gear, end * (1.0 - u)), (sharp, corner)),
+    ]
     if corner > 0.0:
-        pitch = np.pi / gear.tooth_count
-        segments.append(_arc_segment(gear.root_radius, (pitch - root_angle, pitch), (1.0, 0.0)))
-    if form.undercut:
-        _sharpen(segments, -2 if corner == 0.0 else -3)
+        root = float(_fillet_polar(gear, np.zeros(1))[1][0])
+        start = pitch - root
+        segments.append(
+            CurveSegment(lambda u: polar(gear.root_radius, start + (pitch - start) * u), (1.0, 0.0))
+        )
     return segments
-
-
-def _sharpen(segments: list[CurveSegment], index: int) -> None:
-    flank, fillet = segments[index], segments[index + 1]
-    segments[index] = CurveSegment(flank.curve, (flank.crowding[0], 2.0))
-    segments[index + 1] = CurveSegment(fillet.curve, (2.0, fillet.crowding[1]))
-
-
-def _arc_segment(
-    radius: float, span: tuple[float, float], crowding: tuple[float, float]
-) -> CurveSegment:
-    def curve(u: Array) -> Array:
-        return polar(np.full(len(u), radius), span[0] + (span[1] - span[0]) * u)
-
-    return CurveSegment(curve, crowding)
-
-
-def _flank_curve(gear: InvoluteGear, form: ToothForm) -> Callable[[Array], Array]:
-    base = gear.base_radius
-    upper = np.sqrt(form.tip_form_radius**2 - base**2)
-    lower = np.sqrt(max(form.form_radius**2 - base**2, 0.0))
-
-    def curve(u: Array) -> Array:
-        roll = upper + (lower - upper) * u
-        angle = gear.base_half_angle - (roll / base - np.arctan(roll / base))
-        return polar(np.hypot(base, roll), angle)
-
-    return curve
 
 
 def _rounding_arc(gear: InvoluteGear, form: ToothForm) -> Callable[[Array], Array]:

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from toothspace.core.types import Array, BoolArray
-from toothspace.geometry.flank_deviation import InvoluteDeviation, PitchDeviation, ProfileDeviation
-from toothspace.geometry.gear_profile import GearProfile, InvoluteFlank
-from toothspace.geometry.involute import InvoluteGear, involute_function, tooth_form
+from toothspace.core.types import Array
+from toothspace.geometry.flank_deviation import PitchDeviation, ProfileDeviation
+from toothspace.geometry.gear_profile import InvoluteFlank
+from toothspace.geometry.involute_gear import involute_function
 
 _LARGEST_RESIDUAL = 0.01
 """Of the tooth height: beyond it the flank is no involute. [-]"""
@@ -102,7 +102,7 @@ class InvoluteFit:
     right_offset: Array
 
     def pitch_deviation(self, radius: float) -> PitchDeviation:
-        """Deviations of pitch and run-out on a measuring circle; see ``PitchDeviation``."""
+        """Deviations of pitch and run-out on a circle of a radius [m]; see ``PitchDeviation``."""
         angle = self.flank.pressure_angle(radius)
         indices = []
         for place in (self.left_offset, -self.right_offset):
@@ -156,16 +156,6 @@ def folded_points(points: Array, tooth_count: int, phase: float) -> FlankPoints:
     keep = (steepest > _FLATTEST) & (weight > 0.0)
     tooth = tooth[keep] % tooth_count
     return FlankPoints(radius[keep], angle[keep], weight[keep], tooth, tooth_count)
-
-
-def points_of_profile(profile: GearProfile) -> FlankPoints:
-    """Flank points of a single pitch."""
-    flanks = (profile.right_flank, profile.left_flank[::-1])
-    radius = [np.hypot(flank[:, 0], flank[:, 1]) for flank in flanks]
-    angle = [np.arctan2(flank[:, 1], flank[:, 0]) for flank in flanks]
-    weight = [np.abs(np.gradient(values)) for values in radius]
-    columns = np.concatenate(radius), np.concatenate(angle), np.concatenate(weight)
-    return FlankPoints(*columns, np.zeros(len(columns[0]), dtype=np.int64), 1)
 
 
 def fit_involute(points: FlankPoints, root_radius: float, tip_radius: float) -> InvoluteFit | None:
@@ -231,7 +221,9 @@ def _checked_fit(
     if not residual <= _LARGEST_RESIDUAL * height:
         return None
     curves = {side: _curve(*nodes[side], base, ends) for side in nodes}
-    depth = min(_depth_below(*nodes[side], base, ends[0]) for side in nodes)
+    # most negative distance between base circle and form radius
+    below = [distance[(r > base) & (r < ends[0])] for r, distance in nodes.values()]
+    depth = min(float(distance.min(initial=0.0)) for distance in below)
     cut = -depth if depth < -max(tolerance, 1e-3 * height) else 0.0
     half = float(0.5 * (left + right))
     flank = InvoluteFlank(float(base), half, *ends, undercut=cut > 0.0, residual=residual)
@@ -252,38 +244,6 @@ def _offsets(points: FlankPoints, unknowns: Array, side: float, ends: tuple[floa
     inside = (points.radius >= ends[0]) & (points.radius <= ends[1])
     own = [distance[inside & (points.tooth == k)] for k in range(points.tooth_count)]
     return np.array([float(np.median(part)) if len(part) else 0.0 for part in own])
-
-
-def involute_deviation(profile: GearProfile, reference: InvoluteGear) -> InvoluteDeviation:
-    r"""Distance of a profile's flanks from the ideal involute, as a gear measuring machine gives.
-
-    Parameters
-    ----------
-    profile : GearProfile
-        Profile to judge, for example measured.
-    reference : InvoluteGear
-        Ideal gear with the same tooth count.
-
-    Returns
-    -------
-    InvoluteDeviation
-        Deviation along the flank normal between the ends of the ideal involute.
-
-    Notes
-    -----
-    At equal radius an angular difference :math:`\Delta\vartheta` is the normal distance
-    :math:`r_b \Delta\vartheta`.
-    """
-    form = tooth_form(reference)
-    ends = form.form_radius, form.tip_form_radius
-    unknowns = np.array([reference.base_radius] + 2 * [reference.base_half_angle])
-    found = {}
-    for side, flank in ((RIGHT, profile.right_flank), (LEFT, profile.left_flank[::-1])):
-        radius = np.hypot(flank[:, 0], flank[:, 1])
-        angle = side * np.arctan2(flank[:, 1], flank[:, 0])
-        distance = _distance(radius, angle, unknowns, side)
-        found[side] = _curve(radius, distance, reference.base_radius, ends)
-    return InvoluteDeviation(found[RIGHT], found[LEFT])
 
 
 def _thinned(points: FlankPoints) -> FlankPoints:
@@ -321,14 +281,14 @@ def distance_from_involute(
 
 def _first_guess(sides: dict[float, FlankPoints], low: float, high: float) -> Array:
     best, guess = np.inf, np.zeros(3)
+    inside = {side: _inside(points, low, high) for side, points in sides.items()}
     for base in high * np.linspace(0.5, 0.995, 100):
         cost, offsets = 0.0, []
-        for side, points in sides.items():
-            inside = _inside(points, low, high)
-            distance = _distance(points.radius[inside], points.angle[inside],
-                                 np.array([base, 0.0, 0.0]), side)  # fmt: skip
-            offset = _weighted_median(distance, points.weight[inside])
-            share = points.weight[inside] / points.weight[inside].sum()
+        for side, points in inside.items():
+            distance = _distance(points.radius, points.angle, np.array([base, 0.0, 0.0]), side)
+            order, share = np.argsort(distance), points.weight / points.weight.sum()
+            total = np.cumsum(points.weight[order])
+            offset = float(distance[order][np.searchsorted(total, 0.5 * total[-1])])
             cost += float(np.sum(share * np.abs(distance - offset)))
             offsets.append(offset / base)
         if cost < best:
@@ -336,31 +296,25 @@ def _first_guess(sides: dict[float, FlankPoints], low: float, high: float) -> Ar
     return guess
 
 
-def _inside(points: FlankPoints, low: float, high: float) -> BoolArray:
+def _inside(points: FlankPoints, low: float, high: float) -> FlankPoints:
     # the range, or all points above its begin where a coarse outline has hardly any in it
     inside = (points.radius >= low) & (points.radius <= high)
     if not inside.any() or np.ptp(points.radius[inside]) < 0.4 * (high - low):
         inside = points.radius >= low
-    return inside if inside.any() else np.ones_like(inside)
-
-
-def _weighted_median(values: Array, weight: Array) -> float:
-    order = np.argsort(values)
-    total = np.cumsum(weight[order])
-    return float(values[order][np.searchsorted(total, 0.5 * total[-1])])
+    return points.taken(np.flatnonzero(inside)) if inside.any() else points
 
 
 def _least_squares(sides: dict[float, FlankPoints], start: Array, low: float, high: float) -> Array:
-    chosen = {side: _inside(points, low, high) for side, points in sides.items()}
-    scale = max(_spread(sides, chosen, start), 1e-9)
+    inside = {side: _inside(points, low, high) for side, points in sides.items()}
+    first = [_distance(points.radius, points.angle, start, side) for side, points in inside.items()]
+    scale = max(1.4826 * float(np.median(np.abs(np.concatenate(first)))), 1e-9)
     size = np.array([start[0], 1.0, 1.0])
 
     def residuals(unknowns: Array) -> Array:
         parts = []
-        for side, points in sides.items():
-            keep = chosen[side]
-            weight = np.sqrt(points.weight[keep] / points.weight[keep].mean())
-            distance = _distance(points.radius[keep], points.angle[keep], unknowns * size, side)
+        for side, points in inside.items():
+            weight = np.sqrt(points.weight / points.weight.mean())
+            distance = _distance(points.radius, points.angle, unknowns * size, side)
             parts.append(weight * distance / scale)
         return np.concatenate(parts)
 
@@ -370,16 +324,6 @@ def _least_squares(sides: dict[float, FlankPoints], start: Array, low: float, hi
         residuals, start / size, bounds=bounds, loss="soft_l1", xtol=1e-14, ftol=1e-14, gtol=1e-14
     )
     return np.asarray(solution.x * size)
-
-
-def _spread(
-    sides: dict[float, FlankPoints], chosen: dict[float, BoolArray], unknowns: Array
-) -> float:
-    distance = [
-        _distance(points.radius[chosen[side]], points.angle[chosen[side]], unknowns, side)
-        for side, points in sides.items()
-    ]
-    return 1.4826 * float(np.median(np.abs(np.concatenate(distance))))
 
 
 def _nodes(points: FlankPoints, unknowns: Array, side: float) -> tuple[Array, Array]:
@@ -459,9 +403,3 @@ def _curve(
     keep = (radius >= ends[0]) & (radius <= ends[1])
     rolled = np.sqrt(np.maximum(radius[keep] ** 2 - base**2, 0.0))
     return ProfileDeviation(radius[keep], rolled, distance[keep])
-
-
-def _depth_below(radius: Array, distance: Array, base: float, form_radius: float) -> float:
-    # most negative distance between base circle and form radius
-    below = (radius > base) & (radius < form_radius)
-    return float(distance[below].min(initial=0.0))

@@ -3,26 +3,90 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import final
+from functools import cached_property
+from typing import Any, Generic, TypeVar, final
 
 import numpy as np
 
 from toothspace.core.errors import GeometryError
-from toothspace.core.types import FloatOrArray
+from toothspace.core.types import Array, FloatOrArray
+
+Real = TypeVar("Real", float, Array)
 
 MIN_TOOTH_COUNT = 5
 MAX_TOOTH_COUNT = 400
 DEFAULT_TOOL_TIP_RADIUS = 0.38
 
 
-def involute_function(pressure_angle: FloatOrArray) -> FloatOrArray:
+def plain(value: Real) -> Real:
+    """Python number of a NumPy scalar; arrays as they are."""
+    return value if isinstance(value, np.ndarray) else float(value)
+
+
+def involute_function(pressure_angle: Real) -> Real:
     """Involute function, tan(a) - a, of a pressure angle in [rad]."""
-    return np.tan(pressure_angle) - pressure_angle
+    return plain(np.tan(pressure_angle) - pressure_angle)
+
+
+class RackCutTeeth(Generic[Real]):
+    """Involute teeth that a straight-sided rack cuts: numbers of one gear, or arrays over many."""
+
+    tooth_count: Any
+    module: Real
+    pressure_angle: Real
+    profile_shift: Real
+    dedendum: Real
+
+    @cached_property
+    def reference_radius(self) -> Real:
+        """Radius at which the rack rolls. [m]."""
+        return 0.5 * self.module * self.tooth_count
+
+    @cached_property
+    def base_radius(self) -> Real:
+        """Radius of the circle that the involute unwinds from. [m]."""
+        return plain(self.reference_radius * np.cos(self.pressure_angle))
+
+    @property
+    def base_pitch(self) -> Real:
+        """Distance of neighbouring flanks along their common normal. [m]."""
+        return plain(np.pi * self.module * np.cos(self.pressure_angle))
+
+    @property
+    def root_radius(self) -> Real:
+        """Radius of the root circle. [m]."""
+        return self.reference_radius - (self.dedendum - self.profile_shift) * self.module
+
+    @cached_property
+    def base_half_angle(self) -> Real:
+        """Half of the tooth's angular thickness on the base circle. [rad]."""
+        half = 0.25 * np.pi + self.profile_shift * np.tan(self.pressure_angle)
+        return plain(2.0 * half / self.tooth_count + involute_function(self.pressure_angle))
+
+    def half_angle(self, radius: FloatOrArray) -> FloatOrArray:
+        """Half of the angular thickness of the unlimited involute tooth.
+
+        Parameters
+        ----------
+        radius : float or ndarray
+            Distance from the centre, at least the base radius. [m]
+
+        Returns
+        -------
+        float or ndarray
+            Half angle; negative above the point where the flanks cross. [rad]
+        """
+        angle = np.arccos(np.minimum(self.base_radius / np.asarray(radius), 1.0))
+        return self.base_half_angle - involute_function(angle)
+
+    def roll_length(self, radius: Real) -> Real:
+        """Length of the tangent from a radius [m] to the base circle. [m]."""
+        return plain(np.sqrt(np.maximum(radius**2 - self.base_radius**2, 0.0)))
 
 
 @final
 @dataclass(frozen=True)
-class InvoluteGear:
+class InvoluteGear(RackCutTeeth[float]):
     """Parameters of a spur gear that a straight-sided rack with rounded tip would cut.
 
     Parameters
@@ -75,9 +139,6 @@ class InvoluteGear:
         if self.tip_diameter is not None:
             upper = self.module * (self.tooth_count + 8.0)
             _check("tip_diameter", self.tip_diameter * 1e3, 0.0, upper * 1e3, "mm", open_low=True)
-        self._check_tool()
-
-    def _check_tool(self) -> None:
         if self._largest_tool_tip_radius < 0.0:
             raise GeometryError(
                 f"dedendum: found {self.dedendum:g} modules, allowed up to "
@@ -102,53 +163,11 @@ class InvoluteGear:
         return self.module * radius
 
     @property
-    def reference_radius(self) -> float:
-        """Radius at which the rack rolls [m]."""
-        return 0.5 * self.module * self.tooth_count
-
-    @property
-    def base_radius(self) -> float:
-        """Radius of the circle that the involute unwinds from [m]."""
-        return float(self.reference_radius * np.cos(self.pressure_angle))
-
-    @property
-    def base_pitch(self) -> float:
-        """Distance of neighbouring flanks along their common normal [m]."""
-        return float(np.pi * self.module * np.cos(self.pressure_angle))
-
-    @property
-    def root_radius(self) -> float:
-        """Radius of the root circle [m]."""
-        return self.reference_radius - (self.dedendum - self.profile_shift) * self.module
-
-    @property
     def tip_radius(self) -> float:
         """Radius of the tip circle [m]."""
         if self.tip_diameter is not None:
             return 0.5 * self.tip_diameter
         return self.reference_radius + (1.0 + self.profile_shift) * self.module
-
-    @property
-    def base_half_angle(self) -> float:
-        """Half of the tooth's angular thickness on the base circle [rad]."""
-        half = 0.25 * np.pi + self.profile_shift * np.tan(self.pressure_angle)
-        return float(2.0 * half / self.tooth_count + involute_function(self.pressure_angle))
-
-    def half_angle(self, radius: FloatOrArray) -> FloatOrArray:
-        """Half of the angular thickness of the unlimited involute tooth.
-
-        Parameters
-        ----------
-        radius : float or ndarray
-            Distance from the centre, at least the base radius. [m]
-
-        Returns
-        -------
-        float or ndarray
-            Half angle; negative above the point where the flanks cross. [rad]
-        """
-        angle = np.arccos(np.minimum(self.base_radius / np.asarray(radius), 1.0))
-        return self.base_half_angle - involute_function(angle)
 
     @property
     def smallest_shift_without_undercut(self) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass, fields, replace
 from functools import cached_property
-from typing import final
+from typing import Any, final
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from toothspace.geometry.evaluated_designs import DesignReason, marked
 from toothspace.geometry.involute_gear import (
     DEFAULT_TOOL_TIP_RADIUS,
     InvoluteGear,
-    involute_function,
+    RackCutTeeth,
 )
 from toothspace.numerics.roots import roots_between
 
@@ -27,7 +27,7 @@ _ARC_SAMPLES = 4
 
 @final
 @dataclass(frozen=True)
-class InvoluteGears:
+class InvoluteGears(RackCutTeeth[Array]):
     """Gears that straight-sided racks cut, as :class:`InvoluteGear`; arrays of one shape (n,).
 
     Parameters
@@ -63,40 +63,10 @@ class InvoluteGears:
         given["tool_tip_radius"] = np.nan if tool is None else tool
         return cls(**{name: np.array([float(value)]) for name, value in given.items()})
 
-    @cached_property
-    def reference_radius(self) -> Array:
-        """Radii at which the racks roll. [m]."""
-        return 0.5 * self.module * self.tooth_count
-
-    @cached_property
-    def base_radius(self) -> Array:
-        """Radii of the base circles. [m]."""
-        return np.asarray(self.reference_radius * np.cos(self.pressure_angle))
-
-    @property
-    def root_radius(self) -> Array:
-        """Radii of the root circles. [m]."""
-        return self.reference_radius - (self.dedendum - self.profile_shift) * self.module
-
     @property
     def tip_radius(self) -> Array:
         """Radii of the tip circles. [m]."""
         return 0.5 * self.tip_diameter
-
-    @cached_property
-    def base_half_angle(self) -> Array:
-        """Half of the angular thickness of a tooth on the base circle. [rad]."""
-        half = 0.25 * np.pi + self.profile_shift * np.tan(self.pressure_angle)
-        return np.asarray(2.0 * half / self.tooth_count + involute_function(self.pressure_angle))
-
-    def half_angle(self, radius: Array) -> Array:
-        """Half of the angular thickness of the unlimited involute at radii [m]. [rad]."""
-        angle = np.arccos(np.minimum(self.base_radius / radius, 1.0))
-        return np.asarray(self.base_half_angle - involute_function(angle))
-
-    def roll_length(self, radius: Array) -> Array:
-        """Length of the tangent from radii [m] to the base circle. [m]."""
-        return np.sqrt(np.maximum(radius**2 - self.base_radius**2, 0.0))
 
     @cached_property
     def _corner(self) -> tuple[Array, Array, Array]:
@@ -112,7 +82,7 @@ class InvoluteGears:
         return depth * self.module, side * self.module, radius * self.module
 
     def fillet(self, tangent: FloatOrArray) -> tuple[Array, Array]:
-        """Root fillets at the tangent of the angle on the rack's corner: radius, space angle."""
+        """Root fillets over the tangent of the rack's corner angle: radius, angle. [m], [rad]."""
         depth_0, side, rho = self._corner
         depth = depth_0 + rho / np.sqrt(1.0 + np.square(tangent))
         along, across = self.reference_radius - depth, depth * tangent
@@ -197,12 +167,17 @@ class InvoluteGears:
         half = 0.5 * tip**2 * self.tip_half_angle + flank / (6.0 * base) + root
         return 2.0 * (half + self._rounding_sector() + self._fillet_sector())
 
-    def _rounding_sector(self) -> Array:
-        radius, land = self.tip_rounding, self.tip_half_angle
-        center = (self.tip_radius - radius) * np.exp(1j * land)
-        start = self.tip_radius * np.exp(1j * land)
+    @cached_property
+    def _rounding(self) -> tuple[Any, Any, Array]:
+        """Centre and end of the tip rounding as complex numbers [m], angle of its arc [rad]."""
+        land = np.exp(1j * self.tip_half_angle)
+        center = (self.tip_radius - self.tip_rounding) * land
         end = self.tip_form_radius * np.exp(1j * self.half_angle(self.tip_form_radius))
-        turn = np.angle((end - center) * np.exp(-1j * land))
+        return center, end, np.angle((end - center) * np.conj(land))
+
+    def _rounding_sector(self) -> Array:
+        radius, (center, end, turn) = self.tip_rounding, self._rounding
+        start = self.tip_radius * np.exp(1j * self.tip_half_angle)
         chord = np.imag(np.conj(center) * (end - start))
         return np.where(radius > 0.0, 0.5 * (radius**2 * turn + chord), 0.0)
 
@@ -304,9 +279,6 @@ class InvoluteGears:
 
     def tip_corner(self, share: Array) -> tuple[Array, Array]:
         """Points on the tip rounding, 0 at the land to 1 at the flank: radius, angle [m], [rad]."""
-        land, radius = self.tip_half_angle, self.tip_rounding
-        end = self.tip_form_radius * np.exp(1j * self.half_angle(self.tip_form_radius))
-        center = (self.tip_radius - radius) * np.exp(1j * land)
-        turn = np.angle((end - center) * np.exp(-1j * land))
-        corner = center + radius * np.exp(1j * (land + share * turn))
+        center, _, turn = self._rounding
+        corner = center + self.tip_rounding * np.exp(1j * (self.tip_half_angle + share * turn))
         return np.abs(corner), np.angle(corner)

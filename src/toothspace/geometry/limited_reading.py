@@ -15,7 +15,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
@@ -46,7 +46,7 @@ def read_sections(path: Path, unit: float, request: SectionRequest) -> list[Body
 
 
 def read_curves(path: Path, unit: float, layer: str | None) -> list[Array]:
-    """Curves of a plane file by a process of its own; see ``cad_import.load_closed_curves``."""
+    """Curves [m] of a plane file by its own process; see ``cad_import.load_closed_curves``."""
     found = _kept(path, {"unit": unit, "layer": layer})
     return [found[f"curve_{k}"] for k in range(len(found))]
 
@@ -72,7 +72,7 @@ def read_in_process(path: Path, order: Mapping[str, Any]) -> dict[str, Any]:
     Parameters
     ----------
     order : mapping
-        ``unit``, and ``request`` of a solid file or ``layer`` of a plane one.
+        ``unit`` [m], and ``request`` of a solid file or ``layer`` of a plane one.
 
     Raises
     ------
@@ -127,43 +127,24 @@ def packed(sections: list[BodySection]) -> dict[str, Any]:
     arrays: dict[str, Any] = {}
     table = []
     for number, found in enumerate(sections):
-        table.append(
-            {
-                "body": found.body,
-                "name": found.name,
-                "axis": [float(value) for value in found.axis],
-                "height": found.height,
-                "extent": found.extent,
-                "teeth_extent": found.teeth_extent,
-                "second_height": found.second_height,
-                "layer": found.layer,
-                "curves": len(found.curves),
-            }
-        )
-        for place, curve in enumerate(found.curves):
+        row = {field.name: getattr(found, field.name) for field in fields(found)}
+        curves, second, axis = row.pop("curves"), row.pop("second"), row.pop("axis")
+        table.append({**row, "axis": axis.tolist(), "curves": len(curves)})
+        for place, curve in enumerate(curves):
             arrays[f"curve_{number}_{place}"] = curve
-        if found.second is not None:
-            arrays[f"second_{number}"] = found.second
+        if second is not None:
+            arrays[f"second_{number}"] = second
     return {"table": np.array(json.dumps(table)), **arrays}
 
 
 def _unpacked(archive: Mapping[str, Any]) -> list[BodySection]:
     found = []
-    for number, row in enumerate(json.loads(str(archive["table"]))):
-        teeth, second = row["teeth_extent"], f"second_{number}"
-        layer = row["layer"]
-        found.append(
-            BodySection(
-                body=row["body"],
-                name=row["name"],
-                axis=np.array(row["axis"]),
-                height=row["height"],
-                extent=(row["extent"][0], row["extent"][1]),
-                teeth_extent=None if teeth is None else (teeth[0], teeth[1]),
-                curves=[archive[f"curve_{number}_{k}"] for k in range(row["curves"])],
-                second_height=row["second_height"],
-                second=archive.get(second),
-                layer=None if layer is None else (layer[0], layer[1]),
-            )
-        )
+    for number, given in enumerate(json.loads(str(archive["table"]))):
+        # JSON makes lists of ranges
+        row: dict[str, Any] = {
+            name: tuple(x) if isinstance(x, list) else x for name, x in given.items()
+        }
+        row["axis"] = np.array(row["axis"])
+        row["curves"] = [archive[f"curve_{number}_{k}"] for k in range(row["curves"])]
+        found.append(BodySection(**row, second=archive.get(f"second_{number}")))
     return found

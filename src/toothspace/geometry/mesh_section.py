@@ -13,10 +13,12 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from toothspace.core.types import Array
-from toothspace.geometry.curve import chord_heights
+from toothspace.geometry.curve import chord_heights, without_repeats
 
 _Faces = NDArray[np.int64]
 
+_ONE_POINT = 1e-9
+"""Distance up to which points of a section are one. [m]"""
 _UPRIGHT = 0.3
 """Largest slope of a facet along the axis on a meshed cylinder surface. [-]"""
 _CHAIN_DISTANCE = 3.0
@@ -152,11 +154,18 @@ def section(mesh: SurfaceMesh, frame: Array, height: float) -> list[Array]:
     ends = np.column_stack([faces[rows, (alone + 1) % 3], faces[rows, (alone + 2) % 3]])
     pairs = np.sort(np.stack([np.column_stack([tip, ends[:, k]]) for k in (0, 1)], axis=1), axis=2)
     edges, number = np.unique(pairs.reshape(-1, 2), axis=0, return_inverse=True)
-    upright = _upright(local, faces)
+    a, b, c = (local[faces[:, k]] for k in range(3))
+    normal = np.cross(b - a, c - a)
+    upright = np.abs(normal[:, 2]) <= _UPRIGHT * np.linalg.norm(normal, axis=1)
     curves = []
     for loop, along in _loops(number.reshape(-1, 2)):
-        corners = _corner_chain(local, edges[loop], above) if upright[along].all() else None
-        curves.append(_cut_points(local, edges[loop], height) if corners is None else corners)
+        curve = _corner_chain(local, edges[loop], above) if upright[along].all() else None
+        if curve is None:
+            first, second = (local[edges[loop, k]] for k in (0, 1))
+            share = (height - first[:, 2]) / (second[:, 2] - first[:, 2])
+            cut = (first + share[:, None] * (second - first))[:, :2]
+            curve = without_repeats(cut, _ONE_POINT)
+        curves.append(curve)
     return [curve for curve in curves if len(curve) >= 3]
 
 
@@ -166,7 +175,7 @@ def axis_frame(axis: Array) -> Array:
     Parameters
     ----------
     axis : ndarray, shape (3,)
-        Direction, any length.
+        Direction, any length. [-]
 
     Returns
     -------
@@ -206,7 +215,7 @@ def likely_axes(mesh: SurfaceMesh) -> list[Array]:
     Returns
     -------
     list of ndarray
-        Unit vectors: the direction that differs from the two others in the area of the surface
+        Unit vectors [-]: the direction that differs from the two others in the area of the surface
         facing it, which repeated teeth make equal; then z, x and y.
 
     Notes
@@ -231,12 +240,6 @@ def likely_axes(mesh: SurfaceMesh) -> list[Array]:
 def _edge_numbers(mesh: SurfaceMesh) -> NDArray[np.int64]:
     pairs = np.sort(mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     return pairs[:, 0] * np.int64(len(mesh.vertices)) + pairs[:, 1]
-
-
-def _upright(local: Array, faces: _Faces) -> NDArray[np.bool_]:
-    a, b, c = (local[faces[:, k]] for k in range(3))
-    normal = np.cross(b - a, c - a)
-    return np.abs(normal[:, 2]) <= _UPRIGHT * np.linalg.norm(normal, axis=1)
 
 
 def _loops(faces: NDArray[np.int64]) -> list[tuple[list[int], list[int]]]:
@@ -266,7 +269,9 @@ def _corner_chain(local: Array, edges: NDArray[np.int64], above: NDArray[np.bool
     # lower or upper ends of the cut edges, whichever are more, if both lie on one curve
     upper = above[edges[:, 0]]
     chains = [np.where(upper, edges[:, k], edges[:, 1 - k]) for k in (0, 1)]
-    fewer, more = sorted((_distinct(local[chain, :2]) for chain in chains), key=len)
+    fewer, more = sorted(
+        (without_repeats(local[chain, :2], _ONE_POINT) for chain in chains), key=len
+    )
     if len(fewer) < 3:
         return None
     if not shapely.LinearRing(more).is_simple:
@@ -276,14 +281,3 @@ def _corner_chain(local: Array, edges: NDArray[np.int64], above: NDArray[np.bool
     chords = chord_heights(more).max(initial=0.0)
     distance = shapely.distance(shapely.points(fewer), shapely.LinearRing(more))
     return more if distance.max() <= _CHAIN_DISTANCE * chords + 1e-9 else None
-
-
-def _cut_points(local: Array, edges: NDArray[np.int64], height: float) -> Array:
-    first, second = local[edges[:, 0]], local[edges[:, 1]]
-    share = (height - first[:, 2]) / (second[:, 2] - first[:, 2])
-    return _distinct((first + share[:, None] * (second - first))[:, :2])
-
-
-def _distinct(points: Array) -> Array:
-    step = np.roll(points, -1, axis=0) - points
-    return points[np.hypot(step[:, 0], step[:, 1]) > 1e-9]

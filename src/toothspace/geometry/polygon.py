@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from toothspace.core.errors import GeometryError
+from toothspace.core.frozen import Points
 from toothspace.core.types import Array
 from toothspace.geometry.curve import counter_clockwise, first_self_crossing, without_repeats
 
@@ -56,17 +57,15 @@ def checked_polygon(points: Array, key: str) -> Array:
     return counter_clockwise(clean)
 
 
-def load_polygons(path: Path, unit: float, layer: str | None = None) -> list[Array]:
+def load_polygons(path: Path | Points, unit: float) -> list[Array]:
     """Read the closed curves of a DXF or text file as polygons.
 
     Parameters
     ----------
-    path : Path
-        File with suffix ``.dxf``, ``.txt`` or ``.csv``.
+    path : Path or Points
+        File with suffix ``.dxf``, ``.txt`` or ``.csv``, or points in place of one.
     unit : float
         Length of one unit of the file. [m]
-    layer : str or None
-        DXF layer; None for all.
 
     Returns
     -------
@@ -80,5 +79,5 @@ def load_polygons(path: Path, unit: float, layer: str | None = None) -> list[Arr
     """
     from toothspace.geometry.cad_import import load_closed_curves
 
-    curves = load_closed_curves(path, unit, layer=layer)
+    curves = load_closed_curves(path, unit)
     return [checked_polygon(curve, path.name) for curve in curves]

@@ -16,6 +16,7 @@ from toothspace.geometry.curve import (
     arc_lengths,
     chord_heights,
     counter_clockwise,
+    even_points,
     resample_by_curvature,
     signed_area,
     turned,
@@ -392,13 +393,7 @@ def _in_sections(tooth: Array, tolerance: float) -> Array:
     if last - first < 1:
         first, last = max(first - 1, 1), min(last + 1, len(tooth) - 2)
     sections = (tooth[: first + 1], tooth[first : last + 1], tooth[last:])
-    return np.vstack([_evenly(section) for section in sections])
-
-
-def _evenly(points: Array) -> Array:
-    along = arc_lengths(points)
-    wanted = np.linspace(0.0, along[-1], _SECTION_POINTS)
-    return np.column_stack([np.interp(wanted, along, points[:, axis]) for axis in (0, 1)])
+    return np.vstack([even_points(section, _SECTION_POINTS) for section in sections])
 
 
 def _normals(curve: Array) -> tuple[Array, Array]:
@@ -452,7 +447,11 @@ def _profile_from_tooth(tooth: Array, tooth_count: int, points_per_tooth: int) -
     first = resample_by_curvature(_thinned(right), flank_intervals)
     top = resample_by_curvature(_thinned(land), tip_end - flank_intervals)
     last = resample_by_curvature(_thinned(left), flank_intervals)
-    points = _joined_roots(np.vstack([first, top[1:], last[1:]]), tooth_count)
+    points = np.vstack([first, top[1:], last[1:]])
+    # neighbouring pitches share their end point
+    half, end = np.pi / tooth_count, 0.5 * (np.hypot(*points[0]) + np.hypot(*points[-1]))
+    points[0] = end * np.cos(half), -end * np.sin(half)
+    points[-1] = end * np.cos(half), end * np.sin(half)
     radius = np.hypot(points[:, 0], points[:, 1])
     return GearProfile(
         tooth_count=tooth_count,
@@ -479,13 +478,3 @@ def _round_land(tooth: Array) -> Array:
 def _thinned(points: Array) -> Array:
     step = np.hypot(*np.diff(points, axis=0).T)
     return points[np.concatenate([[True], step > 1e-12])]
-
-
-def _joined_roots(points: Array, tooth_count: int) -> Array:
-    # neighbouring pitches share their end point
-    half = np.pi / tooth_count
-    radius = 0.5 * (np.hypot(*points[0]) + np.hypot(*points[-1]))
-    joined = points.copy()
-    joined[0] = radius * np.cos(half), -radius * np.sin(half)
-    joined[-1] = radius * np.cos(half), radius * np.sin(half)
-    return joined

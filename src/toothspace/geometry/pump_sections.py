@@ -63,7 +63,7 @@ def machine_frame(drive: FoundGear, driven: FoundGear, outlet: Array) -> Machine
     drive, driven : FoundGear
         Gears on parallel axes.
     outlet : ndarray, shape (3,)
-        Unit vector in the file from the centre line towards the outlet.
+        Unit vector in the file from the centre line towards the outlet. [-]
 
     Raises
     ------

@@ -18,18 +18,14 @@ from toothspace.geometry.limited_reading import MEMORY_LIMIT, REFUSED, packed
 from toothspace.geometry.solid_import import stl_bodies
 
 
-def _limit_memory() -> None:
+def main() -> int:
+    """Read the request and the file, leave what was found; returns the exit code."""
     # absent on systems without resource limits
     with contextlib.suppress(ImportError, ValueError, OSError):
         import resource
 
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY_LIMIT, MEMORY_LIMIT))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-
-
-def main() -> int:
-    """Read the request and the file, leave what was found; returns the exit code."""
-    _limit_memory()
     order = json.loads(sys.stdin.read())
     try:
         found = _found(Path(order["file"]), order)

@@ -52,16 +52,8 @@ def solid_sections(path: Path, unit: float, request: SectionRequest) -> list[Bod
     return read_sections(path, unit, request)
 
 
-def section_of_solids(
-    path: Path, unit: float, plane_z: float | None = None, body: int | None = None
-) -> list[Array]:
-    """Closed curves of a solid file in a plane of constant z, largest body first [m]."""
-    request = SectionRequest(plane=plane_z, body=body)
-    return [curve for cut in solid_sections(path, unit, request) for curve in cut.curves]
-
-
 def stl_bodies(path: Path, unit: float) -> list[SolidBody]:
-    """Bodies of an STL file, read in this process; see ``solid_sections``."""
+    """Bodies of an STL file in a unit [m], read in this process; see ``solid_sections``."""
     return [SolidBody("", m, partial(_simple_section, m)) for m in _closed_meshes(path, unit)]
 
 
@@ -92,7 +84,15 @@ def _closed_meshes(path: Path, unit: float) -> list[SurfaceMesh]:
 
 
 def _simple_section(mesh: SurfaceMesh, frame: Array, height: float) -> list[Array]:
-    return [_without_collinear(curve) for curve in section(mesh, frame, height)]
+    import shapely
+
+    # without the points that triangles leave on straight edges
+    found = []
+    for curve in section(mesh, frame, height):
+        size = float(np.ptp(curve, axis=0).max())
+        simple = shapely.simplify(shapely.LinearRing(curve), 1e-7 * size)
+        found.append(np.asarray(shapely.get_coordinates(simple))[:-1])
+    return found
 
 
 def _check_stl(path: Path) -> None:
@@ -110,14 +110,6 @@ def _check_stl(path: Path) -> None:
             f"{path}: found {len(raw)} bytes for {facets} facets (truncated STL), allowed "
             f"{84 + 50 * max(facets, 4)} bytes or more"
         )
-
-
-def _without_collinear(curve: Array) -> Array:
-    import shapely
-
-    tolerance = 1e-7 * float(np.ptp(curve, axis=0).max())
-    simple = shapely.simplify(shapely.LinearRing(curve), tolerance)
-    return np.asarray(shapely.get_coordinates(simple))[:-1]
 
 
 def _require_ocp(path: Path) -> None:

@@ -66,16 +66,11 @@ def _named_solids(path: Path) -> list[tuple[str, Any]]:
     if reader.ReadFile(str(path)) != IFSelect_RetDone or not reader.Transfer(document):
         raise GeometryError(f"{path}: found a damaged STEP file, allowed a complete one")
     shapes = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
-    found: list[tuple[str, Any]] = []
-    for label in _free_labels(shapes):
-        _collect(shapes, label, None, "", found)
-    return found
-
-
-def _free_labels(shapes: Any) -> list[Any]:
-    labels = _label_sequence()
+    labels, found = _label_sequence(), list[tuple[str, Any]]()
     shapes.GetFreeShapes(labels)
-    return [labels.Value(k + 1) for k in range(labels.Length())]
+    for k in range(labels.Length()):
+        _collect(shapes, labels.Value(k + 1), None, "", found)
+    return found
 
 
 def _collect(shapes: Any, label: Any, place: Any, name: str, found: list[tuple[str, Any]]) -> None:
@@ -237,15 +232,13 @@ def _parts(shape: Any, kind: str) -> list[Any]:
 
 def _edges(shape: Any) -> list[Array]:
     from OCP.BRepAdaptor import BRepAdaptor_Curve
-
-    return [_edge_points(BRepAdaptor_Curve(edge)) for edge in _parts(shape, "Edge")]
-
-
-def _edge_points(curve: Any) -> Array:
     from OCP.GCPnts import GCPnts_TangentialDeflection
 
-    sampler = GCPnts_TangentialDeflection(
-        curve, _ANGULAR_DEFLECTION, _CHORD_DEFLECTION, 2, 1e-9, 1e-9
-    )
-    points = [sampler.Value(index + 1) for index in range(sampler.NbPoints())]
-    return np.array([[point.X(), point.Y(), point.Z()] for point in points])
+    found = []
+    for edge in _parts(shape, "Edge"):
+        sampler = GCPnts_TangentialDeflection(
+            BRepAdaptor_Curve(edge), _ANGULAR_DEFLECTION, _CHORD_DEFLECTION, 2, 1e-9, 1e-9
+        )
+        points = [sampler.Value(index + 1) for index in range(sampler.NbPoints())]
+        found.append(np.array([[point.X(), point.Y(), point.Z()] for point in points]))
+    return found

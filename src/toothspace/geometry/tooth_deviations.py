@@ -162,9 +162,7 @@ def _header(
     for line in lines:
         if re.search(label, line, re.IGNORECASE):
             text = line.split("!")[0].split(":")[-1] if ":" in line else line.split("!")[0]
-            numbers = [
-                float(token) for token in re.findall(r"[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?", text)
-            ]
+            numbers = [float(token) for token in _NUMBER.findall(text)]
             if numbers:
                 return numbers
     if missing is not None:

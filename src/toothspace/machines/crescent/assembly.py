@@ -165,34 +165,26 @@ def involute_pair(spec: CrescentParameters) -> InternalPair:
         )
         teeth = RingGear(spaces, 0.5 * ring.tip_diameter)
     except GeometryError as error:
-        raise GeometryError(f"machine.ring.{_of_ring(str(error))}") from error
-    if pinion.center_distance is not None:
-        return _pair_at(gear, teeth, pinion.center_distance)
-    assert pinion.normal_backlash is not None
+        # the tooth of the space, in the keys of the ring
+        message = str(error)
+        if message.startswith("tip_rounding"):
+            message = message.replace("tip_rounding", "root_fillet", 1)
+        elif message.startswith("tip_diameter") and "where the tooth is pointed" in message:
+            message = message.replace("tip_diameter", "root_diameter", 1).replace("tooth", "space")
+        raise GeometryError(f"machine.ring.{message}") from error
     try:
-        return pair_from_backlash(gear, teeth, pinion.normal_backlash)
+        pair = pair_from_backlash(gear, teeth, pinion.normal_backlash or 0.0)
     except GeometryError as error:
         raise GeometryError(f"machine.{error}") from error
-
-
-def _of_ring(message: str) -> str:
-    """Message on the tooth of the space, in the keys of the ring."""
-    if message.startswith("tip_rounding"):
-        return message.replace("tip_rounding", "root_fillet", 1)
-    if message.startswith("tip_diameter") and "where the tooth is pointed" in message:
-        return message.replace("tip_diameter", "root_diameter", 1).replace("tooth", "space")
-    return message
-
-
-def _pair_at(pinion: InvoluteGear, ring: RingGear, distance: float) -> InternalPair:
-    tight = pair_from_backlash(pinion, ring, 0.0).center_distance
-    least = ring.base_radius - pinion.base_radius
-    if not least < distance <= tight:
+    distance, least = pinion.center_distance, pair.base_difference
+    if distance is None:
+        return pair
+    if not least < distance <= pair.center_distance:
         raise GeometryError(
             f"machine.pinion.center_distance: found {distance * 1e3:.5g} mm, allowed above "
-            f"{least * 1e3:.5g} mm up to {tight * 1e3:.6g} mm (no backlash)"
+            f"{least * 1e3:.5g} mm up to {pair.center_distance * 1e3:.6g} mm (no backlash)"
         )
-    return InternalPair(pinion, ring, distance)
+    return InternalPair(gear, teeth, distance)
 
 
 def _curve_profile(

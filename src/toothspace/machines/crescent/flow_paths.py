@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from toothspace.closures.smooth import smooth_step
 from toothspace.core.types import Array
 from toothspace.gearing.numbering import FULL_TURN, Numbering
 from toothspace.gearing.openings import groove_openings
-from toothspace.gearing.space_paths import ToothSpaces, flank_paths, smooth_step
+from toothspace.gearing.space_paths import ToothSpaces, flank_paths
 from toothspace.gearing.spaces import Spaces
 from toothspace.geometry.curve import signed_area
 from toothspace.machines.crescent.assembly import CrescentAssembly
@@ -36,7 +37,7 @@ def flow_paths(
     """
     spec, grooves = assembly.spec, assembly.grooves
     roughness = spec.pinion.roughness, spec.ring.roughness
-    rounding = spec.pinion.tip_rounding
+    rounding, shaft = spec.pinion.tip_rounding, 0.5 * spec.journal_bearings.diameter
     paths = list(flank_paths(assembly, numbering, spaces[0], rounding, roughness))
     for gear, own in enumerate(tooth_spaces(assembly, numbering, spaces)):
         edges, gap = filler_edges(assembly, gear), spec.lateral.side_gap
@@ -49,8 +50,14 @@ def flow_paths(
         if grooves is not None:
             outlines = relief_polygons(assembly)
             paths.extend(own.grooves(groove_openings(own.spaces, outlines, grooves.depth)))
-        paths.append(own.lateral(gap, _space_area(assembly, gear)))
-        paths.append(own.drain(gap, _land(assembly, gear)))
+        # area of a space out of mesh; land to the shaft, or to the outside of the ring
+        if gear == 0:
+            area, land = assembly.pinion.tooth_space_area, (shaft, assembly.pinion.root_radius)
+        else:
+            tips = np.pi * assembly.tip_radii[1] ** 2
+            area = (signed_area(assembly.ring_curve) - tips) / assembly.counts[1]
+            land = assembly.root_radius, 0.5 * spec.ring.outer_diameter
+        paths += [own.lateral(gap, area), own.drain(gap, land)]
     return tuple(paths)
 
 
@@ -107,7 +114,7 @@ def notch_opening(assembly: CrescentAssembly, own: ToothSpaces, notch: NotchPara
 
 
 def filler_cover(assembly: CrescentAssembly, gear: int, places: Array) -> Array:
-    """Part of a tooth tip that seals against the filler, 0 where it stands before a port.
+    """Part of a tooth tip that seals against the filler at places [rad], 0 before a port. [-].
 
     It is 1 from the moment the whole land faces the filler until its first corner leaves it.
     """
@@ -116,19 +123,4 @@ def filler_cover(assembly: CrescentAssembly, gear: int, places: Array) -> Array:
     turned = np.mod(places, FULL_TURN)
     entered = (turned - edges.inlet + half) / (2.0 * half)
     left = (FULL_TURN - edges.outlet - turned + half) / (2.0 * half)
-    return smooth_step(entered) * smooth_step(left)
-
-
-def _space_area(assembly: CrescentAssembly, gear: int) -> float:
-    """Area of a tooth space up to the tip circle, out of mesh. [m2]."""
-    if gear == 0:
-        return assembly.pinion.tooth_space_area
-    tips = np.pi * assembly.tip_radii[1] ** 2
-    return (signed_area(assembly.ring_curve) - tips) / assembly.counts[1]
-
-
-def _land(assembly: CrescentAssembly, gear: int) -> tuple[float, float]:
-    """Radii of the land behind the roots: to the shaft, or to the outside of the ring. [m]."""
-    if gear == 0:
-        return 0.5 * assembly.spec.journal_bearings.diameter, assembly.pinion.root_radius
-    return assembly.root_radius, 0.5 * assembly.spec.ring.outer_diameter
+    return np.asarray(smooth_step(entered) * smooth_step(left), dtype=float)

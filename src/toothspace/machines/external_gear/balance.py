@@ -49,7 +49,13 @@ def lateral_balance(assembly: Assembly, numbering: Numbering) -> LateralBalance:
     """
     block = assembly.spec.floating_block
     assert block is not None
-    keys = assembly.spec.keys
+    spec, keys = assembly.spec, assembly.spec.keys
+    (above, below), (drive, driven) = assembly.mesh.pitch_radii, block.keys.gear_axial_force
+    face, journals = bearing_face(assembly), keys.journal_bearings
+    high = _high_pressure(assembly, block, face)
+    if high is None:
+        high = _behind_a_chord(face, block.high_pressure)
+    gears = FaceOfGear(assembly, numbering, 0), FaceOfGear(assembly, numbering, 1)
     ports = {"inlet": numbering.inlet, "outlet": numbering.outlet, "external": numbering.drain}
     return LateralBalance(
         arrangement=cast(Any, block.arrangement),
@@ -60,41 +66,18 @@ def lateral_balance(assembly: Assembly, numbering: Numbering) -> LateralBalance:
         floating=_floating(assembly, block),
         high_node=ports["outlet" if keys.mode == "pump" else "inlet"],
         low_node=ports[keys.drain_node],
-        body_forces=_tooth_forces(assembly, block),
+        # helical teeth push at the pitch point, where contacts stand in the mean
+        body_forces=(AxialForce(drive, (0.0, above)), AxialForce(driven, (0.0, -below))),
         body_masses=tuple(body.mass for body in bodies(assembly)),
-        elastic_bodies=_elastic_bodies(assembly, numbering, block),
+        elastic_bodies=ElasticAssembly(assembly, high, gears),
         halves=_halves(assembly, block) if block.keys.split else (),
-        body_tilts=_shaft_tilts(assembly),
+        # at which a shaft meets the far ends of both journal bearings
+        body_tilts=tuple(
+            journals.radial_clearance / (0.5 * gear.face_width + journals.length)
+            for gear in (spec.drive, spec.driven)
+        ),
         shaft_stiffness=block.keys.shaft_stiffness,
     )
-
-
-def _tooth_forces(assembly: Assembly, block: FloatingBlock) -> tuple[AxialForce, ...]:
-    """Forces of helical teeth at the pitch point, where contacts stand in the mean."""
-    above, below = assembly.mesh.pitch_radii
-    drive, driven = block.keys.gear_axial_force
-    return AxialForce(drive, (0.0, above)), AxialForce(driven, (0.0, -below))
-
-
-def _shaft_tilts(assembly: Assembly) -> tuple[float, ...]:
-    """Tilt of every gear at which its shaft meets the far ends of both journal bearings. [rad]."""
-    spec = assembly.spec
-    journals = spec.keys.journal_bearings
-    return tuple(
-        journals.radial_clearance / (0.5 * gear.face_width + journals.length)
-        for gear in (spec.drive, spec.driven)
-    )
-
-
-def _elastic_bodies(
-    assembly: Assembly, numbering: Numbering, block: FloatingBlock
-) -> ElasticAssembly:
-    face = bearing_face(assembly)
-    high = _high_pressure(assembly, block, face)
-    if high is None:
-        high = _behind_a_chord(face, block.high_pressure)
-    drive, driven = (FaceOfGear(assembly, numbering, gear) for gear in (0, 1))
-    return ElasticAssembly(assembly, high, (drive, driven))
 
 
 def _behind_a_chord(face: Any, patch: Patch) -> Any:
@@ -257,11 +240,12 @@ def _halves(assembly: Assembly, block: FloatingBlock) -> tuple[FloatingBearing, 
         )
     tips = [profile.tip_radius for profile in assembly.profiles]
     parts = (beside_cut(assembly, 0), beside_cut(assembly, 1))
+    outline = nose_outline(block)
     gauges = ((0.0, -tips[0]), (0.0, assembly.mesh.center_distance + tips[1]))
     made = []
     for k, (part, gauge) in enumerate(zip(parts, gauges, strict=True)):
         own = shapely.intersection(face, part)
-        share = float(own.area / face.area)
+        share, nose = float(own.area / face.area), shapely.intersection(outline, part)
         loads = [(s.force * spring_share(assembly, s.y, k), s.x, s.y) for s in block.keys.springs]
         loads.append((share * block.keys.seal_preload, own.centroid.x, own.centroid.y))
         half = replace(
@@ -269,7 +253,7 @@ def _halves(assembly: Assembly, block: FloatingBlock) -> tuple[FloatingBearing, 
             mass=share * whole.mass,
             face=_patch(own),
             high_pressure=_patch(shapely.intersection(high, part)),
-            nose=_nose(block, part),
+            nose=_patch(nose) if nose.area > 0.0 else Patch(0.0, (0.0, 0.0)),
             preload=_resultant(loads),
             housing=_housing(block, share),
             gauge_point=gauge,
@@ -277,12 +261,6 @@ def _halves(assembly: Assembly, block: FloatingBlock) -> tuple[FloatingBearing, 
         )
         made.append(half)
     return made[0], made[1]
-
-
-def _nose(block: FloatingBlock, part: Any) -> Patch:
-    """Part of the nose that is on a half."""
-    own = shapely.intersection(nose_outline(block), part)
-    return _patch(own) if own.area > 0.0 else Patch(0.0, (0.0, 0.0))
 
 
 def _high_pressure(assembly: Assembly, block: FloatingBlock, face: Any) -> Any | None:

@@ -90,7 +90,7 @@ class ElasticAssembly:
         return made
 
     def loads(self, shaft_angle: float) -> tuple[BodyLoad, ...]:
-        """Pressures behind the bearing and on the flanks, springs, seal, contacts, journals."""
+        """Loads at a shaft angle [rad]: pressures, springs, seal, contacts, journals. [SI]."""
         flanks = [load for f in self.faces for load in GearFlanks(f).acting(shaft_angle)]
         return (*self._steady, *flanks)
 
@@ -139,7 +139,8 @@ class ElasticAssembly:
 
     def _back(self, part: _BlockPart) -> BackLoads:
         """High-pressure area with its seal, nose and springs."""
-        own, high = self._block, self._high_on(part)
+        own, high = self._block, self._on(part, self.high_pressure)
+        nose = self._on(part, nose_outline(own))
         areas = {"high": high} if high.area > 0.0 else {}
         lines = {}
         if own.keys.seal_preload > 0.0:
@@ -148,18 +149,10 @@ class ElasticAssembly:
             f"spring_{k}": (own.keys.springs[k].x, own.keys.springs[k].y)
             for k in self._springs_on(part)
         }
-        patches = {}
-        if self._nose_on(part).area > 0.0:
-            patches["nose"] = self._nose_on(part).difference(self.high_pressure)
+        patches = {"nose": nose.difference(self.high_pressure)} if nose.area > 0.0 else {}
         return BackLoads(areas=areas, points=points, lines=lines, patches=patches)
 
-    def _high_on(self, part: _BlockPart) -> shapely.Geometry:
-        return self._of(self.high_pressure, part)
-
-    def _nose_on(self, part: _BlockPart) -> shapely.Geometry:
-        return self._of(nose_outline(self._block), part)
-
-    def _of(self, shape: shapely.Geometry, part: _BlockPart) -> shapely.Geometry:
+    def _on(self, part: _BlockPart, shape: shapely.Geometry) -> shapely.Geometry:
         """Part of a shape that is on a bearing or half."""
         if part.half is None:
             return shape
@@ -175,12 +168,12 @@ class ElasticAssembly:
 
     def _bearing_loads(self, part: _BlockPart) -> list[BodyLoad]:
         own, name, found = self._block, part.name, list[BodyLoad]()
-        if self._block.is_floating(part.side):
-            if self._high_on(part).area > 0.0:
+        if own.is_floating(part.side):
+            if self._on(part, self.high_pressure).area > 0.0:
                 found.append(BodyLoad(name, "high", "high"))
-            if self._nose_on(part).area > 0.0:
-                area = float(self._nose_on(part).area)
-                found.append(BodyLoad(name, "nose", "nose", factor=area))
+            nose = float(self._on(part, nose_outline(own)).area)
+            if nose > 0.0:
+                found.append(BodyLoad(name, "nose", "nose", factor=nose))
             if own.keys.seal_preload > 0.0:
                 size = part.share * own.keys.seal_preload
                 found.append(BodyLoad(name, "seal", "constant", factor=size))
@@ -224,7 +217,7 @@ def half_names(block: FloatingBlock, side: str) -> tuple[str, ...]:
 
 
 def spring_share(assembly: Assembly, y: float, half: int) -> float:
-    """Part of a spring that a half carries: both share one that stands on the cut."""
+    """Part of a spring at a height [m] that a half carries: both share one on the cut. [-]."""
     cut = waist(assembly, 0)
     if abs(y - cut) < _ON_THE_CUT:
         return 0.5

@@ -59,10 +59,6 @@ class MeshSize:
     node_spacing: float = 0.085
 
 
-FINE = MeshSize(0.056, 0.05, 0.075)
-"""About 150 000 elements for a bearing block."""
-
-
 @final
 @dataclass(frozen=True, eq=False)
 class BackLoads:
@@ -256,7 +252,7 @@ def _nearest(section: shapely.Polygon, place: tuple[float, float], radius: float
 def radial_loads(
     assembly: Assembly, levels: list[float], gears: tuple[int, ...] = (0, 1)
 ) -> list[Load]:
-    """Forces of journals on the bores and of the housing on the outer face, one newton each."""
+    """Forces of journals on the bores and of the housing outside between levels [m], each 1 [N]."""
     radius, ends = assembly.spec.shaft_radius, (levels[0], levels[1])
     loads: list[Load] = []
     for gear in gears:
@@ -271,7 +267,7 @@ def radial_loads(
 
 
 def wall_direction(assembly: Assembly, axis: str, gear: int) -> float:
-    """Sign of the side along an axis on which the housing holds a bearing."""
+    """Sign of the side along an axis on which the housing holds a bearing. [-]."""
     if axis == "y":
         return -1.0 if gear == 0 else 1.0
     return -1.0 if assembly.spec.keys.mode == "pump" else 1.0

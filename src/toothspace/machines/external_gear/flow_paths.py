@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from toothspace.closures.gap_flow import tilted_gap_height
+from toothspace.closures.smooth import smooth_step
 from toothspace.core.types import Array
 from toothspace.gearing.numbering import FULL_TURN, Numbering
 from toothspace.gearing.openings import groove_openings, port_lengths
-from toothspace.gearing.space_paths import ToothSpaces, flank_paths, smooth_step
+from toothspace.gearing.space_paths import ToothSpaces, flank_paths
 from toothspace.gearing.spaces import Spaces
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.machines.external_gear.assembly import Assembly
@@ -43,7 +44,9 @@ def flow_paths(
         turn = assembly.mesh.turn if gear == 1 else 0.0
         places = assembly.table_places(gear, spaces[0].angles.size) - turn
         clearance, cover = casing.clearance_at(places), bore_cover(assembly, gear, places)
-        motion = _clearance_by_motion(gear, places)
+        motion = np.zeros((places.size, MOTIONS))
+        motion[:, 2 * gear] = np.sin(places)
+        motion[:, 2 * gear + 1] = np.cos(places) * (-1.0 if gear == 0 else 1.0)
         roughness = spec.keys.casing.roughness
         paths.append(
             own.tips("tooth_tip", TOOTH_TIP, clearance, cover, motion, roughness, BODIES[gear])
@@ -67,7 +70,7 @@ def tooth_spaces(
 
 
 def bore_cover(assembly: Assembly, gear: int, places: Array) -> Array:
-    """Part of a tooth tip that seals against the bore, 0 where it stands in a port or the mesh.
+    """Part of a tip that seals against the bore at places [rad], 0 in a port or the mesh. [-].
 
     It is 1 from the moment the leading tip corner leaves the inlet until the trailing corner
     reaches the outlet, and rises and falls outside over the angle of the tip land.
@@ -80,14 +83,7 @@ def bore_cover(assembly: Assembly, gear: int, places: Array) -> Array:
     round_bore = np.mod(places, FULL_TURN)
     entered = (round_bore + ahead - casing.inlet_angle) / land + 1.0
     left = (FULL_TURN - casing.outlet_angle - round_bore + behind) / land + 1.0
-    return smooth_step(entered) * smooth_step(left)
-
-
-def _clearance_by_motion(gear: int, places: Array) -> Array:
-    columns = np.zeros((places.size, MOTIONS))
-    columns[:, 2 * gear] = np.sin(places)
-    columns[:, 2 * gear + 1] = np.cos(places) * (-1.0 if gear == 0 else 1.0)
-    return columns
+    return np.asarray(smooth_step(entered) * smooth_step(left), dtype=float)
 
 
 def mouth_lengths(assembly: Assembly, spaces: Spaces) -> dict[str, Array]:

@@ -129,9 +129,12 @@ def _gear(gear: keys.GearParameters, table: str) -> spec.Gear:
     else:
         drawn = gear.profile_flank == "drawn"
         tooth = found.detected.drawn if drawn else found.detected.profile
+    width = gear.face_width or (found and found.face_width)
+    if not width:
+        raise KeyRuleError(f"{table}.face_width", "nothing", "compulsory: the file has none")
     return spec.Gear(
         tooth=tooth,
-        face_width=_face_width(gear, found, table),
+        face_width=width,
         material=library_material(gear.material, f"{table}.material"),
         roughness=gear.roughness,
         tip_rounding=gear.tip_rounding,
@@ -164,13 +167,6 @@ def _deviations(
     except CaseError as error:
         text = f"{table}.tooth_deviations: {error}".replace(str(file), file.name)
         raise GeometryError(text) from error
-
-
-def _face_width(gear: keys.GearParameters, found: FoundGear | None, table: str) -> float:
-    width = gear.face_width or (found and found.face_width)
-    if not width:
-        raise KeyRuleError(f"{table}.face_width", "nothing", "compulsory: the file has none")
-    return width
 
 
 def _casing_contour(

@@ -127,33 +127,26 @@ class GearFlanks:
 
     def _contacts(self, shaft_angle: float) -> list[BodyLoad]:
         """Force of every contact on the middle of its flank, and its share of the thrust."""
-        body, assembly = BODIES[self.face.gear], self.face.assembly
-        factor, axial = 1.0 / self._middle_area(), thrust(assembly, self.face.gear)
-        side = _SIDES[0 if assembly.loaded_is_left else 1]
+        face, profile, numbering = self.face, self._profile, self.face.numbering
+        assembly, body = face.assembly, BODIES[face.gear]
+        # force of one pascal in the middle of a flank along its normal
+        radius, angle = face.own.flank(0)
+        line = radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+        share = _shares(profile, 0.5 * (radius[1:] + radius[:-1]))[:, _MIDDLE]
+        along = np.sum(share[:, None] * np.diff(line, axis=0), axis=0)
+        factor = 1.0 / (float(np.hypot(*along)) * _width(assembly, face.gear))
+        turned = numbering.space_phases[0] + numbering.ratios[0] * shaft_angle
+        place = np.mod(turned, FULL_TURN) - np.pi
+        loaded = loaded_throats(assembly, drive_spaces(*assembly.teeth, assembly.mesh, place))
+        point = loaded.drive.point if face.gear == 0 else loaded.driven.point
+        angles = np.mod(face.own_angle(shaft_angle, *point.T), FULL_TURN)
+        side, axial = _SIDES[0 if assembly.loaded_is_left else 1], thrust(assembly, face.gear)
         found = []
-        for contact, space in self._touching(shaft_angle):
+        for contact in np.flatnonzero(loaded.weight > 0.0).tolist():
+            space = int(angles[contact] // profile.pitch_angle)
             name = f"space_{space}_{side}_{_MIDDLE}"
             found.append(BodyLoad(body, name, "contact", contact, factor))
             if axial != 0.0:
                 name = f"thrust_{space}"
                 found.append(BodyLoad(body, name, "contact_share", contact, axial))
         return found
-
-    def _touching(self, shaft_angle: float) -> list[tuple[int, int]]:
-        """Numbers of the contacts of loaded flanks in mesh, and of the spaces beside them."""
-        assembly, numbering, face = self.face.assembly, self.face.numbering, self.face
-        turned = numbering.space_phases[0] + numbering.ratios[0] * shaft_angle
-        place = np.mod(turned, FULL_TURN) - np.pi
-        side = loaded_throats(assembly, drive_spaces(*assembly.teeth, assembly.mesh, place))
-        point = side.drive.point if face.gear == 0 else side.driven.point
-        pitch = self._profile.pitch_angle
-        angle = np.mod(face.own_angle(shaft_angle, *point.T), FULL_TURN)
-        return [(int(k), int(angle[k] // pitch)) for k in np.flatnonzero(side.weight > 0.0)]
-
-    def _middle_area(self) -> float:
-        """Force of one pascal in the middle of a flank along its normal. [m2]."""
-        radius, angle = self.face.own.flank(0)
-        line = radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
-        share = _shares(self._profile, 0.5 * (radius[1:] + radius[:-1]))[:, _MIDDLE]
-        along = np.sum(share[:, None] * np.diff(line, axis=0), axis=0)
-        return float(np.hypot(*along)) * _width(self.face.assembly, self.face.gear)

@@ -9,6 +9,7 @@ import numpy as np
 from toothspace.closures.journal_friction import PUBLISHED
 from toothspace.core.types import Array
 from toothspace.gearing.flank_contacts import FlankPair, mesh_motions
+from toothspace.gearing.meshing import lens_angle
 from toothspace.geometry.curve import polar
 from toothspace.geometry.involute import InvoluteGear
 from toothspace.machines.external_gear.assembly import Assembly
@@ -84,10 +85,8 @@ def _figure_eight(assembly: Assembly) -> Array:
     lower = assembly.teeth[0].tip_radius + clearance
     upper = assembly.teeth[1].tip_radius + clearance
     distance = mesh.center_distance
-    low = np.arccos((distance**2 + lower**2 - upper**2) / (2.0 * distance * lower))
-    high = np.arccos((distance**2 + upper**2 - lower**2) / (2.0 * distance * upper))
+    low, high = lens_angle(lower, upper, distance), lens_angle(upper, lower, distance)
     below = np.linspace(low, 2.0 * np.pi - low, 180) + 0.5 * np.pi
     above = np.linspace(high, 2.0 * np.pi - high, 180) - 0.5 * np.pi
-    first = polar(lower, below)
-    second = polar(upper, above)
-    return np.vstack([first[:-1], second[:-1] + np.array([0.0, distance])])
+    center = np.array([0.0, distance])
+    return np.vstack([polar(lower, below)[:-1], polar(upper, above)[:-1] + center])

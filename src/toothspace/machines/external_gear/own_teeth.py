@@ -84,7 +84,7 @@ class OwnTeeth:
     tips: tuple[Array, Array]
 
     def family(self, family: ChamberFamily, gear: int, width: float) -> ChamberFamily:
-        """Chambers of a gear, each with its own volume."""
+        """Chambers of a gear of a width [m], each with its own volume."""
         parts = [smooth_table(FULL_TURN, width * area) for area in self.areas[gear]]
         return replace(family, own=tuple(sum_of_tables(family.volume, part) for part in parts))
 

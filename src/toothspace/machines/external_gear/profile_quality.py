@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from toothspace.core.errors import GeometryError
-from toothspace.gearing.meshing import path_of_contact
-from toothspace.geometry.gear_data import GearData, gear_data
+from toothspace.gearing.meshing import contact_range, path_of_contact
+from toothspace.gearing.spaces import Spaces, section_areas
+from toothspace.geometry.gear_data import gear_data
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear
 from toothspace.machines.external_gear.assembly import Assembly, assemble
 from toothspace.machines.external_gear.spec import Gear
-from toothspace.machines.external_gear.trapped_volumes import trapped_volumes
 from toothspace.model.description import DesignCheck
 
 if TYPE_CHECKING:
@@ -40,8 +40,7 @@ def tooth_data(assembly: Assembly) -> dict[str, object]:
 
 def _gear_numbers(gear: Gear, profile: GearProfile) -> dict[str, object]:
     numbers: dict[str, object] = {"tooth_count": profile.tooth_count}
-    data = _generated_data(gear.tooth) if isinstance(gear.tooth, InvoluteGear) else None
-    data = data or gear_data(profile)
+    data = gear.tooth if isinstance(gear.tooth, InvoluteGear) else gear_data(profile)
     if data is not None:
         numbers |= {
             "module_mm": 1e3 * data.module,
@@ -54,21 +53,33 @@ def _gear_numbers(gear: Gear, profile: GearProfile) -> dict[str, object]:
     }
 
 
-def _generated_data(tooth: InvoluteGear) -> GearData:
-    return GearData(
-        tooth_count=tooth.tooth_count,
-        module=tooth.module,
-        pressure_angle=tooth.pressure_angle,
-        profile_shift=tooth.profile_shift,
-        tip_rounding=tooth.tip_rounding,
-        standard=True,
-    )
-
-
 def undercut_of(gear: Gear) -> bool:
     """Whether the root of a gear from file cuts away involute."""
     fit = None if gear.found is None else gear.found.detected.involute
     return fit is not None and fit.flank.undercut
+
+
+def trapped_volumes(assembly: Assembly, spaces: tuple[Spaces, Spaces]) -> tuple[float, float]:
+    """Volume between two consecutive loaded contacts when the second one begins, and its minimum.
+
+    Returns
+    -------
+    tuple of float
+        Trapped volume and dead volume, which the mesh carries back. [m3]
+    """
+    drive, driven = spaces
+    mesh, width = assembly.mesh, assembly.face_width
+    pitch = 2.0 * mesh.half_pitch
+    start, end = contact_range(assembly)
+    # throat angle of the contact that lies behind
+    behind = np.linspace(start, max(end - pitch, start), 61)
+    left = assembly.loaded_is_left
+    lag = mesh.turn + 0.5 * assembly.teeth[1].pitch_angle
+    place_1 = behind if left else behind + pitch
+    place_2 = mesh.ratio * (behind + pitch) - lag
+    area = np.interp(place_1, drive.angles, section_areas(drive))
+    area += np.interp(place_2, driven.angles, section_areas(driven))
+    return float(area[0] * width), float(area.min() * width)
 
 
 def profile_quality(assembly: Assembly, trapped: float) -> dict[str, object]:
@@ -139,8 +150,31 @@ def profile_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
     """Whether profiles from files are good enough for what follows from them."""
     checks: list[DesignCheck] = []
     for gear in _from_files(assembly):
-        checks += [_chords(gear.detected), _form(gear.detected), _helix(gear)]
-    return (*checks, *_equal_pitches(assembly))
+        angle = abs(gear.helix_angle)
+        checks += [
+            _chords(gear.detected),
+            _form(gear.detected),
+            DesignCheck(
+                "helix angle of the profile", float(np.rad2deg(angle)), "deg", "0 deg",
+                angle == 0.0,
+                "Teeth are taken as spur with this transverse section: overlap, thrust and the "
+                "spread of trapping along the face width are missing.",
+                of_drawing=True,
+            ),
+        ]  # fmt: skip
+    flanks = [(p.involute, p.tooth_count) for p in assembly.profiles]
+    pitches = [2.0 * np.pi * flank.base_radius / n for flank, n in flanks if flank is not None]
+    if len(pitches) == 2:
+        ratio = abs(pitches[1] / pitches[0] - 1.0)
+        checks.append(
+            DesignCheck(
+                "difference of the base pitches", 100.0 * ratio, "%", "up to 0.1 %",
+                ratio <= _UNEQUAL_PITCH,
+                "Gears of unequal base pitch hand the load over with a shock.",
+                of_drawing=True,
+            )
+        )  # fmt: skip
+    return tuple(checks)
 
 
 def as_drawn(assembly: Assembly) -> dict[str, str]:
@@ -179,33 +213,4 @@ def _form(detected: DetectedGear) -> DesignCheck:
         "Contact and trapped volume are those of the involute that fits; profile_flank = \"drawn\" "
         "computes with the flanks of the file, with mesh = \"elastic\" under load.",
         of_drawing=True,
-    )  # fmt: skip
-
-
-def _helix(gear: FoundGear) -> DesignCheck:
-    angle = abs(gear.helix_angle)
-    return DesignCheck(
-        "helix angle of the profile", float(np.rad2deg(angle)), "deg", "0 deg", angle == 0.0,
-        "Teeth are taken as spur with this transverse section: overlap, thrust and the spread of "
-        "trapping along the face width are missing.",
-        of_drawing=True,
-    )  # fmt: skip
-
-
-def _equal_pitches(assembly: Assembly) -> tuple[DesignCheck, ...]:
-    pitches = [
-        2.0 * np.pi * profile.involute.base_radius / profile.tooth_count
-        for profile in assembly.profiles
-        if profile.involute is not None
-    ]
-    if len(pitches) < 2:
-        return ()
-    ratio = abs(pitches[1] / pitches[0] - 1.0)
-    return (
-        DesignCheck(
-            "difference of the base pitches", 100.0 * ratio, "%", "up to 0.1 %",
-            ratio <= _UNEQUAL_PITCH,
-            "Gears of unequal base pitch hand the load over with a shock.",
-            of_drawing=True,
-        ),
     )  # fmt: skip

@@ -36,7 +36,8 @@ def distance_in_file(
     KeyRuleError
         If the case names neither a distance nor the second gear.
     """
-    one_frame = machine.outlet_toward is not None or _one_file(machine)
+    other = machine.driven_gear and machine.driven_gear.profile
+    one_frame = machine.outlet_toward is not None or other in (None, machine.gears.profile)
     if drive.found is None or driven.found is None or not one_frame:
         raise KeyRuleError(
             "gears.center_distance",
@@ -54,11 +55,6 @@ def distance_in_file(
             "the other gear of the file, by profile_part or profile_body; or center_distance",
         )
     return distance
-
-
-def _one_file(machine: keys.ExternalGearTables) -> bool:
-    driven = machine.driven_gear
-    return driven is None or driven.profile in (None, machine.gears.profile)
 
 
 def casing_contour(machine: keys.ExternalGearTables, drive: spec.Gear, driven: spec.Gear) -> Array:

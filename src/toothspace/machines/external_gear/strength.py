@@ -9,7 +9,6 @@ from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.gearing.flank_contacts import rigid_mesh
 from toothspace.gearing.materials import reduced_modulus
 from toothspace.gearing.meshing import displacement
-from toothspace.geometry.gear_profile import GearProfile
 from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.model.description import DesignCheck
 
@@ -97,18 +96,17 @@ def flank_pressure(assembly: Assembly, force: float) -> float:
 
 def root_stress(assembly: Assembly, force: float) -> float:
     """Largest bending stress of a tooth that carries the force at its tip. [Pa]."""
-    return max(_bending(profile, force / assembly.face_width) for profile in assembly.profiles)
-
-
-def _bending(profile: GearProfile, line_load: float) -> float:
-    radii = np.linspace(profile.root_radius, profile.tip_radius, 80)[8:60]
-    thickness = np.zeros(radii.size)
-    for flank in (profile.right_flank, profile.left_flank):
-        radius = np.hypot(*flank.T)
-        order = np.argsort(radius)
-        thickness += np.interp(radii, radius[order], np.abs(flank[order, 1]))
-    arm = profile.tip_radius - radii
-    return float(np.max(6.0 * line_load * arm / thickness**2))
+    line_load, stresses = force / assembly.face_width, []
+    for profile in assembly.profiles:
+        radii = np.linspace(profile.root_radius, profile.tip_radius, 80)[8:60]
+        thickness = np.zeros(radii.size)
+        for flank in (profile.right_flank, profile.left_flank):
+            radius = np.hypot(*flank.T)
+            order = np.argsort(radius)
+            thickness += np.interp(radii, radius[order], np.abs(flank[order, 1]))
+        arm = profile.tip_radius - radii
+        stresses.append(float(np.max(6.0 * line_load * arm / thickness**2)))
+    return max(stresses)
 
 
 _WHY_LOAD = "The bearings carry the whole pressure force; too high a load wipes their lining."

@@ -14,10 +14,10 @@ from toothspace.machines.external_gear.profile_quality import (
     profile_checks,
     profile_quality,
     tooth_data,
+    trapped_volumes,
     undercut_of,
 )
 from toothspace.machines.external_gear.strength import strength_checks
-from toothspace.machines.external_gear.trapped_volumes import trapped_volumes
 from toothspace.machines.external_gear.trapping import trapping_checks
 
 
@@ -66,13 +66,10 @@ def geometry_summary(
 
 def design_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
     """Design-rule report: geometry, and at a running-in condition trapping and strength."""
-    return (*_geometry_checks(assembly), *trapping_checks(assembly), *strength_checks(assembly))
-
-
-def _geometry_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
+    loaded = (*trapping_checks(assembly), *strength_checks(assembly))
     if assembly.pair is not None:
         vented = assembly.spec.grooves is not None
-        return pair_checks(assembly.pair, assembly.face_width, vented=vented)
+        return (*pair_checks(assembly.pair, assembly.face_width, vented=vented), *loaded)
     clearance = min(assembly.root_clearances)
     return (
         contact_ratio_check(contact_ratio(assembly)),
@@ -81,4 +78,5 @@ def _geometry_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
             "Bearing play moves the gears together, so the mating tip needs room in the root.",
         ),
         *profile_checks(assembly),
+        *loaded,
     )  # fmt: skip

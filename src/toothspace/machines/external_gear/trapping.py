@@ -46,6 +46,19 @@ _ITERATIONS = 60
 _RESIDUAL_CONDUCTANCE = 1e-15
 _EDGE_STEP = 0.05e-3
 _EDGE_STEPS = 30
+_ADVICE = {
+    "closing": (
+        -1.0,
+        " Bring the edge of the closing-side contour nearer to the centre line.",
+        " No closing-side edge alone cures it: widen the backlash or deepen the groove.",
+    ),
+    "opening": (
+        1.0,
+        " Take the edge of the opening-side contour away from the centre line.",
+        " No opening-side edge alone cures it: move the closing-side edge away as well.",
+    ),
+}
+"""Way of the edge that cures, advice for a contour, and where no edge cures."""
 
 
 @final
@@ -286,11 +299,29 @@ def trapping_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
     if wear is None or grooves is None:
         return ()
     spaces = assembly.spaces(_NODES)
-    found = _estimate(assembly, spaces, grooves, wear)
+
+    def estimate(grooves: ReliefGrooves) -> Trapping:
+        moved = replace(assembly, spec=replace(assembly.spec, grooves=grooves))
+        return trapping(mesh_chain(moved, spaces), moved, wear)
+
+    found = estimate(grooves)
     condition = f"at {wear.pressure * 1e-5:.4g} bar, {wear.shaft_speed * 30.0 / np.pi:.4g} rpm"
     peak_limit, drop_limit = PEAK_LIMIT * wear.pressure, SINGLE_FLANK_LIMIT * wear.pressure
     calm = found.peak_pressure <= peak_limit
     sealed = found.short_circuit <= SHORT_CIRCUIT_LIMIT
+    nearest = min(_EDGE_STEPS, int(np.ceil(grooves.closing_side_offset / _EDGE_STEP))) - 1
+    closing = opening = ""
+    if not calm:
+        closing = _edge_advice(
+            grooves, "closing", nearest, lambda new: estimate(new).peak_pressure <= peak_limit
+        )
+    if not sealed:
+        opening = _edge_advice(
+            grooves,
+            "opening",
+            _EDGE_STEPS - 1,
+            lambda new: estimate(new).short_circuit <= SHORT_CIRCUIT_LIMIT,
+        )
     return (
         DesignCheck(
             name="trapped pressure, estimate",
@@ -299,8 +330,7 @@ def trapping_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
             allowed=f"up to {peak_limit * 1e-5:.4g} bar {condition}",
             passed=calm,
             reason="The space that is shut first is squeezed through the last corner of its groove "
-            "and the backlash, which loads bearings and teeth and heats the oil."
-            + ("" if calm else _closing_advice(assembly, spaces, grooves, wear)),
+            "and the backlash, which loads bearings and teeth and heats the oil." + closing,
         ),
         DesignCheck(
             name="exchange through the backlash",
@@ -317,70 +347,29 @@ def trapping_checks(assembly: Assembly) -> tuple[DesignCheck, ...]:
             allowed=f"up to {100.0 * SHORT_CIRCUIT_LIMIT:g} % of the ideal flow {condition}",
             passed=sealed,
             reason="While a space or the backlash is open to both grooves, fluid at high pressure "
-            "escapes to the other side."
-            + ("" if sealed else _opening_advice(assembly, spaces, grooves, wear)),
+            "escapes to the other side." + opening,
         ),
     )
 
 
-def _estimate(
-    assembly: Assembly,
-    spaces: tuple[Spaces, Spaces],
-    grooves: ReliefGrooves,
-    wear: WearInParameters,
-) -> Trapping:
-    moved = replace(assembly, spec=replace(assembly.spec, grooves=grooves))
-    return trapping(mesh_chain(moved, spaces), moved, wear)
-
-
-def _closing_advice(
-    assembly: Assembly,
-    spaces: tuple[Spaces, Spaces],
-    grooves: ReliefGrooves,
-    wear: WearInParameters,
+def _edge_advice(
+    grooves: ReliefGrooves, side: str, last: int, cures: Callable[[ReliefGrooves], bool]
 ) -> str:
-    if grooves.closing_contour is not None:
-        return " Bring the edge of the closing-side contour nearer to the centre line."
-    nearest = min(_EDGE_STEPS, int(np.ceil(grooves.closing_side_offset / _EDGE_STEP))) - 1
+    """Where to move the edge of a groove, by no more than some steps, so that it cures a fault."""
+    towards, of_contour, in_vain = _ADVICE[side]
+    if getattr(grooves, f"{side}_contour") is not None:
+        return of_contour
+    name = f"{side}_side_offset"
 
-    def calm(step: int) -> bool:
-        offset = grooves.closing_side_offset - step * _EDGE_STEP
-        trial = replace(grooves, closing_side_offset=offset)
-        return _estimate(assembly, spaces, trial, wear).peak_pressure <= PEAK_LIMIT * wear.pressure
+    def moved(step: int) -> ReliefGrooves:
+        return replace(grooves, **{name: getattr(grooves, name) + step * towards * _EDGE_STEP})
 
-    step = _first(calm, nearest)
-    if step is not None:
-        offset = grooves.closing_side_offset - step * _EDGE_STEP
-        return f" Move the closing-side edge to {offset * 1e3:.4g} mm from the centre line."
-    return " No closing-side edge alone cures it: widen the backlash or deepen the groove."
-
-
-def _opening_advice(
-    assembly: Assembly,
-    spaces: tuple[Spaces, Spaces],
-    grooves: ReliefGrooves,
-    wear: WearInParameters,
-) -> str:
-    if grooves.opening_contour is not None:
-        return " Take the edge of the opening-side contour away from the centre line."
-
-    def sealed(step: int) -> bool:
-        offset = grooves.opening_side_offset + step * _EDGE_STEP
-        trial = replace(grooves, opening_side_offset=offset)
-        return _estimate(assembly, spaces, trial, wear).short_circuit <= SHORT_CIRCUIT_LIMIT
-
-    step = _first(sealed, _EDGE_STEPS - 1)
-    if step is not None:
-        offset = grooves.opening_side_offset + step * _EDGE_STEP
-        return f" Move the opening-side edge to {offset * 1e3:.4g} mm from the centre line."
-    return " No opening-side edge alone cures it: move the closing-side edge away as well."
-
-
-def _first(cures: Callable[[int], bool], last: int) -> int | None:
     # the farther an edge is moved, the more it cures
-    steps = range(1, last + 1)
-    found = bisect_left(steps, True, key=cures)
-    return steps[found] if found < len(steps) else None
+    step = 1 + bisect_left(range(1, last + 1), True, key=lambda k: cures(moved(k)))
+    if step > last:
+        return in_vain
+    place = f"{getattr(moved(step), name) * 1e3:.4g} mm from the centre line"
+    return f" Move the {side}-side edge to {place}."
 
 
 def _sealing(assembly: Assembly, grooves: ReliefGrooves, *, single: bool) -> str:
