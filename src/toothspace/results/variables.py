@@ -74,6 +74,8 @@ _ROWS: tuple[tuple[str, str, str, str], ...] = (
     ("body_position", "sample body axis", "m", "Displacement of a body from its nominal centre"),
     ("body_velocity", "sample body axis", "m/s", "Velocity of the displacement of a body"),
     ("body_rotation", "sample body", "rad", "Rotation of a body ahead of its kinematic angle"),
+    ("body_tilt", "sample body axis", "rad", "Rotation of a body between its covers about x and y"),
+    ("face_film_height", "sample body", "m", "Smallest film height between a body and its covers"),
     ("body_force", "sample body axis", "N", "Force of the fluid pressure on a body"),
     ("body_moment", "sample body", "N m", "Moment of the fluid pressure about the axis of a body"),
     ("journal_force", "sample body axis", "N", "Force of the journal bearings on a body"),
