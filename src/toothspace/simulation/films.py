@@ -69,7 +69,8 @@ def with_solved_films(
     Notes
     -----
     Rigid faces, parallel but where bodies find their places between covers; the tilt of a given
-    face enters the mean cube of the gap as in the closed form. Tip and flank gaps stay closed: a parallel or curved gap is the exact solution there.
+    face enters the mean cube of the gap as in the closed form. Tip and flank gaps stay closed: a
+    parallel or curved gap is the exact solution there.
     """
     if models["lateral"] == "reynolds":
         description = _with_solved_faces(description, condition, fluid)

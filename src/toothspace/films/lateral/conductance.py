@@ -239,8 +239,9 @@ def _solve(grid: _Grid, edge: IntArray, rim: IntArray | None, cube: Array) -> tu
 
 
 def _joined(first: Array, second: Array) -> Array:
-    """Cube of the gap of two half cells one behind the other."""
-    return 2.0 * first * second / (first + second)
+    """Cube of the gap of two half cells one behind the other, or of the one that holds film."""
+    both = 2.0 * first * second / (first + second)
+    return np.where(np.isnan(both), np.fmax(first, second), both)
 
 
 def _links(
@@ -248,6 +249,7 @@ def _links(
 ) -> tuple[IntArray, IntArray, Array]:
     """Pairs of cells and edges with what conducts between them; none between two edges."""
     logarithm, centre = np.log(grid.rims), np.log(grid.radius)
+    cube = np.where(number < inside, cube, np.nan)
     along = np.tile(np.diff(logarithm) / grid.step, (grid.rows, 1))
     across = np.tile(grid.step / np.diff(centre), (grid.rows, 1))
     before = np.roll(number, 1, axis=0)

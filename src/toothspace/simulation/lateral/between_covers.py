@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.types import Array
 from toothspace.films.lateral.equilibrium import (
+    Equilibrium,
     SearchSettings,
     find_equilibrium,
     march_angles,
@@ -35,12 +36,14 @@ _SNAPSHOTS = 2
 """Shaft angles of a pitch over which the search averages forces. [-]"""
 _SEARCH = SearchSettings(residual_motion=1e-5)
 _STEP = StepSettings(force_tolerance=1e-5)
-_STEPS = 16
+_STEPS = 8
 """Steps of the march in a pitch, a multiple of the angles asked for. [-]"""
 _MOST_PITCHES = 40
 """Pitches after which bodies that do not come to repeat themselves are left. [-]"""
 _REPEATS = 0.02
 """Change of a film height from pitch to pitch, over the smallest one, that counts as none. [-]"""
+_ASIDE = 0.01
+"""Tilt at the rim over the gap of every body that begins where the smallest tilt grows. [-]"""
 _RESTLESS = (
     "Bodies between the covers do not repeat their motion from pitch to pitch: the last of {} is "
     "taken. {}"
@@ -105,7 +108,8 @@ def bodies_between_covers(
     Notes
     -----
     The search for the equilibrium under mean forces gives the place to begin at; from there the
-    march counts the squeeze between the covers. At rest there is no march.
+    march counts the squeeze between the covers. At rest there is no march. Where the search finds
+    no equilibrium, or one from which small tilts grow, all bodies begin a little aside.
     """
     faces = description.shared_faces
     assert faces is not None
@@ -121,28 +125,39 @@ def bodies_between_covers(
         found = find_equilibrium(stack, snapshots, loads, start, _SEARCH, _STEP)
         track, doubt = [found.balance.states[0]], ""
         if condition.shaft_speed > 0.0:
-            track, restless = _repeated(stack, pressures, loads, found.balance)
+            track, restless = _repeated(stack, pressures, loads, found)
             doubt = _RESTLESS.format(_MOST_PITCHES, found.reason.capitalize()) if restless else ""
     asked = np.round(turn / faces.face.chambers.pitch * len(track)).astype(int) % len(track)
     return _result(stack, [track[k] for k in asked], faces.face.period, track[-1], doubt)
 
 
 def _repeated(
-    stack: Stack, pressures: Callable[[float], Array], loads: Loads, start: Balance
+    stack: Stack, pressures: Callable[[float], Array], loads: Loads, found: Equilibrium
 ) -> tuple[list[StackState], bool]:
     """States over the last pitch, from its beginning on, and whether it differs from the former."""
     period = stack.balance.interfaces[0].face.period
-    now, before = start, start.states[0]
+    now = found.balance if found.settled else _aside(stack, found.balance)
+    before = now.states[0]
     for pitch in range(_MOST_PITCHES):
         angles = (pitch + np.arange(1, _STEPS + 1) / _STEPS) * period
         march = march_angles(stack, pressures, loads, now, angles, _STEP)
         now = march.balances[-1]
         change = np.abs((now.position - before.position) * stack.arms).max()
         before = now.states[0]
-        if march.converged and change <= _REPEATS * before.smallest_gap():
+        if found.settled and march.converged and change <= _REPEATS * before.smallest_gap():
             break
     states = [balance.states[0] for balance in march.balances]
     return [states[-1], *states[:-1]], change > _REPEATS * before.smallest_gap()
+
+
+def _aside(stack: Stack, balance: Balance) -> Balance:
+    """State at rest with every body tilted about both axes by a small part of its gap."""
+    q, first = balance.position.copy(), stack.first_body
+    if stack.balance.motion == "full":
+        tilted = np.arange(first, stack.size) % 3 > 0
+        q[first:][tilted] += _ASIDE * stack.play / stack.arms[first:][tilted]
+    states = tuple(replace(s, position=q, velocity=np.zeros_like(q)) for s in balance.states)
+    return replace(balance, states=states)
 
 
 def _result(
