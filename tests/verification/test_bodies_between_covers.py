@@ -149,7 +149,7 @@ def rotors(kidneys: str, motion: str) -> BodiesBetweenCovers:
     assert description.shared_faces is not None
     turn = description.shared_faces.face.chambers.pitch * np.arange(2) / 2
     condition = condition_of(case, description)
-    return bodies_between_covers(description, condition, fluid_of(case), turn, grid=(42, 10))
+    return bodies_between_covers(description, condition, fluid_of(case), turn, grid=(30, 8))
 
 
 def test_rotors_lean_on_a_cover_and_tilt_as_far_as_it_lets_them() -> None:
@@ -185,7 +185,7 @@ def test_covers_alike_neither_lift_nor_tilt_parallel_rotors() -> None:
     """Recesses opposite the kidneys: by symmetry nothing is left at any shaft angle."""
     case = api.load_case(CASE, ("machine.lateral.position=free", "machine.ports.covers=both"))
     description = api.describe(case)
-    stack = cover_stack(description, fluid_of(case), SPEED, (42, 10))
+    stack = cover_stack(description, fluid_of(case), SPEED, (30, 8))
     pressure = np.linspace(1e5, 41e5, description.drain_node + 1)
     snapshots = [stack.snapshot(angle, pressure) for angle in (0.1, 0.7)]
     balance = state_at(stack, snapshots, stack.start(GAP))
