@@ -1,7 +1,7 @@
 """Draw ``gerotor_tilt.png``: films of rotors that lift and tilt between their covers.
 
-Run from the root of the repository: ``PYTHONPATH=. python docs/pictures/gerotor_tilt.py``. Prints the
-places, the smallest films and the load on asperities over a pitch.
+Run from the root of the repository: ``PYTHONPATH=. python docs/pictures/gerotor_tilt.py``. Prints
+the places, the smallest films and the load on asperities over a pitch.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ def report(found: BodiesBetweenCovers) -> None:
             f"  {film.grid.interface.name}: asperities {touch:.1f} N, shear {lost.shear:.2f} W, "
             f"asperities {lost.asperity:.2f} W"
         )
-    print(f"  {found.places.doubt or 'repeats from pitch to pitch'}")
+    print(f"  {found.places.warning or 'repeats from pitch to pitch'}")
 
 
 @styled

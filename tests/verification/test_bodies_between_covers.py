@@ -155,7 +155,7 @@ def rotors(kidneys: str, motion: str) -> BodiesBetweenCovers:
 def test_rotors_lean_on_a_cover_and_tilt_as_far_as_it_lets_them() -> None:
     """Kidneys in one cover push; films of some roughness then hold force and moments."""
     found = rotors("one", "full")
-    assert found.places.doubt == ""
+    assert found.places.warning == ""
     lower, higher = found.planes
     np.testing.assert_allclose((lower + higher)[..., 0], 2.0 * GAP)
     np.testing.assert_allclose((lower + higher)[..., 1:], 0.0, atol=1e-12)
@@ -172,7 +172,7 @@ def test_rotors_lean_on_a_cover_and_tilt_as_far_as_it_lets_them() -> None:
 def test_rotors_that_only_lift_stay_parallel_and_carry_their_force_on_asperities() -> None:
     """The film between parallel faces pushes alike at any height: asperities hold the rest."""
     found = rotors("one", "axial")
-    assert found.places.doubt == ""
+    assert found.places.warning == ""
     assert not found.places.at(np.linspace(0.0, 1.0, 5))[..., 1:3].any()
     push = np.array([f.covered_load()[0] for f in found.last.films])
     touch = [float((f.contact * f.grid.area).sum()) for f in found.last.films]

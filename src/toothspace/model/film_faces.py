@@ -231,13 +231,13 @@ class FacePlaces:
     places : PeriodicTable
         Over the shaft angle, four columns for each body: displacement along z [m], rotations
         about x and y [rad], smallest film height at both covers [m].
-    doubt : str
+    warning : str
         Why the places are doubtful, in words; empty if they are not.
     """
 
     bodies: tuple[str, ...]
     places: PeriodicTable
-    doubt: str = ""
+    warning: str = ""
 
     def at(self, shaft_angle: Array) -> Array:
         """Columns of all bodies at shaft angles [rad], shape (..., bodies, 4)."""

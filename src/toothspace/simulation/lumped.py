@@ -98,7 +98,7 @@ def within_table(solution: Solution) -> Solution:
 def _doubted(solution: Solution, description: MachineDescription) -> Solution:
     """Solution that says why places of bodies between covers are doubtful, if they are."""
     places = description.face_places
-    return solution if places is None else solution.with_note(places.doubt)
+    return solution if places is None else solution.with_note(places.warning)
 
 
 def run_in_machine(setup: Setup, progress: Progress | None = None) -> RunInMachine:

@@ -123,12 +123,12 @@ def bodies_between_covers(
     start = state_at(stack, snapshots, stack.start(faces.face.gap))
     with cores_for_fields():
         found = find_equilibrium(stack, snapshots, loads, start, _SEARCH, _STEP)
-        track, doubt = [found.balance.states[0]], ""
+        track, warning = [found.balance.states[0]], ""
         if condition.shaft_speed > 0.0:
             track, restless = _repeated(stack, pressures, loads, found)
-            doubt = _RESTLESS.format(_MOST_PITCHES, found.reason.capitalize()) if restless else ""
+            warning = _RESTLESS.format(_MOST_PITCHES, found.reason.capitalize()) if restless else ""
     asked = np.round(turn / faces.face.chambers.pitch * len(track)).astype(int) % len(track)
-    return _result(stack, [track[k] for k in asked], faces.face.period, track[-1], doubt)
+    return _result(stack, [track[k] for k in asked], faces.face.period, track[-1], warning)
 
 
 def _repeated(
@@ -161,7 +161,7 @@ def _aside(stack: Stack, balance: Balance) -> Balance:
 
 
 def _result(
-    stack: Stack, states: list[StackState], period: float, last: StackState, doubt: str
+    stack: Stack, states: list[StackState], period: float, last: StackState, warning: str
 ) -> BodiesBetweenCovers:
     bodies, count = stack.balance.bodies, len(stack.balance.bodies)
     heights = np.array(
@@ -185,4 +185,4 @@ def _result(
     table = monotone_table(period, places.reshape(len(states), -1))
     # films of the floating side come first, covers with the lower one
     planes = (heights[:, count:], heights[:, :count])
-    return BodiesBetweenCovers(planes, FacePlaces(bodies, table, doubt), torque, last)
+    return BodiesBetweenCovers(planes, FacePlaces(bodies, table, warning), torque, last)
