@@ -152,6 +152,7 @@ def rotors(kidneys: str, motion: str) -> BodiesBetweenCovers:
     return bodies_between_covers(description, condition, fluid_of(case), turn, grid=(30, 8))
 
 
+@pytest.mark.slow
 def test_rotors_lean_on_a_cover_and_tilt_as_far_as_it_lets_them() -> None:
     """Kidneys in one cover push; films of some roughness then hold force and moments."""
     found = rotors("one", "full")

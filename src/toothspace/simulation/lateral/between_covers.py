@@ -36,11 +36,12 @@ _SNAPSHOTS = 2
 """Shaft angles of a pitch over which the search averages forces. [-]"""
 _SEARCH = SearchSettings(residual_motion=1e-5)
 _STEP = StepSettings(force_tolerance=1e-5)
+_IN_MARCH = StepSettings(force_tolerance=1e-5, jacobian_age=60)
 _STEPS = 8
 """Steps of the march in a pitch, a multiple of the angles asked for. [-]"""
 _MOST_PITCHES = 40
 """Pitches after which bodies that do not come to repeat themselves are left. [-]"""
-_REPEATS = 0.02
+_REPEATS = 0.05
 """Change of a film height from pitch to pitch, over the smallest one, that counts as none. [-]"""
 _ASIDE = 0.01
 """Tilt at the rim over the gap of every body that begins where the smallest tilt grows. [-]"""
@@ -140,7 +141,7 @@ def _repeated(
     before = now.states[0]
     for pitch in range(_MOST_PITCHES):
         angles = (pitch + np.arange(1, _STEPS + 1) / _STEPS) * period
-        march = march_angles(stack, pressures, loads, now, angles, _STEP)
+        march = march_angles(stack, pressures, loads, now, angles, _IN_MARCH)
         now = march.balances[-1]
         change = np.abs((now.position - before.position) * stack.arms).max()
         before = now.states[0]
