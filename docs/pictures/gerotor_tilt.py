@@ -74,7 +74,7 @@ def draw() -> plt.Figure:
                 1e3 * x, 1e3 * y, height, cmap="viridis", norm=SCALE, rasterized=True
             )
             row[column].set_aspect("equal")
-            row[column].set_title(f"{title}, {'opposite' if column else 'port'} side", fontsize=8)
+            row[column].set_title(f"{title}, {'plain' if column else 'port'} side", fontsize=8)
             row[column].set_xlabel("x [mm]")
             row[column].set_ylabel("y [mm]")
     bar = figure.colorbar(mesh, ax=panels, shrink=0.7, label="Film height (µm)")
