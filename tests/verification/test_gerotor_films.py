@@ -14,7 +14,6 @@ from toothspace import api
 from toothspace.closures.squeeze_film import squeeze_damping
 from toothspace.core.types import Array
 from toothspace.films.journal.rim_film import rim_paths, sector_family
-from toothspace.films.lateral.axial_position import axial_forces, balanced_gaps
 from toothspace.films.lateral.conductance import (
     FaceConductance,
     FaceResolution,
@@ -22,8 +21,7 @@ from toothspace.films.lateral.conductance import (
 )
 from toothspace.model.description import MachineDescription
 from toothspace.model.film_faces import FILM, NO_BODY, ChamberRing, FaceBody, FaceCells, FilmFace
-from toothspace.simulation.setup import condition_of
-from toothspace.simulation.shared_covers import with_shared_films
+from toothspace.simulation.shared_covers import CoverFilms, with_shared_films
 
 CASE = Path(__file__).parents[2] / "cases" / "gerotor_cycloidal.toml"
 INNER, MIDDLE, RIM = 8e-3, 14e-3, 26e-3
@@ -124,7 +122,7 @@ def test_paths_of_solved_films_close_with_the_conductances() -> None:
     faces = description.shared_faces
     assert faces is not None
     films = tuple(face_conductance(cover, COARSE) for cover in faces.covers)
-    wider = with_shared_films(description, films)
+    wider = with_shared_films(description, CoverFilms(films))
     drain = next(path for path in wider.paths if path.name == "drain")
     gap = drain.geometry(drain.phases)
     inner = faces.face.chambers.nodes.size + faces.face.recesses.size
@@ -170,27 +168,3 @@ def test_pump_with_solved_films_reaches_its_cyclic_state(ends: str) -> None:
     assert found["energy_balance_error"] < 1e-4
     assert found["mass_balance_error"] < 1e-10
     assert 0.0 < found["overall_efficiency"] < 1.0
-
-
-def test_rotors_free_between_covers_lean_on_the_one_without_kidneys() -> None:
-    """Port pressure over kidneys pushes until asperities carry; alike on both sides, the middle."""
-    found = {}
-    for covers in ("one", "both"):
-        overrides = ("machine.lateral.position=free", f"machine.ports.covers={covers}")
-        case = api.load_case(CASE, overrides)
-        description = api.describe(case)
-        faces, condition = description.shared_faces, condition_of(case, description)
-        assert faces is not None
-        films = tuple(face_conductance(cover, COARSE) for cover in faces.covers)
-        found[covers] = (
-            balanced_gaps(description, films, condition),
-            axial_forces(description, films, condition),
-        )
-    gaps, force = found["one"]
-    play = sum(cover.gap for cover in faces.covers)
-    np.testing.assert_allclose(gaps.sum(axis=0), play)
-    assert np.all(force > 0.0)
-    # asperities of 0.72 um begin to carry below some four times that
-    assert np.all((gaps[1] > 0.5e-6) & (gaps[1] < 4e-6))
-    np.testing.assert_allclose(found["both"][0], 0.5 * play)
-    np.testing.assert_allclose(found["both"][1], 0.0, atol=1.0)

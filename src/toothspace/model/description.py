@@ -23,7 +23,7 @@ from toothspace.core.design_check import DesignCheck
 from toothspace.core.types import Array
 from toothspace.model.angle_tables import AngleTable, angle_tables, tables_dataset
 from toothspace.model.contact_pair import CONTACT_CHANNELS, ContactPair, RigidMesh
-from toothspace.model.film_faces import FilmFace, SharedFaces
+from toothspace.model.film_faces import FacePlaces, FilmFace, SharedFaces
 from toothspace.model.lateral_balance import LateralBalance
 from toothspace.model.lateral_table import LateralTable
 from toothspace.model.ledger import FRICTION_MECHANISMS
@@ -283,6 +283,8 @@ class MachineDescription:
         Drag and leakage beside the gears over the load on that bearing, for closed-form films.
     shared_faces : SharedFaces or None
         Films beside bodies that share their covers, for solving them on a grid.
+    face_places : FacePlaces or None
+        Where bodies that float between those covers stand, once this is known.
     rings_on_films : bool
         Whether bodies ring on the compressed liquid of films that are chambers.
     outlines : mapping of name to ndarray, shape (points, 2)
@@ -320,6 +322,7 @@ class MachineDescription:
     lateral_balance: LateralBalance | None = None
     lateral_table: LateralTable | None = None
     shared_faces: SharedFaces | None = None
+    face_places: FacePlaces | None = None
     rings_on_films: bool = False
     outlines: Mapping[str, Array] = field(default_factory=dict)
     chamber_outlines: Callable[[float], Sequence[Array]] | None = None

@@ -7,12 +7,13 @@ solved on its own and the films of floating bearings read the same description.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol, final
+from typing import Literal, NamedTuple, Protocol, final
 
 import numpy as np
 
 from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.model.machine_parts import ChamberFamily
+from toothspace.numerics.periodic_table import PeriodicTable
 
 FILM = -1
 """Node number of points where a film stands between a body and the wall."""
@@ -52,11 +53,14 @@ class FaceBody:
         Its axis. [m]
     outer_radius : float
         Radius up to which it reaches. [m]
+    inner_radius : float
+        Radius from which on it reaches. [m]
     """
 
     name: str
     center: tuple[float, float]
     outer_radius: float
+    inner_radius: float = 0.0
 
 
 @final
@@ -216,6 +220,32 @@ class FilmFace:
 
 
 @final
+@dataclass(frozen=True, eq=False)
+class FacePlaces:
+    """Where bodies stand between two covers while the shaft turns.
+
+    Parameters
+    ----------
+    bodies : tuple of str
+        The bodies.
+    places : PeriodicTable
+        Over the shaft angle, four columns for each body: displacement along z [m], rotations
+        about x and y [rad], smallest film height at both covers [m].
+    warning : str
+        Why the places are doubtful, in words; empty if they are not.
+    """
+
+    bodies: tuple[str, ...]
+    places: PeriodicTable
+    warning: str = ""
+
+    def at(self, shaft_angle: Array) -> Array:
+        """Columns of all bodies at shaft angles [rad], shape (..., bodies, 4)."""
+        found = self.places(shaft_angle)
+        return found.reshape(*found.shape[:-1], len(self.bodies), -1)
+
+
+@final
 @dataclass(frozen=True)
 class RimFilm:
     """Film between the rim of a turning body and the bore that carries it.
@@ -260,16 +290,16 @@ class SharedFaces:
         Chambers of the machine without the part of that film which they feed in closed form.
     replaced : tuple of str
         Flow paths of the machine that stand for these films in closed form.
-    floating : bool
-        Bodies stand where films and asperities of both sides hold their balance; else where
-        the gaps of the covers put them.
+    motion : {"none", "axial", "full"}
+        Whether bodies lift, or lift and tilt, to where films and asperities of both sides hold
+        their balance; ``none``: they stand parallel where the gaps of the covers put them.
     """
 
     covers: tuple[FilmFace, ...]
     rim: RimFilm
     families: tuple[ChamberFamily, ...]
     replaced: tuple[str, ...]
-    floating: bool = False
+    motion: Literal["none", "axial", "full"] = "none"
 
     @property
     def face(self) -> FilmFace:

@@ -223,14 +223,15 @@ class LateralBalance:
 
     Parameters
     ----------
-    arrangement : {"symmetric", "asymmetric", "plates"}
-        Floating bearings on both sides, on the floating side only, or plates on both sides.
+    arrangement : {"symmetric", "asymmetric", "plates", "fixed"}
+        Floating bearings on both sides, on the floating side only, plates on both sides, or
+        covers that rest with the turning bodies free between them.
     motion : {"full", "axial"}
         Whether bearings and bodies tilt.
     interfaces : tuple of FilmInterface
         Films of both sides, the floating one first; the search for balance begins at its gap.
     floating : FloatingBearing
-        The floating bearing, or each of both.
+        The floating bearing, or each of both; of covers that rest the one on the floating side.
     high_node, low_node : int
         Nodes of the high-pressure port and of the low pressure behind the bearing.
     body_forces : tuple of AxialForce
@@ -249,7 +250,7 @@ class LateralBalance:
         that carry its load. [N m/rad]
     """
 
-    arrangement: Literal["symmetric", "asymmetric", "plates"]
+    arrangement: Literal["symmetric", "asymmetric", "plates", "fixed"]
     motion: Literal["full", "axial"]
     interfaces: tuple[FilmInterface, ...]
     floating: FloatingBearing

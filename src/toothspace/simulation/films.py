@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array, IntArray
 from toothspace.films.journal.map import solved_journal
@@ -40,6 +41,7 @@ _LEAST = 1e-3
 def with_solved_films(
     description: MachineDescription,
     condition: OperatingCondition | None = None,
+    fluid: FluidLaw | None = None,
     models: Mapping[str, str] = SOLVED,
 ) -> MachineDescription:
     """Machine whose journal and lateral films follow from solved Reynolds equations.
@@ -48,8 +50,8 @@ def with_solved_films(
     ----------
     description : MachineDescription
         Machine with closed-form films.
-    condition : OperatingCondition, optional
-        Condition at which bodies that float between covers find their place.
+    condition, fluid : optional
+        Condition and fluid with which bodies that move between covers find their places.
     models : mapping of str to str
         Model of each interface; those with ``reynolds`` are solved, the others stay.
 
@@ -66,11 +68,12 @@ def with_solved_films(
 
     Notes
     -----
-    Rigid parallel faces; the tilt of a face enters the mean cube of the gap as in the closed
-    form. Tip and flank gaps stay closed: a parallel or curved gap is the exact solution there.
+    Rigid faces, parallel but where bodies find their places between covers; the tilt of a given
+    face enters the mean cube of the gap as in the closed form. Tip and flank gaps stay closed: a
+    parallel or curved gap is the exact solution there.
     """
     if models["lateral"] == "reynolds":
-        description = _with_solved_faces(description, condition)
+        description = _with_solved_faces(description, condition, fluid)
     if models["journal"] == "reynolds":
         journals = tuple(_solved(journal) for journal in description.journals)
         description = replace(description, journals=journals)
@@ -78,10 +81,12 @@ def with_solved_films(
 
 
 def _with_solved_faces(
-    description: MachineDescription, condition: OperatingCondition | None
+    description: MachineDescription,
+    condition: OperatingCondition | None,
+    fluid: FluidLaw | None,
 ) -> MachineDescription:
     if description.shared_faces is not None:
-        return with_shared_films(description, solved_covers(description, condition))
+        return with_shared_films(description, solved_covers(description, condition, fluid))
     if all(film.face is None for film in description.laterals):
         found = "'reynolds' for a machine that gives the outline of none of its faces"
         raise CaseError(f"run.interfaces.lateral: found {found}, allowed 'closed_form'")

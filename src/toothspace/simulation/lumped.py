@@ -133,6 +133,12 @@ def within_table(solution: Solution) -> Solution:
     return solution.with_note(_BEYOND.format(100 * beyond) if beyond > _RARELY else "")
 
 
+def _doubted(solution: Solution, description: MachineDescription) -> Solution:
+    """Solution that says why places of bodies between covers are doubtful, if they are."""
+    places = description.face_places
+    return solution if places is None else solution.with_note(places.warning)
+
+
 def run_in_machine(setup: Setup, progress: Progress | None = None) -> RunInMachine:
     """Run in the machine of a case, then give it its film tables and solved films."""
     worn, tables = run_in(setup, progress), setup.case.run.film_tables
@@ -146,7 +152,7 @@ def run_in_machine(setup: Setup, progress: Progress | None = None) -> RunInMachi
         from toothspace.simulation.films import with_solved_films
 
         tell(progress, UNKNOWN, "journal and face films")
-        description = with_solved_films(description, setup.condition, models)
+        description = with_solved_films(description, setup.condition, setup.fluid, models)
     extra = {"fluid_temperature": np.asarray(fluid_temperature(setup.case)), **worn.values}
     provenance = {**provenance_of(setup.case), "interfaces": interface_text(models)}
     return RunInMachine(setup.case, worn, description, setup.fluid, extra, provenance)
@@ -156,7 +162,8 @@ def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
     """Cyclic state of a case at its operating point."""
     machine = run_in_machine(setup, progress)
     runs = machine.at(setup.condition, progress)
-    return machine.worn.marked(run_with_heat(setup.case, machine.description, runs))
+    found = run_with_heat(setup.case, machine.description, runs)
+    return machine.worn.marked(_doubted(found, machine.description))
 
 
 def _march(

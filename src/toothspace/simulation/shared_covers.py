@@ -2,26 +2,50 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import final
 
 import numpy as np
 
+from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.types import IntArray
 from toothspace.films.journal.rim_film import rim_paths, sector_family, without_film_force
-from toothspace.films.lateral.axial_position import balanced_gaps
 from toothspace.films.lateral.conductance import FaceConductance, FaceResolution, face_conductance
 from toothspace.films.lateral.shared_paths import shared_paths
 from toothspace.model.description import FlowPath, LumpedLateralFilm, MachineDescription
-from toothspace.model.film_faces import SharedFaces
+from toothspace.model.film_faces import FacePlaces, SharedFaces
 from toothspace.model.operating_point import OperatingCondition
+from toothspace.simulation.lateral.between_covers import bodies_between_covers
 
 _RESOLUTION = FaceResolution(rows=48, lanes=56, angles=8)
-_PLACINGS = 2
-"""Times that places and films of floating bodies are found in turn: films hardly depend on it."""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class CoverFilms:
+    """Films before every cover of a machine.
+
+    Parameters
+    ----------
+    films : tuple of FaceConductance
+        Conductances, supporting areas and drag.
+    places : FacePlaces or None
+        Where bodies stand that move between the covers.
+    asperity_torque : mapping of str to float
+        Mean torque of touching asperities on a body. [N m]
+    shear_speed : float
+        Viscosity times shaft speed of the film's shear. [Pa]
+    """
+
+    films: tuple[FaceConductance, ...]
+    places: FacePlaces | None = None
+    asperity_torque: Mapping[str, float] = field(default_factory=dict)
+    shear_speed: float = 0.0
 
 
 def with_shared_films(
-    description: MachineDescription, films: tuple[FaceConductance, ...] | None = None
+    description: MachineDescription, solved: CoverFilms | None = None
 ) -> MachineDescription:
     """Machine whose films at shared covers and round the rim follow from Reynolds equations.
 
@@ -29,7 +53,7 @@ def with_shared_films(
     ----------
     description : MachineDescription
         Machine with ``shared_faces``.
-    films : tuple of FaceConductance, optional
+    solved : CoverFilms, optional
         Films of its covers, if they are known already.
 
     Returns
@@ -41,7 +65,8 @@ def with_shared_films(
     """
     faces = description.shared_faces
     assert faces is not None
-    films = films or solved_covers(description)
+    solved = solved or solved_covers(description)
+    ratios = {body.name: body.speed_ratio for body in description.bodies}
     count = faces.face.sector_phases.size
     kept = [path for path in description.paths if path.name not in faces.replaced]
     covers = tuple(
@@ -60,50 +85,67 @@ def with_shared_films(
         families=(*faces.families, sector_family(description, faces)),
         paths=(
             *(_renumbered(path, faces, count) for path in kept),
-            *shared_paths(moved, films, height),
+            *shared_paths(moved, solved.films, height),
             *rim_paths(description, moved, sectors),
         ),
-        laterals=tuple(_film(film, faces, films) for film in description.laterals),
+        laterals=tuple(
+            _film(film, faces, solved, ratios[film.body]) for film in description.laterals
+        ),
         journals=tuple(
             without_film_force(j) if j.body == faces.rim.body else j for j in description.journals
         ),
         shared_faces=None,
+        face_places=solved.places,
         rings_on_films=True,
     )
 
 
 def solved_covers(
-    description: MachineDescription, condition: OperatingCondition | None = None
-) -> tuple[FaceConductance, ...]:
+    description: MachineDescription,
+    condition: OperatingCondition | None = None,
+    fluid: FluidLaw | None = None,
+) -> CoverFilms:
     """Films before every cover of a machine with ``shared_faces``.
 
     Parameters
     ----------
-    condition : OperatingCondition, optional
-        Condition at which bodies that float between the covers find their place.
+    condition, fluid : optional
+        Where bodies that move between the covers find their places; without these they stand
+        parallel in the gaps of the covers.
     """
     faces = description.shared_faces
     assert faces is not None
-    films = tuple(face_conductance(cover, _RESOLUTION) for cover in faces.covers)
-    if not faces.floating or condition is None:
-        return films
-    for _ in range(_PLACINGS):
-        gaps = balanced_gaps(description, films, condition)
-        films = tuple(
-            face_conductance(cover, _RESOLUTION, gap)
-            for cover, gap in zip(faces.covers, gaps, strict=True)
-        )
-    return films
+    if faces.motion == "none" or condition is None or fluid is None:
+        return CoverFilms(tuple(face_conductance(cover, _RESOLUTION) for cover in faces.covers))
+    pitch = faces.face.chambers.pitch
+    turn = pitch * np.arange(_RESOLUTION.angles) / _RESOLUTION.angles
+    found = bodies_between_covers(description, condition, fluid, turn)
+    films = tuple(
+        face_conductance(cover, _RESOLUTION, planes)
+        for cover, planes in zip(faces.covers, found.planes, strict=True)
+    )
+    shear_speed = fluid.dynamic_viscosity * condition.shaft_speed
+    return CoverFilms(films, found.places, found.asperity_torque, shear_speed)
 
 
 def _film(
-    film: LumpedLateralFilm, faces: SharedFaces, films: tuple[FaceConductance, ...]
+    film: LumpedLateralFilm, faces: SharedFaces, solved: CoverFilms, ratio: float
 ) -> LumpedLateralFilm:
+    """Film of a body with the drag of both covers; asperities count as shear at this speed."""
     if film.body not in [body.name for body in faces.face.bodies]:
         return film
     body = faces.face.body_number(film.body)
-    drag = [solved.drag[body] / solved.gap[body] for solved in films]
-    return replace(film, drag=float(sum(drag)) / film.faces)
+    drag = sum(
+        float(found.drag[body]) / cover.gap
+        for found, cover in zip(solved.films, faces.covers, strict=True)
+    )
+    torque = solved.asperity_torque.get(film.body, 0.0)
+    touching = torque / (solved.shear_speed * abs(ratio)) if torque > 0.0 else 0.0
+    return replace(
+        film,
+        drag=(drag + touching) / film.faces,
+        asperity_share=touching / (drag + touching),
+    )
 
 
 def _moved_up(nodes: IntArray, faces: SharedFaces, count: int) -> IntArray:

@@ -365,6 +365,14 @@ def body_values(history: History, seen: Observation) -> dict[str, Array]:
         values["body_velocity"][where] = history.states[:, size.velocity + k]
         values["body_force"][where] = seen.pressure_force[:, k]
         values["journal_force"][where] = seen.film_force[:, k]
+    places = system.description.face_places
+    if places is not None:
+        found = places.at(history.states[:, 0])
+        rows = [names.index(body) for body in places.bodies]
+        values |= {"body_tilt": np.zeros(shape), "face_film_height": np.full(shape[:2], np.nan)}
+        values["body_position"][:, rows, 2] = found[..., 0]
+        values["body_tilt"][:, rows, :2] = found[..., 1:3]
+        values["face_film_height"][:, rows] = found[..., 3]
     values |= _journal_values(system, values["body_position"], names)
     if system.arrays.size.contacts:
         values["contact_force"] = seen.contact_force

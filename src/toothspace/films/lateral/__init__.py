@@ -6,7 +6,7 @@ module             responsibility
 rigid_faces        films on one face of every body of a machine, at one shaft angle
 conductance        conductances and supporting areas of the films on a face over the shaft angle
 shared_paths       flow paths from those of covers that several bodies share
-axial_position     where bodies that float between two covers run
+resting_covers     bodies that float between two covers: the stack of their films
 face_grid          polar grids on the faces, masked at every shaft angle
 face_film          one film of the stack: solution, forces and their variation
 local_deformation  gap of faces that deform locally under film and asperity pressure

@@ -29,6 +29,8 @@ LARGEST = 30.0
 """Largest shape conductance: edges that meet are joined by the opening between anyway. [-]"""
 _FULL_TURN = 2.0 * np.pi
 _LENGTH = 1e-3
+_LEAST = 1e-3
+"""Least height of a film between smooth faces, over the gap of the face. [-]"""
 
 
 @final
@@ -62,29 +64,28 @@ class FaceConductance:
     area : ndarray, shape (angles, bodies, k)
         Force on the face of a body per pressure at an edge. [m2]
     drag : ndarray, shape (bodies,)
-        Torque on the face of a body per viscosity and speed, times the gap height. [m4]
+        Torque on the face of a body per viscosity and speed, times the face's gap. [m4]
     turn : ndarray, shape (angles,)
         Growth of the table angles since shaft angle zero. [rad]
-    gap : ndarray, shape (bodies,)
-        Height of the film of every body. [m]
     """
 
     matrix: Array
     area: Array
     drag: Array
     turn: Array
-    gap: Array
 
 
 def face_conductance(
-    face: FilmFace, resolution: FaceResolution, gap: Array | None = None
+    face: FilmFace, resolution: FaceResolution, planes: Array | None = None
 ) -> FaceConductance:
     """Solve the films of one face for a unit pressure at each of their edges.
 
     Parameters
     ----------
-    gap : ndarray, shape (bodies,), optional
-        Height of the film of every body; that of the face if not given. [m]
+    planes : ndarray, shape (angles, bodies, 3), optional
+        Height of the film of every body at its axis [m], and rotations of that plane about x and
+        y [rad]; not given: the gap of the face. Where rough faces touch, heights end at the
+        roughness.
 
     Returns
     -------
@@ -100,10 +101,11 @@ def face_conductance(
     rims = np.linspace(face.inner_radius, face.outer_radius, resolution.lanes + 1)
     grid = _Grid(face, resolution.rows * face.chambers.nodes.size, rims)
     turn = face.chambers.pitch * np.arange(resolution.angles) / resolution.angles
-    own = np.full(len(face.bodies), face.gap) if gap is None else gap
-    found = [_at_turn(grid, t, (own / face.gap) ** 3) for t in turn]
+    if planes is None:
+        planes = np.tile([face.gap, 0.0, 0.0], (turn.size, len(face.bodies), 1))
+    found = [_at_turn(grid, t, own) for t, own in zip(turn, planes, strict=True)]
     matrix, area, drag = (np.array(parts) for parts in zip(*found, strict=True))
-    return FaceConductance(matrix, area, drag.mean(axis=0), turn, own)
+    return FaceConductance(matrix, area, drag.mean(axis=0), turn)
 
 
 def over_turn(values: Array, phases: Array, turn: Array) -> Array:
@@ -165,22 +167,33 @@ class _Grid:
         return np.tile(ring, (self.rows, 1))
 
 
-def _at_turn(grid: _Grid, turn: float, cubes: Array) -> tuple[Array, Array, Array]:
+def _at_turn(grid: _Grid, turn: float, planes: Array) -> tuple[Array, Array, Array]:
     """Conductances, supporting areas and drag at one growth of the table angles."""
     face, (x, y) = grid.face, grid.points
     shaft_angle = turn / face.chambers.angle_ratio
     node, body = face.face_map(shaft_angle, x, y)
     edge = _edge_numbers(face, node, face.chambers.nearest(shaft_angle, x, y))
-    cube = np.where(body >= 0, cubes[np.maximum(body, 0)], 1.0)
+    height = _heights(face, body, planes, x, y)
+    cube = (height / face.gap) ** 3
     matrix, pressure = _solve(grid, edge, _rim_edges(face, grid.table_angle - turn), cube)
     weight = [np.where(body == k, grid.area, 0.0) for k in range(len(face.bodies))]
     area = [w.ravel() @ pressure for w in weight]
-    film = node == FILM
+    shear = np.where(node == FILM, face.gap / height, 0.0)
     drag = [
-        float(np.sum((w * ((x - b.center[0]) ** 2 + (y - b.center[1]) ** 2))[film]))
+        float(np.sum(w * shear * ((x - b.center[0]) ** 2 + (y - b.center[1]) ** 2)))
         for w, b in zip(weight, face.bodies, strict=True)
     ]
     return matrix, np.array(area), np.array(drag)
+
+
+def _heights(face: FilmFace, body: IntArray, planes: Array, x: Array, y: Array) -> Array:
+    """Height of the film before every cell, the gap of the face where no body stands. [m]."""
+    least = face.surfaces.roughness if face.surfaces is not None else 0.0
+    height = np.full(x.shape, face.gap)
+    for k, ((lift, about_x, about_y), own) in enumerate(zip(planes, face.bodies, strict=True)):
+        plane = lift + about_x * (y - own.center[1]) - about_y * (x - own.center[0])
+        height = np.where(body == k, np.maximum(plane, max(least, _LEAST * face.gap)), height)
+    return height
 
 
 def _edge_numbers(face: FilmFace, node: IntArray, nearest: IntArray) -> IntArray:
@@ -226,8 +239,9 @@ def _solve(grid: _Grid, edge: IntArray, rim: IntArray | None, cube: Array) -> tu
 
 
 def _joined(first: Array, second: Array) -> Array:
-    """Cube of the gap of two half cells one behind the other."""
-    return 2.0 * first * second / (first + second)
+    """Cube of the gap of two half cells one behind the other, or of the one that holds film."""
+    both = 2.0 * first * second / (first + second)
+    return np.where(np.isnan(both), np.fmax(first, second), both)
 
 
 def _links(
@@ -235,6 +249,7 @@ def _links(
 ) -> tuple[IntArray, IntArray, Array]:
     """Pairs of cells and edges with what conducts between them; none between two edges."""
     logarithm, centre = np.log(grid.rims), np.log(grid.radius)
+    cube = np.where(number < inside, cube, np.nan)
     along = np.tile(np.diff(logarithm) / grid.step, (grid.rows, 1))
     across = np.tile(grid.step / np.diff(centre), (grid.rows, 1))
     before = np.roll(number, 1, axis=0)

@@ -15,8 +15,8 @@ from toothspace.model.film_faces import FILM
 from toothspace.model.lateral_balance import FilmInterface
 from toothspace.numerics.structured_grid import FREE, PRESCRIBED
 
-_BEYOND = 1.0 + 1e-6
-"""Radius over the tip radius at which the pressure beyond the rim is looked up. [-]"""
+_BEYOND = 1e-6
+"""Distance from both rims, over their radius, at which the nodes beyond are looked up. [-]"""
 
 
 @final
@@ -34,12 +34,15 @@ class Mask:
         Cells where a chamber meets the bearing and no other body does.
     rim : ndarray of int
         Nodes beyond the outer rim, one per angle.
+    bore : ndarray of int
+        Nodes within the inner rim, one per angle.
     """
 
     node: IntArray
     covered: BoolArray
     open_face: BoolArray
     rim: IntArray
+    bore: IntArray
 
     @property
     def film(self) -> BoolArray:
@@ -110,16 +113,16 @@ class FaceGrid:
         body, (x0, y0) = face.body_number(self.interface.body), face.center
         x, y = self.points.x + x0, self.points.y + y0
         cells = face.face_map(shaft_angle, x, y)
-        tip = np.array([_BEYOND * face.outer_radius])
-        rim = face.face_map(shaft_angle, *face.places(self.angle, tip)).node[:, 0]
+        edges = np.array([(1 - _BEYOND) * face.inner_radius, (1 + _BEYOND) * face.outer_radius])
+        beyond = face.face_map(shaft_angle, *face.places(self.angle, edges)).node
+        bore = np.where(beyond[:, 0] == FILM, face.inner_node, beyond[:, 0])
         open_face = face.open_wall(body, cells, x, y)
-        return Mask(cells.node, np.asarray(cells.body == body), open_face, rim)
+        return Mask(cells.node, np.asarray(cells.body == body), open_face, beyond[:, 1], bore)
 
     def film_grid(self, mask: Mask, node_pressure: Array, shaft_speed: float) -> FilmGrid:
         """Metric, pressures of chambers, grooves, bore and rim [Pa], and sweep of the body."""
         known = ~mask.film
         speed = self.interface.speed_ratio * shaft_speed
-        bore = node_pressure[self.interface.face.inner_node]
         along, across = _edges(mask.film)
         return self._metric._replace(
             shape_x=np.where(along, 2.0, 1.0) * self._metric.shape_x,
@@ -127,7 +130,7 @@ class FaceGrid:
             sweep_x=self._metric.sweep_x * speed,
             mark=np.where(known, PRESCRIBED, FREE),
             prescribed=np.where(known, node_pressure[mask.node], 0.0),
-            south=np.full(self.rows, bore),
+            south=node_pressure[mask.bore],
             north=node_pressure[mask.rim],
         )
 

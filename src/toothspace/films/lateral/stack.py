@@ -140,7 +140,8 @@ class Stack:
     Notes
     -----
     Coordinates, three each (lift and rotations about x and y): floating bearing, gears, and the
-    second floating bearing if there is one; then the drive gear stays where it is. A bearing that
+    second floating bearing if there is one; then the drive gear stays where it is. Covers that
+    rest stand in the place of a floating bearing that never moves. A bearing that
     is split has three for every part; between two split ones all gears stay where they are.
     Forces of the teeth that do not cancel push what is between two floating bearings to the cover
     of one of them, which carries them. Bearings turn about the x and y axes of the machine
@@ -173,7 +174,7 @@ class Stack:
     @property
     def two_floating(self) -> bool:
         """Whether there is a floating bearing on both sides."""
-        return self.balance.arrangement != "asymmetric"
+        return self.balance.arrangement in ("symmetric", "plates")
 
     @property
     def free(self) -> IntArray:
@@ -188,6 +189,8 @@ class Stack:
 
         Nothing changes when all that is between two floating bearings moves with them.
         """
+        if self.balance.arrangement == "fixed":
+            return [part.first for part in self.moving_bearings]
         groups = {part.bodies: 0 for part in self.moving_bearings} if self.two_floating else {}
         return [self._body(own[0]) for own in groups if self.balance.thrust(own) == 0.0]
 
@@ -213,25 +216,30 @@ class Stack:
 
     def snapshot(self, shaft_angle: float, node_pressure: Array) -> Snapshot:
         """Masks at a shaft angle [rad] with the pressures of all nodes there. [Pa]."""
-        first = {grid.interface.body: grid for grid in reversed(self.grids)}
+        faces = [(grid.interface.body, grid.interface.face.face_map) for grid in self.grids]
+        first = dict(zip(reversed(faces), reversed(self.grids), strict=True))
         size = self.grids[0].area.size
-        found = in_parallel(lambda body: first[body].mask(shaft_angle), first, size)
+        found = in_parallel(lambda face: first[face].mask(shaft_angle), first, size)
         masks = dict(zip(first, found, strict=True))
-        return Snapshot(
-            shaft_angle, tuple(masks[g.interface.body] for g in self.grids), node_pressure
-        )
+        return Snapshot(shaft_angle, tuple(masks[face] for face in faces), node_pressure)
 
     def start(self, gap: float) -> Array:
         """Coordinates with one gap everywhere. [m]."""
         q = np.zeros(self.size)
         first = self.first_body
-        q[:first:_MOTIONS] = 2.0 * gap
+        q[:first:_MOTIONS] = self.play if self.balance.arrangement == "fixed" else 2.0 * gap
         q[first : first + _MOTIONS * len(self.balance.bodies) : _MOTIONS] = gap
         for held in self.moving_bearings:
             if held.thrust_to_cover:  # it begins on its cover
                 beside = [part.first for part in self.moving_bearings if part.bodies == held.bodies]
                 q[beside + [self._body(body) for body in held.bodies]] -= q[held.first]
         return q
+
+    @property
+    def play(self) -> float:
+        """Gaps of both sides of a body together, as designed. [m]."""
+        own = self.balance.bodies[0]
+        return sum(i.face.gap for i in self.balance.interfaces if i.body == own)
 
     def gauge(self, q: Array) -> float:
         """Position of the floating bearing at its gauge point, away from the gears. [m]."""
@@ -341,7 +349,7 @@ def _moving_bearings(balance: LateralBalance) -> tuple[MovingBearing, ...]:
     parts = balance.halves or (balance.floating,)
     beside = tuple((b,) for b in bodies) if balance.halves else (bodies,)
     sides: tuple[tuple[Side, float, int], ...] = (("floating", -1.0, 0),)
-    if balance.arrangement != "asymmetric":
+    if balance.arrangement in ("symmetric", "plates"):
         sides += (("solid", 1.0, len(parts) + len(bodies)),)
     return tuple(
         MovingBearing(

@@ -57,12 +57,11 @@ def lateral_balance(assembly: Assembly, numbering: Numbering) -> LateralBalance:
         high = _behind_a_chord(face, block.high_pressure)
     gears = FaceOfGear(assembly, numbering, 0), FaceOfGear(assembly, numbering, 1)
     ports = {"inlet": numbering.inlet, "outlet": numbering.outlet, "external": numbering.drain}
+    faces = [FaceOfGear(assembly, numbering, gear) for gear in (0, 1)]
     return LateralBalance(
         arrangement=cast(Any, block.arrangement),
         motion=cast(Any, block.keys.motion),
-        interfaces=tuple(
-            _interface(assembly, numbering, side, gear) for side in _SIDES for gear in (0, 1)
-        ),
+        interfaces=tuple(_interface(assembly, face, side) for side in _SIDES for face in faces),
         floating=_floating(assembly, block),
         high_node=ports["outlet" if keys.mode == "pump" else "inlet"],
         low_node=ports[keys.drain_node],
@@ -99,12 +98,11 @@ def _behind_a_chord(face: Any, patch: Patch) -> Any:
     return part(high)
 
 
-def _interface(assembly: Assembly, numbering: Numbering, side: Side, gear: int) -> FilmInterface:
-    spec, block = assembly.spec, assembly.spec.floating_block
+def _interface(assembly: Assembly, face: FaceOfGear, side: Side) -> FilmInterface:
+    spec, block, gear = assembly.spec, assembly.spec.floating_block, face.gear
     assert block is not None
     own = (spec.drive, spec.driven)[gear]
     column = block.length / block.material.elastic_modulus
-    face = FaceOfGear(assembly, numbering, gear)
     parts = half_names(block, side)
     gap = spec.keys.lateral.side_gaps[_SIDES.index(side)]
     column += 0.5 * own.face_width / own.material.elastic_modulus

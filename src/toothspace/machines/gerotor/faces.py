@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import final
+from typing import Any, cast, final
 
 import numpy as np
 import shapely
@@ -13,7 +13,7 @@ from toothspace.gearing.gear_face import under_recesses
 from toothspace.gearing.materials import library_material, reduced_modulus
 from toothspace.machines.gerotor.bodies import BODIES
 from toothspace.machines.gerotor.flow_paths import lobe_phases, pocket_phases, shaft_radius
-from toothspace.machines.gerotor.parameters import GerotorParameters
+from toothspace.machines.gerotor.parameters import FaceGapParameters, GerotorParameters
 from toothspace.machines.gerotor.pockets import FULL_TURN, Pockets
 from toothspace.machines.gerotor.ports import Ports, throat_place
 from toothspace.machines.shared_bearings import CORRELATION_LENGTH, HOUSING_MATERIAL
@@ -111,10 +111,11 @@ def shared_faces(
     opposite = kidneys if parameters.ports.covers == "both" else ()
     rim = _rim_film(parameters, count)
     outer_radii = (float(np.hypot(*pocket.rotors.inner.T).max()), rim.radius)
+    inner_radii = (shaft, float(np.hypot(*pocket.rotors.outer.T).min()))
     centers = ((0.0, -pocket.rotors.eccentricity), (0.0, 0.0))
     covers = tuple(
         FilmFace(
-            bodies=tuple(map(FaceBody, BODIES, centers, outer_radii)),
+            bodies=tuple(map(FaceBody, BODIES, centers, outer_radii, inner_radii)),
             center=(0.0, 0.0),
             inner_radius=max(shaft - pocket.rotors.eccentricity, _LEAST_RADIUS * shaft),
             outer_radius=rim.radius,
@@ -138,8 +139,12 @@ def shared_faces(
         rim=rim,
         families=(family,),
         replaced=("lateral", "drain", "rim", "film_end"),
-        floating=parameters.lateral.position == "free",
+        motion=cast(Any, _motion(parameters.lateral)),
     )
+
+
+def _motion(lateral: FaceGapParameters) -> str:
+    return "none" if lateral.position == "given" else lateral.motion or "full"
 
 
 def _surfaces(parameters: GerotorParameters) -> FaceSurfaces:

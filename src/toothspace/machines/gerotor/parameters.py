@@ -127,6 +127,17 @@ class FaceGapParameters(SideGapParameters):
         "free",
         default="given",
     )
+    motion: str | None = choice(
+        "Free rotors lift along the axis alone, or lift and tilt (default).",
+        "axial",
+        "full",
+        default=None,
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.position == "given":
+            forbid(self, 'unless position = "free"', "motion")
 
 
 @final

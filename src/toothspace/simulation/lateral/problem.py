@@ -268,14 +268,11 @@ def lateral_problem(
     mean = pressures(0.0)
     high, low = float(mean[balance.high_node]), float(mean[balance.low_node])
     back = BackPressure(high, low, low if nose_pressure is None else nose_pressure)
-    film_fluid = FilmFluid(
-        fluid.dynamic_viscosity, fluid.pressure_viscosity, limit_pressure=HIGHEST_PRESSURE
-    )
     grids = tuple(FaceGrid(i, *settings.grid) for i in balance.interfaces)
     stack = Stack(
         replace(balance, shaft_stiffness=_held_by_journals(description, balance, data)),
         grids,
-        tuple(_law(i, film_fluid, settings) for i in balance.interfaces),
+        film_laws(balance, fluid, settings.cavitation),
         _compliance(balance, grids, settings, back, data),
         shaft_speed,
     )
@@ -351,11 +348,18 @@ def balance_of(description: MachineDescription) -> LateralBalance:
     return description.lateral_balance
 
 
-def _law(interface: FilmInterface, fluid: FilmFluid, settings: LateralSettings) -> FilmLaw:
-    surfaces = interface.face.surfaces
-    rough = surfaces is not None and surfaces.roughness > 0.0
-    law = RoughSurfaces(**vars(surfaces)) if rough else None
-    return film_law(law, fluid, settings.cavitation)
+def film_laws(balance: LateralBalance, fluid: FluidLaw, cavitation: str) -> tuple[FilmLaw, ...]:
+    """Laws of all films of a machine with a fluid and a cavitation model."""
+    liquid = FilmFluid(
+        fluid.dynamic_viscosity, fluid.pressure_viscosity, limit_pressure=HIGHEST_PRESSURE
+    )
+
+    def one(interface: FilmInterface) -> FilmLaw:
+        surfaces = interface.face.surfaces
+        rough = surfaces is not None and surfaces.roughness > 0.0
+        return film_law(RoughSurfaces(**vars(surfaces)) if rough else None, liquid, cavitation)
+
+    return tuple(map(one, balance.interfaces))
 
 
 def _compliance(
