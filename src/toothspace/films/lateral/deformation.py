@@ -229,7 +229,7 @@ class DeformationIteration:
         """Stiffness and damping to begin with, and the iterations that they have served."""
         if self._fineness is None:
             return jacobian, age
-        return (_mean_of(self._own) if self._own else None), 0
+        return (mean_coefficients(self._own) if self._own else None), 0
 
     def renew(self, states: Sequence[StackState]) -> tuple[Array, Array]:
         """Stiffness and damping of the films, with the predicted deformation if there is one."""
@@ -240,7 +240,7 @@ class DeformationIteration:
             if phase not in found:
                 found[phase] = response(state, self._fineness, self._frequency)
         self.responses |= found
-        return _mean_of(self._own)
+        return mean_coefficients(self._own)
 
     def pull(self) -> Array | float:
         """Film force that the deformation still missing will add. [N, N m]."""
@@ -295,7 +295,7 @@ def film_coefficients(
     """Stiffness and damping of films, with the predicted deformation if there is one."""
     if fineness is None:
         return mean_coefficients(states)
-    return _mean_of([response(state, fineness, 0.0) for state in states])
+    return mean_coefficients([response(state, fineness, 0.0) for state in states])
 
 
 def limited(states: Sequence[StackState], step: Array) -> Array:
@@ -322,9 +322,3 @@ def overstep(states: Sequence[StackState], step: Array, openings: Fields) -> flo
             motion = state.stack.film_face_motion(k, step, still).position
             most = max(most, film.overstep(motion, opening))
     return most
-
-
-def _mean_of(responses: Sequence[DeformationResponse]) -> tuple[Array, Array]:
-    """Stiffness and damping, means over snapshots."""
-    pairs = [own.coefficients for own in responses]
-    return np.mean([k for k, _ in pairs], axis=0), np.mean([d for _, d in pairs], axis=0)

@@ -9,7 +9,7 @@ import numpy as np
 
 from toothspace.core.types import Array
 from toothspace.films.lateral.deformation import Fields, limited, next_deformation
-from toothspace.films.lateral.motion import Balance, Loads, balance_force, levers_of
+from toothspace.films.lateral.motion import Balance, Loads, balance_force
 from toothspace.films.lateral.stack import (
     Snapshot,
     Stack,
@@ -90,7 +90,7 @@ def relax(
         )
         force, stiffness = stop_forces(stack, q)
         if loads.friction.holds:
-            for k, (sense, lever) in enumerate(zip(start.slides, levers_of(stack), strict=True)):
+            for k, (sense, lever) in enumerate(zip(start.slides, stack.levers, strict=True)):
                 force -= sense * loads.law(k).coulomb_force * lever
         force += mean_force(states, loads.back)
         stiffness += mean_coefficients(states)[0]

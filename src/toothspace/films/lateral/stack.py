@@ -246,15 +246,22 @@ class Stack:
         return np.array(found)
 
     @property
+    def levers(self) -> list[Array]:
+        """Row from the coordinates to the lift of the middle of every floating bearing. [m]."""
+        tilts = self.balance.motion == "full"
+        found = []
+        for part in self.moving_bearings:
+            x, y = part.bearing.face.center
+            lever = np.zeros(self.size)
+            lever[part.first : part.first + _MOTIONS] = 1.0, y * tilts, -x * tilts
+            found.append(lever)
+        return found
+
+    @property
     def opening(self) -> Array:
         """Row from the coordinates to the mean lift of all floating bearings. [m]."""
-        tilts = self.balance.motion == "full"
-        lever = np.zeros(self.size)
-        for part in self.moving_bearings:
-            (x, y), k = part.bearing.face.center, part.first
-            outwards = -part.sign / len(self.moving_bearings)
-            lever[k : k + _MOTIONS] = outwards, outwards * y * tilts, -outwards * x * tilts
-        return lever
+        outwards = [-part.sign / len(self.moving_bearings) for part in self.moving_bearings]
+        return np.asarray(outwards @ np.array(self.levers))
 
     def tilts(self, q: Array) -> list[float]:
         """Tilt of every floating bearing or part. [rad]."""
@@ -264,8 +271,7 @@ class Stack:
 
     def film_face_motion(self, index: int, q: Array, v: Array) -> FaceMotion:
         """Position and velocity of a film's upper face about the axis of its body."""
-        bearing, body = self._maps[index]
-        chain = bearing + body
+        chain = self.chains[index]
         return FaceMotion(chain @ q, chain @ v)
 
     def solve(
@@ -296,7 +302,7 @@ class Stack:
                 )
             here = self.film_face_motion(k, q, v)
             film = solve_face(self.grids[k], self.laws[k], boundary, here, deformation, start)
-            film.covered_load()  # kept, and found here beside the other films
+            _ = film.covered_load  # kept, and found here beside the other films
             return film
 
         films = in_parallel(one, range(len(self.grids)), self.grids[0].area.size)
@@ -383,7 +389,7 @@ class StackState:
         """Forces [N] and moments [N m] of films, asperities and tooth spaces on the coordinates."""
         force = np.zeros(self.stack.size)
         for film, (bearing, body) in zip(self.films, self.stack._maps, strict=True):
-            force += (bearing + body).T @ film.covered_load() + bearing.T @ film.open_load()
+            force += (bearing + body).T @ film.covered_load + bearing.T @ film.open_load
         return force
 
     def back_force(self, back: BackPressure) -> Array:
@@ -402,12 +408,12 @@ class StackState:
             force[first : first + _MOTIONS] += load.moments
         return force
 
+    @property
     def coefficients(self) -> tuple[Array, Array]:
         """Stiffness and damping of all films: minus the derivatives of the film force."""
         size = self.stack.size
         stiffness, damping = np.zeros((size, size)), np.zeros((size, size))
-        for film, (bearing, body) in zip(self.films, self.stack._maps, strict=True):
-            chain = bearing + body
+        for film, chain in zip(self.films, self.stack.chains, strict=True):
             k, d = film.coefficients(self.stack.film_motions)
             stiffness += chain.T @ k @ chain
             damping += chain.T @ d @ chain
@@ -439,7 +445,7 @@ class StackState:
         for film in self.films:
             if film.grid.interface.side == "solid":
                 x, y = film.grid.interface.face.center
-                force, about_x, about_y = film.covered_load() + film.open_load()
+                force, about_x, about_y = film.covered_load + film.open_load
                 load += np.array([force, about_x + y * force, about_y - x * force])
         return load
 
@@ -463,7 +469,16 @@ def mean_force(states: Sequence[StackState], back: BackPressure) -> Array:
     return np.mean([s.film_force() + s.back_force(back) for s in states], axis=0)
 
 
-def mean_coefficients(states: Sequence[StackState]) -> tuple[Array, Array]:
-    """Stiffness and damping of the films, means over snapshots."""
-    pairs = [state.coefficients() for state in states]
+class HasCoefficients(Protocol):
+    """Films that resist a motion of the coordinates."""
+
+    @property
+    def coefficients(self) -> tuple[Array, Array]:
+        """Stiffness and damping."""
+        ...  # pragma: no cover
+
+
+def mean_coefficients(films: Sequence[HasCoefficients]) -> tuple[Array, Array]:
+    """Stiffness and damping, means over snapshots."""
+    pairs = [own.coefficients for own in films]
     return np.mean([k for k, _ in pairs], axis=0), np.mean([d for _, d in pairs], axis=0)

@@ -107,7 +107,7 @@ def film_temperatures(balance: Balance, heating: FilmHeating) -> Array:
     power, flow = np.zeros((2, len(balance.states[0].films)))
     for state in balance.states:
         for k, film in enumerate(state.films):
-            lost = film.friction()
+            lost = film.losses
             power[k] += (lost.dissipation + lost.asperity) / count
             flow[k] += film.plane.exchange.outflow / count
     carried = own.density * own.heat_capacity * flow

@@ -155,14 +155,13 @@ class LateralProblem:
         stack = replace(self.stack, laws=laws)
         track = LateralTrack(angles)
 
-        def keep(number: int, balance: Balance) -> None:
-            track.take(balance, wear_map([balance]))
-            if progress:
-                progress((number + 1) / angles.size, f"film step {number + 1} of {angles.size}")
-
         try:
             with cores_for_fields():
-                march_angles(stack, self.node_pressure, self.loads, start, angles, step, keep=keep)
+                march = march_angles(stack, self.node_pressure, self.loads, start, angles, step)
+                for done, balance in enumerate(march, 1):
+                    track.take(balance, wear_map([balance]))
+                    if progress:
+                        progress(done / angles.size, f"film step {done} of {angles.size}")
         except KeyboardInterrupt:
             if not track.positions:
                 raise
@@ -376,7 +375,7 @@ def numbers_of(problem: LateralProblem, balance: Balance) -> LateralNumbers:
     stack, back = problem.stack, problem.loads.back
     speed, count = stack.shaft_speed, len(balance.states)
     films = [film for state in balance.states for film in state.films]
-    lost = [film.friction() for film in films]
+    lost = [film.losses for film in films]
     seats = [float(s.solid_seat(back.low)[0]) for s in balance.states]
     margins = [s.seat_margin(back.low) for s in balance.states]
     span = max(back.high - back.low, 1.0)
