@@ -135,21 +135,13 @@ def find_equilibrium(
         length *= 3.0 if found.iterations <= step.max_iterations // 2 else 1.0
         if _viscous(stack, now) > _RESIDUAL_MOTION * scale or number <= 2:
             continue
-        rate, motion = _growth(stack, now, loads, step) if search.stable else (0.0, still)
+        rate, motion = growing_motion(stack, now, loads, step) if search.stable else (0.0, still)
         if rate * search.longest_time <= 1.0:
             return Equilibrium(now, True, time, number)
         if pushes == _MOST_PUSHES:
             return Equilibrium(now, False, time, number, _UNSTABLE.format(rate))
         now, length, pushes = _pushed(now, motion), _PUSH_TIME / rate, pushes + 1
     return Equilibrium(now, False, time, _MOST_STEPS, "it still moves after the last step")
-
-
-def _growth(
-    stack: Stack, balance: Balance, loads: Loads, step: StepSettings
-) -> tuple[float, Array]:
-    """Growth of a small motion [1/s], and the coordinates that share in it."""
-    known = replace(balance, jacobian=film_coefficients(balance.states, step.fineness))
-    return growing_motion(stack, known, loads)
 
 
 def _pushed(balance: Balance, motion: Array) -> Balance:
@@ -180,7 +172,7 @@ def _leaning(
     if not last.converged:
         reason = "; ".join(leaning(stack, still.position)) or "films and forces do not settle"
         return Equilibrium(replace(still, residual=found.residual), False, time, steps, reason)
-    rate, _ = _growth(stack, last, loads, step)
+    rate, _ = growing_motion(stack, last, loads, step)
     if rate * search.longest_time > 1.0:
         return Equilibrium(last, False, time + length, steps, _UNSTABLE.format(rate))
     settled = _viscous(stack, last) <= _RESIDUAL_MOTION * balance_force(stack, loads.back)
@@ -229,15 +221,19 @@ _UNDAMPED = 1e-12
 """Damping over the largest from which it is rounding. [-]"""
 
 
-def growing_motion(stack: Stack, balance: Balance, loads: Loads) -> tuple[float, Array]:
+def growing_motion(
+    stack: Stack, balance: Balance, loads: Loads, step: StepSettings
+) -> tuple[float, Array]:
     """Fastest growth of a motion that tips bodies in equilibrium, and its shape.
 
     Parameters
     ----------
     balance : Balance
-        Equilibrium with its Jacobian; bearings that friction holds take no part.
+        Equilibrium; bearings that friction holds take no part.
     loads : Loads
         Friction in the housing.
+    step : StepSettings
+        Basis functions of the deformation that is taken along.
 
     Returns
     -------
@@ -251,11 +247,11 @@ def growing_motion(stack: Stack, balance: Balance, loads: Loads) -> tuple[float,
     motions circle. Those that circle faster than they grow do not tip a body, and are left out,
     as are those that no film damps: a cover holds all that moves together.
     """
-    assert balance.jacobian is not None
-    stiffness = balance.jacobian[0] + stop_forces(stack, balance.position)[1]
+    stiffness, damping = film_coefficients(balance.states, step.fineness)
+    stiffness = stiffness + stop_forces(stack, balance.position)[1]
     basis = _moving(stack, balance, loads) / stack.arms[:, None]
-    damping = basis.T @ balance.jacobian[1] @ basis
-    (force, drag), shapes = eig(-basis.T @ stiffness @ basis, damping, homogeneous_eigvals=True)
+    matrices = -basis.T @ stiffness @ basis, basis.T @ damping @ basis
+    (force, drag), shapes = eig(*matrices, homogeneous_eigvals=True)
     damped = np.abs(drag) > _UNDAMPED * np.abs(drag).max()
     rates, shapes = force[damped] / drag[damped], shapes[:, damped]
     tipping = np.where(np.abs(rates.imag) < rates.real, rates.real, -np.inf)

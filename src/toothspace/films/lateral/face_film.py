@@ -34,7 +34,7 @@ from toothspace.films.reynolds.rough_surfaces import (
     contact_field,
     mean_gap,
 )
-from toothspace.numerics.complementarity import face_flows, solve_complementarity
+from toothspace.numerics.complementarity import solve_complementarity
 from toothspace.numerics.linear_system import PRESCRIBED
 
 _SHEARED = 1e-9
@@ -238,8 +238,10 @@ class FaceFilm:
         push_x, push_y = _drops(potential, b.south, b.north)
         free = b.mark != PRESCRIBED
         film_x, film_y = _film_faces(free)
-        flow_x, flow_y = face_flows(b, b, potential, fields.saturation)
-        flow_x, flow_y = np.where(film_x, flow_x, 0.0), np.where(film_y, flow_y, 0.0)
+        flow_x, flow_y = (
+            np.where(at, flow, 0.0)
+            for at, flow in zip((film_x, film_y), self.plane.flows, strict=True)
+        )
         total = float((flow_x * drop_x).sum() + (flow_y * drop_y).sum())
         conducted = float((np.where(film_x, b.conductance_x, 0.0) * push_x * drop_x).sum())
         conducted += float((np.where(film_y, b.conductance_y, 0.0) * push_y * drop_y).sum())

@@ -23,7 +23,7 @@ from toothspace.films.lateral.equilibrium import (
     march_angles,
     snapshots_over_pitch,
 )
-from toothspace.films.lateral.face_film import FaceFilm, FilmLaw, film_law
+from toothspace.films.lateral.face_film import FaceFilm, film_law
 from toothspace.films.lateral.face_grid import FaceGrid
 from toothspace.films.lateral.housing_friction import (
     HousingFriction,
@@ -271,11 +271,17 @@ def lateral_problem(
         fluid.dynamic_viscosity, fluid.pressure_viscosity, limit_pressure=HIGHEST_PRESSURE
     )
     grids = tuple(FaceGrid(i, *settings.grid) for i in balance.interfaces)
+    deforms = settings.deformation == "winkler"
+    compliance: Compliance = WinklerFoundation(
+        tuple(i.winkler_compliance * deforms for i in balance.interfaces)
+    )
+    if settings.deformation == "bodies":
+        compliance = loaded_bodies(balance, grids, back, data)
     stack = Stack(
         replace(balance, shaft_stiffness=_held_by_journals(description, balance, data)),
         grids,
-        tuple(_law(i, film_fluid, settings) for i in balance.interfaces),
-        _compliance(balance, grids, settings, back, data),
+        tuple(film_law(_walls(i), film_fluid, settings.cavitation) for i in balance.interfaces),
+        compliance,
         shaft_speed,
     )
     snapshots = snapshots_over_pitch(stack, pressures, settings.angles)
@@ -350,24 +356,9 @@ def balance_of(description: MachineDescription) -> LateralBalance:
     return description.lateral_balance
 
 
-def _law(interface: FilmInterface, fluid: FilmFluid, settings: LateralSettings) -> FilmLaw:
-    surfaces = interface.face.surfaces
-    rough = surfaces is not None and surfaces.roughness > 0.0
-    law = RoughSurfaces(**vars(surfaces)) if rough else None
-    return film_law(law, fluid, settings.cavitation)
-
-
-def _compliance(
-    balance: LateralBalance,
-    grids: tuple[FaceGrid, ...],
-    settings: LateralSettings,
-    back: BackPressure,
-    data: xr.Dataset,
-) -> Compliance:
-    if settings.deformation == "bodies":
-        return loaded_bodies(balance, grids, back, data)
-    deforms = settings.deformation == "winkler"
-    return WinklerFoundation(tuple(i.winkler_compliance * deforms for i in balance.interfaces))
+def _walls(interface: FilmInterface) -> RoughSurfaces | None:
+    own = interface.face.surfaces
+    return RoughSurfaces(**vars(own)) if own is not None and own.roughness > 0.0 else None
 
 
 def numbers_of(problem: LateralProblem, balance: Balance) -> LateralNumbers:
