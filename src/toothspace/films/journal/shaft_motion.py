@@ -278,4 +278,6 @@ class _OrbitStep:
         c, bearing = self.bearing.radial_clearance, self.bearing
         limit = 1.0 - 0.3 * max(1.0 - closeness(before / c, bearing), 1e-3)
         change = position - before
-        return before + longest_part(change, lambda d: closeness((before + d) / c, bearing) <= limit)
+        return before + longest_part(
+            change, lambda d: closeness((before + d) / c, bearing) <= limit
+        )

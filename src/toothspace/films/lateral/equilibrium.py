@@ -10,7 +10,7 @@ import numpy as np
 from scipy.linalg import eig
 
 from toothspace.core.types import Array
-from toothspace.films.lateral.deformation import film_coefficients, limited
+from toothspace.films.lateral.deformation import film_coefficients, overstep
 from toothspace.films.lateral.motion import (
     Balance,
     Loads,
@@ -146,7 +146,8 @@ def find_equilibrium(
 
 def _pushed(balance: Balance, motion: Array) -> Balance:
     """State a little aside, without motion; films are those of the place before."""
-    aside = _PUSH * limited(balance.states, motion * _FAR)
+    far = motion * _FAR
+    aside = _PUSH * far / overstep(balance.states, far)
     still = np.zeros_like(motion)
     states = tuple(replace(s, position=s.position + aside, velocity=still) for s in balance.states)
     return replace(balance, states=states)

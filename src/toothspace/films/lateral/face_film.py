@@ -167,7 +167,7 @@ class FaceFilm:
         """Load of the chambers on the bearing alone: lift [N] and rotations [N m]."""
         return self.grid.moments(self.pressure, self.boundary.mask.open_face)
 
-    def overstep(self, motion: Array, opening: Array) -> float:
+    def overstep(self, motion: Array, opening: Array | float) -> float:
         """Step of the gap over the longest that it allows.
 
         A motion of the upper face [m, rad] and an opening of every cell. [m]

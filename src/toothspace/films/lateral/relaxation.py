@@ -8,7 +8,7 @@ from typing import NamedTuple, final
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.films.lateral.deformation import Fields, limited, next_deformation
+from toothspace.films.lateral.deformation import Fields, next_deformation, overstep
 from toothspace.films.lateral.motion import Balance, Loads, balance_force
 from toothspace.films.lateral.stack import (
     Snapshot,
@@ -104,7 +104,8 @@ def relax(
         if settled and _size(stack, now.force) <= force_tolerance * scale:
             break
         taken += 1
-        step = limited(now.states, _step(stack, now, scale / far))
+        step = _step(stack, now, scale / far)
+        step = step / overstep(now.states, step)
         found = point(now.states[0].position + step, now.states, _followed(now))
         error = _size(stack, found.force - (now.force - now.stiffness @ step))
         size = _size(stack, now.force)

@@ -329,18 +329,6 @@ class Stack:
         return bearing, body
 
 
-def _inside_rim(balance: LateralBalance, place: Array) -> float:
-    """Distance of a place from the edge of the belt round the bodies, positive inside. [m]."""
-    faces = [interface.face for interface in balance.interfaces]
-    first, last = faces[0], faces[len(balance.bodies) - 1]
-    start, end = np.array(first.center), np.array(last.center)
-    along = end - start
-    length = float(along @ along)
-    share = float(np.clip((place - start) @ along / length, 0.0, 1.0)) if length > 0.0 else 0.0
-    radius = min(first.outer_radius, last.outer_radius)
-    return radius - float(np.linalg.norm(place - start - share * along))
-
-
 def _moving_bearings(balance: LateralBalance) -> tuple[MovingBearing, ...]:
     """Floating bearings or their parts: before the bodies those of the floating side."""
     bodies = balance.bodies
@@ -454,7 +442,15 @@ class StackState:
         force, about_x, about_y = self.solid_seat(low)
         if force <= 0.0:
             return -np.inf
-        return _inside_rim(self.stack.balance, np.array([-about_y, about_x]) / force)
+        balance = self.stack.balance
+        faces = [interface.face for interface in balance.interfaces]
+        first, last = faces[0], faces[len(balance.bodies) - 1]
+        # the rim is the edge of the belt round the bodies
+        start = np.array(first.center)
+        place, along = np.array([-about_y, about_x]) / force - start, np.array(last.center) - start
+        share = np.clip(place @ along / max(float(along @ along), 1e-300), 0.0, 1.0)
+        radius = min(first.outer_radius, last.outer_radius)
+        return radius - float(np.linalg.norm(place - share * along))
 
     def _face(self, side: str, bodies: tuple[str, ...]) -> Array:
         found = np.zeros(_MOTIONS)

@@ -181,7 +181,26 @@ class _LeakageSearch:
         self._dragged = with_film_torque(
             self._dragged, viscosity, solution.data, found.equilibrium.balance
         )
-        return self._judged(machine, solution, leakage, found)
+        numbers, back = found.numbers, found.problem.loads.back
+        flow = machine.displacement * found.problem.stack.shaft_speed
+        ideal = machine.displacement * (back.high - back.low)
+        torque = numbers.viscous_torque + numbers.asperity_torque
+        dragged = lumped_torque(solution.data)
+        pairs = (
+            (numbers.leakage, leakage, NEGLIGIBLE * flow),
+            (torque, dragged, _NEGLIGIBLE_TORQUE * ideal),
+        )
+        close = all(agree(a, b, least) for a, b, least in pairs)
+        agreed = all(agree(a, b, _TOLERATED * least) for a, b, least in pairs)
+        point = CoupledPoint(
+            **vars(found),
+            solution=solution,
+            description=machine,
+            leakage_mismatch=(numbers.leakage - leakage) / flow,
+            torque_mismatch=(torque - dragged) / ideal,
+            agreed=found.warm and (agreed or self._asked.rounds == 1),
+        )
+        return point, close
 
     def _free(self, problem: LateralProblem, leakage: float) -> SettledBearing:
         """Equilibrium at the pressures of the run; sets how the paths leak in the next one."""
@@ -232,30 +251,6 @@ class _LeakageSearch:
             1.0 - share
         ) * low.log_leakage_factor + share * high.log_leakage_factor
         return found
-
-    def _judged(
-        self, machine: MachineDescription, solution: Solution, leakage: float, found: SettledBearing
-    ) -> tuple[CoupledPoint, bool]:
-        numbers, back = found.numbers, found.problem.loads.back
-        flow = machine.displacement * found.problem.stack.shaft_speed
-        ideal = machine.displacement * (back.high - back.low)
-        torque = numbers.viscous_torque + numbers.asperity_torque
-        dragged = lumped_torque(solution.data)
-        pairs = (
-            (numbers.leakage, leakage, NEGLIGIBLE * flow),
-            (torque, dragged, _NEGLIGIBLE_TORQUE * ideal),
-        )
-        close = all(agree(a, b, least) for a, b, least in pairs)
-        agreed = all(agree(a, b, _TOLERATED * least) for a, b, least in pairs)
-        point = CoupledPoint(
-            **vars(found),
-            solution=solution,
-            description=machine,
-            leakage_mismatch=(numbers.leakage - leakage) / flow,
-            torque_mismatch=(torque - dragged) / ideal,
-            agreed=found.warm and (agreed or self._asked.rounds == 1),
-        )
-        return point, close
 
 
 def _ends(trials: list[Trial]) -> tuple[Trial, Trial] | None:
