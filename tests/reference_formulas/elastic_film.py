@@ -319,14 +319,11 @@ def _newton_step(
         return np.concatenate([deformed, -inverse @ problem.force(change)])
 
     rhs = np.concatenate([missing[0], inverse @ missing[1]])
+    limits = np.array([settings.krylov_tolerance * np.linalg.norm(rhs)])
     step, count = gmres(
-        product, _identity, rhs, relative_tolerance=settings.krylov_tolerance, max_iterations=80
+        lambda v: product(v[0])[None], np.copy, rhs[None], limits=limits, max_iterations=80
     )
-    return step, count + len(shapes)
-
-
-def _identity(v: Array) -> Array:
-    return v
+    return step[0], count + len(shapes)
 
 
 def _advance(

@@ -11,7 +11,7 @@ import pytest
 
 from tests.toy_machine import toy_machine
 from toothspace.core.status import Status
-from toothspace.model.fluid import fluid_law
+from toothspace.model.fluid import GasModel, fluid_law
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.solver import accuracy, cyclic
 from toothspace.solver.accuracy import Assembled, march_to_balance
@@ -26,7 +26,7 @@ def machine() -> Assembled:
     condition = OperatingCondition(
         shaft_speed=150.0, inlet_pressure=1e5, outlet_pressure=50e5, drain_pressure=1e5
     )
-    law = fluid_law("iso_vg_46", 323.15, 0.002, 0.08, "none")
+    law = fluid_law("iso_vg_46", 323.15, GasModel(law="none", dissolved_air_fraction=0.08))
     return Assembled(toy_machine(), law, condition)
 
 

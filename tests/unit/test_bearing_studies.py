@@ -146,7 +146,14 @@ def _coupled() -> CoupledPoint:
     settled = problem.settle(problem.started(0.8e-6))
     solution = cast(Any, SimpleNamespace(status=Status.DONE))
     numbers = numbers_of(problem, settled.balance)
-    return CoupledPoint(solution, cast(Any, None), problem, settled, numbers, 0.0)
+    return CoupledPoint(
+        problem=problem,
+        equilibrium=settled,
+        numbers=numbers,
+        solution=solution,
+        description=cast(Any, None),
+        leakage_mismatch=0.0,
+    )
 
 
 def test_wear_map_is_the_mean_of_asperity_pressure_times_speed() -> None:

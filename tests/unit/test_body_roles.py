@@ -17,7 +17,7 @@ from toothspace.model.arrays import (
 from toothspace.model.assembly import System, assemble
 from toothspace.model.contact_pair import RigidMesh
 from toothspace.model.films import lateral_drag
-from toothspace.model.fluid import fluid_law
+from toothspace.model.fluid import GasModel, fluid_law
 from toothspace.model.operating_point import OperatingCondition
 
 
@@ -30,7 +30,9 @@ def meshed(ratio: float) -> System:
     condition = OperatingCondition(
         shaft_speed=100.0, inlet_pressure=1e5, outlet_pressure=50e5, radial_load=(30.0, -40.0)
     )
-    return assemble(turned, fluid_law("iso_vg_46", 323.15, 0.002, 0.08), condition)
+    return assemble(
+        turned, fluid_law("iso_vg_46", 323.15, GasModel(dissolved_air_fraction=0.08)), condition
+    )
 
 
 @pytest.mark.parametrize("sense", [1.0, -1.0])

@@ -28,13 +28,13 @@ from toothspace.closures.viscosity import (
     walther_constants,
     walther_viscosity,
 )
-from toothspace.model.fluid import fluid_law
+from toothspace.model.fluid import GasModel, fluid_law
 
 BAR = 1e5
 
 
 def law_of(name: str, celsius: float, **options: object) -> FluidLaw:
-    return fluid_law(name, celsius + 273.15, **options)  # type: ignore[arg-type]
+    return fluid_law(name, celsius + 273.15, GasModel(**options))  # type: ignore[arg-type]
 
 
 def density_of(pressure: float, law: FluidLaw) -> float:
@@ -196,7 +196,7 @@ def test_release_and_absorption_time() -> None:
 
 @pytest.mark.parametrize(("gas_law", "expected"), [("none", 0.0), ("equilibrium", 1e5)])
 def test_limits_of_the_gas_law(gas_law: str, expected: float) -> None:
-    law = law_of("iso_vg_46", 50, gas_law=gas_law)
+    law = law_of("iso_vg_46", 50, law=gas_law)
     assert -gas_exchange_rate(0.5e5, 1e-6, law)[2] == pytest.approx(expected)
 
 

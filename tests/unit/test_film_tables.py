@@ -19,7 +19,7 @@ from toothspace.model.arrays import FILM_FORCE, FILM_X, FILM_Y
 from toothspace.model.assembly import System, assemble
 from toothspace.model.bodies import journal_torques
 from toothspace.model.description import MachineDescription
-from toothspace.model.fluid import fluid_law
+from toothspace.model.fluid import GasModel, fluid_law
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.system import right_hand_side
 from toothspace.simulation.film_tables import with_film_tables
@@ -95,7 +95,7 @@ def curved(curves: FrictionCurves = CURVES) -> System:
     condition = OperatingCondition(
         shaft_speed=157.0, inlet_pressure=1e5, outlet_pressure=150e5, relative_tolerance=1e-6
     )
-    fluid = fluid_law("iso_vg_46", 323.15, 0.002, 0.08, "dynamic")
+    fluid = fluid_law("iso_vg_46", 323.15, GasModel(dissolved_air_fraction=0.08))
     return assemble(replace(machine, journals=journals), fluid, condition)
 
 

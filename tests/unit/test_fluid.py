@@ -11,7 +11,7 @@ from toothspace.closures.density import liquid_specific_volume
 from toothspace.closures.viscosity import dynamic_viscosity
 from toothspace.core.errors import CaseError
 from toothspace.library import library_names, load_fluid, load_material
-from toothspace.model.fluid import fluid_law
+from toothspace.model.fluid import GasModel, fluid_law
 from toothspace.model.fluid_table import fit_table
 
 HEADER = "temperature [degC],pressure [bar],density [kg/m3],dynamic_viscosity [mPa s]"
@@ -60,12 +60,12 @@ def test_temperature_outside_the_range() -> None:
 
 def test_unknown_gas_law() -> None:
     with pytest.raises(CaseError, match=r"gas_law: found 'henry', allowed dynamic, eq"):
-        fluid_law("jet_a1", 323.15, gas_law="henry")
+        fluid_law("jet_a1", 323.15, GasModel(law="henry"))
 
 
 def test_saturation_below_the_vapour_pressure() -> None:
     with pytest.raises(CaseError, match=r"fluid\.saturation_pressure"):
-        fluid_law("jet_a1", 373.15, saturation_pressure=14e3)
+        fluid_law("jet_a1", 373.15, GasModel(saturation_pressure=14e3))
 
 
 def test_default_air_is_that_of_the_fluid() -> None:

@@ -38,7 +38,8 @@ def _problem(rim: float, arrangement: str, coulomb: float = 0.0) -> LateralProbl
 
 def _settle(problem: LateralProblem, begun: Balance, warm: np.ndarray | None) -> SettledBearing:
     found = problem.settle(begun)
-    return SettledBearing(problem, found, numbers_of(problem, found.balance))
+    numbers = numbers_of(problem, found.balance)
+    return SettledBearing(problem=problem, equilibrium=found, numbers=numbers)
 
 
 def _trials(arrangement: str, coulomb: float = 0.0) -> list[Trial]:

@@ -24,7 +24,7 @@ from toothspace.core.errors import CaseError
 from toothspace.core.keys import KeyRuleError
 from toothspace.core.status import Status
 from toothspace.model.assembly import System, assemble
-from toothspace.model.fluid import fluid_law
+from toothspace.model.fluid import GasModel, fluid_law
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.simulation import running_in
 from toothspace.simulation.setup import Setup, fluid_of
@@ -40,7 +40,11 @@ def system() -> System:
     condition = OperatingCondition(
         shaft_speed=150.0, inlet_pressure=1e5, outlet_pressure=50e5, drain_pressure=1e5
     )
-    return assemble(toy_machine(), fluid_law("iso_vg_46", 323.15, 0.002, 0.08, "none"), condition)
+    return assemble(
+        toy_machine(),
+        fluid_law("iso_vg_46", 323.15, GasModel(law="none", dissolved_air_fraction=0.08)),
+        condition,
+    )
 
 
 def test_an_interrupt_inside_a_revolution_keeps_the_revolutions_before(

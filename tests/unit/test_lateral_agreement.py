@@ -60,7 +60,7 @@ class _Chambers:
         return machine
 
     def _dragged(self, machine: Any, viscosity: float, data: Any, balance: Any) -> Any:
-        lost = [film.friction() for film in balance.states[0].films]
+        lost = [film.losses for film in balance.states[0].films]
         self.torque = sum(x.shear + x.asperity for x in lost) / SPEED
         return machine
 

@@ -60,7 +60,7 @@ def test_heat_of_the_films_agrees_with_their_viscosity(problem: LateralProblem) 
         found.temperatures,
         strict=True,
     ):
-        lost = film.friction()
+        lost = film.losses
         rise = 0.5 * (lost.dissipation + lost.asperity) / (1.6e6 * film.plane.exchange.outflow)
         assert rise > 1.0
         assert temperature - SUPPLY == pytest.approx(rise, abs=0.3)

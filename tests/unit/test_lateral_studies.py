@@ -50,7 +50,14 @@ def _points(pressure: tuple[float, ...], coulomb: float) -> tuple[StoredPoint, .
         now = settled.balance
         numbers = numbers_of(problem, now)
         solution = cast(Any, SimpleNamespace(status=Status.DONE))
-        one = CoupledPoint(solution, cast(Any, None), problem, settled, numbers, 0.0)
+        one = CoupledPoint(
+            problem=problem,
+            equilibrium=settled,
+            numbers=numbers,
+            solution=solution,
+            description=cast(Any, None),
+            leakage_mismatch=0.0,
+        )
         found.append(stored_point(one))
     return tuple(found)
 

@@ -14,7 +14,7 @@ from tests.reference_formulas.full_jacobian import jacobian
 from toothspace.closures.bearing_map import build_journal_map, journal_force
 from toothspace.model.arrays import FILM_FORCE
 from toothspace.model.assembly import System, assemble
-from toothspace.model.fluid import fluid_law
+from toothspace.model.fluid import GasModel, fluid_law
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.system import right_hand_side
 from toothspace.solver.compiled_model import observe
@@ -27,7 +27,7 @@ STEPS = {"x": 1e-10, "y": 1e-10, "rotation": 1e-8}
 
 
 def ring_system(**pair: Any) -> System:
-    fluid = fluid_law("iso_vg_46", 323.15, 0.002, 0.08, "dynamic")
+    fluid = fluid_law("iso_vg_46", 323.15, GasModel(dissolved_air_fraction=0.08))
     condition = OperatingCondition(
         shaft_speed=157.0,
         inlet_pressure=1e5,

@@ -14,7 +14,7 @@ from toothspace.machines.external_gear.assembly import assemble as assemble_gear
 from toothspace.machines.external_gear.loads import flank_pair
 from toothspace.model.assembly import assemble
 from toothspace.model.description import MachineDescription
-from toothspace.model.fluid import fluid_law
+from toothspace.model.fluid import GasModel, fluid_law
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.solver.compiled_model import Observation, observe
 from toothspace.solver.cyclic import History, RunPlan, march_revolutions
@@ -39,7 +39,7 @@ def run(machine: MachineDescription, *, compliant: bool, reversed_load: bool = F
         compliant_mesh=compliant,
         relative_tolerance=1e-6,
     )
-    fluid = fluid_law("iso_vg_46", 323.15, 0.002, 0.08, "dynamic")
+    fluid = fluid_law("iso_vg_46", 323.15, GasModel(dissolved_air_fraction=0.08))
     return march_revolutions(assemble(machine, fluid, condition), PLAN)
 
 
@@ -134,7 +134,7 @@ def test_load_reversal_takes_the_other_flank(machine: MachineDescription) -> Non
 def test_a_pump_on_thin_fuel_rattles() -> None:
     """Where the rigid mesh of the fuel pump pulls, elastic teeth part, cross over and hit."""
     machine = MACHINE.describe(fuel14(), 480)
-    fluid = fluid_law("jet_a1", 333.15, 0.002, 0.14, "dynamic")
+    fluid = fluid_law("jet_a1", 333.15, GasModel(dissolved_air_fraction=0.14))
     runs = []
     for compliant in (False, True):
         condition = OperatingCondition(

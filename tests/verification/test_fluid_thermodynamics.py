@@ -16,7 +16,7 @@ from toothspace.closures.density import (
 )
 from toothspace.closures.enthalpy import gas_enthalpy, liquid_enthalpy, partial_enthalpies
 from toothspace.closures.fluid_law import FluidLaw
-from toothspace.model.fluid import fluid_law
+from toothspace.model.fluid import GasModel, fluid_law
 
 LAWS = [fluid_law("iso_vg_46", 323.15), fluid_law("jet_a1", 373.15)]
 
@@ -108,7 +108,7 @@ def test_bulk_modulus_is_the_exact_derivative_of_the_density(law: FluidLaw) -> N
 
 @pytest.mark.parametrize("gas_law", ["dynamic", "equilibrium", "none"])
 def test_derivatives_of_the_gas_exchange(gas_law: str) -> None:
-    law = fluid_law("iso_vg_46", 323.15, gas_law=gas_law)
+    law = fluid_law("iso_vg_46", 323.15, GasModel(law=gas_law))
     total = law.total_gas_mass_fraction
     for pressure in (2e3, 0.9e5, 1.03e5, 5e5):
         for fraction in (0.0, 0.02 * total, 0.5 * total, total):

@@ -15,7 +15,7 @@ from toothspace.model.arrays import CONTACT_ENERGY
 from toothspace.model.assembly import System, assemble
 from toothspace.model.contact_pair import ContactPair
 from toothspace.model.description import MachineDescription, Motion
-from toothspace.model.fluid import fluid_law
+from toothspace.model.fluid import GasModel, fluid_law
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.system import evaluate
 from toothspace.numerics.periodic_table import PeriodicTable
@@ -78,7 +78,15 @@ def block(contacts: tuple[ContactPair, ...], force: float = 0.0) -> System:
         radial_load=(force, 0.0),
         relative_tolerance=1e-7,
     )
-    return assemble(machine, fluid_law("iso_vg_46", 323.15, 0.0, 0.0, "none"), condition)
+    return assemble(
+        machine,
+        fluid_law(
+            "iso_vg_46",
+            323.15,
+            GasModel(law="none", free_air_fraction=0.0, dissolved_air_fraction=0.0),
+        ),
+        condition,
+    )
 
 
 def bounce(system: System, speed: float, duration: float, samples: int = 2000) -> Piece:

@@ -31,13 +31,12 @@ from toothspace.films.lateral.elastic_faces import (
 )
 from toothspace.films.lateral.equilibrium import (
     Equilibrium,
-    LateralMarch,
     SearchSettings,
     find_equilibrium,
     march_angles,
 )
 from toothspace.films.lateral.local_deformation import Accuracy
-from toothspace.films.lateral.motion import StepSettings, state_at
+from toothspace.films.lateral.motion import Balance, StepSettings, state_at
 from toothspace.films.lateral.stack import PreviousStep, Snapshot, Stack, StackState
 from toothspace.numerics.acceleration import Mixing
 from toothspace.simulation.elastic import lateral_settings
@@ -318,7 +317,7 @@ def test_plates_settle_between_bending_bodies() -> None:
     assert gaps[:2] == pytest.approx(gaps[2:], rel=1e-3)
 
 
-def _march(stack: Stack, settings: StepSettings) -> LateralMarch:
+def _march(stack: Stack, settings: StepSettings) -> list[Balance]:
     """Six steps of half a degree while the pressure of the chambers and behind rises and falls."""
     angles = np.arange(1, 7) * np.pi / 360.0
 
@@ -326,7 +325,7 @@ def _march(stack: Stack, settings: StepSettings) -> LateralMarch:
         return pressures(HIGH * (1.0 + 0.05 * np.sin(60.0 * angle)))
 
     rest = state_at(stack, (stack.snapshot(0.0, beats(0.0)),), stack.start(2e-6))
-    return march_angles(stack, beats, loads(HIGH), rest, angles, settings)
+    return list(march_angles(stack, beats, loads(HIGH), rest, angles, settings))
 
 
 def test_films_and_forces_respond_to_basis_functions_as_to_small_changes(
@@ -335,8 +334,8 @@ def test_films_and_forces_respond_to_basis_functions_as_to_small_changes(
     """Derivatives beside differences of films that are solved anew."""
     stack = _stack(faces)
     march = _march(stack, StepSettings(memory=MEMORY))
-    before, last = (march.balances[k].states[0] for k in (-2, -1))
-    duration = float(march.shaft_angle[1] - march.shaft_angle[0]) / stack.shaft_speed
+    before, last = (march[k].states[0] for k in (-2, -1))
+    duration = (last.snapshot.shaft_angle - before.snapshot.shaft_angle) / stack.shaft_speed
     found = response(last, Fineness(2, 1), 1.0 / duration)
     for k in (0, 3, 13):
         change = found.fields(1e-10 * np.eye(len(found.gain))[k])
@@ -369,9 +368,9 @@ def test_march_that_predicts_the_deformation_takes_the_same_way(faces: ElasticFa
     more = replace(faces, local=tuple(3.0 * c for c in faces.local))
     plain = _march(replace(stack, compliance=more), settings)
     quick = _march(stack, replace(settings, fineness=Fineness(2, 1), jacobian_age=60))
-    assert plain.converged
-    assert quick.converged
-    for a, b in zip(plain.balances, quick.balances, strict=True):
+    for a, b in zip(plain, quick, strict=True):
+        assert a.converged
+        assert b.converged
         assert b.position == pytest.approx(a.position, abs=1e-3 * a.position[0])
-    used = [sum(b.iterations for b in m.balances[2:]) for m in (plain, quick)]
+    used = [sum(b.iterations for b in m[2:]) for m in (plain, quick)]
     assert used[1] < 0.7 * used[0], used

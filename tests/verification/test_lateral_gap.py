@@ -96,10 +96,10 @@ def test_rigid_faces_give_the_lateral_film(tilt: tuple[float, float], fluid: Fil
         inner_pressure=LOW,
         outer_pressure=HIGH,
     ).solve(shaft_speed=speed)
-    assert found.covered_load() == pytest.approx(ring.load, rel=1e-9, abs=1e-9)
-    assert found.friction().bore_flow == pytest.approx(ring.inner_flow, rel=1e-9)
+    assert found.covered_load == pytest.approx(ring.load, rel=1e-9, abs=1e-9)
+    assert found.losses.bore_flow == pytest.approx(ring.inner_flow, rel=1e-9)
     power = ring.friction_torque * speed
-    assert abs(found.friction().shear) == pytest.approx(abs(power), rel=2e-4)
+    assert abs(found.losses.shear) == pytest.approx(abs(power), rel=2e-4)
 
 
 @pytest.mark.parametrize("approach", [0.0, APPROACH])
@@ -114,7 +114,7 @@ def test_flow_through_a_ring_follows_the_viscosity_at_the_pressure() -> None:
     r"""Level faces: :math:`Q = \pi h^3 (q_2 - q_1) / (6 \mu_0 \ln(r_2/r_1))` with reduced q."""
     gap, alpha, limit = 6e-6, THICKENING.pressure_viscosity, THICKENING.limit_pressure
     stack = _of(ring_stack(rough=False, speed=0.0), THICKENING)
-    flow = _solved(stack, stack.start(gap)).films[0].friction().bore_flow
+    flow = _solved(stack, stack.start(gap)).films[0].losses.bore_flow
     below = (np.exp(-alpha * LOW) - np.exp(-alpha * limit)) / alpha
     reduced = below + (HIGH - limit) * np.exp(-alpha * limit)
     exact = np.pi * gap**3 * reduced / (6.0 * VISCOSITY * np.log(OUTER / INNER))
@@ -137,7 +137,7 @@ def test_stiffness_and_damping_are_derivatives(
     stack = _of(ring_stack(approach=approach, motion="full", limit=0.0), fluid)
     q = stack.start(gap)
     q[1:3] = 1e-5, -0.5e-5
-    stiffness, damping = _solved(stack, q).coefficients()
+    stiffness, damping = _solved(stack, q).coefficients
     scale = np.array([1.0, 1.0 / OUTER, 1.0 / OUTER] * 2)
     for k in range(stack.size):
         for table, step, rate in ((stiffness, 1e-10, False), (damping, 1e-6, True)):
@@ -196,7 +196,7 @@ def test_springs_beside_the_middle_tilt_the_bearing_until_moments_balance() -> N
     assert found.settled
     assert found.balance.residual < 1e-6
     assert np.abs(found.balance.position[1:3]).max() > 1e-7
-    moment = found.balance.states[0].films[0].covered_load()[2]
+    moment = found.balance.states[0].films[0].covered_load[2]
     assert moment == pytest.approx(-100.0 * 4e-3, rel=1e-3)
 
 
@@ -293,11 +293,11 @@ def test_march_over_the_revolution_keeps_its_equilibrium() -> None:
     stack = ring_stack(approach=APPROACH, high_share=SHARE)
     rest = _settled(stack, HIGH, 2e-6).balance
     angles = np.arange(1, 7) * np.pi / 3.0
-    march = march_angles(
-        stack, lambda _: pressures(HIGH), loads(HIGH), rest, angles, StepSettings()
-    )
-    assert march.converged
-    for balance in march.balances:
+    settings = StepSettings()
+    for balance in march_angles(
+        stack, lambda _: pressures(HIGH), loads(HIGH), rest, angles, settings
+    ):
+        assert balance.converged
         assert balance.position[0] == pytest.approx(rest.position[0], rel=1e-5)
 
 
@@ -308,7 +308,7 @@ def test_squeeze_slows_the_closing_bearing() -> None:
     angles = np.arange(1, 21) * 0.5
     higher = loads(HIGH)._replace(back=BackPressure(1.05 * HIGH, LOW, LOW))
     march = march_angles(stack, lambda _: pressures(HIGH), higher, rest, angles, StepSettings())
-    path = np.array([rest.position[0]] + [b.position[0] for b in march.balances])
+    path = np.array([rest.position[0]] + [b.position[0] for b in march])
     assert np.all(np.diff(path) < 0.0)
     assert abs(path[1] - path[0]) > 2.0 * abs(path[-1] - path[-2])
 
@@ -320,7 +320,7 @@ def test_powers_of_a_film_balance(fluid: FilmFluid) -> None:
     v = np.zeros(stack.size)
     v[0] = -1e-4
     q = stack.start(4e-6)
-    lost = _solved(stack, q, v=v).films[0].friction()
+    lost = _solved(stack, q, v=v).films[0].losses
     assert lost.dissipation == pytest.approx(lost.shear + lost.pressure - lost.squeeze, rel=1e-9)
     assert lost.squeeze < 0.0
 
@@ -348,7 +348,7 @@ def test_flow_that_pressure_drives_pulls_the_face_along_at_any_speed() -> None:
         )
         grids = tuple(FaceGrid(i, 36, 10) for i in halves)
         stack = replace(stack, balance=replace(stack.balance, interfaces=halves), grids=grids)
-        lost = _solved(stack, stack.start(height)).films[0].friction()
+        lost = _solved(stack, stack.start(height)).films[0].losses
         assert lost.drag / speed == pytest.approx(wanted, rel=1e-6)
         sheared.append((lost.shear - lost.drag) / speed)
     assert sheared[1] == pytest.approx(2.0 * sheared[0], rel=1e-9)
@@ -408,7 +408,7 @@ def test_axial_force_of_the_teeth_tilts_the_gear_until_films_take_its_moment() -
     forces = (AxialForce(push, (0.0, arm)),)
     helical = replace(stack, balance=replace(stack.balance, body_forces=forces))
     state = _settled(helical, HIGH, 2e-6).balance.states[0]
-    floating, solid = (film.covered_load() for film in state.films)
+    floating, solid = (film.covered_load for film in state.films)
     assert floating - solid == pytest.approx([push, push * arm, 0.0], rel=1e-3, abs=1e-3)
     assert helical.tilts(state.position)[0] > 1e-5
     bearing, gear = (state.position[k + 1 : k + 3] for k in (0, helical.first_body))
@@ -451,6 +451,6 @@ def test_films_scale_with_viscosity_and_speed_over_pressure() -> None:
         for s, snapshot in zip((one, two), snapshots, strict=True)
     ]
     np.testing.assert_allclose(films[1].pressure, 2.0 * films[0].pressure, rtol=1e-7)
-    lost = [film.friction() for film in films]
+    lost = [film.losses for film in films]
     assert lost[1].bore_flow == pytest.approx(2.0 * lost[0].bore_flow, rel=1e-7)
     assert lost[1].shear == pytest.approx(4.0 * lost[0].shear, rel=1e-7)

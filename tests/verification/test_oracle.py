@@ -23,7 +23,7 @@ from toothspace.machines.external_gear.describe import describe
 from toothspace.model.arrays import CATEGORY
 from toothspace.model.assembly import System, assemble
 from toothspace.model.description import MachineDescription
-from toothspace.model.fluid import fluid_law
+from toothspace.model.fluid import GasModel, fluid_law
 from toothspace.model.ledger import LEDGER_NAMES
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.numerics.periodic_table import PeriodicTable
@@ -100,7 +100,9 @@ def without_motion(machine: MachineDescription) -> MachineDescription:
 
 
 def plain_liquid() -> FluidLaw:
-    law = fluid_law("iso_vg_46", 323.15, 0.0, 0.0, "none")
+    law = fluid_law(
+        "iso_vg_46", 323.15, GasModel(law="none", free_air_fraction=0.0, dissolved_air_fraction=0.0)
+    )
     return law._replace(
         reference_density=oracle.DENSITY,
         compliance=oracle.COMPLIANCE,

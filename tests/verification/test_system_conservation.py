@@ -9,7 +9,7 @@ from tests.iteration_matrices import assert_iteration_agrees
 from tests.reference_formulas.full_jacobian import jacobian
 from tests.toy_machine import toy_machine
 from toothspace.model.assembly import System, assemble
-from toothspace.model.fluid import fluid_law
+from toothspace.model.fluid import GasModel, fluid_law
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.system import right_hand_side
 from toothspace.solver.cyclic import RunPlan, march_revolutions
@@ -20,7 +20,7 @@ PLAN = RunPlan(revolutions=3, samples_per_revolution=180)
 
 
 def toy_system(load_area: float = 0.0, tolerance: float = 1e-6) -> System:
-    fluid = fluid_law("iso_vg_46", 323.15, 0.002, 0.08, "dynamic")
+    fluid = fluid_law("iso_vg_46", 323.15, GasModel(dissolved_air_fraction=0.08))
     condition = OperatingCondition(
         shaft_speed=157.0,
         inlet_pressure=1e5,

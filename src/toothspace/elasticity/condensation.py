@@ -52,7 +52,10 @@ def flexibility(
        linear equations, ACM Trans. Math. Softw. 9 (1983) 302-325.
     """
     stiffness, rows = _held(stiffness, loads.tocsr(), fixed)
-    graph = _node_graph(stiffness)
+    blocks = stiffness.tobsr(blocksize=(3, 3))
+    blocks.sort_indices()
+    joined = np.ones(blocks.indices.size, dtype=np.int8), blocks.indices, blocks.indptr
+    graph = sp.csr_matrix(joined, shape=(len(nodes), len(nodes)))
     parts = _planned(dissect(nodes, graph), graph, rows)
     work = _Workspace.sized(parts)
     total = np.zeros((loads.shape[1], loads.shape[1]))
@@ -63,7 +66,11 @@ def flexibility(
         front = work.front(part)
         _assemble(part, (stiffness, rows), place, front)
         for child in reversed(part.children):
-            _extend_by(parts[child], part, work.pop(parts[child]), place, front)
+            matrix, passed = work.pop(parts[child])
+            rows_of = _unknowns(place[parts[child].outer])
+            _extend(matrix, rows_of, front.inner, front.below, front.rest)
+            columns = np.searchsorted(part.columns, parts[child].columns)
+            _extend_loads(passed, rows_of, columns, front.loads, front.passed)
         place[part.own], place[part.outer] = -1, -1
         work.push(part, _eliminated(part, front, total))
     return np.asarray(np.tril(total) + np.tril(total, -1).T)
@@ -84,16 +91,6 @@ def _held(
     own = (rows == held.indices) & (keep[rows] == 0.0)
     held.data[own] = stiffness.data[own]
     return held, (sp.diags(keep) @ loads).tocsr()
-
-
-def _node_graph(stiffness: sp.csr_matrix) -> sp.csr_matrix:
-    blocks = stiffness.tobsr(blocksize=(3, 3))
-    blocks.sort_indices()
-    count = len(blocks.indptr) - 1
-    return sp.csr_matrix(
-        (np.ones(blocks.indices.size, dtype=np.int8), blocks.indices, blocks.indptr),
-        shape=(count, count),
-    )
 
 
 class _EliminationPart(NamedTuple):
@@ -239,20 +236,6 @@ def _gather(
                     below[i - count, 3 * k + a] += value[j]
                 elif i >= 3 * k + a:
                     inner[i, 3 * k + a] += value[j]
-
-
-def _extend_by(
-    child: _EliminationPart,
-    part: _EliminationPart,
-    left: list[Array],
-    place: IntArray,
-    front: _Front,
-) -> None:
-    """Add what a child left."""
-    rows = (3 * place[child.outer][:, None] + np.arange(3)).ravel()
-    _extend(left[0], rows, front.inner, front.below, front.rest)
-    columns = np.searchsorted(part.columns, child.columns)
-    _extend_loads(left[1], rows, columns, front.loads, front.passed)
 
 
 @njit

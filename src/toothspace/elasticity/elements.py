@@ -174,15 +174,16 @@ def stiffness_matrix(
     values = np.zeros((column.size, 3, 3))
     for first in range(0, len(place), _BATCH):
         some = slice(first, first + _BATCH)
-        _sum_blocks(_element_matrices(mesh.nodes, mesh.elements[some], law), place[some], values)
+        own = mesh.nodes, mesh.elements[some], law
+        hexahedra = width == 8
+        matrices = (
+            _hexahedra(*own, HEX_SLOPES, HEX_BUBBLES)
+            if hexahedra
+            else _tetrahedra(*own, TET_SLOPES)
+        )
+        _sum_blocks(matrices, place[some], values)
     out = sp.bsr_matrix((values, column, start), shape=(mesh.unknowns, mesh.unknowns))
     return out.tocsr()
-
-
-def _element_matrices(nodes: Array, elements: IntArray, law: Array) -> Array:
-    if elements.shape[1] == 8:
-        return np.asarray(_hexahedra(nodes, elements, law, HEX_SLOPES, HEX_BUBBLES))
-    return np.asarray(_tetrahedra(nodes, elements, law, TET_SLOPES))
 
 
 def _pattern(elements: IntArray, count: int) -> tuple[IntArray, IntArray, IntArray]:

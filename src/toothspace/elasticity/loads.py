@@ -38,12 +38,11 @@ class FacePoints(NamedTuple):
 
 
 def _quad(point: Array) -> tuple[Array, Array]:
+    """Shape functions and slopes of four corners at places s, t between -1 and 1."""
     s, t = point
-    values = 0.25 * np.array(
-        [(1 - s) * (1 - t), (1 + s) * (1 - t), (1 + s) * (1 + t), (1 - s) * (1 + t)]
-    )
-    slopes = 0.25 * np.array([(t - 1, 1 - t, 1 + t, -1 - t), (s - 1, -1 - s, 1 + s, 1 - s)])
-    return values, slopes
+    values = [(1 - s) * (1 - t), (1 + s) * (1 - t), (1 + s) * (1 + t), (1 - s) * (1 + t)]
+    slopes = [(t - 1, 1 - t, 1 + t, -1 - t), (s - 1, -1 - s, 1 + s, 1 - s)]
+    return 0.25 * np.array(values), 0.25 * np.array(slopes)
 
 
 def _tri(point: Array) -> tuple[Array, Array]:
@@ -162,23 +161,15 @@ def _shape_at(corners: Array, place: Array) -> Array:
     if corners.shape[1] == 3:
         origin = corners[:, 0]
         axes = np.stack([corners[:, 1] - origin, corners[:, 2] - origin], axis=2)
-        local = np.linalg.solve(axes, (place - origin)[:, :, None])[:, :, 0]
-        return np.column_stack([1.0 - local.sum(axis=1), local])
-    local = np.zeros_like(place)
+        inside = np.linalg.solve(axes, (place - origin)[:, :, None])[:, :, 0]
+        return np.column_stack([1.0 - inside.sum(axis=1), inside])
+    local: Array = np.zeros_like(place)
     for _ in range(6):
-        s, t = local.T
-        values = _bilinear(s, t)
-        error = place - np.einsum("ka,kai->ki", values, corners)
-        along = 0.25 * np.column_stack([t - 1, 1 - t, 1 + t, -1 - t])
-        across = 0.25 * np.column_stack([s - 1, -1 - s, 1 + s, 1 - s])
-        axes = np.stack([np.einsum("ka,kai->ki", g, corners) for g in (along, across)], axis=2)
-        local = local + np.linalg.solve(axes, error[:, :, None])[:, :, 0]
-    return _bilinear(*local.T)
-
-
-def _bilinear(s: Array, t: Array) -> Array:
-    terms = [(1 - s) * (1 - t), (1 + s) * (1 - t), (1 + s) * (1 + t), (1 - s) * (1 + t)]
-    return 0.25 * np.column_stack(terms)
+        values, slopes = _quad(local.T)
+        error = place - np.einsum("ak,kai->ki", values, corners)
+        axes = np.stack([np.einsum("ak,kai->ki", g, corners) for g in slopes], axis=2)
+        local = np.asarray(local + np.linalg.solve(axes, error[:, :, None])[:, :, 0], dtype=float)
+    return np.asarray(_quad(local.T)[0].T)
 
 
 @final
@@ -283,9 +274,8 @@ def journal_load(
     angle: float,
     *,
     center: tuple[float, float] = (0.0, 0.0),
-    moment: bool = False,
 ) -> LateralPressure:
-    r"""Force or moment of a journal film on a bore or shaft along z.
+    r"""Force of a journal film on a bore or shaft along z.
 
     Parameters
     ----------
@@ -297,26 +287,22 @@ def journal_load(
         Direction of the pressure's maximum, from x towards y. [rad]
     center : tuple of float
         Place x, y of the axis. [m]
-    moment : bool
-        Antisymmetric along z, with the unit of a moment about the middle.
 
     Returns
     -------
     LateralPressure
         Pressure :math:`\cos(\varphi - \alpha) / (\pi r l)` of a force of one newton on a bore
-        along its maximum (on a shaft against it), or, times :math:`12 z / l^2`, a moment.
+        along its maximum (on a shaft against it).
     """
     bottom, top = levels
-    length, middle = top - bottom, 0.5 * (bottom + top)
     axis = shapely.Point(*center)
     ring = axis.buffer(1.02 * radius).difference(axis.buffer(0.98 * radius))
 
     def pattern(place: Array) -> Array:
         turn = np.arctan2(place[:, 1] - center[1], place[:, 0] - center[0])
-        wave = np.cos(turn - angle) / (np.pi * radius * length)
-        return wave * (12.0 * (place[:, 2] - middle) / length**2) if moment else wave
+        return np.asarray(np.cos(turn - angle) / (np.pi * radius * (top - bottom)))
 
-    label = repr(("journal", radius, levels, angle, center, moment))
+    label = repr(("journal", radius, levels, angle, center))
     return LateralPressure(name, LateralFaces(ring, bottom, top), pattern, label)
 
 

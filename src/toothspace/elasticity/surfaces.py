@@ -260,10 +260,7 @@ class CylinderSurface:
         """
         points = np.asarray(points, dtype=float)
         angle = np.arctan2(points[:, 1] - self.center[1], points[:, 0] - self.center[0])
-        return self.interpolation_at(angle, points[:, 2])
-
-    def interpolation_at(self, angle: Array, level: Array) -> sp.csr_matrix:
-        """As :meth:`interpolation`, from angles [rad] and levels [m]."""
+        level = points[:, 2]
         count, lanes = self.grid
         turn = np.mod(angle / (2.0 * np.pi), 1.0) * count
         rise = (level - self.bottom) / (self.top - self.bottom) * (lanes - 1)

@@ -47,7 +47,6 @@ from toothspace.model.arrays import (
     SystemArrays,
 )
 from toothspace.model.circuit_description import (
-    CircuitNetwork,
     circuit_rows,
     column_states,
     coupling_states,
@@ -373,15 +372,8 @@ def _nodes(
     )
     ports[:, DENSITY] = mixture_density(ports[:, PRESSURE], ports[:, GAS], fluid)
     node[description.outlet_node, VOLUME] = description.port_volumes[1]
-    if condition.circuit:
-        _fill_circuit_nodes(node, fluid, condition.circuit, node_places(description, condition))
-    return node
-
-
-def _fill_circuit_nodes(
-    node: Array, fluid: FluidLaw, circuit: CircuitNetwork, places: dict[str, int]
-) -> None:
-    for place in circuit.nodes:
+    places = node_places(description, condition)
+    for place in condition.circuit.nodes if condition.circuit else ():
         row = node[places[place.name]]
         row[PRESSURE], row[GAS] = place.pressure, fluid.feed_gas_mass_fraction
         row[DENSITY] = mixture_density(place.pressure, row[GAS], fluid)
@@ -389,6 +381,7 @@ def _fill_circuit_nodes(
         row[GAS_VOLUME], row[PRECHARGE] = place.gas_volume, place.precharge
         row[GAS_EXPONENT] = place.gas_exponent
         row[VOLUME], row[WALL_SLOPE] = wall_volume(row, place.pressure)
+    return node
 
 
 def _work(sizes: Sizes) -> dict[str, Any]:

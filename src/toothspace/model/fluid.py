@@ -171,14 +171,7 @@ def highest_pressure(source: str | Path | Columns, temperature: float) -> float:
 
 
 def fluid_law(
-    source: str | Path | Columns,
-    temperature: float,
-    free_air_fraction: float = 0.002,
-    dissolved_air_fraction: float | None = None,
-    gas_law: str = "dynamic",
-    saturation_pressure: float = ATMOSPHERIC_PRESSURE,
-    release_time: float = 0.02,
-    absorption_time: float = 1.0,
+    source: str | Path | Columns, temperature: float, gas: GasModel | None = None
 ) -> FluidLaw:
     """Return the constants of a fluid at a temperature.
 
@@ -188,33 +181,18 @@ def fluid_law(
         Name of a library fluid, or path or columns of a table (CSV). [-]
     temperature : float
         Absolute temperature. [K]
-    free_air_fraction : float
-        Volume of free air in the feed at one atmosphere over volume of liquid. [-]
-    dissolved_air_fraction : float or None
-        Volume of dissolved air over volume of liquid; None takes the fluid's default. [-]
-    gas_law : str
-        ``dynamic``, ``equilibrium`` or ``none``, see :class:`GasModel`. [-]
-    saturation_pressure : float
-        Pressure of equilibrium of the dissolved air. [Pa]
-    release_time, absorption_time : float
-        Time constants of the dynamic law. [s]
+    gas : GasModel, optional
+        Air in it.
 
     Raises
     ------
     CaseError
         If the fluid is unknown, the table is bad or a value is out of range.
     """
-    gas = GasModel(
-        gas_law,
-        free_air_fraction,
-        dissolved_air_fraction,
-        saturation_pressure,
-        release_time,
-        absorption_time,
-    )
     liquid = _liquid(source, temperature)
     fall = _viscosity_fall(source, temperature, liquid.dynamic_viscosity)
-    return mixed_law(liquid, temperature, gas)._replace(viscosity_temperature=fall)
+    law = mixed_law(liquid, temperature, gas or GasModel())
+    return law._replace(viscosity_temperature=fall)
 
 
 def _liquid(source: str | Path | Columns, temperature: float) -> LiquidState:

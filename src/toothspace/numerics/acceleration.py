@@ -69,33 +69,3 @@ class Mixing:
         known = min(self._count, self._depth)
         self._square[place, :known] = self._bends[:known] @ bend
         self._square[:known, place] = self._square[place, :known]
-
-
-def mixed(
-    mixing: Mixing,
-    used: list[list[Array]],
-    found: list[list[Array]],
-    position: Array,
-    step: Array,
-    arms: Array,
-) -> tuple[list[list[Array]], Array]:
-    """Deformation of gaps and step of the coordinates to try next.
-
-    Parameters
-    ----------
-    used, found : list
-        Deformation of every snapshot and film that was used, and that found with it. [m]
-    position, step : ndarray
-        Coordinates, lifts and rotations in turn, and the step that balances forces. [m, rad]
-    arms : ndarray
-        Distance at which every coordinate counts as a lift. [-, m]
-    """
-    old, new = (np.concatenate([a.ravel() for s in w for a in s]) for w in (used, found))
-    # the coordinates count as much as the deformation of all cells
-    weight = arms * np.sqrt(old.size)
-    residual = np.concatenate([new - old, weight * step])
-    mixture = mixing.following(np.concatenate([old, weight * position]), residual)
-    ends = np.cumsum([a.size for s in used for a in s])
-    parts = iter(np.split(mixture, ends))
-    fields = [[next(parts).reshape(a.shape) for a in s] for s in used]
-    return fields, next(parts) / weight - position

@@ -14,10 +14,8 @@ from numpy.typing import NDArray
 
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array, BoolArray, IntArray
-from toothspace.numerics.banded import stencil_product
-from toothspace.numerics.krylov import gmres
-from toothspace.numerics.linear_system import PRESCRIBED, TIGHT, LinearSystem
-from toothspace.numerics.vectors import norm
+from toothspace.numerics.banded import stencil_products
+from toothspace.numerics.linear_system import PRESCRIBED, TIGHT, LinearSystem, lengths, refined
 
 _OVERLAP = 24
 """Rows that the cut ring is run through twice, so that it hardly notices the cut. [-]"""
@@ -25,8 +23,8 @@ _WORN = 10
 """Iterations of one solution from which fresh blocks are cheaper. [-]"""
 _OTHER = 100.0
 """Ratio of diagonals from which a cell holds another unknown than before. [-]"""
-_ROUNDS = 6
-_KRYLOV = 40
+_ROUNDS = (6, 0.5, 40)
+"""Rounds of Krylov iterations, the part of the goal that one aims at, its most iterations."""
 
 Single = NDArray[np.float32]
 
@@ -297,36 +295,17 @@ class BlockSystem:
         self, rhs: Array, start: Array | None = None, relative_tolerance: float = TIGHT
     ) -> Array:
         """Solution in grid order, one row per right-hand side if there are several."""
-        if rhs.ndim == 2:
-            starts = [None] * len(rhs) if start is None else start
-            pairs = zip(rhs, starts, strict=True)
-            return np.array([self.solve(one, x, relative_tolerance) for one, x in pairs])
-        x = np.zeros_like(rhs) if start is None else start
-        limit = relative_tolerance * norm(rhs)
-        remainder = rhs if start is None else rhs - self._product(x)
-        self.effort = 0
-        for _ in range(_ROUNDS):
-            size = norm(remainder)
-            if size <= limit:
-                break
-            correction, count = gmres(
-                self._product,
-                self._precondition,
-                remainder,
-                relative_tolerance=max(0.5 * limit / size, 1e-13),
-                max_iterations=_KRYLOV,
-            )
-            self.effort = max(self.effort, count)
-            x = x + correction
-            remainder = rhs - self._product(x)
-        return x
+        sides = rhs.reshape(-1, rhs.shape[-1])
+        x = np.zeros_like(sides) if start is None else start.reshape(sides.shape)
+        goals = relative_tolerance * lengths(sides)
+        x, self.effort = refined(self._product, self._precondition, sides, x, goals, _ROUNDS)
+        return x.reshape(rhs.shape)
 
-    def _precondition(self, rhs: Array) -> Array:
-        return np.asarray(_substitute(self.blocks, self._unit, rhs))
+    def _precondition(self, sides: Array) -> Array:
+        return np.array([_substitute(self.blocks, self._unit, rhs) for rhs in sides])
 
     def _product(self, x: Array) -> Array:
-        rows, lanes = self.blocks.known.shape
-        return stencil_product(self._stencil, x, rows, lanes)
+        return np.asarray(stencil_products(self._stencil, x, *self.blocks.known.shape))
 
 
 def block_system(

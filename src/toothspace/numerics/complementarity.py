@@ -214,13 +214,13 @@ def _settle_row(b: CellBalance, kind: IntArray, u: Array, s: Array, i: int, empt
 
 
 @njit(nogil=True)
-def _revise_conserving(kind: IntArray, unknown: Array, scale: float) -> int:
+def exchange_kinds(kind: IntArray, unknowns: Array, scale: float) -> int:
     """Exchange the kind of cells that break a bound; return how many did."""
     changed = 0
     lanes = kind.shape[1]
     for i in range(kind.shape[0]):
         for j in range(lanes):
-            value = unknown[i * lanes + j]
+            value = unknowns[i * lanes + j]
             if kind[i, j] == 0 and value < -ROUNDING * scale:
                 kind[i, j] = 1
                 changed += 1
@@ -356,7 +356,7 @@ def _active_set(
         unknown = np.where((used == kind).ravel(), unknown, 0.0)
     error = norm(rhs - stencil_product(stencil, unknown, *grid_shape(balance)))
     converged = changed == 0 and error <= _ACCEPTED * norm(rhs)
-    return _collect(used, unknown, system, number, converged)
+    return ComplementaritySolution(*fields_of(used, unknown), used, system, number, converged)
 
 
 def _sweeps(number: int, changed: int) -> int:
@@ -372,7 +372,7 @@ def _revise(
 ) -> int:
     """Exchange the kinds of cells that break a bound; return how many did."""
     if constraint is Constraint.CONSERVING:
-        return int(_revise_conserving(kind, unknown, scale))
+        return int(exchange_kinds(kind, unknown, scale))
     if constraint is Constraint.OBSTACLE:
         return int(_revise_obstacle(balance, kind, unknown, scale))
     return 0
@@ -468,11 +468,7 @@ def _refined(values: Array, count: int) -> Array:
     return np.ascontiguousarray(fine[:count])
 
 
-def _collect(
-    kind: IntArray, unknown: Array, system: LinearSystem, passes: int, converged: bool
-) -> ComplementaritySolution:
-    values = unknown.reshape(kind.shape)
-    unsaturated = kind == UNSATURATED
-    potential = np.where(unsaturated, 0.0, values)
-    saturation = np.where(unsaturated, values, 1.0)
-    return ComplementaritySolution(potential, saturation, kind, system, passes, converged)
+def fields_of(kind: IntArray, unknowns: Array) -> tuple[Array, Array]:
+    """Potential and saturation of every cell from its one unknowns."""
+    values, unsaturated = unknowns.reshape(kind.shape), kind == UNSATURATED
+    return np.where(unsaturated, 0.0, values), np.where(unsaturated, values, 1.0)

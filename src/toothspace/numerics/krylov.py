@@ -18,53 +18,12 @@ def gmres(
     precondition: Operator,
     rhs: Array,
     *,
-    relative_tolerance: float = 1e-12,
-    max_iterations: int = 60,
-) -> tuple[Array, int]:
-    """Solve a linear system by the generalised minimal residual method.
-
-    Parameters
-    ----------
-    product : callable
-        Matrix times vector.
-    precondition : callable
-        Approximate inverse times vector, applied from the right and kept fixed.
-    rhs : ndarray
-        Right-hand side. [any]
-    relative_tolerance : float
-        Residual norm over norm of the right-hand side at which to stop. [-]
-    max_iterations : int
-        Size of the Krylov space. [-]
-
-    Returns
-    -------
-    tuple of ndarray and int
-        Solution and number of iterations. [any, -]
-
-    References
-    ----------
-    .. [1] Y. Saad, M. H. Schultz, GMRES: a generalized minimal residual algorithm for solving
-       nonsymmetric linear systems, SIAM J. Sci. Stat. Comput. 7 (1986) 856-869.
-    """
-    x, count = gmres_several(
-        lambda v: product(v[0]).reshape(1, -1),
-        lambda v: precondition(v[0]).reshape(1, -1),
-        rhs.reshape(1, -1),
-        limits=np.array([relative_tolerance * norm(rhs)]),
-        max_iterations=max_iterations,
-    )
-    return x[0], count
-
-
-def gmres_several(
-    product: Operator,
-    precondition: Operator,
-    rhs: Array,
-    *,
     limits: Array,
     max_iterations: int = 60,
 ) -> tuple[Array, int]:
-    """Solve a linear system for several right-hand sides in step, each with its own Krylov space.
+    """Solve for several right-hand sides in step, each with a Krylov space of its own.
+
+    By the generalised minimal residual method.
 
     Parameters
     ----------
@@ -84,6 +43,11 @@ def gmres_several(
     tuple of ndarray and int
         Solutions, NaN where the matrix is singular, and the largest number of iterations.
         [any, -]
+
+    References
+    ----------
+    .. [1] Y. Saad, M. H. Schultz, GMRES: a generalized minimal residual algorithm for solving
+       nonsymmetric linear systems, SIAM J. Sci. Stat. Comput. 7 (1986) 856-869.
     """
     spaces = [_Space(side, float(limit)) for side, limit in zip(rhs, limits, strict=True)]
     for count in range(max_iterations + 1):

@@ -11,7 +11,7 @@ from toothspace.core.compiled import njit
 from toothspace.core.types import Array, IntArray
 from toothspace.numerics.banded import factor_band, fill_band, solve_bands, stencil_products
 from toothspace.numerics.conduction import ConductionSolver
-from toothspace.numerics.krylov import Operator, gmres_several
+from toothspace.numerics.krylov import Operator, gmres
 from toothspace.numerics.structured_grid import CellBalance, grid_shape
 from toothspace.numerics.vectors import norm
 
@@ -57,8 +57,8 @@ class DirectSystem:
         sides = rhs.reshape(-1, rhs.shape[-1])
         x = self._precondition(sides)
         if not self.exact or self.ring:
-            goals = 0.1 * relative_tolerance * _norms(sides)
-            x = _refine(self._product, self._precondition, sides, x, goals, _DIRECT_ROUNDS)
+            goals = 0.1 * relative_tolerance * lengths(sides)
+            x, _ = refined(self._product, self._precondition, sides, x, goals, _DIRECT_ROUNDS)
         return x.reshape(rhs.shape)
 
     def _product(self, x: Array) -> Array:
@@ -85,17 +85,17 @@ class IterativeSystem:
         """Solution in grid order, one row per right-hand side if there are several."""
         sides = rhs.reshape(-1, rhs.shape[-1])
         x = np.zeros_like(sides) if start is None else start.reshape(sides.shape)
-        goals = relative_tolerance * _norms(sides)
+        goals = relative_tolerance * lengths(sides)
         together = max(1, TOGETHER // sides.shape[1])
         parts = [
-            _refine(
+            refined(
                 self._product,
                 self._precondition,
                 sides[k : k + together],
                 x[k : k + together],
                 goals[k : k + together],
                 _ITERATIVE_ROUNDS,
-            )
+            )[0]
             for k in range(0, len(sides), together)
         ]
         return np.concatenate(parts).reshape(rhs.shape)
@@ -111,33 +111,40 @@ class IterativeSystem:
         return x
 
 
-def _norms(sides: Array) -> Array:
+def lengths(sides: Array) -> Array:
+    """Lengths of the rows."""
     return np.array([norm(side) for side in sides])
 
 
-def _refine(
+def refined(
     product: Operator,
     precondition: Operator,
     sides: Array,
     x: Array,
-    goals: Array,
+    limits: Array,
     rounds: tuple[int, float, int],
-) -> Array:
-    """Corrections by Krylov iterations until the residual of every right-hand side is small."""
-    most, share, iterations = rounds
+) -> tuple[Array, int]:
+    """Correct solutions by Krylov iterations until the residual of every right-hand side is small.
+
+    Returns
+    -------
+    tuple of ndarray and int
+        Solutions, and the most iterations of one round. [any, -]
+    """
+    (most, share, iterations), effort = rounds, 0
     for _ in range(most):
         remainder = sides - product(x)
-        sizes = _norms(remainder)
-        poor = np.flatnonzero(sizes > goals)
+        sizes = lengths(remainder)
+        poor = np.flatnonzero(~(sizes <= limits))  # what is lost is no number
         if poor.size == 0:
             break
-        limits = np.maximum(share * goals[poor], LEAST_CORRECTION * sizes[poor])
-        correction, _ = gmres_several(
-            product, precondition, remainder[poor], limits=limits, max_iterations=iterations
+        within = np.maximum(share * limits[poor], LEAST_CORRECTION * sizes[poor])
+        correction, count = gmres(
+            product, precondition, remainder[poor], limits=within, max_iterations=iterations
         )
-        x = x.copy()
+        x, effort = x.copy(), max(effort, count)
         x[poor] += correction
-    return x
+    return x, effort
 
 
 @njit

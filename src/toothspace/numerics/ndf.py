@@ -219,23 +219,7 @@ def _bind_initial_state(begin: Compiled) -> Compiled:
         t0: float,
         y0: Array,
     ) -> None:
-        """Start at a time and state with order 1 and a step chosen from the equations.
-
-        Parameters
-        ----------
-        params : named tuple of arrays
-            Passed on to the callbacks.
-        program : LuProgram
-            Analysed pattern of the Jacobian.
-        settings : NdfSettings
-            Choices of the integration.
-        state : NdfState
-            Memory from ``make_state``; filled. Its counters start at zero.
-        t0 : float
-            Start time. [s]
-        y0 : ndarray, shape (n_total,)
-            State at the start.
-        """
+        """Start with order 1 and a step chosen from the equations. Arguments: ``NdfFunctions``."""
         control = state.control[0]
         control.steps = control.rejected = control.rhs_calls = control.jacobian_calls = 0
         control.factorisations = control.newton_failures = 0

@@ -111,13 +111,13 @@ def roots_between(function: Callable[[Array], Array], low: Array, high: Array) -
     return place
 
 
-def next_change(tried: list[tuple[float, float]], longest: float) -> float:
+def next_change(known: list[tuple[float, float]], longest: float) -> float:
     """Change of a place towards that at which what it leads to agrees with it.
 
     Parameters
     ----------
-    tried : list of tuple
-        Places, and by how much what each leads to lies beyond it. [any]
+    known : list of tuple
+        Places that were tried, and by how much what each leads to lies beyond it. [any]
     longest : float
         Largest change. [as the places]
 
@@ -127,8 +127,8 @@ def next_change(tried: list[tuple[float, float]], longest: float) -> float:
         Change of the last place: by all that it misses, and as soon as another misses in the other
         sense by the secant, which leaves at least a fifth of the way to either. [as the places]
     """
-    place, error = tried[-1]
-    opposite = [(s, e) for s, e in tried if e * error < 0.0]
+    place, error = known[-1]
+    opposite = [(s, e) for s, e in known if e * error < 0.0]
     if opposite:
         other, before = min(opposite, key=lambda pair: abs(pair[0] - place))
         return min(max(error / (error - before), 0.2), 0.8) * (other - place)

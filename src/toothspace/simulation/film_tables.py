@@ -12,7 +12,7 @@ import numpy as np
 from toothspace.closures.journal_friction import FrictionCurve, FrictionCurves
 from toothspace.core.errors import CaseError
 from toothspace.core.netcdf import read_dataset
-from toothspace.model.description import LumpedJournalBearing, MachineDescription
+from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_table import LateralTable
 
 if TYPE_CHECKING:
@@ -88,27 +88,21 @@ def with_journal_friction(
     description: MachineDescription, tables: xr.Dataset
 ) -> MachineDescription:
     """Machine whose journal bearings have the friction curves of tables."""
-    known = [str(name) for name in tables["journal"].values]
-    return replace(
-        description, journals=tuple(_with_curve(j, tables, known) for j in description.journals)
-    )
-
-
-def _with_curve(
-    journal: LumpedJournalBearing, tables: xr.Dataset, known: list[str]
-) -> LumpedJournalBearing:
-    if journal.body not in known:
-        allowed = f"a table for {journal.body}"
-        raise CaseError(f"run.film_tables: found bearings of {', '.join(known)}, allowed {allowed}")
-    row = tables.sel(journal=journal.body)
-    for name in JOURNAL_SIZES:
-        found, size = float(row[f"journal_{name}"]), float(getattr(journal, name))
-        if not np.isclose(found, size, rtol=_SAME_SIZE):
-            raise CaseError(
-                f"run.film_tables: found a bearing with {name} {found:.6g} m, "
-                f"allowed that of the case, {size:.6g} m"
-            )
-    return replace(journal, friction=friction_curves(row))
+    known, journals = [str(name) for name in tables["journal"].values], []
+    for journal in description.journals:
+        if journal.body not in known:
+            found = f"run.film_tables: found bearings of {', '.join(known)}"
+            raise CaseError(f"{found}, allowed a table for {journal.body}")
+        row = tables.sel(journal=journal.body)
+        for name in JOURNAL_SIZES:
+            given, size = float(row[f"journal_{name}"]), float(getattr(journal, name))
+            if not np.isclose(given, size, rtol=_SAME_SIZE):
+                raise CaseError(
+                    f"run.film_tables: found a bearing with {name} {given:.6g} m, "
+                    f"allowed that of the case, {size:.6g} m"
+                )
+        journals.append(replace(journal, friction=friction_curves(row)))
+    return replace(description, journals=tuple(journals))
 
 
 def friction_curves(row: xr.Dataset) -> FrictionCurves:

@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from toothspace.closures.density import mixture_density
-from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.progress import Progress
 from toothspace.core.status import Status
 from toothspace.core.types import Array, BoolArray
 from toothspace.model.description import FlowPath, MachineDescription
-from toothspace.model.operating_point import OperatingCondition
 from toothspace.results.ledger import ledger_from
 from toothspace.results.solution import Solution
 from toothspace.results.variables import dataset_from
 from toothspace.simulation.presets import interface_models, interface_text
 from toothspace.simulation.setup import Setup, fluid_temperature, provenance_of
-from toothspace.solver.outcome import attributes_of
+from toothspace.solver.outcome import attributes_of, openings
 
 _JOINING_GAP = 5e-6
 
@@ -27,42 +24,9 @@ _JOINING_GAP = 5e-6
 def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
     """Kinematic flow and torque of a case; done at once, so progress is not reported."""
     del progress
-    return ideal_solution(
-        setup.description,
-        setup.fluid,
-        setup.condition,
-        samples=setup.case.run.samples_per_revolution,
-        dual_flank=setup.case.run.flank_sealing == "dual",
-        provenance={
-            **provenance_of(setup.case),
-            "interfaces": interface_text(interface_models(setup.case)),
-        },
-        extra={"fluid_temperature": np.asarray(fluid_temperature(setup.case))},
-    )
-
-
-def ideal_solution(
-    description: MachineDescription,
-    fluid: FluidLaw,
-    condition: OperatingCondition,
-    *,
-    samples: int,
-    dual_flank: bool,
-    provenance: Mapping[str, str],
-    extra: Mapping[str, Any],
-) -> Solution:
-    """Kinematic flow and torque over one revolution.
-
-    Parameters
-    ----------
-    description, fluid, condition
-        Machine, fluid and operating condition.
-    dual_flank : bool
-        Whether both flanks seal; otherwise meshing chambers share one pressure.
-    provenance, extra
-        As in :func:`toothspace.solver.outcome.solution_from`.
-    """
-    shaft_angle = np.linspace(0.0, 2.0 * np.pi, samples + 1)
+    case, description, condition = setup.case, setup.description, setup.condition
+    fluid, dual_flank = setup.fluid, case.run.flank_sealing == "dual"
+    shaft_angle = np.linspace(0.0, 2.0 * np.pi, case.run.samples_per_revolution + 1)
     to_outlet = outlet_members(description, shaft_angle, dual_flank=dual_flank)
     rate = _volume_rates(description, shaft_angle)
     outflow = -np.sum(np.where(to_outlet, rate, 0.0), axis=1)
@@ -90,12 +54,12 @@ def ideal_solution(
         "inlet_density": np.asarray(density),
         "outlet_density": np.asarray(density),
         "specific_heat_capacity": np.asarray(fluid.specific_heat_capacity),
-        **extra,
+        "fluid_temperature": np.asarray(fluid_temperature(case)),
     }
     data = dataset_from(
         values,
         {"chamber": description.chamber_labels, "body": [b.name for b in description.bodies]},
-        attributes=attributes_of(description, provenance.get("title", "")),
+        attributes=attributes_of(description, case.title),
     )
     volume = float(np.trapezoid(outflow, shaft_angle))
     ledger = ledger_from(
@@ -109,6 +73,7 @@ def ideal_solution(
         2.0 * np.pi / speed,
         2.0 * np.pi,
     )
+    provenance = provenance_of(case) | {"interfaces": interface_text(interface_models(case))}
     return Solution(Status.DONE, data, ledger, {"revolutions": 1.0}, provenance)
 
 
@@ -121,7 +86,8 @@ def outlet_members(
     between two contacts, open to none, belongs to the outlet while it shrinks: relief grooves
     are taken as perfectly timed.
     """
-    preference = _opening_preference(description, shaft_angle)
+    ports = openings(description, shaft_angle)
+    preference = ports[..., 1] - ports[..., 0]
     rate = _volume_rates(description, shaft_angle)
     group = np.tile(np.arange(description.chamber_count), (shaft_angle.size, 1))
     if not dual_flank:
@@ -148,18 +114,6 @@ def _join(group: Any, path: FlowPath, shaft_angle: Array) -> None:
     for row, column in zip(*np.nonzero(open_gap), strict=True):
         a, b = group[row, path.nodes_a[column]], group[row, partner[row, column]]
         group[row][group[row] == max(a, b)] = min(a, b)
-
-
-def _opening_preference(description: MachineDescription, shaft_angle: Array) -> Array:
-    result = np.zeros((shaft_angle.size, description.chamber_count))
-    sign = {description.inlet_node: -1.0, description.outlet_node: 1.0}
-    for path in description.paths:
-        if path.category.role not in ("inlet_port", "outlet_port"):
-            continue
-        angles = path.phases + path.angle_ratio * shaft_angle[:, None]
-        area = np.maximum(path.geometry(angles)[..., 0], 0.0)
-        result[:, path.nodes_a] += sign[int(path.nodes_b[0])] * area
-    return result
 
 
 def _volume_rates(description: MachineDescription, shaft_angle: Array) -> Array:

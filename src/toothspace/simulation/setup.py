@@ -17,7 +17,7 @@ from toothspace.case.plumbing import plumb, shaft_of, speed_of
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.errors import CaseError
 from toothspace.model.description import MachineDescription
-from toothspace.model.fluid import fluid_law, highest_pressure
+from toothspace.model.fluid import GasModel, fluid_law, highest_pressure
 from toothspace.model.operating_point import OperatingCondition
 
 LINE_END = "line_end"
@@ -80,16 +80,16 @@ def fluid_of(case: Case, temperature: float | None = None) -> FluidLaw:
     choice = case.fluid
     if choice is None:
         raise CaseError("fluid: found none, allowed a case with a [fluid] table")
-    return fluid_law(
-        choice.source,
-        choice.temperature if temperature is None else temperature,
+    gas = GasModel(
+        choice.gas_law,
         choice.free_air_fraction,
         choice.dissolved_air_fraction,
-        choice.gas_law,
         choice.saturation_pressure,
         choice.release_time,
         choice.absorption_time,
     )
+    asked = choice.temperature if temperature is None else temperature
+    return fluid_law(choice.source, asked, gas)
 
 
 def fluid_temperature(case: Case) -> float:

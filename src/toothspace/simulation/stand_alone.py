@@ -109,7 +109,11 @@ def _heated(
 ) -> tuple[Film, dict[str, Any]]:
     """Film at its viscosity, and the numbers of its heat balance if there is one."""
     if keys.heat is None:
-        return solve(_viscosity(case, keys)), {}
+        if keys.dynamic_viscosity is None and case.fluid is None:
+            allowed = "allowed are a viscosity or a [fluid]"
+            raise CaseError(f"dynamic_viscosity: found nothing, {allowed}")
+        given = keys.dynamic_viscosity
+        return solve(liquid_of(case).dynamic_viscosity if given is None else float(given)), {}
     if case.fluid is None:
         raise CaseError(f"{place}.heat: found no fluid, allowed the viscosity of a table [fluid]")
     heating = film_heating(case, keys.heat.oil_share)
@@ -241,12 +245,3 @@ def _made(of: Callable[..., T], keys: FilmKeys, dynamic_viscosity: float, **othe
         **other,
     }
     return of(**{name: value for name, value in given.items() if name in known})
-
-
-def _viscosity(case: Case, keys: FilmKeys) -> float:
-    """Dynamic viscosity of a film table, or of the fluid of the case at its temperature. [Pa s]."""
-    if keys.dynamic_viscosity is not None:
-        return float(keys.dynamic_viscosity)
-    if case.fluid is None:
-        raise CaseError("dynamic_viscosity: found nothing, allowed are a viscosity or a [fluid]")
-    return liquid_of(case).dynamic_viscosity

@@ -74,7 +74,11 @@ def march_to_balance(
     """
     tolerance = machine.condition.relative_tolerance
     history = _counted(march_revolutions(machine.at(tolerance), plan, progress, state), tolerance)
-    while plan.revolutions is None and _tighter_helps(history):
+    while plan.revolutions is None:
+        if history.status is not Status.DONE and not history.stalled:
+            break
+        if not history.stalled and window_ledger(history).energy_balance_error <= ENERGY_BALANCE:
+            break
         tolerance *= _TIGHTER
         left = plan.max_revolutions - int(history.statistics["revolutions"])
         if tolerance < _TIGHTEST or left < 2:
@@ -85,12 +89,6 @@ def march_to_balance(
             break
         history = _counted(again, tolerance, history.statistics)
     return history
-
-
-def _tighter_helps(history: History) -> bool:
-    if history.status is Status.DONE:
-        return window_ledger(history).energy_balance_error > ENERGY_BALANCE
-    return history.stalled
 
 
 def _counted(

@@ -68,10 +68,9 @@ from toothspace.numerics.static_lu import LuProgram, analyse
     _CONTACTS,
     _EVALUATE,
     _HOLD,
-    _COLUMN_ENERGY,
-    _LOAD_ENERGY,
+    _MOVING_ENERGY,
     _WALL_ENERGY,
-) = range(10)
+) = range(9)
 
 _start, _continue = bind(
     NdfCallbacks(right_hand_side, finish_step, fill_jacobian, error_weights, event_values)
@@ -194,14 +193,9 @@ def hold_shaft(arrays: SystemArrays, state: Array, time: float) -> None:
     _ask(_HOLD, arrays, state, time)
 
 
-def column_energy_of(arrays: SystemArrays, state: Array) -> float:
-    """Kinetic energy of all fluid columns. [J]."""
-    return _ask(_COLUMN_ENERGY, arrays, state)
-
-
-def load_energy_of(arrays: SystemArrays, state: Array) -> float:
-    """Energy in the twist of the coupling and in the load beyond it. [J]."""
-    return _ask(_LOAD_ENERGY, arrays, state)
+def moving_energy_of(arrays: SystemArrays, state: Array) -> float:
+    """Kinetic energy of all fluid columns, energy of the coupling and the load beyond it. [J]."""
+    return _ask(_MOVING_ENERGY, arrays, state)
 
 
 def wall_energy_of(arrays: SystemArrays, pressure: Array) -> float:
@@ -250,10 +244,8 @@ def _value(task: int, s: SystemArrays, time: float, state: Array) -> float:
         evaluate(s, state)
         update_load(s, time)
         held_torque(s, state)
-    elif task == _COLUMN_ENERGY:
-        return float(column_energy(s, state))
-    elif task == _LOAD_ENERGY:
-        return float(load_energy(s, state))
+    elif task == _MOVING_ENERGY:
+        return float(column_energy(s, state) + load_energy(s, state))
     elif task == _WALL_ENERGY:
         return float(_wall_energy(s, state))
     return 0.0

@@ -17,7 +17,7 @@ from toothspace.numerics.acceleration import Mixing
 from toothspace.results.events import Event
 from toothspace.results.ripple import AGREEMENT
 from toothspace.solver.initial import start_state
-from toothspace.solver.integrator import March, Piece, start_march
+from toothspace.solver.integrator import Piece, start_march
 
 _CYCLIC_PRESSURE = AGREEMENT
 _CYCLIC_POSITION = 2e-3
@@ -98,11 +98,12 @@ def march_revolutions(
         for k in range(limit):
             piece = march.advance(k * turn + offsets)
             if piece.status is not Status.DONE:
-                return _history(march, piece, piece.status, done)
+                previous, status = piece, piece.status
+                break
             done = k + 1
             tell(progress, done / limit if plan.revolutions else UNKNOWN, f"revolution {done}")
             if previous is not None and not (search and search.moved):
-                changes.append(_change(system, previous, piece))
+                changes.append(_difference(system, previous.states, piece.states))
             previous = piece
             if plan.revolutions is not None:
                 continue
@@ -123,7 +124,16 @@ def march_revolutions(
         if previous is None:
             raise
     assert previous is not None
-    return _history(march, previous, status, done, stalled=stalled)
+    return History(
+        status,
+        system,
+        previous.times,
+        previous.states,
+        previous.events,
+        done,
+        {**march.statistics, "revolutions": float(done)},
+        stalled,
+    )
 
 
 @final
@@ -191,21 +201,6 @@ def _stalled(changes: list[float]) -> bool:
     return len(earlier) == _WAIT and min(recent) > _NEARER * min(earlier)
 
 
-def _history(
-    march: March, piece: Piece, status: Status, revolutions: int, *, stalled: bool = False
-) -> History:
-    return History(
-        status,
-        march.system,
-        piece.times,
-        piece.states,
-        piece.events,
-        revolutions,
-        {**march.statistics, "revolutions": float(revolutions)},
-        stalled,
-    )
-
-
 def successors(description: MachineDescription) -> IntArray:
     """Chamber that stood, one revolution before, where each chamber stands now.
 
@@ -252,12 +247,8 @@ def _in_turn(system: System, state: Array, turns: int) -> Array:
     return moved
 
 
-def _change(system: System, before: Piece, after: Piece) -> float:
-    """Largest change from one revolution to the next over what counts as none. [-]."""
-    return _difference(system, before.states, after.states)
-
-
 def _difference(system: System, before: Array, after: Array) -> float:
+    """Largest change from one revolution to the next over what counts as none. [-]."""
     from toothspace.solver.compiled_model import observe
 
     every = slice(None, None, 8)

@@ -39,7 +39,11 @@ def start_state(system: System) -> Array:
     place(arrays, state)
     pressure = np.full(size.nodes, system.condition.outlet_pressure)
     if system.condition.circuit:
-        _set_circuit_pressures(system, pressure)
+        # its nodes start at their own pressure, the tooth spaces at that of the outlet
+        places = node_places(system.description, system.condition)
+        for point in system.condition.circuit.nodes:
+            pressure[places[point.name]] = point.pressure
+        pressure[: size.chambers] = pressure[places["outlet"]]
     if not system.condition.over_time:
         chambers = quasi_static_pressures(system.description, system.condition, float(state[0]))
         pressure[: size.chambers] = chambers
@@ -58,16 +62,6 @@ def start_state(system: System) -> Array:
             nodes = arrays.lateral.axes[k, : arrays.lateral.counts[k]]
             state[size.film + k] = np.clip(arrays.lateral.now[axis], nodes[0], nodes[-1])
     return state
-
-
-def _set_circuit_pressures(system: System, pressure: Array) -> None:
-    """Circuit nodes start at their own pressure, the tooth spaces at that of the outlet."""
-    circuit = system.condition.circuit
-    assert circuit is not None
-    places = node_places(system.description, system.condition)
-    for node in circuit.nodes:
-        pressure[places[node.name]] = node.pressure
-    pressure[: system.arrays.size.chambers] = pressure[places["outlet"]]
 
 
 def _place_bodies(system: System, state: Array) -> None:

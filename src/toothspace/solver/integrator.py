@@ -35,6 +35,11 @@ _SHORTEST_STEP = 1e-15
 _SLOWEST_SPEED = 0.1
 _DAMPED_ORDER = 2
 """Highest order where bodies ring: beyond it, lightly damped oscillations bound the step. [-]"""
+_STATUS = {
+    DONE: Status.DONE,
+    TERMINAL_EVENT: Status.DONE,
+    MAX_STEPS: Status.MAX_STEPS,
+}
 _COUNTERS = {
     "steps": "steps",
     "rejected": "rejected",
@@ -70,7 +75,7 @@ class March:
         code = advance(self.system.arrays, integration, end)
         written = int(record.counts[0])
         return Piece(
-            status=_status(code),
+            status=_STATUS.get(code, Status.STEP_TOO_SMALL),
             stopped=code == TERMINAL_EVENT,
             times=record.sample_times[:written],
             states=record.samples[:written],
@@ -155,9 +160,3 @@ def start_march(system: System, state: Array, max_steps: int = 50_000_000) -> Ma
     memory = make_state(program, size.total, actions.size)
     begin(system.arrays, Integration(program, settings, memory, NO_RECORD), 0.0, state)
     return March(system, program, settings, memory)
-
-
-def _status(code: int) -> Status:
-    if code in (DONE, TERMINAL_EVENT):
-        return Status.DONE
-    return Status.MAX_STEPS if code == MAX_STEPS else Status.STEP_TOO_SMALL

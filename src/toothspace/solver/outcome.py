@@ -46,9 +46,8 @@ from toothspace.results.solution import Solution
 from toothspace.results.variables import LABELS, dataset_from
 from toothspace.solver.compiled_model import (
     Observation,
-    column_energy_of,
     evaluate_state,
-    load_energy_of,
+    moving_energy_of,
     observe,
     wall_energy_of,
 )
@@ -93,7 +92,7 @@ def solution_from(
         **chamber_values(system, seen),
         "chamber_volume": seen.volume[:, : system.arrays.size.chambers],
         "chamber_angle": np.mod(angle, 2.0 * np.pi),
-        "opening_area": _openings(system.description, history.states[:, 0]),
+        "opening_area": openings(system.description, history.states[:, 0]),
         **body_values(history, seen),
         **loss_values(history, seen),
         **lateral_values(history, seen),
@@ -140,7 +139,7 @@ def lateral_values(history: History, seen: Observation) -> dict[str, Array]:
 def trapped_flows(history: History, seen: Observation) -> BoolArray:
     """Paths in grooves and mesh at an end of which a chamber is sealed from both ports."""
     system, size = history.system, history.system.arrays.size
-    ports = _openings(system.description, history.states[:, 0])[..., :2]
+    ports = openings(system.description, history.states[:, 0])[..., :2]
     sealed = np.zeros((history.times.size, size.nodes), dtype=bool)
     sealed[:, : size.chambers] = ports.max(axis=2) <= 0.0
     roles = np.array([category.role in _TRAPPED for category in system.categories])
@@ -236,8 +235,7 @@ def kinetic_energy(system: System, state: Array) -> float:
     velocity = state[size.velocity : size.column] + motion[:, MOTION_RATIO] * state[1]
     shaft = system.arrays.drive[FREE] * system.arrays.drive[INERTIA] * state[1] ** 2
     bodies = 0.5 * (np.sum(motion[:, MOTION_MASS] * velocity**2) + shaft)
-    moving = bodies + column_energy_of(system.arrays, state)
-    return float(moving + load_energy_of(system.arrays, state))
+    return float(bodies + moving_energy_of(system.arrays, state))
 
 
 def elastic_energy(system: System, state: Array) -> float:
@@ -331,7 +329,8 @@ def chamber_values(system: System, seen: Observation) -> dict[str, Array]:
     }
 
 
-def _openings(description: MachineDescription, shaft_angle: Array) -> Array:
+def openings(description: MachineDescription, shaft_angle: Array) -> Array:
+    """Areas by which every chamber is open to each port and groove, over the angle. [m2]."""
     area = np.zeros((shaft_angle.size, description.chamber_count, len(_PORTS)))
     for path in description.paths:
         if path.kind != "orifice" or path.category.role not in _PORTS:

@@ -117,14 +117,15 @@ def _values(march: TransientMarch, times: Array, states: Array) -> dict[str, Arr
     history = _history(march, times, states)
     seen = observe(system.arrays, states, times)
     sign = -1.0 if system.description.mode == "motor" else 1.0
-    ports = port_values(history, seen)
+    ports, circuit = port_values(history, seen), system.condition.circuit
+    pumps = [e for e in circuit.elements if e.kind == "supply_pump"] if circuit else []
     if system.condition.free_shaft is not None:
         # friction that holds a shaft at rest is inside the machine
         ports["shaft_torque"] = np.where(states[:, 1] == 0.0, 0.0, ports["shaft_torque"])
     return {
         **ports,
         **_load_values(system, times, states),
-        "supply_speed": _supply_speed(system, times),
+        "supply_speed": np.interp(times, *pumps[0].schedule.T) if pumps else np.zeros(times.size),
         "pressure_difference": sign * (ports["outlet_pressure"] - ports["inlet_pressure"]),
         "node_pressure": seen.pressure[:, list(_nodes(system).values())],
         **chamber_values(system, seen),
@@ -157,14 +158,6 @@ def _load(system: System, times: Array, speed: Array) -> Array:
     if len(shaft.load_schedule):
         torque += np.interp(times, *shaft.load_schedule.T)
     return np.asarray(torque)
-
-
-def _supply_speed(system: System, times: Array) -> Array:
-    circuit = system.condition.circuit
-    pumps = [e for e in circuit.elements if e.kind == "supply_pump"] if circuit else []
-    if not pumps:
-        return np.zeros(times.size)
-    return np.asarray(np.interp(times, *pumps[0].schedule.T))
 
 
 def _chosen(values: Mapping[str, Array], plan: TimePlan) -> dict[str, Array]:

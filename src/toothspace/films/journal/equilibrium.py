@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -188,8 +189,13 @@ def _kept_inside(place: Array, step: Array, bearing: JournalDefinition) -> Array
         limit = min(limit, 0.9999)
     else:
         limit += 0.5 * bearing.surfaces.roughness / bearing.radial_clearance
+    return longest_part(step, lambda part: closeness(place + part, bearing) <= limit)
+
+
+def longest_part(step: Array, allowed: Callable[[Array], bool]) -> Array:
+    """Longest part of a step that is allowed, to a fifth."""
     for _ in range(60):
-        if closeness(place + step, bearing) <= limit:
+        if allowed(step):
             break
         step = 0.8 * step
     return step
@@ -211,7 +217,7 @@ def find_tilted_equilibrium(
     wanted = np.concatenate([load, moment])
     size = np.hypot(*load) * np.array([1.0, 1.0, bearing.length, bearing.length])
     for _ in range(_STEPS):
-        error = _error(film, wanted)
+        error = film.load_vector + wanted
         if np.abs(error / size).max() <= _TOLERANCE:
             return film
         film = _stepped(bearing, film, wanted, size)
@@ -222,26 +228,20 @@ def _at(bearing: JournalDefinition, place: Array, speed: SurfaceSpeed) -> Journa
     return solve_motion(bearing, MotionState(place, np.zeros(4)), speed, half=False)
 
 
-def _error(film: JournalBearingSolution, wanted: Array) -> Array:
-    return np.asarray(np.concatenate([film.force, film.moment]) + wanted)
-
-
 def _stepped(
     bearing: JournalDefinition, film: JournalBearingSolution, wanted: Array, size: Array
 ) -> JournalBearingSolution:
     """Longest part of Newton's step that keeps the gap open and lessens the error."""
-    error = _error(film, wanted)
+    error = film.load_vector + wanted
     slope = load_derivatives(film.film, bearing.fluid, (0, 1, 2, 3))[:, :4]
-    step, place = np.linalg.solve(-slope, error), np.asarray(film.motion.place)
+    step = np.asarray(np.linalg.solve(-slope, error), dtype=np.float64)
+    place = np.asarray(film.motion.place)
     limit = _nearest(bearing, place)
     limit += (1.0 - _SMALLEST_SHRINK) * max(1.0 - limit, 0.0)
-    for _ in range(60):
-        if _nearest(bearing, place + step) <= limit:
-            break
-        step = 0.8 * step
+    step = longest_part(step, lambda part: _nearest(bearing, place + part) <= limit)
     for _ in range(8):
         trial = _at(bearing, place + step, film.speed)
-        if np.abs(_error(trial, wanted) / size).max() < np.abs(error / size).max():
+        if np.abs((trial.load_vector + wanted) / size).max() < np.abs(error / size).max():
             break
         step = 0.5 * step
     return trial

@@ -216,20 +216,16 @@ def _plane_waves(mesh: JournalMesh, place: Array, base: float, shift: float, axi
 
 
 @njit
-def _gap(mesh: JournalMesh, clearance: float, place: Array, speed: Array) -> GapField:
-    rows, lanes = mesh.angle.size, mesh.axial.size
+def journal_gap(mesh: JournalMesh, clearance: float, motion: MotionState) -> GapField:
+    """Gap height of a rigid shaft in a rigid cylindrical bush. [m]."""
+    place, rows, lanes = motion.place, mesh.angle.size, mesh.axial.size
     centre = _plane_waves(mesh, place, clearance, 0.0, mesh.axial)
     face_y = _plane_waves(mesh, place, clearance, 0.0, mesh.axial_face)
     face_x = np.empty((rows + 1, lanes))
     face_x[:rows] = _plane_waves(mesh, place, clearance, -0.5, mesh.axial)
     face_x[rows] = face_x[0]
-    rate = _plane_waves(mesh, speed, 0.0, 0.0, mesh.axial)
+    rate = _plane_waves(mesh, motion.speed, 0.0, 0.0, mesh.axial)
     return GapField(centre, face_x, face_y, rate, np.zeros((rows, lanes)))
-
-
-def journal_gap(mesh: JournalMesh, clearance: float, motion: MotionState) -> GapField:
-    """Gap height of a rigid shaft in a rigid cylindrical bush. [m]."""
-    return GapField(*_gap(mesh, clearance, motion.place, motion.speed))
 
 
 def lobed(gap: GapField, mesh: JournalMesh, lobes: Lobes, clearance: float) -> GapField:

@@ -21,7 +21,7 @@ from toothspace.films.journal.bearing import JournalBearing
 from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
 from toothspace.model.description import SolvedJournal
 
-GRID = (120, 17)
+_GRID = (120, 17)
 """Cells of the solved films, round and along. [-]"""
 _GAP_STEPS = np.linspace(0.0, 4.5, 16)
 """Sampled -ln(1 - eccentricity ratio); the last is a ratio of 0.989. [-]"""
@@ -31,9 +31,7 @@ _LEAST = 1e-3
 
 
 @lru_cache(maxsize=16)
-def solved_journal(
-    length_over_diameter: float, clearance_over_roughness: float, grid: tuple[int, int] = GRID
-) -> SolvedJournal:
+def solved_journal(length_over_diameter: float, clearance_over_roughness: float) -> SolvedJournal:
     r"""Force map and shear of a journal bearing from solutions of the Reynolds equation.
 
     Parameters
@@ -42,8 +40,6 @@ def solved_journal(
         Bearing length over diameter. [-]
     clearance_over_roughness : float
         Radial clearance over the combined roughness; infinite for smooth walls. [-]
-    grid : tuple of int
-        Cells round the circumference and along the axis. [-]
 
     Returns
     -------
@@ -64,7 +60,7 @@ def solved_journal(
     .. [1] J. F. Booker, Dynamically loaded journal bearings: mobility method of solution,
        J. Basic Eng. 87 (1965) 537-546.
     """
-    bearing = _unit_bearing(length_over_diameter, clearance_over_roughness, grid)
+    bearing = _unit_bearing(length_over_diameter, clearance_over_roughness)
     closed = build_journal_map(length_over_diameter)
     samples = np.array([[_force(bearing, t, a) for a in _DIRECTIONS] for t in _GAP_STEPS])
     reference = _closed_force(closed.nodes, closed.logarithm_step)
@@ -77,9 +73,7 @@ def solved_journal(
     return SolvedJournal(nodes, shear, _SHEAR_RANGE)
 
 
-def _unit_bearing(
-    slenderness: float, clearance_over_roughness: float, grid: tuple[int, int]
-) -> JournalBearing:
+def _unit_bearing(slenderness: float, clearance_over_roughness: float) -> JournalBearing:
     """Bearing of radius 1000 clearances and viscosity 1; pressures above the cavity's."""
     surfaces = None
     if math.isfinite(clearance_over_roughness):
@@ -90,7 +84,7 @@ def _unit_bearing(
         length=2e3 * slenderness,
         radial_clearance=1.0,
         dynamic_viscosity=1.0,
-        grid=grid,
+        grid=_GRID,
         end_pressure=0.0,
         cavitation_pressure=0.0,
         cavitation="reynolds",

@@ -13,7 +13,7 @@ from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
 from toothspace.films.journal.bearing import JournalBearing
 from toothspace.films.journal.definition import JournalDefinition
-from toothspace.films.journal.equilibrium import closeness
+from toothspace.films.journal.equilibrium import closeness, longest_part
 from toothspace.films.journal.geometry import MotionState, SurfaceSpeed
 from toothspace.films.journal.solution import JournalBearingSolution, solve_motion
 
@@ -278,8 +278,6 @@ class _OrbitStep:
         c, bearing = self.bearing.radial_clearance, self.bearing
         limit = 1.0 - 0.3 * max(1.0 - closeness(before / c, bearing), 1e-3)
         change = position - before
-        for _ in range(60):
-            if closeness((before + change) / c, bearing) <= limit:
-                break
-            change = 0.8 * change
-        return np.asarray(before + change)
+        return before + longest_part(
+            change, lambda d: closeness((before + d) / c, bearing) <= limit
+        )

@@ -84,6 +84,11 @@ class JournalBearingSolution:
         return float(np.hypot(*self.force))
 
     @property
+    def load_vector(self) -> Array:
+        """Force and moment on the shaft. [N, N m]."""
+        return np.concatenate([self.force, self.moment])
+
+    @property
     def sommerfeld_number(self) -> float:
         r"""Load parameter :math:`S = (\eta N / P) (R / c)^2`, N in 1/s. [-]."""
         if self.load == 0.0:

@@ -80,23 +80,18 @@ def _needs_supply(bearing: JournalDefinition, motion: MotionState, surface_speed
     return surface_speed != 0.0 and bearing.end_pressure <= bearing.cavitation_pressure
 
 
-def _refuse_closed(bearing: JournalDefinition, motion: MotionState, surface_speed: float) -> None:
-    """Refuse a film that nothing fixes the pressure or the amount of liquid of."""
-    moves = surface_speed != 0.0 or bool(np.any(motion.speed))
-    if bearing.end_condition == "no_flow" and not bearing.grooves and moves:
-        raise CaseError(
-            "bearing.supply: found 'none' between walls and without grooves, allowed is a supply "
-            "line, a groove or open ends: the liquid in a closed film is not determined"
-        )
-
-
 def _supplied(
     bearing: JournalDefinition, motion: MotionState, surface_speed: float, *, remembered: bool
 ) -> tuple[tuple[Groove, ...], float]:
     """Grooves with the supply line, and the angle at which the grid begins."""
     if not _needs_supply(bearing, motion, surface_speed):
-        if not remembered:
-            _refuse_closed(bearing, motion, surface_speed)
+        moves = surface_speed != 0.0 or bool(np.any(motion.speed))
+        closed = bearing.end_condition == "no_flow" and not bearing.grooves
+        if moves and closed and not remembered:
+            raise CaseError(
+                "bearing.supply: found 'none' between walls and without grooves, allowed is a "
+                "supply line, a groove or open ends: the liquid in a closed film is not determined"
+            )
         return bearing.grooves, 0.0
     place = motion.place
     widest = float(np.arctan2(-place[1], -place[0])) if np.any(place[:2]) else np.pi

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple, final
 
 import numpy as np
@@ -25,7 +25,12 @@ from toothspace.films.reynolds.linearised import solved_responses
 from toothspace.films.reynolds.rough_surfaces import FlowLaw, squeeze_law
 from toothspace.numerics.banded import stencil_product
 from toothspace.numerics.block_elimination import block_system
-from toothspace.numerics.complementarity import ComplementaritySolution, assemble
+from toothspace.numerics.complementarity import (
+    ComplementaritySolution,
+    assemble,
+    exchange_kinds,
+    fields_of,
+)
 from toothspace.numerics.linear_system import (
     PRESCRIBED,
     SATURATED,
@@ -45,7 +50,6 @@ _LONGEST = 0.5
 """Largest change of the gap in one pass over the gap. [-]"""
 _CARRIED = 16
 """Rows from which a newly covered cell takes the film that it begins with. [-]"""
-_ROUNDING = 1e-10
 _BLOCK_LANES = 200
 """Cells along the radius up to which elimination beats multigrid of a compliant film. [-]"""
 
@@ -153,20 +157,6 @@ def _store(kind: IntArray, held: Array, height: Array, law: FlowLaw, stencil: Ar
                 stencil[i * lanes + j, 2] += held[i, j] * squeeze_law(height[i, j], law)[0]
 
 
-@njit(nogil=True)
-def _parted(kind: IntArray, unknown: Array) -> tuple[Array, Array]:
-    """Potential and saturation of every cell."""
-    potential, saturation = np.zeros(kind.shape), np.ones(kind.shape)
-    rows, lanes = kind.shape
-    for i in range(rows):
-        for j in range(lanes):
-            if kind[i, j] == 1:
-                saturation[i, j] = unknown[i * lanes + j]
-            else:
-                potential[i, j] = unknown[i * lanes + j]
-    return potential, saturation
-
-
 @inlined
 def _floored(gap: float, roughness: float) -> float:
     """Gap that changes are compared with, positive also where faces overlap. [m]."""
@@ -210,27 +200,6 @@ def _take(
             unknown[r] += part * step[r]
             contact[i, j] = max(touch[0, i, j] + part * touch[1, i, j] * change, 0.0)
     return largest
-
-
-@kernel
-def _revise(kind: IntArray, unknown: Array) -> int:
-    """Exchange the kinds of cells that break a bound and put them on it."""
-    rows, lanes = kind.shape
-    changed, scale = 0, 0.0
-    for i in range(rows):
-        for j in range(lanes):
-            if kind[i, j] == 0:
-                scale = max(scale, abs(unknown[i * lanes + j]))
-    for i in range(rows):
-        for j in range(lanes):
-            r = i * lanes + j
-            if kind[i, j] == 0 and unknown[r] < -_ROUNDING * scale:
-                kind[i, j], unknown[r] = 1, 1.0
-                changed += 1
-            elif kind[i, j] == 1 and unknown[r] > 1.0 + _ROUNDING:
-                kind[i, j], unknown[r] = 0, 0.0
-                changed += 1
-    return changed
 
 
 class _Reduced(NamedTuple):
@@ -284,26 +253,21 @@ def solve_compliant(
         careful = _CAREFUL if number > _PATIENCE else 1.0
         walls = gap, now.gap_compliance, now.touch
         largest = _take(kind, walls, how.roughness, careful, step, unknown, contact)
-        used = kind.copy()
-        changed = _revise(kind, unknown)
+        used, scale = kind.copy(), np.abs(unknown[kind.ravel() == SATURATED]).max(initial=0.0)
+        changed = exchange_kinds(kind, unknown, float(scale))
+        moved = (kind != used).ravel()
+        unknown[moved] = kind.ravel()[moved]  # on the bound: saturation one, potential zero
         settled = changed == 0 and largest <= how.accuracy.settled and not lost
         if settled or lost:
             break
-    final, filled = _parted(kind, unknown)
+    final, filled = fields_of(kind, unknown)
     fields = ComplementaritySolution(final, filled, used, now.system, number, settled)
-    moved = PlaneFilm(
-        film.grid,
-        deformed_gap(film.gap, gap - film.gap.centre, film.grid.sweep_x)._replace(rate=now.rate),
-        film.points,
-        film.fluid,
-        film.cavitation_pressure,
-        film.constraint,
-        law=film.law,
-    )
+    deformed = deformed_gap(film.gap, gap - film.gap.centre, film.grid.sweep_x)
     status = Status.DONE if settled else Status.NOT_CONVERGED
     gauge = fluid.gauge(np.maximum(fields.potential, 0.0), lowest)
     liquid = fluid.fields(gauge + lowest)
-    plane = PlaneSolution(gauge, liquid, now.found.balance, fields, status, moved)
+    film = replace(film, gap=deformed._replace(rate=now.rate))
+    plane = PlaneSolution(gauge, liquid, now.found.balance, fields, status, film)
     touch = (now.touch[1].copy(), now.touch[2].copy())
     return CompliantSolution(plane, contact, *touch, kind, largest, now.found)
 
@@ -371,7 +335,7 @@ def _linearise(
     gap: Array,
     former: LinearSystem | None,
 ) -> _Pass:
-    potential, saturation = _parted(kind, unknown)
+    potential, saturation = fields_of(kind, unknown)
     touch = np.empty((3, *gap.shape))
     height = gap.copy()
     inside = film.grid.mark != PRESCRIBED
@@ -410,10 +374,10 @@ def _linearise(
 
 
 @njit(nogil=True)
-def _deform(gap: GapField, deformation: Array, sweep: Array) -> tuple[Array, Array, Array]:
-    rows, lanes = deformation.shape
-    centre = gap.centre + deformation
+def deformed_gap(gap: GapField, deformation: Array, sweep: Array) -> GapField:
+    """Gap with a deformation: along the motion that of the cell upstream."""
     along, across = np.empty(gap.face_x.shape), np.empty(gap.face_y.shape)
+    rows, lanes = deformation.shape
     for i in range(rows + 1):
         for j in range(lanes):
             up = i - 1 if sweep[i, j] >= 0.0 else i
@@ -422,10 +386,4 @@ def _deform(gap: GapField, deformation: Array, sweep: Array) -> tuple[Array, Arr
         for j in range(lanes + 1):
             south, north = deformation[i, max(j - 1, 0)], deformation[i, min(j, lanes - 1)]
             across[i, j] = gap.face_y[i, j] + 0.5 * (south + north)
-    return centre, along, across
-
-
-def deformed_gap(gap: GapField, deformation: Array, sweep: Array) -> GapField:
-    """Gap with a deformation: along the motion that of the cell upstream."""
-    centre, along, across = _deform(gap, deformation, sweep)
-    return GapField(centre, along, across, gap.rate, gap.step)
+    return GapField(gap.centre + deformation, along, across, gap.rate, gap.step)

@@ -12,7 +12,7 @@ from toothspace.core.types import Array
 from toothspace.films.lateral.basis_functions import BasisFunctions
 from toothspace.films.lateral.face_film import FaceFilm
 from toothspace.films.lateral.stack import StackState, mean_coefficients
-from toothspace.numerics.acceleration import Mixing, mixed
+from toothspace.numerics.acceleration import Mixing
 from toothspace.numerics.parallel import in_parallel
 
 Fields = list[list[Array]]
@@ -229,7 +229,7 @@ class DeformationIteration:
         """Stiffness and damping to begin with, and the iterations that they have served."""
         if self._fineness is None:
             return jacobian, age
-        return (_mean_of(self._own) if self._own else None), 0
+        return (mean_coefficients(self._own) if self._own else None), 0
 
     def renew(self, states: Sequence[StackState]) -> tuple[Array, Array]:
         """Stiffness and damping of the films, with the predicted deformation if there is one."""
@@ -240,7 +240,7 @@ class DeformationIteration:
             if phase not in found:
                 found[phase] = response(state, self._fineness, self._frequency)
         self.responses |= found
-        return _mean_of(self._own)
+        return mean_coefficients(self._own)
 
     def pull(self) -> Array | float:
         """Film force that the deformation still missing will add. [N, N m]."""
@@ -261,14 +261,20 @@ class DeformationIteration:
             Step that balances forces and its change of the rates. [m, rad, m/s, rad/s]
         """
         if self._memory == 0:
-            return limited(states, step)
+            return np.asarray(step / overstep(states, step))
         new = self._new
         if self._own:
             pairs = zip(self._own, self._missing, strict=True)
             more = [own.fields(own.follow(m, step, rate) - m) for own, m in pairs]
             new = _sum(new, more)
-        here, arms = states[0].position, states[0].stack.arms
-        new, step = mixed(self._mixing, self.used, new, here, step, arms)
+        old, found = (np.concatenate([a.ravel() for s in w for a in s]) for w in (self.used, new))
+        # the coordinates count as much as the deformation of all cells
+        weight, here = states[0].stack.arms * np.sqrt(old.size), states[0].position
+        residual = np.concatenate([found - old, weight * step])
+        mixture = self._mixing.following(np.concatenate([old, weight * here]), residual)
+        pieces = iter(np.split(mixture, np.cumsum([a.size for s in new for a in s])))
+        new = [[next(pieces).reshape(a.shape) for a in s] for s in new]
+        step = next(pieces) / weight - here
         change = _sum(new, self.used, -1.0)
         part = 1.0 / overstep(states, step, change)
         self.used = _sum(self.used, change, part)
@@ -295,16 +301,10 @@ def film_coefficients(
     """Stiffness and damping of films, with the predicted deformation if there is one."""
     if fineness is None:
         return mean_coefficients(states)
-    return _mean_of([response(state, fineness, 0.0) for state in states])
+    return mean_coefficients([response(state, fineness, 0.0) for state in states])
 
 
-def limited(states: Sequence[StackState], step: Array) -> Array:
-    """Longest part of a step [m, rad] that neither closes nor opens a gap by too much."""
-    still = [[np.zeros_like(d) for d in state.distant] for state in states]
-    return np.asarray(step / overstep(states, step, still))
-
-
-def overstep(states: Sequence[StackState], step: Array, openings: Fields) -> float:
+def overstep(states: Sequence[StackState], step: Array, openings: Fields | None = None) -> float:
     """Step over the longest that neither closes nor opens a gap by too much, one at least. [-].
 
     Parameters
@@ -313,18 +313,13 @@ def overstep(states: Sequence[StackState], step: Array, openings: Fields) -> flo
         Solved films, one state per snapshot.
     step : ndarray
         Step of the coordinates. [m, rad]
-    openings : list
+    openings : list, optional
         What the step adds to the deformation of every snapshot and film. [m]
     """
     still, most = np.zeros_like(step), 1.0
-    for state, fields in zip(states, openings, strict=True):
-        for k, (film, opening) in enumerate(zip(state.films, fields, strict=True)):
+    for n, state in enumerate(states):
+        for k, film in enumerate(state.films):
+            opening = 0.0 if openings is None else openings[n][k]
             motion = state.stack.film_face_motion(k, step, still).position
             most = max(most, film.overstep(motion, opening))
     return most
-
-
-def _mean_of(responses: Sequence[DeformationResponse]) -> tuple[Array, Array]:
-    """Stiffness and damping, means over snapshots."""
-    pairs = [own.coefficients for own in responses]
-    return np.mean([k for k, _ in pairs], axis=0), np.mean([d for _, d in pairs], axis=0)

@@ -2,28 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
 from scipy.linalg import eig
 
-from toothspace.core.types import Array, ComplexArray
-from toothspace.films.lateral.deformation import film_coefficients, limited
+from toothspace.core.types import Array
+from toothspace.films.lateral.deformation import film_coefficients, overstep
 from toothspace.films.lateral.motion import (
     Balance,
     Loads,
     StepSettings,
     advance,
     balance_force,
-    levers_of,
     stopped,
 )
 from toothspace.films.lateral.relaxation import relax
 from toothspace.films.lateral.stack import Snapshot, Stack
 from toothspace.films.lateral.stops import leaning, stop_forces
 
+_MOST_STEPS = 80
+_RESIDUAL_MOTION = 1e-6
+"""Viscous force of the remaining motion over the balance force that is left. [-]"""
 _MOST_FAILURES = 6
 """Steps in time that may fail before squeeze is left out."""
 _MOST_PUSHES = 2
@@ -50,18 +52,12 @@ class SearchSettings:
         First step of the time in which the search moves. [s]
     longest_time : float
         Time after which the search stops: the dwell at the operating point. [s]
-    residual_motion : float
-        Viscous force of the remaining motion over the balance force. [-]
-    max_steps : int
-        Most steps.
     stable : bool
         Whether a balance that small motions tip away from is left for another.
     """
 
     first_step: float = 1e-3
     longest_time: float = 1e3
-    residual_motion: float = 1e-6
-    max_steps: int = 80
     stable: bool = True
 
 
@@ -125,7 +121,7 @@ def find_equilibrium(
     now, time, length = stopped(start), 0.0, search.first_step
     scale, failures, pushes = balance_force(stack, loads.back), 0, 0
     still = np.zeros(stack.size)
-    for number in range(1, search.max_steps + 1):
+    for number in range(1, _MOST_STEPS + 1):
         length = min(length, search.longest_time - time)
         if length <= 1e-12:
             return Equilibrium(now, False, time, number, "its time is over")
@@ -137,28 +133,21 @@ def find_equilibrium(
             continue
         now, time = found, time + length
         length *= 3.0 if found.iterations <= step.max_iterations // 2 else 1.0
-        if _viscous(stack, now) > search.residual_motion * scale or number <= 2:
+        if _viscous(stack, now) > _RESIDUAL_MOTION * scale or number <= 2:
             continue
-        rate, motion = _growth(stack, now, loads, step) if search.stable else (0.0, still)
+        rate, motion = growing_motion(stack, now, loads, step) if search.stable else (0.0, still)
         if rate * search.longest_time <= 1.0:
             return Equilibrium(now, True, time, number)
         if pushes == _MOST_PUSHES:
             return Equilibrium(now, False, time, number, _UNSTABLE.format(rate))
         now, length, pushes = _pushed(now, motion), _PUSH_TIME / rate, pushes + 1
-    return Equilibrium(now, False, time, search.max_steps, "it still moves after the last step")
-
-
-def _growth(
-    stack: Stack, balance: Balance, loads: Loads, step: StepSettings
-) -> tuple[float, Array]:
-    """Growth of a small motion [1/s], and the coordinates that share in it."""
-    known = replace(balance, jacobian=film_coefficients(balance.states, step.fineness))
-    return growing_motion(stack, known, loads)
+    return Equilibrium(now, False, time, _MOST_STEPS, "it still moves after the last step")
 
 
 def _pushed(balance: Balance, motion: Array) -> Balance:
     """State a little aside, without motion; films are those of the place before."""
-    aside = _PUSH * limited(balance.states, motion * _FAR)
+    far = motion * _FAR
+    aside = _PUSH * far / overstep(balance.states, far)
     still = np.zeros_like(motion)
     states = tuple(replace(s, position=s.position + aside, velocity=still) for s in balance.states)
     return replace(balance, states=states)
@@ -184,10 +173,10 @@ def _leaning(
     if not last.converged:
         reason = "; ".join(leaning(stack, still.position)) or "films and forces do not settle"
         return Equilibrium(replace(still, residual=found.residual), False, time, steps, reason)
-    rate, _ = _growth(stack, last, loads, step)
+    rate, _ = growing_motion(stack, last, loads, step)
     if rate * search.longest_time > 1.0:
         return Equilibrium(last, False, time + length, steps, _UNSTABLE.format(rate))
-    settled = _viscous(stack, last) <= search.residual_motion * balance_force(stack, loads.back)
+    settled = _viscous(stack, last) <= _RESIDUAL_MOTION * balance_force(stack, loads.back)
     return Equilibrium(last, settled, time + length, steps, "" if settled else "it still moves")
 
 
@@ -198,26 +187,6 @@ def _viscous(stack: Stack, balance: Balance) -> float:
     return float(np.abs(force[::3]).max())
 
 
-@final
-@dataclass(frozen=True, eq=False)
-class LateralMarch:
-    """Motion over the shaft angle.
-
-    Parameters
-    ----------
-    shaft_angle : ndarray
-        Angles of the steps. [rad]
-    balances : tuple of Balance
-        State after every step.
-    converged : bool
-        Whether every step was in balance.
-    """
-
-    shaft_angle: Array
-    balances: tuple[Balance, ...]
-    converged: bool
-
-
 def march_angles(
     stack: Stack,
     pressures: NodePressure,
@@ -225,9 +194,8 @@ def march_angles(
     start: Balance,
     angles: Array,
     step: StepSettings,
-    keep: Callable[[int, Balance], None] | None = None,
-) -> LateralMarch:
-    """March over shaft angles with transient squeeze.
+) -> Iterator[Balance]:
+    """March over shaft angles with transient squeeze; yields the state after every step.
 
     Parameters
     ----------
@@ -239,22 +207,13 @@ def march_angles(
         State before the first angle.
     angles : ndarray
         Shaft angles at the ends of the steps, evenly spaced. [rad]
-    keep : callable, optional
-        Called with the number and the state after every step; then states are not kept.
     """
     duration = float(angles[1] - angles[0]) / stack.shaft_speed
     now = replace(start, states=(replace(start.states[0], stack=stack),), jacobian=None)
-    kept: list[Balance] = []
-    converged = True
     for k, angle in enumerate(angles):
         snapshot = stack.snapshot(float(angle), pressures(float(angle)))
         now = advance(stack, (snapshot,), loads, now, duration, step, follows=k > 0)
-        converged = converged and now.converged
-        if keep is None:
-            kept.append(now)
-        else:
-            keep(k, now)
-    return LateralMarch(angles, tuple(kept), converged)
+        yield now
 
 
 _ROUNDING = 1e-5
@@ -263,15 +222,19 @@ _UNDAMPED = 1e-12
 """Damping over the largest from which it is rounding. [-]"""
 
 
-def growing_motion(stack: Stack, balance: Balance, loads: Loads) -> tuple[float, Array]:
+def growing_motion(
+    stack: Stack, balance: Balance, loads: Loads, step: StepSettings
+) -> tuple[float, Array]:
     """Fastest growth of a motion that tips bodies in equilibrium, and its shape.
 
     Parameters
     ----------
     balance : Balance
-        Equilibrium with its Jacobian; bearings that friction holds take no part.
+        Equilibrium; bearings that friction holds take no part.
     loads : Loads
         Friction in the housing.
+    step : StepSettings
+        Basis functions of the deformation that is taken along.
 
     Returns
     -------
@@ -285,10 +248,13 @@ def growing_motion(stack: Stack, balance: Balance, loads: Loads) -> tuple[float,
     motions circle. Those that circle faster than they grow do not tip a body, and are left out,
     as are those that no film damps: a cover holds all that moves together.
     """
-    assert balance.jacobian is not None
-    stiffness = balance.jacobian[0] + stop_forces(stack, balance.position)[1]
+    stiffness, damping = film_coefficients(balance.states, step.fineness)
+    stiffness = stiffness + stop_forces(stack, balance.position)[1]
     basis = _moving(stack, balance, loads) / stack.arms[:, None]
-    rates, shapes = _modes(basis.T @ stiffness @ basis, basis.T @ balance.jacobian[1] @ basis)
+    matrices = -basis.T @ stiffness @ basis, basis.T @ damping @ basis
+    (force, drag), shapes = eig(*matrices, homogeneous_eigvals=True)
+    damped = np.abs(drag) > _UNDAMPED * np.abs(drag).max()
+    rates, shapes = force[damped] / drag[damped], shapes[:, damped]
     tipping = np.where(np.abs(rates.imag) < rates.real, rates.real, -np.inf)
     k = int(np.argmax(tipping))
     fastest = float(np.abs(rates).max())
@@ -297,19 +263,12 @@ def growing_motion(stack: Stack, balance: Balance, loads: Loads) -> tuple[float,
     return float(rates[k].real), basis @ shapes[:, k].real
 
 
-def _modes(stiffness: Array, damping: Array) -> tuple[ComplexArray, ComplexArray]:
-    """Rates [1/s] of the damped motions, and their shapes as columns."""
-    (force, drag), shapes = eig(-stiffness, damping, homogeneous_eigvals=True)
-    damped = np.abs(drag) > _UNDAMPED * np.abs(drag).max()
-    return force[damped] / drag[damped], shapes[:, damped]
-
-
 def _moving(stack: Stack, balance: Balance, loads: Loads) -> Array:
     """Motions of the free coordinates that leave bearings where friction holds them."""
     every = np.eye(stack.size)[:, stack.free]
     if not loads.friction.holds or loads.friction.coulomb_force == 0.0:
         return every
-    bars = zip(levers_of(stack), balance.slides, strict=True)
+    bars = zip(stack.levers, balance.slides, strict=True)
     held = [lever @ every for lever, slides in bars if slides == 0]
     if not held:
         return every

@@ -34,7 +34,7 @@ from toothspace.films.reynolds.rough_surfaces import (
     contact_field,
     mean_gap,
 )
-from toothspace.numerics.complementarity import face_flows, solve_complementarity
+from toothspace.numerics.complementarity import solve_complementarity
 from toothspace.numerics.linear_system import PRESCRIBED
 
 _SHEARED = 1e-9
@@ -157,22 +157,17 @@ class FaceFilm:
         """Pressure of film, chambers and asperities. [Pa]."""
         return self.plane.pressure + self.contact
 
+    @cached_property
     def covered_load(self) -> Array:
         """Load between body and bearing: lift [N] and rotations [N m] about the own axis."""
-        return self._loads[0]
-
-    def open_load(self) -> Array:
-        """Load of the chambers on the bearing alone: lift [N] and rotations [N m]."""
-        return self._loads[1]
+        return self.grid.moments(self.total, self.boundary.mask.covered)
 
     @cached_property
-    def _loads(self) -> tuple[Array, Array]:
-        """Loads on covered and on open cells."""
-        mask = self.boundary.mask
-        carried = self.grid.moments(self.total, mask.covered)
-        return carried, self.grid.moments(self.pressure, mask.open_face)
+    def open_load(self) -> Array:
+        """Load of the chambers on the bearing alone: lift [N] and rotations [N m]."""
+        return self.grid.moments(self.pressure, self.boundary.mask.open_face)
 
-    def overstep(self, motion: Array, opening: Array) -> float:
+    def overstep(self, motion: Array, opening: Array | float) -> float:
         """Step of the gap over the longest that it allows.
 
         A motion of the upper face [m, rad] and an opening of every cell. [m]
@@ -217,23 +212,17 @@ class FaceFilm:
                 relative_tolerance=accuracy,
             )
         stretch = fluid.stretch(plane.pressure)
+        # change of the asperity pressure with an opening of the undeformed gap [Pa/m]
+        touch = self.solution.contact_slope * self.solution.gap_slope
         found = []
         for reduced, change in zip(responses, changes, strict=True):
             response = stretch * reduced
-            found.append(response + self._touch(self.compliance * response + change.centre))
+            found.append(response + touch * (self.compliance * response + change.centre))
         return found
 
-    def _touch(self, opening: Array) -> Array:
-        """Change of the asperity pressure with an opening of the undeformed gap. [Pa]."""
-        found = self.solution
-        return np.asarray(found.contact_slope * found.gap_slope * opening)
-
-    def friction(self) -> FilmLosses:
-        """Torques of shear and asperities, and flows that the boundaries lose."""
-        return self._friction
-
     @cached_property
-    def _friction(self) -> FilmLosses:
+    def losses(self) -> FilmLosses:
+        """Powers of shear, asperities and flow, and what the boundaries lose."""
         b, fields = self.plane.balance, self.plane.fields
         potential = np.maximum(fields.potential, 0.0)
         speed = self.grid.interface.speed_ratio * self.boundary.shaft_speed
@@ -249,8 +238,10 @@ class FaceFilm:
         push_x, push_y = _drops(potential, b.south, b.north)
         free = b.mark != PRESCRIBED
         film_x, film_y = _film_faces(free)
-        flow_x, flow_y = face_flows(b, b, potential, fields.saturation)
-        flow_x, flow_y = np.where(film_x, flow_x, 0.0), np.where(film_y, flow_y, 0.0)
+        flow_x, flow_y = (
+            np.where(at, flow, 0.0)
+            for at, flow in zip((film_x, film_y), self.plane.flows, strict=True)
+        )
         total = float((flow_x * drop_x).sum() + (flow_y * drop_y).sum())
         conducted = float((np.where(film_x, b.conductance_x, 0.0) * push_x * drop_x).sum())
         conducted += float((np.where(film_y, b.conductance_y, 0.0) * push_y * drop_y).sum())

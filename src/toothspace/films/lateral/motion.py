@@ -141,6 +141,11 @@ class _StepTask(NamedTuple):
     duration: float  # [s]
     previous: PreviousStep | None  # films before the step; none if the faces count as steady
 
+    @property
+    def scale(self) -> float:
+        """Force behind the floating bearing. [N]."""
+        return balance_force(self.stack, self.loads.back)
+
 
 class _Step(NamedTuple):
     step: Array
@@ -192,7 +197,7 @@ def _revised(task: _StepTask, found: _Step, v: Array, tried: tuple[int, ...]) ->
     """Stick or slip of every floating bearing, revised by the forces or the motion predicted."""
     revised = []
     velocity, friction = v + found.step / task.duration, _friction(task, v, tried, found.holding)
-    for k, lever in enumerate(levers_of(task.stack)):
+    for k, lever in enumerate(task.stack.levers):
         speed = float(lever @ velocity)
         limit = task.loads.law(k).breakaway_force
         if tried[k] == 0 and abs(friction[k]) > limit * (1.0 + 1e-9):
@@ -202,18 +207,6 @@ def _revised(task: _StepTask, found: _Step, v: Array, tried: tuple[int, ...]) ->
         else:
             revised.append(tried[k])
     return tuple(revised)
-
-
-def levers_of(stack: Stack) -> list[Array]:
-    """Velocity of the middle of every floating bearing from the coordinates' rates."""
-    tilts = stack.balance.motion == "full"
-    found = []
-    for part in stack.moving_bearings:
-        x, y = part.bearing.face.center
-        lever = np.zeros(stack.size)
-        lever[part.first : part.first + 3] = 1.0, y * tilts, -x * tilts
-        found.append(lever)
-    return found
 
 
 def _solve(task: _StepTask, former: Balance, slides: tuple[int, ...] | None) -> Balance:
@@ -230,7 +223,7 @@ def _solve(task: _StepTask, former: Balance, slides: tuple[int, ...] | None) -> 
     repeated = settings.jacobian_age > 1 and settings.memory == 0
     q = task.start + _HEAD * task.duration * task.velocity
     jacobian, age = deformation.serving(former.jacobian, former.age)
-    best, error, failures, number = np.inf, np.inf, 0, 0
+    best, error, failures, converged = np.inf, np.inf, 0, False
     quick = stack.with_passes(settings.passes)
     predicted: tuple[Array, Array] | None = None
     for number in range(1, settings.max_iterations + 1):
@@ -257,15 +250,11 @@ def _solve(task: _StepTask, former: Balance, slides: tuple[int, ...] | None) -> 
             jacobian, age = deformation.renew(states), 1
             found, revised, firm = _decided(task, states, jacobian, 0.0, v, slides, steady)
         slides = deformation.beside(slides, revised)
-        error, best = found.error, found.error / _scale(task)
+        error, best = found.error, found.error / task.scale
         balanced = best <= settings.force_tolerance and change <= settings.film_tolerance
-        if balanced and settled and firm:
-            balance = _balance(task, states, found, v, slides, best, number)
-            return replace(
-                balance, converged=True, jacobian=jacobian, age=age, responses=deformation.responses
-            )
+        converged = balanced and settled and firm
         step = found.step
-        if not np.isfinite(step).all():
+        if converged or not np.isfinite(step).all():
             break
         step = deformation.follow(states, step, step / task.duration)
         ahead = found.force - _matrix(task, jacobian, found.drag) @ step
@@ -273,7 +262,17 @@ def _solve(task: _StepTask, former: Balance, slides: tuple[int, ...] | None) -> 
         informative = repeated and steady and best > _NOISE * settings.force_tolerance
         predicted = (step, ahead) if informative else None
         q = q + step
-    return _balance(task, states, found, v, slides, best, number)
+    return Balance(
+        states,
+        _friction(task, v, slides, found.holding),
+        slides or (0,) * len(stack.moving_bearings),
+        best,
+        number,
+        converged,
+        jacobian=jacobian if converged else None,
+        age=age if converged else 0,
+        responses=deformation.responses if converged else {},
+    )
 
 
 def _decided(
@@ -289,37 +288,17 @@ def _decided(
 
     Stick or slip is revised near the balance only: what once sticks needs more to break away.
     """
-    near, levers = False, levers_of(task.stack)
+    near, levers = False, task.stack.levers
     for _ in range(_STATUS_ROUNDS):
         held = [w for k, w in enumerate(levers) if slides is not None and slides[k] == 0]
         force, drag = _forces(task, states, v, slides)
         found = _newton_step(task, jacobian, force, drag, pull, held, v)
         revised = slides if slides is None else _revised(task, found, v, slides)
-        near = near or (steady and found.error <= _NEAR * _scale(task))
+        near = near or (steady and found.error <= _NEAR * task.scale)
         if revised == slides or not near:
             return found, slides, revised == slides
         slides = revised
     return found, slides, False
-
-
-def _balance(
-    task: _StepTask,
-    states: tuple[StackState, ...],
-    found: _Step,
-    v: Array,
-    slides: tuple[int, ...] | None,
-    residual: float,
-    iterations: int,
-) -> Balance:
-    """State after a step that does not count as converged."""
-    return Balance(
-        states,
-        _friction(task, v, slides, found.holding),
-        slides or (0,) * len(levers_of(task.stack)),
-        residual,
-        iterations,
-        converged=False,
-    )
 
 
 def _forces(
@@ -330,10 +309,14 @@ def _forces(
     held, stiffness = stop_forces(stack, task.start + v * task.duration)
     force = mean_force(states, task.loads.back) + held
     drag = stiffness * task.duration
-    mass = _masses(stack)
+    # rotary inertia is negligible beside the films' damping
+    mass = np.zeros(stack.size)
+    for part in stack.moving_bearings:
+        mass[part.first] = part.bearing.mass
+    mass[stack.first_body :][: 3 * len(stack.balance.bodies) : 3] = stack.balance.body_masses
     force -= mass * (v - task.velocity) / task.duration
     drag += np.diag(mass) / task.duration
-    for k, lever in enumerate(levers_of(stack)):
+    for k, lever in enumerate(stack.levers):
         if slides is None:
             value, slope = task.loads.law(k).force(float(lever @ v))
             force -= value * lever
@@ -341,16 +324,6 @@ def _forces(
         else:
             force -= slides[k] * task.loads.law(k).coulomb_force * lever
     return force, drag
-
-
-def _masses(stack: Stack) -> Array:
-    """Masses of the lifts; rotary inertia is negligible beside the films' damping."""
-    masses = np.zeros(stack.size)
-    for part in stack.moving_bearings:
-        masses[part.first] = part.bearing.mass
-    for k, mass in enumerate(stack.balance.body_masses):
-        masses[stack.first_body + 3 * k] = mass
-    return masses
 
 
 def _matrix(task: _StepTask, jacobian: tuple[Array, Array], drag: Array) -> Array:
@@ -413,7 +386,7 @@ def _solved(matrix: Array, right: Array) -> Array:
 
 def _friction(task: _StepTask, v: Array, slides: tuple[int, ...] | None, holding: Array) -> Array:
     """Friction force on every floating bearing. [N]."""
-    levers = levers_of(task.stack)
+    levers = task.stack.levers
     if slides is None:
         laws = [task.loads.law(k) for k in range(len(levers))]
         return np.array([-f.force(float(w @ v))[0] for w, f in zip(levers, laws, strict=True)])
@@ -429,10 +402,6 @@ def balance_force(stack: Stack, back: BackPressure) -> float:
     rest = bearing.face.area - bearing.high_pressure.area - bearing.nose.area
     push = back.high * bearing.high_pressure.area + back.nose * bearing.nose.area
     return push + back.low * rest + bearing.preload.size
-
-
-def _scale(task: _StepTask) -> float:
-    return balance_force(task.stack, task.loads.back)
 
 
 def state_at(stack: Stack, snapshots: Sequence[Snapshot], position: Array) -> Balance:

@@ -8,8 +8,8 @@ from typing import NamedTuple, final
 import numpy as np
 
 from toothspace.core.types import Array
-from toothspace.films.lateral.deformation import Fields, limited, next_deformation
-from toothspace.films.lateral.motion import Balance, Loads, balance_force, levers_of
+from toothspace.films.lateral.deformation import Fields, next_deformation, overstep
+from toothspace.films.lateral.motion import Balance, Loads, balance_force
 from toothspace.films.lateral.stack import (
     Snapshot,
     Stack,
@@ -90,7 +90,7 @@ def relax(
         )
         force, stiffness = stop_forces(stack, q)
         if loads.friction.holds:
-            for k, (sense, lever) in enumerate(zip(start.slides, levers_of(stack), strict=True)):
+            for k, (sense, lever) in enumerate(zip(start.slides, stack.levers, strict=True)):
                 force -= sense * loads.law(k).coulomb_force * lever
         force += mean_force(states, loads.back)
         stiffness += mean_coefficients(states)[0]
@@ -104,7 +104,8 @@ def relax(
         if settled and _size(stack, now.force) <= force_tolerance * scale:
             break
         taken += 1
-        step = limited(now.states, _step(stack, now, scale / far))
+        step = _step(stack, now, scale / far)
+        step = step / overstep(now.states, step)
         found = point(now.states[0].position + step, now.states, _followed(now))
         error = _size(stack, found.force - (now.force - now.stiffness @ step))
         size = _size(stack, now.force)

@@ -254,15 +254,22 @@ class Stack:
         return np.array(found)
 
     @property
+    def levers(self) -> list[Array]:
+        """Row from the coordinates to the lift of the middle of every floating bearing. [m]."""
+        tilts = self.balance.motion == "full"
+        found = []
+        for part in self.moving_bearings:
+            x, y = part.bearing.face.center
+            lever = np.zeros(self.size)
+            lever[part.first : part.first + _MOTIONS] = 1.0, y * tilts, -x * tilts
+            found.append(lever)
+        return found
+
+    @property
     def opening(self) -> Array:
         """Row from the coordinates to the mean lift of all floating bearings. [m]."""
-        tilts = self.balance.motion == "full"
-        lever = np.zeros(self.size)
-        for part in self.moving_bearings:
-            (x, y), k = part.bearing.face.center, part.first
-            outwards = -part.sign / len(self.moving_bearings)
-            lever[k : k + _MOTIONS] = outwards, outwards * y * tilts, -outwards * x * tilts
-        return lever
+        outwards = [-part.sign / len(self.moving_bearings) for part in self.moving_bearings]
+        return np.asarray(outwards @ np.array(self.levers))
 
     def tilts(self, q: Array) -> list[float]:
         """Tilt of every floating bearing or part. [rad]."""
@@ -272,8 +279,7 @@ class Stack:
 
     def film_face_motion(self, index: int, q: Array, v: Array) -> FaceMotion:
         """Position and velocity of a film's upper face about the axis of its body."""
-        bearing, body = self._maps[index]
-        chain = bearing + body
+        chain = self.chains[index]
         return FaceMotion(chain @ q, chain @ v)
 
     def solve(
@@ -304,7 +310,7 @@ class Stack:
                 )
             here = self.film_face_motion(k, q, v)
             film = solve_face(self.grids[k], self.laws[k], boundary, here, deformation, start)
-            film.covered_load()  # kept, and found here beside the other films
+            _ = film.covered_load  # kept, and found here beside the other films
             return film
 
         films = in_parallel(one, range(len(self.grids)), self.grids[0].area.size)
@@ -329,18 +335,6 @@ class Stack:
             if part.side == interface.side and interface.body in part.bodies:
                 bearing[:, part.first : part.first + _MOTIONS] = sign * about
         return bearing, body
-
-
-def _inside_rim(balance: LateralBalance, place: Array) -> float:
-    """Distance of a place from the edge of the belt round the bodies, positive inside. [m]."""
-    faces = [interface.face for interface in balance.interfaces]
-    first, last = faces[0], faces[len(balance.bodies) - 1]
-    start, end = np.array(first.center), np.array(last.center)
-    along = end - start
-    length = float(along @ along)
-    share = float(np.clip((place - start) @ along / length, 0.0, 1.0)) if length > 0.0 else 0.0
-    radius = min(first.outer_radius, last.outer_radius)
-    return radius - float(np.linalg.norm(place - start - share * along))
 
 
 def _moving_bearings(balance: LateralBalance) -> tuple[MovingBearing, ...]:
@@ -391,7 +385,7 @@ class StackState:
         """Forces [N] and moments [N m] of films, asperities and tooth spaces on the coordinates."""
         force = np.zeros(self.stack.size)
         for film, (bearing, body) in zip(self.films, self.stack._maps, strict=True):
-            force += (bearing + body).T @ film.covered_load() + bearing.T @ film.open_load()
+            force += (bearing + body).T @ film.covered_load + bearing.T @ film.open_load
         return force
 
     def back_force(self, back: BackPressure) -> Array:
@@ -410,12 +404,12 @@ class StackState:
             force[first : first + _MOTIONS] += load.moments
         return force
 
+    @property
     def coefficients(self) -> tuple[Array, Array]:
         """Stiffness and damping of all films: minus the derivatives of the film force."""
         size = self.stack.size
         stiffness, damping = np.zeros((size, size)), np.zeros((size, size))
-        for film, (bearing, body) in zip(self.films, self.stack._maps, strict=True):
-            chain = bearing + body
+        for film, chain in zip(self.films, self.stack.chains, strict=True):
             k, d = film.coefficients(self.stack.film_motions)
             stiffness += chain.T @ k @ chain
             damping += chain.T @ d @ chain
@@ -447,7 +441,7 @@ class StackState:
         for film in self.films:
             if film.grid.interface.side == "solid":
                 x, y = film.grid.interface.face.center
-                force, about_x, about_y = film.covered_load() + film.open_load()
+                force, about_x, about_y = film.covered_load + film.open_load
                 load += np.array([force, about_x + y * force, about_y - x * force])
         return load
 
@@ -456,7 +450,15 @@ class StackState:
         force, about_x, about_y = self.solid_seat(low)
         if force <= 0.0:
             return -np.inf
-        return _inside_rim(self.stack.balance, np.array([-about_y, about_x]) / force)
+        balance = self.stack.balance
+        faces = [interface.face for interface in balance.interfaces]
+        first, last = faces[0], faces[len(balance.bodies) - 1]
+        # the rim is the edge of the belt round the bodies
+        start = np.array(first.center)
+        place, along = np.array([-about_y, about_x]) / force - start, np.array(last.center) - start
+        share = np.clip(place @ along / max(float(along @ along), 1e-300), 0.0, 1.0)
+        radius = min(first.outer_radius, last.outer_radius)
+        return radius - float(np.linalg.norm(place - share * along))
 
     def _face(self, side: str, bodies: tuple[str, ...]) -> Array:
         found = np.zeros(_MOTIONS)
@@ -471,7 +473,16 @@ def mean_force(states: Sequence[StackState], back: BackPressure) -> Array:
     return np.mean([s.film_force() + s.back_force(back) for s in states], axis=0)
 
 
-def mean_coefficients(states: Sequence[StackState]) -> tuple[Array, Array]:
-    """Stiffness and damping of the films, means over snapshots."""
-    pairs = [state.coefficients() for state in states]
+class HasCoefficients(Protocol):
+    """Films that resist a motion of the coordinates."""
+
+    @property
+    def coefficients(self) -> tuple[Array, Array]:
+        """Stiffness and damping."""
+        ...  # pragma: no cover
+
+
+def mean_coefficients(films: Sequence[HasCoefficients]) -> tuple[Array, Array]:
+    """Stiffness and damping, means over snapshots."""
+    pairs = [own.coefficients for own in films]
     return np.mean([k for k, _ in pairs], axis=0), np.mean([d for _, d in pairs], axis=0)

@@ -32,7 +32,7 @@ from toothspace.films.reynolds.state import (
     relative_error,
     solve_state,
 )
-from toothspace.numerics.complementarity import Constraint, residual
+from toothspace.numerics.complementarity import Constraint, face_flows, residual
 from toothspace.numerics.linear_system import PRESCRIBED
 
 
@@ -130,6 +130,12 @@ class PlaneSolution(FilmState):
         push = pressure * film.grid.area * film.weight
         moment_x = 0.0 if film.weight > 1.0 else float((push * film.points.y).sum())
         return np.array([float(push.sum()), moment_x, -float((push * film.points.x).sum())])
+
+    @cached_property
+    def flows(self) -> tuple[Array, Array]:
+        """Flows through the faces of the solved part along both indices. [m3/s]."""
+        b, fields = self.balance, self.fields
+        return face_flows(b, b, np.maximum(fields.potential, 0.0), fields.saturation)
 
     @cached_property
     def exchange(self) -> Exchange:

@@ -25,7 +25,6 @@ from toothspace.films.reynolds.equation import FilmGrid, GapField
 from toothspace.films.reynolds.fluid import FilmFluid
 from toothspace.films.reynolds.rough_surfaces import SMOOTH, RoughSurfaces
 from toothspace.films.reynolds.state import FilmHistory
-from toothspace.numerics.complementarity import face_flows
 
 GapFunction = Callable[[Array, Array], Array]
 
@@ -309,25 +308,20 @@ class PadSolution(FaceSolution):
     @property
     def inlet_flow(self) -> float:
         """Flow in through the inlet edge, at the density of the cavitation pressure. [m3/s]."""
-        return self.plane.film.weight * float(self._flows()[0][0].sum())
+        return self.plane.film.weight * float(self.plane.flows[0][0].sum())
 
     @property
     def outlet_flow(self) -> float:
         """Flow out through the outlet edge. [m3/s]."""
-        return self.plane.film.weight * float(self._flows()[0][-1].sum())
+        return self.plane.film.weight * float(self.plane.flows[0][-1].sum())
 
     @property
     def side_flow(self) -> float:
         """Flow out through both edges along the motion. [m3/s]."""
-        flow_y = self._flows()[1]
+        flow_y = self.plane.flows[1]
         if self.plane.film.weight > 1.0:
             return 2.0 * float(flow_y[:, -1].sum())
         return float(flow_y[:, -1].sum() - flow_y[:, 0].sum())
-
-    def _flows(self) -> tuple[Array, Array]:
-        b, fields = self.plane.balance, self.plane.fields
-        flow_x, flow_y = face_flows(b, b, np.maximum(fields.potential, 0.0), fields.saturation)
-        return flow_x, flow_y
 
     @property
     def dissipated_power(self) -> float:

@@ -24,7 +24,6 @@ from toothspace.films.reynolds.equation import FilmGrid, GapField
 from toothspace.films.reynolds.fluid import FilmFluid
 from toothspace.films.reynolds.rough_surfaces import SMOOTH, RoughSurfaces, refuse_deep_contact
 from toothspace.films.reynolds.state import FilmHistory
-from toothspace.numerics.complementarity import face_flows, residual
 from toothspace.numerics.linear_system import PRESCRIBED
 
 
@@ -281,24 +280,12 @@ class LateralSolution(FaceSolution):
     @property
     def outer_flow(self) -> float:
         """Flow out through the outer rim. [m3/s]."""
-        return float(self._radial_flow()[:, -1].sum())
+        return float(self.plane.flows[1][:, -1].sum())
 
     @property
     def inner_flow(self) -> float:
         """Flow out through the inner rim. [m3/s]."""
-        return -float(self._radial_flow()[:, 0].sum())
-
-    def _radial_flow(self) -> Array:
-        b, fields = self.plane.balance, self.plane.fields
-        _, flow = face_flows(b, b, np.maximum(fields.potential, 0.0), fields.saturation)
-        return np.asarray(flow)
-
-    @property
-    def cell_flow(self) -> Array:
-        """Flow out of every given cell into the film, zero elsewhere. [m3/s]."""
-        b, fields = self.plane.balance, self.plane.fields
-        net = residual(b, b, np.maximum(fields.potential, 0.0), fields.saturation)
-        return np.where(b.mark == PRESCRIBED, net, 0.0)
+        return -float(self.plane.flows[1][:, 0].sum())
 
     @property
     def dissipated_power(self) -> float:

@@ -59,49 +59,32 @@ def coupled_solution(
 
     try:
         point = couple_point(description, fluid, lumped, request)
-        return elastic_solution(point, steps, progress)
+        return _with_films(point, steps, progress)
     except KeyboardInterrupt:
         if not done:
             raise
         return replace(done[-1], status=Status.INTERRUPTED)
 
 
-def elastic_solution(point: CoupledPoint, steps: int, progress: Progress | None = None) -> Solution:
-    """Solution of an operating point with its lateral films over one revolution.
+def _with_films(point: CoupledPoint, steps: int, progress: Progress | None) -> Solution:
+    """Lumped solution with film fields at the end of a revolution and the way of the bearing.
 
-    Parameters
-    ----------
-    point : CoupledPoint
-        Chambers and films in agreement.
-    steps : int
-        Steps of the march over the revolution. [-]
-    progress : callable, optional
-        Called after every step with a fraction and a text.
-
-    Returns
-    -------
-    Solution
-        The lumped solution with film fields at the end of the revolution and the position of
-        the bearing at every sample; of an interrupted march as far as it came.
-
-    Raises
-    ------
-    KeyboardInterrupt
-        If interrupted before the first step.
+    Of an interrupted march as far as it came.
     """
     march = point.problem.march(point.equilibrium.balance, steps, progress=progress)
     stack = point.problem.stack
     data = point.solution.data
     angle = np.mod(data["shaft_angle"].values, 2.0 * np.pi)
     position = np.interp(angle, march.shaft_angle, march.positions, period=2.0 * np.pi)
-    values: dict[str, tuple[tuple[str, ...], object, dict[str, str]]] = {}
     fields = {**film_fields(march.last), **film_places(stack)}
     fields["film_wear_power"] = march.wear
     if point.temperatures is not None:
         fields["film_temperature"] = point.temperatures
-    for name, field in fields.items():
-        values[name] = _entry(name, field)
-    values["bearing_position"] = (("shaft_angle",), position, _entry("bearing_position", 0)[2])
+    values: dict[str, object] = {}
+    for name, field in {**fields, "bearing_position": position}.items():
+        entry = VARIABLES[name]
+        dimensions = ("shaft_angle",) if field is position else entry.dimensions
+        values[name] = dimensions, field, {"long_name": entry.long_name, "units": entry.units}
     data = data.assign(values).assign_coords(
         film=("film", [grid.interface.name for grid in stack.grids])
     )
@@ -158,8 +141,3 @@ def equilibrium_warning(point: CoupledPoint) -> str:
         return f"Bearing and gears do not reach equilibrium: {found.reason}."
     held = leaning(point.problem.stack, found.balance.position)
     return f"In equilibrium {'; '.join(held)}." if held else ""
-
-
-def _entry(name: str, value: object) -> tuple[tuple[str, ...], object, dict[str, str]]:
-    entry = VARIABLES[name]
-    return entry.dimensions, value, {"long_name": entry.long_name, "units": entry.units}

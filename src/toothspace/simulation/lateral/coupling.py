@@ -11,7 +11,6 @@ import numpy as np
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.films.lateral.equilibrium import Equilibrium
 from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_load import with_lateral_leakage
 from toothspace.model.path_category import LATERAL_PATHS
@@ -20,7 +19,6 @@ from toothspace.results.solution import Solution
 from toothspace.simulation.lateral.heat import SettledBearing, settle_bearing
 from toothspace.simulation.lateral.interpolation import InterpolatedEquilibrium, Trial
 from toothspace.simulation.lateral.problem import (
-    LateralNumbers,
     LateralProblem,
     LateralSettings,
     lateral_problem,
@@ -72,9 +70,9 @@ class PointRequest:
 
 
 @final
-@dataclass(frozen=True, eq=False)
-class CoupledPoint:
-    """Films, bearing and chambers at one operating point.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CoupledPoint(SettledBearing):
+    """Bearing in equilibrium between films that agree with the chambers.
 
     Parameters
     ----------
@@ -82,12 +80,6 @@ class CoupledPoint:
         Last lumped solution.
     description : MachineDescription
         The machine with the lateral gaps that were found.
-    problem : LateralProblem
-        Films and loads.
-    equilibrium : Equilibrium
-        Equilibrium of bearing and gears.
-    numbers : LateralNumbers
-        Mean numbers of the films.
     leakage_mismatch : float
         Leakage of films less that of the lumped paths, over the displaced flow. [-]
     torque_mismatch : float
@@ -95,19 +87,13 @@ class CoupledPoint:
     agreed : bool
         Whether films and paths were brought to agree, or were not meant to be, and temperatures
         with the power dissipated.
-    temperatures : ndarray or None
-        Mean temperature of every film; None at the temperature of the fluid. [K]
     """
 
     solution: Solution
     description: MachineDescription
-    problem: LateralProblem
-    equilibrium: Equilibrium
-    numbers: LateralNumbers
     leakage_mismatch: float
     torque_mismatch: float = 0.0
     agreed: bool = True
-    temperatures: Array | None = None
 
     @property
     def temperature_rise(self) -> float | None:
@@ -195,7 +181,26 @@ class _LeakageSearch:
         self._dragged = with_film_torque(
             self._dragged, viscosity, solution.data, found.equilibrium.balance
         )
-        return self._judged(machine, solution, leakage, found)
+        numbers, back = found.numbers, found.problem.loads.back
+        flow = machine.displacement * found.problem.stack.shaft_speed
+        ideal = machine.displacement * (back.high - back.low)
+        torque = numbers.viscous_torque + numbers.asperity_torque
+        dragged = lumped_torque(solution.data)
+        pairs = (
+            (numbers.leakage, leakage, NEGLIGIBLE * flow),
+            (torque, dragged, _NEGLIGIBLE_TORQUE * ideal),
+        )
+        close = all(agree(a, b, least) for a, b, least in pairs)
+        agreed = all(agree(a, b, _TOLERATED * least) for a, b, least in pairs)
+        point = CoupledPoint(
+            **vars(found),
+            solution=solution,
+            description=machine,
+            leakage_mismatch=(numbers.leakage - leakage) / flow,
+            torque_mismatch=(torque - dragged) / ideal,
+            agreed=found.warm and (agreed or self._asked.rounds == 1),
+        )
+        return point, close
 
     def _free(self, problem: LateralProblem, leakage: float) -> SettledBearing:
         """Equilibrium at the pressures of the run; sets how the paths leak in the next one."""
@@ -246,33 +251,6 @@ class _LeakageSearch:
             1.0 - share
         ) * low.log_leakage_factor + share * high.log_leakage_factor
         return found
-
-    def _judged(
-        self, machine: MachineDescription, solution: Solution, leakage: float, found: SettledBearing
-    ) -> tuple[CoupledPoint, bool]:
-        numbers, back = found.numbers, found.problem.loads.back
-        flow = machine.displacement * found.problem.stack.shaft_speed
-        ideal = machine.displacement * (back.high - back.low)
-        torque = numbers.viscous_torque + numbers.asperity_torque
-        dragged = lumped_torque(solution.data)
-        pairs = (
-            (numbers.leakage, leakage, NEGLIGIBLE * flow),
-            (torque, dragged, _NEGLIGIBLE_TORQUE * ideal),
-        )
-        close = all(agree(a, b, least) for a, b, least in pairs)
-        agreed = all(agree(a, b, _TOLERATED * least) for a, b, least in pairs)
-        point = CoupledPoint(
-            solution=solution,
-            description=machine,
-            problem=found.problem,
-            equilibrium=found.equilibrium,
-            numbers=numbers,
-            leakage_mismatch=(numbers.leakage - leakage) / flow,
-            torque_mismatch=(torque - dragged) / ideal,
-            agreed=found.warm and (agreed or self._asked.rounds == 1),
-            temperatures=found.temperatures,
-        )
-        return point, close
 
 
 def _ends(trials: list[Trial]) -> tuple[Trial, Trial] | None:

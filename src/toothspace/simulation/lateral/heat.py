@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import final
 
 import numpy as np
 
@@ -20,8 +19,7 @@ _RELAXATION = 0.7
 """Part of a change of temperature that one round takes over. [-]"""
 
 
-@final
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class SettledBearing:
     """Bearing in equilibrium between films.
 
@@ -79,7 +77,8 @@ def settle_bearing(
     heating = problem.settings.heating
     if heating is None:
         found = problem.settle(start)
-        return SettledBearing(problem, found, numbers_of(problem, found.balance))
+        numbers = numbers_of(problem, found.balance)
+        return SettledBearing(problem=problem, equilibrium=found, numbers=numbers)
     supply = heating.balance.supply_temperature
     now = np.full(len(problem.stack.grids), supply) if begin is None else begin
     for _ in range(_MOST_ROUNDS):
@@ -91,8 +90,13 @@ def settle_bearing(
         if agreed:
             break
         now = now + _RELAXATION * (within - now)
-    warm = agreed and bool(np.all(within == asked))
-    return SettledBearing(heated, found, numbers_of(heated, found.balance), now, warm)
+    return SettledBearing(
+        problem=heated,
+        equilibrium=found,
+        numbers=numbers_of(heated, found.balance),
+        temperatures=now,
+        warm=agreed and bool(np.all(within == asked)),
+    )
 
 
 def film_temperatures(balance: Balance, heating: FilmHeating) -> Array:
@@ -107,7 +111,7 @@ def film_temperatures(balance: Balance, heating: FilmHeating) -> Array:
     power, flow = np.zeros((2, len(balance.states[0].films)))
     for state in balance.states:
         for k, film in enumerate(state.films):
-            lost = film.friction()
+            lost = film.losses
             power[k] += (lost.dissipation + lost.asperity) / count
             flow[k] += film.plane.exchange.outflow / count
     carried = own.density * own.heat_capacity * flow

@@ -112,7 +112,9 @@ def loaded_bodies(
     bodies = {name: body for name, body in made.items() if isinstance(body, ElasticBody)}
     frames = {i.body: (i.body_angle, i.speed_ratio) for i in balance.interfaces}
     at_angle = lru_cache(_KEPT)(balance.elastic_bodies.loads)
-    loads = BodyLoads(at_angle, back, journal_forces(data), contact_forces(data), frames)
+    journals = _over_a_turn(data, data["journal_force"].values[:, :, :2])
+    contacts = _over_a_turn(data, data["contact_force"].values)
+    loads = BodyLoads(at_angle, back, journals, contacts, frames)
     return elastic_faces(grids, bodies, loads)
 
 
@@ -145,16 +147,6 @@ def node_pressures(description: MachineDescription, data: xr.Dataset) -> Callabl
     ports = {"inlet": inlet, "outlet": outlet, "external": description.drain_pressure}
     rest = np.array([inlet, outlet, ports[description.drain]])
     return lambda shaft_angle: np.concatenate([chambers(shaft_angle), rest])
-
-
-def journal_forces(data: xr.Dataset) -> Callable[[float], Array]:
-    """Forces of the journal bearings on every body over the shaft angle, x and y. [N]."""
-    return _over_a_turn(data, data["journal_force"].values[:, :, :2])
-
-
-def contact_forces(data: xr.Dataset) -> Callable[[float], Array]:
-    """Forces of all contacts between turning bodies over the shaft angle. [N]."""
-    return _over_a_turn(data, data["contact_force"].values)
 
 
 def _over_a_turn(data: xr.Dataset, values: Array) -> Callable[[float], Array]:

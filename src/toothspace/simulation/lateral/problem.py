@@ -23,7 +23,7 @@ from toothspace.films.lateral.equilibrium import (
     march_angles,
     snapshots_over_pitch,
 )
-from toothspace.films.lateral.face_film import FaceFilm, FilmLaw, film_law
+from toothspace.films.lateral.face_film import FaceFilm, film_law
 from toothspace.films.lateral.face_grid import FaceGrid
 from toothspace.films.lateral.housing_friction import (
     HousingFriction,
@@ -155,14 +155,13 @@ class LateralProblem:
         stack = replace(self.stack, laws=laws)
         track = LateralTrack(angles)
 
-        def keep(number: int, balance: Balance) -> None:
-            track.take(balance, wear_map([balance]))
-            if progress:
-                progress((number + 1) / angles.size, f"film step {number + 1} of {angles.size}")
-
         try:
             with cores_for_fields():
-                march_angles(stack, self.node_pressure, self.loads, start, angles, step, keep=keep)
+                march = march_angles(stack, self.node_pressure, self.loads, start, angles, step)
+                for done, balance in enumerate(march, 1):
+                    track.take(balance, wear_map([balance]))
+                    if progress:
+                        progress(done / angles.size, f"film step {done} of {angles.size}")
         except KeyboardInterrupt:
             if not track.positions:
                 raise
@@ -269,11 +268,17 @@ def lateral_problem(
     high, low = float(mean[balance.high_node]), float(mean[balance.low_node])
     back = BackPressure(high, low, low if nose_pressure is None else nose_pressure)
     grids = tuple(FaceGrid(i, *settings.grid) for i in balance.interfaces)
+    deforms = settings.deformation == "winkler"
+    compliance: Compliance = WinklerFoundation(
+        tuple(i.winkler_compliance * deforms for i in balance.interfaces)
+    )
+    if settings.deformation == "bodies":
+        compliance = loaded_bodies(balance, grids, back, data)
     stack = Stack(
         replace(balance, shaft_stiffness=_held_by_journals(description, balance, data)),
         grids,
         film_laws(balance, fluid, settings.cavitation),
-        _compliance(balance, grids, settings, back, data),
+        compliance,
         shaft_speed,
     )
     snapshots = snapshots_over_pitch(stack, pressures, settings.angles)
@@ -362,25 +367,12 @@ def film_laws(balance: LateralBalance, fluid: FluidLaw, cavitation: str) -> tupl
     return tuple(map(one, balance.interfaces))
 
 
-def _compliance(
-    balance: LateralBalance,
-    grids: tuple[FaceGrid, ...],
-    settings: LateralSettings,
-    back: BackPressure,
-    data: xr.Dataset,
-) -> Compliance:
-    if settings.deformation == "bodies":
-        return loaded_bodies(balance, grids, back, data)
-    deforms = settings.deformation == "winkler"
-    return WinklerFoundation(tuple(i.winkler_compliance * deforms for i in balance.interfaces))
-
-
 def numbers_of(problem: LateralProblem, balance: Balance) -> LateralNumbers:
     """Mean numbers of a state over its snapshots."""
     stack, back = problem.stack, problem.loads.back
     speed, count = stack.shaft_speed, len(balance.states)
     films = [film for state in balance.states for film in state.films]
-    lost = [film.friction() for film in films]
+    lost = [film.losses for film in films]
     seats = [float(s.solid_seat(back.low)[0]) for s in balance.states]
     margins = [s.seat_margin(back.low) for s in balance.states]
     span = max(back.high - back.low, 1.0)

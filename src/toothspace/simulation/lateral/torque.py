@@ -69,7 +69,7 @@ def pressure_torque(balance: Balance) -> float:
 
     Drag of the flow that pressure drives along the faces, and asperities; mean over the states.
     """
-    lost = [film.friction() for state in balance.states for film in state.films]
+    lost = [film.losses for state in balance.states for film in state.films]
     power = sum(one.drag + one.asperity for one in lost) / len(balance.states)
     return power / balance.states[0].stack.shaft_speed
 
@@ -79,7 +79,7 @@ def _powers(balance: Balance) -> dict[str, Array]:
     found: dict[str, Array] = {}
     for state in balance.states:
         for film, gap in zip(state.films, state.mean_gaps(), strict=True):
-            lost = film.friction()
+            lost = film.losses
             sides = sum(f.grid.interface.body == film.grid.interface.body for f in state.films)
             entry = np.array([lost.shear, lost.asperity, gap / sides]) / len(balance.states)
             body = film.grid.interface.body
