@@ -24,8 +24,6 @@ from toothspace.films.lateral.stack import Snapshot, Stack
 from toothspace.films.lateral.stops import leaning, stop_forces
 
 _MOST_STEPS = 80
-_RESIDUAL_MOTION = 1e-6
-"""Viscous force of the remaining motion over the balance force that is left. [-]"""
 _MOST_FAILURES = 6
 """Steps in time that may fail before squeeze is left out."""
 _MOST_PUSHES = 2
@@ -52,12 +50,15 @@ class SearchSettings:
         First step of the time in which the search moves. [s]
     longest_time : float
         Time after which the search stops: the dwell at the operating point. [s]
+    residual_motion : float
+        Viscous force of the remaining motion over the balance force that is left. [-]
     stable : bool
         Whether a balance that small motions tip away from is left for another.
     """
 
     first_step: float = 1e-3
     longest_time: float = 1e3
+    residual_motion: float = 1e-6
     stable: bool = True
 
 
@@ -133,7 +134,7 @@ def find_equilibrium(
             continue
         now, time = found, time + length
         length *= 3.0 if found.iterations <= step.max_iterations // 2 else 1.0
-        if _viscous(stack, now) > _RESIDUAL_MOTION * scale or number <= 2:
+        if _viscous(stack, now) > search.residual_motion * scale or number <= 2:
             continue
         rate, motion = growing_motion(stack, now, loads, step) if search.stable else (0.0, still)
         if rate * search.longest_time <= 1.0:
@@ -176,7 +177,7 @@ def _leaning(
     rate, _ = growing_motion(stack, last, loads, step)
     if rate * search.longest_time > 1.0:
         return Equilibrium(last, False, time + length, steps, _UNSTABLE.format(rate))
-    settled = _viscous(stack, last) <= _RESIDUAL_MOTION * balance_force(stack, loads.back)
+    settled = _viscous(stack, last) <= search.residual_motion * balance_force(stack, loads.back)
     return Equilibrium(last, settled, time + length, steps, "" if settled else "it still moves")
 
 

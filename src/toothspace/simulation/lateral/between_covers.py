@@ -141,13 +141,13 @@ def _repeated(
     before = now.states[0]
     for pitch in range(_MOST_PITCHES):
         angles = (pitch + np.arange(1, _STEPS + 1) / _STEPS) * period
-        march = march_angles(stack, pressures, loads, now, angles, _IN_MARCH)
-        now = march.balances[-1]
+        march = list(march_angles(stack, pressures, loads, now, angles, _IN_MARCH))
+        now, converged = march[-1], all(balance.converged for balance in march)
         change = np.abs((now.position - before.position) * stack.arms).max()
         before = now.states[0]
-        if found.settled and march.converged and change <= _REPEATS * before.smallest_gap():
+        if found.settled and converged and change <= _REPEATS * before.smallest_gap():
             break
-    states = [balance.states[0] for balance in march.balances]
+    states = [balance.states[0] for balance in march]
     return [states[-1], *states[:-1]], change > _REPEATS * before.smallest_gap()
 
 
@@ -181,7 +181,7 @@ def _result(
             films = [f for f in state.films if f.grid.interface.body == body]
             row[b, 3] = min(float(f.gap[f.boundary.mask.film].min()) for f in films)
             speed = abs(films[0].grid.interface.speed_ratio) * stack.shaft_speed
-            power = sum(f.friction().asperity for f in films)
+            power = sum(f.losses.asperity for f in films)
             torque[body] += power / speed / len(states) if speed > 0.0 else 0.0
     table = monotone_table(period, places.reshape(len(states), -1))
     # films of the floating side come first, covers with the lower one

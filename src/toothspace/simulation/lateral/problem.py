@@ -23,7 +23,7 @@ from toothspace.films.lateral.equilibrium import (
     march_angles,
     snapshots_over_pitch,
 )
-from toothspace.films.lateral.face_film import FaceFilm, film_law
+from toothspace.films.lateral.face_film import FaceFilm, FilmLaw, film_law
 from toothspace.films.lateral.face_grid import FaceGrid
 from toothspace.films.lateral.housing_friction import (
     HousingFriction,
