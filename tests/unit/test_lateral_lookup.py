@@ -48,7 +48,7 @@ from toothspace.solver.compiled_model import evaluate_state, observe
 from toothspace.solver.initial import start_state
 
 CASE = Path(__file__).resolve().parents[2] / "cases" / "egm12_motor_reduced.toml"
-FORCES, PRESSURES, SLIDES = np.array([-0.4, 0.0, 0.4]), np.array([1e7, 3e7]), np.array([1.0, 8.0])
+FORCES, PRESSURES, SLIDES = np.array([-0.6, 0.0, 0.4]), np.array([1e7, 3e7]), np.array([1.0, 8.0])
 SHAPE = (3, 1, 2, 2)
 LAG_NUMBER = 4e6
 
@@ -185,7 +185,7 @@ def test_films_follow_the_load_by_their_lag(tabulated: tuple[SystemArrays, Array
 
 
 def test_films_stay_at_the_edge_of_their_table(setup: Setup) -> None:
-    table = replace(Films().table(), force_share=FORCES + 0.8)
+    table = replace(Films().table(), force_share=FORCES + 1.0)
     arrays, state = _begun(setup, replace(setup.description, lateral_table=table))
     rate = np.zeros(arrays.size.total)
     assert state[arrays.size.film] == pytest.approx(0.4)
@@ -244,7 +244,7 @@ high_pressure_area = {{area = "1350 mm^2", center = ["-8.16 mm", "17.34 mm"]}}
 motion = "axial"
 seal_preload = "200 N"
 [circuit]
-duration = "0.03 s"
+duration = "0.04 s"
 [circuit.supply]
 speed = [["0 s", "300 rpm"], ["0.2 s", "600 rpm"]]
 [run]
