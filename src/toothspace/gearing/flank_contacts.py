@@ -89,7 +89,7 @@ def flank_contacts(
             structure_stiffness=stiffness,
             depth=_half_tooth(gears),
             friction_account="mesh_friction",
-            apart=float(geometry.values[:, 0].max()),
+            facing_gap=float(geometry.values[:, 0].max()),
         )
 
     return (

@@ -138,7 +138,7 @@ def compliant_table(contact: ContactPair, motion_map: Array) -> PeriodicTable:
     law = monotone_table(geometry.period, _law_columns(contact))
     columns = [CURVATURE, LAW_LEVEL, LAW_EXPONENT]
     values[:, columns], slopes[:, columns] = law.values, law.slopes
-    values[:, POSSIBLE] = geometry.values[:, 0] < contact.apart
+    values[:, POSSIBLE] = geometry.values[:, 0] < contact.facing_gap
     first = GAP_BY_MOTION
     for table in (contact.gap_by_motion, contact.slip_by_motion):
         if table is not None:
@@ -158,7 +158,7 @@ def _law_columns(contact: ContactPair) -> Array:
     if contact.law == "linear":
         columns[:, 1:] = np.log(contact.structure_stiffness / contact.width), 1.0
     elif contact.law == "pereira":
-        facing = geometry[:, 0] < contact.apart
+        facing = geometry[:, 0] < contact.facing_gap
         level = np.log(np.maximum(hertz_scale(first, second, contact.depth), _LEAST_SCALE))
         columns[:, 1:] = _pereira_columns(first, second, facing, contact_modulus, level)
     else:

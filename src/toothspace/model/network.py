@@ -14,8 +14,7 @@ disc then pumps half its surface speed times the gap, eccentric or not.
 
 The discharge coefficient C is 0.7 at sharp edges (ports, grooves, tip lands) and 1 in the
 smooth throat between two flanks, where one dynamic head is lost behind the throat. A throat
-that is wide against the radius of its walls is an opening: the closed form of a narrow gap would
-let its flow grow without a laminar start, so its conductance is at most that of an orifice.
+that is wide against the radius of its walls is an opening.
 
 The fluid carries the density and gas content of the node that it leaves. The power lost in
 a path is the drop of enthalpy flow plus the work of the dragging walls against pressure.
@@ -27,6 +26,7 @@ import math
 
 from toothspace.closures.gap_flow import (
     FITTED_POWER,
+    NARROW,
     curved_gap_conductance,
     fitted_gap_conductance,
     land_shear_torque,
@@ -203,11 +203,7 @@ def update_gap_conductances(s: SystemArrays) -> None:
         else:
             power = FITTED_POWER
             found = fitted_gap_conductance(height, width, radius, path[j, MEAN_VISCOSITY])
-        wide = orifice_conductance(
-            width * height, 2.0 * height, path[j, MEAN_VISCOSITY], SMOOTH_THROAT
-        )
-        if found > wide:
-            found, power = wide, 2.0
+        power = power if height < NARROW * radius else 2.0
         path[j, CONDUCTANCE] = found if width > CLOSED_GAP else 0.0
         path[j, OPENING] = SMOOTH_THROAT * width * height
         path[j, BY_HEIGHT] = power * path[j, CONDUCTANCE] / height * path[j, HEIGHT_FACTOR]

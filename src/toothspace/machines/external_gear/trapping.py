@@ -187,9 +187,7 @@ def _throat(assembly: Assembly, side: Throats) -> Way:
     width = assembly.face_width
     rounding = min(assembly.spec.drive.tip_rounding, assembly.spec.driven.tip_rounding)
     radius = relative_radius(assembly.mesh, side, rounding)
-    narrow = curved_gap_conductance(gap, width, radius, VISCOSITY)
-    wide = orifice_conductance(width * gap, 2.0 * gap, VISCOSITY, discharge_coefficient=1.0)
-    return Way(width * gap, np.minimum(narrow, wide))
+    return Way(width * gap, curved_gap_conductance(gap, width, radius, VISCOSITY))
 
 
 def trapping(chain: MeshChain, assembly: Assembly, condition: WearInParameters) -> Trapping:
