@@ -3,9 +3,10 @@
 ``python -m benchmarks.random_designs --count 1000 --workers 2 -o designs.csv`` draws external
 gear machines, gerotors and internal gears with a crescent, pumps and motors, with and without
 relief grooves, 1 to 350 bar, 1 to 8 000 rpm, -20 to 120 degC and clearances from 5 to 100 um, runs
-each in a process of its own, writes one row per design and prints a table. ``--only SEED`` prints
-the case of one design instead, to be run and looked at alone. Designs whose geometry is refused
-are drawn again. Rows that the file has already are kept, so a stopped command goes on where it was.
+each in a process of its own, which is ended at ``--limit`` seconds of processor time, appends one
+row per design and prints a table. ``--only SEED`` prints the case of one design instead, to be run
+and looked at alone. Designs whose geometry is refused are drawn again. A command that was stopped
+goes on where it was: seeds that the file has already are left out.
 """
 
 from __future__ import annotations
@@ -14,11 +15,14 @@ import argparse
 import csv
 import math
 import random
+import resource
+import signal
 import time
 import tomllib
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import suppress
+from multiprocessing import connection, get_context
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +33,6 @@ from toothspace.case import Case
 from toothspace.case.document import document_text
 from toothspace.core.errors import CaseError
 from toothspace.results.solution import Solution
-from toothspace.studies.workers import Workers
 
 CASES = Path(__file__).resolve().parent.parent / "cases"
 FLUIDS = ("iso_vg_32", "iso_vg_46")
@@ -47,6 +50,7 @@ _NUMBERS = (
     "shaft_speed_rpm",
 )
 _TEXTS = ("warnings", "not_finite")
+_COLUMNS = ("seed", "family", "mode", "run_s", "processor_s", *_NUMBERS, "revolutions", *_TEXTS)
 _UNPHYSICAL: dict[str, Callable[[dict[str, Any]], bool]] = {
     "volumetric efficiency above 1": lambda row: row["volumetric_efficiency"] > 1.0 + 1e-3,
     "overall efficiency above 1": lambda row: row["overall_efficiency"] > 1.0,
@@ -261,12 +265,41 @@ def report(rows: list[dict[str, Any]]) -> None:
     print(f"to look at: {[row['seed'] for row in rows if row not in finished or not good(row)]}")
 
 
-def write(rows: list[dict[str, Any]], path: Path) -> None:
-    names = list(dict.fromkeys(name for row in rows for name in row))
-    with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, names)
-        writer.writeheader()
-        writer.writerows(sorted(rows, key=lambda row: row["seed"]))
+def finished_rows(seeds: list[int], workers: int, limit: int) -> Iterator[dict[str, Any]]:
+    """Rows in the order in which designs end, each in a process that may compute so long. [s]."""
+    fork = get_context("fork")
+    waiting, running = seeds[::-1], dict[Any, Any]()
+    while waiting or running:
+        while waiting and len(running) < workers:
+            ours, theirs = fork.Pipe(duplex=False)
+            seed = waiting.pop()
+            process = fork.Process(target=send_row, args=(theirs, seed, limit))
+            process.start()
+            theirs.close()
+            running[ours] = seed, process
+        for ours in connection.wait(list(running)):
+            seed, process = running.pop(ours)
+            try:
+                yield ours.recv()
+            except EOFError:
+                process.join()
+                ended = signal.Signals(-process.exitcode).name
+                yield {"seed": seed, "status": f"ended by {ended} within {limit} s"}
+            process.join()
+
+
+def send_row(pipe: Any, seed: int, limit: int) -> None:
+    resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 1))
+    pipe.send(row_of(seed))
+
+
+def append(row: dict[str, Any], path: Path) -> None:
+    begins = not path.exists()
+    with path.open("a", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, _COLUMNS)
+        if begins:
+            writer.writeheader()
+        writer.writerow(row)
 
 
 def read(path: Path) -> list[dict[str, Any]]:
@@ -292,6 +325,7 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=30)
     parser.add_argument("--first", type=int, default=0, help="first seed")
     parser.add_argument("--workers", type=int, default=1)
+    parser.add_argument("--limit", type=int, default=300, help="processor time of a design [s]")
     parser.add_argument("--only", type=int, metavar="SEED", help="print the case of this seed")
     parser.add_argument("-o", "--output", type=Path, default=Path("random_designs.csv"))
     given = parser.parse_args()
@@ -301,10 +335,9 @@ def main() -> None:
     rows = read(given.output)
     known = {row["seed"] for row in rows}
     seeds = [seed for seed in range(given.first, given.first + given.count) if seed not in known]
-    with Workers(given.workers) as workers:
-        for _, row in workers.each(row_of, seeds):
-            rows.append(row)
-            write(rows, given.output)
+    for row in finished_rows(seeds, given.workers, given.limit):
+        rows.append(row)
+        append(row, given.output)
     report(rows)
 
 

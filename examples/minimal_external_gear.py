@@ -18,7 +18,8 @@ two constant pressures, with one constant viscosity and a liquid without gas. Th
   relative to the path.
     - opening (port, groove):  G = 2 C^2 A Dh / (mu Re_t), Re_t = 350, Dh = 4 A / perimeter
     - parallel gap (tip, lateral, drain):  G = b h^3 / (12 mu L), A = b h
-    - curved gap (throat):  G = 8 b h^2.5 / (36 pi sqrt(2 R) mu), 1/R = 1/R1 + 1/R2, A = b h
+    - curved gap (throat):  G = 8 b h^2.5 / (36 pi sqrt(2 R) mu), 1/R = 1/R1 + 1/R2, A = b h;
+      beyond h = 0.1 R it grows as h^2
 * Tip: seals on the bore between the ports, with a smooth step of one tip land outside them.
   Lateral: from space to space over both faces of a tooth. Drain: from the spaces over the land
   between root and shaft, to the inlet.
@@ -370,7 +371,8 @@ def parallel_gap(p_a, p_b, height, width, length, wall_speed):
 
 
 def curved_gap(p_a, p_b, height, width, radius, wall_speed):
-    conductance = 8.0 * width * height**2.5 / (36.0 * np.pi * np.sqrt(2 * radius) * VISCOSITY)
+    narrow = np.minimum(height / radius, 0.1)
+    conductance = 8.0 * width * height**2 * np.sqrt(narrow / 2) / (36.0 * np.pi * VISCOSITY)
     area = width * height
     return path_flow(p_a, p_b, conductance, area, area * wall_speed, THROAT_DISCHARGE)
 

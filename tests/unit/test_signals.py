@@ -36,6 +36,7 @@ def test_signal_over_time(tmp_path: Path) -> None:
         ("speed [rpm]", "speed [bar]", "found the unit 'bar', allowed 'rpm'"),
         ("60", "sixty", "found 'sixty', allowed a number"),
         ("60", "nan", "allowed a number in every row"),
+        ("60", "9" * 40 + "x" * 40, "found '9+[.]{3}x+', allowed a number in every row"),
         (";60;1", "", "found 'nothing'"),
         ("1.5;", "0;", "times that fall or repeat"),
         ("\n0;0;0\n1.5;60;1", "", "found no rows"),

@@ -11,6 +11,9 @@ from toothspace.core.compiled import inlined
 CURVED_GAP_CONSTANT = 8.0 / (36.0 * np.sqrt(2.0) * np.pi)
 """Factor 0.050018 of the conductance of a curved gap. [-]"""
 
+NARROW = 0.1
+"""Smallest gap over radius up to which walls are parabolas to the flow between them. [-]"""
+
 FITTED_POWER = 2.4836
 """Power of the height in the fitted conductance of a gerotor tip. [-]"""
 
@@ -90,9 +93,10 @@ def curved_gap_conductance(
     .. math:: G = \frac{8\, b\, h_0^{5/2}}{36 \pi \sqrt{2 R}\, \mu}
         = 0.050018\, \frac{b\, h_0^{5/2}}{\mu \sqrt{R}} .
 
-    Validity: laminar flow of a liquid of constant viscosity, smallest gap small against the
-    radius. Accuracy: 0.6 % against circular arcs of equal convex radii up to h/R = 0.1; a pair
-    of convex and concave arcs flows 8 % more at h/R = 0.03.
+    Beyond :math:`h_0 = 0.1 R` it grows as :math:`b h_0^2 / \mu`, as that of an opening does, with
+    the factor reached there. Validity: laminar flow of a liquid of constant viscosity. Accuracy:
+    0.6 % against circular arcs of equal convex radii up to h/R = 0.1; a pair of convex and concave
+    arcs flows 8 % more at h/R = 0.03.
 
     References
     ----------
@@ -100,7 +104,7 @@ def curved_gap_conductance(
        2nd ed., Marcel Dekker, 2004 (textbook law: Reynolds equation between parabolic walls).
     """
     scaled = CURVED_GAP_CONSTANT * gap_width * gap_height * gap_height
-    return scaled * np.sqrt(gap_height / relative_radius) / dynamic_viscosity
+    return scaled * np.sqrt(np.minimum(gap_height / relative_radius, NARROW)) / dynamic_viscosity
 
 
 @inlined
@@ -123,7 +127,7 @@ def fitted_gap_conductance(
     -----
     .. math:: G = 0.0456\, \frac{b\, h_0^{2.4836}}{\mu R^{0.4836}}
 
-    The width counts once; the printed equation has it twice. Validity: 5 % of
+    The width counts once; the printed equation has it twice. Wide gaps as there. Validity: 5 % of
     :func:`curved_gap_conductance` for h/R from 3e-4 to 0.1.
 
     References
@@ -131,7 +135,8 @@ def fitted_gap_conductance(
     .. [1] "A numerical model for the evaluation of gerotor torque considering multiple contact
        points and fluid-structure interactions", equation 3.
     """
-    fit = 0.0456 * (gap_height / relative_radius) ** (FITTED_POWER - 2.0)
+    narrow = np.minimum(gap_height / relative_radius, NARROW)
+    fit = 0.0456 * narrow ** (FITTED_POWER - 2.0)
     return fit * gap_width * gap_height * gap_height / dynamic_viscosity
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import re
+import reprlib
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -85,7 +86,7 @@ def _column(
         raise CaseError(f"{path}: columns: found {found}, allowed one named '{name} [{wanted}]'")
     place, unit = names[name]
     if (wanted == "1") != (unit == "1") or (wanted != "1" and not compatible(unit, wanted)):
-        raise CaseError(f"{path}: {name}: found the unit {unit!r}, allowed {wanted!r}")
+        raise CaseError(f"{path}: {name}: found the unit {reprlib.repr(unit)}, allowed {wanted!r}")
     values = np.array([_number(path, row, place, name) for row in rows])
     if values.size == 0:
         raise CaseError(f"{path}: {name}: found no rows, allowed at least one")
@@ -101,7 +102,9 @@ def _number(path: Path, row: list[str], place: int, name: str) -> float:
         value = float("nan")
     if not np.isfinite(value):
         found = row[place] if place < len(row) else "nothing"
-        raise CaseError(f"{path}: {name}: found {found!r}, allowed a number in every row")
+        raise CaseError(
+            f"{path}: {name}: found {reprlib.repr(found)}, allowed a number in every row"
+        )
     return value
 
 

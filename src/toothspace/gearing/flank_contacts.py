@@ -72,13 +72,14 @@ def flank_contacts(
     stiffness = tooth_stiffness(gears, flanks) * gears.face_width
 
     def contact(name: str, side: Throats, share: Array) -> ContactPair:
+        geometry = flank_geometry(gears, side, share)
         return ContactPair(
             name=name,
             body_a=flanks.bodies[0],
             body_b=flanks.bodies[1],
             angle_ratio=1.0,
             phases=numbering.space_phases[0],
-            geometry=flank_geometry(gears, side, share),
+            geometry=geometry,
             gap_by_motion=monotone_table(FULL_TURN, gap_by_motion(gears, side)),
             slip_by_motion=monotone_table(FULL_TURN, slip_by_motion(gears, side)),
             width=gears.face_width,
@@ -88,6 +89,7 @@ def flank_contacts(
             structure_stiffness=stiffness,
             depth=_half_tooth(gears),
             friction_account="mesh_friction",
+            facing_gap=float(geometry.values[:, 0].max()),
         )
 
     return (

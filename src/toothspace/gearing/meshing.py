@@ -19,9 +19,9 @@ from toothspace.gearing.tooth import Tooth
 from toothspace.geometry.gear_pair import InvolutePair
 from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
 
-CONTACT_TOLERANCE = 1e-6
+CONTACT_TOLERANCE = 5.8e-5
 """Gap above that of the touching pair up to which a second pair of flanks that are no involutes
-counts as touching. [m]"""
+counts as touching, over the pitch radius of the drive gear: 1 um of 17 mm. [-]"""
 
 LARGEST_OVERLAP = 1e-6
 """Overlap of flanks up to which they count as touching. [m]"""
@@ -228,7 +228,7 @@ def path_of_contact(gears: MeshedGears) -> tuple[float, float]:
     -------
     tuple of float
         Begin and end: in closed form for involutes; other flanks touch where their gap is no
-        larger than that of the neighbouring pairs plus ``CONTACT_TOLERANCE``. [rad]
+        larger than that of the neighbouring pairs, but for ``CONTACT_TOLERANCE``. [rad]
     """
     exact = gears.involute_path
     if exact is not None:
@@ -243,7 +243,8 @@ def path_of_contact(gears: MeshedGears) -> tuple[float, float]:
         for shift in (-pitch, pitch)
     ]
     least = np.minimum(gap, np.minimum(*neighbours))
-    touching = angles[(gap < _NO_THROAT) & (gap <= least + CONTACT_TOLERANCE)]
+    tolerance = CONTACT_TOLERANCE * abs(mesh.pitch_radii[0])
+    touching = angles[(gap < _NO_THROAT) & (gap <= least + tolerance)]
     return float(touching[0]), float(touching[-1])
 
 

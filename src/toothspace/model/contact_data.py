@@ -40,9 +40,6 @@ from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.tables import OPEN
 from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
 
-REACH = 0.3e-3
-"""Nominal gap up to which micro-motion may close a contact. [m]"""
-
 _LEAST_CURVATURE = 1.0
 _LEAST_SCALE = 1e-6
 _CLEARANCE = 10e-6
@@ -141,7 +138,7 @@ def compliant_table(contact: ContactPair, motion_map: Array) -> PeriodicTable:
     law = monotone_table(geometry.period, _law_columns(contact))
     columns = [CURVATURE, LAW_LEVEL, LAW_EXPONENT]
     values[:, columns], slopes[:, columns] = law.values, law.slopes
-    values[:, POSSIBLE] = geometry.values[:, 0] < REACH
+    values[:, POSSIBLE] = geometry.values[:, 0] < contact.facing_gap
     first = GAP_BY_MOTION
     for table in (contact.gap_by_motion, contact.slip_by_motion):
         if table is not None:
@@ -161,9 +158,9 @@ def _law_columns(contact: ContactPair) -> Array:
     if contact.law == "linear":
         columns[:, 1:] = np.log(contact.structure_stiffness / contact.width), 1.0
     elif contact.law == "pereira":
-        touching = geometry[:, 0] < REACH
+        facing = geometry[:, 0] < contact.facing_gap
         level = np.log(np.maximum(hertz_scale(first, second, contact.depth), _LEAST_SCALE))
-        columns[:, 1:] = _pereira_columns(first, second, touching, contact_modulus, level)
+        columns[:, 1:] = _pereira_columns(first, second, facing, contact_modulus, level)
     else:
         scale = johnson_scale(first, second)
         if contact.law == "hertz_line":
@@ -174,9 +171,9 @@ def _law_columns(contact: ContactPair) -> Array:
 
 
 def _pereira_columns(
-    first: Array, second: Array, touching: BoolArray, contact_modulus: float, hertz_level: Array
+    first: Array, second: Array, facing: BoolArray, contact_modulus: float, hertz_level: Array
 ) -> Array:
-    """Level and exponent of Pereira's law, where contact is possible.
+    """Level and exponent of Pereira's law, where the surfaces face each other.
 
     Where the radii lie outside its range, as near the inflection of a flank, the power law
     follows Hertz at depths of 0.1 and 10 micrometres.
@@ -184,7 +181,7 @@ def _pereira_columns(
     columns = np.zeros((first.size, 2))
     columns[:, 1] = 1.0
     depths = np.array([10e-6, 0.1e-6])
-    for i in np.flatnonzero(touching):
+    for i in np.flatnonzero(facing):
         difference = abs(first[i] + second[i])
         internal = bool(first[i] * second[i] < 0.0)
         if in_pereira_range(difference, internal):

@@ -42,7 +42,7 @@ class ContactPair:
         Channels of :data:`CONTACT_CHANNELS`; a negative radius is concave. The gap is that at
         zero micro-motion. Sliding is the speed of body b relative to body a along the tangent
         (normal turned by +90 degrees), signed, per shaft speed; ``load_share`` counts only in
-        a rigid mesh. Where two surfaces face away, give a gap above 0.3 mm.
+        a rigid mesh. Where two surfaces face away, give the ``facing_gap`` or more.
     gap_by_motion : PeriodicTable, one channel per motion
         Derivative of the gap; also the generalised direction of the contact force. [-], [m/rad]
     width : float
@@ -79,6 +79,8 @@ class ContactPair:
         Ledger entry of the friction: ``mesh_friction`` or ``contact_friction``.
     squeeze_film : bool
         Whether liquid between the surfaces resists their approach.
+    facing_gap : float
+        Gap from which on the surfaces face away from each other and cannot touch. [m]
     own : tuple of PeriodicTable
         Geometry of each contact where teeth differ, in place of the one that all share.
 
@@ -113,6 +115,7 @@ class ContactPair:
     approach_speed: float | None = 0.1
     friction_account: Literal["mesh_friction", "contact_friction"] = "contact_friction"
     squeeze_film: bool = False
+    facing_gap: float = math.inf
     own: tuple[PeriodicTable, ...] = ()
 
     @property

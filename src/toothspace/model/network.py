@@ -13,7 +13,8 @@ drag there is :math:`w (u h - U \delta h)\, \omega` with the tooth speed U = 2 u
 disc then pumps half its surface speed times the gap, eccentric or not.
 
 The discharge coefficient C is 0.7 at sharp edges (ports, grooves, tip lands) and 1 in the
-smooth throat between two flanks, where one dynamic head is lost behind the throat.
+smooth throat between two flanks, where one dynamic head is lost behind the throat. A throat
+that is wide against the radius of its walls is an opening.
 
 The fluid carries the density and gas content of the node that it leaves. The power lost in
 a path is the drop of enthalpy flow plus the work of the dragging walls against pressure.
@@ -25,6 +26,7 @@ import math
 
 from toothspace.closures.gap_flow import (
     FITTED_POWER,
+    NARROW,
     curved_gap_conductance,
     fitted_gap_conductance,
     land_shear_torque,
@@ -201,6 +203,7 @@ def update_gap_conductances(s: SystemArrays) -> None:
         else:
             power = FITTED_POWER
             found = fitted_gap_conductance(height, width, radius, path[j, MEAN_VISCOSITY])
+        power = power if height < NARROW * radius else 2.0
         path[j, CONDUCTANCE] = found if width > CLOSED_GAP else 0.0
         path[j, OPENING] = SMOOTH_THROAT * width * height
         path[j, BY_HEIGHT] = power * path[j, CONDUCTANCE] / height * path[j, HEIGHT_FACTOR]

@@ -71,6 +71,7 @@ def _pair(
         restitution=settings.restitution,
         approach_speed=settings.impact_speed if settings.impact == "given" else None,
         squeeze_film=settings.squeeze_film == "on",
+        facing_gap=float(contact.gap.max()),
     )
 
 

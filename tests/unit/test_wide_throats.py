@@ -1,0 +1,49 @@
+"""Throats between flanks that open wide: conductance of an opening, and no steps lost to it."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from toothspace import api
+from toothspace.closures.gap_flow import (
+    NARROW,
+    curved_gap_conductance,
+    fitted_gap_conductance,
+)
+from toothspace.model.assembly import System
+from toothspace.solver.accuracy import Assembled
+from toothspace.solver.initial import start_state
+from toothspace.solver.integrator import start_march
+
+CASES = Path(__file__).resolve().parents[2] / "cases"
+SLOW = ["operating_point.shaft_speed=12.3 rpm", "operating_point.outlet_pressure=149 bar"]
+
+
+@cache
+def slow_pump() -> System:
+    setup = api.set_up(api.load_case(CASES / "egm12_pump.toml", SLOW))
+    assembled = Assembled(setup.description, setup.fluid, setup.condition)
+    return assembled.at(setup.condition.relative_tolerance)
+
+
+@pytest.mark.parametrize("law", [curved_gap_conductance, fitted_gap_conductance])
+def test_a_wide_throat_conducts_like_an_opening(law: Any) -> None:
+    """Narrow as the closed form says, then in proportion to the area times the height."""
+    height, radius = np.array([0.5, 1.0, 2.0, 4.0]) * NARROW * 5e-3, 5e-3
+    found = law(height, 20e-3, radius, 0.03)
+    assert np.log2(found[1] / found[0]) == pytest.approx(2.5, abs=0.02)
+    np.testing.assert_allclose(found[2:] / found[1], [4.0, 16.0])
+
+
+def test_wide_throats_do_not_bound_the_steps_of_a_slow_machine() -> None:
+    """Drops of some pascals, far below the tolerance, once cost a step per microsecond."""
+    system = slow_pump()
+    march = start_march(system, start_state(system))
+    turn = 2.0 * np.pi / system.condition.shaft_speed
+    march.advance(np.array([turn / 9.0]))
+    assert march.statistics["steps"] < 3000
