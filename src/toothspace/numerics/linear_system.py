@@ -9,7 +9,14 @@ import numpy as np
 
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array, IntArray
-from toothspace.numerics.banded import factor_band, fill_band, solve_bands, stencil_products
+from toothspace.numerics.banded import (
+    Single,
+    empty_band,
+    factor_band,
+    fill_band,
+    solve_bands,
+    stencil_products,
+)
 from toothspace.numerics.conduction import ConductionSolver
 from toothspace.numerics.krylov import Operator, gmres_several
 from toothspace.numerics.structured_grid import CellBalance, grid_shape
@@ -37,35 +44,35 @@ _ITERATIVE_ROUNDS = (6, 0.3, 40)
 @final
 @dataclass(frozen=True)
 class DirectSystem:
-    """Factored band; a ring is cut at one row and closed by a few Krylov iterations.
+    """Band factored in single precision, of a ring that is cut at one row.
 
-    A band that is not exact is that of a system nearby; the iterations make up for it.
+    A few Krylov iterations close the ring and give the other digits. They also make up for a
+    band that is that of a system nearby.
     """
 
     stencil: Array
-    band: Array
+    factored: Array
+    band: Single
     rows: int
     lanes: int
     cut: int
-    ring: bool
-    exact: bool = True
 
     def solve(
         self, rhs: Array, start: Array | None = None, relative_tolerance: float = TIGHT
     ) -> Array:
         """Solution in grid order, one row per right-hand side if there are several."""
         sides = rhs.reshape(-1, rhs.shape[-1])
-        x = self._precondition(sides)
-        if not self.exact or self.ring:
-            goals = 0.1 * relative_tolerance * _norms(sides)
-            x = _refine(self._product, self._precondition, sides, x, goals, _DIRECT_ROUNDS)
+        x = np.zeros_like(sides) if start is None else start.reshape(sides.shape)
+        goals = relative_tolerance * _norms(sides)
+        x = _refine(self._product, self._precondition, sides, x, goals, _DIRECT_ROUNDS)
         return x.reshape(rhs.shape)
 
     def _product(self, x: Array) -> Array:
         return np.asarray(stencil_products(self.stencil, x, self.rows, self.lanes))
 
     def _precondition(self, x: Array) -> Array:
-        return np.asarray(solve_bands(self.band, x, self.lanes, self.cut))
+        shift = self.cut * self.lanes
+        return np.asarray(solve_bands(self.band, self.factored, self.stencil, x, shift))
 
 
 @final
@@ -199,7 +206,7 @@ class PassSystems:
         self._balance = balance
         self.direct = prefers_direct(balance)
         rows, lanes = grid_shape(balance)
-        self._band = np.empty((rows * lanes if self.direct else 0, 2 * lanes + 1))
+        self._band = empty_band(rows if self.direct else 0, lanes)
         self._factored: tuple[DirectSystem, IntArray] | None = None
 
     def system(self, stencil: Array, kind: IntArray) -> LinearSystem:
@@ -209,21 +216,21 @@ class PassSystems:
         if self._factored is not None:
             former, known = self._factored
             if np.count_nonzero(kind != known) <= _CHANGED_PER_LANE * former.lanes:
-                return replace(former, stencil=stencil, exact=False)
+                return replace(former, stencil=stencil)
         system = direct_system(self._balance, stencil, kind, self._band)
         self._factored = system, kind.copy()
         return system
 
 
 def direct_system(
-    balance: CellBalance, stencil: Array, kind: IntArray, band: Array
+    balance: CellBalance, stencil: Array, kind: IntArray, band: Single
 ) -> DirectSystem:
     """Factor the matrix of one pass in the given storage; a ring is cut where it couples least."""
     rows, lanes = grid_shape(balance)
     cut = (int(np.argmax((kind != SATURATED).sum(axis=1))) + 1) % rows if balance.ring else 0
     fill_band(stencil, rows, lanes, cut, band)
-    factor_band(band)
-    return DirectSystem(stencil, band, rows, lanes, cut, balance.ring)
+    factor_band(band, lanes)
+    return DirectSystem(stencil, stencil, band, rows, lanes, cut)
 
 
 def iterative_system(balance: CellBalance, stencil: Array, kind: IntArray) -> IterativeSystem:
