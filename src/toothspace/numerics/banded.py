@@ -12,6 +12,8 @@ filled with rows of the identity.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -78,13 +80,14 @@ def _factor_panel(flat: Single, columns: int, reach: int, first: int) -> None:
 
 
 @inlined
-def _multipliers(flat, e, pivots):
-    i0, i1, i2, i3, u01, u02, u03, u12, u13, u23 = pivots
-    f0 = flat[e] * i0
-    f1 = (flat[e + 1] - f0 * u01) * i1
-    f2 = (flat[e + 2] - f0 * u02 - f1 * u12) * i2
-    f3 = (flat[e + 3] - f0 * u03 - f1 * u13 - f2 * u23) * i3
-    flat[e], flat[e + 1], flat[e + 2], flat[e + 3] = f0, f1, f2, f3
+def _multipliers(flat: Single, place: int, panel: tuple[Any, ...]) -> tuple[Any, ...]:
+    """Multipliers of the four pivots of a panel for a row, in place; zero off the band."""
+    i0, i1, i2, i3, u01, u02, u03, u12, u13, u23 = panel
+    f0 = flat[place] * i0
+    f1 = (flat[place + 1] - f0 * u01) * i1
+    f2 = (flat[place + 2] - f0 * u02 - f1 * u12) * i2
+    f3 = (flat[place + 3] - f0 * u03 - f1 * u13 - f2 * u23) * i3
+    flat[place], flat[place + 1], flat[place + 2], flat[place + 3] = f0, f1, f2, f3
     return f0, f1, f2, f3
 
 
@@ -104,15 +107,16 @@ def factor_band(band: Single, lanes: int) -> None:
         i0, i1, i2, i3 = _ONE / flat[p0], _ONE / flat[p1], _ONE / flat[p2], _ONE / flat[p3]
         u01, u02, u03 = flat[p0 + 1], flat[p0 + 2], flat[p0 + 3]
         u12, u13, u23 = flat[p1 + 1], flat[p1 + 2], flat[p2 + 1]
-        pivots = i0, i1, i2, i3, u01, u02, u03, u12, u13, u23
+        panel = i0, i1, i2, i3, u01, u02, u03, u12, u13, u23
         # slices, because a loop counter from zero is known to need no wrap-around
         r0, r1 = flat[p0 + 4 : p0 + 4 + reach], flat[p1 + 3 : p1 + 3 + reach]
         r2, r3 = flat[p2 + 2 : p2 + 2 + reach], flat[p3 + 1 : p3 + 1 + reach]
+        # two rows at a time need half the loads
         for row in range(first + PANEL, min(first + PANEL + lanes, n), 2):
             e = row * columns + reach - row + first
             g = e + columns - 1
-            e0, e1, e2, e3 = _multipliers(flat, e, pivots)
-            g0, g1, g2, g3 = _multipliers(flat, g, pivots)
+            e0, e1, e2, e3 = _multipliers(flat, e, panel)
+            g0, g1, g2, g3 = _multipliers(flat, g, panel)
             if e0 == e1 == e2 == e3 == g0 == g1 == g2 == g3 == _NONE:
                 continue
             one, two = flat[e + 4 : e + 4 + reach], flat[g + 4 : g + 4 + reach]
@@ -123,9 +127,7 @@ def factor_band(band: Single, lanes: int) -> None:
 
 
 @inlined
-def _four_sums(
-    flat: Single, first: int, columns: int, x: Single
-) -> tuple[float, float, float, float]:
+def _four_sums(flat: Single, first: int, columns: int, x: Single) -> tuple[Any, ...]:
     """Sums over the same columns of four rows."""
     b0, b1 = flat[first : first + x.size], flat[first + columns : first + columns + x.size]
     third = first + 2 * columns

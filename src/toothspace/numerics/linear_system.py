@@ -36,6 +36,10 @@ LEAST_CORRECTION = 1e-13
 """Relative residual below which one round of Krylov iterations does not try to get. [-]"""
 TOGETHER = 1_000_000
 """Unknowns of all right-hand sides that are iterated together: each needs a Krylov space. [-]"""
+_ROUNDED = 1e-14
+"""Relative residual of a finished solution with a band, which costs it an iteration more. [-]"""
+_STALLED = 0.5
+"""Part of its residual to which a round must bring a solution for another one to follow. [-]"""
 _DIRECT_ROUNDS = (3, 0.5, 60)
 _ITERATIVE_ROUNDS = (6, 0.3, 40)
 """Rounds of Krylov iterations, the part of the goal that one aims at, its most iterations."""
@@ -62,9 +66,9 @@ class DirectSystem:
     ) -> Array:
         """Solution in grid order, one row per right-hand side if there are several."""
         sides = rhs.reshape(-1, rhs.shape[-1])
-        x = np.zeros_like(sides) if start is None else start.reshape(sides.shape)
-        goals = relative_tolerance * _norms(sides)
-        x = _refine(self._product, self._precondition, sides, x, goals, _DIRECT_ROUNDS)
+        known = None if start is None else start.reshape(sides.shape)
+        goal = relative_tolerance if relative_tolerance > TIGHT else _ROUNDED
+        x = _refine(self._product, self._precondition, sides, known, goal, _DIRECT_ROUNDS)
         return x.reshape(rhs.shape)
 
     def _product(self, x: Array) -> Array:
@@ -91,16 +95,15 @@ class IterativeSystem:
     ) -> Array:
         """Solution in grid order, one row per right-hand side if there are several."""
         sides = rhs.reshape(-1, rhs.shape[-1])
-        x = np.zeros_like(sides) if start is None else start.reshape(sides.shape)
-        goals = relative_tolerance * _norms(sides)
+        known = None if start is None else start.reshape(sides.shape)
         together = max(1, TOGETHER // sides.shape[1])
         parts = [
             _refine(
                 self._product,
                 self._precondition,
                 sides[k : k + together],
-                x[k : k + together],
-                goals[k : k + together],
+                None if known is None else known[k : k + together],
+                relative_tolerance,
                 _ITERATIVE_ROUNDS,
             )
             for k in range(0, len(sides), together)
@@ -126,24 +129,34 @@ def _refine(
     product: Operator,
     precondition: Operator,
     sides: Array,
-    x: Array,
-    goals: Array,
+    start: Array | None,
+    relative_tolerance: float,
     rounds: tuple[int, float, int],
 ) -> Array:
-    """Corrections by Krylov iterations until the residual of every right-hand side is small."""
+    """Corrections by Krylov iterations until the residual of every right-hand side is small.
+
+    A start that leaves more than nothing would is not taken, and what rounding keeps from
+    falling is left.
+    """
     most, share, iterations = rounds
-    for _ in range(most):
-        remainder = sides - product(x)
+    x, remainder, sizes = np.zeros_like(sides), sides, _norms(sides)
+    goals, former = relative_tolerance * sizes, np.full(len(sides), np.inf)
+    if start is not None:
+        left = sides - product(start)
+        better = _norms(left) < sizes
+        x[better], remainder = start[better], np.where(better[:, None], left, sides)
         sizes = _norms(remainder)
-        poor = np.flatnonzero(sizes > goals)
+    for _ in range(most):
+        poor = np.flatnonzero((sizes > goals) & (sizes < _STALLED * former))
         if poor.size == 0:
             break
         limits = np.maximum(share * goals[poor], LEAST_CORRECTION * sizes[poor])
         correction, _ = gmres_several(
             product, precondition, remainder[poor], limits=limits, max_iterations=iterations
         )
-        x = x.copy()
         x[poor] += correction
+        remainder = sides - product(x)
+        former, sizes = sizes, _norms(remainder)
     return x
 
 
