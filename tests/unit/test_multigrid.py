@@ -155,6 +155,19 @@ def test_direct_system_closes_the_ring() -> None:
     assert np.linalg.norm(error) < 1e-11 * np.linalg.norm(rhs)
 
 
+def test_tooth_spaces_take_hardly_more_iterations_than_a_whole_ring() -> None:
+    rows, lanes = 384, 64
+    balance, counts = _balance(rows, lanes, 0.5, 0.0), []
+    spaces = np.zeros((rows, lanes), dtype=bool)
+    for lane in range(lanes // 2, lanes):
+        width = 4 + (lane - lanes // 2) // 4
+        spaces[:, lane] = np.abs(np.arange(rows) % 32 - 15.5) < width
+    for free in (np.ones((rows, lanes), dtype=bool), ~spaces):
+        solver = ConductionSolver(balance, free)
+        counts.append(solver.solve(1.0 * free, relative_tolerance=1e-10)[1])
+    assert counts[1] <= counts[0] + 2
+
+
 def test_nothing_leaves_nothing_whatever_it_begins_with() -> None:
     rows, lanes = 40, 9
     balance, kind = _balance(rows, lanes, 0.5, 0.0), np.zeros((rows, lanes), dtype=np.int64)
