@@ -26,7 +26,7 @@ from toothspace.elasticity.condensation import flexibility
 from toothspace.elasticity.elements import stiffness_matrix
 from toothspace.elasticity.mesh import Prism, SolidMesh, annulus, disc, sweep
 from toothspace.elasticity.triangulation import Triangulation, triangulate
-from toothspace.numerics.banded import factor_band, fill_band, solve_bands
+from toothspace.numerics.banded import PANEL, empty_band, factor_band, fill_band, solve_bands
 from toothspace.numerics.block_elimination import block_system
 from toothspace.numerics.conduction import ConductionSolver
 from toothspace.numerics.static_lu import analyse, factorise, solve
@@ -93,18 +93,18 @@ def banded_systems() -> None:
         )
         stencil = film.film.fields.system.stencil
         size, rhs = rows * lanes, np.random.default_rng(0).normal(size=(1, rows * lanes))
-        band = np.empty((size, 2 * lanes + 1))
-        filled = np.empty_like(band)
-        fill_band(stencil, rows, lanes, 0, filled)
+        band = empty_band(rows, lanes)
+        fill_band(stencil, rows, lanes, 0, band)
+        centre = (band.shape[1] - PANEL) // 2
         lapack = np.zeros((3 * lanes + 1, size), order="F")
         for r in range(size):
             for c in range(max(0, r - lanes), min(size, r + lanes + 1)):
-                lapack[2 * lanes + r - c, c] = filled[r, lanes + c - r]
+                lapack[2 * lanes + r - c, c] = band[r, centre + c - r]
 
         def own(s=stencil, n=(rows, lanes), b=band, rhs=rhs) -> None:  # type: ignore[no-untyped-def]
             fill_band(s, *n, 0, b)
-            factor_band(b)
-            solve_bands(b, rhs, n[1], 0)
+            factor_band(b, n[1])
+            solve_bands(b, s, s, rhs, 0)
 
         def peer(ab=lapack, w=lanes, rhs=rhs) -> None:  # type: ignore[no-untyped-def]
             factors, pivots, _ = dgbtrf(ab, w, w)

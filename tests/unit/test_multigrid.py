@@ -15,7 +15,7 @@ from toothspace.films.journal.geometry import (
 )
 from toothspace.films.reynolds.equation import FluidField, film_balance
 from toothspace.numerics import conjugate, linear_system, multigrid, multigrid_cycle
-from toothspace.numerics.banded import stencil_product
+from toothspace.numerics.banded import empty_band, stencil_product
 from toothspace.numerics.complementarity import Constraint, assemble, solve_complementarity
 from toothspace.numerics.conduction import ConductionSolver
 from toothspace.numerics.linear_system import direct_system
@@ -41,8 +41,7 @@ def test_solution_equals_the_direct_one(rows: int, lanes: int) -> None:
     free[rows // 3 : rows // 2, 2 : lanes // 2] = False
     kind = np.where(free, 0, 2)
     stencil, rhs = assemble(balance, kind)
-    band = np.empty((rows * lanes, 2 * lanes + 1))
-    exact = direct_system(balance, stencil, kind, band).solve(rhs)
+    exact = direct_system(balance, stencil, kind, empty_band(rows, lanes)).solve(rhs)
     solver = ConductionSolver(balance, free)
     potential, count = solver.solve(rhs.reshape(rows, lanes), relative_tolerance=1e-11)
     assert count < 25
@@ -151,10 +150,30 @@ def test_direct_system_closes_the_ring() -> None:
     balance = _balance(rows, lanes, 0.5, 1e-4)
     kind = np.zeros((rows, lanes), dtype=np.int64)
     stencil, rhs = assemble(balance, kind)
-    band = np.empty((rows * lanes, 2 * lanes + 1))
-    x = direct_system(balance, stencil, kind, band).solve(rhs)
+    x = direct_system(balance, stencil, kind, empty_band(rows, lanes)).solve(rhs)
     error = stencil_product(stencil, x, rows, lanes) - rhs
     assert np.linalg.norm(error) < 1e-11 * np.linalg.norm(rhs)
+
+
+def test_tooth_spaces_take_hardly_more_iterations_than_a_whole_ring() -> None:
+    rows, lanes = 384, 64
+    balance, counts = _balance(rows, lanes, 0.5, 0.0), []
+    spaces = np.zeros((rows, lanes), dtype=bool)
+    for lane in range(lanes // 2, lanes):
+        width = 4 + (lane - lanes // 2) // 4
+        spaces[:, lane] = np.abs(np.arange(rows) % 32 - 15.5) < width
+    for free in (np.ones((rows, lanes), dtype=bool), ~spaces):
+        solver = ConductionSolver(balance, free)
+        counts.append(solver.solve(1.0 * free, relative_tolerance=1e-10)[1])
+    assert counts[1] <= counts[0] + 2
+
+
+def test_nothing_leaves_nothing_whatever_it_begins_with() -> None:
+    rows, lanes = 40, 9
+    balance, kind = _balance(rows, lanes, 0.5, 0.0), np.zeros((rows, lanes), dtype=np.int64)
+    stencil, rhs = assemble(balance, kind)
+    system = direct_system(balance, stencil, kind, empty_band(rows, lanes))
+    assert not system.solve(np.zeros_like(rhs), np.ones_like(rhs)).any()
 
 
 def test_cavitated_film_is_the_same_with_both_systems(monkeypatch: pytest.MonkeyPatch) -> None:

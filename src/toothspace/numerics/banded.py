@@ -1,217 +1,203 @@
 """Direct solution of five-point systems on structured grids, ordered lane by lane.
 
 The band of the matrix is as wide as one row of lanes. A ring is cut at one row; what the cut
-drops is left to the caller (:mod:`toothspace.numerics.krylov`).
+drops, and the digits beyond single precision, are left to the caller
+(:mod:`toothspace.numerics.krylov`).
+
+Entry ``[r, reach + c - r]`` of a band holds row ``r`` and column ``c`` of the matrix, every row
+over its diagonal. The reach is the number of lanes rounded up to whole vectors. What lies beyond
+the lanes stays zero, so that loops have one length for all four rows of a panel; a last panel is
+filled with rows of the identity.
 """
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 from toothspace.core.compiled import inlined, njit
 from toothspace.core.types import Array
-from toothspace.numerics.vectors import dot
 
-
-@njit
-def fill_band(stencil: Array, rows: int, lanes: int, cut: int, band: Array) -> None:
-    """Fill the band storage of a five-point matrix, rows counted from the cut.
-
-    Entry ``[r, lanes + c - r]`` holds row ``r`` and column ``c``. Columns of the stencil:
-    west, south, centre, north, east.
-    """
-    width = lanes
-    band[:] = 0.0
-    for position in range(rows):
-        i = (position + cut) % rows
-        for j in range(lanes):
-            r = position * lanes + j
-            s = i * lanes + j
-            band[r, width] = stencil[s, 2]
-            if position > 0:
-                band[r, width - lanes] += stencil[s, 0]
-            if position < rows - 1:
-                band[r, width + lanes] += stencil[s, 4]
-            if j > 0:
-                band[r, width - 1] += stencil[s, 1]
-            if j < lanes - 1:
-                band[r, width + 1] += stencil[s, 3]
-
+Single = NDArray[np.float32]
 
 PANEL = 4
 """Pivots that are eliminated together, so that a row is read and written once for all of them."""
-
-
-@njit(fastmath={"contract"})
-def _factor_panel(flat: Array, columns: int, first: int, count: int, inverse: Array) -> None:
-    """Eliminate among the rows of one panel; keep the inverse pivots."""
-    width = columns // 2
-    n = flat.size // columns
-    for m in range(count):
-        k = first + m
-        base = k * columns + width
-        inverse[m] = 1.0 / flat[base]
-        reach = min(width, n - 1 - k)
-        for d in range(1, min(count - m, reach + 1)):
-            start = base + d * (columns - 1)
-            factor = flat[start] * inverse[m]
-            flat[start] = factor
-            if factor != 0.0:
-                for c in range(1, reach + 1):
-                    flat[start + c] -= factor * flat[base + c]
-
-
-@njit(fastmath={"contract"})
-def _multiplier(flat: Array, columns: int, first: int, row: int, m: int) -> float:
-    """Multiplier of pivot m of a panel for one row below it, stored in place; zero off the band."""
-    width = columns // 2
-    entry = row * columns + width - row  # flat[entry + c] is column c of the row
-    column = first + m
-    if column < row - width:
-        return 0.0
-    value = flat[entry + column]
-    for k in range(max(0, row - width - first), m):
-        value -= flat[entry + first + k] * flat[(first + k) * columns + width + m - k]
-    value /= flat[column * columns + width]
-    flat[entry + column] = value
-    return value
+_VECTOR = 8
+"""Numbers to which the lengths of loops are rounded up."""
+_NONE, _ONE = np.float32(0.0), np.float32(1.0)
 
 
 @inlined
-def _beyond(flat: Array, columns: int, first: int, entry: int, factors: tuple[float, ...]) -> None:
-    """Columns that the later pivots of a panel reach, but not the first one."""
-    width = columns // 2
-    n = flat.size // columns
-    p0 = first * columns + width - first
-    for c in range(max(first + 4, first + width + 1), min(first + 3 + width, n - 1) + 1):
-        total = factors[3] * flat[p0 + 3 * (columns - 1) + c]
-        if c <= first + 1 + width:
-            total += factors[1] * flat[p0 + columns - 1 + c]
-        if c <= first + 2 + width:
-            total += factors[2] * flat[p0 + 2 * (columns - 1) + c]
-        flat[entry + c] -= total
+def _reach(band: Single) -> int:
+    return (band.shape[1] - PANEL) // 2
 
 
-@njit(fastmath={"contract"})
-def _update_rows(flat: Array, columns: int, first: int, inverse: Array) -> int:
-    """Eliminate the columns of a panel from the rows that hold all four; return the next row."""
-    width = columns // 2
-    n = flat.size // columns
-    p0 = first * columns + width - first
-    p1, p2, p3 = p0 + columns - 1, p0 + 2 * (columns - 1), p0 + 3 * (columns - 1)
-    i0, i1, i2, i3 = inverse[0], inverse[1], inverse[2], inverse[3]
-    u01, u02, u03 = flat[p0 + first + 1], flat[p0 + first + 2], flat[p0 + first + 3]
-    u12, u13, u23 = flat[p1 + first + 2], flat[p1 + first + 3], flat[p2 + first + 3]
-    # slices, because a loop counter from zero is known to need no wrap-around
-    start, stop = first + 4, min(first + width, n - 1) + 1
-    r0, r1 = flat[p0 + start : p0 + stop], flat[p1 + start : p1 + stop]
-    r2, r3 = flat[p2 + start : p2 + stop], flat[p3 + start : p3 + stop]
-    last = min(first + width + 1, n)
-    for row in range(first + 4, last):
-        entry = row * columns + width - row
-        e = entry + first
-        f0 = flat[e] * i0
-        f1 = (flat[e + 1] - f0 * u01) * i1
-        f2 = (flat[e + 2] - f0 * u02 - f1 * u12) * i2
-        f3 = (flat[e + 3] - f0 * u03 - f1 * u13 - f2 * u23) * i3
-        if f0 == 0.0 and f1 == 0.0 and f2 == 0.0 and f3 == 0.0:
-            continue
-        flat[e], flat[e + 1], flat[e + 2], flat[e + 3] = f0, f1, f2, f3
-        target = flat[entry + start : entry + stop]
-        for c in range(target.size):
-            target[c] -= f0 * r0[c] + f1 * r1[c] + f2 * r2[c] + f3 * r3[c]
-        _beyond(flat, columns, first, entry, (f0, f1, f2, f3))
-    return max(first + 4, last)
+def empty_band(rows: int, lanes: int) -> Single:
+    """Storage for the band of a grid."""
+    reach, height = -(-lanes // _VECTOR) * _VECTOR, -(-rows * lanes // PANEL) * PANEL
+    return np.empty((height, 2 * reach + PANEL), dtype=np.float32)
 
 
-@njit(fastmath={"contract"})
-def _update_row(flat: Array, columns: int, first: int, row: int) -> None:
-    """Eliminate the columns of a panel from a row that begins within it."""
-    width = columns // 2
-    n = flat.size // columns
-    f0 = _multiplier(flat, columns, first, row, 0)
-    f1 = _multiplier(flat, columns, first, row, 1)
-    f2 = _multiplier(flat, columns, first, row, 2)
-    f3 = _multiplier(flat, columns, first, row, 3)
-    entry = row * columns + width - row
-    p0 = first * columns + width - first
-    for c in range(first + 4, min(first + width, n - 1) + 1):
-        total = f0 * flat[p0 + c] + f1 * flat[p0 + columns - 1 + c]
-        total += f2 * flat[p0 + 2 * (columns - 1) + c] + f3 * flat[p0 + 3 * (columns - 1) + c]
-        flat[entry + c] -= total
-    _beyond(flat, columns, first, entry, (f0, f1, f2, f3))
+@njit(nogil=True)
+def fill_band(stencil: Array, rows: int, lanes: int, cut: int, band: Single) -> None:
+    """Fill the band storage of a five-point matrix, rows counted from the cut.
+
+    Columns of the stencil: west, south, centre, north, east.
+    """
+    centre = _reach(band)
+    band[:] = _NONE
+    band[:, centre] = _ONE
+    for position in range(rows):
+        i = (position + cut) % rows
+        for j in range(lanes):
+            r, s = position * lanes + j, i * lanes + j
+            unit = 1.0 / stencil[s, 2]
+            if position > 0:
+                band[r, centre - lanes] += stencil[s, 0] * unit
+            if position < rows - 1:
+                band[r, centre + lanes] += stencil[s, 4] * unit
+            if j > 0:
+                band[r, centre - 1] += stencil[s, 1] * unit
+            if j < lanes - 1:
+                band[r, centre + 1] += stencil[s, 3] * unit
 
 
-@njit(fastmath={"contract"})
-def factor_band(band: Array) -> None:
+@inlined
+def _factor_panel(flat: Single, columns: int, reach: int, first: int) -> None:
+    """Eliminate among the four rows of a panel; ``first`` is the place of its first pivot."""
+    for m in range(PANEL - 1):
+        pivot = first + m * columns
+        lead = flat[pivot + 1 : pivot + 1 + reach]
+        for d in range(1, PANEL - m):
+            place = pivot + d * (columns - 1)
+            factor = flat[place] / flat[pivot]
+            flat[place] = factor
+            row = flat[place + 1 : place + 1 + reach]
+            for c in range(reach):
+                row[c] -= factor * lead[c]
+
+
+@inlined
+def _multipliers(flat: Single, place: int, panel: tuple[Any, ...]) -> tuple[Any, ...]:
+    """Multipliers of the four pivots of a panel for a row, in place; zero off the band."""
+    i0, i1, i2, i3, u01, u02, u03, u12, u13, u23 = panel
+    f0 = flat[place] * i0
+    f1 = (flat[place + 1] - f0 * u01) * i1
+    f2 = (flat[place + 2] - f0 * u02 - f1 * u12) * i2
+    f3 = (flat[place + 3] - f0 * u03 - f1 * u13 - f2 * u23) * i3
+    flat[place], flat[place + 1], flat[place + 2], flat[place + 3] = f0, f1, f2, f3
+    return f0, f1, f2, f3
+
+
+@njit(nogil=True, fastmath={"contract", "reassoc"}, error_model="numpy")
+def factor_band(band: Single, lanes: int) -> None:
     """Triangular factors in place, without exchange of rows.
 
     Safe for matrices whose columns are diagonally dominant, as cell balances are.
     Rows without a multiplier are skipped, so that cells without fill cost nothing.
     """
     n, columns = band.shape
-    width = columns // 2
-    flat = band.reshape(n * columns)
-    inverse = np.empty(PANEL)
+    reach, flat = _reach(band), band.reshape(n * columns)
     for first in range(0, n, PANEL):
-        count = min(PANEL, n - first)
-        _factor_panel(flat, columns, first, count, inverse)
-        if count == PANEL:
-            begin = _update_rows(flat, columns, first, inverse)
-            for row in range(begin, min(first + PANEL + width, n)):
-                _update_row(flat, columns, first, row)
+        p0 = first * columns + reach
+        p1, p2, p3 = p0 + columns, p0 + 2 * columns, p0 + 3 * columns
+        _factor_panel(flat, columns, reach, p0)
+        i0, i1, i2, i3 = _ONE / flat[p0], _ONE / flat[p1], _ONE / flat[p2], _ONE / flat[p3]
+        u01, u02, u03 = flat[p0 + 1], flat[p0 + 2], flat[p0 + 3]
+        u12, u13, u23 = flat[p1 + 1], flat[p1 + 2], flat[p2 + 1]
+        panel = i0, i1, i2, i3, u01, u02, u03, u12, u13, u23
+        # slices, because a loop counter from zero is known to need no wrap-around
+        r0, r1 = flat[p0 + 4 : p0 + 4 + reach], flat[p1 + 3 : p1 + 3 + reach]
+        r2, r3 = flat[p2 + 2 : p2 + 2 + reach], flat[p3 + 1 : p3 + 1 + reach]
+        # two rows at a time need half the loads
+        for row in range(first + PANEL, min(first + PANEL + lanes, n), 2):
+            e = row * columns + reach - row + first
+            g = e + columns - 1
+            e0, e1, e2, e3 = _multipliers(flat, e, panel)
+            g0, g1, g2, g3 = _multipliers(flat, g, panel)
+            if e0 == e1 == e2 == e3 == g0 == g1 == g2 == g3 == _NONE:
+                continue
+            one, two = flat[e + 4 : e + 4 + reach], flat[g + 4 : g + 4 + reach]
+            for c in range(reach):
+                a0, a1, a2, a3 = r0[c], r1[c], r2[c], r3[c]
+                one[c] -= e0 * a0 + e1 * a1 + e2 * a2 + e3 * a3
+                two[c] -= g0 * a0 + g1 * a1 + g2 * a2 + g3 * a3
 
 
-@njit
-def _substitute(band: Array, x: Array) -> None:
-    """Forward and backward substitution for one right-hand side, in place."""
+@inlined
+def _four_sums(flat: Single, first: int, columns: int, x: Single) -> tuple[Any, ...]:
+    """Sums over the same columns of four rows."""
+    b0, b1 = flat[first : first + x.size], flat[first + columns : first + columns + x.size]
+    third = first + 2 * columns
+    b2, b3 = flat[third : third + x.size], flat[third + columns : third + columns + x.size]
+    t0, t1, t2, t3 = _NONE, _NONE, _NONE, _NONE
+    for c in range(x.size):
+        t0 += b0[c] * x[c]
+        t1 += b1[c] * x[c]
+        t2 += b2[c] * x[c]
+        t3 += b3[c] * x[c]
+    return t0, t1, t2, t3
+
+
+@njit(nogil=True, fastmath={"contract", "reassoc"}, error_model="numpy")
+def _substitute(band: Single, x: Single) -> None:
+    """Forward and backward substitution in place: a panel serves all sides while in cache.
+
+    Every side begins and ends with as many zeros as the band reaches.
+    """
     n, columns = band.shape
-    width = columns // 2
-    for r in range(n):
-        reach = min(width, r)
-        x[r] -= dot(band[r, width - reach : width], x[r - reach : r])
-    for r in range(n - 1, -1, -1):
-        reach = min(width, n - 1 - r)
-        total = dot(band[r, width + 1 : width + 1 + reach], x[r + 1 : r + 1 + reach])
-        x[r] = (x[r] - total) / band[r, width]
-
-
-@njit
-def _substitute_together(band: Array, x: Array) -> None:
-    """The same for several right-hand sides: a row of the band serves all while in cache."""
-    n, columns = band.shape
-    width = columns // 2
-    for r in range(n):
-        first = max(0, r - width)
-        row = band[r, width - r + first : width]
+    reach, flat = _reach(band), band.reshape(n * columns)
+    for first in range(0, n, PANEL):
+        p0 = first * columns + reach
+        p1, p2, p3 = p0 + columns, p0 + 2 * columns, p0 + 3 * columns
         for k in range(len(x)):
-            x[k, r] -= dot(row, x[k, first:r])
-    for r in range(n - 1, -1, -1):
-        last = min(n, r + 1 + width)
-        row = band[r, width + 1 : width + last - r]
+            t0, t1, t2, t3 = _four_sums(flat, p0 - reach, columns - 1, x[k, first : first + reach])
+            own = x[k, first + reach : first + reach + PANEL]
+            own[0] -= t0
+            own[1] -= t1 + flat[p1 - 1] * own[0]
+            own[2] -= t2 + flat[p2 - 2] * own[0] + flat[p2 - 1] * own[1]
+            own[3] -= t3 + flat[p3 - 3] * own[0] + flat[p3 - 2] * own[1] + flat[p3 - 1] * own[2]
+    for first in range(n - PANEL, -1, -PANEL):
+        p0 = first * columns + reach
+        p1, p2, p3 = p0 + columns, p0 + 2 * columns, p0 + 3 * columns
         for k in range(len(x)):
-            x[k, r] = (x[k, r] - dot(row, x[k, r + 1 : last])) / band[r, width]
+            behind = first + reach + PANEL
+            t0, t1, t2, t3 = _four_sums(flat, p0 + 4, columns - 1, x[k, behind : behind + reach])
+            own = x[k, behind - PANEL : behind]
+            own[3] = (own[3] - t3) / flat[p3]
+            own[2] = (own[2] - t2 - flat[p2 + 1] * own[3]) / flat[p2]
+            own[1] = (own[1] - t1 - flat[p1 + 1] * own[2] - flat[p1 + 2] * own[3]) / flat[p1]
+            total = t0 + flat[p0 + 1] * own[1] + flat[p0 + 2] * own[2] + flat[p0 + 3] * own[3]
+            own[0] = (own[0] - total) / flat[p0]
 
 
-@njit
-def solve_bands(band: Array, rhs: Array, lanes: int, cut: int) -> Array:
+@njit(nogil=True, error_model="numpy")
+def solve_bands(band: Single, factored: Array, stencil: Array, rhs: Array, shift: int) -> Array:
     """Solutions for several right-hand sides in grid order, in one pass over the factors.
 
-    ``rhs`` has one row per right-hand side.
+    ``rhs`` has one row per right-hand side, the band begins ``shift`` cells behind the first one.
+    It is that of the matrix ``factored``; where the diagonal of the matrix to solve differs, a
+    cell holds another unknown, in units that differ as much.
     """
-    n = rhs.shape[1]
-    shift = cut * lanes
-    x = np.empty(rhs.shape)
-    x[:, : n - shift] = rhs[:, shift:]
-    x[:, n - shift :] = rhs[:, :shift]
-    if len(rhs) == 1:
-        _substitute(band, x[0])
-    else:
-        _substitute_together(band, x)
-    result = np.empty(rhs.shape)
-    result[:, shift:] = x[:, : n - shift]
-    result[:, :shift] = x[:, n - shift :]
-    return result
+    sides, n = rhs.shape
+    reach = _reach(band)
+    x = np.zeros((sides, len(band) + 2 * reach), dtype=np.float32)
+    out, sizes = np.empty(rhs.shape), np.zeros(sides)
+    for k in range(sides):
+        for r in range(n):
+            out[k, r] = rhs[k, r] / factored[r, 2]
+            sizes[k] = max(sizes[k], abs(out[k, r]))
+        unit = 1.0 / sizes[k] if sizes[k] > 0.0 else 0.0
+        for r in range(n):
+            x[k, reach + (r - shift if r >= shift else r - shift + n)] = out[k, r] * unit
+    _substitute(band, x)
+    for k in range(sides):
+        for r in range(n):
+            found = x[k, reach + (r - shift if r >= shift else r - shift + n)]
+            out[k, r] = sizes[k] * found * (factored[r, 2] / stencil[r, 2])
+    return out
 
 
 @njit(nogil=True, fastmath={"contract"})

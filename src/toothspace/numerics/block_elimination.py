@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.numerics.banded import stencil_products
-from toothspace.numerics.linear_system import PRESCRIBED, TIGHT, LinearSystem, lengths, refined
+from toothspace.numerics.linear_system import PRESCRIBED, TIGHT, LinearSystem, refined
 
 _OVERLAP = 24
 """Rows that the cut ring is run through twice, so that it hardly notices the cut. [-]"""
@@ -296,9 +296,8 @@ class BlockSystem:
     ) -> Array:
         """Solution in grid order, one row per right-hand side if there are several."""
         sides = rhs.reshape(-1, rhs.shape[-1])
-        x = np.zeros_like(sides) if start is None else start.reshape(sides.shape)
-        goals = relative_tolerance * lengths(sides)
-        x, self.effort = refined(self._product, self._precondition, sides, x, goals, _ROUNDS)
+        known, goal = None if start is None else start.reshape(sides.shape), relative_tolerance
+        x, self.effort = refined(self._product, self._precondition, sides, known, goal, _ROUNDS)
         return x.reshape(rhs.shape)
 
     def _precondition(self, sides: Array) -> Array:

@@ -16,7 +16,7 @@ from typing import final
 import numpy as np
 
 from toothspace.core.compiled import inlined, njit
-from toothspace.core.types import Array, IntArray
+from toothspace.core.types import Array, BoolArray, IntArray
 from toothspace.numerics.banded import stencil_product
 from toothspace.numerics.linear_system import (
     LOOSE,
@@ -340,7 +340,7 @@ def _active_set(
         stencil, rhs = assemble(balance, kind)
         system = systems.system(stencil, kind)
         used = kind.copy()
-        exact = systems.direct or number > _LOOSE_PASSES
+        exact = number > _LOOSE_PASSES
         unknown = system.solve(rhs, unknown, TIGHT if exact else LOOSE)
         changed = _revise(balance, constraint, kind, unknown, scale)
         if changed == 0 and not exact:
@@ -393,11 +393,26 @@ _ROUNDS, _TRIAL_PASSES = 60, 4
 _ACCEPTED = 1e-8
 """Relative residual above which a solution counts as not converged. [-]"""
 
+_SAMPLES = 32
+"""Values along one direction from which a grid is sampled. [-]"""
+
 _COARSE_SWEEPS = 1
 """Sweeps that settle the kinds taken from a coarser grid. [-]"""
 
 _RING_CLOSURES = 8
 """Passes in which rings that gain or lose volume are closed."""
+
+
+@njit(nogil=True)
+def _empty_lanes(kind: IntArray) -> BoolArray:
+    """Lanes that are unsaturated all the way round."""
+    empty = kind[0] == 1
+    for i in range(1, kind.shape[0]):
+        if not empty.any():
+            break
+        for j in range(empty.size):
+            empty[j] &= kind[i, j] == 1
+    return empty
 
 
 def _close_rings(balance: CellBalance, kind: IntArray, number: int) -> None:
@@ -408,7 +423,9 @@ def _close_rings(balance: CellBalance, kind: IntArray, number: int) -> None:
     """
     if not balance.ring:
         return
-    lanes = np.flatnonzero((kind == UNSATURATED).all(axis=0))
+    lanes = np.flatnonzero(_empty_lanes(kind))
+    if lanes.size == 0:
+        return
     if number > _RING_CLOSURES:
         lanes = lanes[~balance.storage[:, lanes].any(axis=0)]
     narrowest = np.argmin(np.abs(balance.advection_x[1:, lanes]), axis=0)
@@ -417,14 +434,21 @@ def _close_rings(balance: CellBalance, kind: IntArray, number: int) -> None:
 
 def potential_scale(balance: CellBalance) -> float:
     """Size of the potentials that the flows and the given potentials can cause."""
-    conductance = np.median(balance.conductance_x[1:-1]) + np.median(balance.conductance_y[:, 1:-1])
+    conductance = _typical(balance.conductance_x[1:-1])
+    conductance += _typical(balance.conductance_y[:, 1:-1])
     flow = max(
         float(np.abs(balance.advection_x).max()),
         float(np.abs(balance.storage).max()),
         float(np.abs(balance.source).max()),
     )
     given = max(float(np.abs(a).max()) for a in (balance.prescribed, balance.west, balance.south))
-    return given + flow / float(conductance)
+    return given + flow / conductance
+
+
+def _typical(values: Array) -> float:
+    """Median of at most a few thousand values spread over a grid."""
+    along, across = (max(1, size // _SAMPLES) for size in values.shape)
+    return float(np.median(values[::along, ::across]))
 
 
 def _initial_kind(balance: CellBalance, constraint: Constraint, start: IntArray | None) -> IntArray:

@@ -7,6 +7,7 @@ from typing import final
 
 import numpy as np
 
+from toothspace.core.compiled import njit
 from toothspace.core.types import Array
 from toothspace.numerics.vectors import add_scaled, dot, norm
 
@@ -54,7 +55,7 @@ def gmres(
         active = [space for space in spaces if not space.finished]
         if not active or count == max_iterations:
             break
-        images = precondition(np.array([space.basis[-1] for space in active]))
+        images = precondition(np.array([space.last for space in active]))
         products = product(images)
         for space, image, w in zip(active, images, products, strict=True):
             space.extend(image, w)
@@ -67,54 +68,80 @@ class _Space:
 
     def __init__(self, rhs: Array, limit: float) -> None:
         size = norm(rhs)
-        self.basis = [rhs / size if size > 0.0 else rhs]
-        self._images: list[Array] = []
-        self._columns: list[Array] = []
-        self._rotations: list[tuple[float, float]] = []
-        self._g = [size]
+        self._basis = np.empty((_FIRST + 1, rhs.size))
+        self._basis[0] = rhs / size if size > 0.0 else rhs
+        self._images = np.empty((_FIRST, rhs.size))
+        self._projected = np.zeros((_FIRST + 3, _FIRST + 1))
+        self._projected[-1, 0] = size
+        self._count = 0
         self._limit = limit
         self.finished = size == 0.0
 
+    @property
+    def last(self) -> Array:
+        """Newest vector of the basis."""
+        return np.asarray(self._basis[self._count])
+
     def extend(self, image: Array, w: Array) -> None:
         """Take the image of the last basis vector and its product with the matrix."""
-        self._images.append(image)
-        column = self._orthogonalise(w)
-        for m, (c, s) in enumerate(self._rotations):
-            column[m], column[m + 1] = (
-                c * column[m] + s * column[m + 1],
-                c * column[m + 1] - s * column[m],
-            )
-        size = float(np.hypot(column[-2], column[-1]))
-        if not 0.0 < size < np.inf:
-            size = np.nan  # a singular matrix or one that overflows leaves no solution
-        c, s = column[-2] / size, column[-1] / size
-        column[-2], column[-1] = size, 0.0
-        self._columns.append(column)
-        self._rotations.append((c, s))
-        self._g[-1:] = [c * self._g[-1], -s * self._g[-1]]
-        self.finished = not abs(self._g[-1]) > self._limit
+        if self._count == len(self._images):
+            self._enlarge()
+        self._images[self._count] = image
+        left = _extend(self._basis, self._projected, self._count, w)
+        self._count += 1
+        self.finished = not left > self._limit
 
-    def _orthogonalise(self, w: Array) -> Array:
-        """Modified Gram-Schmidt; appends the new basis vector."""
-        column = np.empty(len(self.basis) + 1)
-        for m, v in enumerate(self.basis):
-            column[m] = dot(v, w)
-            add_scaled(w, -column[m], v)
-        size = norm(w)
-        column[-1] = size
-        self.basis.append(w / size if size > 0.0 else w)
-        return column
+    def _enlarge(self) -> None:
+        size, length = self._images.shape
+        former, self._projected = self._projected, np.zeros((2 * size + 3, 2 * size + 1))
+        self._projected[:size, :size] = former[:size, :size]
+        self._projected[-3:, : size + 1] = former[-3:]
+        self._basis = np.concatenate([self._basis, np.empty((size, length))])
+        self._images = np.concatenate([self._images, np.empty((size, length))])
 
     def solution(self) -> Array:
         """Combination of the images that leaves the smallest residual."""
-        count = len(self._columns)
-        x = np.zeros_like(self.basis[0])
-        if count == 0:
-            return x
-        upper = np.zeros((count, count))
-        for k, column in enumerate(self._columns):
-            upper[: k + 1, k] = column[: k + 1]
-        y = np.linalg.solve(upper, np.array(self._g[:count]))
-        for factor, image in zip(y, self._images, strict=True):
-            add_scaled(x, float(factor), image)
-        return x
+        return np.asarray(_combined(self._images, self._projected, self._count))
+
+
+_FIRST = 8
+"""Iterations that a Krylov space has room for at first. [-]"""
+
+
+@njit(nogil=True, error_model="numpy")
+def _extend(basis: Array, projected: Array, count: int, w: Array) -> float:
+    """Modified Gram-Schmidt and the rotation of the new column; returns what is left.
+
+    The last three rows of ``projected`` hold the cosines, the sines and the rotated right-hand
+    side.
+    """
+    cosine, sine, right = projected[-3], projected[-2], projected[-1]
+    column = projected[:, count]
+    for m in range(count + 1):
+        column[m] = dot(basis[m], w)
+        add_scaled(w, -column[m], basis[m])
+    below = norm(w)
+    basis[count + 1] = w / below if below > 0.0 else w
+    for m in range(count):
+        above = column[m]
+        column[m] = cosine[m] * above + sine[m] * column[m + 1]
+        column[m + 1] = cosine[m] * column[m + 1] - sine[m] * above
+    size = np.hypot(column[count], below)
+    if not 0.0 < size < np.inf:
+        size = np.nan  # a singular matrix or one that overflows leaves no solution
+    cosine[count], sine[count] = column[count] / size, below / size
+    column[count] = size
+    right[count], right[count + 1] = cosine[count] * right[count], -sine[count] * right[count]
+    return abs(right[count + 1])
+
+
+@njit(nogil=True, error_model="numpy")
+def _combined(images: Array, projected: Array, count: int) -> Array:
+    """Solution of the triangular system, as a sum of the images."""
+    x, factors = np.zeros(images.shape[1]), projected[-1, :count].copy()
+    for m in range(count - 1, -1, -1):
+        for k in range(m + 1, count):
+            factors[m] -= projected[m, k] * factors[k]
+        factors[m] /= projected[m, m]
+        add_scaled(x, factors[m], images[m])
+    return x

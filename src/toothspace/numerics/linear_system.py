@@ -9,7 +9,14 @@ import numpy as np
 
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array, IntArray
-from toothspace.numerics.banded import factor_band, fill_band, solve_bands, stencil_products
+from toothspace.numerics.banded import (
+    Single,
+    empty_band,
+    factor_band,
+    fill_band,
+    solve_bands,
+    stencil_products,
+)
 from toothspace.numerics.conduction import ConductionSolver
 from toothspace.numerics.krylov import Operator, gmres
 from toothspace.numerics.structured_grid import CellBalance, grid_shape
@@ -29,6 +36,10 @@ LEAST_CORRECTION = 1e-13
 """Relative residual below which one round of Krylov iterations does not try to get. [-]"""
 TOGETHER = 1_000_000
 """Unknowns of all right-hand sides that are iterated together: each needs a Krylov space. [-]"""
+_ROUNDED = 1e-14
+"""Relative residual of a finished solution with a band, which costs it an iteration more. [-]"""
+_STALLED = 0.5
+"""Part of its residual to which a round must bring a solution for another one to follow. [-]"""
 _DIRECT_ROUNDS = (3, 0.5, 60)
 _ITERATIVE_ROUNDS = (6, 0.3, 40)
 """Rounds of Krylov iterations, the part of the goal that one aims at, its most iterations."""
@@ -37,35 +48,35 @@ _ITERATIVE_ROUNDS = (6, 0.3, 40)
 @final
 @dataclass(frozen=True)
 class DirectSystem:
-    """Factored band; a ring is cut at one row and closed by a few Krylov iterations.
+    """Band factored in single precision, of a ring that is cut at one row.
 
-    A band that is not exact is that of a system nearby; the iterations make up for it.
+    A few Krylov iterations close the ring and give the other digits. They also make up for a
+    band that is that of a system nearby.
     """
 
     stencil: Array
-    band: Array
+    factored: Array
+    band: Single
     rows: int
     lanes: int
     cut: int
-    ring: bool
-    exact: bool = True
 
     def solve(
         self, rhs: Array, start: Array | None = None, relative_tolerance: float = TIGHT
     ) -> Array:
         """Solution in grid order, one row per right-hand side if there are several."""
         sides = rhs.reshape(-1, rhs.shape[-1])
-        x = self._precondition(sides)
-        if not self.exact or self.ring:
-            goals = 0.1 * relative_tolerance * lengths(sides)
-            x, _ = refined(self._product, self._precondition, sides, x, goals, _DIRECT_ROUNDS)
+        known = None if start is None else start.reshape(sides.shape)
+        goal = relative_tolerance if relative_tolerance > TIGHT else _ROUNDED
+        x, _ = refined(self._product, self._precondition, sides, known, goal, _DIRECT_ROUNDS)
         return x.reshape(rhs.shape)
 
     def _product(self, x: Array) -> Array:
         return np.asarray(stencil_products(self.stencil, x, self.rows, self.lanes))
 
     def _precondition(self, x: Array) -> Array:
-        return np.asarray(solve_bands(self.band, x, self.lanes, self.cut))
+        shift = self.cut * self.lanes
+        return np.asarray(solve_bands(self.band, self.factored, self.stencil, x, shift))
 
 
 @final
@@ -84,16 +95,15 @@ class IterativeSystem:
     ) -> Array:
         """Solution in grid order, one row per right-hand side if there are several."""
         sides = rhs.reshape(-1, rhs.shape[-1])
-        x = np.zeros_like(sides) if start is None else start.reshape(sides.shape)
-        goals = relative_tolerance * lengths(sides)
+        known = None if start is None else start.reshape(sides.shape)
         together = max(1, TOGETHER // sides.shape[1])
         parts = [
             refined(
                 self._product,
                 self._precondition,
                 sides[k : k + together],
-                x[k : k + together],
-                goals[k : k + together],
+                None if known is None else known[k : k + together],
+                relative_tolerance,
                 _ITERATIVE_ROUNDS,
             )[0]
             for k in range(0, len(sides), together)
@@ -111,7 +121,7 @@ class IterativeSystem:
         return x
 
 
-def lengths(sides: Array) -> Array:
+def _lengths(sides: Array) -> Array:
     """Lengths of the rows."""
     return np.array([norm(side) for side in sides])
 
@@ -120,11 +130,14 @@ def refined(
     product: Operator,
     precondition: Operator,
     sides: Array,
-    x: Array,
-    limits: Array,
+    start: Array | None,
+    relative_tolerance: float,
     rounds: tuple[int, float, int],
 ) -> tuple[Array, int]:
     """Correct solutions by Krylov iterations until the residual of every right-hand side is small.
+
+    A start that leaves more than nothing would is not taken, and what rounding keeps from
+    falling is left.
 
     Returns
     -------
@@ -132,18 +145,25 @@ def refined(
         Solutions, and the most iterations of one round. [any, -]
     """
     (most, share, iterations), effort = rounds, 0
+    x, remainder, sizes = np.zeros_like(sides), sides, _lengths(sides)
+    goals, former = relative_tolerance * sizes, np.full(len(sides), np.inf)
+    if start is not None:
+        left = sides - product(start)
+        better = _lengths(left) < sizes
+        x[better], remainder = start[better], np.where(better[:, None], left, sides)
+        sizes = _lengths(remainder)
     for _ in range(most):
-        remainder = sides - product(x)
-        sizes = lengths(remainder)
-        poor = np.flatnonzero(~(sizes <= limits))  # what is lost is no number
+        poor = np.flatnonzero((sizes > goals) & (sizes < _STALLED * former))
         if poor.size == 0:
             break
-        within = np.maximum(share * limits[poor], LEAST_CORRECTION * sizes[poor])
+        within = np.maximum(share * goals[poor], LEAST_CORRECTION * sizes[poor])
         correction, count = gmres(
             product, precondition, remainder[poor], limits=within, max_iterations=iterations
         )
-        x, effort = x.copy(), max(effort, count)
         x[poor] += correction
+        effort = max(effort, count)
+        remainder = sides - product(x)
+        former, sizes = sizes, _lengths(remainder)
     return x, effort
 
 
@@ -206,7 +226,7 @@ class PassSystems:
         self._balance = balance
         self.direct = prefers_direct(balance)
         rows, lanes = grid_shape(balance)
-        self._band = np.empty((rows * lanes if self.direct else 0, 2 * lanes + 1))
+        self._band = empty_band(rows if self.direct else 0, lanes)
         self._factored: tuple[DirectSystem, IntArray] | None = None
 
     def system(self, stencil: Array, kind: IntArray) -> LinearSystem:
@@ -216,21 +236,21 @@ class PassSystems:
         if self._factored is not None:
             former, known = self._factored
             if np.count_nonzero(kind != known) <= _CHANGED_PER_LANE * former.lanes:
-                return replace(former, stencil=stencil, exact=False)
+                return replace(former, stencil=stencil)
         system = direct_system(self._balance, stencil, kind, self._band)
         self._factored = system, kind.copy()
         return system
 
 
 def direct_system(
-    balance: CellBalance, stencil: Array, kind: IntArray, band: Array
+    balance: CellBalance, stencil: Array, kind: IntArray, band: Single
 ) -> DirectSystem:
     """Factor the matrix of one pass in the given storage; a ring is cut where it couples least."""
     rows, lanes = grid_shape(balance)
     cut = (int(np.argmax((kind != SATURATED).sum(axis=1))) + 1) % rows if balance.ring else 0
     fill_band(stencil, rows, lanes, cut, band)
-    factor_band(band)
-    return DirectSystem(stencil, band, rows, lanes, cut, balance.ring)
+    factor_band(band, lanes)
+    return DirectSystem(stencil, stencil, band, rows, lanes, cut)
 
 
 def iterative_system(balance: CellBalance, stencil: Array, kind: IntArray) -> IterativeSystem:

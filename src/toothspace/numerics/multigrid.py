@@ -42,6 +42,12 @@ SMALLEST = 6
 """Number of cells along a direction below which it is not merged further. [-]"""
 COARSEST = 64
 """Number of cells up to which a level is inverted. [-]"""
+OUTER = 0.6
+"""Part of a conductance to a given potential that is left when cells are merged. [-]
+
+A given cell is then three halves of a cell away instead of one (2/3), the rim of the grid a whole
+cell instead of half a one (1/2).
+"""
 FLOATING = 1e-5
 """Share of the diagonal that holds a coarsest grid without given potentials. [-]"""
 
@@ -117,8 +123,8 @@ def _merge(fine: Conductances, merge_x: int, merge_y: int) -> Conductances:
         for j in range(coarse_lanes):
             out[j] += across * given[merge_y * j]
         out[coarse_lanes] += across * given[lanes]
-        _add_merged(fine.outer_x[i], along, merge_y, outer_x[k])
-        _add_merged(fine.outer_y[i], across, merge_y, outer_y[k])
+        _add_merged(fine.outer_x[i], OUTER if merge_x == 2 else 1.0, merge_y, outer_x[k])
+        _add_merged(fine.outer_y[i], OUTER if merge_y == 2 else 1.0, merge_y, outer_y[k])
     return Conductances(gx, gy, outer_x, outer_y)
 
 

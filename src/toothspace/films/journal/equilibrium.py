@@ -30,6 +30,8 @@ _NEAR_RUNAWAY = 0.3
 """Part of the smallest gap within which a search that a runaway stopped has come to it. [-]"""
 _TOLERANCE = 1e-9
 """Force out of balance over the load. [-]"""
+_SLOPE_TOLERANCE = 1e-6
+"""Relative residual of the pressure's response that gives the direction of a step. [-]"""
 
 _SMALLEST_SHRINK = 0.3
 """A step may shrink the smallest gap to this part."""
@@ -149,9 +151,20 @@ def _newton(
     return replace(film, status=Status.NOT_CONVERGED)
 
 
+def _slope(film: JournalBearingSolution, directions: tuple[int, ...]) -> Array:
+    """Derivatives of force and moment with the position, as exact as Newton's method needs them."""
+    return load_derivatives(
+        film.film,
+        film.bearing.fluid,
+        directions,
+        speeds=(False,),
+        relative_tolerance=_SLOPE_TOLERANCE,
+    )
+
+
 def _newton_step(film: JournalBearingSolution, load: Array) -> Array:
     """Newton's step over the clearance; an empty film has no stiffness and follows the load."""
-    stiffness = film.stiffness * film.bearing.radial_clearance
+    stiffness = -film.bearing.radial_clearance * _slope(film, (0, 1))[:2]
     if np.linalg.cond(stiffness) > _SINGULAR:
         return np.asarray(_LONGEST_STEP * load / np.hypot(*load), dtype=np.float64)
     step = np.linalg.solve(stiffness, film.force + load)
@@ -233,8 +246,7 @@ def _stepped(
 ) -> JournalBearingSolution:
     """Longest part of Newton's step that keeps the gap open and lessens the error."""
     error = film.load_vector + wanted
-    slope = load_derivatives(film.film, bearing.fluid, (0, 1, 2, 3))[:, :4]
-    step = np.asarray(np.linalg.solve(-slope, error), dtype=np.float64)
+    step: Array = np.linalg.solve(-_slope(film, (0, 1, 2, 3)), error).astype(np.float64)
     place = np.asarray(film.motion.place)
     limit = _nearest(bearing, place)
     limit += (1.0 - _SMALLEST_SHRINK) * max(1.0 - limit, 0.0)

@@ -24,7 +24,7 @@ from toothspace.films.reynolds.fluid import FilmFluid
 from toothspace.films.reynolds.linearised import pressure_responses
 from toothspace.films.reynolds.rough_surfaces import mean_gap
 from toothspace.films.reynolds.state import FilmHistory, exchange
-from toothspace.numerics.linear_system import PRESCRIBED
+from toothspace.numerics.linear_system import PRESCRIBED, TIGHT
 
 
 @final
@@ -222,20 +222,34 @@ class JournalBearingSolution:
         return np.concatenate([mirrored, values], axis=1)
 
 
-def load_derivatives(film: JournalField, fluid: FilmFluid, directions: tuple[int, ...]) -> Array:
+def load_derivatives(
+    film: JournalField,
+    fluid: FilmFluid,
+    directions: tuple[int, ...],
+    *,
+    speeds: tuple[bool, ...] = (False, True),
+    relative_tolerance: float = TIGHT,
+) -> Array:
     """Derivatives of force and moment with position and speed of the shaft, cavity boundary exact.
 
     Returns an array of 4 rows (force x, y, moment x, y) and, for every direction, one column
     per position and then one per speed. [N or N m over m, rad, m/s, rad/s]
     """
     changes = [
-        journal_gap(film.mesh, 0.0, _unit_motion(k, speeds))
-        for speeds in (False, True)
+        journal_gap(film.mesh, 0.0, _unit_motion(k, of_speed))
+        for of_speed in speeds
         for k in directions
     ]
     carrier = fluid.carrier(film.fluid.density)
     responses = pressure_responses(
-        film.grid, film.gap, carrier, film.law, film.balance, film.fields, changes
+        film.grid,
+        film.gap,
+        carrier,
+        film.law,
+        film.balance,
+        film.fields,
+        changes,
+        relative_tolerance=relative_tolerance,
     )
     # the reduced pressure is solved for; the pressure follows it with the viscosity ratio
     stretch = carrier.fluidity / film.fluid.fluidity
