@@ -244,7 +244,7 @@ high_pressure_area = {{area = "1350 mm^2", center = ["-8.16 mm", "17.34 mm"]}}
 motion = "axial"
 seal_preload = "200 N"
 [circuit]
-duration = "0.04 s"
+duration = "0.03 s"
 [circuit.supply]
 speed = [["0 s", "300 rpm"], ["0.2 s", "600 rpm"]]
 [run]
@@ -254,11 +254,13 @@ film_tables = "{CASE.parent / "tables" / "egm12_lateral.nc"}"
     )
     run = api.simulate(load_case(case))
     assert run.status is Status.DONE
-    assert run.summary()["max_shaft_speed_rpm"] > 10.0  # type: ignore[operator]
+    # at rest the spaces beyond the inlet are empty, and the area presses the bearing: it creeps
+    assert 3.0 < run.summary()["max_shaft_speed_rpm"] < 30.0  # type: ignore[operator]
     load = run.data["axial_load"].values
     # springs press alone at first, then the pressure presses the more
     assert load[-1] < 2.0 * load[1] < 0.0
-    assert np.ptp(run.data["lateral_leakage_factor"].values) > 0.01
+    leakage = run.data["lateral_leakage_factor"].values
+    assert np.ptp(leakage) > 0.1 * leakage.mean()
     assert abs(run.summary()["energy_balance_error"]) < 1e-4  # type: ignore[arg-type]
 
 

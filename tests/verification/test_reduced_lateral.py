@@ -39,10 +39,9 @@ def test_reduced_films_give_load_leakage_and_torque_of_the_elastic_run(tmp_path:
     # three agreements within 2 % each: films and chambers of table, elastic run and reduced run
     within = 1.02**3 - 1.0
     assert leakage == pytest.approx(wanted["lateral_leakage_L_per_min"], rel=within)
-    # here the torque falls as the leakage rises, in nearly the same proportion
     torque = found["torque_loss_lateral_viscous_N_m"]
     assert torque == pytest.approx(wanted["lateral_torque_N_m"], rel=within)
-    # at two thirds of the speed half of the torque is left: pressure pulls as before
+    # at two thirds of the speed thinner films leave more than two thirds of the torque
     slower = replace(case.operating_point, shaft_speed=case.operating_point.shaft_speed / 1.5)
     runs = [
         api.simulate(replace(case, operating_point=slower, run=replace(plain, **changes)))
@@ -51,4 +50,4 @@ def test_reduced_films_give_load_leakage_and_torque_of_the_elastic_run(tmp_path:
     found, wanted = (run.summary() for run in runs)
     left = found["torque_loss_lateral_viscous_N_m"]
     assert left == pytest.approx(wanted["lateral_torque_N_m"], rel=0.15)
-    assert left < 0.6 * torque  # type: ignore[operator]
+    assert 0.6 * torque < left < 0.85 * torque  # type: ignore[operator]
