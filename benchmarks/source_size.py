@@ -61,7 +61,13 @@ CAPABILITIES: dict[str, tuple[str, ...]] = {
         "gearing/design_values.py", "geometry/*_designs.py", "machines/external_gear/designs.py",
         "studies/design_scan.py",
     ),
-    "lateral films looked up at every instant": ("model/lateral_lookup.py",),
+    "lateral films looked up at every instant": (
+        "model/lateral_lo*.py", "model/lateral_table.py", "solver/lateral_lookup.py",
+    ),
+    "functional mock-up units": ("fmi/*",),
+    "bodies that lift and tilt between covers": (
+        "simulation/lateral/between_covers.py", "films/lateral/resting_covers.py",
+    ),
     "internal gears with crescent": ("machines/crescent/*", "gearing/ring_*"),
 }  # fmt: skip
 """What was added since, as patterns of its files below the package; the first that fits counts."""
