@@ -176,8 +176,6 @@ CHANNELS = (
     "body_position",
     "body_velocity",
     "body_rotation",
-    "body_tilt",
-    "face_film_height",
     "body_force",
     "body_moment",
     "journal_force",
