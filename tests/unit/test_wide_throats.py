@@ -40,6 +40,20 @@ def test_a_wide_throat_conducts_like_an_opening(law: Any) -> None:
     np.testing.assert_allclose(found[2:] / found[1], [4.0, 16.0])
 
 
+def test_throats_between_hyperbolas_are_near_creeping_flow() -> None:
+    """Stokes flow has a closed form there; its limits are the narrow gap and the thin screen.
+
+    Stream function a eta + b sin 2 eta of elliptic coordinates, walls at the angle phi.
+    """
+    openness = np.logspace(-4.0, 6.0, 41)
+    phi = np.arctan(0.5 * np.sqrt(openness))
+    exact = (np.sin(2.0 * phi) - 2.0 * phi * np.cos(2.0 * phi)) / (32.0 * np.sin(phi) ** 2)
+    assert exact[-1] == pytest.approx(np.pi / 32.0, rel=1e-4)
+    ratio = curved_gap_conductance(openness, 1.0, 1.0, 1.0) / openness**2 / exact
+    assert ratio.max() < 1.22
+    assert ratio.min() > 0.16
+
+
 def test_wide_throats_do_not_bound_the_steps_of_a_slow_machine() -> None:
     """Drops of some pascals, far below the tolerance, once cost a step per microsecond."""
     system = slow_pump()

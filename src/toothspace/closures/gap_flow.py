@@ -94,14 +94,17 @@ def curved_gap_conductance(
         = 0.050018\, \frac{b\, h_0^{5/2}}{\mu \sqrt{R}} .
 
     Beyond :math:`h_0 = 0.1 R` it grows as :math:`b h_0^2 / \mu`, as that of an opening does, with
-    the factor reached there. Validity: laminar flow of a liquid of constant viscosity. Accuracy:
-    0.6 % against circular arcs of equal convex radii up to h/R = 0.1; a pair of convex and concave
-    arcs flows 8 % more at h/R = 0.03.
+    the factor 0.0158 reached there; the limit of a very wide throat in creeping flow, a slit in a
+    thin wall, has :math:`\pi / 32 = 0.098` [2]_. Validity: laminar flow of a liquid of constant
+    viscosity. Accuracy: 0.6 % against circular arcs of equal convex radii up to h/R = 0.1; a pair
+    of convex and concave arcs flows 8 % more at h/R = 0.03.
 
     References
     ----------
     .. [1] B. J. Hamrock, S. R. Schmid, B. O. Jacobson, *Fundamentals of Fluid Film Lubrication*,
        2nd ed., Marcel Dekker, 2004 (textbook law: Reynolds equation between parabolic walls).
+    .. [2] H. Hasimoto, On the flow of a viscous fluid past a thin screen at small Reynolds
+       numbers, J. Phys. Soc. Japan 13 (1958) 633-639.
     """
     scaled = CURVED_GAP_CONSTANT * gap_width * gap_height * gap_height
     return scaled * np.sqrt(np.minimum(gap_height / relative_radius, NARROW)) / dynamic_viscosity
