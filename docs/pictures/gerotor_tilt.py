@@ -21,7 +21,8 @@ CASE = Path(__file__).parents[2] / "cases" / "gerotor_cycloidal.toml"
 GRID = (126, 20)
 RIM = 26e-3
 SCALE = LogNorm(1.0, 45.0)
-COVERS = {"one": "kidneys in one cover", "both": "recesses opposite the kidneys"}
+COVERS = {"one": "kidneys in one cover", "both": "recesses opposite"}
+OPPOSITE = {"one": "plain side", "both": "recessed side"}
 
 
 def solved(covers: str) -> BodiesBetweenCovers:
@@ -48,7 +49,7 @@ def report(found: BodiesBetweenCovers) -> None:
             f"{found.asperity_torque[body]:.4f} N m"
         )
     for film in found.last.films:
-        touch, lost = float((film.contact * film.grid.area).sum()), film.friction()
+        touch, lost = float((film.contact * film.grid.area).sum()), film.losses
         print(
             f"  {film.grid.interface.name}: asperities {touch:.1f} N, shear {lost.shear:.2f} W, "
             f"asperities {lost.asperity:.2f} W"
@@ -74,7 +75,8 @@ def draw() -> plt.Figure:
                 1e3 * x, 1e3 * y, height, cmap="viridis", norm=SCALE, rasterized=True
             )
             row[column].set_aspect("equal")
-            row[column].set_title(f"{title}, {'plain' if column else 'port'} side", fontsize=8)
+            side = OPPOSITE[covers] if column else "port side"
+            row[column].set_title(f"{title}, {side}", fontsize=8)
             row[column].set_xlabel("x [mm]")
             row[column].set_ylabel("y [mm]")
     bar = figure.colorbar(mesh, ax=panels, shrink=0.7, label="Film height (µm)")

@@ -26,6 +26,7 @@ from toothspace.core.status import Status
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 MOTOR = REPOSITORY / "cases" / "egm12_motor.toml"
+GEROTOR = REPOSITORY / "cases" / "gerotor_cycloidal.toml"
 GEROTOR = REPOSITORY / "cases" / "gerotor_trochoidal.toml"
 
 
@@ -134,6 +135,24 @@ def test_tables_that_are_not_used_are_reported(
     assert "Note: [machine.startup] is not used by a run with 'lumped'" in capsys.readouterr().err
     main(["run", str(MOTOR), "--json", "--force", "--fidelity", "ideal"])
     assert "[machine.casing.wear_in] is not used" in capsys.readouterr().err
+
+
+def test_free_rotors_are_reported_where_their_films_are_not_solved(
+    simulated: Callable[[Simulate], None], capsys: pytest.CaptureFixture[str]
+) -> None:
+    simulated(lambda case, progress: FakeSolution())
+    told = "Note: machine.lateral.position is not used "
+    free = ["run", str(GEROTOR), "--json", "--force", "--set", "machine.lateral.position=free"]
+    main([*free, "--fidelity", "ideal"])
+    assert told + "by a run with 'ideal'" in capsys.readouterr().err
+    main([*free, "--fidelity", "lumped"])
+    assert told + "without run.interfaces.lateral = 'reynolds'" in capsys.readouterr().err
+    main([*free, "--fidelity", "films", "--set", "run.interfaces.lateral=closed_form"])
+    assert told in capsys.readouterr().err
+    main([*free, "--fidelity", "lumped", "--set", "run.interfaces.lateral=reynolds"])
+    main([*free, "--fidelity", "films"])
+    main(["run", str(GEROTOR), "--json", "--force", "--fidelity", "lumped"])
+    assert told not in capsys.readouterr().err
 
 
 def test_files_of_bodies_that_do_not_deform_are_reported(

@@ -175,7 +175,7 @@ def test_rotors_that_only_lift_stay_parallel_and_carry_their_force_on_asperities
     found = rotors("one", "axial")
     assert found.places.warning == ""
     assert not found.places.at(np.linspace(0.0, 1.0, 5))[..., 1:3].any()
-    push = np.array([f.covered_load()[0] for f in found.last.films])
+    push = np.array([f.covered_load[0] for f in found.last.films])
     touch = [float((f.contact * f.grid.area).sum()) for f in found.last.films]
     inner = push[2] - touch[2] - (push[0] - touch[0])  # of the pressures alone
     assert touch[0] == pytest.approx(inner, rel=0.1)

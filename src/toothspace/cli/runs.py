@@ -85,7 +85,7 @@ def run(
         for warning in filter(None, solution.provenance.get("warnings", "").splitlines()):
             output.message(f"Warning: {warning}")
         for path, reason in unused_tables(case).items():
-            output.message(f"Note: [{path}] is not used {reason}")
+            output.message(f"Note: {path} is not used {reason}")
         output.message(f"Result: {kept or 'the numbers above only'}")
     return code if kept == target else BAD_INPUT
 

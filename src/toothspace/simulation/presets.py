@@ -54,7 +54,7 @@ class Preset:
         Models that it offers for each interface, its own choice first; empty without films.
     unused : tuple of str
         Optional parts of a machine that this set does not use; the machine type says in
-        ``part_tables`` which of its tables describe them.
+        ``part_tables`` which of its tables and keys describe them.
     """
 
     name: str
@@ -70,7 +70,7 @@ _PRESETS = (
         name="ideal",
         content="Kinematic flow and torque, no leakage, rigid fluid.",
         interfaces={},
-        unused=("running_in", *_BALANCE),
+        unused=("running_in", "free_bodies", *_BALANCE),
     ),
     Preset(
         name="lumped",
@@ -106,7 +106,7 @@ PRESETS: Mapping[str, Preset] = {preset.name: preset for preset in _PRESETS}
 
 
 def unused_tables(case: Case) -> dict[str, str]:
-    """Tables of a case that its run does not use, by their path, each with the reason."""
+    """Tables and keys of a case that its run does not use, as they are written, with the reason."""
     run, tables = case.run, getattr(case.machine, "part_tables", {})
     reasons = dict.fromkeys(PRESETS[run.fidelity].unused, f"by a run with {run.fidelity!r}")
     if case.circuit is not None:
@@ -115,13 +115,15 @@ def unused_tables(case: Case) -> dict[str, str]:
         reasons.pop("floating_part", None)
     if run.deformation != "bodies":
         reasons.setdefault("elastic_bodies", f"with run.deformation = {run.deformation!r}")
-    given = {
-        f"machine.{tables[part]}": reason
-        for part, reason in reasons.items()
-        if part in tables and attrgetter(tables[part])(case.machine) is not None
-    }
+    if interface_models(case).get("lateral") != "reynolds":
+        reasons.setdefault("free_bodies", "without run.interfaces.lateral = 'reynolds'")
+    given: dict[str, str] = {}
+    for part in filter(tables.__contains__, reasons):
+        path, value = f"machine.{tables[part]}", attrgetter(tables[part])(case.machine)
+        if value not in (None, "given"):
+            given[path if isinstance(value, str) else f"[{path}]"] = reasons[part]
     if case.study is not None and run.fidelity != "elastic":
-        given["study"] = f"by a run with {run.fidelity!r}"
+        given["[study]"] = f"by a run with {run.fidelity!r}"
     return given
 
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import final
+from typing import ClassVar, final
 
 from toothspace.core.keys import (
     KeyTable,
@@ -180,6 +181,9 @@ class ContactParameters(KeyTable):
 @dataclass(frozen=True, kw_only=True)
 class GerotorParameters(MachineTables):
     """``[machine]`` with ``type = "gerotor"``."""
+
+    part_tables: ClassVar[Mapping[str, str]] = {"free_bodies": "lateral.position"}
+    """Keys of parts that not every preset uses."""
 
     rotors: RotorParameters = table(RotorParameters, "Inner and outer rotor.")
     housing: HousingParameters = table(HousingParameters, "Radial film of the outer rotor.")
