@@ -67,12 +67,12 @@ def run_with_heat(
         return _with_temperatures(solution, *found)
     supply, mixing = np.full(len(found[1]), case.fluid.temperature), Mixing(_REMEMBERED)
     highest = _highest_temperature(case, case.fluid.temperature)
-    tried, change = supply, np.inf
-    for done in range(_ROUNDS):
+    tried = supply
+    for done in range(_ROUNDS + 1):
         reached = np.array(list(found[1].values()))
         change = float(np.abs(reached - tried).max())
-        if change < _AGREED:
-            return _with_temperatures(solution, *found)
+        if change < _AGREED or done == _ROUNDS:
+            break
         if tried.max() >= highest and reached.max() > highest:
             asked = f"heat.model: found films of {reached.max() - ZERO_CELSIUS:.0f} degC"
             raise CaseError(f"{asked}, allowed temperatures that the fluid is known at")
@@ -85,7 +85,8 @@ def run_with_heat(
         if solution.status is not Status.DONE:
             return solution
         found = _temperatures(case, description, solution)
-    return _with_temperatures(solution, *found).with_note(_NOT_AGREED.format(change))
+    warning = "" if change < _AGREED else _NOT_AGREED.format(change)
+    return _with_temperatures(solution, *found).with_note(warning)
 
 
 def _sheared_share(case: Case, reached: float, highest: float) -> float:
