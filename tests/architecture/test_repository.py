@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import re
 import subprocess
+from importlib.metadata import requires
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 
 THIS = Path(__file__).name
 TEXT = {".py", ".md", ".toml", ".txt", ".yml", ".cff", ".cfg", ".html", ".j2", ".csv", ".json", ""}
@@ -43,6 +46,18 @@ def test_lock_file_is_plain(repository: Path) -> None:
     lines = (repository / "requirements" / "lock.txt").read_text(encoding="utf-8").splitlines()
     assert len(lines) > 20
     assert all(re.fullmatch(r"[A-Za-z0-9_.\-]+==[A-Za-z0-9_.+!]+", line) for line in lines)
+
+
+def test_lock_file_pins_what_the_pins_ask_for(repository: Path) -> None:
+    lock = (repository / "requirements" / "lock.txt").read_text(encoding="utf-8").split()
+    pinned = {canonicalize_name(line.split("==")[0]) for line in lock}
+    asked = {
+        f"{canonicalize_name(one.name)} of {name}"
+        for name in pinned
+        for one in map(Requirement, requires(name) or [])
+        if one.marker is None or one.marker.evaluate({"extra": ""})
+    }
+    assert not [one for one in sorted(asked) if one.split(" of ")[0] not in pinned]
 
 
 def test_hashes_are_those_of_the_pins(repository: Path) -> None:
