@@ -40,7 +40,7 @@ CAPABILITIES: dict[str, tuple[str, ...]] = {
         "results/file_layout.py", "results/credibility.py",
     ),
     "heat network": (
-        "model/heat_network.py", "simulation/heating.py", "simulation/lateral/heat.py",
+        "*/heat_network.py", "simulation/heating.py", "simulation/lateral/heat.py",
         "closures/heat*",
     ),
     "losses by cause, ripple of the source, lines": (

@@ -8,23 +8,23 @@ import numpy as np
 import pytest
 
 from tests.toy_machine import toy_machine
+from toothspace.case.conditions import HeatSettings
 from toothspace.closures.heat_transfer import film_wall_conductance, turning_body_coefficient
 from toothspace.model.description import LumpedJournalBearing, LumpedLateralFilm
 from toothspace.model.fluid import library_liquid
-from toothspace.model.heat_network import (
-    HeatExchange,
+from toothspace.model.path_category import DRAIN, LATERAL
+from toothspace.simulation.heat_network import (
     HeatFlows,
     HeatNetwork,
     heat_network,
     journal_node,
     lateral_node,
 )
-from toothspace.model.path_category import DRAIN, LATERAL
 
 SUPPLY = 323.15
 LIQUID = library_liquid("iso_vg_46", SUPPLY)
 CAPACITY = LIQUID.specific_heat_capacity
-EXCHANGE = HeatExchange(0.13, 293.15, 0.0, 0.0, 500.0)
+SETTINGS = HeatSettings(casing_heat_capacity=500.0)
 LOSSES = {
     "throttle_outlet_port": 20.0,
     "journal_viscous": 40.0,
@@ -50,8 +50,8 @@ def machine(wetted_area: float = 2e-3):
     )
 
 
-def network(flows: HeatFlows = FLOWS, exchange: HeatExchange = EXCHANGE, area: float = 2e-3):
-    return heat_network(machine(area), LIQUID, SUPPLY, flows, exchange)
+def network(flows: HeatFlows = FLOWS, settings: HeatSettings = SETTINGS, area: float = 2e-3):
+    return heat_network(machine(area), LIQUID, SUPPLY, flows, settings)
 
 
 def leaving(found: HeatNetwork, temperature: dict[str, float], flows: HeatFlows) -> float:
@@ -65,12 +65,12 @@ def leaving(found: HeatNetwork, temperature: dict[str, float], flows: HeatFlows)
 
 @pytest.mark.parametrize("conductance", [0.0, 3.0])
 def test_all_heat_leaves_with_the_oil_or_to_the_surroundings(conductance: float) -> None:
-    found = network(exchange=replace(EXCHANGE, housing_conductance=conductance))
+    found = network(settings=replace(SETTINGS, housing_conductance=conductance))
     assert leaving(found, found.steady(), FLOWS) == pytest.approx(sum(LOSSES.values()), rel=1e-9)
 
 
 def test_flushing_cools_the_bearings_and_keeps_the_balance() -> None:
-    flushed = network(exchange=replace(EXCHANGE, bearing_flushing=1e-5))
+    flushed = network(settings=replace(SETTINGS, bearing_flushing=1e-5))
     temperature, dry = flushed.steady(), network().steady()
     assert temperature[journal_node("rotor")] < dry[journal_node("rotor")] - 1.0
     flow = FLOWS.drain_flow + 1e-5 * LIQUID.density
@@ -115,13 +115,13 @@ def test_warming_up_begins_at_the_supply_and_ends_steady() -> None:
 def test_slowest_warming_is_that_of_the_lumped_masses() -> None:
     """Films and oil follow at once, so body and casing warm up like one mass in the oil."""
     flows = HeatFlows(150.0, {"journal_viscous": 40.0}, 10.0, 0.0)
-    found = network(flows, replace(EXCHANGE, casing_heat_capacity=46.0))
+    found = network(flows, replace(SETTINGS, casing_heat_capacity=46.0))
     one_wall = found.exchange[found.names.index("rotor"), found.names.index("chambers")]
     assert found.warm_up_time == pytest.approx(46.0 / one_wall, rel=0.02)
 
 
 def test_machine_without_films_has_temperatures() -> None:
-    temperature = heat_network(toy_machine(), LIQUID, SUPPLY, FLOWS, EXCHANGE).steady()
+    temperature = heat_network(toy_machine(), LIQUID, SUPPLY, FLOWS, SETTINGS).steady()
     assert all(np.isfinite(value) for value in temperature.values())
     assert lateral_node("rotor") not in temperature
 

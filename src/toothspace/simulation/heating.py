@@ -14,25 +14,23 @@ from toothspace.core.status import Status
 from toothspace.films.thermal import HIGHEST_RISE, FilmHeating, HeatBalance
 from toothspace.model.description import MachineDescription
 from toothspace.model.fluid import LiquidState, fit_table, library_liquid
-from toothspace.model.heat_network import (
-    HeatExchange,
-    HeatFlows,
-    HeatNetwork,
-    heat_network,
-    journal_node,
-    lateral_node,
-)
 from toothspace.model.path_category import LATERAL_PATHS
 from toothspace.numerics.acceleration import Mixing
 from toothspace.numerics.roots import root_between
 from toothspace.results.performance import drain_flow
 from toothspace.results.solution import Solution
 from toothspace.results.variables import dataset_from
+from toothspace.simulation.heat_network import (
+    HeatFlows,
+    HeatNetwork,
+    heat_network,
+    journal_node,
+    lateral_node,
+)
+from toothspace.simulation.setup import fluid_keys, fluid_temperature
 
 _FIFTIETH = 0.02
 """Accuracy of the highest temperature that a liquid is known at. [K]"""
-
-
 _AGREED = 0.1
 """Change of a film temperature between two rounds that is left. [K]"""
 _ROUNDS = 12
@@ -62,11 +60,10 @@ def run_with_heat(
     if case.heat.model == "adiabatic" or solution.status is not Status.DONE:
         return solution
     found = _temperatures(case, description, solution)
-    assert case.fluid is not None
     if case.heat.model == "network":
         return _with_temperatures(solution, *found)
-    supply, mixing = np.full(len(found[1]), case.fluid.temperature), Mixing(_REMEMBERED)
-    highest = _highest_temperature(case, case.fluid.temperature)
+    supply, mixing = np.full(len(found[1]), fluid_temperature(case)), Mixing(_REMEMBERED)
+    highest = _highest_temperature(case)
     tried = supply
     for done in range(_ROUNDS + 1):
         reached = np.array(list(found[1].values()))
@@ -91,8 +88,7 @@ def run_with_heat(
 
 def _sheared_share(case: Case, reached: float, highest: float) -> float:
     """Share of a rise with cold films that is left if all heat follows the viscosity. [-]."""
-    assert case.fluid is not None
-    supply, cold = case.fluid.temperature, liquid_of(case).dynamic_viscosity
+    supply, cold = fluid_temperature(case), liquid_of(case).dynamic_viscosity
 
     def surplus(share: float) -> float:
         warm = liquid_of(case, supply + share * (reached - supply))
@@ -106,7 +102,6 @@ def _temperatures(
     case: Case, description: MachineDescription, solution: Solution
 ) -> tuple[HeatNetwork, dict[str, float]]:
     """Network at the mean powers and flows of a solution, and its temperatures. [K]."""
-    assert case.fluid is not None
     heat, ledger = case.heat, solution.ledger
     flows = HeatFlows(
         shaft_speed=ledger.shaft_angle / ledger.duration,
@@ -114,15 +109,8 @@ def _temperatures(
         through_flow=abs(ledger.mass.get("inlet", 0.0)) / ledger.duration,
         drain_flow=drain_flow(solution.data, ledger),
     )
-    exchange = HeatExchange(
-        oil_conductivity=heat.oil_conductivity,
-        ambient_temperature=heat.ambient_temperature,
-        housing_conductance=heat.housing_conductance,
-        bearing_flushing=heat.bearing_flushing,
-        casing_heat_capacity=heat.casing_heat_capacity,
-    )
-    supply = case.fluid.temperature
-    network = heat_network(description, liquid_of(case), supply, flows, exchange)
+    liquid, supply = liquid_of(case), fluid_temperature(case)
+    network = heat_network(description, liquid, supply, flows, heat)
     if heat.running_time is None:
         return network, network.steady()
     return network, network.after(heat.running_time)
@@ -185,21 +173,21 @@ def film_heating(case: Case, oil_share: float) -> FilmHeating:
     oil_share : float
         Part of the dissipated power that the oil carries away. [-]
     """
-    assert case.fluid is not None
     liquid = liquid_of(case)
     balance = HeatBalance(
-        supply_temperature=case.fluid.temperature,
+        supply_temperature=fluid_temperature(case),
         density=liquid.density,
         heat_capacity=liquid.specific_heat_capacity,
         oil_share=oil_share,
-        highest_temperature=_highest_temperature(case, case.fluid.temperature),
+        highest_temperature=_highest_temperature(case),
     )
     return FilmHeating(balance, lambda temperature: liquid_of(case, temperature).dynamic_viscosity)
 
 
-def _highest_temperature(case: Case, supply: float) -> float:
+def _highest_temperature(case: Case) -> float:
     """Highest temperature that the liquid of a case is known at, by bisection. [K]."""
-    known, beyond = supply, supply + HIGHEST_RISE
+    known = fluid_temperature(case)
+    beyond = known + HIGHEST_RISE
     while beyond - known > _FIFTIETH:
         middle = 0.5 * (known + beyond)
         try:
@@ -213,8 +201,8 @@ def _highest_temperature(case: Case, supply: float) -> float:
 
 def liquid_of(case: Case, temperature: float | None = None) -> LiquidState:
     """Liquid of a case at a temperature [K], that of the case if not given."""
-    assert case.fluid is not None
-    given = case.fluid.temperature if temperature is None else temperature
-    if case.fluid.table is not None:
-        return fit_table(case.fluid.table, given)
-    return library_liquid(case.fluid.name or "", given)
+    choice = fluid_keys(case)
+    given = choice.temperature if temperature is None else temperature
+    if choice.table is not None:
+        return fit_table(choice.table, given)
+    return library_liquid(choice.name or "", given)

@@ -12,6 +12,7 @@ import numpy as np
 import toothspace
 from toothspace.case import Case
 from toothspace.case.circuit import ReliefValve
+from toothspace.case.conditions import FluidChoice
 from toothspace.case.lines import line_at_port
 from toothspace.case.plumbing import plumb, shaft_of, speed_of
 from toothspace.closures.fluid_law import FluidLaw
@@ -67,6 +68,19 @@ def require_condition(case: Case) -> None:
         raise CaseError(f"operating_point: found none, allowed {allowed}")
 
 
+def fluid_keys(case: Case) -> FluidChoice:
+    """``[fluid]`` of a case.
+
+    Raises
+    ------
+    CaseError
+        If it has none.
+    """
+    if case.fluid is None:
+        raise CaseError("fluid: found none, allowed a case with a [fluid] table")
+    return case.fluid
+
+
 def fluid_of(case: Case, temperature: float | None = None) -> FluidLaw:
     """Constants of the fluid of a case.
 
@@ -77,9 +91,7 @@ def fluid_of(case: Case, temperature: float | None = None) -> FluidLaw:
     temperature : float, optional
         Temperature; that of the case if not given. [K]
     """
-    choice = case.fluid
-    if choice is None:
-        raise CaseError("fluid: found none, allowed a case with a [fluid] table")
+    choice = fluid_keys(case)
     gas = GasModel(
         choice.gas_law,
         choice.free_air_fraction,
@@ -94,14 +106,13 @@ def fluid_of(case: Case, temperature: float | None = None) -> FluidLaw:
 
 def fluid_temperature(case: Case) -> float:
     """Temperature of the fluid of a case. [K]."""
-    assert case.fluid is not None
-    return case.fluid.temperature
+    return fluid_keys(case).temperature
 
 
 def known_pressure(setup: Setup) -> float:
     """Pressure up to which the properties of the fluid of a case are known. [Pa]."""
-    assert setup.case.fluid is not None
-    return highest_pressure(setup.case.fluid.source, fluid_temperature(setup.case))
+    choice = fluid_keys(setup.case)
+    return highest_pressure(choice.source, choice.temperature)
 
 
 def condition_of(case: Case, description: MachineDescription) -> OperatingCondition:

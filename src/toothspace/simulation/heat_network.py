@@ -18,6 +18,7 @@ from typing import final
 
 import numpy as np
 
+from toothspace.case.conditions import HeatSettings
 from toothspace.closures.heat_transfer import film_wall_conductance, turning_body_coefficient
 from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
@@ -41,32 +42,6 @@ def lateral_node(body: str) -> str:
 def journal_node(body: str) -> str:
     """Name of the film in the bearings of a body."""
     return f"journal_film.{body}"
-
-
-@final
-@dataclass(frozen=True)
-class HeatExchange:
-    """What the network needs besides the machine.
-
-    Parameters
-    ----------
-    oil_conductivity : float
-        Thermal conductivity of the oil. [W/(m K)]
-    ambient_temperature : float
-        Temperature round the machine. [K]
-    housing_conductance : float
-        Heat flow from the casing to the surroundings per temperature difference. [W/K]
-    bearing_flushing : float
-        Oil of the supply that flows through the bearings besides the leakage. [m3/s]
-    casing_heat_capacity : float
-        Heat capacity of casing and bearing blocks. [J/K]
-    """
-
-    oil_conductivity: float
-    ambient_temperature: float
-    housing_conductance: float
-    bearing_flushing: float
-    casing_heat_capacity: float
 
 
 @final
@@ -172,7 +147,7 @@ def heat_network(
     liquid: LiquidState,
     supply_temperature: float,
     flows: HeatFlows,
-    exchange: HeatExchange,
+    settings: HeatSettings,
 ) -> HeatNetwork:
     """Network of a machine at the mean powers and flows of a run.
 
@@ -182,6 +157,8 @@ def heat_network(
         Its oil at the temperature of the supply.
     supply_temperature : float
         Temperature of the oil that enters. [K]
+    settings : HeatSettings
+        ``[heat]`` of the case.
 
     Returns
     -------
@@ -223,14 +200,14 @@ def heat_network(
     power[place[OIL]] = sum(losses.values()) + (0.0 if faces else beside)
     power[place[DRAIN_OIL]] = 0.0 if bearings else journals
 
-    number = liquid.dynamic_viscosity * liquid.specific_heat_capacity / exchange.oil_conductivity
+    number = liquid.dynamic_viscosity * liquid.specific_heat_capacity / settings.oil_conductivity
     for body in description.bodies:
         power[place[body.name]] = contact / len(bodies) + (seal if body.role == "shaft" else 0.0)
         heat_capacity[place[body.name]] = STEEL_HEAT_CAPACITY * body.mass
         wetted = _LEAST
         if body.wetted_area > 0.0:
             wetted += body.wetted_area * turning_body_coefficient(
-                exchange.oil_conductivity,
+                settings.oil_conductivity,
                 _diameter(description, body.name),
                 body.speed_ratio * flows.shaft_speed,
                 liquid.dynamic_viscosity / liquid.density,
@@ -238,8 +215,8 @@ def heat_network(
             )
         join(body.name, OIL, wetted)
         join(WALLS, OIL, wetted)
-    ambient[place[WALLS]] = exchange.housing_conductance
-    heat_capacity[place[WALLS]] = exchange.casing_heat_capacity
+    ambient[place[WALLS]] = settings.housing_conductance
+    heat_capacity[place[WALLS]] = settings.casing_heat_capacity
 
     ratio = {body.name: abs(body.speed_ratio) for body in description.bodies}
     drag = [f.faces * lateral_face_torque(f) * ratio[f.body] ** 2 for f in description.laterals]
@@ -248,7 +225,7 @@ def heat_network(
         full = np.pi * (film.root_radius**2 - film.inner_radius**2)
         teeth = film.tooth_area_fraction * np.pi * (film.outer_radius**2 - film.root_radius**2)
         area = film.faces * (full + teeth)
-        wall = film_wall_conductance(exchange.oil_conductivity, area, film.height)
+        wall = film_wall_conductance(settings.oil_conductivity, area, film.height)
         join(node, film.body, wall)
         join(node, WALLS, wall)
         power[place[node]] = share * beside
@@ -261,14 +238,14 @@ def heat_network(
         node = journal_node(journal.body)
         area = journal.count * np.pi * journal.diameter * journal.length
         clearance = journal.radial_clearance
-        wall = film_wall_conductance(exchange.oil_conductivity, area, clearance)
+        wall = film_wall_conductance(settings.oil_conductivity, area, clearance)
         join(node, journal.body, wall)
         join(node, WALLS, wall)
         power[place[node]] = share * journals
         heat_capacity[place[node]] = capacity * area * clearance
 
     leak = max(flows.drain_flow, 0.0) * liquid.specific_heat_capacity
-    flushing = exchange.bearing_flushing * capacity
+    flushing = settings.bearing_flushing * capacity
     for name in faces:
         part, node = leak / len(faces), lateral_node(name)
         streams[place[OIL], place[node]] += part
@@ -299,7 +276,7 @@ def heat_network(
         from_supply=supply,
         supply_temperature=supply_temperature,
         to_ambient=ambient,
-        ambient_temperature=exchange.ambient_temperature,
+        ambient_temperature=settings.ambient_temperature,
         heat_capacity=heat_capacity,
     )
 
