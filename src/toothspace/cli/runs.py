@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
@@ -155,61 +155,48 @@ def study(
     return code
 
 
-def bearing(
-    case_file: CaseFile,
-    fields: Fields = None,
-    as_json: Json = False,
-    grids: Grids = False,
-    overrides: Overrides = None,
-    force: Force = False,
-) -> int:
-    """Solve a stand-alone journal bearing."""
-    return _solve("bearing", case_file, fields, as_json, grids, overrides, force)
+def _film_command(table: str, meaning: str) -> Callable[..., int]:
+    """Command that solves the film in a table of a case."""
 
+    def command(
+        case_file: CaseFile,
+        fields: Fields = None,
+        as_json: Json = False,
+        grids: Grids = False,
+        overrides: Overrides = None,
+        force: Force = False,
+    ) -> int:
+        target = None if fields is None else require_writable(fields, "-o", replace=force)
+        case = load(case_file, overrides)
+        if getattr(case, table) is None:
+            raise CaseError(f"{case_file}: {table}: found nothing, allowed a table [{table}]")
+        from toothspace import api
+        from toothspace.films.summaries import grid_report
 
-def film(
-    case_file: CaseFile,
-    fields: Fields = None,
-    as_json: Json = False,
-    grids: Grids = False,
-    overrides: Overrides = None,
-    force: Force = False,
-) -> int:
-    """Solve a stand-alone film, as a pad, a ring or the face of a machine's bearing."""
-    return _solve("film", case_file, fields, as_json, grids, overrides, force)
-
-
-def _solve(
-    table: str,
-    case_file: Path,
-    fields: Path | None,
-    as_json: bool,
-    grids: bool,
-    overrides: list[str] | None,
-    force: bool,
-) -> int:
-    target = None if fields is None else require_writable(fields, "-o", replace=force)
-    case = load(case_file, overrides)
-    if getattr(case, table) is None:
-        raise CaseError(f"{case_file}: {table}: found nothing, allowed a table [{table}]")
-    from toothspace import api
-    from toothspace.films.summaries import grid_report
-
-    with named(case_file):
         solve = api.solve_bearing if table == "bearing" else api.solve_film
-        summary = solve(case, target)
+        with named(case_file):
+            summary = solve(case, target)
 
-        def on_grid(cells: tuple[int, int]) -> dict[str, Any]:
-            return solve(load(case_file, [*(overrides or ()), f"{table}.grid={list(cells)}"]))
+            def on_grid(cells: tuple[int, int]) -> dict[str, Any]:
+                return solve(load(case_file, [*(overrides or ()), f"{table}.grid={list(cells)}"]))
 
-        own = tuple(getattr(case, table).grid)
-        report = grid_report(on_grid, own, summary) if grids else {}
-    if as_json and grids:
-        output.write({**summary, "grid_report": report}, as_json=True)
-    else:
-        output.write(summary, as_json=as_json)
-        output.write(report, as_json=False)
-    return exit_code(case_file, Status[summary["status"].upper()])
+            own = tuple(getattr(case, table).grid)
+            report = grid_report(on_grid, own, summary) if grids else {}
+        if as_json and grids:
+            output.write({**summary, "grid_report": report}, as_json=True)
+        else:
+            output.write(summary, as_json=as_json)
+            output.write(report, as_json=False)
+        return exit_code(case_file, Status[summary["status"].upper()])
+
+    command.__name__, command.__doc__ = table, meaning
+    return command
+
+
+bearing = _film_command("bearing", "Solve a stand-alone journal bearing.")
+film = _film_command(
+    "film", "Solve a stand-alone film, as a pad, a ring or the face of a machine's bearing."
+)
 
 
 def reduce(

@@ -53,33 +53,8 @@ def export_fmu(
 ) -> StudyResult:
     """Tabulate a machine by steady runs and write it as a unit for FMI 2.0 co-simulation.
 
-    Parameters
-    ----------
-    case : Case
-        Case with an operating point; its ports are held at constant pressure.
-    target : Path
-        File to write. Finished runs are kept beside it until it is written, and taken again.
-    pressures, speeds : sequence of float
-        Pressure differences [Pa] and shaft speeds [rad/s]; those of an efficiency map of the case
-        if empty, or else shares of its operating point.
-    drive : str
-        Of :data:`DRIVES`.
-    binary : bool
-        Whether the C compiler of this computer, if there is one, adds a binary to the sources.
-    workers : int
-        Processes that share the runs.
-    progress : callable, optional
-        Called with the finished share and a short text.
-
-    Returns
-    -------
-    StudyResult
-        The tables in ``data``; the unit is written only if its status is ``DONE``.
-
-    Raises
-    ------
-    CaseError
-        If the case has no operating point, a value is not allowed, or the compiler fails.
+    As :func:`toothspace.interactive.export_fmu` with a case, and with pressure differences [Pa] and
+    shaft speeds [rad/s] as numbers; ``drive`` is one of :data:`DRIVES`.
     """
     started = time.perf_counter()
     if drive not in DRIVES:

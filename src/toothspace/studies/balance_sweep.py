@@ -148,10 +148,12 @@ def _recorded(kept: Record) -> FilmTable:
 
 def _film_table(points: LateralPoints, pressure: float) -> FilmTable:
     condition = PointCondition.of(points.case, "", outlet_pressure=pressure)
-    data, machine = points.lumped(condition)().data, points.machine
-    problem = lateral_problem(machine.description, machine.fluid, data, points.settings)
+    lumped, machine = points.lumped(condition)(), points.machine
+    if lumped.status is Status.INTERRUPTED:
+        raise KeyboardInterrupt
+    problem = lateral_problem(machine.description, machine.fluid, lumped.data, points.settings)
     rigid = replace(points.settings, angles=_PLANE_ANGLES, deformation="none")
-    plane = lateral_problem(machine.description, machine.fluid, data, rigid)
+    plane = lateral_problem(machine.description, machine.fluid, lumped.data, rigid)
     back, bearing = problem.loads.back, problem.stack.balance.floating
     difference = back.high - back.low
     rows = [_row(problem, gap) for gap in GAPS]

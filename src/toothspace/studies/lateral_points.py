@@ -16,9 +16,7 @@ from toothspace.core.errors import CaseError
 from toothspace.core.progress import Progress, part, tell
 from toothspace.core.status import Status
 from toothspace.core.types import Array
-from toothspace.model.description import MachineDescription
 from toothspace.model.lateral_balance import HousingContact, LateralBalance
-from toothspace.results.solution import Solution
 from toothspace.results.variables import variable
 from toothspace.simulation.elastic import lateral_settings
 from toothspace.simulation.lateral.coupling import CoupledPoint, PointRequest, couple_point
@@ -28,7 +26,7 @@ from toothspace.simulation.lateral.problem import (
     balance_of,
     require_floating_part,
 )
-from toothspace.simulation.lumped import RunInMachine, run_in_machine
+from toothspace.simulation.lumped import RepeatedRun, RunInMachine, run_in_machine
 from toothspace.simulation.setup import condition_of
 from toothspace.studies.stored_point import (
     FIELDS,
@@ -243,11 +241,10 @@ class LateralPoints:
         They share the chamber pressures of the first. After an interrupt by the user those that
         are finished; records are kept as by :func:`follow`.
         """
-        shared = cache(self.lumped(conditions[0]))
+        machine, shared = self.machine, cache(self.lumped(conditions[0]))
 
         def solved(condition: PointCondition) -> CoupledPoint:
             request = replace(self._request(condition, start_gap), rounds=1)
-            machine = self.machine
             return couple_point(machine.description, machine.fluid, lambda _: shared(), request)
 
         found = []
@@ -258,13 +255,8 @@ class LateralPoints:
             found.append(point)
         return tuple(found)
 
-    def lumped(
-        self, point: PointCondition, progress: Progress | None = None
-    ) -> Callable[..., Solution]:
-        """Lumped runs of one point, of the machine and of changed ones.
-
-        An interrupt by the user is raised: films of pressures cut short are no point.
-        """
+    def lumped(self, point: PointCondition, progress: Progress | None = None) -> RepeatedRun:
+        """Lumped runs of one point, of the machine and of changed ones."""
         base = condition_of(self.case, self.machine.description)
         condition = replace(
             base,
@@ -273,15 +265,7 @@ class LateralPoints:
             outlet_pressure=point.outlet_pressure,
             relative_tolerance=max(base.relative_tolerance, _LUMPED_TOLERANCE),
         )
-        runs = self.machine.at(condition, progress)
-
-        def run(description: MachineDescription | None = None) -> Solution:
-            solution = runs(description)
-            if solution.status is Status.INTERRUPTED:
-                raise KeyboardInterrupt
-            return solution
-
-        return run
+        return self.machine.at(condition, progress)
 
     def _request(self, point: PointCondition, start: Array | float) -> PointRequest:
         return PointRequest(

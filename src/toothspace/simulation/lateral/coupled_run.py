@@ -52,8 +52,6 @@ def coupled_solution(
 
     def lumped(changed: MachineDescription) -> Solution:
         done.append(run(changed))
-        if done[-1].status is Status.INTERRUPTED:
-            raise KeyboardInterrupt
         tell(progress, UNKNOWN, f"lateral films settle, round {len(done)}")
         return done[-1]
 

@@ -137,6 +137,11 @@ def couple_point(
     run : callable
         Lumped solution at the operating point, of a changed machine.
 
+    Raises
+    ------
+    KeyboardInterrupt
+        If a lumped run is interrupted.
+
     Notes
     -----
     Secant method on the logarithm of the factor by which the lumped lateral and drain paths leak
@@ -172,6 +177,8 @@ class _LeakageSearch:
         """Make one more lumped run and find the equilibrium; return whether both agree, too."""
         machine = with_lateral_leakage(self._dragged, float(np.exp(self._log_leakage_factor)))
         solution = self._run(machine)
+        if solution.status is Status.INTERRUPTED:
+            raise KeyboardInterrupt  # films of pressures cut short are no point
         settings, nose = self._asked.settings, self._asked.nose_pressure
         problem = lateral_problem(machine, self._fluid, solution.data, settings, nose)
         leakage = path_leakage(solution)
