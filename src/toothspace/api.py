@@ -21,7 +21,7 @@ from toothspace.model.description import MachineDescription
 from toothspace.results.credibility import with_interval, with_warnings
 from toothspace.results.solution import Solution
 from toothspace.simulation import run
-from toothspace.simulation.setup import Setup, fluid_of, known_pressure, require_condition
+from toothspace.simulation.setup import Setup, fluid_of, known_pressure
 
 if TYPE_CHECKING:
     from toothspace.core.types import Array
@@ -59,7 +59,9 @@ def set_up(case: Case) -> Setup:
     CaseError
         If the case has no machine, no fluid or no condition.
     """
-    require_condition(case)
+    if case.operating_point is None and case.circuit is None:
+        allowed = "a case with an [operating_point] or a [circuit]"
+        raise CaseError(f"operating_point: found none, allowed {allowed}")
     return Setup(case, describe(case), fluid_of(case))
 
 
@@ -78,18 +80,15 @@ def simulate(case: Case, progress: Progress | None = None) -> Solution:
     checks = setup.description.checks
     solution = with_warnings(run.simulate(setup, progress), known_pressure(setup), checks)
     if setup.description.as_drawn:
-        solution = _with_both_flanks(setup, solution)
+        try:
+            drawn = set_up(case.replace(setup.description.as_drawn))
+        except CaseError as error:
+            solution = solution.with_note(f"Flanks as in the file cannot be computed with: {error}")
+        else:
+            solution = with_interval(solution, run.simulate(drawn, None))
     compiling = compile_seconds() - compiled
     wall = time.perf_counter() - started - compiling
     return solution.with_note(wall_time=wall, compile_time=compiling)
-
-
-def _with_both_flanks(setup: Setup, solution: Solution) -> Solution:
-    try:
-        drawn = set_up(setup.case.replace(setup.description.as_drawn))
-    except CaseError as error:
-        return solution.with_note(f"Flanks as in the file cannot be computed with: {error}")
-    return with_interval(solution, run.simulate(drawn, None))
 
 
 def simulate_all(cases: Iterable[Case], workers: int = 1) -> list[Solution | Exception]:
@@ -101,13 +100,10 @@ def simulate_all(cases: Iterable[Case], workers: int = 1) -> list[Solution | Exc
 
 
 def solve_bearing(case: Case, fields: Path | None = None) -> dict[str, Any]:
-    """Solve the table ``[bearing]`` of a case, as :func:`solve_film` does.
-
-    Forces and torques act on the shaft by the film.
-    """
+    """As :func:`solve_film` for ``[bearing]``; forces and torques act on the shaft by the film."""
     from toothspace.simulation.stand_alone import solve
 
-    return solve(case, case.bearing, None, fields)
+    return solve(case, case.bearing, describe, fields)
 
 
 def solve_film(case: Case, fields: Path | None = None) -> dict[str, Any]:
@@ -127,7 +123,7 @@ def solve_film(case: Case, fields: Path | None = None) -> dict[str, Any]:
     """
     from toothspace.simulation.stand_alone import solve
 
-    return solve(case, case.film, None if case.machine_spec is None else describe(case), fields)
+    return solve(case, case.film, describe, fields)
 
 
 __all__ = [

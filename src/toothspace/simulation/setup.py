@@ -55,19 +55,6 @@ class Setup:
         return condition_of(self.case, self.description)
 
 
-def require_condition(case: Case) -> None:
-    """Refuse a case that has neither an operating point nor a circuit.
-
-    Raises
-    ------
-    CaseError
-        In one line.
-    """
-    if case.operating_point is None and case.circuit is None:
-        allowed = "a case with an [operating_point] or a [circuit]"
-        raise CaseError(f"operating_point: found none, allowed {allowed}")
-
-
 def fluid_keys(case: Case) -> FluidChoice:
     """``[fluid]`` of a case.
 

@@ -67,7 +67,10 @@ class CaseFilms:
 
 
 def solve(
-    case: Case, keys: FilmKeys | None, machine: MachineDescription | None, fields: Path | None
+    case: Case,
+    keys: FilmKeys | None,
+    describe: Callable[[Case], MachineDescription],
+    fields: Path | None,
 ) -> dict[str, Any]:
     """Solve a film of a case; see :func:`toothspace.api.solve_film`.
 
@@ -77,8 +80,8 @@ def solve(
         Case with the film.
     keys : FilmKeys
         Its table.
-    machine : MachineDescription or None
-        Machine whose faces the film is on; None for a film without a machine.
+    describe : callable
+        Machine of a case, for a film on its faces.
     fields : Path, optional
         File for the fields.
     """
@@ -95,8 +98,7 @@ def solve(
             found = _solve_ring(case, keys)
         case _:
             assert isinstance(keys, LateralFilmCase)
-            assert machine is not None
-            found = _solve_faces(case, keys, machine)
+            found = _solve_faces(case, keys, describe(case))
     if fields is not None:
         for name, film in found.films.items():
             path = fields.with_stem(f"{fields.stem}_{name}") if name else fields

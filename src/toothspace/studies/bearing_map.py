@@ -9,12 +9,17 @@ from typing import Any, final
 
 from toothspace.case import Case
 from toothspace.case.study import BearingMapStudy
-from toothspace.core.errors import CaseError
 from toothspace.core.units import from_si
 from toothspace.simulation.lateral.coupling import CoupledPoint
 from toothspace.simulation.lateral.problem import require_floating_part
 from toothspace.studies.lateral_points import PointCondition, film_numbers, prepare
-from toothspace.studies.points import collected, point, status_of
+from toothspace.studies.points import (
+    collected,
+    operating_point_of,
+    operating_values,
+    point,
+    status_of,
+)
 from toothspace.studies.study import StudyContext, StudyResult, StudyTable
 from toothspace.studies.tabulate import columns, map_dataset, point_lists
 
@@ -34,19 +39,11 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     """
     study = case.study
     assert isinstance(study, BearingMapStudy)
-    if case.operating_point is None:
-        found = "no [operating_point]"
-        raise CaseError(f"{case.source}: study.kind: found {found}, allowed a steady case")
+    operating_point_of(case)
     require_floating_part(case)
     pairs = list(product(study.shaft_speed, study.outlet_pressure))
     points = [
-        point(
-            case,
-            {
-                "operating_point.shaft_speed": f"{from_si(speed, 'rpm'):.12g} rpm",
-                "operating_point.outlet_pressure": f"{pressure * 1e-5:.12g} bar",
-            },
-        )
+        point(case, operating_values(shaft_speed=speed, outlet_pressure=pressure))
         for speed, pressure in pairs
     ]
     evaluate = BearingNumbers(study.start_gap, study.coupling_rounds)

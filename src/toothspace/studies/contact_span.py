@@ -15,7 +15,7 @@ from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
 from toothspace.results.solution import Solution
 from toothspace.studies.measured import read_measured
-from toothspace.studies.points import Point, collected, point, status_of
+from toothspace.studies.points import collected, operating_values, point, status_of
 from toothspace.studies.records import Record, failed_count
 from toothspace.studies.study import StudyContext, StudyResult
 from toothspace.studies.tabulate import columns, numbers_table, unit_of
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _CLEARANCE = "machine.rotors.tip_clearance"
-_OUTLET = "operating_point.outlet_pressure"
 _THEORY = "machine.contact.theory"
 _MECHANISM = "contact_friction"
 
@@ -66,7 +65,14 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     clearances = study.tip_clearance or (rotors.tip_clearance,)
     own = ports.outlet_pressure - ports.inlet_pressure
     pairs = list(product(clearances, study.pressure_difference or (own,)))
-    points = [_point(case, *pair) for pair in pairs]
+    points = [
+        point(
+            case,
+            {_CLEARANCE: f"{clearance * 1e6:.12g} um"}
+            | operating_values(outlet_pressure=ports.inlet_pressure + difference),
+        )
+        for clearance, difference in pairs
+    ]
     records = collected(points, context, contact_numbers)
     heads = {
         "tip clearance (um)": [1e6 * clearance for clearance, _ in pairs],
@@ -172,14 +178,6 @@ def _torque(solution: Solution, angle: Array) -> Array:
     return np.asarray(
         np.interp(angle, own, np.asarray(solution.data["shaft_torque"]), period=2.0 * np.pi)
     )
-
-
-def _point(case: Case, clearance: float, difference: float) -> Point:
-    operating = case.operating_point
-    assert operating is not None
-    pressure = operating.inlet_pressure + difference
-    values = {_CLEARANCE: f"{clearance * 1e6:.12g} um", _OUTLET: f"{pressure * 1e-5:.12g} bar"}
-    return point(case, values)
 
 
 def _dataset(pairs: Sequence[tuple[float, float]], records: Sequence[Record]) -> xr.Dataset:

@@ -18,6 +18,8 @@ from toothspace.studies.points import (
     Evaluate,
     Point,
     collected,
+    operating_point_of,
+    operating_values,
     point,
     status_of,
     summary_numbers,
@@ -66,9 +68,7 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     """
     study = case.study
     assert isinstance(study, EfficiencyMapStudy)
-    if case.operating_point is None:
-        found = "no [operating_point]"
-        raise CaseError(f"{case.source}: study.kind: found {found}, allowed a steady case")
+    operating_point_of(case)
     pairs = list(product(study.shaft_speed, study.pressure_difference))
     records = map_records(case, pairs, context)
     speeds = [from_si(speed, "rpm") for speed, _ in pairs]
@@ -112,16 +112,10 @@ def map_records(
 
 
 def _point(case: Case, speed: float, difference: float) -> Point:
-    operating = case.operating_point
-    assert operating is not None
-    motor = getattr(case.machine, "mode", "pump") == "motor"
+    operating, motor = operating_point_of(case), getattr(case.machine, "mode", "pump") == "motor"
     low = operating.outlet_pressure if motor else operating.inlet_pressure
-    high_port = "inlet" if motor else "outlet"
-    values = {
-        "operating_point.shaft_speed": f"{from_si(speed, 'rpm'):.12g} rpm",
-        f"operating_point.{high_port}_pressure": f"{(low + difference) * 1e-5:.12g} bar",
-    }
-    return point(case, values)
+    high = {"inlet_pressure" if motor else "outlet_pressure": low + difference}
+    return point(case, operating_values(shaft_speed=speed, **high))
 
 
 def _measured(case: Case, study: EfficiencyMapStudy) -> xr.Dataset:
@@ -149,13 +143,8 @@ def _measured(case: Case, study: EfficiencyMapStudy) -> xr.Dataset:
 
 
 def _measured_point(case: Case, path: Path, row: Mapping[str, Any]) -> tuple[float, float]:
-    operating = case.operating_point
-    assert operating is not None
-    known = {
-        "inlet_pressure": operating.inlet_pressure,
-        "outlet_pressure": operating.outlet_pressure,
-    }
-    speed: float | None = None
+    operating, speed = operating_point_of(case), None
+    known = {name: getattr(operating, name) for name in ("inlet_pressure", "outlet_pressure")}
     for key, value in row.items():
         name = key.removeprefix("operating_point.")
         if name == "shaft_speed":

@@ -28,6 +28,7 @@ from toothspace.simulation.lateral.problem import (
 )
 from toothspace.simulation.lumped import RepeatedRun, RunInMachine, run_in_machine
 from toothspace.simulation.setup import condition_of
+from toothspace.studies.points import operating_point_of
 from toothspace.studies.stored_point import (
     FIELDS,
     StoredPoint,
@@ -73,8 +74,7 @@ class PointCondition:
     @classmethod
     def of(cls, case: Case, label: str, **given: float) -> PointCondition:
         """Condition of a case with an operating point, but for what is given."""
-        point = case.operating_point
-        assert point is not None
+        point = operating_point_of(case)
         names = ("outlet_pressure", "inlet_pressure", "shaft_speed")
         return cls(label=label, **{name: getattr(point, name) for name in names} | given)
 

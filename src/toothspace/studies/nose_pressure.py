@@ -9,6 +9,7 @@ from toothspace.case import Case
 from toothspace.case.study import NoseCondition, NosePressureStudy
 from toothspace.core.errors import CaseError
 from toothspace.studies.lateral_points import LateralStudy, PointCondition, housing_contact, prepare
+from toothspace.studies.points import operating_point_of
 from toothspace.studies.stored_point import StoredPoint, point_key
 from toothspace.studies.study import StudyContext, StudyResult
 
@@ -84,9 +85,7 @@ def solve_conditions(case: Case, context: StudyContext | None = None) -> Lateral
 def _conditions(
     case: Case, condition: NoseCondition, fractions: tuple[float, ...]
 ) -> list[PointCondition]:
-    base = case.operating_point
-    assert base is not None
-    inlet = condition.inlet_pressure or base.inlet_pressure
+    inlet = condition.inlet_pressure or operating_point_of(case).inlet_pressure
     return [
         PointCondition(
             label=f"{condition.name}, {fraction:.4g}",

@@ -10,10 +10,11 @@ from functools import partial
 from typing import Any, final
 
 import toothspace
-from toothspace.case import Case
+from toothspace.case import Case, OperatingPoint
 from toothspace.core.errors import CaseError
 from toothspace.core.files import plain
 from toothspace.core.status import Status
+from toothspace.core.units import from_si
 from toothspace.studies.records import BAD_INPUT, FAILED, INTERRUPTED, Record
 from toothspace.studies.study import StudyContext
 
@@ -42,6 +43,29 @@ class Point:
     values: Mapping[str, Any]
     case: Case | None
     message: str = ""
+
+
+def operating_point_of(case: Case) -> OperatingPoint:
+    """Return the operating point of the case of a steady study.
+
+    Raises
+    ------
+    CaseError
+        If it has none.
+    """
+    if case.operating_point is None:
+        found = "no [operating_point]"
+        raise CaseError(f"{case.source}: study.kind: found {found}, allowed a steady case")
+    return case.operating_point
+
+
+def operating_values(**given: float) -> dict[str, str]:
+    """Return keys of the operating point as they stand in a case file, from SI units."""
+    units = {name: "rpm" if name == "shaft_speed" else "bar" for name in given}
+    return {
+        f"operating_point.{name}": f"{from_si(value, units[name]):.12g} {units[name]}"
+        for name, value in given.items()
+    }
 
 
 def summary_numbers(case: Case) -> Mapping[str, Any]:
