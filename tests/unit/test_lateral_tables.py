@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -23,6 +23,7 @@ from toothspace.model.lateral_load import axial_load, chamber_pressures
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.simulation.film_tables import lateral_sizes, with_film_tables
 from toothspace.simulation.lateral.reduction import (
+    COLUMNS,
     LateralReduction,
     LoadedCondition,
     load_shares,
@@ -146,21 +147,15 @@ class _Solved:
     ) -> LateralReduction:
         self.shares.append(shares)
         rise = condition.inlet_pressure - condition.outlet_pressure
-        force = shares[0]
+        force, point = shares[0], cast(Any, None)
         told = rise + condition.shaft_speed + force[:, None]
         # the lower pressure lifts the bearing at the last two forces, the higher at the last
         lifted = force[:, None] > (0.15 if rise > 1e7 else 0.05)
         return LateralReduction(
-            load=(-0.1 * rise, 0.0),
-            force_unit=rise,
-            reach=0.02,
-            force_share=force,
-            moment_share=np.zeros(1),
-            closed_torque=condition.shaft_speed,
-            **dict.fromkeys(("torque", "pressure_torque", "asperity_torque"), told),
-            **dict.fromkeys(("leakage_factor", "lag", "smallest_gap"), told),
-            converged=np.ones(told.shape, dtype=bool),
-            lifted=lifted,
+            LoadedCondition(point, (-0.1 * rise, 0.0), rise, 0.02),
+            condition.shaft_speed,
+            dict.fromkeys(COLUMNS, told)
+            | {"converged": np.ones(told.shape, dtype=bool), "lifted": lifted},
         )
 
 

@@ -28,6 +28,7 @@ from toothspace.model.quasi_static import mean_force
 from toothspace.simulation.elastic import lateral_settings
 from toothspace.simulation.film_tables import JOURNAL_SIZES, KINDS, lateral_sizes
 from toothspace.simulation.lateral.reduction import (
+    COLUMNS,
     LateralReduction,
     LoadedCondition,
     load_shares,
@@ -271,10 +272,12 @@ def reduce_lateral_films(
         done = (0.5 + 0.5 * (number + k) / count for k in (0, 1))
         told = part(progress, f"loads, {number + 1} of {count}", *done)
         found.append(reduce_lateral(loaded, plain, fluid, shares, told))
-    return _lateral_tables(setup, grid, found)
+    return _lateral_tables(setup, grid, shares, found)
 
 
-def _lateral_tables(setup: Setup, grid: Grid, found: list[LateralReduction]) -> xr.Dataset:
+def _lateral_tables(
+    setup: Setup, grid: Grid, shares: tuple[Array, Array], found: list[LateralReduction]
+) -> xr.Dataset:
     over = (
         "lateral_force_share",
         "lateral_moment_share",
@@ -288,34 +291,17 @@ def _lateral_tables(setup: Setup, grid: Grid, found: list[LateralReduction]) -> 
         stacked = np.array(values)
         return np.moveaxis(stacked.reshape(*shape, *stacked.shape[1:]), (0, 1), (-2, -1))
 
-    columns = {
-        "torque": ("N m", "Torque of the lateral films at the shaft"),
-        "pressure_torque": ("N m", "Part of the torque that viscosity and speed do not change"),
-        "asperity_torque": ("N m", "Part of that by asperities"),
-        "leakage_factor": ("1", "Leakage over that of the closed form"),
-        "lag": ("s", "Time in which the gap follows the load"),
-        "smallest_gap": ("m", "Smallest gap"),
-        "converged": ("1", "Whether the bearing is in equilibrium"),
-        "lifted": ("1", "Whether the force lifts it off: all else is that of the largest before"),
-    }
     values: dict[str, Any] = {
-        f"lateral_{name}": (over, laid([getattr(one, name) for one in found]), _about(*text))
-        for name, text in columns.items()
+        f"lateral_{name}": (over, laid([one.columns[name] for one in found]), _about(*text))
+        for name, text in COLUMNS.items()
     }
+    at = [one.condition for one in found]
     of_condition: dict[str, tuple[list[float], str, str]] = {
         "closed_torque": ([one.closed_torque for one in found], "N m", "Torque of the closed form"),
-        "force_unit": ([one.force_unit for one in found], "N", "Force of share one"),
-        "torque_unit": (
-            [one.force_unit * one.reach for one in found],
-            "N m",
-            "Moment of share one",
-        ),
-        "condition_force": ([one.load[0] for one in found], "N", "Axial force at the condition"),
-        "condition_moment": (
-            [one.load[1] for one in found],
-            "N m",
-            "Moment about x at the condition",
-        ),
+        "force_unit": ([c.force_unit for c in at], "N", "Force of share one"),
+        "torque_unit": ([c.force_unit * c.reach for c in at], "N m", "Moment of share one"),
+        "condition_force": ([c.load[0] for c in at], "N", "Axial force at the condition"),
+        "condition_moment": ([c.load[1] for c in at], "N m", "Moment about x at the condition"),
     }
     for name, (numbers, units, text) in of_condition.items():
         values[f"lateral_{name}"] = (over[2:], laid(numbers), _about(units, text))
@@ -325,8 +311,8 @@ def _lateral_tables(setup: Setup, grid: Grid, found: list[LateralReduction]) -> 
     viscosity = float(setup.fluid.dynamic_viscosity)
     values["lateral_viscosity"] = ((), viscosity, _about("Pa s", "Viscosity"))
     axes = {
-        over[0]: (found[0].force_share, "1", "Axial force, away from the faces, over force_unit"),
-        over[1]: (found[0].moment_share, "1", "Moment about x over torque_unit"),
+        over[0]: (shares[0], "1", "Axial force, away from the faces, over force_unit"),
+        over[1]: (shares[1], "1", "Moment about x over torque_unit"),
         over[2]: (grid[0], "Pa", "Pressure difference behind the bearing"),
         over[3]: (grid[1], "rad/s", "Shaft speed"),
     }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -11,7 +11,7 @@ import numpy as np
 from toothspace.closures.fluid_law import FluidLaw
 from toothspace.core.progress import Progress, tell
 from toothspace.core.status import Status
-from toothspace.core.types import Array, BoolArray
+from toothspace.core.types import Array
 from toothspace.films.lateral.motion import Balance
 from toothspace.films.lateral.stack import Stack
 from toothspace.films.lateral.stops import leaning, stop_forces
@@ -43,70 +43,19 @@ _TILTING = (0.003, 0.006)
 """Moments that are added both ways, over that force times the tip radius. [-]"""
 _FORCE_STEP, _MOMENT_STEP = 0.01, 0.003
 """Longest steps between the loads of different conditions. [-]"""
-_COLUMNS = (
-    "torque",
-    "pressure_torque",
-    "asperity_torque",
-    "leakage_factor",
-    "lag",
-    "smallest_gap",
-    "converged",
-    "lifted",
-)
-"""Fields of :class:`LateralReduction` that are solved for."""
+COLUMNS: Mapping[str, tuple[str, str]] = {
+    "torque": ("N m", "Torque of the lateral films at the shaft"),
+    "pressure_torque": ("N m", "Part of the torque that viscosity and speed do not change"),
+    "asperity_torque": ("N m", "Part of that by asperities"),
+    "leakage_factor": ("1", "Leakage over that of the closed form"),
+    "lag": ("s", "Time in which the gap follows the load"),
+    "smallest_gap": ("m", "Smallest gap"),
+    "converged": ("1", "Whether the bearing is in equilibrium"),
+    "lifted": ("1", "Whether the force lifts it off: all else is that of the largest before"),
+}
+"""What is solved for: unit and meaning."""
 _START_GAP = 5e-6
 """Gap that the search begins with. [m]"""
-
-
-@final
-@dataclass(frozen=True, eq=False)
-class LateralReduction:
-    """Films beside the faces over force and moment on the bearing at one condition.
-
-    Arrays have one value for each force and moment.
-
-    Parameters
-    ----------
-    load : tuple of float
-        Force [N] and moment [N m] at the condition, where nothing is added.
-    force_unit : float
-        Pressure difference on the high-pressure area, the force of share one. [N]
-    reach : float
-        Tip radius, the arm of moment share one. [m]
-    force_share, moment_share : ndarray
-        Unbalanced force and moment, see :func:`axial_load`, over these. [-]
-    closed_torque : float
-        Torque of the closed form at the condition. [N m]
-    torque : ndarray
-        Torque of all films at the shaft, asperities included. [N m]
-    pressure_torque, asperity_torque : ndarray
-        Part of it that viscosity and speed do not change, and the asperities' part of that. [N m]
-    leakage_factor : ndarray
-        Leakage over that of the closed form. [-]
-    lag : ndarray
-        Damping of the films over their stiffness where a force lifts the bearing. [s]
-    smallest_gap : ndarray
-        Smallest gap. [m]
-    converged : ndarray of bool
-        Whether the bearing is in equilibrium.
-    lifted : ndarray of bool
-        Whether the force lifts the bearing off: all else is that of the largest that does not.
-    """
-
-    load: tuple[float, float]
-    force_unit: float
-    reach: float
-    force_share: Array
-    moment_share: Array
-    closed_torque: float
-    torque: Array
-    pressure_torque: Array
-    asperity_torque: Array
-    leakage_factor: Array
-    lag: Array
-    smallest_gap: Array
-    converged: BoolArray
-    lifted: BoolArray
 
 
 @final
@@ -135,6 +84,27 @@ class LoadedCondition:
     def shares(self) -> tuple[float, float]:
         """Force and moment over those of share one. [-]."""
         return self.load[0] / self.force_unit, self.load[1] / (self.force_unit * self.reach)
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class LateralReduction:
+    """Films beside the faces over force and moment on the bearing at one condition.
+
+    Parameters
+    ----------
+    condition : LoadedCondition
+        The condition, where nothing is added to the load.
+    closed_torque : float
+        Torque of the closed form there. [N m]
+    columns : mapping of str to ndarray
+        One value for each force and moment, see :data:`COLUMNS`; the lag is damping over stiffness
+        of the films where a force lifts the bearing.
+    """
+
+    condition: LoadedCondition
+    closed_torque: float
+    columns: Mapping[str, Array]
 
 
 def loaded_condition(
@@ -220,7 +190,7 @@ def reduce_lateral(
     point, unit, here = condition.point, condition.force_unit, condition.shares
     added, turned = unit * (shares[0] - here[0]), unit * condition.reach * (shares[1] - here[1])
     tilting = balance_of(point.description).motion == "full"
-    table = np.full((len(_COLUMNS), added.size, turned.size), np.nan)
+    table = np.full((len(COLUMNS), added.size, turned.size), np.nan)
     for j, moment in enumerate(turned if tilting else np.zeros(1)):
         tell(progress, j / turned.size, f"moment {j + 1} of {turned.size}")
         table[:, :, j] = _column(point, fluid, added, float(moment))
@@ -229,25 +199,17 @@ def reduce_lateral(
         next(p for p in machine.paths if p.category in LATERAL_PATHS).geometry.values[:, 0].max()
         for machine in (point.description, description)
     )
-    found = dict(zip(_COLUMNS, table, strict=True))
+    found = dict(zip(COLUMNS, table, strict=True))
     found["leakage_factor"] *= float(wide / plain) ** 3 / path_leakage(point.solution)
+    found["converged"] = (found["converged"] > 0.0) & (point.status is Status.DONE)
+    found["lifted"] = found["lifted"] > 0.0
     closed = lateral_torque_coefficient(description) * fluid.dynamic_viscosity
-    return LateralReduction(
-        load=condition.load,
-        force_unit=unit,
-        reach=condition.reach,
-        force_share=shares[0],
-        moment_share=shares[1],
-        closed_torque=closed * point.problem.stack.shaft_speed,
-        converged=(found.pop("converged") > 0.0) & (point.status is Status.DONE),
-        lifted=found.pop("lifted") > 0.0,
-        **found,
-    )
+    return LateralReduction(condition, closed * point.problem.stack.shaft_speed, found)
 
 
 def _column(point: CoupledPoint, fluid: FluidLaw, added: Array, moment: float) -> Array:
     """Numbers over the forces that are added, one row for each of the columns."""
-    found = np.full((len(_COLUMNS), added.size), np.nan)
+    found = np.full((len(COLUMNS), added.size), np.nan)
     middle = int(np.argmin(np.abs(added)))
     for way in (range(middle, -1, -1), range(middle + 1, added.size)):
         now = point.equilibrium.balance
