@@ -19,6 +19,7 @@ from toothspace.case import Case
 from toothspace.case.study import BalanceSweepStudy
 from toothspace.core.errors import CaseError
 from toothspace.core.files import plain
+from toothspace.core.progress import tell
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.films.lateral.housing_friction import BREAKAWAY_RATIO
@@ -128,22 +129,18 @@ def film_tables(
     levels = sorted(set(study.outlet_pressures))
     found = []
     for k, pressure in enumerate(levels):
-        if context.progress:
-            context.progress(k / len(levels), f"films at {pressure * 1e-5:.4g} bar")
+        tell(context.progress, k / len(levels), f"films at {pressure * 1e-5:.4g} bar")
         key = point_key(case, "balance_sweep", pressure)
         kept = context.records.get(key)
-        table = _film_table(points, pressure) if kept is None else _recorded(kept)
         if kept is None:
+            table = _film_table(points, pressure)
             context.records.add(Record(key, DONE, plain(asdict(table))))
+        else:
+            own: dict[str, Any] = {**kept.numbers, "opening": np.array(kept.numbers["opening"])}
+            own["numbers"] = {name: np.array(v) for name, v in own["numbers"].items()}
+            table = FilmTable(**own)
         found.append(table)
     return tuple(found)
-
-
-def _recorded(kept: Record) -> FilmTable:
-    numbers: dict[str, Any] = {**kept.numbers}
-    numbers["opening"] = np.array(numbers["opening"])
-    numbers["numbers"] = {name: np.array(v) for name, v in numbers["numbers"].items()}
-    return FilmTable(**numbers)
 
 
 def _film_table(points: LateralPoints, pressure: float) -> FilmTable:

@@ -51,7 +51,13 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     spans = {path: {"from": low, "to": high} for path, (low, high) in study.fit.items()}
     axes = axes_of(spans, label)
     measured = read_measured(study.data)
-    _check_times(case, measured, label)
+    if measured.times is not None and case.circuit is not None:
+        first, last, duration = measured.times[0], measured.times[-1], case.circuit.duration
+        if first < 0.0 or last > duration * (1.0 + 1e-9):
+            raise CaseError(
+                f"{label}: study.data: found times from {first:g} s to {last:g} s, "
+                f"allowed 0 s to {duration:g} s"
+            )
     used = _used_rows(study, measured, len(axes), label)
     model = _Model(case, axes, measured, context, used, study.evaluation_count)
     status = Status.DONE
@@ -107,22 +113,16 @@ class _Model:
         values = [written_values(self.axes, row) for row in values_at(self.axes, shares)]
         self.tried += len(values)
         if self.measured.times is not None:
-            return self._signals(values, rows)
+            names = tuple(self.measured.channels)
+            records = self._evaluate(values, Signals(tuple(self.measured.times.tolist()), names))
+            nothing = [np.nan] * self.measured.rows
+            found = {name: [r.numbers.get(name, nothing) for r in records] for name in names}
+            return {name: np.array(signal, dtype=float)[:, rows] for name, signal in found.items()}
         settings = [s for s, wanted in zip(self.measured.settings, rows, strict=True) if wanted]
         records = self._evaluate([{**s, **v} for v in values for s in settings], summary_numbers)
         return {
             name: np.array([record.number(name) for record in records]).reshape(len(values), -1)
             for name in self._known(records)
-        }
-
-    def _signals(self, values: Sequence[Mapping[str, Any]], rows: Array) -> dict[str, Array]:
-        assert self.measured.times is not None
-        names = tuple(self.measured.channels)
-        records = self._evaluate(values, Signals(tuple(self.measured.times.tolist()), names))
-        nothing = [np.nan] * self.measured.rows
-        return {
-            name: np.array([r.numbers.get(name, nothing) for r in records], dtype=float)[:, rows]
-            for name in names
         }
 
     def _evaluate(self, values: Sequence[Mapping[str, Any]], evaluate: Evaluate) -> list[Record]:
@@ -156,15 +156,6 @@ def scales_of(measured: Measured) -> dict[str, float]:
         scatter, size = float(column.std()), float(np.abs(column).mean())
         found[name] = scatter if scatter > 1e-3 * size else size or 1.0
     return found
-
-
-def _check_times(case: Case, measured: Measured, label: str) -> None:
-    if measured.times is None or case.circuit is None:
-        return
-    first, last, duration = measured.times[0], measured.times[-1], case.circuit.duration
-    if first < 0.0 or last > duration * (1.0 + 1e-9):
-        found = f"times from {first:g} s to {last:g} s"
-        raise CaseError(f"{label}: study.data: found {found}, allowed 0 s to {duration:g} s")
 
 
 def _used_rows(study: CalibrateStudy, measured: Measured, keys: int, label: str) -> Array:
@@ -225,7 +216,13 @@ def _result(case: Case, status: Status, outcome: _Outcome) -> StudyResult:
         kinds = tuple(errors)
         rows = [(name, *(errors[kind][name] for kind in kinds)) for name in errors["fit_error"]]
         beside = StudyTable("errors", ("channel", *kinds), tuple(rows))
-        tables = (_values_table(values), beside)
+        fitted = tuple(
+            (path, str(text), values["half_width_95"][path], values["unit"][path],
+             "at a bound" if path in values["at_bounds"] else "")
+            for path, text in values["fitted"].items()
+        )  # fmt: skip
+        head = ("key", "value", "half width at 95 %", "unit", "note")
+        tables = (StudyTable("fitted", head, fitted), beside)
     return StudyResult(status=status, data=data, numbers=numbers, tables=tables)
 
 
@@ -253,12 +250,3 @@ def _errors(outcome: _Outcome) -> dict[str, Any]:
             found[f"{kind}_error"][name] = error
             found[f"{kind}_error_percent"][name] = 100.0 * error / size
     return found
-
-
-def _values_table(values: Mapping[str, Any]) -> StudyTable:
-    rows = tuple(
-        (path, str(text), values["half_width_95"][path], values["unit"][path],
-         "at a bound" if path in values["at_bounds"] else "")
-        for path, text in values["fitted"].items()
-    )  # fmt: skip
-    return StudyTable("fitted", ("key", "value", "half width at 95 %", "unit", "note"), rows)

@@ -11,7 +11,7 @@ from toothspace.case import Case
 from toothspace.case.study import DesignScanStudy
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
-from toothspace.core.types import Array, BoolArray
+from toothspace.core.types import Array
 from toothspace.core.units import to_si
 from toothspace.studies.study import Row, StudyContext, StudyResult, StudyTable
 from toothspace.studies.tabulate import unit_of
@@ -58,7 +58,9 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         low = -np.inf if limit.low is None else limit.low
         high = np.inf if limit.high is None else limit.high
         kept = kept & (designs[name] >= low) & (designs[name] <= high)
-    best = _best(designs[study.objective], kept, study)
+    sign = -1.0 if study.goal == "maximise" else 1.0
+    merit = np.where(kept, sign * designs[study.objective], np.inf)
+    best = np.argsort(merit, kind="stable")[: min(study.best_count, int(kept.sum()))].tolist()
     data: dict[str, Any] = {
         axis.path: ("point", column, {"units": axis.unit or "1"})
         for axis, column in zip(axes, columns, strict=True)
@@ -106,10 +108,3 @@ def _values(axis: Axis, shares: Array) -> Array:
     except ValueError as error:
         allowed = "numbers, or texts with a unit"
         raise CaseError(f"study.vary.{axis.path}: found words, allowed {allowed}") from error
-
-
-def _best(merit: Array, kept: BoolArray, study: DesignScanStudy) -> list[int]:
-    """Indices of the best designs, the best one first."""
-    sign = -1.0 if study.goal == "maximise" else 1.0
-    order = np.argsort(np.where(kept, sign * merit, np.inf), kind="stable")
-    return [int(k) for k in order[: min(study.best_count, int(kept.sum()))]]

@@ -78,15 +78,13 @@ class Signals:
         # a run that failed early says nothing about later times
         after_the_end = None if solution.status.succeeded else np.nan
         for name in self.names:
-            values = _signal(solution.data, name)
+            data = solution.data
+            if name == _DIFFERENCE and name not in data:
+                values = np.abs(np.asarray(data["inlet_pressure"] - data["outlet_pressure"]))
+            else:
+                values = np.asarray(data[name])
             found[name] = np.interp(self.times, time, values, right=after_the_end).tolist()
         return {**found, "status": solution.status.name.lower()}
-
-
-def _signal(data: Any, name: str) -> Array:
-    if name == _DIFFERENCE and name not in data:
-        return np.abs(np.asarray(data["inlet_pressure"] - data["outlet_pressure"]))
-    return np.asarray(data[name])
 
 
 def read_measured(path: Path) -> Measured:

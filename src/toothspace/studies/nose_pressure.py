@@ -8,6 +8,7 @@ from itertools import chain
 from toothspace.case import Case
 from toothspace.case.study import NoseCondition, NosePressureStudy
 from toothspace.core.errors import CaseError
+from toothspace.core.progress import tell
 from toothspace.studies.lateral_points import LateralStudy, PointCondition, housing_contact, prepare
 from toothspace.studies.points import operating_point_of
 from toothspace.studies.stored_point import StoredPoint, point_key
@@ -70,8 +71,7 @@ def solve_conditions(case: Case, context: StudyContext | None = None) -> Lateral
     every = [_conditions(case, one, study.nose_pressure_fractions) for one in study.conditions]
     found: list[StoredPoint] = []
     for k, asked in enumerate(every):
-        if context.progress:
-            context.progress(k / len(every), study.conditions[k].name)
+        tell(context.progress, k / len(every), study.conditions[k].name)
         keys = [point_key(case, "nose_pressure", *shared, replace(c, label="")) for c in asked]
         new = points.solve_alike(asked, study.start_gap, context, keys)
         found += new

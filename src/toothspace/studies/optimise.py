@@ -18,7 +18,7 @@ from toothspace.studies.points import evaluate_points, point, require_accepted
 from toothspace.studies.records import Record, failed_count
 from toothspace.studies.study import StudyContext, StudyResult, StudyTable
 from toothspace.studies.tabulate import points_dataset, points_table
-from toothspace.studies.variation import Axis, axes_of, unit_samples, values_at, written_values
+from toothspace.studies.variation import axes_of, unit_samples, values_at, written_values
 
 _INFEASIBLE = 1e12
 _FAILED = 1e15
@@ -92,7 +92,11 @@ class _TriedPoints:
     def run(self) -> bool:
         """Search; returns whether it ended by itself."""
         if self.study.method == "least_squares":
-            found = fit(self._deviations, np.full(len(self.axes), 0.5), self.study.evaluation_count)
+            found = fit(
+                lambda shares: np.array([self._deviations(r) for r in self._evaluate(shares)]),
+                np.full(len(self.axes), 0.5),
+                self.study.evaluation_count,
+            )
             return found.converged
         return self._evolve()
 
@@ -168,13 +172,10 @@ class _TriedPoints:
         """Return the objective, or the root mean square of the deviations from targets."""
         if self.study.objective is not None:
             return record.number(self.study.objective)
-        deviations = np.array(self._deviations_of(record))
+        deviations = np.array(self._deviations(record))
         return float(np.sqrt(np.mean(deviations**2)))
 
-    def _deviations(self, shares: Array) -> Array:
-        return np.array([self._deviations_of(record) for record in self._evaluate(shares)])
-
-    def _deviations_of(self, record: Record) -> list[float]:
+    def _deviations(self, record: Record) -> list[float]:
         targets = self.study.targets or {}
         return [(record.number(name) - x) / (abs(x) or 1.0) for name, x in targets.items()]
 
@@ -200,9 +201,13 @@ class _TriedPoints:
             "best": written_values(self.axes, self.rows[best]),
             "best_merit": self.merit(record),
             "best_point": dict(record.numbers),
-            "at_bounds": [a.path for a, x in zip(self.axes, self.rows[best], strict=True)
-                          if _at_bound(a, x)],
-        }  # fmt: skip
+            "at_bounds": [
+                axis.path
+                for axis, x in zip(self.axes, self.rows[best], strict=True)
+                if not (axis.values or axis.whole)
+                and min(x - axis.low, axis.high - x) < 0.01 * (axis.high - axis.low)
+            ],
+        }
 
     def best_table(self, best: int | None) -> tuple[StudyTable, ...]:
         """Return the table of the best values and of the results there."""
@@ -213,9 +218,3 @@ class _TriedPoints:
         names = [self.study.objective, *(self.study.targets or {}), *(self.study.constraints or {})]
         results = [(n, self.records[best].number(n)) for n in dict.fromkeys(names) if n]
         return (StudyTable("best", ("name", "value"), (*values, *results)),)
-
-
-def _at_bound(axis: Axis, value: Any) -> bool:
-    if axis.values or axis.whole:
-        return False
-    return min(value - axis.low, axis.high - value) < 0.01 * (axis.high - axis.low)

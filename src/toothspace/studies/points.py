@@ -13,6 +13,7 @@ import toothspace
 from toothspace.case import Case, OperatingPoint
 from toothspace.core.errors import CaseError
 from toothspace.core.files import plain
+from toothspace.core.progress import tell
 from toothspace.core.status import Status
 from toothspace.core.units import from_si
 from toothspace.studies.records import BAD_INPUT, FAILED, INTERRUPTED, Record
@@ -112,7 +113,7 @@ def evaluate_points(
             else:
                 open_cases[key] = item.case
     done = len(points) - len(open_cases)
-    _tell(context, done, len(points))
+    tell(context.progress, done / max(len(points), 1), f"point {done} of {len(points)}")
     compute, tasks = partial(_evaluated, evaluate), list(open_cases.items())
     try:
         for _, record in context.workers.each(compute, tasks):
@@ -120,7 +121,7 @@ def evaluate_points(
                 raise KeyboardInterrupt
             context.records.add(record)
             done += 1
-            _tell(context, done, len(points))
+            tell(context.progress, done / len(points), f"point {done} of {len(points)}")
     except KeyboardInterrupt:
         context.workers.stop()
         raise
@@ -196,8 +197,3 @@ def _evaluated(evaluate: Evaluate, task: tuple[str, Case]) -> Record:
         numbers, status = {}, FAILED
         message = f"{type(error).__name__}: {' '.join(str(error).split())}"
     return Record(key, status, plain(numbers), message, time.perf_counter() - started)
-
-
-def _tell(context: StudyContext, done: int, total: int) -> None:
-    if context.progress is not None:
-        context.progress(done / max(total, 1), f"point {done} of {total}")

@@ -15,7 +15,7 @@ from toothspace.case.study import StartupStudy
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
 from toothspace.core.units import from_si
-from toothspace.studies.points import Point, collected, point, status_of
+from toothspace.studies.points import collected, point, status_of
 from toothspace.studies.records import Record, failed_count
 from toothspace.studies.study import Row, StudyContext, StudyResult, StudyTable
 from toothspace.studies.tabulate import map_dataset, numbers_table
@@ -63,7 +63,20 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     pitch = 2.0 * math.pi / api.describe(case).families[0].count
     angles = [k * pitch / study.start_angle_count for k in range(study.start_angle_count)]
     pairs = list(product(speeds, angles))
-    points = [_point(case, name, supply, speed, angle) for speed, angle in pairs]
+    times, form = supply.T
+    points = [
+        point(
+            case,
+            {
+                f"circuit.{name}.speed": [
+                    [f"{time:.12g} s", f"{from_si(value, 'rpm'):.12g} rpm"]
+                    for time, value in zip(times, form * speed / form.max(), strict=True)
+                ],
+                "circuit.initial_shaft_angle": f"{math.degrees(angle):.12g} deg",
+            },
+        )
+        for speed, angle in pairs
+    ]
     records = collected(points, context)
     plateaus = [from_si(speed, "rpm") for speed, _ in pairs]
     degrees = [math.degrees(angle) for _, angle in pairs]
@@ -94,19 +107,6 @@ def _supply(case: Case) -> tuple[str, Array]:
             return name, history(element, "speed", "rpm")
     found = "no [circuit] with a pump_map"
     raise CaseError(f"{case.source}: study.kind: found {found}, allowed a circuit with a supply")
-
-
-def _point(case: Case, name: str, supply: Array, speed: float, angle: float) -> Point:
-    scaled = supply[:, 1] * speed / supply[:, 1].max()
-    rows = [
-        [f"{time:.12g} s", f"{from_si(value, 'rpm'):.12g} rpm"]
-        for time, value in zip(supply[:, 0], scaled, strict=True)
-    ]
-    values = {
-        f"circuit.{name}.speed": rows,
-        "circuit.initial_shaft_angle": f"{math.degrees(angle):.12g} deg",
-    }
-    return point(case, values)
 
 
 def _starting_torque(records: Sequence[Record]) -> StudyTable:

@@ -12,9 +12,9 @@ from toothspace.case.study import Limit, ToleranceStudy
 from toothspace.core.types import Array
 from toothspace.studies.points import collected, point, status_of
 from toothspace.studies.records import Record, failed_count
-from toothspace.studies.study import Row, StudyContext, StudyResult, StudyTable
+from toothspace.studies.study import StudyContext, StudyResult, StudyTable
 from toothspace.studies.tabulate import columns, points_dataset, points_table
-from toothspace.studies.variation import Axis, axes_of, unit_samples, values_at, written_values
+from toothspace.studies.variation import axes_of, unit_samples, values_at, written_values
 
 
 def run(case: Case, context: StudyContext) -> StudyResult:
@@ -30,12 +30,15 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     CaseError
         If no point can be run.
     """
+    import xarray as xr
+
     study = case.study
     assert isinstance(study, ToleranceStudy)
     axes = axes_of(study.vary, case.label)
     indices = study.sensitivity == "sobol_indices"
-    keys = 2 * len(axes) if indices else len(axes)
-    shares = unit_samples(keys, study.method, study.sample_count, study.seed)
+    keys = [axis.path for axis in axes]
+    dimensions = 2 * len(keys) if indices else len(keys)
+    shares = unit_samples(dimensions, study.method, study.sample_count, study.seed)
     shares = index_samples(shares) if indices else shares
     rows = values_at(axes, shares)
     records = collected([point(case, written_values(axes, row)) for row in rows], context)
@@ -55,14 +58,34 @@ def run(case: Case, context: StudyContext) -> StudyResult:
             "rank_correlation": {n: rank_correlations(shares, v) for n, v in results.items()}
         }
     data = points_dataset(axes, rows, records)
-    data.attrs["varied"] = " ".join(axis.path for axis in axes)
+    data.attrs["varied"] = " ".join(keys)
     return StudyResult(
         status=status_of(records),
-        data=data.assign(_effect_arrays(axes, effects)),
+        data=data.assign(
+            {
+                kind: xr.DataArray(
+                    np.array(list(found.values())).reshape(len(found), len(keys)),
+                    dims=("result", "key"),
+                    coords={"result": list(found), "key": keys},
+                )
+                for kind, found in effects.items()
+            }
+        ),
         numbers=_numbers(study, records, plain, scatter, effects),
         tables=(
-            _statistics_table(scatter),
-            *(_effect_table(name, axes, found) for name, found in effects.items()),
+            StudyTable(
+                "scatter",
+                ("result", *next(iter(scatter.values()), {})),
+                tuple((name, *found.values()) for name, found in scatter.items()),
+            ),
+            *(
+                StudyTable(
+                    kind,
+                    ("result", *keys),
+                    tuple((n, *row.tolist()) for n, row in found.items() if np.isfinite(row).any()),
+                )
+                for kind, found in effects.items()
+            ),
             points_table(axes, rows, records),
         ),
     )
@@ -76,22 +99,6 @@ def share_within(limits: Mapping[str, Limit], records: Sequence[Record]) -> floa
         for record in records
     ]
     return float(np.mean(kept))
-
-
-def _effect_arrays(
-    axes: Sequence[Axis], effects: Mapping[str, Mapping[str, Array]]
-) -> dict[str, Any]:
-    import xarray as xr
-
-    keys = [axis.path for axis in axes]
-    return {
-        kind: xr.DataArray(
-            np.array(list(found.values())).reshape(len(found), len(keys)),
-            dims=("result", "key"),
-            coords={"result": list(found), "key": keys},
-        )
-        for kind, found in effects.items()
-    }
 
 
 def _numbers(
@@ -114,17 +121,6 @@ def _numbers(
             for kind, found in effects.items()
         },
     }
-
-
-def _statistics_table(scatter: Mapping[str, Mapping[str, float]]) -> StudyTable:
-    kinds = tuple(next(iter(scatter.values()), {}))
-    rows: tuple[Row, ...] = tuple((name, *found.values()) for name, found in scatter.items())
-    return StudyTable("scatter", ("result", *kinds), rows)
-
-
-def _effect_table(kind: str, axes: Sequence[Axis], found: Mapping[str, Array]) -> StudyTable:
-    rows = tuple((name, *row.tolist()) for name, row in found.items() if np.isfinite(row).any())
-    return StudyTable(kind, ("result", *(axis.path for axis in axes)), rows)
 
 
 PERCENTILES = (5.0, 50.0, 95.0)

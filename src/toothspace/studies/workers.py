@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
+from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import get_context
 from typing import Any, final
@@ -49,7 +49,12 @@ class Workers:
         waiting = {self._executor.submit(function, item): k for k, item in enumerate(arguments)}
         try:
             for future in as_completed(waiting):
-                yield waiting[future], _result(future)
+                yield waiting[future], future.result()
+        except BrokenProcessPool as error:
+            raise ToothspaceError(
+                "study: a worker process died, perhaps for lack of memory; finished points are "
+                "kept: go on with --resume and fewer --workers"
+            ) from error
         finally:
             for future in waiting:
                 future.cancel()
@@ -92,13 +97,3 @@ def _executor(count: int, scheduler: str) -> Executor:
         ) from error
     executor: Executor = Client(scheduler).get_executor()
     return executor
-
-
-def _result(future: Future[Any]) -> Any:
-    try:
-        return future.result()
-    except BrokenProcessPool as error:
-        raise ToothspaceError(
-            "study: a worker process died, perhaps for lack of memory; finished points are kept: "
-            "go on with --resume and fewer --workers"
-        ) from error
