@@ -277,7 +277,7 @@ def test_calibration_to_signals_over_time(monkeypatch: pytest.MonkeyPatch, tmp_p
         ("time [s], shaft_speed [bar]", "0, 1", r"found the unit 'bar', allowed 'rad/s'"),
         ("mean_flow_L_per_min [bar]", "1", "found the unit 'bar', allowed 'L/min'"),
         (f"{SPEED} [rpm]", "1", "allowed columns of summary numbers"),
-        ("volumetric_efficiency", "x", "found 'x' in column 1"),
+        ("volumetric_efficiency", "x", "volumetric_efficiency: found 'x', allowed a number"),
         ("volumetric_efficiency", "", "found no rows"),
         ("volumetric efficiency !", "1", "allowed 'name .unit.'"),
     ],

@@ -15,7 +15,7 @@ from toothspace.closures.fluid_law import FluidLaw
 from toothspace.closures.viscosity import dynamic_viscosity
 from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.core.errors import CaseError
-from toothspace.core.signals import read_columns, read_signal
+from toothspace.core.signals import read_grid, read_signal
 from toothspace.core.types import Array
 from toothspace.model.circuit_description import (
     CircuitElement,
@@ -243,19 +243,9 @@ def _pump(pump: keys.PumpMap, ends: tuple[str, str], fluid: FluidLaw) -> Circuit
 
 
 def _efficiency_map(path: Path) -> Array:
-    columns = read_columns(
-        path, {"speed": "rpm", "pressure_difference": "bar", "volumetric_efficiency": "1"}
-    )
-    speeds, rises = (np.unique(columns[name]) for name in ("speed", "pressure_difference"))
-    order = np.lexsort((columns["pressure_difference"], columns["speed"]))
-    grid = np.stack(np.meshgrid(speeds, rises, indexing="ij"), axis=-1).reshape(-1, 2)
-    given = np.column_stack([columns["speed"], columns["pressure_difference"]])[order]
-    if min(speeds.size, rises.size) < 2 or given.shape != grid.shape or np.any(given != grid):
-        raise CaseError(
-            f"{path}: found {len(given)} points at {speeds.size} speeds and {rises.size} pressure "
-            "differences, allowed each pair once and at least two of both"
-        )
-    column = np.concatenate([speeds, rises, columns["volumetric_efficiency"][order]])
+    units = {"speed": "rpm", "pressure_difference": "bar", "volumetric_efficiency": "1"}
+    speeds, rises, efficiency = read_grid(path, units)
+    column = np.concatenate([speeds, rises, efficiency.ravel()])
     rows = np.column_stack([column, np.zeros_like(column)])
     return np.vstack([[speeds.size, rises.size], rows])
 

@@ -8,7 +8,6 @@ from dataclasses import MISSING, dataclass
 from pathlib import Path
 from typing import Any, final
 
-from toothspace.core.errors import CaseError
 from toothspace.core.keys import (
     Flag,
     Free,
@@ -31,7 +30,7 @@ from toothspace.core.keys import (
     require,
     text,
 )
-from toothspace.core.units import split_quantity
+from toothspace.core.units import is_quantity
 
 _SPEED = QuantityKey(unit="rpm", above=0, high=50000)
 _PRESSURE = QuantityKey(unit="bar", above=0, high=1000)
@@ -301,19 +300,9 @@ def _check_span(span: Mapping[str, Any], key: str) -> None:
         allowed = f"a whole number from 2 to {_LARGEST_COUNT}"
         raise KeyRuleError(f"{key}.count", repr(count), allowed)
     limits = [value for name, value in span.items() if name != "count"]
-    if not all(map(_is_limit, limits)):
+    if not all(is_quantity(x) or (_is_scalar(x) and not isinstance(x, str | bool)) for x in limits):
         allowed = "numbers, or texts with units such as '20 um'"
         raise KeyRuleError(key, repr(span), allowed)
-
-
-def _is_limit(value: Any) -> bool:
-    if isinstance(value, str):
-        try:
-            split_quantity(value)
-        except CaseError:
-            return False
-        return True
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
 
 
 def _is_scalar(value: Any) -> bool:

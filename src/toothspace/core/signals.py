@@ -85,9 +85,8 @@ def _column(
         found = ", ".join(names) or "none"
         raise CaseError(f"{path}: columns: found {found}, allowed one named '{name} [{wanted}]'")
     place, unit = names[name]
-    if (wanted == "1") != (unit == "1") or (wanted != "1" and not compatible(unit, wanted)):
-        raise CaseError(f"{path}: {name}: found the unit {reprlib.repr(unit)}, allowed {wanted!r}")
-    values = np.array([_number(path, row, place, name) for row in rows])
+    require_unit(path, name, unit, wanted)
+    values = np.array([finite_number(path, row, place, name) for row in rows])
     if values.size == 0:
         raise CaseError(f"{path}: {name}: found no rows, allowed at least one")
     if unit == "1":
@@ -95,7 +94,30 @@ def _column(
     return np.array([to_si(value, unit) for value in values])
 
 
-def _number(path: Path, row: list[str], place: int, name: str) -> float:
+def require_unit(path: Path, name: str, unit: str, wanted: str) -> None:
+    """Refuse a column whose unit is of another dimension than the one wanted.
+
+    Raises
+    ------
+    CaseError
+        With both units.
+    """
+    try:
+        fits = unit == wanted or ("1" not in {unit, wanted} and compatible(unit, wanted))
+    except CaseError:
+        fits = False
+    if not fits:
+        raise CaseError(f"{path}: {name}: found the unit {reprlib.repr(unit)}, allowed {wanted!r}")
+
+
+def finite_number(path: Path, row: list[str], place: int, name: str) -> float:
+    """Return the number of a column in a row. [unit of the column].
+
+    Raises
+    ------
+    CaseError
+        If it is none, or not finite.
+    """
     try:
         value = float(row[place])
     except (IndexError, ValueError):
@@ -106,6 +128,41 @@ def _number(path: Path, row: list[str], place: int, name: str) -> float:
             f"{path}: {name}: found {reprlib.repr(found)}, allowed a number in every row"
         )
     return value
+
+
+def read_grid(path: Path, units: Mapping[str, str]) -> tuple[Array, Array, Array]:
+    """Read a table over two axes, each pair of their values once.
+
+    Parameters
+    ----------
+    path : Path
+        CSV file with three columns.
+    units : mapping of str to str
+        Columns and units of their dimensions: both axes, then the values.
+
+    Returns
+    -------
+    tuple of ndarray
+        Values of both axes, and the table over them. [SI]
+
+    Raises
+    ------
+    CaseError
+        As :func:`read_columns`, and if pairs are missing or doubled.
+    """
+    columns = read_columns(path, units)
+    first, second, values = (columns[name] for name in units)
+    axes = np.unique(first), np.unique(second)
+    order = np.lexsort((second, first))
+    full = [axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")]
+    given = first[order], second[order]
+    if min(map(len, axes)) < 2 or not all(map(np.array_equal, given, full)):
+        one, two, _ = units
+        raise CaseError(
+            f"{path}: found {len(values)} rows at {len(axes[0])} values of {one} and "
+            f"{len(axes[1])} of {two}, allowed each pair once and at least two of both"
+        )
+    return *axes, values[order].reshape(len(axes[0]), len(axes[1]))
 
 
 def read_signal(path: Path, name: str, unit: str) -> Array:

@@ -270,6 +270,14 @@ def compatible(unit: str, other: str) -> bool:
     return bool(_unit(unit).dimensionality == _unit(other).dimensionality)
 
 
+def is_quantity(value: object) -> bool:
+    """Tell whether a value is a text of a number with a unit."""
+    try:
+        return isinstance(value, str) and bool(split_quantity(value))
+    except CaseError:
+        return False
+
+
 def parse_quantity(text: str, unit: str, allowed: str = "") -> float:
     """Read a number with a unit, such as ``"2.75 mm"``.
 

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from inspect import signature
 from pathlib import Path
-from typing import Any, TypeVar, final
+from typing import Any, TypeVar, cast
 
 import numpy as np
 
@@ -28,9 +27,9 @@ from toothspace.films.journal.bearing import JournalBearing
 from toothspace.films.journal.geometry import Groove, Lobes
 from toothspace.films.journal.shaft_motion import OrbitSettings, shaft_orbit
 from toothspace.films.journal.solution import JournalBearingSolution
-from toothspace.films.lateral.rigid_faces import FaceSetting, solve_faces
-from toothspace.films.plane.pad import Pad, Pocket
-from toothspace.films.plane.ring import LateralFilm
+from toothspace.films.lateral.rigid_faces import FaceFilms, FaceSetting, solve_faces
+from toothspace.films.plane.pad import Pad, PadSolution, Pocket
+from toothspace.films.plane.ring import LateralFilm, LateralSolution
 from toothspace.films.reynolds.fluid import FilmFluid
 from toothspace.films.reynolds.rough_surfaces import RoughSurfaces
 from toothspace.films.summaries import (
@@ -54,16 +53,12 @@ FILE_SUFFIXES: Mapping[str, Callable[[FilmSolution, Path], None]] = {
 }
 """How the fields of a film are written, by the ending of the file."""
 
-
-@final
-@dataclass(frozen=True)
-class CaseFilms:
-    """Films of a case by name, and their numbers."""
-
-    films: Mapping[str, FilmSolution]
-    """Solved films; one without a name, or one per body."""
-    summary: dict[str, Any]
-    """Numbers with unit suffixes."""
+_SUMMARIES: Mapping[type, Callable[[Any], dict[str, Any]]] = {
+    JournalBearingSolution: bearing_summary,
+    PadSolution: pad_summary,
+    LateralSolution: ring_summary,
+    FaceFilms: faces_summary,
+}
 
 
 def solve(
@@ -89,27 +84,59 @@ def solve(
         allowed = ", ".join(FILE_SUFFIXES)
         raise CaseError(f"-o: found the ending {fields.suffix!r}, allowed {allowed}")
     started = time.perf_counter() - compile_seconds()
+    assert keys is not None
+    film, heat = _heated(case, keys, _film_at(case, keys, describe))
+    summary = _SUMMARIES[type(film)](film) | heat
+    if isinstance(keys, JournalBearingCase) and keys.orbit is not None:
+        summary |= _orbit(cast(JournalBearingSolution, film), keys.orbit, keys)
+    if fields is not None:
+        faces = isinstance(film, FaceFilms)
+        for name, one in zip(film.bodies, film.films, strict=True) if faces else [("", film)]:
+            path = fields.with_stem(f"{fields.stem}_{name}") if name else fields
+            FILE_SUFFIXES[fields.suffix.lower()](one, path)
+    return {**summary, "wall_time_s": time.perf_counter() - compile_seconds() - started}
+
+
+def _film_at(
+    case: Case, keys: FilmKeys, describe: Callable[[Case], MachineDescription]
+) -> Callable[[float], Any]:
+    """Film of a table, or those of all bodies of a machine, at a viscosity [Pa s]."""
     match keys:
         case JournalBearingCase():
-            found = _solve_journal(case, keys)
+            if keys.heat is not None and keys.orbit is not None:
+                raise CaseError("bearing.heat: found an orbit, allowed a steady film")
+            own = {
+                "grooves": tuple(Groove(**vars(groove)) for groove in keys.grooves),
+                "lobes": None if keys.lobes is None else Lobes(**vars(keys.lobes)),
+            }
+            return lambda mu: _journal_film(_made(JournalBearing, keys, mu, **own), keys)
         case FilmCase():
-            found = _solve_pad(case, keys)
+            p = keys.pocket
+            pocket = None if p is None else Pocket(p.depth, p.x, p.length, p.width)
+            return lambda mu: _made(Pad, keys, mu, pocket=pocket).solve(
+                speed=keys.speed, squeeze_velocity=keys.squeeze_velocity
+            )
         case RingFilmCase():
-            found = _solve_ring(case, keys)
+            return lambda mu: _made(LateralFilm, keys, mu).solve(
+                shaft_speed=keys.shaft_speed, squeeze_velocity=keys.squeeze_velocity
+            )
         case _:
             assert isinstance(keys, LateralFilmCase)
-            found = _solve_faces(case, keys, describe(case))
-    if fields is not None:
-        for name, film in found.films.items():
-            path = fields.with_stem(f"{fields.stem}_{name}") if name else fields
-            FILE_SUFFIXES[fields.suffix.lower()](film, path)
-    return {**found.summary, "wall_time_s": time.perf_counter() - compile_seconds() - started}
+            machine = describe(case)
+            condition = OperatingCondition(
+                shaft_speed=keys.shaft_speed,
+                inlet_pressure=keys.inlet_pressure,
+                outlet_pressure=keys.outlet_pressure,
+                drain_pressure=machine.drain_pressure,
+            )
+            return lambda mu: solve_faces(machine, condition, _made(FaceSetting, keys, mu))
 
 
 def _heated(
-    case: Case, keys: FilmKeys, solve: Callable[[float], Film], place: str = "film"
+    case: Case, keys: FilmKeys, solve: Callable[[float], Film]
 ) -> tuple[Film, dict[str, Any]]:
     """Film at its viscosity, and the numbers of its heat balance if there is one."""
+    place = "bearing" if isinstance(keys, JournalBearingCase) else "film"
     if keys.heat is None:
         if keys.dynamic_viscosity is None and case.fluid is None:
             allowed = "allowed are a viscosity or a [fluid]"
@@ -126,25 +153,6 @@ def _heated(
             raise CaseError(f"{place}.{error}") from error
         raise
     return heated.film, heat_summary(heated)
-
-
-def _solve_journal(case: Case, keys: JournalBearingCase) -> CaseFilms:
-    if keys.heat is not None and keys.orbit is not None:
-        raise CaseError("bearing.heat: found an orbit, allowed a steady film")
-    own = {
-        "grooves": tuple(Groove(**vars(groove)) for groove in keys.grooves),
-        "lobes": None if keys.lobes is None else Lobes(**vars(keys.lobes)),
-    }
-    film, heat = _heated(
-        case,
-        keys,
-        lambda viscosity: _journal_film(_made(JournalBearing, keys, viscosity, **own), keys),
-        "bearing",
-    )
-    summary = bearing_summary(film) | heat
-    if keys.orbit is not None:
-        summary |= _orbit(film, keys.orbit, keys)
-    return CaseFilms({"": film}, summary)
 
 
 def _journal_film(bearing: JournalBearing, keys: JournalBearingCase) -> JournalBearingSolution:
@@ -192,46 +200,6 @@ def _orbit(
     status = film.status if found.converged else Status.NOT_CONVERGED
     summary = orbit_summary(found, film.bearing.radial_clearance)
     return {**summary, "status": status.name.lower()}
-
-
-def _solve_pad(case: Case, keys: FilmCase) -> CaseFilms:
-    p = keys.pocket
-    pocket = None if p is None else Pocket(p.depth, p.x, p.length, p.width)
-    film, heat = _heated(
-        case,
-        keys,
-        lambda viscosity: _made(Pad, keys, viscosity, pocket=pocket).solve(
-            speed=keys.speed, squeeze_velocity=keys.squeeze_velocity
-        ),
-    )
-    return CaseFilms({"": film}, pad_summary(film) | heat)
-
-
-def _solve_ring(case: Case, keys: RingFilmCase) -> CaseFilms:
-    film, heat = _heated(
-        case,
-        keys,
-        lambda viscosity: _made(LateralFilm, keys, viscosity).solve(
-            shaft_speed=keys.shaft_speed, squeeze_velocity=keys.squeeze_velocity
-        ),
-    )
-    return CaseFilms({"": film}, ring_summary(film) | heat)
-
-
-def _solve_faces(case: Case, keys: LateralFilmCase, machine: MachineDescription) -> CaseFilms:
-    condition = OperatingCondition(
-        shaft_speed=keys.shaft_speed,
-        inlet_pressure=keys.inlet_pressure,
-        outlet_pressure=keys.outlet_pressure,
-        drain_pressure=machine.drain_pressure,
-    )
-    faces, heat = _heated(
-        case,
-        keys,
-        lambda viscosity: solve_faces(machine, condition, _made(FaceSetting, keys, viscosity)),
-    )
-    films = dict(zip(faces.bodies, faces.films, strict=True))
-    return CaseFilms(films, faces_summary(faces) | heat)
 
 
 def _made(of: Callable[..., T], keys: FilmKeys, dynamic_viscosity: float, **other: Any) -> T:

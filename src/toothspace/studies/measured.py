@@ -12,9 +12,9 @@ import numpy as np
 
 from toothspace.case import Case
 from toothspace.core.errors import CaseError
-from toothspace.core.signals import read_rows
+from toothspace.core.signals import finite_number, read_rows, require_unit
 from toothspace.core.types import Array
-from toothspace.core.units import compatible, from_si, to_si
+from toothspace.core.units import from_si, to_si
 from toothspace.results.variables import VARIABLES
 from toothspace.studies.tabulate import unit_of
 
@@ -110,8 +110,10 @@ def read_measured(path: Path) -> Measured:
         head.append((match[1], match[2] or "1"))
     if len(rows) < 2:
         raise CaseError(f"{path}: found no rows, allowed at least one")
-    table = np.array([[_number(path, row, k) for k in range(len(head))] for row in rows[1:]])
     names = [name for name, _ in head]
+    table = np.array(
+        [[finite_number(path, row, k, name) for k, name in enumerate(names)] for row in rows[1:]]
+    )
     if "time" not in names:
         return _steady(path, head, table)
     times: Array = np.zeros(0)
@@ -146,20 +148,9 @@ def _steady(path: Path, head: list[tuple[str, str]], table: Array) -> Measured:
     return Measured(None, settings, channels)
 
 
-def _number(path: Path, row: list[str], place: int) -> float:
-    text = row[place] if place < len(row) else ""
-    try:
-        value = float(text)
-    except ValueError:
-        value = float("nan")
-    if not np.isfinite(value):
-        raise CaseError(f"{path}: found {text!r} in column {place + 1}, allowed a number")
-    return value
-
-
 def _in_si(path: Path, name: str, unit: str, column: Array) -> Array:
     wanted = "s" if name == "time" else "Pa" if name == _DIFFERENCE else _units(path, name)
-    _check_unit(path, name, unit, wanted)
+    require_unit(path, name, unit, wanted)
     return column if unit == "1" else np.array([to_si(x, unit) for x in column.tolist()])
 
 
@@ -174,16 +165,7 @@ def _units(path: Path, name: str) -> str:
 
 def _in_unit_of_name(path: Path, name: str, unit: str, column: Array) -> Array:
     wanted = unit_of(name).replace("cm3", "cm^3").replace("%", "1")
-    _check_unit(path, name, unit.replace("%", "1"), wanted)
+    require_unit(path, name, unit.replace("%", "1"), wanted)
     if wanted in {"1", unit}:
         return column
     return np.array([from_si(to_si(x, unit), wanted) for x in column.tolist()])
-
-
-def _check_unit(path: Path, name: str, unit: str, wanted: str) -> None:
-    try:
-        fits = unit == wanted or ("1" not in {unit, wanted} and compatible(unit, wanted))
-    except CaseError:
-        fits = False
-    if not fits:
-        raise CaseError(f"{path}: {name}: found the unit {unit!r}, allowed {wanted!r}")

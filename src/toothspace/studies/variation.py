@@ -12,7 +12,7 @@ import numpy as np
 
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
-from toothspace.core.units import compatible, from_si, split_quantity, to_si
+from toothspace.core.units import compatible, from_si, is_quantity, split_quantity, to_si
 
 _LARGEST_GRID = 1_000_000
 _LARGEST_DEVIATION = 6.0
@@ -183,9 +183,9 @@ def _all_whole(given: Sequence[Any]) -> bool:
 
 def _numbers(given: Sequence[Any], where: str) -> tuple[list[Any], str]:
     """Numbers of texts with units, all in the unit of the first one; words stay words."""
-    if not any(_is_quantity(value) for value in given):
+    if not any(is_quantity(value) for value in given):
         return list(given), ""
-    if not all(_is_quantity(value) for value in given):
+    if not all(is_quantity(value) for value in given):
         raise CaseError(f"{where}: found {list(given)!r}, allowed values that all have a unit")
     pairs = [split_quantity(value) for value in given]
     unit = pairs[0][1]
@@ -193,13 +193,3 @@ def _numbers(given: Sequence[Any], where: str) -> tuple[list[Any], str]:
         if not compatible(other, unit):
             raise CaseError(f"{where}: found {value!r}, allowed a value in {unit} or alike")
     return [n if other == unit else from_si(to_si(n, other), unit) for n, other in pairs], unit
-
-
-def _is_quantity(value: Any) -> bool:
-    if not isinstance(value, str):
-        return False
-    try:
-        split_quantity(value)
-    except CaseError:
-        return False
-    return True

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from toothspace.core.errors import CaseError
 from toothspace.core.keys import KeyRuleError
-from toothspace.core.signals import read_columns
+from toothspace.core.signals import read_grid
 from toothspace.machines.external_gear.parameter_tables import SealParameters
 
 _COLUMNS = {"temperature": "degC", "penetration": "mm", "friction_force": "N"}
@@ -37,15 +34,7 @@ def seal_torque(seals: SealParameters | None, shaft_diameter: float) -> float:
         return seals.shaft_seal_torque or 0.0
     from scipy.interpolate import RegularGridInterpolator
 
-    columns = read_columns(seals.table, _COLUMNS)
-    axes = [np.unique(columns[name]) for name in ("temperature", "penetration")]
-    order = np.lexsort((columns["penetration"], columns["temperature"]))
-    if order.size != axes[0].size * axes[1].size or min(a.size for a in axes) < 2:
-        found = f"{order.size} rows at {axes[0].size} temperatures and {axes[1].size} penetrations"
-        raise CaseError(
-            f"{seals.table}: found {found}, allowed each pair once, two of both or more"
-        )
-    values = columns["friction_force"][order].reshape(axes[0].size, axes[1].size)
+    *axes, values = read_grid(seals.table, _COLUMNS)
     for name, axis in zip(("temperature", "penetration"), axes, strict=True):
         asked = getattr(seals, name)
         if not axis[0] <= asked <= axis[-1]:
