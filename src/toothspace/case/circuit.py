@@ -10,7 +10,6 @@ from typing import Any, final
 
 from toothspace.core.frozen import FrozenDict
 from toothspace.core.keys import (
-    Items,
     KeyRuleError,
     KeyTable,
     Named,
@@ -25,6 +24,7 @@ from toothspace.core.keys import (
     forbid,
     instead_of,
     integer,
+    items,
     number,
     quantity,
     require,
@@ -37,7 +37,7 @@ _SPEED = QuantityKey(unit="rpm", low=-50000, high=50000)
 def _over_time(value: Any, name: str) -> Any:
     item = Row(items=(QuantityKey(unit="s", low=0, high=1e6), value))
     doc = f"Pairs of time and {name}, joined by straight lines."
-    return declare(Items(item=item, low=1, doc=doc), None)
+    return items(item, doc, low=1, default=None)
 
 
 def _check_history(owner: Any, key: str) -> None:
@@ -338,11 +338,9 @@ class Circuit(KeyTable):
     initial_shaft_angle: float = quantity(
         "deg", "Shaft angle at time zero.", low=-360, high=360, default=0.0
     )
-    connections: tuple[tuple[str, str], ...] = declare(
-        Items(
-            item=Row(items=(Text(), Text())),
-            doc="Pairs of element names or machine.inlet, machine.outlet, machine.drain.",
-        )
+    connections: tuple[tuple[str, str], ...] = items(
+        Row(items=(Text(), Text())),
+        "Pairs of element names or machine.inlet, machine.outlet, machine.drain.",
     )
     elements: Mapping[str, Any] = declare(
         Named(item=ELEMENT_KEY, beside=True, doc="Elements by name."), FrozenDict()

@@ -12,17 +12,16 @@ from toothspace.core.frozen import Columns
 from toothspace.core.keys import (
     Choice,
     Integer,
-    Items,
     KeyRuleError,
     KeyTable,
     QuantityKey,
-    Row,
     choice,
-    declare,
     file_path,
     forbid,
     integer,
+    items,
     number,
+    pair,
     quantity,
     require,
     table,
@@ -107,8 +106,8 @@ class OperatingPoint(KeyTable):
         "source of constant pressure to the inlet of a motor.",
         default=None,
     )
-    shaft_radial_load: tuple[float, float] = declare(
-        Row(items=(_FORCE, _FORCE), doc="External force on the shaft (x, y)."), (0.0, 0.0)
+    shaft_radial_load: tuple[float, float] = pair(
+        _FORCE, "External force on the shaft (x, y).", default=(0.0, 0.0)
     )
 
 
@@ -209,14 +208,12 @@ class RunSettings(KeyTable):
         high=10**6,
         default=4000,
     )
-    channels: tuple[str, ...] | None = declare(
-        Items(
-            item=Choice(options=CHANNELS),
-            doc="What a run over time keeps of the values with one column per tooth space, body, "
-            "contact, mechanism or node; all if not given.",
-            low=0,
-        ),
-        None,
+    channels: tuple[str, ...] | None = items(
+        Choice(options=CHANNELS),
+        "What a run over time keeps of the values with one column per tooth space, body, "
+        "contact, mechanism or node; all if not given.",
+        low=0,
+        default=None,
     )
     relative_tolerance: float = number(
         "Local error of the time integration.", low=1e-12, high=1e-4, default=1e-6
@@ -242,9 +239,8 @@ class RunSettings(KeyTable):
         default="winkler",
         former={"columns": "winkler"},
     )
-    film_grid: tuple[int, int] = declare(
-        Row(items=(_CELLS, _CELLS), doc="Cells of each lateral film, round and along the radius."),
-        (126, 18),
+    film_grid: tuple[int, int] = pair(
+        _CELLS, "Cells of each lateral film, round and along the radius.", default=(126, 18)
     )
     film_oil_share: float = number(
         "Part of the power that a lateral film dissipates which its oil carries away and becomes "

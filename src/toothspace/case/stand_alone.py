@@ -8,9 +8,7 @@ from itertools import pairwise
 from typing import final
 
 from toothspace.core.keys import (
-    Flag,
     Integer,
-    Items,
     KeyRuleError,
     KeyTable,
     Number,
@@ -18,10 +16,12 @@ from toothspace.core.keys import (
     Row,
     Table,
     choice,
-    declare,
+    flag,
     forbid,
     integer,
+    items,
     number,
+    pair,
     quantity,
     require,
     table,
@@ -85,13 +85,11 @@ class FilmSurfaces(KeyTable):
     roughness_over_radius: float = number(
         "Roughness over asperity radius, of Greenwood and Tripp.", above=0, high=1, default=1e-3
     )
-    contact_points: tuple[tuple[float, float], ...] = declare(
-        Items(
-            item=Row(items=(Number(low=-5, high=20), QuantityKey(unit="MPa", above=0, high=1e6))),
-            doc="Gap over roughness and asperity pressure, for the law 'table'.",
-            low=0,
-        ),
-        (),
+    contact_points: tuple[tuple[float, float], ...] = items(
+        Row(items=(Number(low=-5, high=20), QuantityKey(unit="MPa", above=0, high=1e6))),
+        "Gap over roughness and asperity pressure, for the law 'table'.",
+        low=0,
+        default=(),
     )
 
     def __post_init__(self) -> None:
@@ -163,9 +161,7 @@ class ShaftOrbit(KeyTable):
     unbalance: float = quantity(
         "kg m", "Mass times its distance from the axis.", low=0, high=1e3, default=0.0
     )
-    film_memory: bool = declare(
-        Flag(doc="Whether the liquid in the cavity is followed in time."), False
-    )
+    film_memory: bool = flag("Whether the liquid in the cavity is followed in time.", default=False)
 
     def __post_init__(self) -> None:
         if self.time_step > self.duration:
@@ -217,17 +213,17 @@ class JournalBearingCase(FilmKeys):
         "um", "Bush radius minus journal radius.", above=0, high=5000
     )
     shaft_speed: float = quantity("rpm", "Speed of the journal.", low=-100000, high=100000)
-    eccentricity: tuple[float, float] | None = declare(
-        Row(items=(_RATIO, _RATIO), doc="Displacement x, y over clearance."), None
+    eccentricity: tuple[float, float] | None = pair(
+        _RATIO, "Displacement x, y over clearance.", default=None
     )
-    load: tuple[float, float] | None = declare(
-        Row(items=(_FORCE, _FORCE), doc="Force on the shaft; the equilibrium is found."), None
+    load: tuple[float, float] | None = pair(
+        _FORCE, "Force on the shaft; the equilibrium is found.", default=None
     )
-    velocity: tuple[float, float] = declare(
-        Row(items=(_SPEED, _SPEED), doc="Velocity of the shaft centre."), (0.0, 0.0)
+    velocity: tuple[float, float] = pair(
+        _SPEED, "Velocity of the shaft centre.", default=(0.0, 0.0)
     )
-    tilt: tuple[float, float] = declare(
-        Row(items=(_TILT, _TILT), doc="Rotation of the shaft about x and y."), (0.0, 0.0)
+    tilt: tuple[float, float] = pair(
+        _TILT, "Rotation of the shaft about x and y.", default=(0.0, 0.0)
     )
     end_pressure: float = quantity(
         "bar", "Absolute pressure at both ends.", low=0, high=1000, default=1e5
@@ -235,17 +231,16 @@ class JournalBearingCase(FilmKeys):
     cavitation_pressure: float = quantity(
         "bar", "Absolute pressure in the cavity.", low=0, high=1000, default=1e5
     )
-    grid: tuple[int, int] = declare(Row(items=(_CELLS, _CELLS), doc=_GRID_DOC), (200, 53))
-    grooves: tuple[BearingGroove, ...] = declare(
-        Items(item=Table(spec=BearingGroove), doc="Supply grooves.", low=0, high=100), ()
+    grid: tuple[int, int] = pair(_CELLS, _GRID_DOC, default=(200, 53))
+    grooves: tuple[BearingGroove, ...] = items(
+        Table(spec=BearingGroove), "Supply grooves.", low=0, high=100, default=()
     )
     lobes: BearingLobes | None = table(BearingLobes, "Lobes; a cylinder without.", default=None)
     bush_speed: float = quantity(
         "rpm", "Speed of the bush; grooves rest.", low=-100000, high=100000, default=0.0
     )
-    moment: tuple[float, float] | None = declare(
-        Row(items=(_MOMENT, _MOMENT), doc="Moment x, y on the shaft, which is then free to tilt."),
-        None,
+    moment: tuple[float, float] | None = pair(
+        _MOMENT, "Moment x, y on the shaft, which is then free to tilt.", default=None
     )
     end_condition: str = choice("Ends of the film.", "pressure", "no_flow", default="pressure")
     supply: str = choice(
@@ -303,7 +298,7 @@ class FilmCase(FilmKeys):
     squeeze_velocity: float = quantity(
         "m/s", "Velocity of the pad away from the wall.", low=-100, high=100, default=0.0
     )
-    grid: tuple[int, int] = declare(Row(items=(_CELLS, _CELLS), doc=_GRID_DOC), (256, 128))
+    grid: tuple[int, int] = pair(_CELLS, _GRID_DOC, default=(256, 128))
 
 
 @final
@@ -312,8 +307,8 @@ class LateralFilmCase(FilmKeys):
     """``[film]`` with ``kind = "lateral"``: film of a machine's bushing face at one angle."""
 
     side_gap: float = quantity("um", "Film height at the reference point.", above=0, high=1000)
-    tilt: tuple[float, float] = declare(
-        Row(items=(_TILT, _TILT), doc="Rotation of the bushing about x and y."), (0.0, 0.0)
+    tilt: tuple[float, float] = pair(
+        _TILT, "Rotation of the bushing about x and y.", default=(0.0, 0.0)
     )
     shaft_angle: float = quantity(
         "deg", "Angle of the drive gear.", low=-360, high=360, default=0.0
@@ -321,7 +316,7 @@ class LateralFilmCase(FilmKeys):
     shaft_speed: float = quantity("rpm", "Shaft speed.", low=0, high=50000)
     inlet_pressure: float = quantity("bar", "Absolute pressure.", above=0, high=1000)
     outlet_pressure: float = quantity("bar", "Absolute pressure.", above=0, high=1000)
-    grid: tuple[int, int] = declare(Row(items=(_CELLS, _CELLS), doc=_GRID_DOC), (256, 64))
+    grid: tuple[int, int] = pair(_CELLS, _GRID_DOC, default=(256, 64))
 
 
 @final
@@ -332,8 +327,8 @@ class RingFilmCase(FilmKeys):
     inner_radius: float = quantity("mm", "Inner radius; zero for a disc.", low=0, high=2000)
     outer_radius: float = quantity("mm", "Outer radius.", above=0, high=2000)
     side_gap: float = quantity("um", "Film height on the axis.", above=0, high=10000)
-    tilt: tuple[float, float] = declare(
-        Row(items=(_TILT, _TILT), doc="Rotation of the upper face about x and y."), (0.0, 0.0)
+    tilt: tuple[float, float] = pair(
+        _TILT, "Rotation of the upper face about x and y.", default=(0.0, 0.0)
     )
     shaft_speed: float = quantity("rpm", "Speed of the lower face.", low=-100000, high=100000)
     squeeze_velocity: float = quantity(
@@ -345,7 +340,7 @@ class RingFilmCase(FilmKeys):
     outer_pressure: float | None = quantity(
         "bar", "Absolute pressure at the outer rim; a wall without.", low=0, high=5000, default=None
     )
-    grid: tuple[int, int] = declare(Row(items=(_CELLS, _CELLS), doc=_GRID_DOC), (256, 64))
+    grid: tuple[int, int] = pair(_CELLS, _GRID_DOC, default=(256, 64))
 
     def __post_init__(self) -> None:
         if self.inner_radius >= self.outer_radius:

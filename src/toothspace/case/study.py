@@ -9,10 +9,7 @@ from pathlib import Path
 from typing import Any, final
 
 from toothspace.core.keys import (
-    Flag,
     Free,
-    Grid,
-    Items,
     KeyRuleError,
     KeyTable,
     Named,
@@ -23,8 +20,11 @@ from toothspace.core.keys import (
     choice,
     declare,
     file_path,
+    flag,
     forbid,
+    grid,
     integer,
+    items,
     number,
     quantity,
     require,
@@ -42,8 +42,8 @@ _LARGEST_COUNT = 10000
 class StartupStudy(KeyTable):
     """``kind = "startup"``: start-up over plateau speeds and start angles."""
 
-    plateau_speed: tuple[float, ...] | None = declare(
-        Grid(item=_SPEED, doc="Plateau speeds of the supply."), None
+    plateau_speed: tuple[float, ...] | None = grid(
+        _SPEED, "Plateau speeds of the supply.", default=None
     )
     start_angle_count: int = integer(
         "Start angles over one tooth pitch.", low=1, high=360, default=1
@@ -55,10 +55,8 @@ class StartupStudy(KeyTable):
 class EfficiencyMapStudy(KeyTable):
     """``kind = "efficiency_map"``: steady points over speed and pressure difference."""
 
-    shaft_speed: tuple[float, ...] = declare(Grid(item=_SPEED, doc="Shaft speeds."))
-    pressure_difference: tuple[float, ...] = declare(
-        Grid(item=_PRESSURE, doc="High minus low pressure.")
-    )
+    shaft_speed: tuple[float, ...] = grid(_SPEED, "Shaft speeds.")
+    pressure_difference: tuple[float, ...] = grid(_PRESSURE, "High minus low pressure.")
     measured: Path | None = file_path(
         "Rows of operating_point.shaft_speed, one port pressure of operating_point and "
         "mean_torque_N_m or mean_flow_L_per_min, to lay over the results.",
@@ -72,9 +70,7 @@ class EfficiencyMapStudy(KeyTable):
 class HysteresisStudy(KeyTable):
     """``kind = "hysteresis"``: pressures up and down with bearing friction."""
 
-    outlet_pressures: tuple[float, ...] = declare(
-        Items(item=_PRESSURE, doc="Outlet pressures in their order.")
-    )
+    outlet_pressures: tuple[float, ...] = items(_PRESSURE, "Outlet pressures in their order.")
     start_gap: float = quantity("um", "Gap that the first point starts from.", above=0, high=100)
     friction_coefficient: float = number("Friction in the housing.", low=0, high=1)
     breakaway_speed: float = quantity("mm/s", "Speed of the friction peak.", above=0, high=1e4)
@@ -110,10 +106,8 @@ class HysteresisStudy(KeyTable):
 class BearingMapStudy(KeyTable):
     """``kind = "bearing_map"``: equilibrium of a floating bearing over speed and pressure."""
 
-    shaft_speed: tuple[float, ...] = declare(Grid(item=_SPEED, doc="Shaft speeds."))
-    outlet_pressure: tuple[float, ...] = declare(
-        Grid(item=_PRESSURE, doc="Absolute outlet pressures.")
-    )
+    shaft_speed: tuple[float, ...] = grid(_SPEED, "Shaft speeds.")
+    outlet_pressure: tuple[float, ...] = grid(_PRESSURE, "Absolute outlet pressures.")
     start_gap: float = quantity(
         "um", "Gap that every point starts from.", above=0, high=100, default=2e-6
     )
@@ -130,14 +124,14 @@ class BearingMapStudy(KeyTable):
 class BalanceSweepStudy(KeyTable):
     """``kind = "balance_sweep"``: loops of pressure over balanced area and housing friction."""
 
-    balance_ratio: tuple[float, ...] = declare(
-        Grid(item=Number(above=0, high=2), doc="Balanced area over the reference area.")
+    balance_ratio: tuple[float, ...] = grid(
+        Number(above=0, high=2), "Balanced area over the reference area."
     )
-    friction_coefficient: tuple[float, ...] = declare(
-        Items(item=Number(low=0, high=1), doc="Friction in the housing.")
+    friction_coefficient: tuple[float, ...] = items(
+        Number(low=0, high=1), "Friction in the housing."
     )
-    outlet_pressures: tuple[float, ...] = declare(
-        Items(item=_PRESSURE, doc="Outlet pressures in their order, up and down.")
+    outlet_pressures: tuple[float, ...] = items(
+        _PRESSURE, "Outlet pressures in their order, up and down."
     )
     reference_area: float | None = quantity(
         "mm^2",
@@ -173,14 +167,11 @@ class NoseCondition(KeyTable):
 class NosePressureStudy(KeyTable):
     """``kind = "nose_pressure"``: pressure on the nose patch of the floating bearing."""
 
-    nose_pressure_fractions: tuple[float, ...] = declare(
-        Items(
-            item=Number(low=0, high=1),
-            doc="Nose pressure over outlet pressure; 0 means inlet pressure.",
-        )
+    nose_pressure_fractions: tuple[float, ...] = items(
+        Number(low=0, high=1), "Nose pressure over outlet pressure; 0 means inlet pressure."
     )
-    conditions: tuple[NoseCondition, ...] = declare(
-        Items(item=Table(spec=NoseCondition), doc="Operating conditions.")
+    conditions: tuple[NoseCondition, ...] = items(
+        Table(spec=NoseCondition), "Operating conditions."
     )
     friction_coefficient: float = number("Friction in the housing.", low=0, high=1, default=0.02)
     breakaway_speed: float = quantity(
@@ -209,11 +200,11 @@ class ContactSpanStudy(KeyTable):
         high=1,
         default=0.01,
     )
-    tip_clearance: tuple[float, ...] | None = declare(
-        Grid(item=QuantityKey(unit="um", above=0, high=500), doc="Tip clearances."), None
+    tip_clearance: tuple[float, ...] | None = grid(
+        QuantityKey(unit="um", above=0, high=500), "Tip clearances.", default=None
     )
-    pressure_difference: tuple[float, ...] | None = declare(
-        Grid(item=_PRESSURE, doc="Outlet minus inlet pressure."), None
+    pressure_difference: tuple[float, ...] | None = grid(
+        _PRESSURE, "Outlet minus inlet pressure.", default=None
     )
     measured: Path | None = file_path(
         "Columns time [s], shaft_torque and outlet_pressure to lay over the results.",
@@ -227,11 +218,9 @@ class ContactSpanStudy(KeyTable):
 class SourceRippleStudy(KeyTable):
     """``kind = "source_ripple"``: source flow and source impedance from lines of two lengths."""
 
-    line_length: tuple[float, ...] = declare(
-        Grid(
-            item=QuantityKey(unit="m", above=0, high=1000),
-            doc="Lengths of operating_point.line, at least two; its cells keep their length.",
-        )
+    line_length: tuple[float, ...] = grid(
+        QuantityKey(unit="m", above=0, high=1000),
+        "Lengths of operating_point.line, at least two; its cells keep their length.",
     )
     harmonics: int = integer(
         "Harmonics of the tooth frequency, ISO 10767-1 asks for ten.", low=1, high=40, default=10
@@ -424,8 +413,8 @@ class DesignScanStudy(KeyTable):
     objective: str = text("Number of the geometry report to be made best.")
     goal: str = choice("Direction.", "maximise", "minimise", default="maximise")
     constraints: Mapping[str, Limit] | None = declare(_LIMITS, None)
-    design_rules: bool = declare(
-        Flag(doc="Whether a best design must keep the design rules of the geometry report."), True
+    design_rules: bool = flag(
+        "Whether a best design must keep the design rules of the geometry report.", default=True
     )
     addendum: float | None = number(
         "Height of the teeth above the shifted reference line, in modules, from which tip "

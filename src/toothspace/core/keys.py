@@ -819,6 +819,26 @@ def choice(
     return declare(Choice(doc=doc, options=options, former=former or {}), default)
 
 
+def flag(doc: str, *, default: Any = MISSING) -> Any:
+    """Declare true or false."""
+    return declare(Flag(doc=doc), default)
+
+
+def pair(item: Key, doc: str, *, default: Any = MISSING) -> Any:
+    """Declare two values of one kind."""
+    return declare(Row(items=(item, item), doc=doc), default)
+
+
+def items(item: Key, doc: str, *, default: Any = MISSING, **counts: int) -> Any:
+    """Declare a list of values of one kind, their number with ``low`` and ``high``."""
+    return declare(Items(item=item, doc=doc, **counts), default)
+
+
+def grid(item: QuantityKey | Number, doc: str, *, default: Any = MISSING) -> Any:
+    """Declare values of one kind: a list, or ``from``, ``to`` and ``count``."""
+    return declare(Grid(item=item, doc=doc), default)
+
+
 def text(doc: str, *, default: Any = MISSING) -> Any:
     """Declare a text."""
     return declare(Text(doc=doc), default)

@@ -7,18 +7,17 @@ from pathlib import Path
 from typing import final
 
 from toothspace.core.keys import (
-    Flag,
-    Items,
     KeyTable,
     QuantityKey,
-    Row,
     Table,
     choice,
-    declare,
     file_path,
+    flag,
     forbid,
     instead_of,
+    items,
     number,
+    pair,
     quantity,
     require,
     table,
@@ -28,7 +27,7 @@ from toothspace.gearing.gear_tables import CONTOUR_SUFFIXES
 
 _STEP = (".step", ".stp")
 _FORCE = QuantityKey(unit="N", low=-1e6, high=1e6)
-_POINT = Row(items=(QuantityKey(unit="mm"), QuantityKey(unit="mm")))
+_LENGTH = QuantityKey(unit="mm")
 
 
 @final
@@ -45,9 +44,7 @@ class PressureAreaParameters(KeyTable):
     )
     contour: Path | None = file_path("Closed polygon of the area.", *CONTOUR_SUFFIXES)
     area: float | None = quantity("mm^2", "Area.", low=0, high=1e6, default=None)
-    center: tuple[float, float] | None = declare(
-        Row(items=_POINT.items, doc="Centroid of the area (x, y)."), None
-    )
+    center: tuple[float, float] | None = pair(_LENGTH, "Centroid of the area (x, y).", default=None)
 
     def __post_init__(self) -> None:
         if self.seal_line_x is None and self.contour is None:
@@ -65,9 +62,7 @@ class NoseParameters(KeyTable):
 
     contour: Path | None = file_path("Closed polygon of the patch.", *CONTOUR_SUFFIXES)
     area: float | None = quantity("mm^2", "Area of a square.", low=0, high=1e6, default=None)
-    center: tuple[float, float] | None = declare(
-        Row(items=_POINT.items, doc="Its centroid (x, y)."), None
-    )
+    center: tuple[float, float] | None = pair(_LENGTH, "Its centroid (x, y).", default=None)
 
     def __post_init__(self) -> None:
         instead_of(self, "contour", "area", "center")
@@ -114,16 +109,15 @@ class FloatingBearingParameters(KeyTable):
         NoseParameters, "Patch of the back face with nose pressure.", default=None
     )
     seal_preload: float = quantity("N", "Preload of the seal.", low=0, high=1e5, default=0.0)
-    springs: tuple[SpringParameters, ...] = declare(
-        Items(item=Table(spec=SpringParameters), doc="Springs on the back face.", low=0, high=50),
-        (),
+    springs: tuple[SpringParameters, ...] = items(
+        Table(spec=SpringParameters), "Springs on the back face.", low=0, high=50, default=()
     )
     housing_contact: HousingContactParameters | None = table(
         HousingContactParameters, "Friction in the housing.", default=None
     )
     motion: str = choice("Free motions of bearing and gears.", "full", "axial", default="full")
-    split: bool = declare(
-        Flag(doc="Whether it is cut between the gears into halves that move on their own."), False
+    split: bool = flag(
+        "Whether it is cut between the gears into halves that move on their own.", default=False
     )
     axial_play: float = quantity(
         "um", "Travel away from the gears up to the cover.", above=0, high=5000, default=100e-6
@@ -144,12 +138,10 @@ class FloatingBearingParameters(KeyTable):
         high=1e9,
         default=None,
     )
-    gear_axial_force: tuple[float, float] = declare(
-        Row(
-            items=(_FORCE, _FORCE),
-            doc="Axial force of helical teeth on both gears, along z, at the pitch point.",
-        ),
-        (0.0, 0.0),
+    gear_axial_force: tuple[float, float] = pair(
+        _FORCE,
+        "Axial force of helical teeth on both gears, along z, at the pitch point.",
+        default=(0.0, 0.0),
     )
 
     @property
