@@ -133,17 +133,13 @@ def nearest_place(rotors: Rotors, angle: Array, place: Array, step: float) -> Ar
     low, high = place - step, place + step
     for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
-        rising = _slope(rotors, angle, middle) > 0.0
+        inner, _ = distance_to_inner(rotors, angle, middle)
+        tangent = turned(rotors.inner_curve.tangent(inner), (rotors.turns - 1.0) * angle)
+        along = rotors.outer_curve.tangent(middle)
+        rising = along[..., 0] * tangent[..., 1] - along[..., 1] * tangent[..., 0] > 0.0
         high = np.where(rising, middle, high)
         low = np.where(rising, low, middle)
     return np.asarray(0.5 * (low + high), dtype=float)
-
-
-def _slope(rotors: Rotors, angle: Array, place: Array) -> Array:
-    inner, _ = distance_to_inner(rotors, angle, place)
-    tangent = turned(rotors.inner_curve.tangent(inner), (rotors.turns - 1.0) * angle)
-    along = rotors.outer_curve.tangent(place)
-    return np.asarray(along[..., 0] * tangent[..., 1] - along[..., 1] * tangent[..., 0])
 
 
 def linked(rotors: Rotors, closest: ClosestPoints, nodes: int) -> IntArray:

@@ -151,60 +151,46 @@ def _contact(rotors: Rotors, closest: ClosestPoints, branch: Branch, nodes: int)
     copies = alive // nodes if branch.closed else -(-(alive + 1) // nodes)
     number = branch.first + np.arange(alive)
     angle = np.asarray((number % nodes) * (rotors.pitch / nodes), dtype=float)
-    columns = _filled(_rows(rotors, closest, branch, angle), branch.rows >= 0)
+    columns = _geometry(rotors, closest, branch, angle)
+    here, known = np.arange(alive), branch.rows >= 0
+    for values in columns.values():
+        for column in values.reshape(alive, -1).T:
+            column[~known] = np.interp(here[~known], here[known], column[known])
     if not branch.closed:
-        _fade(columns, rotors.pitch / nodes, rotors.eccentricity)
-    columns[:, _ROLLING] = _rolling(rotors, columns, branch.closed, nodes)
-    place = number % (copies * nodes)
-    whole = np.tile(columns[-1], (copies * nodes, 1))
-    whole[:, _GAP], whole[:, _RATE] = _APART * rotors.eccentricity, 0.0
-    whole[place] = columns
-    near = np.zeros(copies * nodes, dtype=bool)
+        _fade(columns["gap"], columns["gap_rate"], rotors.pitch / nodes, rotors.eccentricity)
+    columns["rolling_sum"] = _rolling(rotors, columns, branch.closed, nodes)
+    place, near = number % (copies * nodes), np.zeros(copies * nodes, dtype=bool)
     near[place] = True
-    return LobeContact(
-        copies=copies,
-        pitch=rotors.pitch,
-        near=near,
-        gap=whole[:, _GAP],
-        gap_rate=whole[:, _RATE],
-        normal=whole[:, _NORMAL],
-        inner_point=whole[:, _INNER],
-        outer_point=whole[:, _OUTER],
-        radius_inner=whole[:, _RADII.start],
-        radius_outer=whole[:, _RADII.start + 1],
-        sliding=whole[:, _SLIDING],
-        rolling_sum=whole[:, _ROLLING],
-    )
+    whole = {name: np.repeat(v[-1:], near.size, axis=0) for name, v in columns.items()}
+    whole["gap"][:], whole["gap_rate"][:] = _APART * rotors.eccentricity, 0.0
+    for name, values in columns.items():
+        whole[name][place] = values
+    return LobeContact(copies=copies, pitch=rotors.pitch, near=near, **whole)
 
 
-_GAP, _RATE, _SLIDING, _ROLLING = 0, 1, 2, 3
-_NORMAL, _INNER, _OUTER, _RADII = slice(4, 6), slice(6, 8), slice(8, 10), slice(10, 12)
-_WIDTH = 12
-
-
-def _rows(rotors: Rotors, closest: ClosestPoints, branch: Branch, angle: Array) -> Array:
-    """All columns but the rolling speed; rows that are lost for a moment are wrong."""
+def _geometry(
+    rotors: Rotors, closest: ClosestPoints, branch: Branch, angle: Array
+) -> dict[str, Array]:
+    """All but the rolling speed, as of :class:`LobeContact`; wrong where lost for a moment."""
     outer, inner = closest.outer[branch.rows], closest.inner[branch.rows]
     turn = rotors.turns * angle
     tangent = turned(rotors.inner_curve.tangent(inner), turn)
     normal = np.column_stack([tangent[:, 1], -tangent[:, 0]])
     arm = turned(rotors.inner_curve.point(inner), turn)
     outer_point = turned(rotors.outer_curve.point(outer), angle)
-    rows = np.zeros((angle.size, _WIDTH))
-    rows[:, _GAP] = closest.gap[branch.rows]
-    rows[:, _NORMAL], rows[:, _INNER], rows[:, _OUTER] = (
-        normal,
-        arm + rotors.inner_center,
-        outer_point,
-    )
     lever = outer_point[:, 0] * normal[:, 1] - outer_point[:, 1] * normal[:, 0]
     drive_lever = arm[:, 0] * normal[:, 1] - arm[:, 1] * normal[:, 0]
-    rows[:, _RATE] = lever - rotors.turns * drive_lever
-    rows[:, _SLIDING] = np.sum((outer_point - rotors.turns * arm) * normal, axis=1)
-    # the outer body lies outside its own outline: a lobe that points inward is convex
-    rows[:, _RADII.start] = _radius(rotors.inner_curve.curvature(inner), rotors.eccentricity)
-    rows[:, _RADII.start + 1] = _radius(-rotors.outer_curve.curvature(outer), rotors.eccentricity)
-    return rows
+    return {
+        "gap": closest.gap[branch.rows],
+        "gap_rate": lever - rotors.turns * drive_lever,
+        "normal": normal,
+        "inner_point": arm + rotors.inner_center,
+        "outer_point": outer_point,
+        # the outer body lies outside its own outline: a lobe that points inward is convex
+        "radius_inner": _radius(rotors.inner_curve.curvature(inner), rotors.eccentricity),
+        "radius_outer": _radius(-rotors.outer_curve.curvature(outer), rotors.eccentricity),
+        "sliding": np.sum((outer_point - rotors.turns * arm) * normal, axis=1),
+    }
 
 
 def _radius(curvature: Array, eccentricity: float) -> Array:
@@ -213,29 +199,21 @@ def _radius(curvature: Array, eccentricity: float) -> Array:
     return np.asarray(np.copysign(1.0 / size, curvature), dtype=float)
 
 
-def _filled(rows: Array, known: BoolArray) -> Array:
-    """Lost rows between their neighbours."""
-    number = np.arange(known.size)
-    for column in rows.T:
-        column[~known] = np.interp(number[~known], number[known], column[known])
-    return rows
-
-
-def _fade(rows: Array, step: float, eccentricity: float) -> None:
+def _fade(gap: Array, rate: Array, step: float, eccentricity: float) -> None:
     """Open the gap of a contact before it merges with another one.
 
     Where two closest places become one, one ends at a gap that may carry load; its load has
     to pass to the other without a jump.
     """
-    count = min(_FADING_NODES, rows.shape[0] // 2)
+    count = min(_FADING_NODES, gap.size // 2)
     extra, slope, _ = fading(np.arange(1, count + 1), step, eccentricity)
     loaded = (_FOLLOWED - _FADED) * eccentricity
-    if rows[-1, _GAP] < loaded:
-        rows[-count:, _GAP] += extra
-        rows[-count:, _RATE] += slope
-    if rows[0, _GAP] < loaded:
-        rows[:count, _GAP] += extra[::-1]
-        rows[:count, _RATE] -= slope[::-1]
+    if gap[-1] < loaded:
+        gap[-count:] += extra
+        rate[-count:] += slope
+    if gap[0] < loaded:
+        gap[:count] += extra[::-1]
+        rate[:count] -= slope[::-1]
 
 
 def fading(beyond: IntArray, step: float, eccentricity: float) -> tuple[Array, Array, float]:
@@ -263,18 +241,14 @@ def fading(beyond: IntArray, step: float, eccentricity: float) -> tuple[Array, A
     return extra, 2.0 * faded * part / (_FADING_NODES * step), apart
 
 
-def _rolling(rotors: Rotors, rows: Array, closed: bool, nodes: int) -> Array:
+def _rolling(rotors: Rotors, columns: dict[str, Array], closed: bool, nodes: int) -> Array:
     """Sum of the surface speeds relative to the moving contact point. [m/rad]."""
-    reach = _SPEED_NODES
-    if closed:
-        outer = np.vstack([rows[-reach:, _OUTER], rows[:, _OUTER], rows[:reach, _OUTER]])
-    else:
-        outer = np.pad(rows[:, _OUTER], ((reach, reach), (0, 0)), mode="edge")
+    point, normal, reach = columns["outer_point"], columns["normal"], _SPEED_NODES
+    outer = np.pad(point, ((reach, reach), (0, 0)), mode="wrap" if closed else "edge")
     moved = (outer[2 * reach :] - outer[: -2 * reach]) / (2 * reach * rotors.pitch / nodes)
-    normal = rows[:, _NORMAL]
     along = -moved[:, 0] * normal[:, 1] + moved[:, 1] * normal[:, 0]
-    arm = rows[:, _INNER] + [0.0, rotors.eccentricity]
-    speeds = np.sum((rows[:, _OUTER] + rotors.turns * arm) * normal, axis=1)
+    arm = columns["inner_point"] + [0.0, rotors.eccentricity]
+    speeds = np.sum((point + rotors.turns * arm) * normal, axis=1)
     return np.asarray(
         np.maximum(np.abs(speeds - 2.0 * along), _RADIUS_RANGE[0] * rotors.eccentricity),
         dtype=float,

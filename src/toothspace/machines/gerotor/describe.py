@@ -23,7 +23,7 @@ from toothspace.machines.gerotor.lobe_pairs import contact_ratio, rotor_contacts
 from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.pockets import FULL_TURN, Pockets, area_by_motion, pockets
 from toothspace.machines.gerotor.ports import ports_of
-from toothspace.machines.gerotor.profiles import Rotors, rotors_from
+from toothspace.machines.gerotor.profiles import rotors_from
 from toothspace.machines.gerotor.summary import design_checks, geometry_summary
 from toothspace.machines.gerotor.timing import timing_of
 from toothspace.machines.shared_bearings import require_rim, require_shaft_below
@@ -51,7 +51,10 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
         If the rotors cannot be built.
     """
     pocket = pockets(spec.rotors, rotors_from(spec.rotors), nodes)
-    _check_room(spec, pocket.rotors)
+    far, near = (np.hypot(*curve.T) for curve in (pocket.rotors.outer, pocket.rotors.inner))
+    rim, shaft = spec.housing.outer_rotor_diameter, spec.rotors.shaft_diameter or 0.0
+    require_rim("machine.housing.outer_rotor_diameter", rim, float(far.max()))
+    require_shaft_below("machine.rotors.shaft_diameter", shaft, float(near.min()))
     ports = ports_of(spec.ports, pocket, 0.5 * spec.housing.outer_rotor_diameter)
     timing = timing_of(ports, pocket)
     checks = design_checks(spec, pocket, timing)
@@ -84,13 +87,6 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
         | {"contact_ratio": ratio, "warnings": warnings_of(checks)},
         checks=checks,
     )
-
-
-def _check_room(spec: GerotorParameters, rotors: Rotors) -> None:
-    rim, shaft = spec.housing.outer_rotor_diameter, spec.rotors.shaft_diameter or 0.0
-    far, near = float(np.hypot(*rotors.outer.T).max()), float(np.hypot(*rotors.inner.T).min())
-    require_rim("machine.housing.outer_rotor_diameter", rim, far)
-    require_shaft_below("machine.rotors.shaft_diameter", shaft, near)
 
 
 def _families(

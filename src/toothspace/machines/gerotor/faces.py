@@ -13,7 +13,7 @@ from toothspace.gearing.gear_face import under_recesses
 from toothspace.gearing.materials import library_material, reduced_modulus
 from toothspace.machines.gerotor.bodies import BODIES
 from toothspace.machines.gerotor.flow_paths import lobe_phases, pocket_phases, shaft_radius
-from toothspace.machines.gerotor.parameters import FaceGapParameters, GerotorParameters
+from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.pockets import FULL_TURN, Pockets
 from toothspace.machines.gerotor.ports import Ports, throat_place
 from toothspace.machines.shared_bearings import CORRELATION_LENGTH, HOUSING_MATERIAL
@@ -109,7 +109,7 @@ def shared_faces(
     count, shaft = pocket.rotors.outer_tooth_count, shaft_radius(parameters, pocket)
     kidneys = ((count + 1, ports.contours["inlet"]), (count + 2, ports.contours["outlet"]))
     opposite = kidneys if parameters.ports.covers == "both" else ()
-    rim = _rim_film(parameters, count)
+    rim, lateral = _rim_film(parameters, count), parameters.lateral
     outer_radii = (float(np.hypot(*pocket.rotors.inner.T).max()), rim.radius)
     inner_radii = (shaft, float(np.hypot(*pocket.rotors.outer.T).min()))
     centers = ((0.0, -pocket.rotors.eccentricity), (0.0, 0.0))
@@ -132,19 +132,15 @@ def shared_faces(
             sectors=-(-_SECTORS // count),
             surfaces=_surfaces(parameters),
         )
-        for gap, recesses in zip(parameters.lateral.side_gaps, (kidneys, opposite), strict=True)
+        for gap, recesses in zip(lateral.side_gaps, (kidneys, opposite), strict=True)
     )
     return SharedFaces(
         covers=covers,
         rim=rim,
         families=(family,),
         replaced=("lateral", "drain", "rim", "film_end"),
-        motion=cast(Any, _motion(parameters.lateral)),
+        motion=cast(Any, "none" if lateral.position == "given" else lateral.motion or "full"),
     )
-
-
-def _motion(lateral: FaceGapParameters) -> str:
-    return "none" if lateral.position == "given" else lateral.motion or "full"
 
 
 def _surfaces(parameters: GerotorParameters) -> FaceSurfaces:

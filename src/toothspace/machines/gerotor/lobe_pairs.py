@@ -8,7 +8,6 @@ from typing import Literal
 import numpy as np
 from scipy.ndimage import minimum_filter1d
 
-from toothspace.core.types import Array
 from toothspace.gearing.materials import library_material, reduced_modulus
 from toothspace.machines.gerotor.bodies import BODIES, motions
 from toothspace.machines.gerotor.contact_table import LobeContact, fading, lobe_contacts
@@ -124,16 +123,11 @@ def _by_motion(
         side = BODIES.index(motion.body)
         sign = (-1.0, 1.0)[side]
         if motion.axis == "rotation":
-            column[:] = sign * _moment(arms[side], contact.normal, along=along)
+            x, y = arms[side].T
+            column[:] = sign * (x * direction[:, 1] - y * direction[:, 0])
         elif motion.axis in "xy":
             column[:] = sign * direction[:, "xy".index(motion.axis)]
     return monotone_table(contact.period, columns)
-
-
-def _moment(arm: Array, normal: Array, *, along: bool) -> Array:
-    if along:
-        return np.asarray(np.sum(arm * normal, axis=1), dtype=float)
-    return np.asarray(arm[:, 0] * normal[:, 1] - arm[:, 1] * normal[:, 0], dtype=float)
 
 
 def single_contact(contact: LobeContact, sign: float, eccentricity: float) -> LobeContact:

@@ -104,21 +104,17 @@ def pockets(parameters: RotorParameters, rotors: Rotors, nodes: int) -> Pockets:
     per_pitch = 2 * max(round(0.5 * nodes / rotors.outer_tooth_count), 4)
     count = per_pitch * rotors.outer_tooth_count
     path = lobe_path(parameters, rotors, FULL_TURN * np.arange(count) / count)
-    _check_overlap(rotors, path)
-    rate = _area_rate(rotors, path, per_pitch // 2)
-    area = _integrated(parameters, rotors, count, rate)
-    enclosed = signed_area(rotors.outer) - signed_area(rotors.inner)
-    area += enclosed / rotors.outer_tooth_count - float(np.mean(area))
-    return Pockets(rotors, path, area, rate)
-
-
-def _check_overlap(rotors: Rotors, path: LobePath) -> None:
     least = float(path.gap.min())
     if least < -_OVERLAP_LIMIT:
         raise GeometryError(
             f"machine.rotors.eccentricity: found {rotors.eccentricity * 1e3:.5g} mm, at which the "
             f"rotors overlap by {-least * 1e3:.3g} mm, allowed below {_OVERLAP_LIMIT * 1e3:.2g} mm"
         )
+    rate = _area_rate(rotors, path, per_pitch // 2)
+    area = _integrated(parameters, rotors, count, rate)
+    enclosed = signed_area(rotors.outer) - signed_area(rotors.inner)
+    area += enclosed / rotors.outer_tooth_count - float(np.mean(area))
+    return Pockets(rotors, path, area, rate)
 
 
 def _area_rate(rotors: Rotors, path: LobePath, half_pitch_nodes: int) -> Array:

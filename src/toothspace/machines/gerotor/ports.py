@@ -10,7 +10,7 @@ import shapely
 
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
-from toothspace.geometry.curve import turned
+from toothspace.geometry.curve import polar, turned
 from toothspace.geometry.polygon import load_polygons
 from toothspace.machines.gerotor.parameters import PortContourParameters
 from toothspace.machines.gerotor.pockets import FULL_TURN, Pockets
@@ -101,15 +101,10 @@ def ports_of(parameters: PortContourParameters, pocket: Pockets, rim_radius: flo
     slot = 0.5 * width / rim_radius, width, length
     if parameters.contour is not None:
         return replace(_from_file(parameters, (*lands, inner, outer)), slot=slot)
-    kidney = _kidney((inner, outer), (lands[1], np.pi - lands[0]))
+    angle = np.linspace(lands[1], np.pi - lands[0], _POLYGON_POINTS) - 0.5 * np.pi
+    kidney = np.vstack([polar(outer, angle), polar(inner, angle[::-1])])
     mirrored = (kidney * np.array([-1.0, 1.0]))[::-1]
     return Ports(*lands, inner, outer, {"inlet": kidney, "outlet": mirrored}, slot)
-
-
-def _kidney(radii: tuple[float, float], places: tuple[float, float]) -> Array:
-    angle = np.linspace(*places, _POLYGON_POINTS) - 0.5 * np.pi
-    ray = np.column_stack([np.cos(angle), np.sin(angle)])
-    return np.vstack([radii[1] * ray, radii[0] * ray[::-1]])
 
 
 def _from_file(
@@ -149,9 +144,16 @@ def openings(ports: Ports, pocket: Pockets, port: str) -> Array:
         cut = shapely.intersection(kidney, shape)
         if cut.area > _LEAST_AREA:
             table[node] = cut.area, 4.0 * cut.area / cut.length
-    return (
-        table if ports.slot[0] == 0.0 else _with_slot(table, radial_openings(ports, pocket, port))
-    )
+    if ports.slot[0] == 0.0:
+        return table
+    # kidney and slot side by side
+    slot_area, slot_wetted = radial_openings(ports, pocket, port).T
+    kidney_area, kidney_diameter = table.T
+    none, area = np.zeros(len(table)), kidney_area + slot_area
+    wetted = np.divide(4.0 * kidney_area, kidney_diameter, out=none, where=kidney_diameter > 0.0)
+    wetted = wetted + np.where(slot_area > 0.0, slot_wetted, 0.0)
+    diameter = np.divide(4.0 * area, wetted, out=np.zeros(len(table)), where=wetted > 0.0)
+    return np.column_stack([area, diameter])
 
 
 def radial_openings(ports: Ports, pocket: Pockets, port: str) -> Array:
@@ -177,17 +179,6 @@ def radial_openings(ports: Ports, pocket: Pockets, port: str) -> Array:
     overlap = np.minimum(middle + half, ends[1]) - np.maximum(middle - half, ends[0])
     open_width = np.clip(overlap / (2.0 * half), 0.0, 1.0) * width
     return np.column_stack([open_width * length, 2.0 * (open_width + length)])
-
-
-def _with_slot(table: Array, slot: Array) -> Array:
-    """Kidney and slot side by side."""
-    own_length = np.divide(
-        4.0 * table[:, 0], table[:, 1], out=np.zeros(len(table)), where=table[:, 1] > 0.0
-    )
-    area = table[:, 0] + slot[:, 0]
-    wetted = own_length + np.where(slot[:, 0] > 0.0, slot[:, 1], 0.0)
-    diameter = np.divide(4.0 * area, wetted, out=np.zeros(len(table)), where=wetted > 0.0)
-    return np.column_stack([area, diameter])
 
 
 def pocket_polygon(pocket: Pockets, node: int) -> Array:
