@@ -83,7 +83,7 @@ def test_bore_of_a_mesh_seals_as_the_circle_that_was_meshed() -> None:
 def test_single_gear_meshes_with_its_equal(tmp_path: Path) -> None:
     np.savetxt(tmp_path / "gear.txt", 1e3 * outline(0.0), fmt="%.9f")
     text = api.draft_case([tmp_path / "gear.txt"], "mm", SectionRequest(), tmp_path)
-    assert 'normal_backlash = "0.11 mm"     # assumed' in text
+    assert 'normal_backlash = "0.11 mm"      # assumed' in text
     assert "module 2.75 mm, pressure angle 20 deg, profile shift 0.3" in text
     (tmp_path / "pump.toml").write_text(text)
     assert load_case(tmp_path / "pump.toml").machine_spec.drive.tooth.tooth_count == 12

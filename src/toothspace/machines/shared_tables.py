@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -55,6 +56,12 @@ fidelity = "lumped"
 until = "cyclic"
 """
 """First case file round the keys found."""
+
+
+def drafted(key: str, value: object, note: str = "") -> str:
+    """Line of a first case file, with its note in a column of their own."""
+    line = f"{key} = {json.dumps(value)}"
+    return f"{line:<33}# {note}" if note else line
 
 
 @final

@@ -118,10 +118,6 @@ def _pinion(assembly: CrescentAssembly, angle: float) -> shapely.Polygon:
 
 def design_checks(assembly: CrescentAssembly) -> tuple[DesignCheck, ...]:
     """Design-rule report of gears and filler."""
-    return (*_mesh_checks(assembly), *_involute_checks(assembly), *_filler_checks(assembly))
-
-
-def _mesh_checks(assembly: CrescentAssembly) -> list[DesignCheck]:
     fouled, owners = overlap(assembly), ("pinion", "ring")
     module = 2.0 * assembly.mesh.half_pitch * assembly.mesh.pitch_radii[0] / np.pi
     checks = [
@@ -135,7 +131,7 @@ def _mesh_checks(assembly: CrescentAssembly) -> list[DesignCheck]:
         checks.append(root_clearance_check(owner, clearance, module, _LEAST_ROOT_CLEARANCE))
     for owner, land in zip(owners, assembly.tip_lands, strict=True):
         checks.append(tip_land_check(owner, land, module))
-    return checks
+    return (*checks, *_involute_checks(assembly), *_filler_checks(assembly))
 
 
 def _involute_checks(assembly: CrescentAssembly) -> list[DesignCheck]:
@@ -199,23 +195,17 @@ def _filler_checks(assembly: CrescentAssembly) -> list[DesignCheck]:
         sealed = sealed_teeth(assembly, gear)
         checks.append(
             DesignCheck(
-                f"teeth at the filler, {name}",
-                sealed,
-                "1",
-                "at least 1",
-                sealed >= 1.0,
+                f"teeth at the filler, {name}", sealed, "1", "at least 1", sealed >= 1.0,
                 "One tooth at least must seal at any time, or inlet and outlet are joined.",
             )
-        )
+        )  # fmt: skip
         if spec.filler.compensation == "none":
             checks.append(
                 DesignCheck(
-                    f"tip clearance to the filler, {name}",
-                    gaps[gear] * 1e6,
-                    "um",
+                    f"tip clearance to the filler, {name}", gaps[gear] * 1e6, "um",
                     f"above the bearing play of {plays[gear] * 1e6:.4g} um",
                     gaps[gear] > plays[gear],
                     "A gear that moves through its bearing play must not cut the filler.",
                 )
-            )
+            )  # fmt: skip
     return checks

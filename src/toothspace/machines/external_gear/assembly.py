@@ -142,15 +142,9 @@ def _profile_distance(spec: ExternalGearSpec, profiles: tuple[GearProfile, GearP
     for _ in range(40):
         middle = 0.5 * (near + far)
         near, far = (near, middle) if excess(middle) > 0.0 else (middle, far)
-    return _distance_for_backlash(profiles, 0.5 * (near + far), backlash)
-
-
-def _distance_for_backlash(
-    profiles: tuple[GearProfile, GearProfile], start: float, backlash: float
-) -> float:
     # the play along the normal is exact only between the splines themselves
     teeth = tooth_curves(profiles[0]), tooth_curves(profiles[1])
-    distance, step = start, 1e-3 * start
+    distance, step = 0.5 * (near + far), 0.5e-3 * (near + far)
     for _ in range(12):
         found = [_play(teeth, distance + d) for d in (0.0, 1e-3 * step)]
         change = (backlash - found[0]) * 1e-3 * step / (found[1] - found[0])

@@ -192,20 +192,17 @@ def _check_places(block: FloatingBlock, face: Any, high: Any | None) -> None:
                 f"machine.floating_bearing.{key}: found x {x * 1e3:.5g} mm, y {y * 1e3:.5g} mm, "
                 f"allowed {inside} mm"
             )
-    if block.nose.area > 0.0 and high is not None:
-        _check_nose(block, high)
-
-
-def _check_nose(block: FloatingBlock, high: Any) -> None:
-    """Refuse a nose in the high-pressure area: by its outline, or by the centre of a square."""
+    if block.nose.area <= 0.0 or high is None:
+        return
+    # by the outline of the nose, or by the centre of a square
     nose = shapely.Point(*block.nose.center)
     found, key = f"x {nose.x * 1e3:.5g} mm, y {nose.y * 1e3:.5g} mm", "center"
-    inside = bool(shapely.covers(high, nose))
+    shut_in = bool(shapely.covers(high, nose))
     if block.nose_contour is not None:
         shared = float(shapely.intersection(high, nose_outline(block)).area)
         found, key = f"{shared * 1e6:.5g} mm^2", "contour"
-        inside = shared > _SHARED * block.nose.area
-    if inside:
+        shut_in = shared > _SHARED * block.nose.area
+    if shut_in:
         raise GeometryError(
             f"machine.floating_bearing.nose.{key}: found {found} in the high-pressure area, "
             "allowed beside it"

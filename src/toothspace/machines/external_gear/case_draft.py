@@ -32,7 +32,7 @@ from toothspace.geometry.pump_sections import (
     face_recesses,
     machine_frame,
 )
-from toothspace.machines.shared_tables import DRAFT, CaseDraft, named_beside
+from toothspace.machines.shared_tables import DRAFT, CaseDraft, drafted, named_beside
 
 _CLEARANCES = (1e-6, 300e-6)
 """Between tip circle and bore. [m]"""
@@ -91,19 +91,27 @@ def draft_case(
     pair = _pair(contents)
     drive, driven = pair or (contents.gears[0], contents.gears[0])
     around = _surroundings(contents.others, pair, scale) if pair else _Surroundings()
+    parts = [gear.file for gear in contents.gears] + [body.file for body in contents.others]
+    names = dict.fromkeys(named_beside(file, folder) for file in parts if isinstance(file, Path))
     lines = []
     if around.toward:
-        lines.append(
-            f'outlet_toward = "{around.toward}"             # assumed: the outlet may be opposite'
-        )
-    lines += ["", "[machine.gears]", *_part_keys(drive, unit, folder, "profile"), *_width(drive)]
+        note = "assumed: the outlet may be opposite"
+        lines.append(drafted("outlet_toward", around.toward, note))
+    lines += ["", "[machine.gears]", *_part_keys(drive, unit, folder, "profile")]
+    if drive.face_width is None:
+        lines.append(drafted("face_width", "10 mm", "assumed: plane files have none"))
+    else:
+        lines.append(drafted("face_width", f"{1e3 * drive.face_width:.6g} mm"))
     section = {"axis": request.axis, "plane": request.plane and f"{1e3 * request.plane:.6g} mm"}
-    lines += [f"profile_{key} = {json.dumps(value)}" for key, value in section.items() if value]
+    lines += [drafted(f"profile_{k}", value) for k, value in section.items() if value]
     lines += _mesh_keys(drive, driven, paired=pair is not None)
     if pair:
-        lines += ["", "[machine.driven_gear]", *_driven_keys(drive, driven, unit, folder)]
+        own = _part_keys(driven, unit, folder, "profile")
+        # the file and its unit are those of the drive gear, if one file holds both
+        shared = ("profile =", "profile_unit") if driven.file == drive.file else ()
+        lines += ["", "[machine.driven_gear]", *(x for x in own if not x.startswith(shared))]
     text = DRAFT.format(
-        files=_names(contents, folder), machine="external_gear",
+        files=", ".join(names) or "points", machine="external_gear",
         title=json.dumps(
             f"Pump from {drive.file.name if isinstance(drive.file, Path) else 'points'}"
         ),
@@ -112,12 +120,6 @@ def draft_case(
     )  # fmt: skip
     used = (drive, driven if pair else None, around.casing, around.block)
     return CaseDraft(text, sum(part is not None for part in used))
-
-
-def _names(contents: FileContents, folder: Path) -> str:
-    parts = [gear.file for gear in contents.gears] + [body.file for body in contents.others]
-    files = dict.fromkeys(named_beside(file, folder) for file in parts if isinstance(file, Path))
-    return ", ".join(files) or "points"
 
 
 def _pair(contents: FileContents) -> tuple[FoundGear, FoundGear] | None:
@@ -133,27 +135,13 @@ def _pair(contents: FileContents) -> tuple[FoundGear, FoundGear] | None:
 def _part_keys(part: FoundGear | PlainBody, unit: str, folder: Path, stem: str) -> list[str]:
     if not isinstance(part.file, Path):
         return []
-    lines = [f"{stem} = {json.dumps(named_beside(part.file, folder))}"]
+    lines = [drafted(stem, named_beside(part.file, folder))]
     if part.file.suffix.lower() not in STEP_SUFFIXES:
-        lines.append(f'{stem}_unit = "{unit}"')
+        lines.append(drafted(f"{stem}_unit", unit))
     if part.name:
-        lines.append(f"{stem}_part = {json.dumps(part.name)}")
+        lines.append(drafted(f"{stem}_part", part.name))
     elif part.body:
-        lines.append(f"{stem}_body = {part.body}")
-    return lines
-
-
-def _width(gear: FoundGear) -> list[str]:
-    if gear.face_width is None:
-        return ['face_width = "10 mm"             # assumed: plane files have none']
-    return [f'face_width = "{1e3 * gear.face_width:.6g} mm"']
-
-
-def _driven_keys(drive: FoundGear, driven: FoundGear, unit: str, folder: Path) -> list[str]:
-    lines = _part_keys(driven, unit, folder, "profile")
-    if driven.file == drive.file:
-        # the file and its unit are those of the drive gear
-        lines = [line for line in lines if not line.startswith(("profile =", "profile_unit"))]
+        lines.append(drafted(f"{stem}_body", part.body))
     return lines
 
 
@@ -169,46 +157,41 @@ def _mesh_keys(drive: FoundGear, driven: FoundGear, *, paired: bool) -> list[str
     if distance is None:
         profile = drive.detected.profile
         module = 2.0 * profile.tip_radius / (profile.tooth_count + 2)
-        backlash = 1e3 * _BACKLASH * (module if data is None else data.module)
-        return [f'normal_backlash = "{backlash:.4g} mm"     # assumed, or center_distance', teeth]
+        backlash = f"{1e3 * _BACKLASH * (module if data is None else data.module):.4g} mm"
+        return [drafted("normal_backlash", backlash, "assumed, or center_distance"), teeth]
     play = normal_play((drive.detected.profile, driven.detected.profile), distance)
-    return [
-        f'center_distance = "{1e3 * distance:.7g} mm"   # normal backlash {1e3 * play:.4g} mm',
-        teeth,
-    ]
+    note = f"normal backlash {1e3 * play:.4g} mm"
+    return [drafted("center_distance", f"{1e3 * distance:.7g} mm", note), teeth]
 
 
 def _body_keys(drive: FoundGear, around: _Surroundings, unit: str, folder: Path) -> list[str]:
     lines = ["", "[machine.casing]"]
-    if around.casing is None:
-        lines += ['radial_clearance = "20 um"       # assumed',
-                  'inlet_angle = "60 deg"           # assumed: from the mesh to the port edge',
-                  'outlet_angle = "60 deg"          # assumed']  # fmt: skip
+    if around.casing is None or around.clearance is None:
+        lines += [
+            drafted("radial_clearance", "20 um", "assumed"),
+            drafted("inlet_angle", "60 deg", "assumed: from the mesh to the port edge"),
+            drafted("outlet_angle", "60 deg", "assumed"),
+        ]
     else:
-        assert around.clearance is not None
         lines += _part_keys(around.casing, unit, folder, "contour")
-        lines.append(
-            f'radial_clearance = "{1e6 * around.clearance:.4g} um"    # between tip and bore'
-        )
+        clearance = f"{1e6 * around.clearance:.4g} um"
+        lines.append(drafted("radial_clearance", clearance, "between tip and bore"))
     if around.block is not None and around.grooved:
         lines += ["", "[machine.relief_grooves]"]
         lines += _part_keys(around.block, unit, folder, "contour")
     else:
-        lines += [
-            "",
-            "# [machine.relief_grooves] were not found: what is between the teeth is shut",
-        ]
-    measured = around.journal is not None
+        none = "# [machine.relief_grooves] were not found: what is between the teeth is shut"
+        lines += ["", none]
+    note = "bore of the bearing block" if around.journal is not None else "assumed"
     diameter = around.journal or 2.0 * _SHARE_OF_ROOT * drive.detected.profile.root_radius
-    note = "bore of the bearing block" if measured else "assumed"
-    clearance = max(round(1e6 * 0.5e-3 * diameter), 1)
+    size, play = f"{1e3 * diameter:.4g} mm", max(round(1e6 * 0.5e-3 * diameter), 1)
     return [
         *lines,
         "",
         "[machine.journal_bearings]",
-        f'diameter = "{1e3 * diameter:.4g} mm"            # {note}',
-        f'length = "{1e3 * diameter:.4g} mm"              # assumed',
-        f'radial_clearance = "{clearance} um"        # assumed: a thousandth of the radius',
+        drafted("diameter", size, note),
+        drafted("length", size, "assumed"),
+        drafted("radial_clearance", f"{play} um", "assumed: a thousandth of the radius"),
     ]
 
 

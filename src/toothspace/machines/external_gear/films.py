@@ -215,13 +215,10 @@ class FaceOfGear:
             turn = assembly.mesh.turn if gear == 1 else 0.0
             table = phases + self.numbering.ratios[gear] * shaft_angle
             place = np.mod(table, _FULL_TURN) - np.pi - turn
-            near = np.flatnonzero(np.abs(place) < self._reach(gear))
+            lens = assembly.mesh.lens_drive if gear == 0 else assembly.mesh.lens_driven
+            reach = lens + assembly.profiles[gear].pitch_angle
+            near = np.flatnonzero(np.abs(place) < reach)
             make = drive_spaces if gear == 0 else driven_spaces
             spaces: Spaces = make(*assembly.teeth, assembly.mesh, place[near])
             found += zip(nodes[near].tolist(), space_outlines(spaces), strict=True)
         return found
-
-    def _reach(self, gear: int) -> float:
-        mesh = self.assembly.mesh
-        lens = mesh.lens_drive if gear == 0 else mesh.lens_driven
-        return lens + self.assembly.profiles[gear].pitch_angle

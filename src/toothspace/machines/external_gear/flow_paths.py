@@ -11,7 +11,6 @@ from toothspace.gearing.numbering import FULL_TURN, Numbering
 from toothspace.gearing.openings import groove_openings, port_lengths
 from toothspace.gearing.space_paths import ToothSpaces, flank_paths
 from toothspace.gearing.spaces import Spaces
-from toothspace.geometry.gear_profile import GearProfile
 from toothspace.machines.external_gear.assembly import Assembly
 from toothspace.machines.external_gear.casing import bore
 from toothspace.machines.external_gear.loads import BODIES, groove_polygons
@@ -34,7 +33,7 @@ def flow_paths(
     tuple of FlowPath
         Flanks, then per gear tips, ports, grooves, lateral and drain gaps.
     """
-    spec = assembly.spec
+    spec, lateral = assembly.spec, assembly.spec.keys.lateral
     gears = spec.drive, spec.driven
     rounding = min(gear.tip_rounding for gear in gears)
     peaks = gears[0].roughness, gears[1].roughness
@@ -53,8 +52,12 @@ def flow_paths(
         )
         paths.extend(own.mouths((casing.inlet_angle, casing.outlet_angle)))
         paths.extend(own.grooves(grooves_by_port(assembly, spaces[gear])))
-        paths.append(own.lateral(side_gap(assembly), profile.tooth_space_area))
-        paths.append(own.drain(*_land(assembly, profile)))
+        paths.append(own.lateral(lateral.leakage_height, profile.tooth_space_area))
+        # a tilt raises the height of the land between tooth root and shaft
+        inner, outer = spec.shaft_radius, profile.root_radius
+        tilt = lateral.tilt * 0.5 * (inner + outer) / profile.tip_radius
+        height = float(tilted_gap_height(lateral.leakage_height, tilt))
+        paths.append(own.drain(height, (inner, outer)))
     return tuple(paths)
 
 
@@ -100,15 +103,3 @@ def grooves_by_port(assembly: Assembly, spaces: Spaces) -> dict[str, Array]:
         return {}
     found = groove_openings(spaces, groove_polygons(assembly), grooves.depth)
     return {name.removeprefix("groove_"): table for name, table in found.items()}
-
-
-def _land(assembly: Assembly, profile: GearProfile) -> tuple[float, tuple[float, float]]:
-    """Height and radii of the land between tooth root and shaft; a tilt raises the height. [m]."""
-    inner, outer = assembly.spec.shaft_radius, profile.root_radius
-    tilt = assembly.spec.keys.lateral.tilt * 0.5 * (inner + outer) / profile.tip_radius
-    return float(tilted_gap_height(side_gap(assembly), tilt)), (inner, outer)
-
-
-def side_gap(assembly: Assembly) -> float:
-    """Height that lets the same leakage through as the gaps of both faces. [m]."""
-    return assembly.spec.keys.lateral.leakage_height

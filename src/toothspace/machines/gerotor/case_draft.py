@@ -17,7 +17,7 @@ from toothspace.machines.gerotor.rotor_files import (
     rotor_pair,
     size_beside,
 )
-from toothspace.machines.shared_tables import DRAFT, CaseDraft, named_beside
+from toothspace.machines.shared_tables import DRAFT, CaseDraft, drafted, named_beside
 
 _RIM = 1.2
 """Outside diameter of the outer rotor over the width across its lobes, where none is drawn. [-]"""
@@ -53,23 +53,22 @@ def _text(inner: DrawnRotor, outer: DrawnRotor, unit: str, folder: Path) -> str:
     found = [
         "",
         "[machine.rotors]",
-        f"inner_profile = {json.dumps(names[0])}",
-        f"outer_profile = {json.dumps(names[1])}",
-        *([] if len(solids) == 2 else [f'profile_unit = "{unit}"']),
-        f"inner_tooth_count = {inner.tooth_count}",
+        drafted("inner_profile", names[0]),
+        drafted("outer_profile", names[1]),
+        *([] if len(solids) == 2 else [drafted("profile_unit", unit)]),
+        drafted("inner_tooth_count", inner.tooth_count),
         _length("eccentricity", drawn_eccentricity(inner, outer), 0.1 * across / inner.tooth_count,
                 "give the distance of the rotor centres"),
         _length("face_width", inner.face_width, 10e-3, "plane files have none"),
-        'tip_clearance = "0 um"           # taken off in addition to the drawing',
+        drafted("tip_clearance", "0 um", "taken off in addition to the drawing"),
         *([] if bore is None else [_length("shaft_diameter", bore, bore, "")]),
         "",
         "[machine.housing]",
         _length("outer_rotor_diameter", rim, _RIM * across, "no rim is drawn"),
-        'radial_clearance = "50 um"       # assumed',
+        drafted("radial_clearance", "50 um", "assumed"),
         "",
         "[machine.ports]",
-        'timing = "kinematic"             # assumed: ports change over at the extremes of the '
-        "volume",
+        drafted("timing", "kinematic", "assumed: ports change over at the extremes of the volume"),
     ]  # fmt: skip
     return DRAFT.format(
         files=", ".join(dict.fromkeys(names)), machine="gerotor", found="\n".join(found),
@@ -80,5 +79,5 @@ def _text(inner: DrawnRotor, outer: DrawnRotor, unit: str, folder: Path) -> str:
 
 def _length(name: str, found: float | None, assumed: float, reason: str) -> str:
     if found is not None:
-        return f'{name} = "{1e3 * found:.6g} mm"'
-    return f'{name} = "{1e3 * assumed:.4g} mm"      # assumed: {reason}'
+        return drafted(name, f"{1e3 * found:.6g} mm")
+    return drafted(name, f"{1e3 * assumed:.4g} mm", f"assumed: {reason}")
