@@ -10,7 +10,6 @@ import subprocess
 import sys
 import tempfile
 import zipfile
-from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
@@ -253,22 +252,29 @@ def _data_header(
         "HIGHEST_PRESSURE": "PRESSURE_AXIS[PRESSURE_COUNT - 1]",
         "HIGHEST_SPEED": "SPEED_AXIS[SPEED_COUNT - 1]",
     }
-    losses = np.stack(list(_losses(ordered, pressures, speeds).values()), axis=-1)
+    by_loss, wave_table = _losses(ordered, pressures, speeds), np.stack(waves, axis=2)
+    losses = np.stack(list(by_loss.values()), axis=-1)
+    enumerated = (
+        [one.name for one in variables],
+        [word for word, *_ in _BOOLEANS],
+        [*by_loss, "loss_count"],
+        [*_WAVES.values(), "wave_count"],
+    )
     lines = [
         f"/* {tables.attrs['mode']} {name}, written by toothspace {toothspace.__version__}. */",
         *(f"#define {key} {value}" for key, value in constants.items()),
         "",
-        *_enumerated([one.name for one in variables]),
-        *_enumerated([one for one, *_ in _BOOLEANS]),
-        *_enumerated([*_losses(ordered, pressures, speeds), "loss_count"]),
-        *_enumerated([*_WAVES.values(), "wave_count"]),
+        *(f"enum {{ {', '.join(name.upper() for name in names)} }};" for names in enumerated),
         "",
-        *_array("REAL_START", "REAL_COUNT", np.array([one.start for one in variables])),
-        *_array("PRESSURE_AXIS", "PRESSURE_COUNT", pressures),
-        *_array("SPEED_AXIS", "SPEED_COUNT", speeds),
-        *_array("LOSSES", "PRESSURE_COUNT,SPEED_COUNT,LOSS_COUNT", losses),
-        *_array(
-            "WAVES", "PRESSURE_COUNT,SPEED_COUNT,WAVE_COUNT,ANGLE_COUNT", np.stack(waves, axis=2)
+        *(
+            f"static const double {name}[{sizes}] = {_braced(values)};"
+            for name, sizes, values in (
+                ("REAL_START", "REAL_COUNT", np.array([one.start for one in variables])),
+                ("PRESSURE_AXIS", "PRESSURE_COUNT", pressures),
+                ("SPEED_AXIS", "SPEED_COUNT", speeds),
+                ("LOSSES", "PRESSURE_COUNT][SPEED_COUNT][LOSS_COUNT", losses),
+                ("WAVES", "PRESSURE_COUNT][SPEED_COUNT][WAVE_COUNT][ANGLE_COUNT", wave_table),
+            )
         ),
     ]
     return "\n".join(lines) + "\n"
@@ -301,17 +307,8 @@ def _losses(tables: xr.Dataset, pressures: Array, speeds: Array) -> dict[str, Ar
     }
 
 
-def _enumerated(names: list[str]) -> Iterator[str]:
-    yield f"enum {{ {', '.join(name.upper() for name in names)} }};"
-
-
-def _array(name: str, counts: str, values: Array) -> Iterator[str]:
-    """An array of C, one row of its last axis on a line, with nine digits."""
-    sizes = "".join(f"[{count}]" for count in counts.split(","))
-    yield f"static const double {name}{sizes} = {_braced(values)};"
-
-
 def _braced(values: Array) -> str:
+    """An array of C, one row of its last axis on a line, with nine digits."""
     if values.ndim == 1:
         return "{" + ",".join(f"{value:.9g}" for value in values) + "}"
     return "{" + ",\n".join(_braced(part) for part in values) + "}"

@@ -6,8 +6,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from toothspace.core.constants import ZERO_CELSIUS
 from toothspace.core.files import path_of, write_text
 from toothspace.core.types import Array
@@ -21,7 +19,7 @@ from toothspace.report.limits import limits_of
 from toothspace.report.machine import machine_of
 from toothspace.report.page import render
 from toothspace.report.verdict import verdict, warnings_of
-from toothspace.report.wording import LabelledNumber, format_value, quantity
+from toothspace.report.wording import LabelledNumber, format_value, quantity, typographic
 from toothspace.results.ledger import NOTE_ENTRIES, LossCause, loss_causes, power_ledger
 from toothspace.results.solution import Solution
 from toothspace.simulation.presets import INTERFACES, MODELS, models_of
@@ -203,12 +201,10 @@ def _temperatures(solution: Solution) -> list[LabelledNumber]:
     """Oil, films and bodies of the heat network; empty without one."""
     if "temperature" not in solution.data:
         return []
-    found = solution.data["temperature"]
-    names = [str(name) for name in found["heat_node"].values]
-    celsius = np.asarray(found) - ZERO_CELSIUS
+    found = solution.data["temperature"] - ZERO_CELSIUS
     return [
-        quantity(f"{name.replace('.', ' of ')}_degC", float(value))
-        for name, value in zip(names, celsius, strict=True)
+        quantity(f"{str(name).replace('.', ' of ')}_degC", float(value))
+        for name, value in zip(found["heat_node"].values, found.values, strict=True)
     ]
 
 
@@ -225,16 +221,15 @@ def _machine(solution: Solution, description: MachineDescription | None) -> dict
             if not isinstance(v, list | tuple)
         ],
         "checks": [
-            (check, _check_value(check.name, check.value, check.unit))
+            (
+                check,
+                quantity(check.name, check.value)._replace(
+                    unit="" if check.unit in {"1", "-"} else typographic(check.unit)
+                ),
+            )
             for check in (description.checks if description else ())
         ],
     }
-
-
-def _check_value(name: str, value: float, unit: str) -> LabelledNumber:
-    label = name.replace("_", " ")
-    shown = "" if unit in {"1", "-"} else unit.replace("mm3", "mm³").replace("mm2", "mm²")
-    return LabelledNumber(label[:1].upper() + label[1:], format_value(value), shown)
 
 
 def _background(solution: Solution) -> dict[str, Any]:

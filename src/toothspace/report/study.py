@@ -58,7 +58,13 @@ def _numbers(result: StudyResult) -> list[LabelledNumber]:
 
 def _table(table: StudyTable) -> dict[str, Any]:
     """Head and text of a table, with few enough columns to be read on a page."""
-    kept = _columns(table)
+    # those in which something changes
+    changing = [
+        k
+        for k in range(len(table.head))
+        if len(table.rows) < 2 or len({_cell(row[k]) for row in table.rows}) > 1
+    ]
+    kept = changing[:_WIDEST_TABLE]
     rows = [[_cell(row[k]) for k in kept] for row in table.rows[:_LONGEST_TABLE]]
     return {
         "name": table.name,
@@ -75,16 +81,6 @@ def _heading(name: str) -> str:
         return name
     label, _, unit = quantity(name, "")
     return f"{label} ({unit})" if unit else label
-
-
-def _columns(table: StudyTable) -> list[int]:
-    """Columns in which something changes, up to the widest table."""
-    changing = [
-        k
-        for k in range(len(table.head))
-        if len(table.rows) < 2 or len({_cell(row[k]) for row in table.rows}) > 1
-    ]
-    return changing[:_WIDEST_TABLE]
 
 
 def _cell(value: float | str) -> str:

@@ -13,7 +13,7 @@ from toothspace.core.files import write_text
 from toothspace.plotting.film_maps import HEIGHT, point_maps
 from toothspace.plotting.style import BLUE, ORANGE, figure_to_svg, new_figure, styled
 from toothspace.report.page import render
-from toothspace.validation.claim import ComparedCurve, ComparedValue, Evidence, Examined
+from toothspace.validation.claim import ComparedCurve, ComparedValue, Examined
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -68,7 +68,9 @@ def write_book(examined: Sequence[Examined], path: Path) -> Path:
 
 
 def _shown(one: Examined) -> dict[str, Any]:
-    curves = one.finding.curves
+    curves, films = one.finding.curves, one.finding.films
+    figures = [claim_figure(curves)] if curves else []
+    figures += [] if films is None else [point_maps(films, HEIGHT)]
     return {
         "claim": one.claim,
         "verdict": one.verdict,
@@ -76,13 +78,8 @@ def _shown(one: Examined) -> dict[str, Any]:
         "duration": one.duration,
         "rows": [_row(value) for value in one.finding.values]
         + [_error_row(c) for c in curves if c.published is not None],
-        "figures": [figure_to_svg(figure) for figure in _figures(one.finding)],
+        "figures": [figure_to_svg(figure) for figure in figures],
     }
-
-
-def _figures(finding: Evidence) -> list[Figure]:
-    curves = [claim_figure(finding.curves)] if finding.curves else []
-    return curves + ([] if finding.films is None else [point_maps(finding.films, HEIGHT)])
 
 
 def _row(value: ComparedValue) -> dict[str, str]:

@@ -3,34 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from typing import NamedTuple
 
-_SUFFIXES: Mapping[str, str] = {
-    "_cm3_per_rev": "cm³/rev",
-    "_L_per_min": "L/min",
-    "_W_per_mm2": "W/mm²",
-    "_um_bar": "µm bar",
-    "_N_m": "N m",
-    "_percent": "%",
-    "_bar": "bar",
-    "_degC": "°C",
-    "_rpm": "rpm",
-    "_mm3": "mm³",
-    "_mm2": "mm²",
-    "_mrad": "mrad",
-    "_deg": "°",
-    "_mm": "mm",
-    "_um": "µm",
-    "_W": "W",
-    "_kN": "kN",
-    "_MPa": "MPa",
-    "_N": "N",
-    "_J": "J",
-    "_K": "K",
-    "_s": "s",
-}
-"""Unit suffixes of summary numbers, longest first where one ends another."""
+from toothspace.studies.tabulate import stem_and_unit
+
+_TYPOGRAPHY = (("degC", "°C"), ("deg", "°"), ("um", "µm"), ("m2", "m²"), ("m3", "m³"))
+"""Units as plain text, and for a reader."""
 
 
 class LabelledNumber(NamedTuple):
@@ -43,12 +21,21 @@ class LabelledNumber(NamedTuple):
 
 def quantity(name: str, value: object) -> LabelledNumber:
     """Split a name such as ``mean_flow_L_per_min`` into label and unit, and format its value."""
-    for suffix, unit in _SUFFIXES.items():
-        if name.endswith(suffix):
-            return LabelledNumber(_label(name.removesuffix(suffix)), format_value(value), unit)
-    if name.endswith("_efficiency") and isinstance(value, float):
-        return LabelledNumber(_label(name), format_value(100.0 * value), "%")
-    return LabelledNumber(_label(name), format_value(value), "")
+    stem, unit = stem_and_unit(name)
+    text = stem.replace("_", " ")
+    label = text[:1].upper() + text[1:]
+    if unit == "1":
+        if not name.endswith("_efficiency") or not isinstance(value, float):
+            return LabelledNumber(label, format_value(value), "")
+        value, unit = 100.0 * value, "%"
+    return LabelledNumber(label, format_value(value), typographic(unit))
+
+
+def typographic(unit: str) -> str:
+    """Return a unit as it is printed."""
+    for plain, shown in _TYPOGRAPHY:
+        unit = unit.replace(plain, shown)
+    return unit
 
 
 def format_value(value: object) -> str:
@@ -62,8 +49,3 @@ def format_value(value: object) -> str:
     if value != 0.0 and (abs(value) < 1e-3 or abs(value) >= 1e6):
         return f"{value:.2e}"
     return f"{value:.4g}" if abs(value) < 1e4 else f"{value:.0f}"
-
-
-def _label(name: str) -> str:
-    text = name.replace("_", " ")
-    return text[:1].upper() + text[1:]

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from toothspace.core.netcdf import write_dataset
 from toothspace.results.events import Event
 from toothspace.results.ledger import ENERGY_ENTRIES, TRAPPED, Ledger
+from toothspace.results.performance import by_label
 from toothspace.results.variables import dataset_from
 
 STATISTICS = "statistics_"
@@ -80,24 +81,18 @@ def _ledger_dataset(ledger: Ledger) -> xr.Dataset:
 
 def read_ledger(dataset: xr.Dataset) -> Ledger:
     """Ledger of a file."""
-    energy = _by_label(dataset, "ledger_energy")
+    energy = by_label(dataset["ledger_energy"])
     names = dataset["ledger_label"].values if "ledger_label" in dataset else list(energy)
     labels = {name: str(label) for name, label in zip(energy, names, strict=True)}
     return Ledger(
         duration=float(dataset["window_duration"]),
         shaft_angle=float(dataset["window_shaft_angle"]),
-        mass=_by_label(dataset, "ledger_mass"),
+        mass=by_label(dataset["ledger_mass"]),
         energy=energy,
         path_losses={
             k: v for k, v in labels.items() if k not in ENERGY_ENTRIES and not k.startswith(TRAPPED)
         },
     )
-
-
-def _by_label(dataset: xr.Dataset, name: str) -> Mapping[str, float]:
-    array = dataset[name]
-    labels = array[array.dims[0]].values
-    return {str(label): float(value) for label, value in zip(labels, array.values, strict=True)}
 
 
 def read_events(dataset: xr.Dataset) -> tuple[Event, ...]:

@@ -240,7 +240,11 @@ def means_by_label(data: xr.Dataset, name: str) -> Mapping[str, float]:
     """
     if name not in data:
         return {}
-    array = data[name].mean(str(data[name].dims[0]))
+    return by_label(data[name].mean(str(data[name].dims[0])))
+
+
+def by_label(array: xr.DataArray) -> dict[str, float]:
+    """Values over one label dimension, by label. [unit of the array]."""
     labels = array[array.dims[0]].values
     return {str(label): float(value) for label, value in zip(labels, array.values, strict=True)}
 
