@@ -347,16 +347,7 @@ class Circuit(KeyTable):
     )
 
     def __post_init__(self) -> None:
-        self._check_connections()
-
-    def _check_connections(self) -> None:
-        """Refuse connections to unknown elements, and fluid elements that nothing joins.
-
-        Raises
-        ------
-        KeyRuleError
-            With the name concerned.
-        """
+        # connections to unknown elements, and fluid elements that nothing joins
         fluid = [n for n, e in self.elements.items() if not isinstance(e, SHAFT_ELEMENTS)]
         allowed = [*fluid, *MACHINE_PORTS]
         joined = [name for pair in self.connections for name in pair]

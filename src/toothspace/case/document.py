@@ -188,14 +188,11 @@ def _laid_over(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, 
     found = dict(below)
     for name, value in above.items():
         lower = found.get(name)
-        if isinstance(value, dict) and isinstance(lower, dict) and _same_kind(lower, value):
-            value = _laid_over(lower, value)
+        if isinstance(value, dict) and isinstance(lower, dict):
+            same_kind = all(value.get(tag, lower.get(tag)) == lower.get(tag) for tag in _TAGS)
+            value = _laid_over(lower, value) if same_kind else value
         found[name] = value
     return found
-
-
-def _same_kind(below: Mapping[str, Any], above: Mapping[str, Any]) -> bool:
-    return all(above.get(tag, below.get(tag)) == below.get(tag) for tag in _TAGS)
 
 
 def _leaves(tables: Mapping[str, Any], path: str = "") -> Iterator[str]:

@@ -68,7 +68,8 @@ def plumb(
     supply = tanks[0].pressure if tanks else ATMOSPHERIC_PRESSURE
     start = circuit.initial_pressure or supply
     members: dict[str, list[Any]] = {name: [] for name in names.values()}
-    waves = _lines_with_waves(circuit)
+    hoses = {n: e for n, e in circuit.elements.items() if isinstance(e, keys.Hose)}
+    waves = {name: hose for name, hose in hoses.items() if hose.carries_waves}
     for (name, _), node in names.items():
         element = circuit.elements.get(name)
         if name in waves:
@@ -83,8 +84,8 @@ def plumb(
     nodes = [
         _node(name, parts, ports.get(name, 0.0), start, fluid) for name, parts in members.items()
     ]
-    for name, hose in circuit.elements.items():
-        if isinstance(hose, keys.Hose) and hose.wall_stiffening > 1.0:
+    for name, hose in hoses.items():
+        if hose.wall_stiffening > 1.0:
             own = next(node for node in nodes if node.name == names[name, 0])
             lines.append(relaxed_wall(name, own, hose, fluid))
     return CircuitNetwork(
@@ -93,7 +94,17 @@ def plumb(
             *_elements(circuit, names, fluid),
             *(column for line in lines for column in line.columns),
         ),
-        orifices=tuple(_orifices(circuit, names)),
+        orifices=tuple(
+            CircuitOrifice(
+                names[name, 0],
+                names[name, 1],
+                (element.area or 0.25 * np.pi * (element.diameter or 0.0) ** 2)
+                * element.discharge_coefficient
+                / _REFERENCE_DISCHARGE,
+            )
+            for name, element in circuit.elements.items()
+            if isinstance(element, keys.Orifice)
+        ),
         supply_pressure=supply,
     )
 
@@ -117,11 +128,6 @@ def _end(circuit: keys.Circuit, name: str, seen: dict[str, int]) -> Place:
         return name, 0
     seen[name] = seen.get(name, 0) + 1
     return name, min(seen[name], 2) - 1
-
-
-def _lines_with_waves(circuit: keys.Circuit) -> dict[str, keys.Hose]:
-    hoses = {n: e for n, e in circuit.elements.items() if isinstance(e, keys.Hose)}
-    return {name: hose for name, hose in hoses.items() if hose.carries_waves}
 
 
 def _has_two_ends(element: Any) -> bool:
@@ -248,16 +254,6 @@ def _efficiency_map(path: Path) -> Array:
     column = np.concatenate([speeds, rises, efficiency.ravel()])
     rows = np.column_stack([column, np.zeros_like(column)])
     return np.vstack([[speeds.size, rises.size], rows])
-
-
-def _orifices(circuit: keys.Circuit, names: Mapping[Place, str]) -> list[CircuitOrifice]:
-    found = []
-    for name, element in circuit.elements.items():
-        if isinstance(element, keys.Orifice):
-            area = element.area or 0.25 * np.pi * (element.diameter or 0.0) ** 2
-            effective = area * element.discharge_coefficient / _REFERENCE_DISCHARGE
-            found.append(CircuitOrifice(names[name, 0], names[name, 1], effective))
-    return found
 
 
 def history(element: Any, name: str, unit: str) -> Array:

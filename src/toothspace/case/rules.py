@@ -48,7 +48,6 @@ def broken_rules(case: CaseTables) -> Iterator[Problem]:
         yield from _fluid(case)
     if case.operating_point is not None:
         yield from _pressure_order(case)
-        yield from _study_pressure_order(case)
         yield from _load(case)
 
 
@@ -117,40 +116,27 @@ def _pressures(case: CaseTables) -> dict[str, float]:
 
 
 def _pressure_order(case: CaseTables) -> Iterator[Problem]:
-    point, mode = case.operating_point, getattr(case.machine, "mode", "")
+    """Refuse at once what a study of a floating bearing would meet after hours, too."""
+    point, study, mode = case.operating_point, case.study, getattr(case.machine, "mode", "")
     assert point is not None
-    inlet, outlet = point.inlet_pressure, point.outlet_pressure
-    if mode == "pump" and outlet < inlet:
-        allowed = f"at least the inlet pressure of the pump, {_bar(inlet)}"
-        yield Problem("operating_point.outlet_pressure", _bar(outlet), allowed)
-    if mode == "motor" and inlet < outlet:
-        allowed = f"at least the outlet pressure of the motor, {_bar(outlet)}"
-        yield Problem("operating_point.inlet_pressure", _bar(inlet), allowed)
-
-
-def _study_pressure_order(case: CaseTables) -> Iterator[Problem]:
-    """Refuse at once what a study of a floating bearing would meet after hours."""
-    mode = getattr(case.machine, "mode", "")
-    for path, inlet, outlet in _study_pressures(case):
+    given = [("operating_point.outlet_pressure", point.inlet_pressure, point.outlet_pressure)]
+    if isinstance(study, HysteresisStudy | BalanceSweepStudy):
+        for k, pressure in enumerate(study.outlet_pressures):
+            given.append((f"study.outlet_pressures[{k}]", point.inlet_pressure, pressure))
+    if isinstance(study, NosePressureStudy):
+        for k, one in enumerate(study.conditions):
+            own = one.inlet_pressure or point.inlet_pressure
+            given.append((f"study.conditions[{k}].outlet_pressure", own, one.outlet_pressure))
+    for path, inlet, outlet in given:
         if mode == "pump" and outlet < inlet:
             allowed = f"at least the inlet pressure of the pump, {_bar(inlet)}"
             yield Problem(path, _bar(outlet), allowed)
-        if mode == "motor" and inlet < outlet:
+        if mode == "motor" and inlet < outlet and path.startswith("study"):
             allowed = f"at most the inlet pressure of the motor, {_bar(inlet)}"
             yield Problem(path, _bar(outlet), allowed)
-
-
-def _study_pressures(case: CaseTables) -> Iterator[tuple[str, float, float]]:
-    """Key path, inlet and outlet pressure of the points of a floating bearing. [Pa]."""
-    study, base = case.study, case.operating_point
-    assert base is not None
-    if isinstance(study, HysteresisStudy | BalanceSweepStudy):
-        for k, outlet in enumerate(study.outlet_pressures):
-            yield f"study.outlet_pressures[{k}]", base.inlet_pressure, outlet
-    if isinstance(study, NosePressureStudy):
-        for k, one in enumerate(study.conditions):
-            inlet = one.inlet_pressure or base.inlet_pressure
-            yield f"study.conditions[{k}].outlet_pressure", inlet, one.outlet_pressure
+        elif mode == "motor" and inlet < outlet:
+            allowed = f"at least the outlet pressure of the motor, {_bar(outlet)}"
+            yield Problem("operating_point.inlet_pressure", _bar(inlet), allowed)
 
 
 def _load(case: CaseTables) -> Iterator[Problem]:

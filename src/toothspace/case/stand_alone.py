@@ -95,10 +95,8 @@ class FilmSurfaces(KeyTable):
     def __post_init__(self) -> None:
         if self.moving_roughness + self.resting_roughness <= 0.0:
             raise KeyRuleError("moving_roughness", "two smooth walls", "one rough wall or more")
-        if self.contact_law == "table":
-            self._check_points()
-
-    def _check_points(self) -> None:
+        if self.contact_law != "table":
+            return
         ratios = [point[0] for point in self.contact_points]
         pressures = [point[1] for point in self.contact_points]
         growing = all(b > a for a, b in pairwise(ratios))

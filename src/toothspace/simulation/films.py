@@ -135,11 +135,15 @@ class _Face:
         spaces = np.arange(count)
         behind = self._over_turn(self.across, np.roll(spaces, -1), spaces)
         inwards = self._over_turn(self.inwards, spaces, np.full(count, -1))
+        # on the nodes of the conductance
+        drag_speed, angles = self.across.drag_speed, np.arange(behind.size) * _FULL_TURN
+        if drag_speed is not None:
+            drag_speed = monotone_table(_FULL_TURN, drag_speed(angles / behind.size))
         found = [
             replace(
                 self.across,
                 geometry=self._teeth(np.clip(behind, _LEAST, LARGEST)),
-                drag_speed=_resampled(self.across.drag_speed, behind.size),
+                drag_speed=drag_speed,
             ),
             replace(self.inwards, geometry=gap_table(self.height, inwards)),
         ]
@@ -189,9 +193,3 @@ def _path(description: MachineDescription, category: PathCategory, nodes: IntArr
         if path.category == category and np.isin(path.nodes_a, nodes).all():
             return path
     raise CaseError(f"run.fidelity: found 'films' without {category.name} paths, allowed are faces")
-
-
-def _resampled(table: PeriodicTable | None, nodes: int) -> PeriodicTable | None:
-    if table is None:
-        return None
-    return monotone_table(_FULL_TURN, table(np.arange(nodes) * _FULL_TURN / nodes))

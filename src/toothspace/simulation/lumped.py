@@ -106,7 +106,11 @@ class RepeatedRun:
         machine = description or self._machine.description
         tried: list[tuple[float, float]] = []
         for _ in range(_SEAT_ROUNDS):
-            found = self._run(machine)
+            own = self._machine
+            start = Assembled(machine, own.fluid, self._condition)
+            history = _march(own.case, start, self._last, self._progress)
+            self._last = history if history.status is Status.DONE else None
+            found = solution_from(history, own.provenance, own.extra, own.case.title)
             table = machine.lateral_table
             if table is None:
                 return found
@@ -119,24 +123,11 @@ class RepeatedRun:
             machine = replace(machine, lateral_table=replace(table, seat_factor=seat))
         return within_table(found).with_note(_UNSEATED.format(more))
 
-    def _run(self, description: MachineDescription) -> Solution:
-        own = self._machine
-        start = Assembled(description, own.fluid, self._condition)
-        history = _march(own.case, start, self._last, self._progress)
-        self._last = history if history.status is Status.DONE else None
-        return solution_from(history, own.provenance, own.extra, own.case.title)
-
 
 def within_table(solution: Solution) -> Solution:
     """Solution that says so where the load on lateral films was beyond their table."""
     beyond = float(solution.data["lateral_load_beyond"].mean())
     return solution.with_note(_BEYOND.format(100 * beyond) if beyond > _RARELY else "")
-
-
-def _doubted(solution: Solution, description: MachineDescription) -> Solution:
-    """Solution that says why places of bodies between covers are doubtful, if they are."""
-    places = description.face_places
-    return solution if places is None else solution.with_note(places.warning)
 
 
 def run_in_machine(setup: Setup, progress: Progress | None = None) -> RunInMachine:
@@ -163,7 +154,10 @@ def simulate(setup: Setup, progress: Progress | None = None) -> Solution:
     machine = run_in_machine(setup, progress)
     runs = machine.at(setup.condition, progress)
     found = run_with_heat(setup.case, machine.description, runs)
-    return machine.worn.marked(_doubted(found, machine.description))
+    if machine.description.face_places is not None:
+        # why the places of bodies between covers are doubtful, if they are
+        found = found.with_note(machine.description.face_places.warning)
+    return machine.worn.marked(found)
 
 
 def _march(

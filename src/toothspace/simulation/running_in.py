@@ -150,10 +150,6 @@ def _depth(path: FlowPath, shaft_angles: Array, heights: Array) -> Array:
         index = np.round(angle / step).astype(int) % nodes
         np.maximum.at(depth, index, path.minimum_height - heights[:, k])
     depth[closed] = 0.0
-    return _smoothed(depth)
-
-
-def _smoothed(depth: Array) -> Array:
-    """Widen and round the track by a few nodes: a tip land has a width."""
+    # widened and rounded by a few nodes: a tip land has a width
     widened = np.max([np.roll(depth, k) for k in range(-3, 4)], axis=0)
     return np.mean([np.roll(widened, k) for k in range(-3, 4)], axis=0)

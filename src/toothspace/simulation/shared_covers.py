@@ -13,7 +13,7 @@ from toothspace.core.types import IntArray
 from toothspace.films.journal.rim_film import rim_paths, sector_family, without_film_force
 from toothspace.films.lateral.conductance import FaceConductance, FaceResolution, face_conductance
 from toothspace.films.lateral.shared_paths import shared_paths
-from toothspace.model.description import FlowPath, LumpedLateralFilm, MachineDescription
+from toothspace.model.description import LumpedLateralFilm, MachineDescription
 from toothspace.model.film_faces import FacePlaces, SharedFaces
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.simulation.lateral.between_covers import bodies_between_covers
@@ -84,7 +84,14 @@ def with_shared_films(
         description,
         families=(*faces.families, sector_family(description, faces)),
         paths=(
-            *(_renumbered(path, faces, count) for path in kept),
+            *(
+                replace(
+                    path,
+                    nodes_a=_moved_up(path.nodes_a, faces, count),
+                    nodes_b=_moved_up(path.nodes_b, faces, count),
+                )
+                for path in kept
+            ),
             *shared_paths(moved, solved.films, height),
             *rim_paths(description, moved, sectors),
         ),
@@ -151,8 +158,3 @@ def _film(
 def _moved_up(nodes: IntArray, faces: SharedFaces, count: int) -> IntArray:
     """Nodes after the chamber of the rim, which becomes several."""
     return np.where(nodes > faces.rim.chamber, nodes + count - 1, nodes)
-
-
-def _renumbered(path: FlowPath, faces: SharedFaces, count: int) -> FlowPath:
-    nodes_a, nodes_b = (_moved_up(nodes, faces, count) for nodes in (path.nodes_a, path.nodes_b))
-    return replace(path, nodes_a=nodes_a, nodes_b=nodes_b)

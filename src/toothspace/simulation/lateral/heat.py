@@ -82,7 +82,12 @@ def settle_bearing(
     supply = heating.balance.supply_temperature
     now = np.full(len(problem.stack.grids), supply) if begin is None else begin
     for _ in range(_MOST_ROUNDS):
-        heated = _at(problem, now, heating)
+        laws = []
+        for law, temperature in zip(problem.stack.laws, now, strict=True):
+            ratio = heating.viscosity(float(temperature)) / heating.viscosity(supply)
+            thinned = replace(law.fluid, dynamic_viscosity=law.fluid.dynamic_viscosity * ratio)
+            laws.append(law._replace(fluid=thinned))
+        heated = replace(problem, stack=replace(problem.stack, laws=tuple(laws)))
         found = heated.settle(start)
         asked = film_temperatures(found.balance, heating)
         within = np.minimum(asked, heating.balance.highest_temperature)
@@ -119,13 +124,3 @@ def film_temperatures(balance: Balance, heating: FilmHeating) -> Array:
         own.oil_share * power, carried, out=np.full_like(power, np.inf), where=carried > 0.0
     )
     return np.asarray(own.supply_temperature + 0.5 * np.where(power > 0.0, rise, 0.0))
-
-
-def _at(problem: LateralProblem, temperatures: Array, heating: FilmHeating) -> LateralProblem:
-    cold = heating.viscosity(heating.balance.supply_temperature)
-    laws = []
-    for law, temperature in zip(problem.stack.laws, temperatures, strict=True):
-        ratio = heating.viscosity(float(temperature)) / cold
-        thinned = replace(law.fluid, dynamic_viscosity=law.fluid.dynamic_viscosity * ratio)
-        laws.append(law._replace(fluid=thinned))
-    return replace(problem, stack=replace(problem.stack, laws=tuple(laws)))
