@@ -111,7 +111,8 @@ class Solution(results.Solution):
         from toothspace.plotting.style import figure_to_svg
 
         rows = [
-            f"<tr><th style='text-align:left'>{escape(name)}</th><td>{_shown(value)}</td></tr>"
+            f"<tr><th style='text-align:left'>{escape(name)}</th>"
+            f"<td>{f'{value:.5g}' if isinstance(value, float) else escape(str(value))}</td></tr>"
             for name, value in list(self.summary().items())[:_KEY_NUMBERS]
         ]
         section = figure_to_svg(self.plot.section()) if "gear_section" in self.plot.names() else ""
@@ -119,10 +120,6 @@ class Solution(results.Solution):
         status = f"{self.status.name.lower()}: {self.status.value}"
         table = f"<table>{''.join(rows)}</table>"
         return f"<h4>{head}</h4><p>{escape(status)}</p>{table}<div>{section}</div>"
-
-
-def _shown(value: Any) -> str:
-    return f"{value:.5g}" if isinstance(value, float) else escape(str(value))
 
 
 @final

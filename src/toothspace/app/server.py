@@ -53,13 +53,14 @@ class _Handler(BaseHTTPRequestHandler):
         """Answer what changes nothing."""
         if not self._admitted():
             return
-        asked = urlsplit(self.path)
+        asked, session = urlsplit(self.path), self.server.session
+        page = files("toothspace.app").joinpath("page.html")
         answers: dict[str, Callable[[], object]] = {
-            "/": self._page,
+            "/": lambda: self._send(200, page.read_bytes(), _TYPES[".html"]),
             "/schema": lambda: self._json(case_schema()),
-            "/cases": lambda: self._json(self.server.session.cases()),
-            "/case": lambda: self._case(parse_qs(asked.query).get("name", [""])[0]),
-            "/run": lambda: self._json(self.server.session.state()),
+            "/cases": lambda: self._json(session.cases()),
+            "/case": lambda: self._json(session.tables(parse_qs(asked.query).get("name", [""])[0])),
+            "/run": lambda: self._json(session.state()),
             "/report.html": lambda: self._result(".html"),
             "/result.nc": lambda: self._result(".nc"),
         }
@@ -106,13 +107,6 @@ class _Handler(BaseHTTPRequestHandler):
             self._json({"problems": str(error).splitlines()}, 422)
         except BrokenPipeError:
             pass  # the page was closed
-
-    def _page(self) -> None:
-        page = files("toothspace.app").joinpath("page.html").read_bytes()
-        self._send(200, page, _TYPES[".html"])
-
-    def _case(self, name: str) -> None:
-        self._json(self.server.session.tables(name))
 
     def _result(self, ending: str) -> None:
         solution = self.server.session.solution

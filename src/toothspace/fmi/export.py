@@ -30,7 +30,7 @@ from toothspace.studies.tabulate import map_dataset
 from toothspace.studies.workers import Workers
 
 if TYPE_CHECKING:
-    import xarray as xr
+    pass
 
 _PRESSURE_SHARES = (0.1, 0.4, 0.7, 1.0)
 _SPEED_SHARES = (0.1, 0.2, 0.4, 0.7, 1.0)
@@ -108,7 +108,13 @@ def export_fmu(
         )
         write_bytes(target, archive)
         kept.unlink(missing_ok=True)
-        numbers |= _fmu_numbers(data, records) | {
+        errors = [record.number("energy_balance_error") for record in records]
+        numbers |= {
+            "displacement_cm3_per_rev": from_si(float(data["displacement"]), "cm^3/rev"),
+            "ripple_period_deg": from_si(float(data["period"]), "deg"),
+            "ripple_samples": data.sizes["shaft_angle"],
+            "ripple_left_out_percent": 100.0 * float(data["ripple_left_out"]),
+            "energy_balance_error": float(np.max(errors)),
             "binary": platform,
             "size_kB": len(archive) / 1e3,
         }
@@ -142,14 +148,3 @@ def _warnings(pairs: Sequence[tuple[float, float]], records: Sequence[Record]) -
         for text in filter(None, (record.message, *record.numbers.get("warnings", ()))):
             found.setdefault(text, at)
     return [f"At {at}: {text}" for text, at in found.items()]
-
-
-def _fmu_numbers(tables: xr.Dataset, records: Sequence[Record]) -> dict[str, Any]:
-    errors = [record.number("energy_balance_error") for record in records]
-    return {
-        "displacement_cm3_per_rev": from_si(float(tables["displacement"]), "cm^3/rev"),
-        "ripple_period_deg": from_si(float(tables["period"]), "deg"),
-        "ripple_samples": tables.sizes["shaft_angle"],
-        "ripple_left_out_percent": 100.0 * float(tables["ripple_left_out"]),
-        "energy_balance_error": float(np.max(errors)),
-    }

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
 from toothspace.plotting.section import (
     fixed_parts,
@@ -95,12 +94,9 @@ def _area(region: Any, colour: str, text: str, edge: str | None = None) -> str:
     region = region.simplify(_DRAWN_ERROR)
     polygons = [p for p in getattr(region, "geoms", [region]) if p.geom_type == "Polygon"]
     rings = [ring for p in polygons if not p.is_empty for ring in (p.exterior, *p.interiors)]
-    outline = "".join(_ring(np.asarray(ring.coords)) for ring in rings)
+    curves = [[f"{_MM * x:.2f} {-_MM * y:.2f}" for x, y, *_ in r.coords[:-1]] for r in rings]
+    outline = "".join(f"M{'L'.join(points)}Z" for points in curves)
     return (
         f'<path d="{outline}" fill="{colour}" fill-rule="evenodd" stroke="{edge or colour}" '
         f'stroke-width="0.1"><title>{escape(text)}</title></path>'
     )
-
-
-def _ring(points: Array) -> str:
-    return "M" + "L".join(f"{_MM * x:.2f} {-_MM * y:.2f}" for x, y in points[:-1, :2]) + "Z"

@@ -19,8 +19,9 @@ from toothspace.report.limits import limits_of
 from toothspace.report.machine import machine_of
 from toothspace.report.page import render
 from toothspace.report.verdict import verdict, warnings_of
-from toothspace.report.wording import LabelledNumber, format_value, quantity, typographic
+from toothspace.report.wording import format_value, quantity, typographic
 from toothspace.results.ledger import NOTE_ENTRIES, LossCause, loss_causes, power_ledger
+from toothspace.results.performance import by_label
 from toothspace.results.solution import Solution
 from toothspace.simulation.presets import INTERFACES, MODELS, models_of
 
@@ -158,13 +159,19 @@ def _numbers(solution: Solution) -> dict[str, Any]:
         for name, label in NOTE_ENTRIES.items()
         if duration > 0.0 and solution.ledger.energy.get(name)
     ]
+    # of oil, films and bodies, with a heat network
+    nodes = by_label(solution.data["temperature"]) if "temperature" in solution.data else {}
+    temperatures = [
+        quantity(f"{name.replace('.', ' of ')}_degC", value - ZERO_CELSIUS)
+        for name, value in nodes.items()
+    ]
     return {
         "verdict": verdict(solution),
         "status": solution.status,
         "key_numbers": [quantity(n, summary[n]) for n in names if n in summary and n != held],
         "summary": {name: quantity(name, value) for name, value in summary.items()},
         "causes": _causes(solution, summary),
-        "temperatures": _temperatures(solution),
+        "temperatures": temperatures,
         "ledger_rows": rows,
         "ledger_notes": notes,
     }
@@ -195,17 +202,6 @@ def _causes(solution: Solution, summary: Mapping[str, object]) -> list[dict[str,
         total = {"power": format_value(power), "share": f"{100.0 * share:.2f}"}
         found.append({"cause": cause, "rows": rows, "size": power, **total})
     return sorted(found, key=lambda group: -float(group["size"]))
-
-
-def _temperatures(solution: Solution) -> list[LabelledNumber]:
-    """Oil, films and bodies of the heat network; empty without one."""
-    if "temperature" not in solution.data:
-        return []
-    found = solution.data["temperature"] - ZERO_CELSIUS
-    return [
-        quantity(f"{str(name).replace('.', ' of ')}_degC", float(value))
-        for name, value in zip(found["heat_node"].values, found.values, strict=True)
-    ]
 
 
 def _machine(solution: Solution, description: MachineDescription | None) -> dict[str, Any]:

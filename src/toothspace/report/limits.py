@@ -7,8 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toothspace.core.types import Array
-from toothspace.model.contact_pair import ContactPair
 from toothspace.model.description import MachineDescription
 from toothspace.results.performance import vapour_collapse_power
 from toothspace.results.solution import Solution
@@ -162,14 +160,11 @@ def _contacts(solution: Solution, description: MachineDescription) -> Iterator[J
             continue
         force = np.maximum(np.asarray(data["contact_force"])[:, columns], 0.0)
         shape = pair.geometry(pair.phases + pair.angle_ratio * shaft_angle[:, None])
-        pressure = _hertz_pressure(force / pair.width, shape[..., 2], shape[..., 3], pair)
+        # of a line contact, sqrt(w E' kappa / (2 pi))
+        curvature = np.maximum(1.0 / shape[..., 2] + 1.0 / shape[..., 3], 0.0)
+        load = force / pair.width
+        pressure = np.sqrt(load * pair.effective_modulus * curvature / (2.0 * np.pi))
         if float(np.max(pressure)) > 0.0:
             label = f"Contact pressure, {pair.name.replace('_', ' ')}"
             source = "case-hardened steel, ISO 6336-5"
             yield _judged(label, float(np.max(pressure)) / _MPA, _FLANK_PRESSURE, "MPa", source)
-
-
-def _hertz_pressure(load: Array, radius_a: Array, radius_b: Array, pair: ContactPair) -> Array:
-    """Hertz pressure of a line contact, sqrt(w E' kappa / (2 pi)). [Pa]."""
-    curvature = np.maximum(1.0 / radius_a + 1.0 / radius_b, 0.0)
-    return np.asarray(np.sqrt(load * pair.effective_modulus * curvature / (2.0 * np.pi)))

@@ -10,7 +10,7 @@ from toothspace.core.files import write_text
 from toothspace.plotting.study_figures import study_figures
 from toothspace.plotting.style import figure_to_svg
 from toothspace.report.page import render
-from toothspace.report.wording import LabelledNumber, format_value, quantity
+from toothspace.report.wording import format_value, quantity
 from toothspace.studies.study import StudyResult, StudyTable
 
 _LONGEST_TABLE = 400
@@ -39,21 +39,17 @@ def study_report_html(result: StudyResult) -> str:
         title=result.title,
         kind=result.kind.replace("_", " "),
         status=result.status,
-        numbers=_numbers(result),
+        # its lists stand in the tables
+        numbers=[
+            quantity(name, value)
+            for name, value in result.summary().items()
+            if isinstance(value, (int, float, str)) and name != "status"
+        ],
         figures=[(f.name, f.caption, figure_to_svg(f.figure)) for f in figures],
         tables=[_table(table) for table in result.tables],
         provenance=[(k.replace("_", " "), v or "none") for k, v in provenance.items()],
         case_toml=result.provenance.get("case_toml", ""),
     )
-
-
-def _numbers(result: StudyResult) -> list[LabelledNumber]:
-    """Single numbers of the study; its lists stand in the tables."""
-    return [
-        quantity(name, value)
-        for name, value in result.summary().items()
-        if isinstance(value, (int, float, str)) and name != "status"
-    ]
 
 
 def _table(table: StudyTable) -> dict[str, Any]:

@@ -258,7 +258,12 @@ def dataset_from(
     """
     import xarray as xr
 
-    _check_labels(labels)
+    for dim, names in labels.items():
+        if dim not in LABEL_DIMENSIONS:
+            raise KeyError(f"unknown dimension '{dim}'; allowed: {', '.join(LABEL_DIMENSIONS)}")
+        unknown = set(names) - set(LABELS.get(dim, names))
+        if unknown:
+            raise ValueError(f"unknown {dim} label {sorted(unknown)}; allowed: {LABELS[dim]}")
     arrays = {name: _data_array(name, value, sample) for name, value in values.items()}
     dataset = xr.Dataset(arrays, attrs=dict(attributes or {}))
     for dim, names in labels.items():
@@ -283,15 +288,6 @@ def _data_array(name: str, value: ArrayLike | xr.Variable, sample: str) -> xr.Va
         array = xr.Variable(dimensions, np.asarray(value))
     array.attrs = {"long_name": entry.long_name} | ({"units": entry.units} if entry.units else {})
     return array
-
-
-def _check_labels(labels: Mapping[str, Sequence[str]]) -> None:
-    for dim, names in labels.items():
-        if dim not in LABEL_DIMENSIONS:
-            raise KeyError(f"unknown dimension '{dim}'; allowed: {', '.join(LABEL_DIMENSIONS)}")
-        unknown = set(names) - set(LABELS.get(dim, names))
-        if unknown:
-            raise ValueError(f"unknown {dim} label {sorted(unknown)}; allowed: {LABELS[dim]}")
 
 
 def reference_page() -> str:

@@ -93,13 +93,6 @@ class Records:
         if self.path is not None and self._own_folder and not any(self.path.parent.iterdir()):
             self.path.parent.rmdir()
 
-    def _begin(self, path: Path) -> None:
-        if path.is_file() and path.stat().st_size and not self._resume:
-            # a forgotten --resume must not cost hours of computing
-            path.replace(path.with_name(PREVIOUS_FILE_NAME))
-        write_text(path, "".join(_line(record) for record in self._found.values()))
-        self._begun = True
-
     def get(self, key: str) -> Record | None:
         """Return the record of a key, or None."""
         return self._found.get(key)
@@ -107,7 +100,11 @@ class Records:
     def add(self, record: Record) -> None:
         """Keep a record; a reader never sees half of it as a whole line."""
         if not self._begun and self.path is not None:
-            self._begin(self.path)
+            if self.path.is_file() and self.path.stat().st_size and not self._resume:
+                # a forgotten --resume must not cost hours of computing
+                self.path.replace(self.path.with_name(PREVIOUS_FILE_NAME))
+            write_text(self.path, "".join(_line(record) for record in self._found.values()))
+            self._begun = True
         self._found[record.key] = record
         if self.path is not None:
             with interrupts_held(), self.path.open("a", encoding="utf-8") as file:

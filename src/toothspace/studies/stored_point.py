@@ -104,13 +104,25 @@ def record_of(key: str, point: StoredPoint) -> Record:
 def recorded_point(record: Record) -> StoredPoint:
     """Return the point of a record."""
     kept: Mapping[str, Any] = record.numbers
+    values: dict[str, Any] = {
+        f.name: kept["lateral_numbers"][f.name] for f in fields(LateralNumbers)
+    }
+    # JSON knows neither arrays nor numbers that are not
+    for name, value in values.items():
+        if value is None or isinstance(value, list):
+            values[name] = float("nan") if value is None else np.array(value)
     return StoredPoint(
         status=Status[record.status.upper()],
-        numbers=_numbers(kept["lateral_numbers"]),
+        numbers=LateralNumbers(**values),
         **{name: kept[name] for name in _SCALARS},
         films=tuple(kept["films"]),
         coordinates=np.array(kept["coordinates"]),
-        maps={name: _unpacked(values) for name, values in kept["maps"].items()},
+        maps={
+            name: np.frombuffer(
+                zlib.decompress(base64.b64decode(packed["content"])), dtype=packed["type"]
+            ).reshape(packed["shape"])
+            for name, packed in kept["maps"].items()
+        },
     )
 
 
@@ -126,15 +138,6 @@ def point_key(case: Case, *what: object) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:32]
 
 
-def _numbers(kept: Mapping[str, Any]) -> LateralNumbers:
-    values: dict[str, Any] = {f.name: kept[f.name] for f in fields(LateralNumbers)}
-    # JSON knows neither arrays nor numbers that are not
-    for name, value in values.items():
-        if value is None or isinstance(value, list):
-            values[name] = float("nan") if value is None else np.array(value)
-    return LateralNumbers(**values)
-
-
 def _packed(values: Array) -> dict[str, Any]:
     content = zlib.compress(np.ascontiguousarray(values).tobytes())
     return {
@@ -142,8 +145,3 @@ def _packed(values: Array) -> dict[str, Any]:
         "shape": values.shape,
         "content": base64.b64encode(content).decode("ascii"),
     }
-
-
-def _unpacked(kept: Mapping[str, Any]) -> Array:
-    content = zlib.decompress(base64.b64decode(kept["content"]))
-    return np.frombuffer(content, dtype=kept["type"]).reshape(kept["shape"])

@@ -20,7 +20,6 @@ from toothspace.core.types import Array
 from toothspace.core.units import to_si
 from toothspace.gearing.gear_tables import ReliefGrooves
 from toothspace.gearing.materials import Material, library_material
-from toothspace.gearing.mesh_split import Mesh
 from toothspace.gearing.meshing import MeshedGears, in_contact, mesh_at_distance
 from toothspace.gearing.ring_gear import (
     InternalPair,
@@ -30,7 +29,7 @@ from toothspace.gearing.ring_gear import (
     ring_tooth,
 )
 from toothspace.gearing.ring_profile import RingProfile, profile_outline, profile_tooth
-from toothspace.gearing.tooth import Tooth, tooth_curves
+from toothspace.gearing.tooth import tooth_curves
 from toothspace.geometry.cad_import import load_closed_curves
 from toothspace.geometry.gear_profile import GearProfile
 from toothspace.geometry.involute import InvoluteGear, generate_profile
@@ -120,8 +119,14 @@ def assemble(spec: CrescentParameters) -> CrescentAssembly:
     shaft = spec.journal_bearings.diameter
     require_shaft_below("machine.journal_bearings.diameter", shaft, pinion.root_radius)
     loaded_is_left, grooves = spec.mode == "pump", spec.relief_grooves
+    first, second = teeth[0].tip_radius, -teeth[1].tip_radius
+    if not second - first < distance < first + second:
+        raise GeometryError(
+            f"machine.pinion.center_distance: found {distance * 1e3:.5g} mm, allowed above "
+            f"{(second - first) * 1e3:.5g} mm (the tip circles must overlap)"
+        )
     try:
-        mesh = in_contact(teeth, _centred_mesh(teeth, distance), loaded_is_left)
+        mesh = in_contact(teeth, mesh_at_distance(teeth, -distance), loaded_is_left)
     except GeometryError as error:
         raise GeometryError(f"machine.pinion: {error}") from error
     return CrescentAssembly(
@@ -206,14 +211,3 @@ def _detected(
             return gear_profile_from_curve(curve, key=key, tooth_count=tooth_count).profile
     except GeometryError as error:
         raise GeometryError(f"{key}: {error}") from error
-
-
-def _centred_mesh(teeth: tuple[Tooth, Tooth], distance: float) -> Mesh:
-    pinion, ring = teeth
-    first, second = pinion.tip_radius, -ring.tip_radius
-    if not second - first < distance < first + second:
-        raise GeometryError(
-            f"machine.pinion.center_distance: found {distance * 1e3:.5g} mm, allowed above "
-            f"{(second - first) * 1e3:.5g} mm (the tip circles must overlap)"
-        )
-    return mesh_at_distance(teeth, -distance)

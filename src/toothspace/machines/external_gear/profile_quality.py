@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 _LARGEST_CHORD = 2e-6
 _LARGEST_FORM_ERROR = 4e-3
 """Of the module: about the total profile tolerance of ISO 1328-1 class 8 for small gears. [-]"""
-_LARGEST_HELIX = np.deg2rad(0.1)
 _UNEQUAL_PITCH = 1e-3
 
 
