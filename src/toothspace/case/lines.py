@@ -154,7 +154,10 @@ def _columns(
     radius, step = 0.5 * hose.bore, hose.length / hose.cells
     inertance = density * step / (np.pi * radius**2)
     renewal = diffusion / radius**2
-    branches = memory_branches(_highest_rate(hose, density, fluid) / renewal)
+    # angular frequency of the shortest wave that the cells can carry
+    liquid = 1.0 / float(liquid_bulk_modulus(_WALL_REFERENCE, fluid))
+    speed = 1.0 / np.sqrt(density * (liquid + wall_flexibility(hose, fluid)))
+    branches = memory_branches(float(2.0 * speed * hose.cells / hose.length) / renewal)
     law = (
         inertance,
         8.0 * renewal * inertance,
@@ -171,10 +174,3 @@ def characteristic_impedance(line: Line, pressure: float, fluid: FluidLaw) -> fl
     density = float(mixture_density(pressure, fluid.feed_gas_mass_fraction, fluid))
     compliance = 1.0 / float(liquid_bulk_modulus(pressure, fluid)) + wall_flexibility(line, fluid)
     return float(np.sqrt(density / compliance) / (0.25 * np.pi * line.bore**2))
-
-
-def _highest_rate(hose: Line, density: float, fluid: FluidLaw) -> float:
-    """Angular frequency of the shortest wave that the cells can carry. [rad/s]."""
-    liquid = 1.0 / float(liquid_bulk_modulus(_WALL_REFERENCE, fluid))
-    speed = 1.0 / np.sqrt(density * (liquid + wall_flexibility(hose, fluid)))
-    return float(2.0 * speed * hose.cells / hose.length)

@@ -38,15 +38,11 @@ def split_override(override: str) -> tuple[str, Any]:
     path, equals, value = (part.strip() for part in str(override).partition("="))
     if not equals or not value or not _PATH.fullmatch(path):
         raise KeyRuleError("--set", repr(override), "key.path=value")
-    return path, _value(value)
-
-
-def _value(text: str) -> Any:
     try:
-        parsed = tomllib.loads(f"value = {text}")
+        parsed = tomllib.loads(f"value = {value}")
     except (ValueError, RecursionError):
-        return text
-    return parsed["value"] if list(parsed) == ["value"] else text
+        return path, value
+    return path, parsed["value"] if list(parsed) == ["value"] else value
 
 
 def with_values(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:

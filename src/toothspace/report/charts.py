@@ -69,7 +69,6 @@ def _colour(share: float) -> str:
 def _section(
     solution: Solution, description: MachineDescription, sample: int, top: float
 ) -> list[str]:
-
     data = solution.data.isel({solution.data["chamber_pressure"].dims[0]: sample})
     shaft_angle = float(data["shaft_angle"])
     pressure = np.asarray(data["chamber_pressure"]) / _BAR

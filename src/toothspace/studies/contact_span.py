@@ -18,7 +18,7 @@ from toothspace.studies.measured import read_measured
 from toothspace.studies.points import collected, operating_values, point, status_of
 from toothspace.studies.records import Record, failed_count
 from toothspace.studies.study import StudyContext, StudyResult
-from toothspace.studies.tabulate import columns, numbers_table, unit_of
+from toothspace.studies.tabulate import columns, numbers_table, record_arrays
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -53,6 +53,8 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     CaseError
         If the case is no steady gerotor, or no point can be run.
     """
+    import xarray as xr
+
     study = case.study
     assert isinstance(study, ContactSpanStudy)
     if case.operating_point is None or not hasattr(case.machine, "rotors"):
@@ -78,9 +80,14 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         "tip clearance (um)": [1e6 * clearance for clearance, _ in pairs],
         "pressure difference (bar)": [1e-5 * difference for _, difference in pairs],
     }
+    clearance, difference = np.array(pairs).T
+    varied: dict[str, Any] = {
+        "tip_clearance": ("point", clearance, {"units": "m"}),
+        "pressure_difference": ("point", difference, {"units": "Pa"}),
+    }
     return StudyResult(
         status=status_of(records),
-        data=waveforms.merge(_dataset(pairs, records)),
+        data=waveforms.merge(xr.Dataset(varied | record_arrays(records))),
         numbers=_numbers(pairs, records, waveforms),
         tables=(numbers_table("contact_span", heads, _NUMBERS, records),),
     )
@@ -178,22 +185,6 @@ def _torque(solution: Solution, angle: Array) -> Array:
     return np.asarray(
         np.interp(angle, own, np.asarray(solution.data["shaft_torque"]), period=2.0 * np.pi)
     )
-
-
-def _dataset(pairs: Sequence[tuple[float, float]], records: Sequence[Record]) -> xr.Dataset:
-    import xarray as xr
-
-    clearance, difference = np.array(pairs).T
-    data: dict[str, Any] = {
-        "tip_clearance": ("point", clearance, {"units": "m"}),
-        "pressure_difference": ("point", difference, {"units": "Pa"}),
-    }
-    data |= {
-        name: ("point", np.asarray(values), {"units": unit_of(name)})
-        for name, values in columns(records).items()
-    }
-    data["point_status"] = ("point", np.asarray([r.status for r in records], dtype=str))
-    return xr.Dataset(data)
 
 
 def _numbers(

@@ -11,11 +11,10 @@ from toothspace.case import Case
 from toothspace.case.study import DesignScanStudy
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
-from toothspace.core.types import Array
 from toothspace.core.units import to_si
 from toothspace.studies.study import Row, StudyContext, StudyResult, StudyTable
 from toothspace.studies.tabulate import unit_of
-from toothspace.studies.variation import Axis, axes_of, unit_samples
+from toothspace.studies.variation import axes_of, unit_samples
 
 
 def run(case: Case, context: StudyContext) -> StudyResult:
@@ -39,7 +38,13 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     assert isinstance(study, DesignScanStudy)
     axes = axes_of(study.vary, case.label)
     shares = unit_samples(len(axes), study.method, study.sample_count, study.seed).T
-    columns = [_values(axis, row) for axis, row in zip(axes, shares, strict=True)]
+    columns = []
+    for axis, row in zip(axes, shares.tolist(), strict=True):
+        try:
+            columns.append(np.array([axis.quantile(share) for share in row], dtype=float))
+        except ValueError as error:
+            found, allowed = f"study.vary.{axis.path}: found words", "numbers, or texts with a unit"
+            raise CaseError(f"{found}, allowed {allowed}") from error
     varied = {
         axis.path: column * (to_si(1.0, axis.unit) if axis.unit else 1.0)
         for axis, column in zip(axes, columns, strict=True)
@@ -100,11 +105,3 @@ def run(case: Case, context: StudyContext) -> StudyResult:
             StudyTable("reasons", ("what is against designs", "designs"), tuple(counts.items())),
         ),
     )
-
-
-def _values(axis: Axis, shares: Array) -> Array:
-    try:
-        return np.array([axis.quantile(share) for share in shares.tolist()], dtype=float)
-    except ValueError as error:
-        allowed = "numbers, or texts with a unit"
-        raise CaseError(f"study.vary.{axis.path}: found words, allowed {allowed}") from error

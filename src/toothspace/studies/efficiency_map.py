@@ -16,7 +16,6 @@ from toothspace.core.units import from_si, parse_quantity
 from toothspace.studies.measured import read_measured
 from toothspace.studies.points import (
     Evaluate,
-    Point,
     collected,
     operating_point_of,
     operating_values,
@@ -68,7 +67,6 @@ def run(case: Case, context: StudyContext) -> StudyResult:
     """
     study = case.study
     assert isinstance(study, EfficiencyMapStudy)
-    operating_point_of(case)
     pairs = list(product(study.shaft_speed, study.pressure_difference))
     records = map_records(case, pairs, context)
     speeds = [from_si(speed, "rpm") for speed, _ in pairs]
@@ -103,19 +101,18 @@ def map_records(
     CaseError
         If every point is refused.
     """
-    points = [_point(case, speed, difference) for speed, difference in pairs]
+    operating, motor = operating_point_of(case), getattr(case.machine, "mode", "pump") == "motor"
+    low = operating.outlet_pressure if motor else operating.inlet_pressure
+    high = "inlet_pressure" if motor else "outlet_pressure"
+    points = [
+        point(case, operating_values(**{"shaft_speed": speed, high: low + difference}))
+        for speed, difference in pairs
+    ]
     # light loads take the most revolutions: the longest points first, so that no worker waits
     order = sorted(range(len(pairs)), key=lambda k: pairs[k][1] / pairs[k][0])
     found = collected([points[k] for k in order], context, evaluate)
     record_of = dict(zip(order, found, strict=True))
     return [record_of[k] for k in range(len(pairs))]
-
-
-def _point(case: Case, speed: float, difference: float) -> Point:
-    operating, motor = operating_point_of(case), getattr(case.machine, "mode", "pump") == "motor"
-    low = operating.outlet_pressure if motor else operating.inlet_pressure
-    high = {"inlet_pressure" if motor else "outlet_pressure": low + difference}
-    return point(case, operating_values(shaft_speed=speed, **high))
 
 
 def _measured(case: Case, study: EfficiencyMapStudy) -> xr.Dataset:

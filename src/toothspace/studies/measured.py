@@ -119,7 +119,11 @@ def read_measured(path: Path) -> Measured:
     times: Array = np.zeros(0)
     channels = {}
     for k, (name, unit) in enumerate(head):
-        column = _in_si(path, name, unit, table[:, k])
+        wanted = "s" if name == "time" else "Pa" if name == _DIFFERENCE else _units(path, name)
+        require_unit(path, name, unit, wanted)
+        column = table[:, k]
+        if unit != "1":
+            column = np.array([to_si(x, unit) for x in column.tolist()])
         if name == "time":
             times = column
         else:
@@ -146,12 +150,6 @@ def _steady(path: Path, head: list[tuple[str, str]], table: Array) -> Measured:
         allowed = "columns of summary numbers, such as 'mean_flow_L_per_min [L/min]'"
         raise CaseError(f"{path}: columns: found {[name for name, _ in head]}, allowed {allowed}")
     return Measured(None, settings, channels)
-
-
-def _in_si(path: Path, name: str, unit: str, column: Array) -> Array:
-    wanted = "s" if name == "time" else "Pa" if name == _DIFFERENCE else _units(path, name)
-    require_unit(path, name, unit, wanted)
-    return column if unit == "1" else np.array([to_si(x, unit) for x in column.tolist()])
 
 
 def _units(path: Path, name: str) -> str:

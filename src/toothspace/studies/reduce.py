@@ -23,7 +23,7 @@ from toothspace.films.journal.mixed_lubrication import (
     machine_bearing,
     sweep_friction,
 )
-from toothspace.model.description import LumpedJournalBearing, MachineDescription
+from toothspace.model.description import MachineDescription
 from toothspace.model.quasi_static import mean_force
 from toothspace.simulation.elastic import lateral_settings
 from toothspace.simulation.film_tables import JOURNAL_SIZES, KINDS, lateral_sizes
@@ -131,7 +131,11 @@ def reduce_journals(setup: Setup, progress: Progress | None = None) -> xr.Datase
     loads: list[list[float]] = []
     for number, journal in enumerate(description.journals):
         tell(progress, number / len(description.journals), f"friction of {journal.body}")
-        mean = _load_of(description, journal, force)
+        places = [description.motion_index(journal.body, axis) for axis in ("x", "y")]
+        mean = float(np.hypot(*force[places])) / journal.count
+        if not mean > 0.0:
+            allowed = "a pressure difference that loads its bearings"
+            raise CaseError(f"operating_point: found no load on {journal.body}, allowed {allowed}")
         bearing = machine_bearing(journal, viscosity)
         loads.append([part * mean for part in LOAD_LEVELS])
         sweeps.append(
@@ -141,16 +145,6 @@ def reduce_journals(setup: Setup, progress: Progress | None = None) -> xr.Datase
             ]
         )
     return _journal_tables(description, sweeps, loads)
-
-
-def _load_of(description: MachineDescription, journal: LumpedJournalBearing, force: Array) -> float:
-    """Mean load on one bearing. [N]."""
-    places = [description.motion_index(journal.body, axis) for axis in ("x", "y")]
-    load = float(np.hypot(*force[places])) / journal.count
-    if not load > 0.0:
-        allowed = "a pressure difference that loads its bearings"
-        raise CaseError(f"operating_point: found no load on {journal.body}, allowed {allowed}")
-    return load
 
 
 def _journal_tables(

@@ -13,7 +13,6 @@ from toothspace.case.circuit import PumpMap
 from toothspace.case.plumbing import history
 from toothspace.case.study import StartupStudy
 from toothspace.core.errors import CaseError
-from toothspace.core.types import Array
 from toothspace.core.units import from_si
 from toothspace.studies.points import collected, point, status_of
 from toothspace.studies.records import Record, failed_count
@@ -58,7 +57,15 @@ def run(case: Case, context: StudyContext) -> StudyResult:
 
     study = case.study
     assert isinstance(study, StartupStudy)
-    name, supply = _supply(case)
+    elements = case.circuit.elements if case.circuit else {}
+    pumps = {name: pump for name, pump in elements.items() if isinstance(pump, PumpMap)}
+    if not pumps:
+        found = "no [circuit] with a pump_map"
+        raise CaseError(
+            f"{case.source}: study.kind: found {found}, allowed a circuit with a supply"
+        )
+    name, pump = next(iter(pumps.items()))
+    supply = history(pump, "speed", "rpm")
     speeds = study.plateau_speed or (float(supply[:, 1].max()),)
     pitch = 2.0 * math.pi / api.describe(case).families[0].count
     angles = [k * pitch / study.start_angle_count for k in range(study.start_angle_count)]
@@ -97,16 +104,6 @@ def run(case: Case, context: StudyContext) -> StudyResult:
         numbers=numbers,
         tables=(numbers_table("startup", heads, COLUMNS, records), _starting_torque(records)),
     )
-
-
-def _supply(case: Case) -> tuple[str, Array]:
-    """Name of the supply pump and its speed over time. [s], [rad/s]."""
-    elements = case.circuit.elements if case.circuit else {}
-    for name, element in elements.items():
-        if isinstance(element, PumpMap):
-            return name, history(element, "speed", "rpm")
-    found = "no [circuit] with a pump_map"
-    raise CaseError(f"{case.source}: study.kind: found {found}, allowed a circuit with a supply")
 
 
 def _starting_torque(records: Sequence[Record]) -> StudyTable:

@@ -91,7 +91,14 @@ def record_of(key: str, point: StoredPoint) -> Record:
         "films": point.films,
         "coordinates": point.coordinates,
         "lateral_numbers": asdict(point.numbers),
-        "maps": {name: _packed(values) for name, values in point.maps.items()},
+        "maps": {
+            name: {
+                "type": values.dtype.str,
+                "shape": values.shape,
+                "content": base64.b64encode(zlib.compress(values.tobytes())).decode("ascii"),
+            }
+            for name, values in point.maps.items()
+        },
     }
     return Record(
         key,
@@ -136,12 +143,3 @@ def point_key(case: Case, *what: object) -> str:
     """
     text = "\n".join((case.at_point({}).hash, repr(what), toothspace.__version__))
     return hashlib.sha256(text.encode()).hexdigest()[:32]
-
-
-def _packed(values: Array) -> dict[str, Any]:
-    content = zlib.compress(np.ascontiguousarray(values).tobytes())
-    return {
-        "type": values.dtype.str,
-        "shape": values.shape,
-        "content": base64.b64encode(content).decode("ascii"),
-    }

@@ -62,7 +62,9 @@ class StudyTable:
         buffer = io.StringIO()
         writer = csv.writer(buffer, lineterminator="\n")
         writer.writerow(self.head)
-        writer.writerows([_cell(value) for value in row] for row in self.rows)
+        for row in self.rows:
+            known = (x if isinstance(x, str) or math.isfinite(x) else "" for x in row)
+            writer.writerow([x if isinstance(x, str) else f"{x:.6g}" for x in known])
         return buffer.getvalue()
 
 
@@ -132,9 +134,3 @@ class StudyResult:
         for table in self.tables:
             written.append(write_text(target / f"{table.name}.csv", table.to_csv()))
         return written
-
-
-def _cell(value: float | str) -> str:
-    if isinstance(value, str):
-        return value
-    return f"{value:.6g}" if math.isfinite(value) else ""

@@ -80,6 +80,18 @@ def numbers_table(
     return StudyTable.of(name, {**values, **numbers, "status": [r.status for r in records]})
 
 
+def record_arrays(
+    records: Sequence[Record], dims: Sequence[str] = ("point",), shape: Sequence[int] = (-1,)
+) -> dict[str, Any]:
+    """Return numbers with their units, and statuses, as variables of a dataset."""
+    arrays = {
+        name: (dims, np.asarray(values).reshape(shape), {"units": unit_of(name)})
+        for name, values in columns(records).items()
+    }
+    statuses = np.asarray([r.status for r in records], dtype=str)
+    return {**arrays, "point_status": (dims, statuses.reshape(shape))}
+
+
 def points_dataset(
     axes: Sequence[Axis], rows: Sequence[Sequence[Any]], records: Sequence[Record]
 ) -> xr.Dataset:
@@ -90,11 +102,7 @@ def points_dataset(
         axis.path: ("point", np.asarray([row[k] for row in rows]), {"units": axis.unit or "1"})
         for k, axis in enumerate(axes)
     }
-    data |= {
-        name: ("point", np.asarray(values), {"units": unit_of(name)})
-        for name, values in columns(records).items()
-    }
-    data["point_status"] = ("point", np.asarray([r.status for r in records], dtype=str))
+    data |= record_arrays(records)
     data["point_message"] = ("point", np.asarray([r.message for r in records], dtype=str))
     return xr.Dataset(data, coords={"point": np.arange(len(records))})
 
@@ -113,12 +121,7 @@ def map_dataset(
     """
     import xarray as xr
 
-    dims, shape = tuple(axes), tuple(len(values) for values, _ in axes.values())
-    data: dict[str, Any] = {
-        name: (dims, np.asarray(values).reshape(shape), {"units": unit_of(name)})
-        for name, values in columns(records).items()
-    }
-    data["point_status"] = (dims, np.asarray([r.status for r in records]).reshape(shape))
+    data = record_arrays(records, tuple(axes), [len(values) for values, _ in axes.values()])
     coords = {
         name: (name, np.asarray(values), {"units": unit}) for name, (values, unit) in axes.items()
     }

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 from toothspace.gearing.flank_contacts import flank_contacts, rigid_mesh
 from toothspace.gearing.meshing import displacement
-from toothspace.gearing.numbering import Numbering, number
+from toothspace.gearing.numbering import number
 from toothspace.gearing.outlines import SpaceOutlines
-from toothspace.machines.external_gear.assembly import Assembly, assemble
+from toothspace.machines.external_gear.assembly import assemble
 from toothspace.machines.external_gear.films import lateral_films
 from toothspace.machines.external_gear.flow_paths import flow_paths, tooth_spaces
 from toothspace.machines.external_gear.loads import (
@@ -25,7 +25,6 @@ from toothspace.machines.external_gear.spec import ExternalGearSpec
 from toothspace.machines.external_gear.summary import design_checks, geometry_summary
 from toothspace.machines.shared_tables import DEFAULT_NODES, CaseDraft, MachineType
 from toothspace.model.description import MachineDescription, RunningIn
-from toothspace.model.lateral_balance import LateralBalance
 
 if TYPE_CHECKING:
     from toothspace.geometry.evaluated_designs import EvaluatedDesigns
@@ -60,6 +59,12 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
         loaded, coast = contacts
         left = assembly.loaded_is_left
         contacts = own.contact(loaded, is_left=left), own.contact(coast, is_left=not left)
+    balance = None
+    if spec.floating_block is not None:
+        # with the bodies that bend, most of the machine's modules
+        from toothspace.machines.external_gear.balance import lateral_balance
+
+        balance = lateral_balance(assembly, numbering)
     return MachineDescription(
         name="external_gear",
         mode=keys.use,
@@ -78,20 +83,13 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
         drain=keys.drain_node,
         drain_pressure=keys.drain_pressure or 1e5,
         running_in=wear and RunningIn(wear.pressure, wear.shaft_speed, wear.temperature),
-        lateral_balance=None if spec.floating_block is None else _balance(assembly, numbering),
+        lateral_balance=balance,
         outlines=outlines(assembly),
         chamber_outlines=SpaceOutlines(assembly, numbering),
         geometry_summary=geometry_summary(assembly, spaces, checks),
         checks=checks,
         as_drawn=as_drawn(assembly),
     )
-
-
-def _balance(assembly: Assembly, numbering: Numbering) -> LateralBalance:
-    # with the bodies that bend, most of the machine's modules
-    from toothspace.machines.external_gear.balance import lateral_balance
-
-    return lateral_balance(assembly, numbering)
 
 
 def _draft(*given: Any) -> CaseDraft | None:
