@@ -68,12 +68,7 @@ def set_up(case: Case) -> Setup:
 def simulate(case: Case, progress: Progress | None = None) -> Solution:
     """Run a case and return its solution; a numerical failure is a status of it.
 
-    Parameters
-    ----------
-    case : Case
-        What to run.
-    progress : callable, optional
-        Called with the finished share and a short text.
+    ``progress`` is called with the finished share and a short text.
     """
     started, compiled = time.perf_counter(), compile_seconds()
     setup = set_up(case)
@@ -107,19 +102,10 @@ def solve_bearing(case: Case, fields: Path | None = None) -> dict[str, Any]:
 
 
 def solve_film(case: Case, fields: Path | None = None) -> dict[str, Any]:
-    """Solve the table ``[film]`` of a case.
+    """Solve the table ``[film]`` of a case to numbers with unit suffixes.
 
-    Parameters
-    ----------
-    case : Case
-        Case with the table.
-    fields : Path, optional
-        File for the fields, NetCDF (.nc) or VTK (.vts); one per body of a machine.
-
-    Returns
-    -------
-    dict
-        Numbers with unit suffixes; the load of a pad is that of the pressure above ambient.
+    The load of a pad is that of the pressure above ambient. ``fields`` names a file for the
+    fields, NetCDF (.nc) or VTK (.vts); one per body of a machine.
     """
     from toothspace.simulation.stand_alone import solve
 

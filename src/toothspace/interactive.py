@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
     from toothspace.core.progress import Progress
     from toothspace.geometry.evaluated_designs import EvaluatedDesigns
+    from toothspace.plotting.catalogue import FigureEntry
     from toothspace.report.comparison import Comparison
     from toothspace.studies.study import StudyResult
 
@@ -138,22 +139,23 @@ class Figures:
     def __repr__(self) -> str:
         return f"<Figures: {', '.join(self.names())}>"
 
-    def names(self) -> list[str]:
-        """Return the names of the figures that the result can give."""
+    @property
+    def _entries(self) -> dict[str, FigureEntry]:
         from toothspace.plotting.catalogue import available_figures
 
-        return [e.name for e in available_figures(self.solution, self.solution.description)]
+        return {e.name: e for e in available_figures(self.solution, self.solution.description)}
+
+    def names(self) -> list[str]:
+        """Return the names of the figures that the result can give."""
+        return list(self._entries)
 
     def figure(self, name: str) -> Figure:
         """Return the figure of a name."""
-        from toothspace.plotting.catalogue import available_figures
-
-        entries = available_figures(self.solution, self.solution.description)
-        for entry in entries:
-            if entry.name == name:
-                return entry.draw(self.solution, self.solution.description)
-        allowed = ", ".join(entry.name for entry in entries)
-        raise CaseError(f"figure: found {name!r}, allowed for this result {allowed}")
+        entries = self._entries
+        if name not in entries:
+            allowed = ", ".join(entries)
+            raise CaseError(f"figure: found {name!r}, allowed for this result {allowed}")
+        return entries[name].draw(self.solution, self.solution.description)
 
     def section(self) -> Figure:
         """Section of the machine, coloured by pressure."""

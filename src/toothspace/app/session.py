@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, final
 
 from toothspace.case import Case, load_case
+from toothspace.case.document import texts
 from toothspace.case.shipped import shipped_case, shipped_cases
 from toothspace.core.errors import CaseError, ToothspaceError
 from toothspace.core.progress import UNKNOWN, reporting_to
@@ -63,7 +64,7 @@ class Session:
             cases is one of them.
         """
         homes = self.folder, shipped_folder("cases").resolve()
-        for key, text in _texts("", tables):
+        for key, text in texts(tables):
             if len(text) > _LONGEST_PATH or "\0" in text:
                 continue
             place = (self.folder / text).resolve()
@@ -126,14 +127,3 @@ class Session:
         if self._stopped.is_set():
             self._stopped.clear()
             raise KeyboardInterrupt
-
-
-def _texts(key: str, value: Any) -> Iterator[tuple[str, str]]:
-    if isinstance(value, str):
-        yield key, value
-    elif isinstance(value, Mapping):
-        for name, item in value.items():
-            yield from _texts(f"{key}.{name}" if key else str(name), item)
-    elif isinstance(value, list):
-        for number, item in enumerate(value):
-            yield from _texts(f"{key}[{number}]", item)

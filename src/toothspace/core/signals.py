@@ -86,7 +86,7 @@ def _column(
         raise CaseError(f"{path}: columns: found {found}, allowed one named '{name} [{wanted}]'")
     place, unit = names[name]
     require_unit(path, name, unit, wanted)
-    values = np.array([finite_number(path, row, place, name) for row in rows])
+    values = np.array([read_number(path, row, place, name) for row in rows])
     if values.size == 0:
         raise CaseError(f"{path}: {name}: found no rows, allowed at least one")
     if unit == "1":
@@ -110,7 +110,7 @@ def require_unit(path: Path, name: str, unit: str, wanted: str) -> None:
         raise CaseError(f"{path}: {name}: found the unit {reprlib.repr(unit)}, allowed {wanted!r}")
 
 
-def finite_number(path: Path, row: list[str], place: int, name: str) -> float:
+def read_number(path: Path, row: list[str], place: int, name: str) -> float:
     """Return the number of a column in a row. [unit of the column].
 
     Raises

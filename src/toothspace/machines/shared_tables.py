@@ -58,7 +58,7 @@ until = "cyclic"
 """First case file round the keys found."""
 
 
-def drafted(key: str, value: object, note: str = "") -> str:
+def draft_line(key: str, value: object, note: str = "") -> str:
     """Line of a first case file, with its note in a column of their own."""
     line = f"{key} = {json.dumps(value)}"
     return f"{line:<33}# {note}" if note else line

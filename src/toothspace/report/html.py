@@ -19,7 +19,7 @@ from toothspace.report.limits import limits_of
 from toothspace.report.machine import machine_of
 from toothspace.report.page import render
 from toothspace.report.verdict import verdict, warnings_of
-from toothspace.report.wording import format_value, quantity, typographic
+from toothspace.report.wording import format_value, quantity, shown_unit
 from toothspace.results.ledger import NOTE_ENTRIES, LossCause, loss_causes, power_ledger
 from toothspace.results.performance import by_label
 from toothspace.results.solution import Solution
@@ -220,7 +220,7 @@ def _machine(solution: Solution, description: MachineDescription | None) -> dict
             (
                 check,
                 quantity(check.name, check.value)._replace(
-                    unit="" if check.unit in {"1", "-"} else typographic(check.unit)
+                    unit="" if check.unit in {"1", "-"} else shown_unit(check.unit)
                 ),
             )
             for check in (description.checks if description else ())

@@ -28,10 +28,10 @@ def quantity(name: str, value: object) -> LabelledNumber:
         if not name.endswith("_efficiency") or not isinstance(value, float):
             return LabelledNumber(label, format_value(value), "")
         value, unit = 100.0 * value, "%"
-    return LabelledNumber(label, format_value(value), typographic(unit))
+    return LabelledNumber(label, format_value(value), shown_unit(unit))
 
 
-def typographic(unit: str) -> str:
+def shown_unit(unit: str) -> str:
     """Return a unit as it is printed."""
     for plain, shown in _TYPOGRAPHY:
         unit = unit.replace(plain, shown)

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import xarray as xr
-
 from toothspace.core.errors import CaseError
 from toothspace.core.netcdf import read_dataset
 from toothspace.core.status import Status
@@ -39,22 +37,19 @@ def load_solution(path: str | Path) -> Solution:
     if "status" not in dataset.attrs or "ledger_energy" not in dataset:
         raise CaseError(f"{path}: not a result of toothspace; expected a file written by run -o")
     try:
-        return _solution_of(dataset)
+        attributes = dataset.attrs
+        statistics = {k: v for k, v in attributes.items() if k.startswith(STATISTICS)}
+        provenance = {key: str(attributes[key]) for key in attributes.get(PROVENANCE, "").split()}
+        data = dataset.drop_vars(EXTRA_VARIABLES, errors="ignore")
+        data.attrs = {key: attributes[key] for key in DATA_ATTRIBUTES if key in attributes}
+        return Solution(
+            status=Status[attributes["status"]],
+            data=data,
+            ledger=read_ledger(dataset),
+            statistics={k.removeprefix(STATISTICS): float(v) for k, v in statistics.items()},
+            provenance=provenance,
+            events=read_events(dataset),
+        )
     except (KeyError, ValueError, TypeError, IndexError) as error:
         found = f"a result without a usable {error}"
         raise CaseError(f"{path}: found {found}, allowed one that this version wrote") from error
-
-
-def _solution_of(dataset: xr.Dataset) -> Solution:
-    attributes = dataset.attrs
-    statistics = {k: v for k, v in attributes.items() if k.startswith(STATISTICS)}
-    data = dataset.drop_vars(EXTRA_VARIABLES, errors="ignore")
-    data.attrs = {key: attributes[key] for key in DATA_ATTRIBUTES if key in attributes}
-    return Solution(
-        status=Status[dataset.attrs["status"]],
-        data=data,
-        ledger=read_ledger(dataset),
-        statistics={k.removeprefix(STATISTICS): float(v) for k, v in statistics.items()},
-        provenance={key: str(attributes[key]) for key in attributes.get(PROVENANCE, "").split()},
-        events=read_events(dataset),
-    )

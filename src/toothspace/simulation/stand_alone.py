@@ -67,18 +67,9 @@ def solve(
     describe: Callable[[Case], MachineDescription],
     fields: Path | None,
 ) -> dict[str, Any]:
-    """Solve a film of a case; see :func:`toothspace.api.solve_film`.
+    """Solve the film of a table of a case; see :func:`toothspace.api.solve_film`.
 
-    Parameters
-    ----------
-    case : Case
-        Case with the film.
-    keys : FilmKeys
-        Its table.
-    describe : callable
-        Machine of a case, for a film on its faces.
-    fields : Path, optional
-        File for the fields.
+    ``describe`` gives the machine of a case, for a film on its faces.
     """
     if fields is not None and fields.suffix.lower() not in FILE_SUFFIXES:
         allowed = ", ".join(FILE_SUFFIXES)

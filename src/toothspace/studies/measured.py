@@ -12,7 +12,7 @@ import numpy as np
 
 from toothspace.case import Case
 from toothspace.core.errors import CaseError
-from toothspace.core.signals import finite_number, read_rows, require_unit
+from toothspace.core.signals import read_number, read_rows, require_unit
 from toothspace.core.types import Array
 from toothspace.core.units import from_si, to_si
 from toothspace.results.variables import VARIABLES
@@ -112,7 +112,7 @@ def read_measured(path: Path) -> Measured:
         raise CaseError(f"{path}: found no rows, allowed at least one")
     names = [name for name, _ in head]
     table = np.array(
-        [[finite_number(path, row, k, name) for k, name in enumerate(names)] for row in rows[1:]]
+        [[read_number(path, row, k, name) for k, name in enumerate(names)] for row in rows[1:]]
     )
     if "time" not in names:
         return _steady(path, head, table)

@@ -81,15 +81,15 @@ def numbers_table(
 
 
 def record_arrays(
-    records: Sequence[Record], dims: Sequence[str] = ("point",), shape: Sequence[int] = (-1,)
+    records: Sequence[Record], dimensions: Sequence[str] = ("point",), shape: Sequence[int] = (-1,)
 ) -> dict[str, Any]:
     """Return numbers with their units, and statuses, as variables of a dataset."""
     arrays = {
-        name: (dims, np.asarray(values).reshape(shape), {"units": unit_of(name)})
+        name: (dimensions, np.asarray(values).reshape(shape), {"units": unit_of(name)})
         for name, values in columns(records).items()
     }
     statuses = np.asarray([r.status for r in records], dtype=str)
-    return {**arrays, "point_status": (dims, statuses.reshape(shape))}
+    return {**arrays, "point_status": (dimensions, statuses.reshape(shape))}
 
 
 def points_dataset(

@@ -32,7 +32,7 @@ from toothspace.geometry.pump_sections import (
     face_recesses,
     machine_frame,
 )
-from toothspace.machines.shared_tables import DRAFT, CaseDraft, drafted, named_beside
+from toothspace.machines.shared_tables import DRAFT, CaseDraft, draft_line, named_beside
 
 _CLEARANCES = (1e-6, 300e-6)
 """Between tip circle and bore. [m]"""
@@ -96,14 +96,14 @@ def draft_case(
     lines = []
     if around.toward:
         note = "assumed: the outlet may be opposite"
-        lines.append(drafted("outlet_toward", around.toward, note))
+        lines.append(draft_line("outlet_toward", around.toward, note))
     lines += ["", "[machine.gears]", *_part_keys(drive, unit, folder, "profile")]
     if drive.face_width is None:
-        lines.append(drafted("face_width", "10 mm", "assumed: plane files have none"))
+        lines.append(draft_line("face_width", "10 mm", "assumed: plane files have none"))
     else:
-        lines.append(drafted("face_width", f"{1e3 * drive.face_width:.6g} mm"))
+        lines.append(draft_line("face_width", f"{1e3 * drive.face_width:.6g} mm"))
     section = {"axis": request.axis, "plane": request.plane and f"{1e3 * request.plane:.6g} mm"}
-    lines += [drafted(f"profile_{k}", value) for k, value in section.items() if value]
+    lines += [draft_line(f"profile_{k}", value) for k, value in section.items() if value]
     lines += _mesh_keys(drive, driven, paired=pair is not None)
     if pair:
         own = _part_keys(driven, unit, folder, "profile")
@@ -135,13 +135,13 @@ def _pair(contents: FileContents) -> tuple[FoundGear, FoundGear] | None:
 def _part_keys(part: FoundGear | PlainBody, unit: str, folder: Path, stem: str) -> list[str]:
     if not isinstance(part.file, Path):
         return []
-    lines = [drafted(stem, named_beside(part.file, folder))]
+    lines = [draft_line(stem, named_beside(part.file, folder))]
     if part.file.suffix.lower() not in STEP_SUFFIXES:
-        lines.append(drafted(f"{stem}_unit", unit))
+        lines.append(draft_line(f"{stem}_unit", unit))
     if part.name:
-        lines.append(drafted(f"{stem}_part", part.name))
+        lines.append(draft_line(f"{stem}_part", part.name))
     elif part.body:
-        lines.append(drafted(f"{stem}_body", part.body))
+        lines.append(draft_line(f"{stem}_body", part.body))
     return lines
 
 
@@ -158,24 +158,24 @@ def _mesh_keys(drive: FoundGear, driven: FoundGear, *, paired: bool) -> list[str
         profile = drive.detected.profile
         module = 2.0 * profile.tip_radius / (profile.tooth_count + 2)
         backlash = f"{1e3 * _BACKLASH * (module if data is None else data.module):.4g} mm"
-        return [drafted("normal_backlash", backlash, "assumed, or center_distance"), teeth]
+        return [draft_line("normal_backlash", backlash, "assumed, or center_distance"), teeth]
     play = normal_play((drive.detected.profile, driven.detected.profile), distance)
     note = f"normal backlash {1e3 * play:.4g} mm"
-    return [drafted("center_distance", f"{1e3 * distance:.7g} mm", note), teeth]
+    return [draft_line("center_distance", f"{1e3 * distance:.7g} mm", note), teeth]
 
 
 def _body_keys(drive: FoundGear, around: _Surroundings, unit: str, folder: Path) -> list[str]:
     lines = ["", "[machine.casing]"]
     if around.casing is None or around.clearance is None:
         lines += [
-            drafted("radial_clearance", "20 um", "assumed"),
-            drafted("inlet_angle", "60 deg", "assumed: from the mesh to the port edge"),
-            drafted("outlet_angle", "60 deg", "assumed"),
+            draft_line("radial_clearance", "20 um", "assumed"),
+            draft_line("inlet_angle", "60 deg", "assumed: from the mesh to the port edge"),
+            draft_line("outlet_angle", "60 deg", "assumed"),
         ]
     else:
         lines += _part_keys(around.casing, unit, folder, "contour")
         clearance = f"{1e6 * around.clearance:.4g} um"
-        lines.append(drafted("radial_clearance", clearance, "between tip and bore"))
+        lines.append(draft_line("radial_clearance", clearance, "between tip and bore"))
     if around.block is not None and around.grooved:
         lines += ["", "[machine.relief_grooves]"]
         lines += _part_keys(around.block, unit, folder, "contour")
@@ -189,9 +189,9 @@ def _body_keys(drive: FoundGear, around: _Surroundings, unit: str, folder: Path)
         *lines,
         "",
         "[machine.journal_bearings]",
-        drafted("diameter", size, note),
-        drafted("length", size, "assumed"),
-        drafted("radial_clearance", f"{play} um", "assumed: a thousandth of the radius"),
+        draft_line("diameter", size, note),
+        draft_line("length", size, "assumed"),
+        draft_line("radial_clearance", f"{play} um", "assumed: a thousandth of the radius"),
     ]
 
 

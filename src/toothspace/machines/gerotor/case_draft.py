@@ -17,7 +17,7 @@ from toothspace.machines.gerotor.rotor_files import (
     rotor_pair,
     size_beside,
 )
-from toothspace.machines.shared_tables import DRAFT, CaseDraft, drafted, named_beside
+from toothspace.machines.shared_tables import DRAFT, CaseDraft, draft_line, named_beside
 
 _RIM = 1.2
 """Outside diameter of the outer rotor over the width across its lobes, where none is drawn. [-]"""
@@ -53,22 +53,23 @@ def _text(inner: DrawnRotor, outer: DrawnRotor, unit: str, folder: Path) -> str:
     found = [
         "",
         "[machine.rotors]",
-        drafted("inner_profile", names[0]),
-        drafted("outer_profile", names[1]),
-        *([] if len(solids) == 2 else [drafted("profile_unit", unit)]),
-        drafted("inner_tooth_count", inner.tooth_count),
+        draft_line("inner_profile", names[0]),
+        draft_line("outer_profile", names[1]),
+        *([] if len(solids) == 2 else [draft_line("profile_unit", unit)]),
+        draft_line("inner_tooth_count", inner.tooth_count),
         _length("eccentricity", drawn_eccentricity(inner, outer), 0.1 * across / inner.tooth_count,
                 "give the distance of the rotor centres"),
         _length("face_width", inner.face_width, 10e-3, "plane files have none"),
-        drafted("tip_clearance", "0 um", "taken off in addition to the drawing"),
+        draft_line("tip_clearance", "0 um", "taken off in addition to the drawing"),
         *([] if bore is None else [_length("shaft_diameter", bore, bore, "")]),
         "",
         "[machine.housing]",
         _length("outer_rotor_diameter", rim, _RIM * across, "no rim is drawn"),
-        drafted("radial_clearance", "50 um", "assumed"),
+        draft_line("radial_clearance", "50 um", "assumed"),
         "",
         "[machine.ports]",
-        drafted("timing", "kinematic", "assumed: ports change over at the extremes of the volume"),
+        draft_line("timing", "kinematic",
+                   "assumed: ports change over at the extremes of the volume"),
     ]  # fmt: skip
     return DRAFT.format(
         files=", ".join(dict.fromkeys(names)), machine="gerotor", found="\n".join(found),
@@ -79,5 +80,5 @@ def _text(inner: DrawnRotor, outer: DrawnRotor, unit: str, folder: Path) -> str:
 
 def _length(name: str, found: float | None, assumed: float, reason: str) -> str:
     if found is not None:
-        return drafted(name, f"{1e3 * found:.6g} mm")
-    return drafted(name, f"{1e3 * assumed:.4g} mm", f"assumed: {reason}")
+        return draft_line(name, f"{1e3 * found:.6g} mm")
+    return draft_line(name, f"{1e3 * assumed:.4g} mm", f"assumed: {reason}")
