@@ -9,10 +9,12 @@ import pytest
 
 from tests.fake_solution import fake_solution
 from tests.lateral_stack import HIGH, loads, pressures, ring_stack
+from tests.toy_machine import toy_machine
 from toothspace.core.status import Status
 from toothspace.films.lateral.equilibrium import snapshots_over_pitch
 from toothspace.results.solution import Solution
 from toothspace.simulation.lateral.coupled_run import coupled_solution
+from toothspace.simulation.lateral.coupling import PointRequest, couple_point
 from toothspace.simulation.lateral.problem import LateralProblem, LateralSettings
 
 
@@ -84,14 +86,19 @@ def test_interrupt_beside_the_films_keeps_the_lumped_solution(
 
 
 def test_interrupted_lumped_run_ends_the_point(monkeypatch: pytest.MonkeyPatch) -> None:
-    def couple(description: Any, fluid: Any, run: Any, request: Any) -> Any:
-        run(description)
+    def went_on(*_: Any) -> Any:
         raise AssertionError("went on")
 
-    monkeypatch.setattr("toothspace.simulation.lateral.coupled_run.couple_point", couple)
+    coupling = "toothspace.simulation.lateral.coupling"
+    monkeypatch.setattr(f"{coupling}.lateral_problem", went_on)
+    monkeypatch.setattr(f"{coupling}.with_lateral_leakage", lambda machine, _: machine)
     cut = replace(fake_solution(), status=Status.INTERRUPTED)
+    request = PointRequest(settings=NOTHING, start=1e-6)
+    machine = toy_machine()
+    with pytest.raises(KeyboardInterrupt):
+        couple_point(machine, NOTHING, lambda _: cut, request)
     assert (
-        coupled_solution(NOTHING, NOTHING, lambda _: cut, NOTHING, 12).status is Status.INTERRUPTED
+        coupled_solution(machine, NOTHING, lambda _: cut, request, 12).status is Status.INTERRUPTED
     )
 
 

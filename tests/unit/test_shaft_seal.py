@@ -40,10 +40,11 @@ def test_outside_the_table_is_refused(tmp_path: Path) -> None:
         seal_torque(seals(path, 120.0, 0.3e-3), 18e-3)
 
 
-def test_a_grid_with_a_hole_is_refused(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("row", "count"), [("", 3), ("80,0.2,14\n", 4)])
+def test_a_grid_with_a_hole_is_refused(row: str, count: int, tmp_path: Path) -> None:
     path = tmp_path / "seal.csv"
-    path.write_text(TABLE.replace("80,0.4,14\n", ""), encoding="utf-8")
-    with pytest.raises(CaseError, match="3 rows at 2 temperatures"):
+    path.write_text(TABLE.replace("80,0.4,14\n", row), encoding="utf-8")
+    with pytest.raises(CaseError, match=f"{count} rows at 2 values of temperature"):
         seal_torque(seals(path, 50.0, 0.3e-3), 18e-3)
 
 
