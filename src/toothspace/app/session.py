@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, final
 
 from toothspace.case import Case, load_case
-from toothspace.case.document import texts
+from toothspace.case.document import text_values
 from toothspace.case.shipped import shipped_case, shipped_cases
 from toothspace.core.errors import CaseError, ToothspaceError
 from toothspace.core.progress import UNKNOWN, reporting_to
@@ -64,7 +64,7 @@ class Session:
             cases is one of them.
         """
         homes = self.folder, shipped_folder("cases").resolve()
-        for key, text in texts(tables):
+        for key, text in text_values(tables):
             if len(text) > _LONGEST_PATH or "\0" in text:
                 continue
             place = (self.folder / text).resolve()

@@ -202,16 +202,16 @@ def _leaves(tables: Mapping[str, Any], path: str = "") -> Iterator[str]:
             yield from _leaves(value, f"{path}{name}.")
 
 
-def texts(value: Any, key: str = "") -> Iterator[tuple[str, str]]:
+def text_values(value: Any, key: str = "") -> Iterator[tuple[str, str]]:
     """Yield the key paths and texts of tables, in lists as well."""
     if isinstance(value, str):
         yield key, value
     elif isinstance(value, Mapping):
         for name, item in value.items():
-            yield from texts(item, f"{key}.{name}" if key else str(name))
+            yield from text_values(item, f"{key}.{name}" if key else str(name))
     elif isinstance(value, list):
         for number, item in enumerate(value):
-            yield from texts(item, f"{key}[{number}]")
+            yield from text_values(item, f"{key}[{number}]")
 
 
 def _lines(text: str) -> Iterator[tuple[str, int]]:

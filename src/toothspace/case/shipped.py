@@ -8,7 +8,7 @@ import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
-from toothspace.case.document import texts
+from toothspace.case.document import text_values
 from toothspace.core.errors import CaseError
 from toothspace.library import shipped_folder
 
@@ -72,7 +72,7 @@ def copy_case(name: str, folder: Path, *, replace: bool = False) -> list[Path]:
 
 def _with_files(path: Path) -> Iterator[Path]:
     yield path
-    for _, text in texts(tomllib.loads(path.read_text(encoding="utf-8"))):
+    for _, text in text_values(tomllib.loads(path.read_text(encoding="utf-8"))):
         named = path.parent / text
         if "." in text and len(text) < 200 and named.is_file():
             yield from _with_files(named) if named.suffix == ".toml" else [named]
