@@ -16,6 +16,9 @@ BALANCE_LIMITS = {"mass_balance_error": 1e-6, "energy_balance_error": 1e-4}
 VOLUMETRIC_LIMIT = 1.001
 """Volumetric efficiency above which a warning says why it is above 1. [-]"""
 
+PULL_LIMIT = 0.05
+"""Pull of a rigid mesh, over its largest push, above which a warning says so. [-]"""
+
 _BAR = 1e5
 _COMPARED = (
     "volumetric_efficiency",
@@ -42,7 +45,8 @@ def with_warnings(
         Design-rule report of the machine; what it says of files that were read is reported.
     """
     drawing = [check.sentence for check in checks if check.of_drawing and not check.passed]
-    found = "\n".join([*_pressure(solution, highest_pressure), *_numbers(solution), *drawing])
+    told = (_pressure(solution, highest_pressure), _numbers(solution), _bodies(solution), drawing)
+    found = "\n".join(sentence for part in told for sentence in part)
     return solution.with_note(found)
 
 
@@ -116,6 +120,29 @@ def _numbers(solution: Solution) -> Iterator[str]:
             yield (
                 f"{name.replace('_', ' ').capitalize()} is {value:.1e}, above {limit:.0e}; "
                 "tighten run.relative_tolerance."
+            )
+
+
+def _bodies(solution: Solution) -> Iterator[str]:
+    """Teeth that would part, and bearing blocks on the side away from the load."""
+    data = solution.data
+    if "contact_force" in data and "contact: rigid" in solution.provenance.get("interfaces", ""):
+        force = data["contact_force"].sum("contact")
+        push, pull = float(force.max()), -float(force.min())
+        if pull > PULL_LIMIT * max(push, 0.0):
+            yield (
+                f"The rigid mesh pulls with up to {pull:.3g} N where teeth would part or touch "
+                f"with the other flanks (it pushes with up to {max(push, 0.0):.3g} N). Set "
+                'run.mesh = "elastic".'
+            )
+    if "seat_position" in data and "journal_force" in data:
+        rest = [d for d in data["journal_force"].dims if d not in ("body", "axis")]
+        carried = -(data["journal_force"].mean(rest) * data["seat_position"]).sum("axis")
+        for body in data["body"].values[(carried < 0.0).values]:
+            yield (
+                f"The bearings of {str(body).replace('_', ' ')} lean against the side away from "
+                "their mean load: they are seated once, for the way that machine.mode and the "
+                "first speed say. Set machine.mode to that in which the machine runs."
             )
 
 
