@@ -40,9 +40,14 @@ from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.tables import OPEN
 from toothspace.numerics.periodic_table import PeriodicTable, monotone_table
 
-_LEAST_CURVATURE = 1.0
-_LEAST_SCALE = 1e-6
-_CLEARANCE = 10e-6
+_FLATTEST = 100.0
+"""Largest radius of relative curvature of a contact over its width. [-]"""
+_LEAST_SCALE = 1e-4
+"""Least length scale of the elastic law over the width of the contact. [-]"""
+_DEPTHS = np.array([1e-3, 1e-5])
+"""Depths over the width of the contact at which a power follows Hertz's law. [-]"""
+_CLEARANCE = 1e-3
+"""Scale of motions without a bearing, over the cube root of the displacement. [-]"""
 
 
 @final
@@ -153,34 +158,40 @@ def _law_columns(contact: ContactPair) -> Array:
     geometry = contact.geometry.values
     first, second = (geometry[:, CONTACT_CHANNELS.index(f"radius_{side}")] for side in "ab")
     columns = np.zeros((geometry.shape[0], 3))
-    columns[:, 0] = np.maximum(np.abs(1.0 / first + 1.0 / second), _LEAST_CURVATURE)
+    flattest, least = 1.0 / (_FLATTEST * contact.width), _LEAST_SCALE * contact.width
+    columns[:, 0] = np.maximum(np.abs(1.0 / first + 1.0 / second), flattest)
     contact_modulus = 0.5 * contact.effective_modulus
     if contact.law == "linear":
         columns[:, 1:] = np.log(contact.structure_stiffness / contact.width), 1.0
     elif contact.law == "pereira":
         facing = geometry[:, 0] < contact.facing_gap
-        level = np.log(np.maximum(hertz_scale(first, second, contact.depth), _LEAST_SCALE))
-        columns[:, 1:] = _pereira_columns(first, second, facing, contact_modulus, level)
+        level = np.log(np.maximum(hertz_scale(first, second, contact.depth), least))
+        depths = _DEPTHS * contact.width
+        columns[:, 1:] = _pereira_columns(first, second, facing, contact_modulus, level, depths)
     else:
         scale = johnson_scale(first, second)
         if contact.law == "hertz_line":
             scale = hertz_scale(first, second, contact.depth)
         stiffness = contact.structure_stiffness / contact.width
-        columns[:, 1] = series_level(np.maximum(scale, _LEAST_SCALE), contact_modulus, stiffness)
+        columns[:, 1] = series_level(np.maximum(scale, least), contact_modulus, stiffness)
     return columns
 
 
 def _pereira_columns(
-    first: Array, second: Array, facing: BoolArray, contact_modulus: float, hertz_level: Array
+    first: Array,
+    second: Array,
+    facing: BoolArray,
+    contact_modulus: float,
+    hertz_level: Array,
+    depths: Array,
 ) -> Array:
     """Level and exponent of Pereira's law, where the surfaces face each other.
 
     Where the radii lie outside its range, as near the inflection of a flank, the power law
-    follows Hertz at depths of 0.1 and 10 micrometres.
+    follows Hertz at the two depths.
     """
     columns = np.zeros((first.size, 2))
     columns[:, 1] = 1.0
-    depths = np.array([10e-6, 0.1e-6])
     for i in np.flatnonzero(facing):
         difference = abs(first[i] + second[i])
         internal = bool(first[i] * second[i] < 0.0)
@@ -201,10 +212,11 @@ def motion_rows(
     clearance = {journal.body: journal.radial_clearance for journal in description.journals}
     drag = lateral_drag(description)
     rows = np.zeros((len(free), MOTION_COLUMNS))
+    without_bearing = _CLEARANCE * float(np.cbrt(description.displacement))
     for row, k in zip(rows, free, strict=True):
         motion = description.motions[k]
         body = bodies[motion.body]
-        row[CLEARANCE] = clearance.get(motion.body, _CLEARANCE)
+        row[CLEARANCE] = clearance.get(motion.body, without_bearing)
         row[MOTION_MASS] = body.mass
         if motion.axis == "rotation":
             row[MOTION_MASS], row[MOTION_RATIO] = body.inertia, body.speed_ratio

@@ -6,6 +6,9 @@ import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
 
+import numpy as np
+from xarray import DataArray, Dataset
+
 from toothspace.core.status import Status
 from toothspace.model.description import DesignCheck
 from toothspace.results.solution import Solution
@@ -15,6 +18,12 @@ BALANCE_LIMITS = {"mass_balance_error": 1e-6, "energy_balance_error": 1e-4}
 
 VOLUMETRIC_LIMIT = 1.001
 """Volumetric efficiency above which a warning says why it is above 1. [-]"""
+
+PULL_LIMIT = 0.05
+"""Pull of a rigid mesh, over its largest push, above which a warning says so. [-]"""
+
+IMPACT_LIMIT = 0.5
+"""Change of a contact force between two samples, over the largest, that is an impact. [-]"""
 
 _BAR = 1e5
 _COMPARED = (
@@ -42,7 +51,8 @@ def with_warnings(
         Design-rule report of the machine; what it says of files that were read is reported.
     """
     drawing = [check.sentence for check in checks if check.of_drawing and not check.passed]
-    found = "\n".join([*_pressure(solution, highest_pressure), *_numbers(solution), *drawing])
+    told = (_pressure(solution, highest_pressure), _numbers(solution), _bodies(solution), drawing)
+    found = "\n".join(sentence for part in told for sentence in part)
     return solution.with_note(found)
 
 
@@ -117,6 +127,49 @@ def _numbers(solution: Solution) -> Iterator[str]:
                 f"{name.replace('_', ' ').capitalize()} is {value:.1e}, above {limit:.0e}; "
                 "tighten run.relative_tolerance."
             )
+
+
+def _bodies(solution: Solution) -> Iterator[str]:
+    """Teeth that would part, contacts that hit, bearing blocks on the side away from the load."""
+    data = solution.data
+    if "contact_force" in data:
+        rigid = "contact: rigid" in solution.provenance.get("interfaces", "")
+        yield from _pull(data["contact_force"]) if rigid else _impacts(data)
+    if "seat_position" in data and "journal_force" in data:
+        rest = [d for d in data["journal_force"].dims if d not in ("body", "axis")]
+        carried = -(data["journal_force"].mean(rest) * data["seat_position"]).sum("axis")
+        for body in data["body"].values[(carried < 0.0).values]:
+            yield (
+                f"The bearing blocks of {str(body).replace('_', ' ')} lean against the side away "
+                "from their mean load: they are seated once, for pressures at rest. Set "
+                "machine.mode to the way the machine runs; with oil so thick that wedges at the "
+                "teeth carry the gear, compare a run without [machine.bearing_blocks]."
+            )
+
+
+def _pull(contact_force: DataArray) -> Iterator[str]:
+    """A rigid mesh between flanks that would part."""
+    force = contact_force.sum("contact")
+    push, pull = max(float(force.max()), 0.0), -float(force.min())
+    if pull > PULL_LIMIT * push:
+        yield (
+            f"The rigid mesh pulls with up to {pull:.3g} N where teeth would part or touch with "
+            f'the other flanks (it pushes with up to {push:.3g} N). Set run.mesh = "elastic".'
+        )
+
+
+def _impacts(data: Dataset) -> Iterator[str]:
+    """Contacts of a steady run that are made with a blow, which samples may miss."""
+    if "shaft_angle" not in data["contact_force"].dims:
+        return
+    force = data["contact_force"]
+    largest, change = float(force.max()), float(np.abs(force.diff("shaft_angle")).max())
+    if change > IMPACT_LIMIT * largest:
+        yield (
+            f"Contacts are made with a blow: forces change by {change:.3g} N, of {largest:.3g} N, "
+            "from one sample to the next. Extremes of torque and contact force depend on "
+            "run.samples_per_revolution; the low orders of the torque do not."
+        )
 
 
 def _surplus(numbers: Mapping[str, float]) -> str:

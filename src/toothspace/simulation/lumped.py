@@ -139,6 +139,8 @@ def run_in_machine(setup: Setup, progress: Progress | None = None) -> RunInMachi
 
         description, tabulated = with_film_tables(description, tables)
     models = interface_models(setup.case, tabulated)
+    if description.mesh is None:
+        models["contact"] = "compliant"
     if "reynolds" in models.values():
         from toothspace.simulation.films import with_solved_films
 

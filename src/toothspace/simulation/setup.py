@@ -139,11 +139,12 @@ def circuit_condition(
         assert speed is not None
     low = circuit.supply_pressure
     high = low + _expected_pressure(case, description)
-    motor = description.mode == "motor"
+    shaft_speed = keys.initial_shaft_speed if speed is None else float(speed[0, 1])
+    high_inlet = (description.mode == "motor") == (shaft_speed >= 0.0)
     return OperatingCondition(
-        shaft_speed=keys.initial_shaft_speed if speed is None else float(speed[0, 1]),
-        inlet_pressure=high if motor else low,
-        outlet_pressure=low if motor else high,
+        shaft_speed=shaft_speed,
+        inlet_pressure=high if high_inlet else low,
+        outlet_pressure=low if high_inlet else high,
         drain_pressure=description.drain_pressure,
         compliant_mesh=case.run.mesh == "elastic",
         relative_tolerance=case.run.relative_tolerance,
