@@ -13,7 +13,7 @@ import xarray as xr
 
 from tests.conftest import posix
 from tests.unit.test_results_stream import streamed
-from toothspace.core import array_store
+from toothspace.core import array_store, netcdf
 from toothspace.core.errors import CaseError
 from toothspace.core.files import draft_of, read_bytes, require_writable, write_text
 from toothspace.core.interrupts import ending_interrupts, interrupts_held
@@ -146,6 +146,20 @@ def test_a_file_cut_short_is_refused(share: float, written: Path) -> None:
     written.write_bytes(whole[: int(share * len(whole))])
     with pytest.raises(CaseError, match="allowed a NetCDF file"):
         read_dataset(written)
+
+
+def test_a_file_in_which_reading_never_ends_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With this byte turned over and no checksum, HDF5 goes round and round in an attribute."""
+    monkeypatch.setattr(netcdf, "_LEAST_WAIT", 4.0)
+    small = xr.Dataset({"a": ("x", np.arange(4.0))}, attrs={"title": "t", "machine": "m"})
+    content = bytearray(bytes(small.to_netcdf(engine="h5netcdf")))
+    content[355] ^= 0xFF
+    path = tmp_path / "file.nc"
+    path.write_bytes(content)
+    with pytest.raises(CaseError, match="cannot be read as one, allowed a NetCDF file"):
+        read_dataset(path)
 
 
 def test_a_result_written_by_another_tool_is_read(tmp_path: Path) -> None:

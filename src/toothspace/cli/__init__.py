@@ -103,7 +103,8 @@ def _unexpected(error: Exception) -> int:
     # errors of the option parser know their own message and code
     message = getattr(error, "format_message", None)
     if message is not None:
-        return _complain(f"{message()} Try 'toothspace --help'.", EXIT_BAD_INPUT)
+        command = getattr(getattr(error, "ctx", None), "command_path", "toothspace")
+        return _complain(f"{message()} Try '{command} --help'.", EXIT_BAD_INPUT)
     if type(error).__name__ == "Abort":
         return _complain("Interrupted.", EXIT_INTERRUPTED)
     if os.environ.get("TOOTHSPACE_DEBUG") == "1":

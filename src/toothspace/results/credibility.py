@@ -160,9 +160,9 @@ def _pull(contact_force: DataArray) -> Iterator[str]:
 
 def _impacts(data: Dataset) -> Iterator[str]:
     """Contacts of a steady run that are made with a blow, which samples may miss."""
-    if "shaft_angle" not in data["contact_force"].dims:
-        return
     force = data["contact_force"]
+    if force.sizes.get("shaft_angle", 0) < 2:
+        return
     largest, change = float(force.max()), float(np.abs(force.diff("shaft_angle")).max())
     if change > IMPACT_LIMIT * largest:
         yield (

@@ -179,7 +179,7 @@ def preset_page() -> str:
         "A preset is a tested set of models, chosen by `run.fidelity`. An interface is where two",
         "surfaces run on each other. The first model of an entry is that of the preset; another",
         "one is chosen by `[run.interfaces]`, by `run.film_tables` (tables) or by",
-        "`run.mesh` (compliant contacts). Contacts of a machine without a rigid mesh are compliant.",
+        "`run.mesh` (compliant contacts). A machine without a rigid mesh has compliant contacts.",
         "",
         "| preset | content |",
         "|---|---|",
