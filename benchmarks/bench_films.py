@@ -20,7 +20,12 @@ from toothspace.core.compiled import njit
 from toothspace.films import FilmFluid, Groove, JournalBearing, LateralFilm
 from toothspace.films.reynolds.equation import film_balance
 from toothspace.numerics.complementarity import assemble
-from toothspace.numerics.conduction import ConductionSolver
+from toothspace.numerics.linear_system import (
+    PRESCRIBED,
+    SATURATED,
+    IterativeSystem,
+    iterative_system,
+)
 from toothspace.numerics.multigrid_cycle import THREADS
 from toothspace.numerics.structured_grid import CellBalance
 
@@ -93,12 +98,12 @@ def several_table() -> None:
         name = f"{rows} x {lanes} tilted journal, 8 columns"
         print(f"  {name:38s} {alone:11.1f} {together:10.1f} {alone / together:7.2f}")
     balance, free = toothed_film(960, 128)
-    _, rhs = right_side(balance, free)
-    solver = ConductionSolver(balance, free)
-    wave = np.cos(np.arange(rhs.size).reshape(rhs.shape) / 5000.0)
+    stencil, rhs = right_side(balance, free)
+    system = multigrid_system(balance, stencil, free)
+    wave = np.cos(np.arange(rhs.size) / 5000.0)
     sides = np.array([rhs * wave**k for k in range(6)])
-    alone = best(lambda: [solver.solve(side, relative_tolerance=1e-8) for side in sides], 3)
-    together = best(lambda: solver.solve(sides, relative_tolerance=1e-8), 3)
+    alone = best(lambda: [system.solve(side, None, 1e-8) for side in sides], 3)
+    together = best(lambda: system.solve(sides, None, 1e-8), 3)
     name = "122880 lateral cells, 6 (multigrid)"
     print(f"  {name:38s} {alone:11.1f} {together:10.1f} {alone / together:7.2f}")
 
@@ -127,8 +132,15 @@ def toothed_film(rows: int, lanes: int) -> tuple[CellBalance, np.ndarray]:
 
 
 def right_side(balance: CellBalance, free: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    stencil, rhs = assemble(balance, np.where(free, 0, 2))
-    return stencil, np.where(free.ravel(), rhs, 0.0).reshape(free.shape)
+    stencil, rhs = assemble(balance, np.where(free, SATURATED, PRESCRIBED))
+    return stencil, np.where(free.ravel(), rhs, 0.0)
+
+
+def multigrid_system(
+    balance: CellBalance, stencil: np.ndarray, free: np.ndarray
+) -> IterativeSystem:
+    """The system that runs set up on fine grids."""
+    return iterative_system(balance, stencil, np.where(free, SATURATED, PRESCRIBED))
 
 
 def sparse_matrix(stencil: np.ndarray, free: np.ndarray) -> sp.csr_matrix:

@@ -17,8 +17,8 @@ from toothspace.numerics.banded import (
     solve_bands,
     stencil_products,
 )
-from toothspace.numerics.conduction import ConductionSolver
 from toothspace.numerics.krylov import Operator, gmres
+from toothspace.numerics.multigrid import MultigridPreconditioner
 from toothspace.numerics.structured_grid import CellBalance, grid_shape
 from toothspace.numerics.vectors import norm
 
@@ -86,7 +86,7 @@ class IterativeSystem:
 
     stencil: Array
     kind: IntArray
-    conduction: ConductionSolver
+    multigrid: MultigridPreconditioner
     first: int
     backward: bool
 
@@ -116,7 +116,7 @@ class IterativeSystem:
 
     def _precondition(self, rhs: Array) -> Array:
         saturated = (self.kind == SATURATED).ravel()
-        x = self.conduction.precondition(np.where(saturated, rhs, 0.0))
+        x = self.multigrid.apply(np.where(saturated, rhs, 0.0))
         _sweep(self.stencil, self.kind, rhs, x, self.first, self.backward)
         return x
 
@@ -260,6 +260,5 @@ def iterative_system(balance: CellBalance, stencil: Array, kind: IntArray) -> It
     first = int(np.argmin((kind == UNSATURATED).sum(axis=1))) if balance.ring else 0
     if backward and not balance.ring:
         first = rows - 1
-    return IterativeSystem(
-        stencil, kind.copy(), ConductionSolver(balance, kind == SATURATED), first, backward
-    )
+    multigrid = MultigridPreconditioner(balance, kind == SATURATED)
+    return IterativeSystem(stencil, kind.copy(), multigrid, first, backward)
