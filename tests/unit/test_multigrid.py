@@ -17,10 +17,10 @@ from toothspace.films.journal.geometry import (
 )
 from toothspace.films.reynolds.equation import FluidField, film_balance
 from toothspace.numerics import linear_system, multigrid, multigrid_cycle
-from toothspace.numerics.banded import empty_band, stencil_product, stencil_products
+from toothspace.numerics.banded import stencil_product, stencil_products
 from toothspace.numerics.complementarity import Constraint, assemble, solve_complementarity
 from toothspace.numerics.krylov import gmres
-from toothspace.numerics.linear_system import PRESCRIBED, SATURATED, direct_system, iterative_system
+from toothspace.numerics.linear_system import PRESCRIBED, SATURATED, PassSystems, iterative_system
 from toothspace.numerics.multigrid import MultigridPreconditioner
 from toothspace.numerics.structured_grid import CellBalance
 
@@ -146,7 +146,7 @@ def test_direct_system_closes_the_ring() -> None:
     balance = _balance(rows, lanes, 0.5, 1e-4)
     kind = np.zeros((rows, lanes), dtype=np.int64)
     stencil, rhs = assemble(balance, kind)
-    x = direct_system(balance, stencil, kind, empty_band(rows, lanes)).solve(rhs)
+    x = PassSystems(balance).system(stencil, kind).solve(rhs)
     error = stencil_product(stencil, x, rows, lanes) - rhs
     assert np.linalg.norm(error) < 1e-11 * np.linalg.norm(rhs)
 
@@ -167,7 +167,7 @@ def test_nothing_leaves_nothing_whatever_it_begins_with() -> None:
     rows, lanes = 40, 9
     balance, kind = _balance(rows, lanes, 0.5, 0.0), np.zeros((rows, lanes), dtype=np.int64)
     stencil, rhs = assemble(balance, kind)
-    system = direct_system(balance, stencil, kind, empty_band(rows, lanes))
+    system = PassSystems(balance).system(stencil, kind)
     assert not system.solve(np.zeros_like(rhs), np.ones_like(rhs)).any()
 
 
