@@ -207,9 +207,9 @@ def package_graph() -> CallGraph:
 
 
 def entry_points(graph: CallGraph) -> list[Definition]:
-    """Command line, Python interface, films, machine types, studies, modules run by ``-m``."""
+    """Command line, Python, films, bodies, machine types, studies, modules run by ``-m``."""
     found = [*graph.public("toothspace.cli"), *graph.public("toothspace.api")]
-    found += graph.public("toothspace.films.public")
+    found += [*graph.public("toothspace.films.public"), *graph.public("toothspace.elasticity")]
     for module, own in graph.modules.items():
         parts = module.split(".")
         if module.removeprefix("toothspace.studies.") in STUDIES:
