@@ -104,15 +104,6 @@ def several_table() -> None:
         together = best(lambda s=system, b=sides: s.solve(b), 3)
         name = f"{rows} x {lanes} tilted journal, 8 columns"
         print(f"  {name:38s} {alone:11.1f} {together:10.1f} {alone / together:7.2f}")
-    balance, free = toothed_film(960, 128)
-    stencil, rhs = right_side(balance, free)
-    system = multigrid_system(balance, stencil, free)
-    wave = np.cos(np.arange(rhs.size) / 5000.0)
-    sides = np.array([rhs * wave**k for k in range(6)])
-    alone = best(lambda: [system.solve(side, None, 1e-8) for side in sides], 3)
-    together = best(lambda: system.solve(sides, None, 1e-8), 3)
-    name = "122880 lateral cells, 6 (multigrid)"
-    print(f"  {name:38s} {alone:11.1f} {together:10.1f} {alone / together:7.2f}")
 
 
 def toothed_film(rows: int, lanes: int) -> tuple[CellBalance, np.ndarray]:

@@ -155,7 +155,7 @@ def _merges(c: _Conductances) -> tuple[int, int]:
 
 
 def _hierarchy(c: _Conductances, ring: bool) -> tuple[tuple[Level, ...], Single]:
-    """Levels from fine to coarse for one right-hand side, and the inverse of the last operator."""
+    """Levels from fine to coarse, and the inverse of the operator of the last one."""
     levels: list[Level] = []
     while True:
         merges = _merges(c)
@@ -176,18 +176,10 @@ def _level(c: _Conductances, grid: ColouredGrid, merges: tuple[int, int], *, pla
     diagonal = _diagonal_of(c)
     np.divide(1.0, diagonal, out=diagonal, where=diagonal > 0.0)
     store(grid, diagonal, inverse)
-    x, b, r = _space(grid, 1)
-    rows = np.zeros((1, grid.rows, grid.lanes + 2 if plain else 0), dtype=np.float32)
+    x, b = np.zeros(stored(grid), dtype=np.float32), np.zeros(stored(grid), dtype=np.float32)
+    rows = np.zeros((grid.rows, grid.lanes + 2 if plain else 0), dtype=np.float32)
     work = np.zeros((max(1, THREADS), max(CHUNK, grid.lanes + 2)), dtype=np.float32)
-    return Level(*grid, gx, gy, inverse, x, b, r, rows, work, *merges)
-
-
-def _space(grid: ColouredGrid, sides: int) -> tuple[Single, Single, Single]:
-    """Work space of a level: solution, right-hand side, residual."""
-    colours, places = stored(grid)
-    shape = (sides, colours, places)
-    x, b = np.zeros(shape, dtype=np.float32), np.zeros(shape, dtype=np.float32)
-    return x, b, np.zeros((sides, places), dtype=np.float32)
+    return Level(*grid, gx, gy, inverse, x, b, np.zeros_like(x[0]), rows, work, *merges)
 
 
 @njit
@@ -208,12 +200,6 @@ def _matrix(c: _Conductances, ring: bool) -> Array:
             out[k, k + 1] -= c.gy[i, j + 1]
             out[k + 1, k] -= c.gy[i, j + 1]
     return out
-
-
-def _with_space(level: Level, sides: int) -> Level:
-    x, b, r = _space(grid_of(level), sides)
-    plain = np.zeros((sides, *level.plain.shape[1:]), dtype=np.float32)
-    return level._replace(x=x, b=b, r=r, plain=plain)
 
 
 @final
@@ -238,19 +224,15 @@ class MultigridPreconditioner:
 
     def apply(self, rhs: Array) -> Array:
         """Approximate solution, zero where not free; one row per right-hand side. [any]."""
-        level = self._levels[0]
-        sides = rhs.reshape(-1, level.rows, level.lanes)
-        # sides of length one, so that single precision neither overflows nor vanishes
-        sizes = np.array([norm(side.ravel()) for side in sides])
-        units = 1.0 / np.where(sizes > 0.0, sizes, 1.0)
-        levels = self._levels
-        if len(sides) > 1:
-            levels = tuple(_with_space(level, len(sides)) for level in levels)
-        for side, unit, target in zip(sides, units, levels[0].b, strict=True):
-            store(grid_of(level), side * unit, target)
-        cycle(levels, self._coarsest)
-        x = np.empty(sides.shape)
-        for field, out in zip(levels[0].x, x, strict=True):
-            fetch(grid_of(level), field, out)
-        x *= (sizes / self._scale)[:, None, None]
-        return x.reshape(rhs.shape)
+        finest = self._levels[0]
+        grid, out = grid_of(finest), np.empty(rhs.shape)
+        shape = -1, finest.rows, finest.lanes
+        for side, x in zip(rhs.reshape(shape), out.reshape(shape), strict=True):
+            # of length one, so that single precision neither overflows nor vanishes
+            size = norm(side.ravel())
+            unit = 1.0 / size if size > 0.0 else 1.0
+            store(grid, unit * side, finest.b)
+            cycle(self._levels, self._coarsest)
+            fetch(grid, finest.x, x)
+            x *= size / self._scale
+        return out
