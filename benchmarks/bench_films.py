@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from importlib.util import find_spec
 
 import numpy as np
@@ -20,14 +21,25 @@ from toothspace.core.compiled import njit
 from toothspace.films import FilmFluid, Groove, JournalBearing, LateralFilm
 from toothspace.films.reynolds.equation import film_balance
 from toothspace.numerics.complementarity import assemble
-from toothspace.numerics.conduction import ConductionSolver
+from toothspace.numerics.linear_system import (
+    PRESCRIBED,
+    SATURATED,
+    IterativeSystem,
+    iterative_system,
+)
+from toothspace.numerics.multigrid import MultigridPreconditioner
 from toothspace.numerics.multigrid_cycle import THREADS
 from toothspace.numerics.structured_grid import CellBalance
 
 SIZES = ((480, 64), (960, 128), (1600, 192), (2000, 500))
 """Grids of the masked lateral film."""
-BYTES_PER_CELL_AND_ITERATION = 200.0
-"""Counted traffic: 24 down and 24 up the fine level with 1.4 for the coarser ones, 132 for CG."""
+BYTES_PER_ITERATION = 317.0
+"""Counted traffic per cell: 67 in the cycle (24 down and 24 up, 1.4 with the coarser levels), 56 in
+the product, 194 in vectors."""
+BYTES_PER_PROJECTION = 40.0
+"""Counted traffic per cell to make a new vector of the Krylov space orthogonal to an older one."""
+BYTES_OF_SYSTEM, BYTES_PER_STEP = 80.0, 16.0
+"""Memory per cell: matrix, kinds and levels, and what the Krylov space keeps of an iteration."""
 
 
 def best(run: Callable[[], object], repeats: int = 7) -> float:
@@ -92,15 +104,6 @@ def several_table() -> None:
         together = best(lambda s=system, b=sides: s.solve(b), 3)
         name = f"{rows} x {lanes} tilted journal, 8 columns"
         print(f"  {name:38s} {alone:11.1f} {together:10.1f} {alone / together:7.2f}")
-    balance, free = toothed_film(960, 128)
-    _, rhs = right_side(balance, free)
-    solver = ConductionSolver(balance, free)
-    wave = np.cos(np.arange(rhs.size).reshape(rhs.shape) / 5000.0)
-    sides = np.array([rhs * wave**k for k in range(6)])
-    alone = best(lambda: [solver.solve(side, relative_tolerance=1e-8) for side in sides], 3)
-    together = best(lambda: solver.solve(sides, relative_tolerance=1e-8), 3)
-    name = "122880 lateral cells, 6 (multigrid)"
-    print(f"  {name:38s} {alone:11.1f} {together:10.1f} {alone / together:7.2f}")
 
 
 def toothed_film(rows: int, lanes: int) -> tuple[CellBalance, np.ndarray]:
@@ -127,8 +130,15 @@ def toothed_film(rows: int, lanes: int) -> tuple[CellBalance, np.ndarray]:
 
 
 def right_side(balance: CellBalance, free: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    stencil, rhs = assemble(balance, np.where(free, 0, 2))
-    return stencil, np.where(free.ravel(), rhs, 0.0).reshape(free.shape)
+    stencil, rhs = assemble(balance, np.where(free, SATURATED, PRESCRIBED))
+    return stencil, np.where(free.ravel(), rhs, 0.0)
+
+
+def multigrid_system(
+    balance: CellBalance, stencil: np.ndarray, free: np.ndarray
+) -> IterativeSystem:
+    """The system that runs set up on fine grids."""
+    return iterative_system(balance, stencil, np.where(free, SATURATED, PRESCRIBED))
 
 
 def sparse_matrix(stencil: np.ndarray, free: np.ndarray) -> sp.csr_matrix:
@@ -144,13 +154,27 @@ def sparse_matrix(stencil: np.ndarray, free: np.ndarray) -> sp.csr_matrix:
     return whole[keep][:, keep].tocsr()
 
 
-def multigrid_time(balance: CellBalance, free: np.ndarray, rhs: np.ndarray) -> tuple[float, ...]:
-    solver = ConductionSolver(balance, free)
-    setup = best(lambda: ConductionSolver(balance, free), 3)
-    solve = best(lambda: solver.solve(rhs, relative_tolerance=1e-8), 5)
-    field, count = solver.solve(rhs, relative_tolerance=1e-8)
-    warm = best(lambda: solver.solve(1.01 * rhs, field, relative_tolerance=1e-8), 5)
-    return setup, solve, warm, float(count), solver.memory / free.size
+class Counted:
+    """A preconditioner that counts how often it is applied."""
+
+    def __init__(self, preconditioner: MultigridPreconditioner) -> None:
+        self.preconditioner, self.count = preconditioner, 0
+
+    def apply(self, rhs: np.ndarray) -> np.ndarray:
+        self.count += 1
+        return self.preconditioner.apply(rhs)
+
+
+def multigrid_time(
+    balance: CellBalance, stencil: np.ndarray, free: np.ndarray, rhs: np.ndarray
+) -> tuple[float, float, float, int]:
+    system = multigrid_system(balance, stencil, free)
+    counted = Counted(system.multigrid)
+    field = replace(system, multigrid=counted).solve(rhs, None, 1e-8)  # type: ignore[arg-type]
+    setup = best(lambda: multigrid_system(balance, stencil, free), 3)
+    solve = best(lambda: system.solve(rhs, None, 1e-8), 5)
+    warm = best(lambda: system.solve(1.01 * rhs, field, 1e-8), 5)
+    return setup, solve, warm, counted.count
 
 
 def peers(matrix: sp.csr_matrix, b: np.ndarray, own: float) -> None:
@@ -189,22 +213,21 @@ def peers(matrix: sp.csr_matrix, b: np.ndarray, own: float) -> None:
 
 def lateral_table(sizes: tuple[tuple[int, int], ...]) -> None:
     print(f"Masked lateral film, residual 1e-8, {THREADS} thread(s); a triad of the same size, one")
-    print(
-        "      cells   setup   solve    warm  iterations  byte/cell  us/cell  GB/s  triad  fraction"
-    )
+    print("      cells   setup   solve    warm  iterations  us/cell  GB/s  triad  fraction")
     for rows, lanes in sizes:
         balance, free = toothed_film(rows, lanes)
         stencil, rhs = right_side(balance, free)
-        setup, solve, warm, count, memory = multigrid_time(balance, free, rhs)
-        traffic = free.size * count * BYTES_PER_CELL_AND_ITERATION / solve / 1e6
-        triad = bandwidth(int(memory * free.size / 24.0))
+        setup, solve, warm, count = multigrid_time(balance, stencil, free, rhs)
+        moved = count * (BYTES_PER_ITERATION + BYTES_PER_PROJECTION * (count + 1) / 2.0)
+        traffic = 1e-6 * free.size * moved / solve
+        triad = bandwidth(int((BYTES_OF_SYSTEM + BYTES_PER_STEP * count) * free.size / 24.0))
         print(
-            f"  {free.size:9d} {setup:7.1f} {solve:7.1f} {warm:7.1f} {count:11.0f} {memory:10.0f} "
+            f"  {free.size:9d} {setup:7.1f} {solve:7.1f} {warm:7.1f} {count:11d} "
             f"{1e3 * (setup + solve) / free.size:8.2f} {traffic:5.1f} {triad:6.1f} "
             f"{traffic / triad:9.2f}"
         )
         if free.size == 122880:
-            peers(sparse_matrix(stencil, free), rhs[free], setup + solve)
+            peers(sparse_matrix(stencil, free), rhs[free.ravel()], setup + solve)
 
 
 @njit

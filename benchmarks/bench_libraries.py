@@ -20,7 +20,14 @@ import scipy.sparse.linalg as spl
 import shapely
 from scipy.linalg.lapack import dgbtrf, dgbtrs
 
-from benchmarks.bench_films import bearing, best, right_side, sparse_matrix, toothed_film
+from benchmarks.bench_films import (
+    bearing,
+    best,
+    multigrid_system,
+    right_side,
+    sparse_matrix,
+    toothed_film,
+)
 from toothspace.core.compiled import njit
 from toothspace.elasticity.condensation import flexibility
 from toothspace.elasticity.elements import stiffness_matrix
@@ -28,7 +35,6 @@ from toothspace.elasticity.mesh import Prism, SolidMesh, annulus, disc, sweep
 from toothspace.elasticity.triangulation import Triangulation, triangulate
 from toothspace.numerics.banded import PANEL, empty_band, factor_band, fill_band, solve_bands
 from toothspace.numerics.block_elimination import block_system
-from toothspace.numerics.conduction import ConductionSolver
 from toothspace.numerics.static_lu import analyse, factorise, solve
 
 STEEL = (210e9, 0.3)
@@ -122,16 +128,15 @@ def face_film() -> None:
     balance, free = toothed_film(720, 48)
     stencil, rhs = right_side(balance, free)
     kind = np.where(free, 0, 2)
-    flat = rhs.ravel()
     columns = sparse_matrix(stencil, free).tocsc()
-    inner = flat[free.ravel()]
+    inner = rhs[free.ravel()]
     print(f"Lateral film, {free.size} cells, {free.sum()} free, factor and solve; solve again")
-    blocks, multigrid = block_system(stencil, kind), ConductionSolver(balance, free)
-    again = best(lambda: blocks.solve(flat, None, 1e-8))
-    first = best(lambda: block_system(stencil, kind).solve(flat, None, 1e-8))
+    blocks, multigrid = block_system(stencil, kind), multigrid_system(balance, stencil, free)
+    again = best(lambda: blocks.solve(rhs, None, 1e-8))
+    first = best(lambda: block_system(stencil, kind).solve(rhs, None, 1e-8))
     line("own block elimination", first, f"{again:.3g} ms")
-    again = best(lambda: multigrid.solve(rhs, relative_tolerance=1e-8))
-    first = best(lambda: ConductionSolver(balance, free).solve(rhs, relative_tolerance=1e-8))
+    again = best(lambda: multigrid.solve(rhs, None, 1e-8))
+    first = best(lambda: multigrid_system(balance, stencil, free).solve(rhs, None, 1e-8))
     line("own multigrid", first, f"{again:.3g} ms")
     order: dict[str, Any] = {"permc_spec": "MMD_AT_PLUS_A", "options": {"SymmetricMode": True}}
     factors = spl.splu(columns, **order)

@@ -20,6 +20,9 @@ Definition = tuple[str, str]
 BODY = "<module>"
 """What a module runs when it is imported."""
 
+EXTENSIONS = "numba.extending"
+"""Module whose decorators tell the compiler what a function or class is for."""
+
 
 @dataclass(frozen=True)
 class Module:
@@ -58,13 +61,20 @@ class Module:
 
     @cached_property
     def registered(self) -> list[Definition]:
-        """Functions that a decorator of the module itself hands over, as commands to a parser."""
+        """What Python calls by its name, or a decorator hands over, as commands to a parser."""
         return [
             (self.name, statement.name)
             for statement in self.tree.body
-            if isinstance(statement, ast.FunctionDef)
-            and any(_root(decorator) in self.definitions for decorator in statement.decorator_list)
+            if isinstance(statement, ast.FunctionDef | ast.ClassDef)
+            and (
+                statement.name.startswith("__")
+                or any(self._registers(_root(decorator)) for decorator in statement.decorator_list)
+            )
         ]
+
+    def _registers(self, decorator: str) -> bool:
+        """Whether a decorator is one of the module itself or extends the compiler."""
+        return decorator in self.definitions or self.imports.get(decorator, ("",))[0] == EXTENSIONS
 
 
 def _root(node: ast.expr) -> str:
@@ -134,7 +144,9 @@ class CallGraph:
             return module, name
         if name in own.imports:
             target, attribute = own.imports[name]
-            if f"{target}.{attribute}" in self.modules:
+            package = self.modules.get(target)
+            shadowed = package is not None and attribute in package.imports
+            if f"{target}.{attribute}" in self.modules and not shadowed:
                 return f"{target}.{attribute}", BODY
             return self._lookup(target, attribute) if attribute else (target, BODY)
         return None
@@ -195,9 +207,9 @@ def package_graph() -> CallGraph:
 
 
 def entry_points(graph: CallGraph) -> list[Definition]:
-    """Command line, Python interface, films, machine types, studies, modules run by ``-m``."""
+    """Command line, Python, films, bodies, machine types, studies, modules run by ``-m``."""
     found = [*graph.public("toothspace.cli"), *graph.public("toothspace.api")]
-    found += graph.public("toothspace.films.public")
+    found += [*graph.public("toothspace.films.public"), *graph.public("toothspace.elasticity")]
     for module, own in graph.modules.items():
         parts = module.split(".")
         if module.removeprefix("toothspace.studies.") in STUDIES:

@@ -1,4 +1,4 @@
-"""The formula that is documented is the formula that runs, with equation, validity and source."""
+"""The formula that runs is documented, with equation, validity and source."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import ast
 import inspect
 import re
 
-from tests.architecture.call_graph import BODY, CallGraph, Module, entry_points, package_graph
 from tests.architecture.sources import SOURCES, FunctionNode, for_every
 from tests.architecture.test_docstrings import UNIT, described, section
 
@@ -44,25 +43,6 @@ def missing_parts(node: FunctionNode) -> list[str]:
 @every_closure
 def test_formula_is_documented(node: FunctionNode) -> None:
     assert missing_parts(node) == []
-
-
-def test_every_formula_runs() -> None:
-    """Each public function of the closures is reached from an entry point."""
-    graph = package_graph()
-    reached = graph.reached(entry_points(graph))
-    idle = [
-        f"{label}:{name}"
-        for label, name, _ in CLOSURES
-        if ("toothspace." + label.removesuffix(".py").replace("/", "."), name) not in reached
-    ]
-    assert not idle
-
-
-def test_every_module_is_imported() -> None:
-    graph = package_graph()
-    reached = {module for module, name in graph.reached(entry_points(graph)) if name == BODY}
-    idle = set(graph.modules) - reached
-    assert not idle
 
 
 def test_what_the_docstring_lacks_is_noticed() -> None:
@@ -103,21 +83,3 @@ def flow(height: float) -> float:
     assert missing(code.replace(".. [1]", "")) == ["source"]
     assert missing(code.replace("[m]", "")) == ["unit of height"]
     assert missing(code.replace("[m3/s]", "")) == ["unit of float"]
-
-
-def test_the_walk_follows_imports_and_leaves_out_what_nobody_calls() -> None:
-    modules = {
-        "p": "from p.b import shown as seen\n__all__ = ['seen']",
-        "p.a": (
-            "import p.c as c\nLATE = 'p.d'\ndef used(idle): return c.deep(idle)\ndef idle(): ..."
-        ),
-        "p.b": "from p.a import used\ndef shown(): return used(1)\ndef hidden(): ...",
-        "p.c": "def deep(x): return made[x]\nmade = [1]\ndef lonely(): return deep(0)",
-        "p.d": "def run(): ...",
-    }
-    graph = CallGraph(Module(name, ast.parse(text)) for name, text in modules.items())
-    constants = {BODY, "__all__", "LATE"}
-    reached = {entry for entry in graph.reached(graph.public("p")) if entry[1] not in constants}
-    assert reached == {
-        ("p.b", "shown"), ("p.a", "used"), ("p.c", "deep"), ("p.c", "made"), ("p.d", "run")
-    }  # fmt: skip

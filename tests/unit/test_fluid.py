@@ -11,7 +11,7 @@ from toothspace.closures.density import liquid_specific_volume
 from toothspace.closures.viscosity import dynamic_viscosity
 from toothspace.core.errors import CaseError
 from toothspace.library import library_names, load_fluid, load_material
-from toothspace.model.fluid import GasModel, fluid_law
+from toothspace.model.fluid import GasModel, fluid_law, liquid_at, temperature_range
 from toothspace.model.fluid_table import fit_table
 
 HEADER = "temperature [degC],pressure [bar],density [kg/m3],dynamic_viscosity [mPa s]"
@@ -186,3 +186,13 @@ def test_table_missing_or_not_text(tmp_path: Path) -> None:
 def test_temperature_outside_the_table(tmp_path: Path, rows: list[str]) -> None:
     with pytest.raises(CaseError, match=r"found 70 degC, allowed 40 to 60 degC.*oil\.csv"):
         fluid_law(written(tmp_path, rows), 343.15)
+
+
+def test_a_fluid_is_known_just_where_it_says(tmp_path: Path, rows: list[str]) -> None:
+    """Rounding of a kelvin apart, which a sum of temperatures leaves."""
+    for source in (written(tmp_path, rows), "iso_vg_46"):
+        low, high = temperature_range(source)
+        for inside, outside in ((low - 1e-9, low - 1e-3), (high + 1e-9, high + 1e-3)):
+            assert liquid_at(source, inside).density > 800.0
+            with pytest.raises(CaseError, match=r"fluid\.temperature: found"):
+                liquid_at(source, outside)

@@ -106,11 +106,6 @@ class Session:
             "result": None if self.solution is None or running else self.solution._repr_html_(),
         }
 
-    def wait(self) -> None:
-        """Return when nothing runs."""
-        if self._thread is not None:
-            self._thread.join()
-
     def _run(self, case: Case) -> None:
         try:
             with reporting_to(self._report):

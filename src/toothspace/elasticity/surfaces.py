@@ -86,11 +86,6 @@ class PlaneSurface:
         """Places x, y of the nodes. [m]."""
         return self._plane.points
 
-    @property
-    def triangles(self) -> IntArray:
-        """Nodes of the triangles between which values vary linearly."""
-        return self._plane.triangles
-
     def key(self) -> tuple[object, ...]:
         """Everything that defines the surface."""
         return ("plane", self.name, self.side, shapely.to_wkb(self.region), self.node_spacing)

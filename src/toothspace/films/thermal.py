@@ -11,7 +11,7 @@ from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.numerics.roots import root_between
 
-HIGHEST_RISE = 400.0
+_HIGHEST_RISE = 400.0
 """Largest rise of the mean temperature that is searched. [K]"""
 _FIRST_RISE = 12.5
 """Rise that is tried first, so that no temperature far beyond the answer is asked for. [K]"""
@@ -170,7 +170,7 @@ def solve_heated(
 
 def _rise_beyond(mismatch: Callable[[float], float], first: float, highest: float) -> float:
     """Rise of the mean temperature that is more than the film asks for. [K]."""
-    most = min(HIGHEST_RISE, highest - first)
+    most = min(_HIGHEST_RISE, highest - first)
     rise = min(_FIRST_RISE, most)
     while mismatch(first + rise) > 0.0:
         if rise >= most:

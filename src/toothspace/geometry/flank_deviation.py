@@ -17,10 +17,8 @@ class ProfileDeviation:
 
     Parameters
     ----------
-    radius : ndarray
-        Distances of the compared points from the gear centre, rising. [m]
     roll_length : ndarray
-        Length of the tangent from the base circle to each point. [m]
+        Length of the tangent from the base circle to each compared point, rising. [m]
     deviation : ndarray
         Deviation, positive for excess material. [m]
 
@@ -30,7 +28,6 @@ class ProfileDeviation:
        section 4.4: profile deviations.
     """
 
-    radius: Array
     roll_length: Array
     deviation: Array
 

@@ -402,4 +402,4 @@ def _curve(
 ) -> ProfileDeviation:
     keep = (radius >= ends[0]) & (radius <= ends[1])
     rolled = np.sqrt(np.maximum(radius[keep] ** 2 - base**2, 0.0))
-    return ProfileDeviation(radius[keep], rolled, distance[keep])
+    return ProfileDeviation(rolled, distance[keep])

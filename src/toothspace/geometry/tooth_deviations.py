@@ -48,11 +48,6 @@ class ToothDeviations:
     right: Array
     tip: Array
 
-    @property
-    def tooth_count(self) -> int:
-        """Number of teeth."""
-        return len(self.tip)
-
 
 def even_nodes(flank: InvoluteFlank) -> Array:
     """Places at even steps of the roll length along an involute. [m]."""

@@ -161,10 +161,6 @@ class CircuitNetwork:
     orifices: tuple[CircuitOrifice, ...] = ()
     supply_pressure: float = 1e5
 
-    def node(self, name: str) -> CircuitNode | None:
-        """Node of a name, or None."""
-        return next((node for node in self.nodes if node.name == name), None)
-
 
 @final
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from toothspace.core.constants import AIR_GAS_CONSTANT, ATMOSPHERIC_PRESSURE, ZE
 from toothspace.core.errors import CaseError
 from toothspace.core.frozen import Columns
 from toothspace.library import load_fluid
-from toothspace.model.fluid_table import LiquidState, fit_table
+from toothspace.model.fluid_table import ROUNDING, LiquidState, fit_table, table_temperatures
 
 __all__ = [
     "FluidLaw",
@@ -24,8 +24,11 @@ __all__ = [
     "LiquidState",
     "fit_table",
     "fluid_law",
+    "highest_pressure",
     "library_liquid",
+    "liquid_at",
     "mixed_law",
+    "temperature_range",
 ]
 
 EQUILIBRIUM_RATE = 1e5
@@ -130,7 +133,7 @@ def library_liquid(name: str, temperature: float) -> LiquidState:
     table = load_fluid(name)
     low, high = table["temperature_range_degC"]
     celsius = temperature - ZERO_CELSIUS
-    if not low <= celsius <= high:
+    if not low - ROUNDING <= celsius <= high + ROUNDING:
         allowed = f"{low:g} to {high:g} degC for {name}"
         raise CaseError(f"fluid.temperature: found {celsius:g} degC, allowed {allowed}")
     density = float(table["density"]["intercept"] + table["density"]["slope"] * temperature)
@@ -163,11 +166,25 @@ def highest_pressure(source: str | Path | Columns, temperature: float) -> float:
     temperature : float
         Absolute temperature. [K]
     """
-    if isinstance(source, Columns):
-        return fit_table(source, temperature).highest_pressure
-    if isinstance(source, Path) or source.endswith(".csv"):
-        return fit_table(Path(source), temperature).highest_pressure
-    return float(load_fluid(source)["pressure_range_Pa"][1])
+    table = _table(source)
+    if table is not None:
+        return fit_table(table, temperature).highest_pressure
+    return float(load_fluid(str(source))["pressure_range_Pa"][1])
+
+
+def temperature_range(source: str | Path | Columns) -> tuple[float, float]:
+    """Return the absolute temperatures between which the properties of a fluid are known. [K].
+
+    Parameters
+    ----------
+    source : str, Path or Columns
+        Name of a library fluid, or path or columns of a table (CSV). [-]
+    """
+    table = _table(source)
+    if table is not None:
+        return table_temperatures(table)
+    low, high = load_fluid(str(source))["temperature_range_degC"]
+    return low + ZERO_CELSIUS, high + ZERO_CELSIUS
 
 
 def fluid_law(
@@ -189,29 +206,34 @@ def fluid_law(
     CaseError
         If the fluid is unknown, the table is bad or a value is out of range.
     """
-    liquid = _liquid(source, temperature)
+    liquid = liquid_at(source, temperature)
     fall = _viscosity_fall(source, temperature, liquid.dynamic_viscosity)
     law = mixed_law(liquid, temperature, gas or GasModel())
     return law._replace(viscosity_temperature=fall)
 
 
-def _liquid(source: str | Path | Columns, temperature: float) -> LiquidState:
-    if isinstance(source, (Path, Columns)):
-        return fit_table(source, temperature)
-    if source.endswith(".csv"):
-        return fit_table(Path(source), temperature)
-    return library_liquid(source, temperature)
+def liquid_at(source: str | Path | Columns, temperature: float) -> LiquidState:
+    """Return the properties of a liquid, from the library or a table, at a temperature [K]."""
+    table = _table(source)
+    if table is not None:
+        return fit_table(table, temperature)
+    return library_liquid(str(source), temperature)
+
+
+def _table(source: str | Path | Columns) -> Path | Columns | None:
+    """Table that a source stands for; None for the name of a library fluid."""
+    if isinstance(source, str):
+        return Path(source) if source.endswith(".csv") else None
+    return source
 
 
 def _viscosity_fall(source: str | Path | Columns, temperature: float, viscosity: float) -> float:
     """Relative fall of the viscosity per kelvin; one-sided at the end of the fluid's range."""
-    for step in (1.0, -1.0):
-        try:
-            other = _liquid(source, temperature + step).dynamic_viscosity
-        except CaseError:
-            continue
-        return float(np.log(viscosity / other) / step)
-    return 0.0
+    low, high = temperature_range(source)
+    step = 1.0 if temperature + 1.0 <= high else -1.0
+    if temperature + step < low:
+        return 0.0
+    return float(np.log(viscosity / liquid_at(source, temperature + step).dynamic_viscosity) / step)
 
 
 def mixed_law(liquid: LiquidState, temperature: float, gas: GasModel) -> FluidLaw:

@@ -40,6 +40,9 @@ DEFAULT_HEAT_CAPACITY = 2000.0
 VAPOUR_FLOOR = 1000.0
 """Lowest vapour pressure that the equation of state is given: numerical floor. [Pa]"""
 
+ROUNDING = 1e-6
+"""Temperature by which a fluid is known beyond its range, as left by a change of units. [K]"""
+
 _HEADER = re.compile(r"\s*(\w+)\s*\[(.+)\]\s*")
 _POWER = re.compile(r"(?<=[A-Za-z])(\d)")
 _POSITIVE = ("temperature", "density", "dynamic_viscosity", "specific_heat_capacity")
@@ -247,7 +250,7 @@ def fit_table(path: Path | Columns, temperature: float) -> TableFit:
     """
     data, rows = _read(path)
     levels = np.unique(np.round(data["temperature"], 9))
-    if not levels[0] - 1e-6 <= temperature <= levels[-1] + 1e-6:
+    if not levels[0] - ROUNDING <= temperature <= levels[-1] + ROUNDING:
         low, high = levels[0] - ZERO_CELSIUS, levels[-1] - ZERO_CELSIUS
         found = f"found {temperature - ZERO_CELSIUS:g} degC"
         raise CaseError(
@@ -259,6 +262,12 @@ def fit_table(path: Path | Columns, temperature: float) -> TableFit:
     pair = [float(levels[upper - 1]), float(levels[min(upper, levels.size - 1)])]
     share = (temperature - pair[0]) / (pair[1] - pair[0]) if pair[1] > pair[0] else 0.0
     return _between([lines[level] for level in pair], min(max(share, 0.0), 1.0))
+
+
+def table_temperatures(path: Path | Columns) -> tuple[float, float]:
+    """Lowest and highest absolute temperature of a fluid table. [K]."""
+    temperatures = _read(path)[0]["temperature"]
+    return float(temperatures.min()), float(temperatures.max())
 
 
 def _between(lines: list[dict[str, Array]], share: float) -> TableFit:

@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-import numpy as np
 from numpy.typing import NDArray
 
 from toothspace.core.compiled import inlined, kernel
@@ -97,10 +96,3 @@ def fetch(grid: ColouredGrid, values: Field, rows: Field) -> None:
             source, target = values[colour, place : place + count], row[lane:]
             for n in range(count):
                 target[2 * n] = source[n]
-
-
-def stored_field(grid: ColouredGrid, rows: Field, kind: type = np.float64) -> Field:
-    """Return a new stored field of values given as rows of lanes."""
-    values: Field = np.zeros(stored(grid), dtype=kind)
-    store(grid, rows, values)
-    return values

@@ -104,8 +104,8 @@ class _Space:
         return np.asarray(_combined(self._images, self._projected, self._count))
 
 
-_FIRST = 8
-"""Iterations that a Krylov space has room for at first. [-]"""
+_FIRST = 20
+"""Iterations that a Krylov space has room for at first; one that grows is copied. [-]"""
 
 
 @njit(nogil=True, error_model="numpy")

@@ -17,8 +17,8 @@ from toothspace.numerics.banded import (
     solve_bands,
     stencil_products,
 )
-from toothspace.numerics.conduction import ConductionSolver
 from toothspace.numerics.krylov import Operator, gmres
+from toothspace.numerics.multigrid import MultigridPreconditioner
 from toothspace.numerics.structured_grid import CellBalance, grid_shape
 from toothspace.numerics.vectors import norm
 
@@ -86,7 +86,7 @@ class IterativeSystem:
 
     stencil: Array
     kind: IntArray
-    conduction: ConductionSolver
+    multigrid: MultigridPreconditioner
     first: int
     backward: bool
 
@@ -116,7 +116,7 @@ class IterativeSystem:
 
     def _precondition(self, rhs: Array) -> Array:
         saturated = (self.kind == SATURATED).ravel()
-        x = self.conduction.precondition(np.where(saturated, rhs, 0.0))
+        x = self.multigrid.apply(np.where(saturated, rhs, 0.0))
         _sweep(self.stencil, self.kind, rhs, x, self.first, self.backward)
         return x
 
@@ -224,33 +224,31 @@ class PassSystems:
 
     def __init__(self, balance: CellBalance) -> None:
         self._balance = balance
-        self.direct = prefers_direct(balance)
+        self._direct = prefers_direct(balance)
         rows, lanes = grid_shape(balance)
-        self._band = empty_band(rows if self.direct else 0, lanes)
+        self._band = empty_band(rows if self._direct else 0, lanes)
         self._factored: tuple[DirectSystem, IntArray] | None = None
 
     def system(self, stencil: Array, kind: IntArray) -> LinearSystem:
         """System for given kinds of the cells; an earlier band serves on while few changed."""
-        if not self.direct:
+        if not self._direct:
             return iterative_system(self._balance, stencil, kind)
         if self._factored is not None:
             former, known = self._factored
             if np.count_nonzero(kind != known) <= _CHANGED_PER_LANE * former.lanes:
                 return replace(former, stencil=stencil)
-        system = direct_system(self._balance, stencil, kind, self._band)
+        system = self._direct_system(stencil, kind)
         self._factored = system, kind.copy()
         return system
 
-
-def direct_system(
-    balance: CellBalance, stencil: Array, kind: IntArray, band: Single
-) -> DirectSystem:
-    """Factor the matrix of one pass in the given storage; a ring is cut where it couples least."""
-    rows, lanes = grid_shape(balance)
-    cut = (int(np.argmax((kind != SATURATED).sum(axis=1))) + 1) % rows if balance.ring else 0
-    fill_band(stencil, rows, lanes, cut, band)
-    factor_band(band, lanes)
-    return DirectSystem(stencil, stencil, band, rows, lanes, cut)
+    def _direct_system(self, stencil: Array, kind: IntArray) -> DirectSystem:
+        """Factor the matrix of one pass; a ring is cut where it couples least."""
+        rows, lanes = grid_shape(self._balance)
+        coupled = (kind == SATURATED).sum(axis=1)
+        cut = (int(np.argmin(coupled)) + 1) % rows if self._balance.ring else 0
+        fill_band(stencil, rows, lanes, cut, self._band)
+        factor_band(self._band, lanes)
+        return DirectSystem(stencil, stencil, self._band, rows, lanes, cut)
 
 
 def iterative_system(balance: CellBalance, stencil: Array, kind: IntArray) -> IterativeSystem:
@@ -260,6 +258,5 @@ def iterative_system(balance: CellBalance, stencil: Array, kind: IntArray) -> It
     first = int(np.argmin((kind == UNSATURATED).sum(axis=1))) if balance.ring else 0
     if backward and not balance.ring:
         first = rows - 1
-    return IterativeSystem(
-        stencil, kind.copy(), ConductionSolver(balance, kind == SATURATED), first, backward
-    )
+    multigrid = MultigridPreconditioner(balance, kind == SATURATED)
+    return IterativeSystem(stencil, kind.copy(), multigrid, first, backward)

@@ -4,36 +4,31 @@ The operator is the conduction of a :class:`~toothspace.numerics.structured_grid
 its free cells. Cells are merged in pairs along the directions in which they are strongly
 coupled, so stretched grids need no line smoother; the coarsest level is inverted. The cycle
 (:mod:`toothspace.numerics.multigrid_cycle`) works in single precision; the Krylov iteration
-around it works in double precision. The fine level holds 22 bytes per cell.
+(:mod:`toothspace.numerics.krylov`) around it works in double precision. The fine level holds
+22 bytes per cell.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, final
 
 import numpy as np
 
 from toothspace.core.compiled import inlined, njit
 from toothspace.core.types import Array, BoolArray
-from toothspace.numerics.colouring import ColouredGrid, coloured_grid, store, stored
-from toothspace.numerics.multigrid_cycle import CHUNK, THREADS, Level, Single, grid_of
+from toothspace.numerics.colouring import ColouredGrid, coloured_grid, fetch, store, stored
+from toothspace.numerics.multigrid_cycle import CHUNK, THREADS, Level, Single, cycle, grid_of
 from toothspace.numerics.structured_grid import CellBalance
+from toothspace.numerics.vectors import norm
 
 
-class Conductances(NamedTuple):
+class _Conductances(NamedTuple):
     """Conductances between free cells, and from them to given potentials, per direction."""
 
     gx: Array
     gy: Array
     outer_x: Array
     outer_y: Array
-
-
-class Hierarchy(NamedTuple):
-    """Levels from fine to coarse, and the inverse of the coarsest operator."""
-
-    levels: tuple[Level, ...]
-    coarsest: Single
 
 
 STRETCH = 3.0
@@ -64,7 +59,7 @@ def _known(free: BoolArray, ring: bool) -> Array:
 
 
 @njit(nogil=True)
-def finest_grid(b: CellBalance, free: BoolArray, scale: float) -> Conductances:
+def _finest_grid(b: CellBalance, free: BoolArray, scale: float) -> _Conductances:
     """Conductances of the finest grid over a scale."""
     rows, lanes = free.shape
     unit, known = 1.0 / scale, _known(free, b.ring)
@@ -89,7 +84,7 @@ def finest_grid(b: CellBalance, free: BoolArray, scale: float) -> Conductances:
         for j in range(lanes):
             lost = given[j] * (1.0 - row[j]) + given[j + 1] * (1.0 - row[j + 2])
             out[j] = unit * lost * row[j + 1]
-    return Conductances(gx, gy, outer_x, outer_y)
+    return _Conductances(gx, gy, outer_x, outer_y)
 
 
 @inlined
@@ -107,7 +102,7 @@ def _add_merged(given: Array, factor: float, merge: int, out: Array) -> None:
 
 
 @njit(nogil=True)
-def _merge(fine: Conductances, merge_x: int, merge_y: int) -> Conductances:
+def _merge(fine: _Conductances, merge_x: int, merge_y: int) -> _Conductances:
     """Conductances of merged cells: longer paths in series, faces side by side in parallel."""
     rows, lanes = fine.outer_x.shape
     coarse_rows, coarse_lanes = (rows + merge_x - 1) // merge_x, (lanes + merge_y - 1) // merge_y
@@ -125,11 +120,11 @@ def _merge(fine: Conductances, merge_x: int, merge_y: int) -> Conductances:
         out[coarse_lanes] += across * given[lanes]
         _add_merged(fine.outer_x[i], OUTER if merge_x == 2 else 1.0, merge_y, outer_x[k])
         _add_merged(fine.outer_y[i], OUTER if merge_y == 2 else 1.0, merge_y, outer_y[k])
-    return Conductances(gx, gy, outer_x, outer_y)
+    return _Conductances(gx, gy, outer_x, outer_y)
 
 
 @njit(nogil=True)
-def diagonal_of(c: Conductances) -> Array:
+def _diagonal_of(c: _Conductances) -> Array:
     """Sum of the conductances of every free cell, zero where not free."""
     rows, lanes = c.outer_x.shape
     out = np.empty((rows, lanes))
@@ -141,12 +136,12 @@ def diagonal_of(c: Conductances) -> Array:
     return out
 
 
-def power_near(largest: float) -> float:
+def _power_near(largest: float) -> float:
     """Power of two near a value, unity for zero; to divide by it rounds nothing."""
     return float(2.0 ** np.round(np.log2(largest))) if largest > 0.0 else 1.0
 
 
-def _merges(c: Conductances) -> tuple[int, int]:
+def _merges(c: _Conductances) -> tuple[int, int]:
     """Along which directions to merge: the strongly coupled ones that have cells left."""
     rows, lanes = c.outer_x.shape
     if rows * lanes <= COARSEST:
@@ -159,21 +154,8 @@ def _merges(c: Conductances) -> tuple[int, int]:
     return merge_x, merge_y
 
 
-def hierarchy(c: Conductances, ring: bool) -> Hierarchy:
-    """Levels for conductances of order one, with work space for one right-hand side.
-
-    Parameters
-    ----------
-    c : Conductances
-        Of the finest grid, scaled so that single precision holds them. [any]
-    ring : bool
-        The last row is followed by the first.
-
-    Returns
-    -------
-    Hierarchy
-        Levels from fine to coarse, and the inverse of the coarsest operator.
-    """
+def _hierarchy(c: _Conductances, ring: bool) -> tuple[tuple[Level, ...], Single]:
+    """Levels from fine to coarse, and the inverse of the operator of the last one."""
     levels: list[Level] = []
     while True:
         merges = _merges(c)
@@ -182,38 +164,30 @@ def hierarchy(c: Conductances, ring: bool) -> Hierarchy:
         levels.append(_level(c, coloured_grid(rows, lanes, ring=ring), merges, plain=not finest))
         if merges == (1, 1):
             inverse = np.linalg.inv(_matrix(c, ring))
-            inverse *= diagonal_of(c).ravel()[:, None] > 0.0
-            return Hierarchy(tuple(levels), inverse.astype(np.float32))
+            inverse *= _diagonal_of(c).ravel()[:, None] > 0.0
+            return tuple(levels), inverse.astype(np.float32)
         c = _merge(c, *merges)
 
 
-def _level(c: Conductances, grid: ColouredGrid, merges: tuple[int, int], *, plain: bool) -> Level:
+def _level(c: _Conductances, grid: ColouredGrid, merges: tuple[int, int], *, plain: bool) -> Level:
     gx, gy, inverse = (np.zeros(stored(grid), dtype=np.float32) for _ in range(3))
     store(grid, c.gx, gx)
     store(grid, c.gy, gy)
-    diagonal = diagonal_of(c)
+    diagonal = _diagonal_of(c)
     np.divide(1.0, diagonal, out=diagonal, where=diagonal > 0.0)
     store(grid, diagonal, inverse)
-    x, b, r = _space(grid, 1)
-    rows = np.zeros((1, grid.rows, grid.lanes + 2 if plain else 0), dtype=np.float32)
+    x, b = np.zeros(stored(grid), dtype=np.float32), np.zeros(stored(grid), dtype=np.float32)
+    rows = np.zeros((grid.rows, grid.lanes + 2 if plain else 0), dtype=np.float32)
     work = np.zeros((max(1, THREADS), max(CHUNK, grid.lanes + 2)), dtype=np.float32)
-    return Level(*grid, gx, gy, inverse, x, b, r, rows, work, *merges)
-
-
-def _space(grid: ColouredGrid, sides: int) -> tuple[Single, Single, Single]:
-    """Work space of a level: solution, right-hand side, residual."""
-    colours, places = stored(grid)
-    shape = (sides, colours, places)
-    x, b = np.zeros(shape, dtype=np.float32), np.zeros(shape, dtype=np.float32)
-    return x, b, np.zeros((sides, places), dtype=np.float32)
+    return Level(*grid, gx, gy, inverse, x, b, np.zeros_like(x[0]), rows, work, *merges)
 
 
 @njit
-def _matrix(c: Conductances, ring: bool) -> Array:
+def _matrix(c: _Conductances, ring: bool) -> Array:
     """Operator of a small grid as a dense matrix, unity where not free."""
     rows, lanes = c.outer_x.shape
     out = np.zeros((rows * lanes, rows * lanes))
-    total = diagonal_of(c).ravel()
+    total = _diagonal_of(c).ravel()
     for k in range(rows * lanes):
         out[k, k] = total[k] * (1.0 + FLOATING) if total[k] > 0.0 else 1.0
     for k in range(rows * lanes):
@@ -228,12 +202,37 @@ def _matrix(c: Conductances, ring: bool) -> Array:
     return out
 
 
-def for_sides(levels: tuple[Level, ...], sides: int) -> tuple[Level, ...]:
-    """Levels with the same operators and work space for a number of right-hand sides."""
-    return tuple(_with_space(level, sides) for level in levels)
+@final
+class MultigridPreconditioner:
+    """One cycle as approximate inverse for the free cells of a balance.
 
+    The hierarchy is built once and serves any number of right-hand sides.
 
-def _with_space(level: Level, sides: int) -> Level:
-    x, b, r = _space(grid_of(level), sides)
-    plain = np.zeros((sides, *level.plain.shape[1:]), dtype=np.float32)
-    return level._replace(x=x, b=b, r=r, plain=plain)
+    Parameters
+    ----------
+    balance : CellBalance
+        Coefficients; only the conductances are used. [any]
+    free : ndarray of bool
+        Cells with unknown potential. [-]
+    """
+
+    def __init__(self, balance: CellBalance, free: BoolArray) -> None:
+        largest = max(balance.conductance_x.max(), balance.conductance_y.max())
+        self._scale = _power_near(float(largest))
+        finest = _finest_grid(balance, free, self._scale)
+        self._levels, self._coarsest = _hierarchy(finest, bool(balance.ring))
+
+    def apply(self, rhs: Array) -> Array:
+        """Approximate solution, zero where not free; one row per right-hand side. [any]."""
+        finest = self._levels[0]
+        grid, out = grid_of(finest), np.empty(rhs.shape)
+        shape = -1, finest.rows, finest.lanes
+        for side, x in zip(rhs.reshape(shape), out.reshape(shape), strict=True):
+            # of length one, so that single precision neither overflows nor vanishes
+            size = norm(side.ravel())
+            unit = 1.0 / size if size > 0.0 else 1.0
+            store(grid, unit * side, finest.b)
+            cycle(self._levels, self._coarsest)
+            fetch(grid, finest.x, x)
+            x *= size / self._scale
+        return out

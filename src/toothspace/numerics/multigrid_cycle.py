@@ -74,10 +74,10 @@ class Level(NamedTuple):
     gx: Single  # conductance between a free cell and its western neighbour
     gy: Single  # ... and its southern neighbour
     inverse: Single  # inverse diagonal, zero where not free
-    x: Single  # (sides, 2, places), as many as right-hand sides are solved together
-    b: Single  # (sides, 2, places)
-    r: Single  # (sides, places), residual of the first colour; the other has none
-    plain: Single  # (sides, rows, lanes + 2), x or b in rows with a border; no lanes on the finest
+    x: Single
+    b: Single
+    r: Single  # (places,), residual of the first colour; the other has none
+    plain: Single  # (rows, lanes + 2), x or b in rows with a border; no lanes on the finest
     work: Single  # (threads, chunk)
     merge_x: int  # cells of this grid that one coarser cell holds along each direction
     merge_y: int
@@ -90,11 +90,11 @@ def grid_of(level: Level) -> ColouredGrid:
 
 
 @inlined
-def _sums(level: Level, side: int, colour: int, low: int, high: int, out: Single) -> None:
+def _sums(level: Level, colour: int, low: int, high: int, out: Single) -> None:
     """Right-hand side plus what the neighbours conduct to the cells of one colour."""
     west, south, east = neighbours(grid_of(level), colour, low)
     other, count = 1 - colour, high - low
-    x, b = level.x[side, other], level.b[side, colour, low:high]
+    x, b = level.x[other], level.b[colour, low:high]
     g_west, g_east = level.gx[colour, low:high], level.gx[other, east : east + count]
     x_west, x_east = x[west : west + count], x[east : east + count]
     for n in range(count):
@@ -106,36 +106,36 @@ def _sums(level: Level, side: int, colour: int, low: int, high: int, out: Single
 
 
 @inlined
-def _relax(level: Level, side: int, colour: int, rows: tuple[int, int], work: Single) -> None:
+def _relax(level: Level, colour: int, rows: tuple[int, int], work: Single) -> None:
     """Gauss-Seidel on the cells of one colour."""
     low, end = span(grid_of(level), rows[0], rows[1], colour)
     while low < end:
         high = min(low + CHUNK, end)
-        _sums(level, side, colour, low, high, work)
-        x, inverse = level.x[side, colour, low:high], level.inverse[colour, low:high]
+        _sums(level, colour, low, high, work)
+        x, inverse = level.x[colour, low:high], level.inverse[colour, low:high]
         for n in range(high - low):
             x[n] = work[n] * inverse[n]
         low = high
 
 
 @inlined
-def _begin(level: Level, side: int, rows: tuple[int, int]) -> None:
+def _begin(level: Level, rows: tuple[int, int]) -> None:
     """Relax the first colour from zero everywhere."""
     low, high = span(grid_of(level), rows[0], rows[1], 0)
-    x, b = level.x[side, 0, low:high], level.b[side, 0, low:high]
+    x, b = level.x[0, low:high], level.b[0, low:high]
     inverse = level.inverse[0, low:high]
     for n in range(high - low):
         x[n] = b[n] * inverse[n]
 
 
 @inlined
-def _remainder(level: Level, side: int, rows: tuple[int, int], work: Single) -> None:
+def _remainder(level: Level, rows: tuple[int, int], work: Single) -> None:
     """Residual of the first colour; the one relaxed last has none."""
     low, end = span(grid_of(level), rows[0], rows[1], 0)
     while low < end:
         high = min(low + CHUNK, end)
-        _sums(level, side, 0, low, high, work)
-        x, inverse, r = level.x[side, 0, low:high], level.inverse[0, low:high], level.r[side]
+        _sums(level, 0, low, high, work)
+        x, inverse, r = level.x[0, low:high], level.inverse[0, low:high], level.r
         residual = r[low:high]
         for n in range(high - low):
             residual[n] = work[n] - x[n] / inverse[n] if inverse[n] > NONE else NONE
@@ -157,16 +157,16 @@ def _beyond(index: int, merge: int, count: int, ring: bool) -> int:
 
 
 @inlined
-def _prolong(fine: Level, coarse: Level, side: int, i: int, mixed: Single) -> None:
+def _prolong(fine: Level, coarse: Level, i: int, mixed: Single) -> None:
     """Add the coarse correction to the first colour of a row; the other is relaxed next."""
     lane, place, count = row_start(grid_of(fine), i, 0)
     near = NEAR if fine.merge_x == 2 else ONE
     far = ONE - near
     beyond = _beyond(i, fine.merge_x, coarse.rows, fine.ring)
-    home, other = coarse.plain[side, i // fine.merge_x], coarse.plain[side, beyond]
+    home, other = coarse.plain[i // fine.merge_x], coarse.plain[beyond]
     for m in range(home.size):
         mixed[m] = near * home[m] + far * other[m]
-    x, inverse = fine.x[side, 0, place : place + count], fine.inverse[0, place : place + count]
+    x, inverse = fine.x[0, place : place + count], fine.inverse[0, place : place + count]
     if fine.merge_y == 1:
         given = mixed[1 + lane :]
         for n in range(count):
@@ -182,16 +182,15 @@ def _pass(
     fine: Level, coarse: Level, down: bool, stage: int, rows: tuple[int, int], work: Single
 ) -> None:
     """One pass over a block of rows."""
-    for side in range(fine.x.shape[0]):
-        if down and stage == 0:
-            _begin(fine, side, rows)
-        elif down and stage == PASSES - 1:
-            _remainder(fine, side, rows, work)
-        elif stage == 0:
-            for i in range(rows[0], rows[1]):
-                _prolong(fine, coarse, side, i, work)
-        else:
-            _relax(fine, side, stage % 2, rows, work)
+    if down and stage == 0:
+        _begin(fine, rows)
+    elif down and stage == PASSES - 1:
+        _remainder(fine, rows, work)
+    elif stage == 0:
+        for i in range(rows[0], rows[1]):
+            _prolong(fine, coarse, i, work)
+    else:
+        _relax(fine, stage % 2, rows, work)
 
 
 @inlined
@@ -221,12 +220,11 @@ def _close(level: Level, stage: int) -> None:
     turn they come so near to each other that the residual of either may be left out.
     """
     grid, last = grid_of(level), level.rows - 1
-    for side in range(level.x.shape[0]):
-        close_ring(grid, level.x[side])
-        if level.ring and level.rows % 2 == 1 and 0 < stage < PASSES - 1:
-            for row in (0, last, 0, last):
-                _relax(level, side, stage % 2, (row, row + 1), level.work[0])
-                close_ring(grid, level.x[side])
+    close_ring(grid, level.x)
+    if level.ring and level.rows % 2 == 1 and 0 < stage < PASSES - 1:
+        for row in (0, last, 0, last):
+            _relax(level, stage % 2, (row, row + 1), level.work[0])
+            close_ring(grid, level.x)
 
 
 @kernel
@@ -280,10 +278,10 @@ def _seams(fine: Level, coarse: Level, down: bool, tiles: int) -> None:
 
 
 @inlined
-def _gather(fine: Level, side: int, i: int, weight: float, out: Single) -> None:
+def _gather(fine: Level, i: int, weight: float, out: Single) -> None:
     """Add what :func:`_prolong` would take from a coarse row, its adjoint, to that row."""
     lane, place, count = row_start(grid_of(fine), i, 0)
-    r = fine.r[side]
+    r = fine.r
     if fine.merge_y == 1:
         target = out[lane:]
         for n in range(count):
@@ -300,65 +298,62 @@ def _gather(fine: Level, side: int, i: int, weight: float, out: Single) -> None:
 
 
 @inlined
-def _gather_rows(fine: Level, side: int, m: int, out: Single) -> None:
+def _gather_rows(fine: Level, m: int, out: Single) -> None:
     """Restrict the residual to one coarse row."""
     rows, ring = fine.rows, fine.ring
     if fine.merge_x == 1:
-        _gather(fine, side, m, ONE, out)
+        _gather(fine, m, ONE, out)
         return
     even = rows % 2 == 0
-    _gather(fine, side, 2 * m, NEAR, out)
+    _gather(fine, 2 * m, NEAR, out)
     if 2 * m + 1 < rows:
-        _gather(fine, side, 2 * m + 1, NEAR, out)
+        _gather(fine, 2 * m + 1, NEAR, out)
     if m > 0:
-        _gather(fine, side, 2 * m - 1, FAR, out)
+        _gather(fine, 2 * m - 1, FAR, out)
     elif even or not ring:
-        _gather(fine, side, rows - 1 if ring else 0, FAR, out)
+        _gather(fine, rows - 1 if ring else 0, FAR, out)
     if 2 * m + 2 < rows:
-        _gather(fine, side, 2 * m + 2, FAR, out)
+        _gather(fine, 2 * m + 2, FAR, out)
     elif even or ring:
-        _gather(fine, side, 0 if ring else rows - 1, FAR, out)
+        _gather(fine, 0 if ring else rows - 1, FAR, out)
 
 
 @kernel
 def _restrict(fine: Level, coarse: Level) -> None:
     """Right-hand side of the coarser level: the adjoint of the prolongation of the residual."""
     lanes = coarse.lanes
-    for side in range(coarse.plain.shape[0]):
-        plain = coarse.plain[side]
-        for m in range(coarse.rows):
-            out = plain[m, 1 : lanes + 1]
-            out[:] = NONE
-            _gather_rows(fine, side, m, out)
-        store(grid_of(coarse), plain[:, 1:], coarse.b[side])
+    plain = coarse.plain
+    for m in range(coarse.rows):
+        out = plain[m, 1 : lanes + 1]
+        out[:] = NONE
+        _gather_rows(fine, m, out)
+    store(grid_of(coarse), plain[:, 1:], coarse.b)
 
 
 @kernel
 def _lay_out(level: Level) -> None:
     """Write the solution of a level into rows with a border of equal values."""
     lanes = level.lanes
-    for side in range(level.x.shape[0]):
-        plain = level.plain[side]
-        fetch(grid_of(level), level.x[side], plain[:, 1:])
-        for i in range(level.rows):
-            plain[i, 0], plain[i, lanes + 1] = plain[i, 1], plain[i, lanes]
+    plain = level.plain
+    fetch(grid_of(level), level.x, plain[:, 1:])
+    for i in range(level.rows):
+        plain[i, 0], plain[i, lanes + 1] = plain[i, 1], plain[i, lanes]
 
 
 @kernel
 def _solve_coarsest(level: Level, inverse: Single) -> None:
     rows, lanes = level.rows, level.lanes
     x = level.work[0]
-    for side in range(level.x.shape[0]):
-        plain = level.plain[side]
-        fetch(grid_of(level), level.b[side], plain[:, 1:])
-        for k in range(rows * lanes):
-            total = NONE
-            for m in range(rows * lanes):
-                total += inverse[k, m] * plain[m // lanes, m % lanes + 1]
-            x[k] = total
-        for k in range(rows * lanes):
-            plain[k // lanes, k % lanes + 1] = x[k]
-        store(grid_of(level), plain[:, 1:], level.x[side])
+    plain = level.plain
+    fetch(grid_of(level), level.b, plain[:, 1:])
+    for k in range(rows * lanes):
+        total = NONE
+        for m in range(rows * lanes):
+            total += inverse[k, m] * plain[m // lanes, m % lanes + 1]
+        x[k] = total
+    for k in range(rows * lanes):
+        plain[k // lanes, k % lanes + 1] = x[k]
+    store(grid_of(level), plain[:, 1:], level.x)
 
 
 def _leg(fine: Level, coarse: Level, down: bool) -> None:
@@ -379,7 +374,7 @@ def _leg(fine: Level, coarse: Level, down: bool) -> None:
 
 
 def cycle(levels: tuple[Level, ...], coarsest: Single) -> None:
-    """One symmetric V-cycle on every ``b`` of the finest level, results in ``x``.
+    """One symmetric V-cycle on ``b`` of the finest level, result in ``x``.
 
     Parameters
     ----------

@@ -11,9 +11,9 @@ from toothspace.case import Case
 from toothspace.core.constants import ZERO_CELSIUS
 from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
-from toothspace.films.thermal import HIGHEST_RISE, FilmHeating, HeatBalance
+from toothspace.films.thermal import FilmHeating, HeatBalance
 from toothspace.model.description import MachineDescription
-from toothspace.model.fluid import LiquidState, fit_table, library_liquid
+from toothspace.model.fluid import LiquidState, liquid_at, temperature_range
 from toothspace.model.path_category import LATERAL_PATHS
 from toothspace.numerics.acceleration import Mixing
 from toothspace.numerics.roots import root_between
@@ -29,8 +29,6 @@ from toothspace.simulation.heat_network import (
 )
 from toothspace.simulation.setup import fluid_keys, fluid_temperature
 
-_FIFTIETH = 0.02
-"""Accuracy of the highest temperature that a liquid is known at. [K]"""
 _AGREED = 0.1
 """Change of a film temperature between two rounds that is left. [K]"""
 _ROUNDS = 12
@@ -63,7 +61,7 @@ def run_with_heat(
     if case.heat.model == "network":
         return _with_temperatures(solution, *found)
     supply, mixing = np.full(len(found[1]), fluid_temperature(case)), Mixing(_REMEMBERED)
-    highest = _highest_temperature(case)
+    highest = temperature_range(fluid_keys(case).source)[1]
     tried = supply
     for done in range(_ROUNDS + 1):
         reached = np.array(list(found[1].values()))
@@ -179,30 +177,13 @@ def film_heating(case: Case, oil_share: float) -> FilmHeating:
         density=liquid.density,
         heat_capacity=liquid.specific_heat_capacity,
         oil_share=oil_share,
-        highest_temperature=_highest_temperature(case),
+        highest_temperature=temperature_range(fluid_keys(case).source)[1],
     )
     return FilmHeating(balance, lambda temperature: liquid_of(case, temperature).dynamic_viscosity)
-
-
-def _highest_temperature(case: Case) -> float:
-    """Highest temperature that the liquid of a case is known at, by bisection. [K]."""
-    known = fluid_temperature(case)
-    beyond = known + HIGHEST_RISE
-    while beyond - known > _FIFTIETH:
-        middle = 0.5 * (known + beyond)
-        try:
-            liquid_of(case, middle)
-        except CaseError:
-            beyond = middle
-        else:
-            known = middle
-    return float(known)
 
 
 def liquid_of(case: Case, temperature: float | None = None) -> LiquidState:
     """Liquid of a case at a temperature [K], that of the case if not given."""
     choice = fluid_keys(case)
     given = choice.temperature if temperature is None else temperature
-    if choice.table is not None:
-        return fit_table(choice.table, given)
-    return library_liquid(choice.name or "", given)
+    return liquid_at(choice.source, given)

@@ -55,15 +55,12 @@ class Branch:
         Node at which it begins, counted from the start of a pitch.
     rows : ndarray of int
         Row of :class:`ClosestPoints` at each following node; -1 where it is lost for a moment.
-    pitches : ndarray of int
-        How many pitches each node lies after the first.
     closed : bool
         It never ends; the last node leads to the first.
     """
 
     first: int
     rows: IntArray
-    pitches: IntArray
     closed: bool
 
 
@@ -247,5 +244,4 @@ def _chain(
             skipped = (closest.node[following] - closest.node[row]) % nodes - 1
             rows.extend([-1] * int(skipped))
         row = following
-    numbers = first + np.arange(len(rows))
-    return Branch(first, np.array(rows), numbers // nodes, closed=row == start)
+    return Branch(first, np.array(rows), closed=row == start)

@@ -108,11 +108,6 @@ class LobeContact:
         x, y = self.outer_point.T
         return np.asarray(x * self.normal[:, 1] - y * self.normal[:, 0], dtype=float)
 
-    @property
-    def along(self) -> Array:
-        """Derivative of the slip by the outer rotor's own rotation. [m/rad]."""
-        return np.asarray(np.sum(self.outer_point * self.normal, axis=1), dtype=float)
-
 
 def lobe_contacts(rotors: Rotors, nodes: int = NODES_PER_PITCH) -> tuple[LobeContact, ...]:
     """Find all contacts of two rotors.

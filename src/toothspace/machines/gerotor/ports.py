@@ -28,8 +28,6 @@ class Ports:
     ----------
     land_max_half_angle, land_min_half_angle : float
         Half of the lands at the largest and smallest pocket. [rad]
-    inner_radius, outer_radius : float
-        Radii of the kidneys. [m]
     slot : tuple of float
         Half angle of the radial slot of a cavity [rad], its width and length; zeros without. [m]
     contours : mapping of name to ndarray
@@ -39,8 +37,6 @@ class Ports:
 
     land_max_half_angle: float
     land_min_half_angle: float
-    inner_radius: float
-    outer_radius: float
     contours: dict[str, Array]
     slot: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
@@ -100,16 +96,14 @@ def ports_of(parameters: PortContourParameters, pocket: Pockets, rim_radius: flo
     width, length = parameters.radial_slot_width or 0.0, parameters.radial_slot_length or 0.0
     slot = 0.5 * width / rim_radius, width, length
     if parameters.contour is not None:
-        return replace(_from_file(parameters, (*lands, inner, outer)), slot=slot)
+        return replace(_from_file(parameters, lands), slot=slot)
     angle = np.linspace(lands[1], np.pi - lands[0], _POLYGON_POINTS) - 0.5 * np.pi
     kidney = np.vstack([polar(outer, angle), polar(inner, angle[::-1])])
     mirrored = (kidney * np.array([-1.0, 1.0]))[::-1]
-    return Ports(*lands, inner, outer, {"inlet": kidney, "outlet": mirrored}, slot)
+    return Ports(*lands, {"inlet": kidney, "outlet": mirrored}, slot)
 
 
-def _from_file(
-    parameters: PortContourParameters, numbers: tuple[float, float, float, float]
-) -> Ports:
+def _from_file(parameters: PortContourParameters, lands: tuple[float, float]) -> Ports:
     path = parameters.contour
     polygons = [] if path is None else load_polygons(path, 1e-3)
     sides = {
@@ -119,7 +113,7 @@ def _from_file(
     if any(len(found) != 1 for found in sides.values()):
         counts = ", ".join(f"{len(found)} for the {name}" for name, found in sides.items())
         raise GeometryError(f"{path}: found {counts}, allowed one closed curve on each side of x")
-    return Ports(*numbers, {name: found[0] for name, found in sides.items()})
+    return Ports(*lands, {name: found[0] for name, found in sides.items()})
 
 
 def openings(ports: Ports, pocket: Pockets, port: str) -> Array:
