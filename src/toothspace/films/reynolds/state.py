@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from itertools import pairwise
 from typing import NamedTuple, final
 
 import numpy as np
@@ -15,6 +14,7 @@ from toothspace.core.types import Array, IntArray
 from toothspace.films.reynolds.equation import FilmGrid, FluidField, GapField, film_balance
 from toothspace.films.reynolds.fluid import FilmFluid
 from toothspace.films.reynolds.rough_surfaces import FlowLaw, mean_gap
+from toothspace.numerics.acceleration import Mixing
 from toothspace.numerics.complementarity import (
     ComplementaritySolution,
     Constraint,
@@ -98,17 +98,12 @@ def solve_state(
     -------
     FilmState
         Fields and status: ``RUNAWAY`` if no finite pressure balances the flow.
-
-    References
-    ----------
-    .. [1] D. G. Anderson, Iterative procedures for nonlinear integral equations, J. ACM 12
-       (1965) 547-560 (next density).
     """
     fluid, lowest = film.fluid, film.cavitation_pressure
     grid, floor = fluid.reduced_grid(film.grid), fluid.reduced_of(lowest)
     density = fluid.density(np.full(film.gap.centre.shape, lowest))
     gauge, lost = np.zeros_like(density), 0
-    passes: list[tuple[Array, Array]] = []
+    mixing = Mixing(MIXED_PASSES)
     for number in range(1, FLUID_PASSES + 1):
         balance = film_balance(grid, film.gap, fluid.carrier(density), floor, film.law)
         if history is not None:
@@ -125,8 +120,7 @@ def solve_state(
         settled = settled or float(np.abs(error).max()) <= ROUNDED
         if settled or lost >= RUNAWAY_PASSES or number == FLUID_PASSES:
             break
-        passes = [*passes[-MIXED_PASSES:], (density, error)]
-        density = _mixed(passes)
+        density = mixing.following(density.ravel(), error.ravel()).reshape(error.shape)
     status = Status.DONE if settled and fields.converged else Status.NOT_CONVERGED
     status = Status.RUNAWAY if lost else status
     return FilmState(gauge, fluid.fields(gauge + lowest), balance, fields, status)
@@ -217,19 +211,6 @@ def relative_error(error: float, through: float, balance: CellBalance, potential
         (balance.conductance_x[1:] * u).sum() + (balance.conductance_y[:, 1:] * u).sum()
     )
     return abs(error) / through if through > ROUNDING * conducted else 0.0
-
-
-def _mixed(passes: list[tuple[Array, Array]]) -> Array:
-    """Next density from those of former passes and what each lacked, by Anderson's method."""
-    density, error = passes[-1]
-    if len(passes) == 1:
-        return density + error
-    pairs = list(pairwise(passes))
-    moved = np.stack([(after[0] - before[0]).ravel() for before, after in pairs])
-    turned = np.stack([(after[1] - before[1]).ravel() for before, after in pairs])
-    shares = np.linalg.lstsq(turned.T, error.ravel(), rcond=1e-12)[0]
-    change = shares @ (moved + turned)
-    return np.asarray(density + error - change.reshape(error.shape), dtype=float)
 
 
 def _solve(
