@@ -10,7 +10,8 @@ from typing import final
 import numpy as np
 import scipy.sparse as sp
 
-from toothspace.core.types import Array
+from toothspace.core.compiled import njit
+from toothspace.core.types import Array, IntArray
 from toothspace.elasticity import ElasticBody, InfluenceMatrix, influence_matrix
 from toothspace.elasticity.influence import COARSER
 from toothspace.films.lateral.basis_functions import BasisFunctions
@@ -29,6 +30,9 @@ Finer ones, to which faces are stiffer, are iterated.
 
 _KEPT = 4
 """Shaft angles whose interpolation is kept. [-]"""
+
+_BODY_ROWS = 1440
+"""Least number of rows round a turning body between which its deformation is interpolated. [-]"""
 
 NamedLoads = Callable[[Snapshot], Mapping[str, Mapping[str, float]]]
 """Named loads of every body in a snapshot, above the low pressure. [Pa] or [N]"""
@@ -66,6 +70,7 @@ class ElasticFaces:
     _on_body: dict[tuple[int, float], sp.csr_matrix] = field(
         init=False, repr=False, default_factory=dict
     )
+    _turning: dict[int, sp.csr_matrix] = field(init=False, repr=False, default_factory=dict)
 
     def distant(self, pressures: Sequence[Array], snapshot: Snapshot) -> list[Array]:
         """Distant deformation of every gap [m] under pressures above the low one. [Pa]."""
@@ -181,10 +186,11 @@ class ElasticFaces:
     def _kept_spread(self, index: int, shaft_angle: float) -> tuple[sp.csr_matrix, sp.csr_matrix]:
         """From the nodes of bearing and turning body to the cells.
 
-        That of the body is kept for the next iterations at the angles used last.
+        That of the body lies between rows of a grid that turns with it, and is kept for the next
+        iterations at the angles used last.
         """
-        grid = self.grids[index]
         if index not in self._on_bearing:
+            grid = self.grids[index]
             own, p, (x0, y0) = grid.interface, grid.points, grid.interface.face.center
             placed = np.column_stack([p.x.ravel() + x0, p.y.ravel() + y0])
             self._on_bearing[index] = self.bodies[own.bearing].interpolation("face", placed)
@@ -193,7 +199,7 @@ class ElasticFaces:
         if spread is None:
             if len(self._on_body) >= _KEPT * len(self.grids):
                 self._on_body.clear()
-            spread = self._on_body[key] = self._body_spread(grid, shaft_angle)
+            spread = self._on_body[key] = self._body_spread(key[0], shaft_angle)
         return self._on_bearing[index], spread
 
     def _twin(self, index: int) -> int:
@@ -208,13 +214,50 @@ class ElasticFaces:
                     return k
         return index
 
-    def _body_spread(self, grid: FaceGrid, shaft_angle: float) -> sp.csr_matrix:
+    def _body_spread(self, index: int, shaft_angle: float) -> sp.csr_matrix:
+        grid = self.grids[index]
         own = grid.interface
-        x, y = grid.points.x.ravel(), grid.points.y.ravel()
+        finer = -(-_BODY_ROWS // grid.rows)
+        rows = finer * grid.rows
+        if index not in self._turning:
+            angle = (np.arange(rows) + 0.5) * 2.0 * np.pi / rows
+            radius = np.tile(grid.radius, rows)
+            places = np.column_stack([np.cos(angle), np.sin(angle)]).repeat(grid.lanes, axis=0)
+            spread = self.bodies[own.body].interpolation(own.side, places * radius[:, None])
+            self._turning[index] = spread
+        spread = self._turning[index]
         turn = own.body_angle + own.speed_ratio * shaft_angle
-        cos, sin = np.cos(turn), np.sin(turn)
-        turned = np.column_stack([cos * x + sin * y, cos * y - sin * x])
-        return self.bodies[own.body].interpolation(own.side, turned)
+        first = 0.5 * (finer - 1) - turn * rows / (2.0 * np.pi)
+        columns, weights = _between_rows(
+            spread.indices.reshape(rows, grid.lanes, -1),
+            spread.data.reshape(rows, grid.lanes, -1),
+            first,
+            finer,
+        )
+        starts = np.arange(grid.area.size + 1, dtype=np.int32) * columns.shape[2]
+        shape = grid.area.size, spread.shape[1]
+        return sp.csr_matrix((weights.ravel(), columns.ravel(), starts), shape=shape)
+
+
+@njit(nogil=True)
+def _between_rows(
+    columns: IntArray, weights: Array, first: float, stride: int
+) -> tuple[IntArray, Array]:
+    """Rows of an interpolation between those of a ring, from a broken row on at a stride."""
+    ring, lanes, width = weights.shape
+    rows, start = ring // stride, int(np.floor(first))
+    share = first - start
+    out = np.empty((rows, lanes, 2 * width), dtype=columns.dtype)
+    values = np.empty((rows, lanes, 2 * width))
+    for i in range(rows):
+        a = (start + i * stride) % ring
+        b = (a + 1) % ring
+        for j in range(lanes):
+            for k in range(width):
+                out[i, j, k], values[i, j, k] = columns[a, j, k], (1.0 - share) * weights[a, j, k]
+                out[i, j, width + k] = columns[b, j, k]
+                values[i, j, width + k] = share * weights[b, j, k]
+    return out, values
 
 
 def elastic_faces(
