@@ -37,6 +37,7 @@ class FlowTable(NamedTuple):
     along: Array  # (nodes, 2) cube of the gap ratio times the pressure flow factor
     across: Array
     carried: Array  # (nodes, 2) carried height over the roughness
+    squeeze: Array  # (nodes, 2) derivative of the mean gap by the nominal one
 
 
 class FlowLaw(NamedTuple):
@@ -62,7 +63,7 @@ class ContactTable(NamedTuple):
 
 
 _PLAIN = pattern_columns(1.0)
-_NO_TABLE = FlowTable(SMALLEST_FLOW_GAP, 0.02, *(np.zeros((0, 2)) for _ in range(3)))
+_NO_TABLE = FlowTable(SMALLEST_FLOW_GAP, 0.02, *(np.zeros((0, 2)) for _ in range(4)))
 _TABLE_NODES = 500
 DEEPEST = 3.0
 """Overlap of the mean planes over the roughness beyond which no law of contact holds. [-]"""
@@ -292,7 +293,9 @@ def _flow_table(law: FlowLaw) -> FlowTable:
     ]
     carried = np.array([carried_law(float(h), law) for h in gaps])
     carried[:, 0] /= law.roughness
-    return _NO_TABLE._replace(along=cubes[0], across=cubes[1], carried=carried)
+    squeeze = np.array([squeeze_law(float(h), law) for h in gaps])
+    squeeze[:, 1] *= law.roughness
+    return _NO_TABLE._replace(along=cubes[0], across=cubes[1], carried=carried, squeeze=squeeze)
 
 
 def _elastic_plastic(s: RoughSurfaces, ratio: float) -> float:
