@@ -77,6 +77,8 @@ class CompliantSolution:
         Balance and its slopes; none between rigid faces.
     given : GivenPressures, optional
         What it was solved between; none between rigid faces.
+    frequency : float
+        Inverse of the time in which the faces deform, 0 for steady ones. [1/s]
     """
 
     plane: PlaneSolution
@@ -87,6 +89,7 @@ class CompliantSolution:
     change: float = 0.0
     found: Linearised | None = None
     given: GivenPressures | None = None
+    frequency: float = 0.0
 
 
 @inlined
@@ -296,7 +299,8 @@ def solve_compliant(
     film = replace(film, gap=deformed._replace(rate=now.rate))
     plane = PlaneSolution(gauge, liquid, now.found.balance, fields, status, film)
     slope, share = now.touch[1], now.touch[2]
-    return CompliantSolution(plane, contact, slope, share, kind, largest, now.found, given)
+    found, pace = now.found, how.frequency
+    return CompliantSolution(plane, contact, slope, share, kind, largest, found, given, pace)
 
 
 @kernel
@@ -361,8 +365,10 @@ def compliant_responses(
     """
     plane, found = solution.plane, solution.found
     assert found is not None
-    fields, sweep = plane.fields, plane.film.grid.sweep_x
-    motions = (GapMotion(lift, solution.gap_slope) for lift in lifts)
+    fields, sweep, share = plane.fields, plane.film.grid.sweep_x, solution.gap_slope
+    # asperities hold off a part of the motion, at the pace of the step
+    held = solution.frequency * (share - 1.0)
+    motions = (GapMotion(x._replace(rate=x.rate + held * x.centre), share) for x in lifts)
     disturbances = [
         disturbance(found, sweep, motion, fields.potential, fields.saturation)
         for motion in motions
