@@ -79,10 +79,6 @@ class DeformationResponse:
         asked = missing + self.gain @ (self.planes @ step) + self.squeezed @ rate
         return np.asarray(self.settled @ asked)
 
-    def fit(self, fields: Sequence[Array]) -> Array:
-        """Coefficients that fit the fields of all films. [m]."""
-        return np.concatenate([p.fit(f) for p, f in zip(self.basis, fields, strict=True)])
-
     def fields(self, coefficients: Array) -> list[Array]:
         """Fields of all films with given coefficients. [m]."""
         parts = np.split(coefficients, np.cumsum([p.count for p in self.basis])[:-1])
@@ -110,7 +106,7 @@ def response(state: StackState, fineness: Fineness, frequency: float) -> Deforma
         their own. [1/s]
     """
     stack = state.stack
-    basis = tuple(BasisFunctions(grid, fineness.waves, fineness.degree) for grid in stack.grids)
+    basis = basis_on(state, fineness)
 
     films, size = range(len(basis)), stack.grids[0].area.size
 
@@ -135,6 +131,17 @@ def response(state: StackState, fineness: Fineness, frequency: float) -> Deforma
     return DeformationResponse(
         basis, gain, np.hstack(force), np.vstack(planes), squeezed, drag, frequency
     )
+
+
+def basis_on(state: StackState, fineness: Fineness) -> tuple[BasisFunctions, ...]:
+    """Basis functions of every face of a state, fitted where there is film."""
+    pairs = zip(state.stack.grids, state.snapshot.masks, strict=True)
+    return tuple(BasisFunctions(grid, *fineness[:2], mask.film) for grid, mask in pairs)
+
+
+def fitted(basis: Sequence[BasisFunctions], fields: Sequence[Array]) -> Array:
+    """Coefficients that fit the fields of all films. [m]."""
+    return np.concatenate([own.fit(field) for own, field in zip(basis, fields, strict=True)])
 
 
 def _loads(film: FaceFilm, changes: Array) -> Array:
@@ -210,6 +217,7 @@ class DeformationIteration:
         self._memory, self._mixing = memory, Mixing(memory)
         self._new = self.used
         self._missing: list[Array] = []
+        self._bases: list[tuple[BasisFunctions, ...]] = []
 
     @property
     def _own(self) -> list[DeformationResponse]:
@@ -221,6 +229,8 @@ class DeformationIteration:
     def take(self, states: Sequence[StackState], low: float) -> float:
         """Deformation under the pressures found, and its largest change over the gap. [-]."""
         self._new, change = next_deformation(states, self.used, low)
+        if self._fineness is not None and not self._bases:
+            self._bases = [basis_on(state, self._fineness) for state in states]
         return change
 
     def serving(
@@ -245,10 +255,12 @@ class DeformationIteration:
     def pull(self) -> Array | float:
         """Film force that the deformation still missing will add. [N, N m]."""
         self._missing = []
-        for own, used, new in zip(self._own, self.used, self._new, strict=False):
-            self._missing.append(own.fit([b - a for a, b in zip(used, new, strict=True)]))
+        if not self._own:
+            return 0.0
+        for basis, used, new in zip(self._bases, self.used, self._new, strict=True):
+            self._missing.append(fitted(basis, [b - a for a, b in zip(used, new, strict=True)]))
         pulls = [own.pull @ m for own, m in zip(self._own, self._missing, strict=True)]
-        return np.mean(pulls, axis=0) if pulls else 0.0
+        return np.asarray(np.mean(pulls, axis=0))
 
     def follow(self, states: Sequence[StackState], step: Array, rate: Array) -> Array:
         """Set the deformation to use next and return the step of the coordinates to take. [m, rad].
