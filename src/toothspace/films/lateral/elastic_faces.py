@@ -28,8 +28,8 @@ _PROBE_WAVES = 16
 Finer ones, to which faces are stiffer, are iterated.
 """
 
-_KEPT = 4
-"""Shaft angles whose interpolation is kept. [-]"""
+_KEPT = 8
+"""Shaft angles whose interpolation and loads are kept. [-]"""
 
 _BODY_ROWS = 1440
 """Least number of rows round a turning body between which its deformation is interpolated. [-]"""
@@ -70,6 +70,9 @@ class ElasticFaces:
     _on_body: dict[tuple[int, float], sp.csr_matrix] = field(
         init=False, repr=False, default_factory=dict
     )
+    _named: list[tuple[Snapshot, Mapping[str, Mapping[str, float]]]] = field(
+        init=False, repr=False, default_factory=list
+    )
     _turning: dict[int, sp.csr_matrix] = field(init=False, repr=False, default_factory=dict)
 
     def distant(self, pressures: Sequence[Array], snapshot: Snapshot) -> list[Array]:
@@ -108,9 +111,12 @@ class ElasticFaces:
 
     def _all_loads(self, index: int, changes: Array, snapshot: Snapshot) -> tuple[Array, Array]:
         """Loads of many pressures of one film on the nodes of bearing and turning body. [N]."""
-        found = [self._nodal_loads(index, change, snapshot) for change in changes]
-        on_bearing, on_body = zip(*found, strict=True)
-        return np.array(on_bearing).T, np.array(on_body).T
+        bearing, body = self._kept_spread(index, snapshot.shaft_angle)
+        mask, push = snapshot.masks[index], (changes * self.grids[index].area).reshape(
+            len(changes), -1
+        )
+        on_bearing = np.where(mask.owned.ravel(), push, 0.0)
+        return bearing.T @ on_bearing.T, body.T @ np.where(mask.covered.ravel(), push, 0.0).T
 
     def _faces(self, index: int, snapshot: Snapshot) -> list[tuple[str, slice, sp.csr_matrix]]:
         """Bearing and turning body at a film: name, nodes, and from the nodes to the cells."""
@@ -123,7 +129,7 @@ class ElasticFaces:
 
     def deformation(self, pressures: Sequence[Array], snapshot: Snapshot) -> list[Array]:
         """Deformation of every gap by all bodies. [m]."""
-        loads, named = self._film_loads(pressures, snapshot), self.named_loads(snapshot)
+        loads, named = self._film_loads(pressures, snapshot), self._kept_loads(snapshot)
         moved = {
             name: body.deformation(loads[name], named.get(name))
             for name, body in self.bodies.items()
@@ -137,7 +143,7 @@ class ElasticFaces:
         A body in equilibrium on nothing but its films and its named loads has none; what is left
         accelerates it, see :func:`~toothspace.elasticity.influence_matrix`.
         """
-        loads, named = self._film_loads(pressures, snapshot), self.named_loads(snapshot)
+        loads, named = self._film_loads(pressures, snapshot), self._kept_loads(snapshot)
         return {
             name: body.resultant(loads[name], named.get(name)) for name, body in self.bodies.items()
         }
@@ -175,6 +181,15 @@ class ElasticFaces:
         mask, push = snapshot.masks[index], pressure * self.grids[index].area
         on_bearing = np.where(mask.owned, push, 0.0).ravel()
         return bearing.T @ on_bearing, body.T @ np.where(mask.covered, push, 0.0).ravel()
+
+    def _kept_loads(self, snapshot: Snapshot) -> Mapping[str, Mapping[str, float]]:
+        """Named loads, kept for the next iterations with the same snapshots."""
+        kept = next((loads for own, loads in self._named if own is snapshot), None)
+        if kept is None:
+            kept = self.named_loads(snapshot)
+            self._named[_KEPT:] = []
+            self._named.insert(0, (snapshot, kept))
+        return kept
 
     def _opening(self, index: int, moved: Mapping[str, Array], snapshot: Snapshot) -> Array:
         """Deformation of one film by the displacements of the nodes of all bodies. [m]."""
