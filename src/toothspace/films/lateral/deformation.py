@@ -8,10 +8,12 @@ from typing import NamedTuple, final
 
 import numpy as np
 
-from toothspace.core.types import Array
+from toothspace.core.compiled import njit
+from toothspace.core.types import Array, IntArray
 from toothspace.films.lateral.basis_functions import BasisFunctions
 from toothspace.films.lateral.face_film import FaceFilm
 from toothspace.films.lateral.stack import StackState, mean_coefficients
+from toothspace.model.film_faces import FILM
 from toothspace.numerics.acceleration import Mixing
 from toothspace.numerics.parallel import in_parallel
 
@@ -167,13 +169,21 @@ def next_deformation(
     for state, old in zip(states, used, strict=True):
         new = state.stack.compliance.distant(state.face_pressures(low), state.snapshot)
         for film, a, b in zip(state.films, new, old, strict=True):
-            if not (a.any() or b.any()):
-                continue
-            inside = film.boundary.mask.film
-            floor = np.maximum(film.gap, max(film.law.roughness, 1e-8))
-            change = max(change, float((np.abs(a - b) / floor)[inside].max()))
+            floor = max(film.law.roughness, 1e-8)
+            change = max(change, _largest(a, b, film.gap, film.boundary.mask.node, floor))
         found.append(new)
     return found, change
+
+
+@njit(nogil=True)
+def _largest(new: Array, old: Array, gap: Array, node: IntArray, floor: float) -> float:
+    """Largest difference of two deformations over the gap where there is film. [-]."""
+    found = 0.0
+    for i in range(gap.shape[0]):
+        for j in range(gap.shape[1]):
+            if node[i, j] == FILM:
+                found = max(found, abs(new[i, j] - old[i, j]) / max(gap[i, j], floor))
+    return found
 
 
 @final

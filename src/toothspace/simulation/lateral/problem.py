@@ -59,8 +59,8 @@ _JACOBIAN_AGE = 60
 """Iterations of the march that one Jacobian serves. [-]"""
 _FINENESS = Fineness(waves=16, degree=2, phases=6)
 """Basis functions of the deformation that are predicted: those of the teeth are the finest. [-]"""
-_IN_MARCH = Fineness(waves=12, degree=2, phases=2)
-"""The same in a march: a step begins so near its end that fewer and older responses do."""
+_IN_MARCH = Fineness(waves=12, degree=2, phases=8)
+"""The same in a march: a step begins so near its end that fewer basis functions do."""
 _MEMORY = 2
 """Iterations from which the rest of the deformation is extrapolated. [-]"""
 
