@@ -23,7 +23,7 @@ _WORN = 10
 """Iterations of one solution from which fresh blocks are cheaper. [-]"""
 _OTHER = 100.0
 """Ratio of diagonals from which a cell holds another unknown than before. [-]"""
-_ROUGH = 1e-2
+_ROUGH = 1e-3
 """Residual over right-hand side from which one solution with the blocks is tried first. [-]"""
 _ROUNDS = (6, 0.5, 40)
 """Rounds of Krylov iterations, the part of the goal that one aims at, its most iterations."""

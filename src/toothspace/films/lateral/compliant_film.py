@@ -370,8 +370,7 @@ def compliant_responses(
     held = solution.frequency * (share - 1.0)
     motions = (GapMotion(x._replace(rate=x.rate + held * x.centre), share) for x in lifts)
     disturbances = [
-        disturbance(found, sweep, motion, fields.potential, fields.saturation)
-        for motion in motions
+        disturbance(found, sweep, motion, fields.potential, fields.saturation) for motion in motions
     ]
     return solved_responses(fields, disturbances, linear)
 

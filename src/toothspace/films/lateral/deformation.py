@@ -17,6 +17,8 @@ from toothspace.model.film_faces import FILM
 from toothspace.numerics.acceleration import Mixing
 from toothspace.numerics.parallel import in_parallel
 
+_SERVING = 1e-3
+"""Accuracy of responses that only lead an iteration on. [-]"""
 Fields = list[list[Array]]
 """Deformation of every snapshot and film. [m]"""
 
@@ -95,7 +97,9 @@ class Fineness(NamedTuple):
     phases: int = 1
 
 
-def response(state: StackState, fineness: Fineness, frequency: float) -> DeformationResponse:
+def response(
+    state: StackState, fineness: Fineness, frequency: float, accuracy: float = 0.0
+) -> DeformationResponse:
     """Response of solved films to basis functions of the gaps.
 
     Parameters
@@ -106,6 +110,9 @@ def response(state: StackState, fineness: Fineness, frequency: float) -> Deforma
         Inverse of the length of a step over which the gaps change and the coordinates move; 0
         where the deformation counts as steady and rates of the coordinates have a response of
         their own. [1/s]
+    accuracy : float
+        Residual of the linear solutions over their right-hand sides that is small enough, if it
+        is larger than that of the films. [-]
     """
     stack = state.stack
     basis = basis_on(state, fineness)
@@ -114,7 +121,7 @@ def response(state: StackState, fineness: Fineness, frequency: float) -> Deforma
 
     def one(k: int) -> Array:
         film, asked = state.films[k], basis[k].gap_changes(frequency)
-        return np.array([film.pressure_changes([lift])[0] for lift in asked])
+        return np.array([film.pressure_changes([lift], accuracy)[0] for lift in asked])
 
     changes = in_parallel(one, films, size)
     loads = [_loads(film, c) for film, c in zip(state.films, changes, strict=True)]
@@ -258,7 +265,7 @@ class DeformationIteration:
         found: dict[int, DeformationResponse] = {}
         for phase, state in zip(self._phases, states, strict=True):
             if phase not in found:
-                found[phase] = response(state, self._fineness, self._frequency)
+                found[phase] = response(state, self._fineness, self._frequency, _SERVING)
         self.responses |= found
         return mean_coefficients(self._own)
 

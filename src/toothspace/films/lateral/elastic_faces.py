@@ -31,7 +31,7 @@ Finer ones, to which faces are stiffer, are iterated.
 _KEPT = 8
 """Shaft angles whose interpolation and loads are kept. [-]"""
 
-_BODY_ROWS = 1440
+_BODY_ROWS = 5760
 """Least number of rows round a turning body between which its deformation is interpolated. [-]"""
 
 NamedLoads = Callable[[Snapshot], Mapping[str, Mapping[str, float]]]
@@ -112,8 +112,9 @@ class ElasticFaces:
     def _all_loads(self, index: int, changes: Array, snapshot: Snapshot) -> tuple[Array, Array]:
         """Loads of many pressures of one film on the nodes of bearing and turning body. [N]."""
         bearing, body = self._kept_spread(index, snapshot.shaft_angle)
-        mask, push = snapshot.masks[index], (changes * self.grids[index].area).reshape(
-            len(changes), -1
+        mask, push = (
+            snapshot.masks[index],
+            (changes * self.grids[index].area).reshape(len(changes), -1),
         )
         on_bearing = np.where(mask.owned.ravel(), push, 0.0)
         return bearing.T @ on_bearing.T, body.T @ np.where(mask.covered.ravel(), push, 0.0).T

@@ -192,12 +192,13 @@ class FaceFilm:
         """Motions of the upper face: rates of its lift and rotations."""
         return [rigid_change(self.grid.points, motion, True) for motion in range(3)]
 
-    def pressure_changes(self, changes: Sequence[GapField]) -> list[Array]:
+    def pressure_changes(self, changes: Sequence[GapField], accuracy: float = 0.0) -> list[Array]:
         """Change of the pressure of film and asperities with motions of the undeformed gap.
 
-        [Pa per unit]
+        [Pa per unit] The residual is no smaller than ``accuracy`` of the right-hand side.
         """
-        plane, accuracy, fluid = self.plane, self.law.accuracy.linear, self.law.fluid
+        plane, fluid = self.plane, self.law.fluid
+        accuracy = max(accuracy, self.law.accuracy.linear)
         if self.solution.found is not None:
             responses = compliant_responses(self.solution, changes, accuracy)
         else:

@@ -206,7 +206,7 @@ def _fill_squeeze(
     for i in range(rows):
         for j in range(lanes):
             if grid.mark[i, j] == 2:
-                out.balance.storage[i, j], out.squeeze[i, j], out.squeeze_slope[i, j] = 0.0, 0.0, 0.0
+                out.balance.storage[i, j] = out.squeeze[i, j] = out.squeeze_slope[i, j] = 0.0
                 continue
             factor, slope = _squeeze(gap.rigid.centre[i, j] + gap.opening[i, j], law)
             rate, held = gap.rigid.rate[i, j], fluid.density[i, j] * grid.area[i, j]

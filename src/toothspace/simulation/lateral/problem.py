@@ -53,6 +53,8 @@ if TYPE_CHECKING:
 _NO_FLOATING_PART = "machine: found no floating part in balance, allowed a machine with one"
 _TOUCH = 1e-4
 """Asperity pressure over hardness that counts as contact. [-]"""
+_SETTLED = Accuracy(linear=1e-7)
+"""Accuracy of films in the search, whose solutions are corrections of former ones."""
 _MARCHED = Accuracy(settled=1e-3, linear=5e-2)
 """Accuracy of films within one step of the march, whose force balance repeats them."""
 _JACOBIAN_AGE = 60
@@ -274,10 +276,11 @@ def lateral_problem(
     )
     if settings.deformation == "bodies":
         compliance = loaded_bodies(balance, grids, back, data)
+    laws = film_laws(balance, fluid, settings.cavitation)
     stack = Stack(
         replace(balance, shaft_stiffness=_held_by_journals(description, balance, data)),
         grids,
-        film_laws(balance, fluid, settings.cavitation),
+        tuple(law._replace(accuracy=_SETTLED) for law in laws),
         compliance,
         shaft_speed,
     )
