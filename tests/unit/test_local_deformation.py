@@ -38,7 +38,7 @@ def _settled(rigid: Array, former: float) -> tuple[Array, Array]:
 
 @pytest.mark.parametrize("former", [0.0, 1e5, 2e7])
 def test_asperities_hold_overlapping_faces_apart(former: float) -> None:
-    """Closed form: the gap is open by what film and asperities press; from any former asperity pressure."""
+    """Closed form: the gap is open by what film and asperities press; from any first guess."""
     how, rigid = _walls(), np.linspace(-1.4e-6, 5e-6, 129)[None, :]
     gap, (contact, slope, share, yielding) = _settled(rigid, former)
     pressed, change = contact_field(gap, how.roughness, how.contact)

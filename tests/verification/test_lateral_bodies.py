@@ -125,6 +125,20 @@ def test_rings_frame_turns_with_the_shaft(faces: ElasticFaces) -> None:
     assert np.abs(found[0] - found[1]).max() < 0.05 * np.ptp(found[0])
 
 
+def test_turned_body_is_read_at_its_turned_places(faces: ElasticFaces) -> None:
+    """Beside the interpolation at the places themselves; loads keep their sum."""
+    grid, turn = faces.grids[0], 1.234
+    own, ring = grid.interface, faces.bodies["ring"]
+    cos, sin = np.cos(turn * own.speed_ratio), np.sin(turn * own.speed_ratio)
+    x, y = grid.points.x.ravel(), grid.points.y.ravel()
+    places = np.column_stack([cos * x + sin * y, cos * y - sin * x])
+    nodes = ring.nodes[ring.of(own.side)]
+    wave = np.cos(3.0 * np.arctan2(nodes[:, 1], nodes[:, 0]))
+    spread = faces._body_spread(0, turn)
+    assert spread @ wave == pytest.approx(ring.interpolation(own.side, places) @ wave, abs=1e-3)
+    assert spread.sum(axis=1) == pytest.approx(1.0)
+
+
 def _round_the_ring(faces: ElasticFaces) -> ElasticFaces:
     """The ring of softer material with the pressure of a node on its outer and inner face."""
     ring = faces.bodies["ring"].body
