@@ -145,7 +145,8 @@ def contact_pressure(gap: float, roughness: float, table: ContactTable) -> tuple
     count = table.value.size
     if count == 0:
         return 0.0, 0.0
-    place = (gap / roughness - table.first) / table.step
+    inverse = 1.0 / (roughness * table.step)  # the same for all cells: divisions would take longest
+    place = gap * inverse - table.first / table.step
     if place >= count - 1:
         return 0.0, 0.0
     k = max(int(place), 0) if place > 0.0 else 0
@@ -159,7 +160,7 @@ def contact_pressure(gap: float, roughness: float, table: ContactTable) -> tuple
         logarithm = v0 + t * (s0 + t * (c2 + t * c3))
         rise = s0 + t * (2.0 * c2 + 3.0 * t * c3)
     pressure = math.exp(logarithm)
-    return pressure, pressure * rise / (table.step * roughness)
+    return pressure, pressure * rise * inverse
 
 
 @njit
