@@ -17,11 +17,11 @@ from toothspace.films.reynolds.active_set import (
     DeformedGap,
     GapMotion,
     Linearised,
-    disturbance,
+    flow_change,
     linearised_balance,
 )
 from toothspace.films.reynolds.equation import FilmGrid, FluidField, GapField
-from toothspace.films.reynolds.fluid import ReducedLaw, unreduced
+from toothspace.films.reynolds.fluid import ReducedLaw, pressure_above
 from toothspace.films.reynolds.linearised import solved_responses
 from toothspace.numerics.block_elimination import block_system
 from toothspace.numerics.complementarity import ComplementaritySolution, exchange_kinds
@@ -343,7 +343,7 @@ def _fields(
             value, empty = unknown[i * lanes + j], kind[i, j] == 1
             potential[i, j] = 0.0 if empty else value
             saturation[i, j] = value if empty else 1.0
-            pressure, stretch = unreduced(max(potential[i, j], 0.0), given.law)
+            pressure, stretch = pressure_above(max(potential[i, j], 0.0), given.law)
             gauge[i, j], fluid[i, j] = pressure, fluidity / stretch
 
 
@@ -369,10 +369,10 @@ def compliant_responses(
     # asperities hold off a part of the motion, at the pace of the step
     held = solution.frequency * (share - 1.0)
     motions = (GapMotion(x._replace(rate=x.rate + held * x.centre), share) for x in lifts)
-    disturbances = [
-        disturbance(found, sweep, motion, fields.potential, fields.saturation) for motion in motions
+    flows = [
+        flow_change(found, sweep, motion, fields.potential, fields.saturation) for motion in motions
     ]
-    return solved_responses(fields, disturbances, linear)
+    return solved_responses(fields, flows, linear)
 
 
 def _begin(

@@ -8,7 +8,7 @@ import numpy as np
 
 from toothspace.core.compiled import inlined, kernel
 from toothspace.core.types import Array, IntArray
-from toothspace.films.reynolds.fluid import ReducedLaw, unreduced
+from toothspace.films.reynolds.fluid import ReducedLaw, pressure_above
 from toothspace.films.reynolds.rough_surfaces import ContactTable, contact_pressure
 from toothspace.numerics.linear_system import TIGHT
 
@@ -62,7 +62,7 @@ def _contact_gap(base: float, start: float, how: LocalCompliance) -> tuple[float
 @kernel
 def settle_gap(
     kind: IntArray,
-    unknown: Array,
+    values: Array,
     rigid: Array,
     walls: tuple[Array, Array],
     law: ReducedLaw,
@@ -74,7 +74,7 @@ def settle_gap(
 
     Parameters
     ----------
-    kind, unknown : ndarray
+    kind, values : ndarray
         Kinds of the cells, and their potential or saturation. [Pa or -]
     rigid : ndarray
         Undeformed gap. [m]
@@ -99,8 +99,8 @@ def settle_gap(
                 gap[i, j] = rigid[i, j] + how.compliance * (known[i, j] - how.reference)
                 out[0, i, j], out[1, i, j], out[2, i, j], out[3, i, j] = 0.0, 0.0, 1.0, 0.0
                 continue
-            potential = unknown[i * lanes + j] if kind[i, j] == 0 else 0.0
-            pressure, stretch = unreduced(potential, law)
+            potential = values[i * lanes + j] if kind[i, j] == 0 else 0.0
+            pressure, stretch = pressure_above(potential, law)
             base = rigid[i, j] + how.compliance * (pressure - how.reference)
             start = base + how.compliance * begun[i, j]
             gap[i, j], out[0, i, j], out[1, i, j] = _contact_gap(base, start, how)

@@ -264,7 +264,7 @@ def linearised_balance(
 
 
 @njit(nogil=True, error_model="numpy")
-def disturbance(
+def flow_change(
     found: Linearised, sweep_x: Array, motion: GapMotion, potential: Array, saturation: Array
 ) -> Array:
     """Net flow out of every cell that one motion of a face causes at given potentials. [m3/s].

@@ -29,7 +29,7 @@ class ReducedLaw(NamedTuple):
 
 
 @inlined
-def unreduced(potential: float, law: ReducedLaw) -> tuple[float, float]:
+def pressure_above(potential: float, law: ReducedLaw) -> tuple[float, float]:
     """Pressure above the lowest one from a potential, and its change with it. [Pa, -]."""
     if law.coefficient == 0.0:
         return potential, 1.0

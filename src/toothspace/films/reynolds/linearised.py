@@ -56,28 +56,28 @@ def pressure_responses(
     slope = balance_derivative(grid, gap, carrier, balance, law)
     varied = (balance_variation(grid, gap, carrier, change, slope, law) for change in changes)
     u, s = fields.potential, fields.saturation
-    disturbances = [residual(balance, change, u, s) for change in varied]
-    return solved_responses(fields, disturbances, relative_tolerance)
+    flows = [residual(balance, change, u, s) for change in varied]
+    return solved_responses(fields, flows, relative_tolerance)
 
 
 def solved_responses(
-    fields: ComplementaritySolution, disturbances: Sequence[Array], relative_tolerance: float
+    fields: ComplementaritySolution, flows: Sequence[Array], relative_tolerance: float
 ) -> list[Array]:
-    """Change of a solved pressure with disturbances of its balance: sides of one solution. [Pa].
+    """Change of a solved pressure with flows added to its balance: sides of one solution. [Pa].
 
     Parameters
     ----------
     fields
         Solution of the balance.
-    disturbances : sequence of ndarray
+    flows : sequence of ndarray
         Net flow out of every cell by each. [m3/s]
     relative_tolerance : float
         Residual of the linear solution over its right-hand side. [-]
     """
     known = fields.kind == PRESCRIBED
-    sides = np.empty((len(disturbances), known.size))
-    for side, disturbance in zip(sides, disturbances, strict=True):
-        side[:] = np.where(known, 0.0, -disturbance).ravel()
+    sides = np.empty((len(flows), known.size))
+    for side, flow in zip(sides, flows, strict=True):
+        side[:] = np.where(known, 0.0, -flow).ravel()
     found = fields.system.solve(sides, relative_tolerance=relative_tolerance)
     held = (fields.kind != SATURATED) | (fields.potential <= 0.0)
     return [np.where(held, 0.0, response.reshape(held.shape)) for response in found]
