@@ -72,7 +72,7 @@ def prepare() -> Setting:
     point = couple_point(
         machine.description,
         machine.fluid,
-        lambda changed: machine.solve(condition, changed),
+        machine.at(condition),
         PointRequest(settings=lateral_settings(case), start=START),
     )
     if not (point.equilibrium.settled and point.agreed):

@@ -24,7 +24,7 @@ from toothspace.elasticity import (
     influence_matrix,
     storage,
 )
-from toothspace.films.lateral.deformation import Fineness, film_coefficients, response
+from toothspace.films.lateral.deformation import Fineness, film_coefficients, fitted, response
 from toothspace.films.lateral.elastic_faces import (
     ElasticFaces,
     elastic_faces,
@@ -123,6 +123,20 @@ def test_rings_frame_turns_with_the_shaft(faces: ElasticFaces) -> None:
         for turn in (0.0, 1.0)
     ]
     assert np.abs(found[0] - found[1]).max() < 0.05 * np.ptp(found[0])
+
+
+def test_turned_body_is_read_at_its_turned_places(faces: ElasticFaces) -> None:
+    """Beside the interpolation at the places themselves; loads keep their sum."""
+    grid, turn = faces.grids[0], 1.234
+    own, ring = grid.interface, faces.bodies["ring"]
+    cos, sin = np.cos(turn * own.speed_ratio), np.sin(turn * own.speed_ratio)
+    x, y = grid.points.x.ravel(), grid.points.y.ravel()
+    places = np.column_stack([cos * x + sin * y, cos * y - sin * x])
+    nodes = ring.nodes[ring.of(own.side)]
+    wave = np.cos(3.0 * np.arctan2(nodes[:, 1], nodes[:, 0]))
+    spread = faces._body_spread(0, turn)
+    assert spread @ wave == pytest.approx(ring.interpolation(own.side, places) @ wave, abs=1e-3)
+    assert spread.sum(axis=1) == pytest.approx(1.0)
 
 
 def _round_the_ring(faces: ElasticFaces) -> ElasticFaces:
@@ -353,7 +367,7 @@ def test_films_and_forces_respond_to_basis_functions_as_to_small_changes(
             )
         ]
         size = np.abs(found.gain[:, k]).max()
-        assert found.fit(gain) / 1e-10 == pytest.approx(found.gain[:, k], abs=0.02 * size)
+        assert fitted(found.basis, gain) / 1e-10 == pytest.approx(found.gain[:, k], abs=0.02 * size)
         force = (near.film_force() - base.film_force()) / 1e-10
         size = np.abs(found.force[:, k]).max()
         assert force == pytest.approx(found.force[:, k], abs=0.02 * size)

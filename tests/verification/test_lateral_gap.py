@@ -20,6 +20,7 @@ from tests.lateral_stack import (
     pressures,
     ring_stack,
 )
+from toothspace.core.types import Array
 from toothspace.films import FilmFluid, LateralFilm
 from toothspace.films.lateral.equilibrium import (
     Equilibrium,
@@ -30,7 +31,7 @@ from toothspace.films.lateral.equilibrium import (
 from toothspace.films.lateral.face_grid import FaceGrid
 from toothspace.films.lateral.housing_friction import HousingFriction, normal_force
 from toothspace.films.lateral.motion import StepSettings, balance_force, state_at
-from toothspace.films.lateral.stack import BackPressure, Stack, StackState
+from toothspace.films.lateral.stack import BackPressure, PreviousStep, Stack, StackState
 from toothspace.films.lateral.stops import leaning, stop_forces
 from toothspace.model.film_faces import FILM, NO_BODY, FaceCells
 from toothspace.model.lateral_balance import AxialForce, HousingContact
@@ -151,6 +152,21 @@ def test_stiffness_and_damping_are_derivatives(
             size = float(np.abs(table * scale[:, None] * scale[None, :]).max())
             error = np.abs(table[:, k] - slope) * scale * scale[k]
             assert error.max() < 2e-3 * size, (k, rate)
+
+
+def test_stiffness_within_a_step_is_the_derivative() -> None:
+    """Faces that deform and touch while the step goes on: asperities hold off part of the rate."""
+    stack = _of(ring_stack(approach=APPROACH, limit=0.0), FilmFluid(VISCOSITY))
+    q, v, distant = stack.start(1.2e-6), np.zeros(stack.size), [np.zeros((36, 10))] * 2
+    before = _solved(stack, stack.start(1.25e-6))
+
+    def at(place: Array) -> StackState:
+        return stack.solve(before.snapshot, place, v, before, distant, PreviousStep(before, 1e-5))
+
+    stiffness, _ = at(q).coefficients
+    ahead, behind = (at(q + s * np.eye(stack.size)[0] * 1e-10) for s in (1.0, -1.0))
+    slope = (behind.film_force() - ahead.film_force()) / 2e-10
+    assert stiffness[0, 0] == pytest.approx(slope[0], rel=2e-3)
 
 
 def test_equilibrium_is_where_forces_balance() -> None:

@@ -23,6 +23,8 @@ _WORN = 10
 """Iterations of one solution from which fresh blocks are cheaper. [-]"""
 _OTHER = 100.0
 """Ratio of diagonals from which a cell holds another unknown than before. [-]"""
+_ROUGH = 1e-3
+"""Residual over right-hand side from which one solution with the blocks is tried first. [-]"""
 _ROUNDS = (6, 0.5, 40)
 """Rounds of Krylov iterations, the part of the goal that one aims at, its most iterations."""
 
@@ -269,6 +271,29 @@ def _substitute(blocks: Blocks, unit: Array, rhs: Array) -> Array:
     return x
 
 
+@njit(nogil=True, error_model="numpy")
+def _left(stencil: Array, x: Array, sides: Array, shape: tuple[int, int]) -> Array:
+    """Residual of every solution over its right-hand side. [-]."""
+    rows, lanes = shape
+    out = np.zeros(len(sides))
+    for k in range(len(sides)):
+        left, whole = 0.0, 0.0
+        for i in range(rows):
+            west, east = (i + rows - 1) % rows * lanes, (i + 1) % rows * lanes
+            for j in range(lanes):
+                r = i * lanes + j
+                total = stencil[r, 2] * x[k, r]
+                total += stencil[r, 0] * x[k, west + j] + stencil[r, 4] * x[k, east + j]
+                if j > 0:
+                    total += stencil[r, 1] * x[k, r - 1]
+                if j < lanes - 1:
+                    total += stencil[r, 3] * x[k, r + 1]
+                left += (sides[k, r] - total) ** 2
+                whole += sides[k, r] ** 2
+        out[k] = np.sqrt(left / whole) if whole > 0.0 else np.sqrt(left)
+    return out
+
+
 @final
 class BlockSystem:
     """Five-point matrix of a ring of cells with the eliminated rows of itself or of one nearby.
@@ -297,10 +322,18 @@ class BlockSystem:
         """Solution in grid order, one row per right-hand side if there are several."""
         sides = rhs.reshape(-1, rhs.shape[-1])
         known, goal = None if start is None else start.reshape(sides.shape), relative_tolerance
+        if known is None and goal >= _ROUGH:
+            # blocks of a matrix nearby are often enough by themselves
+            known, self.effort = self._precondition(sides), 1
+            left = _left(self._stencil, known, sides, self.blocks.known.shape)
+            if (left <= goal).all():
+                return known.reshape(rhs.shape)
         x, self.effort = refined(self._product, self._precondition, sides, known, goal, _ROUNDS)
         return x.reshape(rhs.shape)
 
     def _precondition(self, sides: Array) -> Array:
+        if len(sides) == 1:
+            return np.asarray(_substitute(self.blocks, self._unit, sides[0]))[None]
         return np.array([_substitute(self.blocks, self._unit, rhs) for rhs in sides])
 
     def _product(self, x: Array) -> Array:

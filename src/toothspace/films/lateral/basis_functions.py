@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import final
 
 import numpy as np
 import scipy.sparse as sp
+from scipy.linalg import cho_factor, cho_solve
 
-from toothspace.core.types import Array
+from toothspace.core.types import Array, BoolArray
 from toothspace.films.lateral.face_grid import FaceGrid
 from toothspace.films.reynolds.equation import GapField
+
+_ASIDE = 0.01
+"""Weight of cells beside the film, which determine waves shorter than a tooth space. [-]"""
 
 
 @final
@@ -27,11 +32,15 @@ class BasisFunctions:
         Most waves round the circumference, at least one. [-]
     degree : int
         Largest degree of the polynomials, at least one: then planes are among them. [-]
+    film : ndarray of bool, optional
+        Cells that fields are fitted on, in place of all. What such a fit leaves has no mean there,
+        so that it hardly squeezes the film.
     """
 
     grid: FaceGrid
     waves: int
     degree: int
+    film: BoolArray | None = None
     _round: Array = field(init=False, repr=False)
     _along: Array = field(init=False, repr=False)
 
@@ -46,8 +55,8 @@ class BasisFunctions:
 
     def fit(self, values: Array) -> Array:
         """Coefficients of the least-squares fit of a field. [as the field]."""
-        turns, powers = self._fits()
-        return np.asarray((turns.T @ (values @ powers)).ravel())
+        moments = self._round.T @ ((self._weight * values) @ self._along)
+        return np.asarray(cho_solve(self._gram, moments.ravel()))
 
     def combine(self, coefficients: Array) -> Array:
         """Field with given coefficients. [as the coefficients]."""
@@ -56,14 +65,32 @@ class BasisFunctions:
 
     def fit_rows(self, fields: sp.spmatrix) -> Array:
         """Coefficients of many fields, which are the rows of a sparse matrix, row by row."""
-        turns, powers = self._fits()
+        turns, powers = self._round, self._along
         cells, count = fields.tocoo(), fields.shape[0]
         row, lane = np.divmod(cells.col, self.grid.lanes)
+        data = cells.data * self._weight[row, lane]
         found = np.empty((count, turns.shape[1], powers.shape[1]))
         for k, power in enumerate(powers.T):
-            values = (cells.data * power[lane], (cells.row, row))
+            values = (data * power[lane], (cells.row, row))
             found[:, :, k] = sp.csr_matrix(values, shape=(count, self.grid.rows)) @ turns
-        return found.reshape(count, self.count)
+        return np.asarray(cho_solve(self._gram, found.reshape(count, self.count).T).T)
+
+    @cached_property
+    def _weight(self) -> Array:
+        if self.film is None:
+            return np.ones(self.grid.area.shape)
+        return np.where(self.film, 1.0, _ASIDE)
+
+    @cached_property
+    def _gram(self) -> tuple[Array, bool]:
+        """Factors of the sums of products of all basis functions."""
+        turns, powers, size = self._round, self._along, self._along.shape[1]
+        found = np.empty((turns.shape[1], size, turns.shape[1], size))
+        for k in range(size):
+            for m in range(k + 1):
+                weight = self._weight @ (powers[:, k] * powers[:, m])
+                found[:, k, :, m] = found[:, m, :, k] = turns.T @ (weight[:, None] * turns)
+        return cho_factor(found.reshape(self.count, self.count))
 
     def planes(self) -> Array:
         """Coefficients of unit lift and rotations about x and y, shape (count, 3). [-, m]."""
@@ -85,10 +112,6 @@ class BasisFunctions:
                 centre = np.outer(turn, power)
                 sides = np.outer(edge, power), np.outer(turn, rim)
                 yield GapField(centre, *sides, frequency * centre, still)
-
-    def _fits(self) -> tuple[Array, Array]:
-        turns = self._round / (self._round**2).sum(axis=0)
-        return turns, np.asarray(np.linalg.pinv(self._along).T, dtype=np.float64)
 
     def _radii(self) -> tuple[float, float]:
         own = self.grid.interface.face

@@ -17,20 +17,14 @@ from toothspace.films.reynolds.active_set import (
     DeformedGap,
     GapMotion,
     Linearised,
+    flow_change,
     linearised_balance,
-    varied_balance,
 )
 from toothspace.films.reynolds.equation import FilmGrid, FluidField, GapField
+from toothspace.films.reynolds.fluid import ReducedLaw, pressure_above
 from toothspace.films.reynolds.linearised import solved_responses
-from toothspace.films.reynolds.rough_surfaces import FlowLaw, squeeze_law
-from toothspace.numerics.banded import stencil_product
 from toothspace.numerics.block_elimination import block_system
-from toothspace.numerics.complementarity import (
-    ComplementaritySolution,
-    assemble,
-    exchange_kinds,
-    fields_of,
-)
+from toothspace.numerics.complementarity import ComplementaritySolution, exchange_kinds
 from toothspace.numerics.linear_system import (
     PRESCRIBED,
     SATURATED,
@@ -38,7 +32,7 @@ from toothspace.numerics.linear_system import (
     LinearSystem,
     iterative_system,
 )
-from toothspace.numerics.structured_grid import grid_shape
+from toothspace.numerics.structured_grid import CellBalance
 
 _PATIENCE = 8
 """Passes after which steps that still change the gap much are taken in part."""
@@ -52,6 +46,14 @@ _CARRIED = 16
 """Rows from which a newly covered cell takes the film that it begins with. [-]"""
 _BLOCK_LANES = 200
 """Cells along the radius up to which elimination beats multigrid of a compliant film. [-]"""
+
+
+class GivenPressures(NamedTuple):
+    """Boundaries of a film that is solved for the reduced pressure."""
+
+    grid: FilmGrid
+    law: ReducedLaw
+    prescribed: Array  # pressure above the cavitation pressure, where it is given [Pa]
 
 
 @final
@@ -73,6 +75,10 @@ class CompliantSolution:
         Largest change of the gap by the last pass over the gap. [-]
     found : Linearised, optional
         Balance and its slopes; none between rigid faces.
+    given : GivenPressures, optional
+        What it was solved between; none between rigid faces.
+    frequency : float
+        Inverse of the time in which the faces deform, 0 for steady ones. [1/s]
     """
 
     plane: PlaneSolution
@@ -82,79 +88,108 @@ class CompliantSolution:
     kind: IntArray
     change: float = 0.0
     found: Linearised | None = None
+    given: GivenPressures | None = None
+    frequency: float = 0.0
+
+
+@inlined
+def _neighbour(conductance: float, outflow: float, kind: int, known: float) -> tuple[float, float]:
+    """Coefficient of a neighbour, and what a prescribed or a full one delivers."""
+    entering = max(-outflow, 0.0)
+    if kind == 0:
+        return -conductance, entering
+    if kind == 1:
+        return -entering, 0.0
+    return 0.0, conductance * known + entering
 
 
 @kernel
-def _couple_along(
+def _assemble(
     film: Linearised,
     kind: IntArray,
-    potential: Array,
-    saturation: Array,
+    unknown: Array,
     gap_compliance: Array,
+    frequency: float,
     stencil: Array,
+    right: Array,
 ) -> None:
-    """Add to a matrix what flows along the ring change with the gaps that pressures open.
+    """Matrix of one Newton pass and what the balance of every cell leaves, negative.
 
-    ``gap_compliance`` is the change of the gap with the reduced pressure of its cell.
+    ``gap_compliance`` is the change of the gap with the reduced pressure of its cell. Flows through
+    the faces and the filling of gaps that pressures open within a step add to the conduction.
     """
-    b, slope = film
+    b, slope = film.balance, film.slope
     rows, lanes = kind.shape
-    for i in range(rows):
-        w = (i + rows - 1) % rows
-        for j in range(lanes):
-            own, other = i * lanes + j, w * lanes + j
-            drop = potential[w, j] - potential[i, j]
-            forward = b.advection_x[i, j] >= 0.0
-            if kind[w, j] == 0:
-                change = slope.west[i, j] * drop
-                if forward:
-                    change += slope.carried[i, j] * saturation[w, j]
-                change *= gap_compliance[w, j]
-                stencil[other, 2] += change
-                if kind[i, j] != 2:
-                    stencil[own, 0] -= change
-            if kind[i, j] == 0:
-                change = slope.east[i, j] * drop
-                if not forward:
-                    change += slope.carried[i, j] * saturation[i, j]
-                change *= gap_compliance[i, j]
-                stencil[own, 2] -= change
-                if kind[w, j] != 2:
-                    stencil[other, 4] += change
-
-
-@kernel
-def _couple_across(
-    film: Linearised, kind: IntArray, potential: Array, gap_compliance: Array, stencil: Array
-) -> None:
-    """Faces of the second index, as :func:`_couple_along`."""
-    b, slope = film
-    rows, lanes = kind.shape
-    for i in range(rows):
-        for j in range(lanes + 1):
-            own, other = i * lanes + j, i * lanes + j - 1
-            below = potential[i, j - 1] if j > 0 else b.south[i]
-            above = potential[i, j] if j < lanes else b.north[i]
-            if j > 0 and kind[i, j - 1] == 0:
-                change = slope.south[i, j] * (below - above) * gap_compliance[i, j - 1]
-                stencil[other, 2] += change
-                if j < lanes and kind[i, j] != 2:
-                    stencil[own, 1] -= change
-            if j < lanes and kind[i, j] == 0:
-                change = slope.north[i, j] * (below - above) * gap_compliance[i, j]
-                stencil[own, 2] -= change
-                if j > 0 and kind[i, j - 1] != 2:
-                    stencil[other, 3] += change
-
-
-@kernel
-def _store(kind: IntArray, held: Array, height: Array, law: FlowLaw, stencil: Array) -> None:
-    """Add the flow that fills gaps as pressures open them; ``held`` per pressure at flat walls."""
-    rows, lanes = kind.shape
+    gx, gy, cx = b.conductance_x, b.conductance_y, b.advection_x
     for i in range(rows):
         for j in range(lanes):
-            if kind[i, j] == 0:
-                stencil[i * lanes + j, 2] += held[i, j] * squeeze_law(height[i, j], law)[0]
+            r = i * lanes + j
+            own = kind[i, j]
+            size = gx[i, j] + gx[i + 1, j] + gy[i, j] + gy[i, j + 1]
+            if own == 2:
+                centre = size if size > 0.0 else 1.0
+                stencil[r, 0], stencil[r, 1], stencil[r, 3], stencil[r, 4] = 0.0, 0.0, 0.0, 0.0
+                stencil[r, 2] = centre
+                right[r] = centre * (b.prescribed[i, j] - unknown[r])
+                continue
+            w, e = (i + rows - 1) % rows, (i + 1) % rows
+            rw, re = w * lanes + j, e * lanes + j
+            kw, ke = kind[w, j], kind[e, j]
+            ks = kind[i, j - 1] if j > 0 else 2
+            kn = kind[i, j + 1] if j < lanes - 1 else 2
+            xs = unknown[r - 1] if j > 0 else b.south[i]
+            xn = unknown[r + 1] if j < lanes - 1 else b.north[i]
+            here = 0.0 if own == 1 else unknown[r]
+            full = unknown[r] if own == 1 else 1.0
+            west, gain = _neighbour(gx[i, j], -cx[i, j], kw, b.prescribed[w, j])
+            supply = b.source[i, j] + gain
+            east, gain = _neighbour(gx[i + 1, j], cx[i + 1, j], ke, b.prescribed[e, j])
+            supply += gain
+            below = b.prescribed[i, j - 1] if j > 0 else b.south[i]
+            south, gain = _neighbour(gy[i, j], 0.0, ks, below)
+            supply += gain
+            above = b.prescribed[i, j + 1] if j < lanes - 1 else b.north[i]
+            north, gain = _neighbour(gy[i, j + 1], 0.0, kn, above)
+            supply += gain
+            leaving = b.storage[i, j] + max(-cx[i, j], 0.0) + max(cx[i + 1, j], 0.0)
+            if own == 0:
+                leaving, supply = size, supply - leaving
+            elif leaving <= 0.0:
+                # nothing leaves the cell, so it fills up: the next pass takes it as saturated
+                west, south, north, east, leaving, supply = 0.0, 0.0, 0.0, 0.0, 1.0, 2.0
+            left = west * unknown[rw] + south * xs + leaving * unknown[r] + north * xn
+            right[r] = supply - left - east * unknown[re]
+            # faces of the first index
+            before = 0.0 if kw == 1 else unknown[rw]
+            behind = 0.0 if ke == 1 else unknown[re]
+            if kw == 0:
+                change = slope.west[i, j] * (before - here)
+                if cx[i, j] >= 0.0:
+                    change += slope.carried[i, j]
+                west -= change * gap_compliance[w, j]
+            if ke == 0:
+                change = slope.east[i + 1, j] * (here - behind)
+                if cx[i + 1, j] < 0.0:
+                    change += slope.carried[i + 1, j]
+                east += change * gap_compliance[e, j]
+            if ks == 0:
+                south -= slope.south[i, j] * (xs - here) * gap_compliance[i, j - 1]
+            if kn == 0:
+                north += slope.north[i, j + 1] * (here - xn) * gap_compliance[i, j + 1]
+            if own == 0:
+                change = slope.west[i + 1, j] * (here - behind)
+                if cx[i + 1, j] >= 0.0:
+                    change += slope.carried[i + 1, j] * full
+                change -= slope.east[i, j] * (before - here)
+                if cx[i, j] < 0.0:
+                    change -= slope.carried[i, j] * full
+                ys = 0.0 if ks == 1 else xs
+                yn = 0.0 if kn == 1 else xn
+                change += slope.south[i, j + 1] * (here - yn) - slope.north[i, j] * (ys - here)
+                change += frequency * film.squeeze[i, j]
+                leaving += change * gap_compliance[i, j]
+            stencil[r, 0], stencil[r, 1], stencil[r, 2] = west, south, leaving
+            stencil[r, 3], stencil[r, 4] = north, east
 
 
 @inlined
@@ -166,7 +201,7 @@ def _floored(gap: float, roughness: float) -> float:
 @kernel
 def _take(
     kind: IntArray,
-    walls: tuple[Array, Array, Array],
+    walls: tuple[Array, Array],
     roughness: float,
     careful: float,
     step: Array,
@@ -178,13 +213,13 @@ def _take(
     Returns the largest change of a gap over the gap that the whole step asks for. Steps that ask
     for much are taken to the part ``careful`` at most.
     """
-    gap, gap_compliance, touch = walls
+    gap, touch = walls
     rows, lanes = kind.shape
     largest = 0.0
     for i in range(rows):
         for j in range(lanes):
             if kind[i, j] == 0:
-                change = abs(gap_compliance[i, j] * step[i * lanes + j])
+                change = abs(touch[3, i, j] * step[i * lanes + j])
                 largest = max(largest, change / _floored(gap[i, j], roughness))
     most = careful if largest > _MUCH else 1.0
     for i in range(rows):
@@ -194,7 +229,7 @@ def _take(
             if kind[i, j] == 2:
                 continue
             if kind[i, j] == 0:
-                change = gap_compliance[i, j] * step[r]
+                change = touch[3, i, j] * step[r]
                 room = _LONGEST * _floored(gap[i, j], roughness)
                 part = min(part, room / max(abs(change), 1e-300))
             unknown[r] += part * step[r]
@@ -202,19 +237,10 @@ def _take(
     return largest
 
 
-class _Reduced(NamedTuple):
-    """Boundaries and liquid of a film that is solved for the reduced pressure."""
-
-    grid: FilmGrid
-    floor: float  # reduced cavitation pressure [Pa]
-    carrier: FluidField
-
-
 class _Pass(NamedTuple):
     gap: Array
     rate: Array  # of the whole gap [m/s]
-    touch: Array  # contact, slope, share
-    gap_compliance: Array  # change of the gap over that of the reduced pressure [m/Pa]
+    touch: Array  # contact, slope, share, change of the gap over that of the potential
     found: Linearised
     system: LinearSystem
     right: Array
@@ -237,39 +263,88 @@ def solve_compliant(
         Similar film to begin with.
     """
     fluid, lowest = film.fluid, film.cavitation_pressure
-    reduced = _Reduced(fluid.reduced_grid(film.grid), fluid.reduced_of(lowest), carrier)
-    potential, saturation, kind = _begin(reduced, former)
-    unknown = np.where(kind == UNSATURATED, saturation, potential).ravel()
-    gap = film.gap.centre.copy() if former is None else former.plane.film.gap.centre.copy()
-    settled, system = False, None if former is None else former.plane.fields.system
+    given = None if former is None else former.given
+    if given is None or former is None or former.plane.film.grid is not film.grid:
+        above = film.grid.prescribed - lowest
+        given = GivenPressures(fluid.reduced_grid(film.grid), fluid.reduced_law(lowest), above)
+    unknown, kind = _begin(given, former, film)
+    contact = np.zeros(kind.shape) if former is None else former.contact
+    settled = False
+    system = None if former is None else former.plane.fields.system
+    balance = None
+    if former is not None and former.found is not None and former.given is given:
+        balance = former.found.balance
     for number in range(1, how.accuracy.passes + 1):
-        now = _linearise(film, reduced, how, unknown, kind, gap, system)
-        gap, system = now.gap, now.system
-        step = now.system.solve(-now.right, relative_tolerance=how.accuracy.linear)
+        now = _linearise(film, given, carrier, how, unknown, kind, contact, system, balance)
+        gap, system, balance = now.gap, now.system, now.found.balance
+        step = now.system.solve(now.right, relative_tolerance=how.accuracy.linear)
         lost = not np.isfinite(step).all()
         if lost:
             step = np.zeros_like(step)
         contact = np.empty_like(gap)
         careful = _CAREFUL if number > _PATIENCE else 1.0
-        walls = gap, now.gap_compliance, now.touch
-        largest = _take(kind, walls, how.roughness, careful, step, unknown, contact)
-        used, scale = kind.copy(), np.abs(unknown[kind.ravel() == SATURATED]).max(initial=0.0)
-        changed = exchange_kinds(kind, unknown, float(scale))
-        moved = (kind != used).ravel()
-        unknown[moved] = kind.ravel()[moved]  # on the bound: saturation one, potential zero
+        largest = _take(kind, (gap, now.touch), how.roughness, careful, step, unknown, contact)
+        used, scale = kind.copy(), _largest(kind, unknown)
+        changed = exchange_kinds(kind, unknown, scale)
+        _put_on_bound(used, kind, unknown)
         settled = changed == 0 and largest <= how.accuracy.settled and not lost
         if settled or lost:
             break
-    final, filled = fields_of(kind, unknown)
+    final, filled, gauge, fluidity = (np.empty_like(gap) for _ in range(4))
+    _fields(kind, unknown, given, 1.0 / fluid.dynamic_viscosity, (final, filled, gauge, fluidity))
     fields = ComplementaritySolution(final, filled, used, now.system, number, settled)
     deformed = deformed_gap(film.gap, gap - film.gap.centre, film.grid.sweep_x)
     status = Status.DONE if settled else Status.NOT_CONVERGED
-    gauge = fluid.gauge(np.maximum(fields.potential, 0.0), lowest)
-    liquid = fluid.fields(gauge + lowest)
+    liquid = FluidField(fluidity, fluid.density(gauge + lowest))
     film = replace(film, gap=deformed._replace(rate=now.rate))
     plane = PlaneSolution(gauge, liquid, now.found.balance, fields, status, film)
-    touch = (now.touch[1].copy(), now.touch[2].copy())
-    return CompliantSolution(plane, contact, *touch, kind, largest, now.found)
+    slope, share = now.touch[1], now.touch[2]
+    found, pace = now.found, how.frequency
+    return CompliantSolution(plane, contact, slope, share, kind, largest, found, given, pace)
+
+
+@kernel
+def _largest(kind: IntArray, unknown: Array) -> float:
+    """Largest potential of saturated cells. [Pa]."""
+    found, lanes = 0.0, kind.shape[1]
+    for i in range(kind.shape[0]):
+        for j in range(lanes):
+            if kind[i, j] == 0:
+                found = max(found, abs(unknown[i * lanes + j]))
+    return found
+
+
+@kernel
+def _put_on_bound(used: IntArray, kind: IntArray, unknown: Array) -> None:
+    """Saturation one or potential zero where the kind was exchanged."""
+    lanes = kind.shape[1]
+    for i in range(kind.shape[0]):
+        for j in range(lanes):
+            if kind[i, j] != used[i, j]:
+                unknown[i * lanes + j] = 1.0 if kind[i, j] == 1 else 0.0
+
+
+@kernel
+def _fields(
+    kind: IntArray,
+    unknown: Array,
+    given: GivenPressures,
+    fluidity: float,
+    out: tuple[Array, Array, Array, Array],
+) -> None:
+    """Potential, saturation, pressure above the lowest one and fluidity of every cell.
+
+    ``fluidity`` is that at zero pressure. [1/(Pa s)]
+    """
+    potential, saturation, gauge, fluid = out
+    lanes = kind.shape[1]
+    for i in range(kind.shape[0]):
+        for j in range(lanes):
+            value, empty = unknown[i * lanes + j], kind[i, j] == 1
+            potential[i, j] = 0.0 if empty else value
+            saturation[i, j] = value if empty else 1.0
+            pressure, stretch = pressure_above(max(potential[i, j], 0.0), given.law)
+            gauge[i, j], fluid[i, j] = pressure, fluidity / stretch
 
 
 def compliant_responses(
@@ -290,24 +365,33 @@ def compliant_responses(
     """
     plane, found = solution.plane, solution.found
     assert found is not None
-    film, fields = (plane.film.grid, plane.film.gap, plane.fluid), plane.fields
-    motions = (GapMotion(lift, solution.gap_slope) for lift in lifts)
-    varied = (varied_balance(found, *film, plane.film.law, motion) for motion in motions)
-    return solved_responses(found.balance, fields, varied, linear)
+    fields, sweep, share = plane.fields, plane.film.grid.sweep_x, solution.gap_slope
+    # asperities hold off a part of the motion, at the pace of the step
+    held = solution.frequency * (share - 1.0)
+    motions = (GapMotion(x._replace(rate=x.rate + held * x.centre), share) for x in lifts)
+    flows = [
+        flow_change(found, sweep, motion, fields.potential, fields.saturation) for motion in motions
+    ]
+    return solved_responses(fields, flows, linear)
 
 
-def _begin(film: _Reduced, former: CompliantSolution | None) -> tuple[Array, Array, IntArray]:
+def _begin(
+    given: GivenPressures, former: CompliantSolution | None, film: PlaneFilm
+) -> tuple[Array, IntArray]:
+    """Unknowns and kinds of a similar film, or of one without pressure."""
     known = film.grid.mark == PRESCRIBED
-    given = film.grid.prescribed - film.floor
     if former is None:
-        kind = np.where(known, PRESCRIBED, SATURATED)
-        return np.where(known, given, 0.0), np.ones(kind.shape), kind
-    fields, before = former.plane.fields, former.kind
-    kind = np.where(before == PRESCRIBED, SATURATED, before)
-    kind = np.where(known, PRESCRIBED, kind)
-    potential = np.where(known, given, fields.potential)
-    _carry(before == PRESCRIBED, kind, film.grid.sweep_x, fields.potential, potential)
-    return potential, fields.saturation.copy(), kind
+        potential = np.where(known, given.grid.prescribed - given.law.floor, 0.0)
+        return potential.ravel(), np.where(known, PRESCRIBED, SATURATED)
+    fields, kind = former.plane.fields, former.kind.copy()
+    potential = fields.potential
+    if former.given is not given:
+        bare = kind == PRESCRIBED
+        kind[bare] = SATURATED
+        kind[known] = PRESCRIBED
+        potential = np.where(known, given.grid.prescribed - given.law.floor, potential)
+        _carry(bare, kind, film.grid.sweep_x, fields.potential, potential)
+    return np.where(kind == UNSATURATED, fields.saturation, potential).ravel(), kind
 
 
 @kernel
@@ -328,49 +412,32 @@ def _carry(bare: BoolArray, kind: IntArray, sweep: Array, former: Array, potenti
 
 def _linearise(
     film: PlaneFilm,
-    reduced: _Reduced,
+    given: GivenPressures,
+    carrier: FluidField,
     how: LocalCompliance,
     unknown: Array,
     kind: IntArray,
-    gap: Array,
+    contact: Array,
     former: LinearSystem | None,
+    balance: CellBalance | None,
 ) -> _Pass:
-    potential, saturation = fields_of(kind, unknown)
-    touch = np.empty((3, *gap.shape))
-    height = gap.copy()
-    inside = film.grid.mark != PRESCRIBED
-    pressure = film.fluid.gauge(potential, film.cavitation_pressure)
-    settle_gap(film.gap.centre, pressure, inside, how, height, touch)
-    gap_compliance = (
-        how.compliance * touch[2] * film.fluid.stretch(pressure + film.cavitation_pressure)
-    )
-    rate = film.gap.rate + how.frequency * (height - film.gap.centre)
-    rigid = film.gap._replace(rate=rate)
-    b = film.grid
-    rims = np.vstack([b.south, b.north]) - film.cavitation_pressure - how.reference
-    deformed = DeformedGap(rigid, height - film.gap.centre, how.compliance * rims)
-    grid, floor, carrier = reduced
-    found = linearised_balance(grid, deformed, carrier, floor, film.law)
-    balance = found.balance
-    stencil, rhs = assemble(balance, kind)
-    rows, lanes = grid_shape(balance)
-    right = stencil_product(stencil, unknown, rows, lanes) - rhs
-    _couple_along(found, kind, potential, saturation, gap_compliance, stencil)
-    _couple_across(found, kind, potential, gap_compliance, stencil)
-    if how.frequency > 0.0:
-        _store(
-            kind,
-            how.frequency * carrier.density * b.area * gap_compliance,
-            height,
-            film.law,
-            stencil,
-        )
+    height, touch = np.empty(kind.shape), np.empty((4, *kind.shape))
+    walls, base = (given.prescribed, contact), film.gap.centre
+    settle_gap(kind, unknown, base, walls, given.law, how, height, touch)
+    opening = height - base
+    rate = film.gap.rate + how.frequency * opening
+    rims = np.vstack([film.grid.south, film.grid.north]) - given.law.lowest - how.reference
+    deformed = DeformedGap(film.gap._replace(rate=rate), opening, how.compliance * rims)
+    law = film.law
+    found = linearised_balance(given.grid, deformed, carrier, given.law.floor, law, balance)
+    stencil, right = np.empty((kind.size, 5)), np.empty(kind.size)
+    _assemble(found, kind, unknown, touch[3], how.frequency, stencil, right)
     system: LinearSystem | None = None
-    if lanes <= _BLOCK_LANES:
+    if kind.shape[1] <= _BLOCK_LANES:
         system = block_system(stencil, kind, former)
     if system is None:
-        system = iterative_system(balance, stencil, kind)
-    return _Pass(height, rate, touch, gap_compliance, found, system, right)
+        system = iterative_system(found.balance, stencil, kind)
+    return _Pass(height, rate, touch, found, system, right)
 
 
 @njit(nogil=True)

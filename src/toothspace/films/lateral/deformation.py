@@ -8,13 +8,17 @@ from typing import NamedTuple, final
 
 import numpy as np
 
-from toothspace.core.types import Array
+from toothspace.core.compiled import njit
+from toothspace.core.types import Array, IntArray
 from toothspace.films.lateral.basis_functions import BasisFunctions
 from toothspace.films.lateral.face_film import FaceFilm
 from toothspace.films.lateral.stack import StackState, mean_coefficients
+from toothspace.model.film_faces import FILM
 from toothspace.numerics.acceleration import Mixing
 from toothspace.numerics.parallel import in_parallel
 
+_SERVING = 1e-3
+"""Accuracy of responses that only lead an iteration on. [-]"""
 Fields = list[list[Array]]
 """Deformation of every snapshot and film. [m]"""
 
@@ -79,10 +83,6 @@ class DeformationResponse:
         asked = missing + self.gain @ (self.planes @ step) + self.squeezed @ rate
         return np.asarray(self.settled @ asked)
 
-    def fit(self, fields: Sequence[Array]) -> Array:
-        """Coefficients that fit the fields of all films. [m]."""
-        return np.concatenate([p.fit(f) for p, f in zip(self.basis, fields, strict=True)])
-
     def fields(self, coefficients: Array) -> list[Array]:
         """Fields of all films with given coefficients. [m]."""
         parts = np.split(coefficients, np.cumsum([p.count for p in self.basis])[:-1])
@@ -97,7 +97,9 @@ class Fineness(NamedTuple):
     phases: int = 1
 
 
-def response(state: StackState, fineness: Fineness, frequency: float) -> DeformationResponse:
+def response(
+    state: StackState, fineness: Fineness, frequency: float, accuracy: float = 0.0
+) -> DeformationResponse:
     """Response of solved films to basis functions of the gaps.
 
     Parameters
@@ -108,15 +110,18 @@ def response(state: StackState, fineness: Fineness, frequency: float) -> Deforma
         Inverse of the length of a step over which the gaps change and the coordinates move; 0
         where the deformation counts as steady and rates of the coordinates have a response of
         their own. [1/s]
+    accuracy : float
+        Residual of the linear solutions over their right-hand sides that is small enough, if it
+        is larger than that of the films. [-]
     """
     stack = state.stack
-    basis = tuple(BasisFunctions(grid, fineness.waves, fineness.degree) for grid in stack.grids)
+    basis = basis_on(state, fineness)
 
     films, size = range(len(basis)), stack.grids[0].area.size
 
     def one(k: int) -> Array:
         film, asked = state.films[k], basis[k].gap_changes(frequency)
-        return np.array([film.pressure_changes([lift])[0] for lift in asked])
+        return np.array([film.pressure_changes([lift], accuracy)[0] for lift in asked])
 
     changes = in_parallel(one, films, size)
     loads = [_loads(film, c) for film, c in zip(state.films, changes, strict=True)]
@@ -135,6 +140,17 @@ def response(state: StackState, fineness: Fineness, frequency: float) -> Deforma
     return DeformationResponse(
         basis, gain, np.hstack(force), np.vstack(planes), squeezed, drag, frequency
     )
+
+
+def basis_on(state: StackState, fineness: Fineness) -> tuple[BasisFunctions, ...]:
+    """Basis functions of every face of a state, fitted where there is film."""
+    pairs = zip(state.stack.grids, state.snapshot.masks, strict=True)
+    return tuple(BasisFunctions(grid, *fineness[:2], mask.film) for grid, mask in pairs)
+
+
+def fitted(basis: Sequence[BasisFunctions], fields: Sequence[Array]) -> Array:
+    """Coefficients that fit the fields of all films. [m]."""
+    return np.concatenate([own.fit(field) for own, field in zip(basis, fields, strict=True)])
 
 
 def _loads(film: FaceFilm, changes: Array) -> Array:
@@ -160,13 +176,21 @@ def next_deformation(
     for state, old in zip(states, used, strict=True):
         new = state.stack.compliance.distant(state.face_pressures(low), state.snapshot)
         for film, a, b in zip(state.films, new, old, strict=True):
-            if not (a.any() or b.any()):
-                continue
-            inside = film.boundary.mask.film
-            floor = np.maximum(film.gap, max(film.law.roughness, 1e-8))
-            change = max(change, float((np.abs(a - b) / floor)[inside].max()))
+            floor = max(film.law.roughness, 1e-8)
+            change = max(change, _largest(a, b, film.gap, film.boundary.mask.node, floor))
         found.append(new)
     return found, change
+
+
+@njit(nogil=True)
+def _largest(new: Array, old: Array, gap: Array, node: IntArray, floor: float) -> float:
+    """Largest difference of two deformations over the gap where there is film. [-]."""
+    found = 0.0
+    for i in range(gap.shape[0]):
+        for j in range(gap.shape[1]):
+            if node[i, j] == FILM:
+                found = max(found, abs(new[i, j] - old[i, j]) / max(gap[i, j], floor))
+    return found
 
 
 @final
@@ -210,6 +234,7 @@ class DeformationIteration:
         self._memory, self._mixing = memory, Mixing(memory)
         self._new = self.used
         self._missing: list[Array] = []
+        self._bases: list[tuple[BasisFunctions, ...]] = []
 
     @property
     def _own(self) -> list[DeformationResponse]:
@@ -221,6 +246,8 @@ class DeformationIteration:
     def take(self, states: Sequence[StackState], low: float) -> float:
         """Deformation under the pressures found, and its largest change over the gap. [-]."""
         self._new, change = next_deformation(states, self.used, low)
+        if self._fineness is not None and not self._bases:
+            self._bases = [basis_on(state, self._fineness) for state in states]
         return change
 
     def serving(
@@ -238,17 +265,19 @@ class DeformationIteration:
         found: dict[int, DeformationResponse] = {}
         for phase, state in zip(self._phases, states, strict=True):
             if phase not in found:
-                found[phase] = response(state, self._fineness, self._frequency)
+                found[phase] = response(state, self._fineness, self._frequency, _SERVING)
         self.responses |= found
         return mean_coefficients(self._own)
 
     def pull(self) -> Array | float:
         """Film force that the deformation still missing will add. [N, N m]."""
         self._missing = []
-        for own, used, new in zip(self._own, self.used, self._new, strict=False):
-            self._missing.append(own.fit([b - a for a, b in zip(used, new, strict=True)]))
+        if not self._own:
+            return 0.0
+        for basis, used, new in zip(self._bases, self.used, self._new, strict=True):
+            self._missing.append(fitted(basis, [b - a for a, b in zip(used, new, strict=True)]))
         pulls = [own.pull @ m for own, m in zip(self._own, self._missing, strict=True)]
-        return np.mean(pulls, axis=0) if pulls else 0.0
+        return np.asarray(np.mean(pulls, axis=0))
 
     def follow(self, states: Sequence[StackState], step: Array, rate: Array) -> Array:
         """Set the deformation to use next and return the step of the coordinates to take. [m, rad].

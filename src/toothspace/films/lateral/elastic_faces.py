@@ -10,7 +10,8 @@ from typing import final
 import numpy as np
 import scipy.sparse as sp
 
-from toothspace.core.types import Array
+from toothspace.core.compiled import njit
+from toothspace.core.types import Array, IntArray
 from toothspace.elasticity import ElasticBody, InfluenceMatrix, influence_matrix
 from toothspace.elasticity.influence import COARSER
 from toothspace.films.lateral.basis_functions import BasisFunctions
@@ -27,8 +28,11 @@ _PROBE_WAVES = 16
 Finer ones, to which faces are stiffer, are iterated.
 """
 
-_KEPT = 4
-"""Shaft angles whose interpolation is kept. [-]"""
+_KEPT = 8
+"""Shaft angles whose interpolation and loads are kept. [-]"""
+
+_BODY_ROWS = 5760
+"""Least number of rows round a turning body between which its deformation is interpolated. [-]"""
 
 NamedLoads = Callable[[Snapshot], Mapping[str, Mapping[str, float]]]
 """Named loads of every body in a snapshot, above the low pressure. [Pa] or [N]"""
@@ -66,6 +70,10 @@ class ElasticFaces:
     _on_body: dict[tuple[int, float], sp.csr_matrix] = field(
         init=False, repr=False, default_factory=dict
     )
+    _named: list[tuple[Snapshot, Mapping[str, Mapping[str, float]]]] = field(
+        init=False, repr=False, default_factory=list
+    )
+    _turning: dict[int, sp.csr_matrix] = field(init=False, repr=False, default_factory=dict)
 
     def distant(self, pressures: Sequence[Array], snapshot: Snapshot) -> list[Array]:
         """Distant deformation of every gap [m] under pressures above the low one. [Pa]."""
@@ -103,9 +111,13 @@ class ElasticFaces:
 
     def _all_loads(self, index: int, changes: Array, snapshot: Snapshot) -> tuple[Array, Array]:
         """Loads of many pressures of one film on the nodes of bearing and turning body. [N]."""
-        found = [self._nodal_loads(index, change, snapshot) for change in changes]
-        on_bearing, on_body = zip(*found, strict=True)
-        return np.array(on_bearing).T, np.array(on_body).T
+        bearing, body = self._kept_spread(index, snapshot.shaft_angle)
+        mask, push = (
+            snapshot.masks[index],
+            (changes * self.grids[index].area).reshape(len(changes), -1),
+        )
+        on_bearing = np.where(mask.owned.ravel(), push, 0.0)
+        return bearing.T @ on_bearing.T, body.T @ np.where(mask.covered.ravel(), push, 0.0).T
 
     def _faces(self, index: int, snapshot: Snapshot) -> list[tuple[str, slice, sp.csr_matrix]]:
         """Bearing and turning body at a film: name, nodes, and from the nodes to the cells."""
@@ -118,7 +130,7 @@ class ElasticFaces:
 
     def deformation(self, pressures: Sequence[Array], snapshot: Snapshot) -> list[Array]:
         """Deformation of every gap by all bodies. [m]."""
-        loads, named = self._film_loads(pressures, snapshot), self.named_loads(snapshot)
+        loads, named = self._film_loads(pressures, snapshot), self._kept_loads(snapshot)
         moved = {
             name: body.deformation(loads[name], named.get(name))
             for name, body in self.bodies.items()
@@ -132,7 +144,7 @@ class ElasticFaces:
         A body in equilibrium on nothing but its films and its named loads has none; what is left
         accelerates it, see :func:`~toothspace.elasticity.influence_matrix`.
         """
-        loads, named = self._film_loads(pressures, snapshot), self.named_loads(snapshot)
+        loads, named = self._film_loads(pressures, snapshot), self._kept_loads(snapshot)
         return {
             name: body.resultant(loads[name], named.get(name)) for name, body in self.bodies.items()
         }
@@ -171,6 +183,15 @@ class ElasticFaces:
         on_bearing = np.where(mask.owned, push, 0.0).ravel()
         return bearing.T @ on_bearing, body.T @ np.where(mask.covered, push, 0.0).ravel()
 
+    def _kept_loads(self, snapshot: Snapshot) -> Mapping[str, Mapping[str, float]]:
+        """Named loads, kept for the next iterations with the same snapshots."""
+        kept = next((loads for own, loads in self._named if own is snapshot), None)
+        if kept is None:
+            kept = self.named_loads(snapshot)
+            self._named[_KEPT:] = []
+            self._named.insert(0, (snapshot, kept))
+        return kept
+
     def _opening(self, index: int, moved: Mapping[str, Array], snapshot: Snapshot) -> Array:
         """Deformation of one film by the displacements of the nodes of all bodies. [m]."""
         parts = [
@@ -181,10 +202,11 @@ class ElasticFaces:
     def _kept_spread(self, index: int, shaft_angle: float) -> tuple[sp.csr_matrix, sp.csr_matrix]:
         """From the nodes of bearing and turning body to the cells.
 
-        That of the body is kept for the next iterations at the angles used last.
+        That of the body lies between rows of a grid that turns with it, and is kept for the next
+        iterations at the angles used last.
         """
-        grid = self.grids[index]
         if index not in self._on_bearing:
+            grid = self.grids[index]
             own, p, (x0, y0) = grid.interface, grid.points, grid.interface.face.center
             placed = np.column_stack([p.x.ravel() + x0, p.y.ravel() + y0])
             self._on_bearing[index] = self.bodies[own.bearing].interpolation("face", placed)
@@ -193,7 +215,7 @@ class ElasticFaces:
         if spread is None:
             if len(self._on_body) >= _KEPT * len(self.grids):
                 self._on_body.clear()
-            spread = self._on_body[key] = self._body_spread(grid, shaft_angle)
+            spread = self._on_body[key] = self._body_spread(key[0], shaft_angle)
         return self._on_bearing[index], spread
 
     def _twin(self, index: int) -> int:
@@ -208,13 +230,50 @@ class ElasticFaces:
                     return k
         return index
 
-    def _body_spread(self, grid: FaceGrid, shaft_angle: float) -> sp.csr_matrix:
+    def _body_spread(self, index: int, shaft_angle: float) -> sp.csr_matrix:
+        grid = self.grids[index]
         own = grid.interface
-        x, y = grid.points.x.ravel(), grid.points.y.ravel()
+        finer = -(-_BODY_ROWS // grid.rows)
+        rows = finer * grid.rows
+        if index not in self._turning:
+            angle = (np.arange(rows) + 0.5) * 2.0 * np.pi / rows
+            radius = np.tile(grid.radius, rows)
+            places = np.column_stack([np.cos(angle), np.sin(angle)]).repeat(grid.lanes, axis=0)
+            spread = self.bodies[own.body].interpolation(own.side, places * radius[:, None])
+            self._turning[index] = spread
+        spread = self._turning[index]
         turn = own.body_angle + own.speed_ratio * shaft_angle
-        cos, sin = np.cos(turn), np.sin(turn)
-        turned = np.column_stack([cos * x + sin * y, cos * y - sin * x])
-        return self.bodies[own.body].interpolation(own.side, turned)
+        first = 0.5 * (finer - 1) - turn * rows / (2.0 * np.pi)
+        columns, weights = _between_rows(
+            spread.indices.reshape(rows, grid.lanes, -1),
+            spread.data.reshape(rows, grid.lanes, -1),
+            first,
+            finer,
+        )
+        starts = np.arange(grid.area.size + 1, dtype=np.int32) * columns.shape[2]
+        shape = grid.area.size, spread.shape[1]
+        return sp.csr_matrix((weights.ravel(), columns.ravel(), starts), shape=shape)
+
+
+@njit(nogil=True)
+def _between_rows(
+    columns: IntArray, weights: Array, first: float, stride: int
+) -> tuple[IntArray, Array]:
+    """Rows of an interpolation between those of a ring, from a broken row on at a stride."""
+    ring, lanes, width = weights.shape
+    rows, start = ring // stride, int(np.floor(first))
+    share = first - start
+    out = np.empty((rows, lanes, 2 * width), dtype=columns.dtype)
+    values = np.empty((rows, lanes, 2 * width))
+    for i in range(rows):
+        a = (start + i * stride) % ring
+        b = (a + 1) % ring
+        for j in range(lanes):
+            for k in range(width):
+                out[i, j, k], values[i, j, k] = columns[a, j, k], (1.0 - share) * weights[a, j, k]
+                out[i, j, width + k] = columns[b, j, k]
+                values[i, j, width + k] = share * weights[b, j, k]
+    return out, values
 
 
 def elastic_faces(

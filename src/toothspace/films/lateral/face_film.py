@@ -22,7 +22,7 @@ from toothspace.films.lateral.face_grid import FaceGrid, Mask
 from toothspace.films.lateral.local_deformation import Accuracy, LocalCompliance
 from toothspace.films.plane.film import PlaneFilm, PlaneSolution, rigid_change
 from toothspace.films.reynolds.cavitation import CAVITATION
-from toothspace.films.reynolds.equation import FluidField, GapField, film_balance
+from toothspace.films.reynolds.equation import FilmGrid, FluidField, GapField, film_balance
 from toothspace.films.reynolds.fluid import FilmFluid
 from toothspace.films.reynolds.linearised import pressure_responses
 from toothspace.films.reynolds.rough_surfaces import (
@@ -192,12 +192,13 @@ class FaceFilm:
         """Motions of the upper face: rates of its lift and rotations."""
         return [rigid_change(self.grid.points, motion, True) for motion in range(3)]
 
-    def pressure_changes(self, changes: Sequence[GapField]) -> list[Array]:
+    def pressure_changes(self, changes: Sequence[GapField], accuracy: float = 0.0) -> list[Array]:
         """Change of the pressure of film and asperities with motions of the undeformed gap.
 
-        [Pa per unit]
+        [Pa per unit] The residual is no smaller than ``accuracy`` of the right-hand side.
         """
-        plane, accuracy, fluid = self.plane, self.law.accuracy.linear, self.law.fluid
+        plane, fluid = self.plane, self.law.fluid
+        accuracy = max(accuracy, self.law.accuracy.linear)
         if self.solution.found is not None:
             responses = compliant_responses(self.solution, changes, accuracy)
         else:
@@ -317,9 +318,8 @@ def solve_face(
     former : FaceFilm, optional
         Similar film to begin with.
     """
-    node_pressure = np.maximum(boundary.node_pressure, law.cavitation_pressure)
     film = PlaneFilm(
-        grid.film_grid(boundary.mask, node_pressure, boundary.shaft_speed),
+        _film_grid(grid, law, boundary, former),
         _gap_field(grid, face_motion, deformation),
         grid.points,
         law.fluid,
@@ -344,6 +344,19 @@ def solve_face(
         found = solve_compliant(film, carrier, how, start)
         return FaceFilm(grid, law, boundary, found, face_motion, deformation.local)
     return FaceFilm(grid, law, boundary, _stiff(film, carrier, law, start), face_motion, 0.0)
+
+
+def _film_grid(
+    grid: FaceGrid, law: FilmLaw, boundary: FilmBoundary, former: FaceFilm | None
+) -> FilmGrid:
+    """Grid with its given pressures; that of a former film between the same boundaries."""
+    if former is not None:
+        old = former.boundary
+        same = old.mask is boundary.mask and old.node_pressure is boundary.node_pressure
+        if same and old.shaft_speed == boundary.shaft_speed:
+            return former.plane.film.grid
+    node_pressure = np.maximum(boundary.node_pressure, law.cavitation_pressure)
+    return grid.film_grid(boundary.mask, node_pressure, boundary.shaft_speed)
 
 
 def _stiff(

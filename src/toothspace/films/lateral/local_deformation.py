@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from toothspace.core.compiled import inlined, kernel
-from toothspace.core.types import Array
+from toothspace.core.types import Array, IntArray
+from toothspace.films.reynolds.fluid import ReducedLaw, pressure_above
 from toothspace.films.reynolds.rough_surfaces import ContactTable, contact_pressure
 from toothspace.numerics.linear_system import TIGHT
 
@@ -60,16 +61,48 @@ def _contact_gap(base: float, start: float, how: LocalCompliance) -> tuple[float
 
 @kernel
 def settle_gap(
-    rigid: Array, pressure: Array, film: Array, how: LocalCompliance, gap: Array, out: Array
+    kind: IntArray,
+    values: Array,
+    rigid: Array,
+    walls: tuple[Array, Array],
+    law: ReducedLaw,
+    how: LocalCompliance,
+    gap: Array,
+    out: Array,
 ) -> None:
-    """Gap of every cell under film and asperity pressure; ``out`` holds contact, slope, share."""
+    """Gap of every cell under film and asperity pressure.
+
+    Parameters
+    ----------
+    kind, values : ndarray
+        Kinds of the cells, and their potential or saturation. [Pa or -]
+    rigid : ndarray
+        Undeformed gap. [m]
+    walls : tuple of ndarray
+        Pressure of prescribed cells above the lowest one, and an asperity pressure to begin with.
+        [Pa, Pa]
+    law : ReducedLaw
+        Pressure over the potential.
+    how : LocalCompliance
+        How the faces deform.
+    gap : ndarray
+        Gap found. [m]
+    out : ndarray, shape (4, rows, lanes)
+        Asperity pressure, its slope, change of the gap over that of the undeformed one and over
+        that of the potential. [Pa, Pa/m, -, m/Pa]
+    """
+    known, begun = walls
     rows, lanes = rigid.shape
     for i in range(rows):
         for j in range(lanes):
-            base = rigid[i, j] + how.compliance * (pressure[i, j] - how.reference)
-            out[0, i, j], out[1, i, j], out[2, i, j] = 0.0, 0.0, 1.0
-            if not film[i, j] or how.contact.value.size == 0:
-                gap[i, j] = base
+            if kind[i, j] == 2:
+                gap[i, j] = rigid[i, j] + how.compliance * (known[i, j] - how.reference)
+                out[0, i, j], out[1, i, j], out[2, i, j], out[3, i, j] = 0.0, 0.0, 1.0, 0.0
                 continue
-            gap[i, j], out[0, i, j], out[1, i, j] = _contact_gap(base, gap[i, j], how)
+            potential = values[i * lanes + j] if kind[i, j] == 0 else 0.0
+            pressure, stretch = pressure_above(potential, law)
+            base = rigid[i, j] + how.compliance * (pressure - how.reference)
+            start = base + how.compliance * begun[i, j]
+            gap[i, j], out[0, i, j], out[1, i, j] = _contact_gap(base, start, how)
             out[2, i, j] = 1.0 / (1.0 - how.compliance * out[1, i, j])
+            out[3, i, j] = how.compliance * out[2, i, j] * stretch

@@ -18,14 +18,13 @@ from typing import NamedTuple
 import numpy as np
 
 from toothspace.closures.flow_factors import PatternColumns
-from toothspace.core.compiled import inlined, kernel
+from toothspace.core.compiled import inlined, kernel, njit
 from toothspace.core.types import Array, IntArray
 from toothspace.films.reynolds.equation import (
     FilmGrid,
     FluidField,
     GapField,
     balance_on_grid,
-    vary_storage,
 )
 from toothspace.films.reynolds.rough_surfaces import (
     FlowLaw,
@@ -53,6 +52,8 @@ class Linearised(NamedTuple):
 
     balance: CellBalance
     slope: GapSlopes
+    squeeze: Array  # (rows, lanes) storage over the rate of the gap [m2]
+    squeeze_slope: Array  # change of the storage with the gap [m2/s]
 
 
 class DeformedGap(NamedTuple):
@@ -77,6 +78,17 @@ class _Cells(NamedTuple):
     along_slope: Array
     across: Array
     across_slope: Array
+
+
+@inlined
+def _squeeze(gap: float, law: FlowLaw) -> tuple[float, float]:
+    if law.roughness == 0.0:
+        return 1.0, 0.0
+    ratio = gap / law.roughness
+    if tabulates(law.table, ratio):
+        value, slope = tabulated(law.table, law.table.squeeze, ratio)
+        return value, slope / law.roughness
+    return squeeze_law(gap, law)
 
 
 @inlined
@@ -132,7 +144,7 @@ def _fill_along(
 ) -> None:
     """Faces of the first index between cells of which at least one holds film."""
     rows, lanes = gap.opening.shape
-    b, slope = out
+    b, slope = out.balance, out.slope
     for i in range(rows + 1):
         w, e = (i + rows - 1) % rows, i % rows
         for j in range(lanes):
@@ -164,8 +176,7 @@ def _fill_across(
 ) -> None:
     """Faces of the second index, as :func:`_fill_along`; the rims have gaps of their own."""
     rows, lanes = gap.opening.shape
-    b, slope = out
-    b.advection_y[:] = 0.0
+    b, slope = out.balance, out.slope
     for i in range(rows):
         for j in range(lanes + 1):
             s, n = max(j - 1, 0), min(j, lanes - 1)
@@ -189,22 +200,28 @@ def _fill_across(
 
 @kernel
 def _fill_squeeze(
-    grid: FilmGrid, gap: DeformedGap, fluid: FluidField, law: FlowLaw, storage: Array
+    grid: FilmGrid, gap: DeformedGap, fluid: FluidField, law: FlowLaw, out: Linearised
 ) -> None:
     rows, lanes = gap.opening.shape
     for i in range(rows):
         for j in range(lanes):
-            rate = gap.rigid.rate[i, j]
-            if rate == 0.0 or grid.mark[i, j] == 2:
-                storage[i, j] = 0.0
+            if grid.mark[i, j] == 2:
+                out.balance.storage[i, j] = out.squeeze[i, j] = out.squeeze_slope[i, j] = 0.0
                 continue
-            if law.roughness > 0.0:
-                rate *= squeeze_law(gap.rigid.centre[i, j] + gap.opening[i, j], law)[0]
-            storage[i, j] = fluid.density[i, j] * rate * grid.area[i, j]
+            factor, slope = _squeeze(gap.rigid.centre[i, j] + gap.opening[i, j], law)
+            rate, held = gap.rigid.rate[i, j], fluid.density[i, j] * grid.area[i, j]
+            out.squeeze[i, j] = held * factor
+            out.squeeze_slope[i, j] = held * rate * slope
+            out.balance.storage[i, j] = held * rate * factor
 
 
 def linearised_balance(
-    grid: FilmGrid, gap: DeformedGap, fluid: FluidField, cavitation_pressure: float, law: FlowLaw
+    grid: FilmGrid,
+    gap: DeformedGap,
+    fluid: FluidField,
+    cavitation_pressure: float,
+    law: FlowLaw,
+    former: CellBalance | None = None,
 ) -> Linearised:
     """Balance of a ring of cells and how it follows the gaps.
 
@@ -223,56 +240,73 @@ def linearised_balance(
         Absolute pressure at which the potential is zero. [Pa]
     law : FlowLaw
         Average flow between the walls.
+    former : CellBalance, optional
+        Balance with the same given pressures.
     """
-    x, y = gap.rigid.face_x.shape, gap.rigid.face_y.shape
-    balance = balance_on_grid(grid, cavitation_pressure)
-    out = Linearised(balance, GapSlopes(*map(np.empty, (x, x, x, y, y))))
+    x, y, shape = gap.rigid.face_x.shape, gap.rigid.face_y.shape, gap.opening.shape
+    if former is None:
+        former = balance_on_grid(grid, cavitation_pressure)
+        former.advection_y[:] = 0.0
+    balance = former._replace(
+        conductance_x=np.empty(x),
+        conductance_y=np.empty(y),
+        advection_x=np.empty(x),
+        storage=np.empty(shape),
+    )
+    slope = GapSlopes(*map(np.empty, (x, x, x, y, y)))
+    out = Linearised(balance, slope, np.empty(shape), np.empty(shape))
     cells = _Cells(*(np.empty(gap.opening.shape) for _ in range(4)))
     _fill_cells(grid.mark, gap, law, np.array_equal(law.table.along, law.table.across), cells)
     _fill_along(grid, gap, fluid, law, cells, out)
     _fill_across(grid, gap, fluid, law, cells, out)
-    _fill_squeeze(grid, gap, fluid, law, balance.storage)
+    _fill_squeeze(grid, gap, fluid, law, out)
     return out
 
 
-def varied_balance(
-    found: Linearised,
-    grid: FilmGrid,
-    gap: GapField,
-    fluid: FluidField,
-    law: FlowLaw,
-    motion: GapMotion,
-) -> CellBalance:
-    """First variation of a balance with one motion of a face, for use in a residual.
+@njit(nogil=True, error_model="numpy")
+def flow_change(
+    found: Linearised, sweep_x: Array, motion: GapMotion, potential: Array, saturation: Array
+) -> Array:
+    """Net flow out of every cell that one motion of a face causes at given potentials. [m3/s].
 
     Parameters
     ----------
     found : Linearised
         Balance and its slopes.
-    grid, gap, fluid
-        Film that it is of, with its deformed gap.
-    law : FlowLaw
-        Average flow between the walls.
+    sweep_x : ndarray
+        Motion of the face across the faces of the first index. [m2/s]
     motion : GapMotion
         What moves, per unit.
+    potential, saturation : ndarray
+        Fields that the balance was solved for. [Pa, -]
     """
-    lift, slope = motion.lift, found.slope
+    b, slope, lift = found.balance, found.slope, motion.lift
+    rows, lanes = potential.shape
     own = motion.follows * lift.centre
-    extra = own - lift.centre
-    upstream = np.where(grid.sweep_x >= 0.0, *_both_sides(extra))
-    before, behind = _both_sides(own)
-    south = np.hstack([lift.face_y[:, :1], own])
-    north = np.hstack([own, lift.face_y[:, -1:]])
-    return found.balance._replace(
-        conductance_x=slope.west * before + slope.east * behind,
-        conductance_y=slope.south * south + slope.north * north,
-        advection_x=slope.carried * (lift.face_x + upstream),
-        advection_y=np.zeros_like(slope.south),
-        storage=vary_storage(grid, gap, fluid, law, lift._replace(centre=own)),
-        source=np.zeros_like(own),
-    )
-
-
-def _both_sides(cells: Array) -> tuple[Array, Array]:
-    """Values of the cells before and behind the faces of a ring."""
-    return np.vstack([cells[-1:], cells]), np.vstack([cells, cells[:1]])
+    out = np.empty((rows, lanes))
+    for i in range(rows):
+        for j in range(lanes):
+            rate = found.squeeze[i, j] * lift.rate[i, j] + found.squeeze_slope[i, j] * own[i, j]
+            out[i, j] = saturation[i, j] * rate
+    for i in range(rows):
+        w = (i + rows - 1) % rows
+        for j in range(lanes):
+            up = w if sweep_x[i, j] >= 0.0 else i
+            carried = saturation[w, j] if b.advection_x[i, j] > 0.0 else saturation[i, j]
+            height = lift.face_x[i, j] + own[up, j] - lift.centre[up, j]
+            conducted = slope.west[i, j] * own[w, j] + slope.east[i, j] * own[i, j]
+            flow = conducted * (potential[w, j] - potential[i, j])
+            flow += slope.carried[i, j] * height * carried
+            out[i, j] -= flow
+            out[w, j] += flow
+        for j in range(lanes + 1):
+            before = own[i, j - 1] if j > 0 else lift.face_y[i, 0]
+            behind = own[i, j] if j < lanes else lift.face_y[i, lanes]
+            below = potential[i, j - 1] if j > 0 else b.south[i]
+            above = potential[i, j] if j < lanes else b.north[i]
+            flow = (slope.south[i, j] * before + slope.north[i, j] * behind) * (below - above)
+            if j > 0:
+                out[i, j - 1] += flow
+            if j < lanes:
+                out[i, j] -= flow
+    return out

@@ -2,18 +2,42 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import final
+from typing import NamedTuple, final
 
 import numpy as np
 
 from toothspace.closures.density import dowson_higginson_density
 from toothspace.closures.viscosity import barus_viscosity
+from toothspace.core.compiled import inlined
 from toothspace.core.types import Array
 from toothspace.films.reynolds.equation import FilmGrid, FluidField
 
 HIGHEST_EXPONENT = 20.0
 """Logarithm of the viscosity ratio beyond which Barus' law is not followed. [-]"""
+
+
+class ReducedLaw(NamedTuple):
+    """Pressure over the reduced pressure, for compiled code."""
+
+    coefficient: float  # pressure-viscosity coefficient, 0 if they are the same [1/Pa]
+    limit: float  # reduced pressure up to which the viscosity grows [Pa]
+    beyond: float  # change of the pressure over that of the reduced one beyond it [-]
+    floor: float  # reduced cavitation pressure [Pa]
+    lowest: float  # cavitation pressure [Pa]
+
+
+@inlined
+def pressure_above(potential: float, law: ReducedLaw) -> tuple[float, float]:
+    """Pressure above the lowest one from a potential, and its change with it. [Pa, -]."""
+    if law.coefficient == 0.0:
+        return potential, 1.0
+    reduced = potential + law.floor
+    over = max(reduced - law.limit, 0.0)
+    left = -law.coefficient * (reduced - over)
+    pressure = -math.log1p(left) / law.coefficient + over * law.beyond
+    return pressure - law.lowest, 1.0 / (1.0 + left)
 
 
 @final
@@ -122,6 +146,14 @@ class FilmFluid:
     def reduced_of(self, pressure: float) -> float:
         """Reduced pressure of one absolute pressure. [Pa]."""
         return float(self.reduced(np.array([pressure]))[0])
+
+    def reduced_law(self, lowest: float) -> ReducedLaw:
+        """Law from potentials above a lowest pressure [Pa] to pressures above it."""
+        alpha, highest = self.pressure_viscosity, self._highest_exponent
+        if alpha == 0.0:
+            return ReducedLaw(0.0, np.inf, 0.0, lowest, lowest)
+        beyond = 0.0 if highest == HIGHEST_EXPONENT else float(np.exp(highest))
+        return ReducedLaw(alpha, self._reduced_limit, beyond, self.reduced_of(lowest), lowest)
 
     def stretch(self, pressure: Array) -> Array:
         """Change of the pressure over that of the reduced pressure. [-]."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -55,31 +55,29 @@ def pressure_responses(
     """
     slope = balance_derivative(grid, gap, carrier, balance, law)
     varied = (balance_variation(grid, gap, carrier, change, slope, law) for change in changes)
-    return solved_responses(balance, fields, varied, relative_tolerance)
+    u, s = fields.potential, fields.saturation
+    flows = [residual(balance, change, u, s) for change in varied]
+    return solved_responses(fields, flows, relative_tolerance)
 
 
 def solved_responses(
-    balance: CellBalance,
-    fields: ComplementaritySolution,
-    varied: Iterable[CellBalance],
-    relative_tolerance: float,
+    fields: ComplementaritySolution, flows: Sequence[Array], relative_tolerance: float
 ) -> list[Array]:
-    """Change of a solved pressure with variations of its balance: all sides of one solution. [Pa].
+    """Change of a solved pressure with flows added to its balance: sides of one solution. [Pa].
 
     Parameters
     ----------
-    balance, fields
-        Balance that was solved, and its solution. [Pa, m3/s]
-    varied : iterable of CellBalance
-        First variations of the balance.
+    fields
+        Solution of the balance.
+    flows : sequence of ndarray
+        Net flow out of every cell by each. [m3/s]
     relative_tolerance : float
         Residual of the linear solution over its right-hand side. [-]
     """
-    known, changes = fields.kind == PRESCRIBED, list(varied)
-    sides = np.empty((len(changes), known.size))
-    for side, change in zip(sides, changes, strict=True):
-        disturbance = residual(balance, change, fields.potential, fields.saturation)
-        side[:] = np.where(known, 0.0, -disturbance).ravel()
+    known = fields.kind == PRESCRIBED
+    sides = np.empty((len(flows), known.size))
+    for side, flow in zip(sides, flows, strict=True):
+        side[:] = np.where(known, 0.0, -flow).ravel()
     found = fields.system.solve(sides, relative_tolerance=relative_tolerance)
     held = (fields.kind != SATURATED) | (fields.potential <= 0.0)
     return [np.where(held, 0.0, response.reshape(held.shape)) for response in found]

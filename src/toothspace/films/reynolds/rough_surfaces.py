@@ -37,6 +37,7 @@ class FlowTable(NamedTuple):
     along: Array  # (nodes, 2) cube of the gap ratio times the pressure flow factor
     across: Array
     carried: Array  # (nodes, 2) carried height over the roughness
+    squeeze: Array  # (nodes, 2) derivative of the mean gap by the nominal one
 
 
 class FlowLaw(NamedTuple):
@@ -62,7 +63,7 @@ class ContactTable(NamedTuple):
 
 
 _PLAIN = pattern_columns(1.0)
-_NO_TABLE = FlowTable(SMALLEST_FLOW_GAP, 0.02, *(np.zeros((0, 2)) for _ in range(3)))
+_NO_TABLE = FlowTable(SMALLEST_FLOW_GAP, 0.02, *(np.zeros((0, 2)) for _ in range(4)))
 _TABLE_NODES = 500
 DEEPEST = 3.0
 """Overlap of the mean planes over the roughness beyond which no law of contact holds. [-]"""
@@ -144,7 +145,8 @@ def contact_pressure(gap: float, roughness: float, table: ContactTable) -> tuple
     count = table.value.size
     if count == 0:
         return 0.0, 0.0
-    place = (gap / roughness - table.first) / table.step
+    inverse = 1.0 / (roughness * table.step)  # the same for all cells: divisions would take longest
+    place = gap * inverse - table.first / table.step
     if place >= count - 1:
         return 0.0, 0.0
     k = max(int(place), 0) if place > 0.0 else 0
@@ -158,7 +160,7 @@ def contact_pressure(gap: float, roughness: float, table: ContactTable) -> tuple
         logarithm = v0 + t * (s0 + t * (c2 + t * c3))
         rise = s0 + t * (2.0 * c2 + 3.0 * t * c3)
     pressure = math.exp(logarithm)
-    return pressure, pressure * rise / (table.step * roughness)
+    return pressure, pressure * rise * inverse
 
 
 @njit
@@ -292,7 +294,9 @@ def _flow_table(law: FlowLaw) -> FlowTable:
     ]
     carried = np.array([carried_law(float(h), law) for h in gaps])
     carried[:, 0] /= law.roughness
-    return _NO_TABLE._replace(along=cubes[0], across=cubes[1], carried=carried)
+    squeeze = np.array([squeeze_law(float(h), law) for h in gaps])
+    squeeze[:, 1] *= law.roughness
+    return _NO_TABLE._replace(along=cubes[0], across=cubes[1], carried=carried, squeeze=squeeze)
 
 
 def _elastic_plastic(s: RoughSurfaces, ratio: float) -> float:

@@ -53,14 +53,16 @@ if TYPE_CHECKING:
 _NO_FLOATING_PART = "machine: found no floating part in balance, allowed a machine with one"
 _TOUCH = 1e-4
 """Asperity pressure over hardness that counts as contact. [-]"""
+_SETTLED = Accuracy(linear=1e-7)
+"""Accuracy of films in the search, whose solutions are corrections of former ones."""
 _MARCHED = Accuracy(settled=1e-3, linear=5e-2)
 """Accuracy of films within one step of the march, whose force balance repeats them."""
 _JACOBIAN_AGE = 60
 """Iterations of the march that one Jacobian serves. [-]"""
 _FINENESS = Fineness(waves=16, degree=2, phases=6)
 """Basis functions of the deformation that are predicted: those of the teeth are the finest. [-]"""
-_IN_MARCH = Fineness(waves=12, degree=2, phases=2)
-"""The same in a march: a step begins so near its end that fewer and older responses do."""
+_IN_MARCH = Fineness(waves=12, degree=2, phases=8)
+"""The same in a march: a step begins so near its end that fewer basis functions do."""
 _MEMORY = 2
 """Iterations from which the rest of the deformation is extrapolated. [-]"""
 
@@ -274,10 +276,11 @@ def lateral_problem(
     )
     if settings.deformation == "bodies":
         compliance = loaded_bodies(balance, grids, back, data)
+    laws = film_laws(balance, fluid, settings.cavitation)
     stack = Stack(
         replace(balance, shaft_stiffness=_held_by_journals(description, balance, data)),
         grids,
-        film_laws(balance, fluid, settings.cavitation),
+        tuple(law._replace(accuracy=_SETTLED) for law in laws),
         compliance,
         shaft_speed,
     )
