@@ -44,6 +44,7 @@ from toothspace.core.types import Array
 from toothspace.model.arrays import (
     BY_HEIGHT,
     CARRIED_SHARE,
+    CARRY,
     CATEGORY,
     CONDUCTANCE,
     DENSITY,
@@ -67,6 +68,9 @@ from toothspace.model.arrays import (
     HEIGHT_FACTOR,
     INFLOW_DENSITY,
     LATERAL_SHARE,
+    LINE_DROP,
+    LINE_FLOW,
+    LINE_SLOPE,
     LIQUID_ENTHALPY,
     LOSS,
     MASS_RATE,
@@ -246,6 +250,14 @@ def drag_walls(s: SystemArrays, speed: float) -> None:
 
 
 @kernel
+def carried_drop(flow: float, conductance: float, opening: float, density: float) -> tuple[float, float]:
+    """x."""
+    kinetic = 0.5 * density / (opening * opening)
+    drop = flow / conductance + kinetic * flow * abs(flow)
+    return drop, 1.0 / (1.0 / conductance + 2.0 * kinetic * abs(flow))
+
+
+@kernel
 def update_flows(s: SystemArrays, speed: float) -> None:
     """Flow of every path from the pressures at its ends and its gap, with derivatives."""
     path, data = s.path, s.open_data
@@ -254,6 +266,13 @@ def update_flows(s: SystemArrays, speed: float) -> None:
         flow, by_pressure, by_conductance = inertial_laminar_flow(
             path[j, DROP], path[j, CONDUCTANCE], path[j, OPENING], path[j, INFLOW_DENSITY]
         )
+        if s.drive[CARRY] > 0.0 and path[j, CONDUCTANCE] > 0.0 and path[j, LINE_SLOPE] > 0.0:
+            flow = path[j, LINE_FLOW] + path[j, LINE_SLOPE] * (path[j, DROP] - path[j, LINE_DROP])
+            drop, by_pressure = carried_drop(
+                flow, path[j, CONDUCTANCE], path[j, OPENING], path[j, INFLOW_DENSITY]
+            )
+            flow += by_pressure * (path[j, DROP] - drop)
+        path[j, LINE_FLOW], path[j, LINE_DROP], path[j, LINE_SLOPE] = flow, path[j, DROP], by_pressure
         path[j, VOLUME_FLOW] = many * flow + path[j, DRAG] * speed
         path[j, FLOW_BY_PRESSURE] = many * by_pressure
         by_height = by_conductance * path[j, BY_HEIGHT] + path[j, DRAG_BY_HEIGHT]

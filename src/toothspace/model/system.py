@@ -12,6 +12,7 @@ from toothspace.model.arrays import (
     BREAKAWAY_SPEED,
     BUSH_X,
     BUSH_Y,
+    CARRY,
     CLEARANCE,
     DIRECTION,
     DRIVING_TORQUE,
@@ -141,6 +142,12 @@ def evaluate(s: SystemArrays, state: Array) -> None:
     update_pressure_forces(s)
     update_film_forces(s, state)
     update_contacts(s, state)
+
+
+@kernel
+def carry_flows(s: SystemArrays, carried: bool) -> None:
+    """x."""
+    s.drive[CARRY] = 1.0 if carried else 0.0
 
 
 @kernel

@@ -230,6 +230,7 @@ def _bind_initial_state(begin: Compiled) -> Compiled:
 
 def _bind_advance(callbacks: NdfCallbacks, begin: Compiled) -> Compiled:
     rhs, finish, jacobian = callbacks.rhs, callbacks.finish, callbacks.jacobian
+    carry = callbacks.carry
     find_events = _bind_events(callbacks.event_values)
 
     @kernel
@@ -256,6 +257,7 @@ def _bind_advance(callbacks: NdfCallbacks, begin: Compiled) -> Compiled:
                 begin(params, program, settings, state, control.valid_until, state.y)
             code = start_step(settings, state)
             while code == GO_ON:
+                carry(params, control.carried == 2)
                 rhs(control.new_time, trial, params, slope)
                 if control.jacobian_wanted == 1:
                     jacobian(control.new_time, trial, params, state.jacobian, state.basis)
@@ -263,7 +265,9 @@ def _bind_advance(callbacks: NdfCallbacks, begin: Compiled) -> Compiled:
                 code = use_evaluation(program, settings, state)
             if code != PASSED:
                 copy(state.differences[0], state.y)
+                carry(params, False)
                 return code
+            carry(params, False)
             finish(control.new_time, trial, params, slope, state.weights, state.events[1])
             accept_step(program, settings, state)
             control.valid_until = control.time
@@ -274,7 +278,7 @@ def _bind_advance(callbacks: NdfCallbacks, begin: Compiled) -> Compiled:
 
 
 def _bind_begin(callbacks: NdfCallbacks) -> Compiled:
-    rhs, _, jacobian, weights, event_values = callbacks
+    rhs, _, jacobian, weights, event_values, _ = callbacks
 
     @kernel
     def begin(

@@ -63,6 +63,7 @@ PASSED = -2
 # Rest of the Newton iteration allowed, in units of the error weights: after one evaluation
 # with the rate of earlier steps, which a kink can make ten times too small, and later as measured.
 NEWTON_LIMIT = 7
+CARRIED_LIMIT = 12
 NEWTON_CUT = 0.15
 FIRST_TOLERANCE = 0.01
 LATER_TOLERANCE = 0.6
@@ -124,6 +125,7 @@ def _start_attempt(settings: NdfSettings, state: NdfState) -> int:
     if not control.step > max(settings.min_step, 1e-15 * abs(control.time)):
         return NOT_FINITE if control.not_finite == 1 else STEP_TOO_SMALL
     control.new_time = control.time + control.step
+    control.carried = 0
     _predict(state)
     _start_trial(state)
     return GO_ON
@@ -161,13 +163,21 @@ def use_evaluation(program: LuProgram, settings: NdfSettings, state: NdfState) -
     if not np.isfinite(size):
         control.not_finite = 1
         return _give_up_attempt(settings, state)
-    verdict = _judge(control, size)
+    if control.carried > 0:
+        verdict = _judge_carried(control, size)
+        control.carried = 2
+        control.jacobian_wanted = 1
+    else:
+        verdict = _judge(control, size)
     control.iteration += 1
     if verdict > 0 or (verdict == 0 and _step_error(settings, state) > HOPELESS_ERROR):
         return _test_error(settings, state)
     if verdict < 0:
-        if control.jacobian_age == 0:
+        if control.carried > 0:
             return _give_up_attempt(settings, state)
+        if control.jacobian_age == 0:
+            control.carried = 1
+            _start_trial(state)
         if size > control.old_size:
             _start_trial(state)
         control.jacobian_wanted = 1
@@ -317,6 +327,19 @@ def _judge(control: Any, size: float) -> int:
     return (
         -1 if left * control.rate ** (NEWTON_LIMIT - 1 - control.iteration) > LATER_TOLERANCE else 0
     )
+
+
+@kernel
+def _judge_carried(control: Any, size: float) -> int:
+    """Return 1 converged, 0 go on, -1 too slow."""
+    if size <= 1e-6:
+        return 1
+    if control.iteration > 0:
+        control.rate = size / control.old_size
+        if control.rate < 0.9 and size * control.rate / (1.0 - control.rate) <= LATER_TOLERANCE:
+            return 1
+    control.old_size = size
+    return -1 if control.iteration >= CARRIED_LIMIT else 0
 
 
 @kernel

@@ -52,6 +52,7 @@ CONTROL = np.dtype(
         ("failures", "i8"),
         ("not_finite", "i8"),
         ("jacobian_wanted", "i8"),
+        ("carried", "i8"),
         ("jacobian_age", "i8"),
         ("dense_factors", "i8"),
         ("steps", "i8"),
@@ -68,6 +69,13 @@ CONTROL = np.dtype(
 
 Compiled = Callable[..., Any]
 """A compiled function."""
+
+FRESH, CARRIED_FIRST, CARRIED = range(3)
+
+
+@kernel
+def keep_nothing(params: Any, carried: bool) -> None:
+    """Let every evaluation start anew."""
 
 
 class NdfCallbacks(NamedTuple):
@@ -100,6 +108,7 @@ class NdfCallbacks(NamedTuple):
     jacobian: Compiled
     weights: Compiled
     event_values: Compiled
+    carry: Compiled = keep_nothing
 
 
 class NdfFunctions(NamedTuple):

@@ -38,6 +38,7 @@ from toothspace.model.drive import load_energy, update_load
 from toothspace.model.fluid_column import column_energy
 from toothspace.model.jacobian import fill_jacobian
 from toothspace.model.system import (
+    carry_flows,
     error_weights,
     evaluate,
     event_values,
@@ -73,7 +74,7 @@ from toothspace.numerics.static_lu import LuProgram, analyse
 ) = range(9)
 
 _start, _continue = bind(
-    NdfCallbacks(right_hand_side, finish_step, fill_jacobian, error_weights, event_values)
+    NdfCallbacks(right_hand_side, finish_step, fill_jacobian, error_weights, event_values, carry_flows)
 )
 
 
