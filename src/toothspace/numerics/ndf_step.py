@@ -170,7 +170,7 @@ def use_evaluation(program: LuProgram, settings: NdfSettings, state: NdfState) -
     else:
         verdict = _judge(control, size)
     control.iteration += 1
-    if verdict > 0 or (verdict == 0 and _step_error(settings, state) > HOPELESS_ERROR):
+    if verdict > 0 or (verdict == 0 and control.iteration > 1 and control.rate < 0.3 and _step_error(settings, state) > HOPELESS_ERROR):
         return _test_error(settings, state)
     if verdict < 0:
         if control.carried > 0:
@@ -334,7 +334,9 @@ def _judge_carried(control: Any, size: float) -> int:
     """Return 1 converged, 0 go on, -1 too slow."""
     if size <= 1e-6:
         return 1
-    if control.iteration > 0:
+    if control.iteration == 0:
+        control.rate = 1.0
+    else:
         control.rate = size / control.old_size
         if control.rate < 0.9 and size * control.rate / (1.0 - control.rate) <= LATER_TOLERANCE:
             return 1
