@@ -45,8 +45,10 @@ from toothspace.model.arrays import (
     PRESSURE_BY_GAS,
     PRESSURE_BY_MASS,
     PRESSURE_BY_VOLUME,
+    SENSE,
     SLOPE,
     VALUE,
+    VOLUME,
     SystemArrays,
 )
 from toothspace.model.circuit import update_elements
@@ -133,8 +135,7 @@ def add_path(s: SystemArrays, j: int, matrix: Array) -> None:
     """Derivatives of one path's flow through pressures and gap height."""
     node, size = s.node, s.size
     a, b = s.open_index[j, NODE_A], s.open_index[j, PRESENT_B]
-    flow = s.path[j, FLOW]
-    source = a if flow > 0.0 else b
+    source = a if s.path[j, SENSE] > 0.0 else b
     gas = node[source, GAS]
     slope = node[source, DENSITY] * s.path[j, FLOW_BY_PRESSURE]
     for i, sign in ((a, 1.0), (b, -1.0)):
@@ -143,6 +144,10 @@ def add_path(s: SystemArrays, j: int, matrix: Array) -> None:
             continue
         change = sign * slope * node[i, PRESSURE_BY_MASS]
         add_flow_change(s, j, size.mass + d, change, gas * change, matrix)
+    d = s.dynamic_index[source]
+    if d >= 0:
+        mass = node[source, DENSITY] * node[source, VOLUME]
+        matrix[size.gas + d, size.gas + d] -= abs(s.path[j, FLOW]) / mass
     add_path_motions(s, j, gas, matrix)
 
 
@@ -153,7 +158,7 @@ def add_path_motions(s: SystemArrays, j: int, gas: float, matrix: Array) -> None
     if by_height == 0.0:
         return
     a, b = s.open_index[j, NODE_A], s.open_index[j, PRESENT_B]
-    by_height *= s.node[a if s.path[j, FLOW] > 0.0 else b, DENSITY]
+    by_height *= s.node[a if s.path[j, SENSE] > 0.0 else b, DENSITY]
     for k in range(s.size.motions):
         change = by_height * s.path_values[j, HEIGHT_BY_MOTION + k]
         if change != 0.0:

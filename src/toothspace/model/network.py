@@ -44,6 +44,7 @@ from toothspace.core.types import Array
 from toothspace.model.arrays import (
     BY_HEIGHT,
     CARRIED_SHARE,
+    CARRIED_PRESSURE,
     CARRY,
     CATEGORY,
     CONDUCTANCE,
@@ -88,6 +89,7 @@ from toothspace.model.arrays import (
     PRESSURE,
     ROOT_VISCOSITY,
     RUNNING_HEIGHT,
+    SENSE,
     SHEAR,
     SHEAR_SPEED,
     THROAT_SPEED,
@@ -267,11 +269,16 @@ def update_flows(s: SystemArrays, speed: float) -> None:
             path[j, DROP], path[j, CONDUCTANCE], path[j, OPENING], path[j, INFLOW_DENSITY]
         )
         if s.drive[CARRY] > 0.0 and path[j, CONDUCTANCE] > 0.0 and path[j, LINE_SLOPE] > 0.0:
-            flow = path[j, LINE_FLOW] + path[j, LINE_SLOPE] * (path[j, DROP] - path[j, LINE_DROP])
+            a, b = s.open_index[j, NODE_A], s.open_index[j, PRESENT_B]
+            drop = s.node[a, CARRIED_PRESSURE] - s.node[b, CARRIED_PRESSURE]
+            flow = path[j, LINE_FLOW] + path[j, LINE_SLOPE] * (drop - path[j, LINE_DROP])
+            path[j, SENSE] = many * flow + path[j, DRAG] * speed
             drop, by_pressure = carried_drop(
                 flow, path[j, CONDUCTANCE], path[j, OPENING], path[j, INFLOW_DENSITY]
             )
             flow += by_pressure * (path[j, DROP] - drop)
+        else:
+            path[j, SENSE] = many * flow + path[j, DRAG] * speed
         path[j, LINE_FLOW], path[j, LINE_DROP], path[j, LINE_SLOPE] = flow, path[j, DROP], by_pressure
         path[j, VOLUME_FLOW] = many * flow + path[j, DRAG] * speed
         path[j, FLOW_BY_PRESSURE] = many * by_pressure
@@ -292,7 +299,7 @@ def sum_flows(s: SystemArrays) -> None:
             path[j, FLOW] = 0.0
             continue
         a, b = index[j, NODE_A], index[j, PRESENT_B]
-        source = a if flow > 0.0 else b
+        source = a if path[j, SENSE] > 0.0 else b
         mass_flow = node[source, DENSITY] * flow
         gas_flow = mass_flow * node[source, GAS]
         path[j, FLOW] = mass_flow
