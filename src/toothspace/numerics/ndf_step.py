@@ -170,7 +170,7 @@ def use_evaluation(program: LuProgram, settings: NdfSettings, state: NdfState) -
     else:
         verdict = _judge(control, size)
     control.iteration += 1
-    if verdict > 0 or (verdict == 0 and control.iteration > 1 and control.rate < 0.3 and _step_error(settings, state) > HOPELESS_ERROR):
+    if verdict > 0 or (verdict == 0 and control.carried == 0 and control.iteration > 1 and control.rate < 0.3 and _step_error(settings, state) > HOPELESS_ERROR):
         return _test_error(settings, state)
     if verdict < 0:
         if control.carried > 0:
