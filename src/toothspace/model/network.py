@@ -68,6 +68,7 @@ from toothspace.model.arrays import (
     HEIGHT_BY_MOTION,
     HEIGHT_FACTOR,
     INFLOW_DENSITY,
+    LAST_FLOW,
     LATERAL_SHARE,
     LINE_DROP,
     LINE_FLOW,
@@ -272,6 +273,8 @@ def update_flows(s: SystemArrays, speed: float) -> None:
             a, b = s.open_index[j, NODE_A], s.open_index[j, PRESENT_B]
             drop = s.node[a, CARRIED_PRESSURE] - s.node[b, CARRIED_PRESSURE]
             flow = path[j, LINE_FLOW] + path[j, LINE_SLOPE] * (drop - path[j, LINE_DROP])
+            if s.drive[CARRY] == 1.0 and path[j, LAST_FLOW] != 0.0:
+                flow = path[j, LAST_FLOW]
             path[j, SENSE] = many * flow + path[j, DRAG] * speed
             drop, by_pressure = carried_drop(
                 flow, path[j, CONDUCTANCE], path[j, OPENING], path[j, INFLOW_DENSITY]
@@ -319,6 +322,7 @@ def shift_flows(s: SystemArrays) -> None:
         a, b = index[j, NODE_A], index[j, PRESENT_B]
         change = node[a, PRESSURE] - node[b, PRESSURE] - path[j, DROP]
         path[j, DROP] += change
+        path[j, LAST_FLOW] = path[j, LINE_FLOW] + path[j, LINE_SLOPE] * change
         path[j, VOLUME_FLOW] += path[j, FLOW_BY_PRESSURE] * change
         source = a if path[j, VOLUME_FLOW] > 0.0 else b
         path[j, FLOW] = node[source, DENSITY] * path[j, VOLUME_FLOW]

@@ -172,9 +172,9 @@ def evaluate(s: SystemArrays, state: Array) -> None:
 
 
 @kernel
-def carry_flows(s: SystemArrays, carried: bool) -> None:
+def carry_flows(s: SystemArrays, carried: int) -> None:
     """x."""
-    s.drive[CARRY] = 1.0 if carried else 0.0
+    s.drive[CARRY] = carried
 
 
 @kernel
@@ -295,8 +295,7 @@ def finish_step(
     update_lateral_films(s, state)
     if changed:
         update_network(s, state)
-    else:
-        shift_flows(s)
+    shift_flows(s)
     update_pressure_forces(s)
     update_film_forces(s, state)
     update_contacts(s, state)

@@ -257,7 +257,7 @@ def _bind_advance(callbacks: NdfCallbacks, begin: Compiled) -> Compiled:
                 begin(params, program, settings, state, control.valid_until, state.y)
             code = start_step(settings, state)
             while code == GO_ON:
-                carry(params, control.carried == 2)
+                carry(params, control.carried)
                 rhs(control.new_time, trial, params, slope)
                 if control.jacobian_wanted == 1:
                     jacobian(control.new_time, trial, params, state.jacobian, state.basis)
@@ -265,9 +265,9 @@ def _bind_advance(callbacks: NdfCallbacks, begin: Compiled) -> Compiled:
                 code = use_evaluation(program, settings, state)
             if code != PASSED:
                 copy(state.differences[0], state.y)
-                carry(params, False)
+                carry(params, 0)
                 return code
-            carry(params, False)
+            carry(params, 0)
             finish(control.new_time, trial, params, slope, state.weights, state.events[1])
             accept_step(program, settings, state)
             control.valid_until = control.time

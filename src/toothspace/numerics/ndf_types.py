@@ -74,7 +74,7 @@ FRESH, CARRIED_FIRST, CARRIED = range(3)
 
 
 @kernel
-def keep_nothing(params: Any, carried: bool) -> None:
+def keep_nothing(params: Any, carried: int) -> None:
     """Let every evaluation start anew."""
 
 
