@@ -29,11 +29,12 @@ from toothspace.model.tables import Members, TableBank
 ) = range(23)  # fmt: skip
 NODE_COLUMNS = 23
 
-# Columns of ``path``: what flows through a path.
+# Columns of ``path``: what flows through a path. The line is its flow by the drop as linear
+# equations have it, of one of its multiple gaps; the sense is that of the flow they led to.
 (
     FLOW, VOLUME_FLOW, FLOW_BY_PRESSURE, FLOW_BY_HEIGHT, HEIGHT, DRAG, LOSS, SHEAR, DROP,
     INFLOW_DENSITY, MEAN_VISCOSITY, RUNNING_HEIGHT, HEIGHT_FACTOR, CONDUCTANCE, OPENING,
-    BY_HEIGHT, DRAG_BY_HEIGHT, NOMINAL_HEIGHT, LINE_FLOW, LINE_DROP, LINE_SLOPE, SENSE, LAST_FLOW,
+    BY_HEIGHT, DRAG_BY_HEIGHT, NOMINAL_HEIGHT, SENSE, LINE_FLOW, LINE_DROP, LINE_SLOPE, LAST_FLOW,
 ) = range(23)  # fmt: skip
 PATH_COLUMNS = 23
 
@@ -119,9 +120,9 @@ CURVE_COLUMNS = 7
     FREE, DIRECTION, INERTIA, LOAD_LINEAR, LOAD_CUBIC, LOAD_CONSTANT, BREAKAWAY,
     RUNNING_FRICTION, BREAKAWAY_SPEED, ADDED_FRICTION, FADE, DRIVING_TORQUE, HOLDING_TORQUE,
     SPEED_KNOT, SPEED_KNOTS, LOAD_KNOT, LOAD_KNOTS, PRESENT_LOAD, LOAD_SQUARE, LOAD_INERTIA,
-    COUPLING_STIFFNESS, COUPLING_DAMPING, DRIVEN_INERTIA, DRIVEN_LATERAL, DRIVEN_FRICTION, CARRY,
-) = range(26)  # fmt: skip
-DRIVE_COLUMNS = 26
+    COUPLING_STIFFNESS, COUPLING_DAMPING, DRIVEN_INERTIA, DRIVEN_LATERAL, DRIVEN_FRICTION,
+) = range(25)  # fmt: skip
+DRIVE_COLUMNS = 25
 
 # Columns of ``elements``: hydraulic elements of a circuit and their present flow.
 (
@@ -185,7 +186,7 @@ class SystemArrays(NamedTuple):
 
     ``node``, ``path``, ``chamber_values``, ``path_values``, ``contact_values``, ``contact``,
     ``motion``, ``film_slopes`` (by position, by velocity), ``torque`` and ``table_angle`` are
-    written by each evaluation. Rows of ``path`` and ``path_values`` are the open paths, one
+    written by each evaluation; ``origin`` tells it where flows come from. Rows of ``path`` and ``path_values`` are the open paths, one
     after the other: ``open_kinds``, ``open_index`` and ``open_data`` are ``kinds``,
     ``path_index`` and ``path_data`` of these.
     """
@@ -221,6 +222,7 @@ class SystemArrays(NamedTuple):
     film_slopes: Array
     torque: Array
     table_angle: Array
+    origin: IntArray
     drive: Array
     elements: Array
     schedule: Array

@@ -62,9 +62,9 @@ from toothspace.model.ledger import GAS_MASS, MASS
 def fill_jacobian(t: float, state: Array, s: SystemArrays, matrix: Array, basis: Array) -> None:
     """Derivatives of all rates by the unknowns at the state last evaluated, and their basis.
 
-    Left out are energy rows, and what changes with the composition at constant pressure, which is
-    slow against a step. The rows of
-    port masses and port gas stand, so that mass balances close to round-off. Angle and speed of
+    Left out are energy rows, and what changes with the composition at constant pressure, but for
+    the gas that flows take out of a node with them, which small spaces change within a step. The
+    rows of port masses and port gas stand, so that mass balances close to round-off. Angle and speed of
     a free shaft are left to the iteration: its inertia makes their feedback within a step weak.
     """
     fill_basis(s, basis)

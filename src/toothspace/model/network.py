@@ -44,8 +44,6 @@ from toothspace.core.types import Array
 from toothspace.model.arrays import (
     BY_HEIGHT,
     CARRIED_SHARE,
-    CARRIED_PRESSURE,
-    CARRY,
     CATEGORY,
     CONDUCTANCE,
     DENSITY,
@@ -97,6 +95,7 @@ from toothspace.model.arrays import (
     VOLUME_FLOW,
     SystemArrays,
 )
+from toothspace.model.carried_flows import carried_flow, carries, line_of_flow
 from toothspace.model.lateral_table import HEIGHT_RATIO
 from toothspace.model.ledger import THROTTLING
 
@@ -253,14 +252,6 @@ def drag_walls(s: SystemArrays, speed: float) -> None:
 
 
 @kernel
-def carried_drop(flow: float, conductance: float, opening: float, density: float) -> tuple[float, float]:
-    """x."""
-    kinetic = 0.5 * density / (opening * opening)
-    drop = flow / conductance + kinetic * flow * abs(flow)
-    return drop, 1.0 / (1.0 / conductance + 2.0 * kinetic * abs(flow))
-
-
-@kernel
 def update_flows(s: SystemArrays, speed: float) -> None:
     """Flow of every path from the pressures at its ends and its gap, with derivatives."""
     path, data = s.path, s.open_data
@@ -269,20 +260,16 @@ def update_flows(s: SystemArrays, speed: float) -> None:
         flow, by_pressure, by_conductance = inertial_laminar_flow(
             path[j, DROP], path[j, CONDUCTANCE], path[j, OPENING], path[j, INFLOW_DENSITY]
         )
-        if s.drive[CARRY] > 0.0 and path[j, CONDUCTANCE] > 0.0 and path[j, LINE_SLOPE] > 0.0:
-            a, b = s.open_index[j, NODE_A], s.open_index[j, PRESENT_B]
-            drop = s.node[a, CARRIED_PRESSURE] - s.node[b, CARRIED_PRESSURE]
-            flow = path[j, LINE_FLOW] + path[j, LINE_SLOPE] * (drop - path[j, LINE_DROP])
-            if s.drive[CARRY] == 1.0 and path[j, LAST_FLOW] != 0.0:
-                flow = path[j, LAST_FLOW]
-            path[j, SENSE] = many * flow + path[j, DRAG] * speed
-            drop, by_pressure = carried_drop(
-                flow, path[j, CONDUCTANCE], path[j, OPENING], path[j, INFLOW_DENSITY]
-            )
-            flow += by_pressure * (path[j, DROP] - drop)
-        else:
-            path[j, SENSE] = many * flow + path[j, DRAG] * speed
-        path[j, LINE_FLOW], path[j, LINE_DROP], path[j, LINE_SLOPE] = flow, path[j, DROP], by_pressure
+        linear = flow
+        if carries(s) and path[j, CONDUCTANCE] > 0.0:
+            linear = carried_flow(s, j, flow)
+            flow, by_pressure, by_conductance = line_of_flow(s, j, linear)
+        path[j, LINE_FLOW], path[j, LINE_DROP], path[j, LINE_SLOPE] = (
+            flow,
+            path[j, DROP],
+            by_pressure,
+        )
+        path[j, SENSE] = many * linear + path[j, DRAG] * speed
         path[j, VOLUME_FLOW] = many * flow + path[j, DRAG] * speed
         path[j, FLOW_BY_PRESSURE] = many * by_pressure
         by_height = by_conductance * path[j, BY_HEIGHT] + path[j, DRAG_BY_HEIGHT]
@@ -314,7 +301,7 @@ def sum_flows(s: SystemArrays) -> None:
 
 @kernel
 def shift_flows(s: SystemArrays) -> None:
-    """Move the flows of all paths linearly to the present pressures."""
+    """Move the flows of all paths linearly to the present pressures, and keep them."""
     node, path, index = s.node, s.path, s.open_index
     for j in range(s.paths.open[-1]):
         if path[j, FLOW] == 0.0:

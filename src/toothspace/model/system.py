@@ -12,15 +12,11 @@ from toothspace.model.arrays import (
     BREAKAWAY_SPEED,
     BUSH_X,
     BUSH_Y,
-    CARRIED_PRESSURE,
-    CARRY,
     CLEARANCE,
-    DENSITY,
     DIRECTION,
     DRIVING_TORQUE,
     EXTERNAL_FORCE,
     FREE,
-    GAS,
     GAS_RATE,
     HOLDING_TORQUE,
     INERTIA,
@@ -32,12 +28,9 @@ from toothspace.model.arrays import (
     MOTION_Y,
     PAIR_ONSET,
     PRESSURE,
-    PRESSURE_BY_GAS,
     PRESSURE_BY_MASS,
-    PRESSURE_BY_VOLUME,
     SLOPE,
     VALUE,
-    VOLUME,
     VOLUME_RATE,
     SystemArrays,
 )
@@ -46,6 +39,7 @@ from toothspace.model.bodies import (
     update_film_forces,
     update_pressure_forces,
 )
+from toothspace.model.carried_flows import carries, carry_pressures, carry_volumes
 from toothspace.model.chambers import (
     exchange_gas,
     gas_relaxation,
@@ -124,22 +118,6 @@ def update_tables(s: SystemArrays, shaft_angle: float) -> bool:
     return changed
 
 
-@kernel
-def carry_pressures(s: SystemArrays, state: Array) -> None:
-    """x."""
-    node, size = s.node, s.size
-    for i in range(size.nodes):
-        d = s.dynamic_index[i]
-        p = node[i, PRESSURE]
-        if d >= 0:
-            mass = node[i, DENSITY] * node[i, VOLUME]
-            p += node[i, PRESSURE_BY_MASS] * (state[size.mass + d] - mass)
-            p += node[i, PRESSURE_BY_GAS] * (state[size.gas + d] - node[i, GAS] * mass)
-            if i < size.chambers:
-                p -= node[i, PRESSURE_BY_VOLUME] * node[i, VOLUME]
-        node[i, CARRIED_PRESSURE] = p
-
-
 @merged
 def evaluate_pressures(s: SystemArrays, state: Array) -> bool:
     """Compute the pressures of a state into the work arrays; tables only at a new angle.
@@ -149,12 +127,12 @@ def evaluate_pressures(s: SystemArrays, state: Array) -> bool:
     changed = False
     if not abs(state[0] - s.table_angle[0]) <= SAME_ANGLE * max(1.0, abs(state[0])):
         changed = update_tables(s, state[0])
-    if s.drive[CARRY] > 0.0:
+    if carries(s):
         carry_pressures(s, state)
-    update_volumes(s, state)
-    if s.drive[CARRY] > 0.0:
-        for i in range(s.size.chambers):
-            s.node[i, CARRIED_PRESSURE] += s.node[i, PRESSURE_BY_VOLUME] * s.node[i, VOLUME]
+        update_volumes(s, state)
+        carry_volumes(s)
+    else:
+        update_volumes(s, state)
     update_pressures(s, state)
     return changed
 
@@ -169,12 +147,6 @@ def evaluate(s: SystemArrays, state: Array) -> None:
     update_pressure_forces(s)
     update_film_forces(s, state)
     update_contacts(s, state)
-
-
-@kernel
-def carry_flows(s: SystemArrays, carried: int) -> None:
-    """x."""
-    s.drive[CARRY] = carried
 
 
 @kernel

@@ -69,6 +69,7 @@ from toothspace.numerics.ndf_step import (
 )
 from toothspace.numerics.ndf_types import (
     DONE,
+    FROM_STATE,
     RESTART_AT_EVENT,
     STOP_AT_EVENT,
     TERMINAL_EVENT,
@@ -257,17 +258,17 @@ def _bind_advance(callbacks: NdfCallbacks, begin: Compiled) -> Compiled:
                 begin(params, program, settings, state, control.valid_until, state.y)
             code = start_step(settings, state)
             while code == GO_ON:
-                carry(params, control.carried)
+                carry(params, control.origin)
                 rhs(control.new_time, trial, params, slope)
                 if control.jacobian_wanted == 1:
                     jacobian(control.new_time, trial, params, state.jacobian, state.basis)
                     note_jacobian(state)
                 code = use_evaluation(program, settings, state)
             if code != PASSED:
+                carry(params, FROM_STATE)
                 copy(state.differences[0], state.y)
-                carry(params, 0)
                 return code
-            carry(params, 0)
+            carry(params, FROM_STATE)
             finish(control.new_time, trial, params, slope, state.weights, state.events[1])
             accept_step(program, settings, state)
             control.valid_until = control.time

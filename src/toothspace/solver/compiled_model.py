@@ -32,13 +32,13 @@ from toothspace.model.arrays import (
     VOLUME,
     SystemArrays,
 )
+from toothspace.model.carried_flows import carry_flows
 from toothspace.model.chambers import update_volumes
 from toothspace.model.contacts import note_approach, update_contacts
 from toothspace.model.drive import load_energy, update_load
 from toothspace.model.fluid_column import column_energy
 from toothspace.model.jacobian import fill_jacobian
 from toothspace.model.system import (
-    carry_flows,
     error_weights,
     evaluate,
     event_values,
@@ -74,7 +74,9 @@ from toothspace.numerics.static_lu import LuProgram, analyse
 ) = range(9)
 
 _start, _continue = bind(
-    NdfCallbacks(right_hand_side, finish_step, fill_jacobian, error_weights, event_values, carry_flows)
+    NdfCallbacks(
+        right_hand_side, finish_step, fill_jacobian, error_weights, event_values, carry_flows
+    )
 )
 
 
