@@ -64,8 +64,8 @@ def fill_jacobian(t: float, state: Array, s: SystemArrays, matrix: Array, basis:
 
     Left out are energy rows, and what changes with the composition at constant pressure, but for
     the gas that flows take out of a node with them, which small spaces change within a step. The
-    rows of port masses and port gas stand, so that mass balances close to round-off. Angle and speed of
-    a free shaft are left to the iteration: its inertia makes their feedback within a step weak.
+    rows of port masses and port gas stand, so that mass balances close to round-off. Angle and
+    speed of a free shaft are left to the iteration: its inertia makes their feedback weak.
     """
     fill_basis(s, basis)
     fill_rates(t, state, s, matrix)

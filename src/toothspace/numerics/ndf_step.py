@@ -78,9 +78,6 @@ NEWTON_CUT = 0.15
 FIRST_TOLERANCE = 0.01
 LATER_TOLERANCE = 0.6
 
-# A step whose error estimate passes this whatever the iteration still adds will fail its test.
-HOPELESS_ERROR = 1.2
-
 # When factors and Jacobian are renewed: change of gamma, steps, contraction rate. A new
 # Jacobian is assumed to contract by FRESH_RATE until measured.
 REFACTOR_CHANGE = 0.2
@@ -176,7 +173,7 @@ def use_evaluation(program: LuProgram, settings: NdfSettings, state: NdfState) -
     carried = control.origin != FROM_STATE
     verdict = _judge_carried(control, size) if carried else _judge(control, size)
     control.iteration += 1
-    if verdict > 0 or (verdict == 0 and not carried and _hopeless(settings, state, size)):
+    if verdict > 0:
         return _test_error(settings, state)
     if verdict < 0:
         if carried:
@@ -347,16 +344,6 @@ def _judge_carried(control: Any, size: float) -> int:
         if size * rate <= LATER_TOLERANCE * (1.0 - rate):
             return 1
     return -1 if control.iteration >= CARRIED_LIMIT else 0
-
-
-@kernel
-def _hopeless(settings: NdfSettings, state: NdfState, size: float) -> bool:
-    """Whether a step fails its test wherever the iteration ends, at the rate just measured."""
-    control = state.control[0]
-    if control.iteration < 2:
-        return False
-    left = ERROR_CONSTANT[control.order] * size * control.rate / (1.0 - control.rate)
-    return _step_error(settings, state) - left > HOPELESS_ERROR
 
 
 @kernel
