@@ -96,11 +96,10 @@ def carried_flow(s: SystemArrays, j: int, flow: float) -> float:
 
 
 @kernel
-def line_of_flow(s: SystemArrays, j: int, flow: float) -> tuple[float, float, float]:
-    """Flow of an open path on the tangent at a flow, with its slopes by drop and conductance."""
+def line_of_flow(s: SystemArrays, j: int, flow: float) -> tuple[float, float]:
+    """Flow of an open path on the tangent at a flow, with its slope by the pressure drop."""
     path = s.path[j]
-    conductance = path[CONDUCTANCE]
-    drop, slope = inertial_laminar_drop(flow, conductance, path[OPENING], path[INFLOW_DENSITY])
-    by_pressure = 1.0 / slope
-    by_conductance = by_pressure * flow / (conductance * conductance)
-    return flow + by_pressure * (path[DROP] - drop), by_pressure, by_conductance
+    drop, slope = inertial_laminar_drop(
+        flow, path[CONDUCTANCE], path[OPENING], path[INFLOW_DENSITY]
+    )
+    return flow + (path[DROP] - drop) / slope, 1.0 / slope

@@ -263,7 +263,7 @@ def update_flows(s: SystemArrays, speed: float) -> None:
         linear = flow
         if carries(s) and path[j, CONDUCTANCE] > 0.0:
             linear = carried_flow(s, j, flow)
-            flow, by_pressure, by_conductance = line_of_flow(s, j, linear)
+            flow, by_pressure = line_of_flow(s, j, linear)
         path[j, LINE_FLOW], path[j, LINE_DROP], path[j, LINE_SLOPE] = (
             flow,
             path[j, DROP],

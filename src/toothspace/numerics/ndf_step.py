@@ -78,6 +78,11 @@ NEWTON_CUT = 0.15
 FIRST_TOLERANCE = 0.01
 LATER_TOLERANCE = 0.6
 
+# A step whose error passes this in an iteration that contracts at least so fast will fail its
+# test: cut it then. A first correction, or a slow one, says little about where it leads.
+HOPELESS_ERROR = 1.2
+SURE_RATE = 0.3
+
 # When factors and Jacobian are renewed: change of gamma, steps, contraction rate. A new
 # Jacobian is assumed to contract by FRESH_RATE until measured.
 REFACTOR_CHANGE = 0.2
@@ -173,7 +178,7 @@ def use_evaluation(program: LuProgram, settings: NdfSettings, state: NdfState) -
     carried = control.origin != FROM_STATE
     verdict = _judge_carried(control, size) if carried else _judge(control, size)
     control.iteration += 1
-    if verdict > 0:
+    if verdict > 0 or (verdict == 0 and not carried and _hopeless(settings, state)):
         return _test_error(settings, state)
     if verdict < 0:
         if carried:
@@ -339,11 +344,17 @@ def _judge_carried(control: Any, size: float) -> int:
     """Return 1 converged, 0 go on, -1 too slow; the first corrections may grow."""
     if size <= 1e-6:
         return 1
-    if control.iteration > 0:
-        rate = size / control.old_size
-        if size * rate <= LATER_TOLERANCE * (1.0 - rate):
-            return 1
+    control.rate = 1.0 if control.iteration == 0 else size / control.old_size
+    if size * control.rate <= LATER_TOLERANCE * (1.0 - control.rate):
+        return 1
     return -1 if control.iteration >= CARRIED_LIMIT else 0
+
+
+@kernel
+def _hopeless(settings: NdfSettings, state: NdfState) -> bool:
+    control = state.control[0]
+    sure = control.iteration > 1 and control.rate < SURE_RATE
+    return sure and _step_error(settings, state) > HOPELESS_ERROR
 
 
 @kernel
