@@ -23,7 +23,11 @@ from toothspace.closures.gap_flow import (
     wall_drag_flow_rate,
 )
 from toothspace.closures.hydraulic_resistance import resistance_flow, throttle_flow, valve_flow
-from toothspace.closures.orifice import inertial_laminar_flow, orifice_conductance
+from toothspace.closures.orifice import (
+    inertial_laminar_drop,
+    inertial_laminar_flow,
+    orifice_conductance,
+)
 from toothspace.core.compiled import njit
 
 AREA, DIAMETER, DENSITY, VISCOSITY = 4e-6, 2e-3, 842.0, 0.026
