@@ -176,6 +176,8 @@ def use_evaluation(program: LuProgram, settings: NdfSettings, state: NdfState) -
         control.not_finite = 1
         return _give_up_attempt(settings, state)
     carried = control.origin != FROM_STATE
+    if carried:
+        control.jacobian_wanted = 1  # the next step too begins with its own
     verdict = _judge_carried(control, size) if carried else _judge(control, size)
     control.iteration += 1
     if verdict > 0 or (verdict == 0 and not carried and _hopeless(settings, state)):
@@ -191,7 +193,6 @@ def use_evaluation(program: LuProgram, settings: NdfSettings, state: NdfState) -
         control.iteration = 0
     elif carried:
         control.origin = CARRIED_ON
-        control.jacobian_wanted = 1
     control.old_size = size
     return GO_ON
 
