@@ -23,7 +23,11 @@ from toothspace.closures.gap_flow import (
     wall_drag_flow_rate,
 )
 from toothspace.closures.hydraulic_resistance import resistance_flow, throttle_flow, valve_flow
-from toothspace.closures.orifice import inertial_laminar_flow, orifice_conductance
+from toothspace.closures.orifice import (
+    inertial_laminar_drop,
+    inertial_laminar_flow,
+    orifice_conductance,
+)
 from toothspace.core.compiled import njit
 
 AREA, DIAMETER, DENSITY, VISCOSITY = 4e-6, 2e-3, 842.0, 0.026
@@ -177,3 +181,20 @@ def _compiled(drop: float) -> tuple[float, float, float]:
 
 def test_compiled_flow_equals_python() -> None:
     assert _compiled(-2e5) == pytest.approx(_compiled.py_func(-2e5), rel=1e-14)
+
+
+@pytest.mark.parametrize("flow", [-3e-4, -1e-9, 0.0, 2e-7, 5e-5])
+def test_drop_of_a_flow_is_the_inverse_of_the_flow_of_a_drop(flow):
+    path = (2e-9, 3e-6, 850.0)
+    drop, by_flow = inertial_laminar_drop(flow, *path)
+    back, by_drop, _ = inertial_laminar_flow(drop, *path)
+    assert back == pytest.approx(flow, rel=1e-12, abs=1e-20)
+    assert by_flow * by_drop == pytest.approx(1.0, rel=1e-12)
+
+
+def test_drop_is_laminar_at_small_and_kinetic_at_large_flow():
+    conductance, area, density = 2e-9, 3e-6, 850.0
+    slow, _ = inertial_laminar_drop(1e-12, conductance, area, density)
+    fast, _ = inertial_laminar_drop(1.0, conductance, area, density)
+    assert slow == pytest.approx(1e-12 / conductance, rel=1e-6)
+    assert fast == pytest.approx(0.5 * density / area**2, rel=1e-3)

@@ -25,17 +25,18 @@ from toothspace.model.tables import Members, TableBank
     VOLUME, VOLUME_RATE, PRESSURE, PRESSURE_BY_MASS, PRESSURE_BY_GAS, PRESSURE_BY_VOLUME, GAS,
     DENSITY, LIQUID_ENTHALPY, GAS_ENTHALPY, MASS_RATE, GAS_RATE, EXCHANGE_RATE,
     EXCHANGE_BY_PRESSURE, EXCHANGE_BY_GAS, ROOT_VISCOSITY, REST_VOLUME, WALL_COMPLIANCE,
-    GAS_VOLUME, PRECHARGE, GAS_EXPONENT, WALL_SLOPE,
-) = range(22)  # fmt: skip
-NODE_COLUMNS = 22
+    GAS_VOLUME, PRECHARGE, GAS_EXPONENT, WALL_SLOPE, CARRIED_PRESSURE,
+) = range(23)  # fmt: skip
+NODE_COLUMNS = 23
 
-# Columns of ``path``: what flows through a path.
+# Columns of ``path``: what flows through a path. The line is its flow by the drop as linear
+# equations have it, of one of its multiple gaps; the sense is that of the flow they led to.
 (
     FLOW, VOLUME_FLOW, FLOW_BY_PRESSURE, FLOW_BY_HEIGHT, HEIGHT, DRAG, LOSS, SHEAR, DROP,
     INFLOW_DENSITY, MEAN_VISCOSITY, RUNNING_HEIGHT, HEIGHT_FACTOR, CONDUCTANCE, OPENING,
-    BY_HEIGHT, DRAG_BY_HEIGHT, NOMINAL_HEIGHT,
-) = range(18)  # fmt: skip
-PATH_COLUMNS = 18
+    BY_HEIGHT, DRAG_BY_HEIGHT, NOMINAL_HEIGHT, SENSE, LINE_FLOW, LINE_DROP, LINE_SLOPE, LAST_FLOW,
+) = range(23)  # fmt: skip
+PATH_COLUMNS = 23
 
 # Kinds of paths, in the order of their rows; ``kinds`` holds the first of each.
 CURVED_GAP, FITTED_GAP, PARALLEL_GAP, ORIFICE = range(4)
@@ -185,9 +186,9 @@ class SystemArrays(NamedTuple):
 
     ``node``, ``path``, ``chamber_values``, ``path_values``, ``contact_values``, ``contact``,
     ``motion``, ``film_slopes`` (by position, by velocity), ``torque`` and ``table_angle`` are
-    written by each evaluation. Rows of ``path`` and ``path_values`` are the open paths, one
-    after the other: ``open_kinds``, ``open_index`` and ``open_data`` are ``kinds``,
-    ``path_index`` and ``path_data`` of these.
+    written by each evaluation; ``origin`` tells it where flows come from. Rows of ``path`` and
+    ``path_values`` are the open paths, one after the other: ``open_kinds``, ``open_index`` and
+    ``open_data`` are ``kinds``, ``path_index`` and ``path_data`` of these.
     """
 
     size: Sizes
@@ -221,6 +222,7 @@ class SystemArrays(NamedTuple):
     film_slopes: Array
     torque: Array
     table_angle: Array
+    origin: IntArray
     drive: Array
     elements: Array
     schedule: Array

@@ -88,6 +88,7 @@ from toothspace.model.paths import (
 from toothspace.model.quasi_static import bush_positions
 from toothspace.model.tables import OPEN, make_members, pack_tables
 from toothspace.model.walls import wall_volume
+from toothspace.numerics.ndf_types import FROM_STATE
 from toothspace.numerics.periodic_table import PeriodicTable, stack_tables
 from toothspace.numerics.roots import root_between
 
@@ -399,6 +400,7 @@ def _work(sizes: Sizes) -> dict[str, Any]:
         "film_slopes": np.zeros((2, sizes.motions, sizes.motions)),
         "torque": np.zeros(len(FRICTION_MECHANISMS) + 1),
         "table_angle": np.array([np.nan]),
+        "origin": np.array([FROM_STATE]),
         "scratch": np.zeros(sizes.total - sizes.core),
     }
 

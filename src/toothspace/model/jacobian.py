@@ -45,8 +45,10 @@ from toothspace.model.arrays import (
     PRESSURE_BY_GAS,
     PRESSURE_BY_MASS,
     PRESSURE_BY_VOLUME,
+    SENSE,
     SLOPE,
     VALUE,
+    VOLUME,
     SystemArrays,
 )
 from toothspace.model.circuit import update_elements
@@ -60,10 +62,10 @@ from toothspace.model.ledger import GAS_MASS, MASS
 def fill_jacobian(t: float, state: Array, s: SystemArrays, matrix: Array, basis: Array) -> None:
     """Derivatives of all rates by the unknowns at the state last evaluated, and their basis.
 
-    Left out are energy rows, and what changes with the composition at constant pressure, which is
-    slow against a step. The rows of
-    port masses and port gas stand, so that mass balances close to round-off. Angle and speed of
-    a free shaft are left to the iteration: its inertia makes their feedback within a step weak.
+    Left out are energy rows, and what changes with the composition at constant pressure, but for
+    the gas that flows take out of a node with them, which small spaces change within a step. The
+    rows of port masses and port gas stand, so that mass balances close to round-off. Angle and
+    speed of a free shaft are left to the iteration: its inertia makes their feedback weak.
     """
     fill_basis(s, basis)
     fill_rates(t, state, s, matrix)
@@ -133,8 +135,7 @@ def add_path(s: SystemArrays, j: int, matrix: Array) -> None:
     """Derivatives of one path's flow through pressures and gap height."""
     node, size = s.node, s.size
     a, b = s.open_index[j, NODE_A], s.open_index[j, PRESENT_B]
-    flow = s.path[j, FLOW]
-    source = a if flow > 0.0 else b
+    source = a if s.path[j, SENSE] > 0.0 else b
     gas = node[source, GAS]
     slope = node[source, DENSITY] * s.path[j, FLOW_BY_PRESSURE]
     for i, sign in ((a, 1.0), (b, -1.0)):
@@ -143,6 +144,10 @@ def add_path(s: SystemArrays, j: int, matrix: Array) -> None:
             continue
         change = sign * slope * node[i, PRESSURE_BY_MASS]
         add_flow_change(s, j, size.mass + d, change, gas * change, matrix)
+    d = s.dynamic_index[source]
+    if d >= 0:
+        mass = node[source, DENSITY] * node[source, VOLUME]
+        matrix[size.gas + d, size.gas + d] -= abs(s.path[j, FLOW]) / mass
     add_path_motions(s, j, gas, matrix)
 
 
@@ -153,7 +158,7 @@ def add_path_motions(s: SystemArrays, j: int, gas: float, matrix: Array) -> None
     if by_height == 0.0:
         return
     a, b = s.open_index[j, NODE_A], s.open_index[j, PRESENT_B]
-    by_height *= s.node[a if s.path[j, FLOW] > 0.0 else b, DENSITY]
+    by_height *= s.node[a if s.path[j, SENSE] > 0.0 else b, DENSITY]
     for k in range(s.size.motions):
         change = by_height * s.path_values[j, HEIGHT_BY_MOTION + k]
         if change != 0.0:

@@ -66,7 +66,11 @@ from toothspace.model.arrays import (
     HEIGHT_BY_MOTION,
     HEIGHT_FACTOR,
     INFLOW_DENSITY,
+    LAST_FLOW,
     LATERAL_SHARE,
+    LINE_DROP,
+    LINE_FLOW,
+    LINE_SLOPE,
     LIQUID_ENTHALPY,
     LOSS,
     MASS_RATE,
@@ -84,12 +88,14 @@ from toothspace.model.arrays import (
     PRESSURE,
     ROOT_VISCOSITY,
     RUNNING_HEIGHT,
+    SENSE,
     SHEAR,
     SHEAR_SPEED,
     THROAT_SPEED,
     VOLUME_FLOW,
     SystemArrays,
 )
+from toothspace.model.carried_flows import carried_flow, carries, line_of_flow
 from toothspace.model.lateral_table import HEIGHT_RATIO
 from toothspace.model.ledger import THROTTLING
 
@@ -254,6 +260,16 @@ def update_flows(s: SystemArrays, speed: float) -> None:
         flow, by_pressure, by_conductance = inertial_laminar_flow(
             path[j, DROP], path[j, CONDUCTANCE], path[j, OPENING], path[j, INFLOW_DENSITY]
         )
+        linear = flow
+        if carries(s) and path[j, CONDUCTANCE] > 0.0:
+            linear = carried_flow(s, j, flow)
+            flow, by_pressure = line_of_flow(s, j, linear)
+        path[j, LINE_FLOW], path[j, LINE_DROP], path[j, LINE_SLOPE] = (
+            flow,
+            path[j, DROP],
+            by_pressure,
+        )
+        path[j, SENSE] = many * linear + path[j, DRAG] * speed
         path[j, VOLUME_FLOW] = many * flow + path[j, DRAG] * speed
         path[j, FLOW_BY_PRESSURE] = many * by_pressure
         by_height = by_conductance * path[j, BY_HEIGHT] + path[j, DRAG_BY_HEIGHT]
@@ -273,7 +289,7 @@ def sum_flows(s: SystemArrays) -> None:
             path[j, FLOW] = 0.0
             continue
         a, b = index[j, NODE_A], index[j, PRESENT_B]
-        source = a if flow > 0.0 else b
+        source = a if path[j, SENSE] > 0.0 else b
         mass_flow = node[source, DENSITY] * flow
         gas_flow = mass_flow * node[source, GAS]
         path[j, FLOW] = mass_flow
@@ -285,7 +301,7 @@ def sum_flows(s: SystemArrays) -> None:
 
 @kernel
 def shift_flows(s: SystemArrays) -> None:
-    """Move the flows of all paths linearly to the present pressures."""
+    """Move the flows of all paths linearly to the present pressures, and keep them."""
     node, path, index = s.node, s.path, s.open_index
     for j in range(s.paths.open[-1]):
         if path[j, FLOW] == 0.0:
@@ -293,6 +309,7 @@ def shift_flows(s: SystemArrays) -> None:
         a, b = index[j, NODE_A], index[j, PRESENT_B]
         change = node[a, PRESSURE] - node[b, PRESSURE] - path[j, DROP]
         path[j, DROP] += change
+        path[j, LAST_FLOW] = path[j, LINE_FLOW] + path[j, LINE_SLOPE] * change
         path[j, VOLUME_FLOW] += path[j, FLOW_BY_PRESSURE] * change
         source = a if path[j, VOLUME_FLOW] > 0.0 else b
         path[j, FLOW] = node[source, DENSITY] * path[j, VOLUME_FLOW]

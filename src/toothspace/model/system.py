@@ -39,6 +39,7 @@ from toothspace.model.bodies import (
     update_film_forces,
     update_pressure_forces,
 )
+from toothspace.model.carried_flows import carries, carry_pressures, carry_volumes
 from toothspace.model.chambers import (
     exchange_gas,
     gas_relaxation,
@@ -126,7 +127,12 @@ def evaluate_pressures(s: SystemArrays, state: Array) -> bool:
     changed = False
     if not abs(state[0] - s.table_angle[0]) <= SAME_ANGLE * max(1.0, abs(state[0])):
         changed = update_tables(s, state[0])
-    update_volumes(s, state)
+    if carries(s):
+        carry_pressures(s, state)
+        update_volumes(s, state)
+        carry_volumes(s)
+    else:
+        update_volumes(s, state)
     update_pressures(s, state)
     return changed
 
@@ -261,8 +267,7 @@ def finish_step(
     update_lateral_films(s, state)
     if changed:
         update_network(s, state)
-    else:
-        shift_flows(s)
+    shift_flows(s)
     update_pressure_forces(s)
     update_film_forces(s, state)
     update_contacts(s, state)

@@ -69,6 +69,7 @@ from toothspace.numerics.ndf_step import (
 )
 from toothspace.numerics.ndf_types import (
     DONE,
+    FROM_STATE,
     RESTART_AT_EVENT,
     STOP_AT_EVENT,
     TERMINAL_EVENT,
@@ -230,6 +231,7 @@ def _bind_initial_state(begin: Compiled) -> Compiled:
 
 def _bind_advance(callbacks: NdfCallbacks, begin: Compiled) -> Compiled:
     rhs, finish, jacobian = callbacks.rhs, callbacks.finish, callbacks.jacobian
+    carry = callbacks.carry
     find_events = _bind_events(callbacks.event_values)
 
     @kernel
@@ -256,14 +258,17 @@ def _bind_advance(callbacks: NdfCallbacks, begin: Compiled) -> Compiled:
                 begin(params, program, settings, state, control.valid_until, state.y)
             code = start_step(settings, state)
             while code == GO_ON:
+                carry(params, control.origin)
                 rhs(control.new_time, trial, params, slope)
                 if control.jacobian_wanted == 1:
                     jacobian(control.new_time, trial, params, state.jacobian, state.basis)
                     note_jacobian(state)
                 code = use_evaluation(program, settings, state)
             if code != PASSED:
+                carry(params, FROM_STATE)
                 copy(state.differences[0], state.y)
                 return code
+            carry(params, FROM_STATE)
             finish(control.new_time, trial, params, slope, state.weights, state.events[1])
             accept_step(program, settings, state)
             control.valid_until = control.time
@@ -274,7 +279,7 @@ def _bind_advance(callbacks: NdfCallbacks, begin: Compiled) -> Compiled:
 
 
 def _bind_begin(callbacks: NdfCallbacks) -> Compiled:
-    rhs, _, jacobian, weights, event_values = callbacks
+    rhs, _, jacobian, weights, event_values, _ = callbacks
 
     @kernel
     def begin(

@@ -5,12 +5,19 @@ Numerical differentiation formulas of order 1 to 5 in backward differences,
 .. math:: \sum_{m=1}^{k} \frac{1}{m} \nabla^m y_{n+1}
           - \kappa_k \gamma_k (y_{n+1} - y^{(0)}_{n+1}) = h f(t_{n+1}, y_{n+1}).
 
+Where the simplified Newton iteration fails with a new Jacobian, the step is tried once more with
+Newton's own, a new Jacobian at every trial state, whose evaluations may carry unknowns of the
+right-hand side on [3]_. A square root of a pressure drop, about which an iteration in pressures
+swings for ever, is then a square of the flow, on which Newton's method converges from anywhere.
+
 References
 ----------
 .. [1] L. F. Shampine and M. W. Reichelt, "The MATLAB ODE suite", SIAM J. Sci. Comput. 18
    (1997) 1-22, table 1 and section 2.
 .. [2] A. C. Hindmarsh et al., "SUNDIALS", ACM Trans. Math. Softw. 31 (2005) 363-396,
    section 2.1 (correction of an iteration matrix with an old step).
+.. [3] E. Todini and S. Pilati, "A gradient algorithm for the analysis of pipe networks", in
+   Computer Applications in Water Supply, vol. 1, Research Studies Press, 1988, 1-20.
 """
 
 from __future__ import annotations
@@ -22,6 +29,9 @@ import numpy as np
 from toothspace.core.types import Array
 from toothspace.numerics.dense_output import change_step
 from toothspace.numerics.ndf_types import (
+    CARRIED_ON,
+    FROM_LAST_STEP,
+    FROM_STATE,
     MAX_STEPS,
     NOT_FINITE,
     STEP_TOO_SMALL,
@@ -63,12 +73,15 @@ PASSED = -2
 # Rest of the Newton iteration allowed, in units of the error weights: after one evaluation
 # with the rate of earlier steps, which a kink can make ten times too small, and later as measured.
 NEWTON_LIMIT = 7
+CARRIED_LIMIT = 12
 NEWTON_CUT = 0.15
 FIRST_TOLERANCE = 0.01
 LATER_TOLERANCE = 0.6
 
-# A step whose error estimate passes this within the iteration will fail its test: cut it then.
+# A step whose error passes this in an iteration that contracts at least so fast will fail its
+# test: cut it then. A first correction, or a slow one, says little about where it leads.
 HOPELESS_ERROR = 1.2
+SURE_RATE = 0.3
 
 # When factors and Jacobian are renewed: change of gamma, steps, contraction rate. A new
 # Jacobian is assumed to contract by FRESH_RATE until measured.
@@ -124,6 +137,7 @@ def _start_attempt(settings: NdfSettings, state: NdfState) -> int:
     if not control.step > max(settings.min_step, 1e-15 * abs(control.time)):
         return NOT_FINITE if control.not_finite == 1 else STEP_TOO_SMALL
     control.new_time = control.time + control.step
+    control.origin = FROM_STATE
     _predict(state)
     _start_trial(state)
     return GO_ON
@@ -161,17 +175,24 @@ def use_evaluation(program: LuProgram, settings: NdfSettings, state: NdfState) -
     if not np.isfinite(size):
         control.not_finite = 1
         return _give_up_attempt(settings, state)
-    verdict = _judge(control, size)
+    carried = control.origin != FROM_STATE
+    if carried:
+        control.jacobian_wanted = 1  # the next step too begins with its own
+    verdict = _judge_carried(control, size) if carried else _judge(control, size)
     control.iteration += 1
-    if verdict > 0 or (verdict == 0 and _step_error(settings, state) > HOPELESS_ERROR):
+    if verdict > 0 or (verdict == 0 and not carried and _hopeless(settings, state)):
         return _test_error(settings, state)
     if verdict < 0:
-        if control.jacobian_age == 0:
+        if carried:
             return _give_up_attempt(settings, state)
-        if size > control.old_size:
+        if control.jacobian_age == 0:
+            control.origin = FROM_LAST_STEP
+        if control.jacobian_age == 0 or size > control.old_size:
             _start_trial(state)
         control.jacobian_wanted = 1
         control.iteration = 0
+    elif carried:
+        control.origin = CARRIED_ON
     control.old_size = size
     return GO_ON
 
@@ -317,6 +338,24 @@ def _judge(control: Any, size: float) -> int:
     return (
         -1 if left * control.rate ** (NEWTON_LIMIT - 1 - control.iteration) > LATER_TOLERANCE else 0
     )
+
+
+@kernel
+def _judge_carried(control: Any, size: float) -> int:
+    """Return 1 converged, 0 go on, -1 too slow; the first corrections may grow."""
+    if size <= 1e-6:
+        return 1
+    control.rate = 1.0 if control.iteration == 0 else size / control.old_size
+    if size * control.rate <= LATER_TOLERANCE * (1.0 - control.rate):
+        return 1
+    return -1 if control.iteration >= CARRIED_LIMIT else 0
+
+
+@kernel
+def _hopeless(settings: NdfSettings, state: NdfState) -> bool:
+    control = state.control[0]
+    sure = control.iteration > 1 and control.rate < SURE_RATE
+    return sure and _step_error(settings, state) > HOPELESS_ERROR
 
 
 @kernel

@@ -52,6 +52,7 @@ CONTROL = np.dtype(
         ("failures", "i8"),
         ("not_finite", "i8"),
         ("jacobian_wanted", "i8"),
+        ("origin", "i8"),
         ("jacobian_age", "i8"),
         ("dense_factors", "i8"),
         ("steps", "i8"),
@@ -68,6 +69,14 @@ CONTROL = np.dtype(
 
 Compiled = Callable[..., Any]
 """A compiled function."""
+
+FROM_STATE, FROM_LAST_STEP, CARRIED_ON = range(3)
+"""Where an evaluation takes unknowns within the equations from, see ``carry``."""
+
+
+@kernel
+def _carry_nothing(params: Any, origin: int) -> None:
+    """Let every evaluation follow from the state alone."""
 
 
 class NdfCallbacks(NamedTuple):
@@ -93,6 +102,13 @@ class NdfCallbacks(NamedTuple):
         ``weights(t, y, params, w)`` fills the absolute error allowed in each core state.
     event_values : callable
         ``event_values(t, y, params, g)`` fills the values whose sign changes are events.
+    carry : callable, optional
+        ``carry(params, origin)`` is called before ``rhs`` and ``finish``. Where the Newton
+        iteration does not converge it is tried again with a new Jacobian at every trial
+        state; ``rhs`` may then hold unknowns of its own, such as flows, that the equations of
+        a path determine: FROM_LAST_STEP as ``finish`` left them, then CARRIED_ON by the
+        linear equations of the evaluation before. Such unknowns keep smooth what is steep in
+        the states. FROM_STATE asks for the derivatives at the state, whatever came before.
     """
 
     rhs: Compiled
@@ -100,6 +116,7 @@ class NdfCallbacks(NamedTuple):
     jacobian: Compiled
     weights: Compiled
     event_values: Compiled
+    carry: Compiled = _carry_nothing
 
 
 class NdfFunctions(NamedTuple):

@@ -32,6 +32,7 @@ from toothspace.model.arrays import (
     VOLUME,
     SystemArrays,
 )
+from toothspace.model.carried_flows import carry_flows
 from toothspace.model.chambers import update_volumes
 from toothspace.model.contacts import note_approach, update_contacts
 from toothspace.model.drive import load_energy, update_load
@@ -73,7 +74,9 @@ from toothspace.numerics.static_lu import LuProgram, analyse
 ) = range(9)
 
 _start, _continue = bind(
-    NdfCallbacks(right_hand_side, finish_step, fill_jacobian, error_weights, event_values)
+    NdfCallbacks(
+        right_hand_side, finish_step, fill_jacobian, error_weights, event_values, carry_flows
+    )
 )
 
 
