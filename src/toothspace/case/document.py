@@ -104,7 +104,7 @@ def read_document(path: Path, label: str) -> Document:
 def _read_text(path: Path, label: str) -> str:
     place = f"{label}: case file"
     allowed = "an existing TOML file"
-    if not path.exists() and _is_shipped(path):
+    if _is_shipped(path):
         allowed += f", or {path.stem}, the shipped case"
     content = read_bytes(path, place, allowed, _LARGEST_FILE)
     try:
@@ -115,7 +115,7 @@ def _read_text(path: Path, label: str) -> str:
 
 
 def _is_shipped(path: Path) -> bool:
-    return (shipped_folder("cases") / f"{path.stem}.toml").is_file()
+    return path.stem in {one.stem for one in shipped_folder("cases").glob("*.toml")}
 
 
 def parse_document(text: str, label: str, folder: Path = Path(), depth: int = 0) -> Document:
