@@ -80,7 +80,8 @@ def write_checks(checks: Sequence[DesignCheck]) -> None:
     """Write the design-rule report as text."""
     for check in checks:
         verdict = "ok  " if check.passed else "LOOK"
-        line(f"{verdict}  {check.name}: {check.shown_value} (allowed {check.allowed})")
+        unit = f" {check.unit}" if check.unit not in {"", "-", "1"} else ""
+        line(f"{verdict}  {check.name}: {check.value:.4g}{unit} (allowed {check.allowed})")
         if not check.passed:
             line(f"      {check.reason}")
 
