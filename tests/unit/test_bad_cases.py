@@ -17,6 +17,7 @@ from tests.conftest import posix
 from toothspace.case import load_case
 from toothspace.case.document import document_text
 from toothspace.cli import main
+from toothspace.core.errors import CaseError
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 GEAR_CASE = REPOSITORY / "cases" / "egm12_motor.toml"
@@ -274,6 +275,18 @@ def test_missing_file_and_directory(tmp_path: Path, capsys: pytest.CaptureFixtur
     output = tmp_path / "out.nc"
     assert "No such file" in complaint(capsys, tmp_path / "absent.toml", output)
     assert "a directory" in complaint(capsys, tmp_path, output)
+    elsewhere = complaint(capsys, tmp_path / "cases" / "egm12_pump.toml", output)
+    assert elsewhere.endswith("or egm12_pump, the shipped case")
+    (tmp_path / "own.toml").write_text('base = "egm12_pump.toml"\ntitle = "x"\n')
+    named = complaint(capsys, tmp_path / "own.toml", output)
+    assert "'toothspace init egm12_pump' copies the shipped one" in named
+
+
+def test_a_value_from_elsewhere_has_no_line() -> None:
+    with pytest.raises(CaseError) as refused:
+        load_case(GEAR_CASE, ["operating_point.shaft_speed=3000"])
+    assert "shaft_speed: found 3000 without a unit" in str(refused.value)
+    assert "(line" not in str(refused.value)
 
 
 @pytest.mark.parametrize(

@@ -34,7 +34,7 @@ def test_a_draft_becomes_the_file_or_goes(tmp_path: Path) -> None:
 
 def test_a_name_as_long_as_the_disk_allows_can_be_written(tmp_path: Path) -> None:
     target = tmp_path / f"{'n' * 252}.nc"
-    assert require_writable(target, "-o", replace=False) == target
+    assert require_writable(target, "-o", replace=False, endings=(".nc",)) == target
     write_dataset(xr.Dataset({"a": 1.0}), target)
     assert read_dataset(target)["a"] == 1.0
 
@@ -49,6 +49,8 @@ def test_a_name_as_long_as_the_disk_allows_can_be_written(tmp_path: Path) -> Non
         (f"{'n' * 300}.nc", "found 'File name too long' on writing"),
         ("nul\0.nc", "null byte"),
         ("pipe", "found a device or pipe"),
+        ("flow.csv", "found the ending '.csv', allowed .nc"),
+        ("flow", "found a name without ending, allowed .nc"),
     ],
 )
 def test_a_place_that_cannot_be_written_is_found_before(
@@ -58,10 +60,10 @@ def test_a_place_that_cannot_be_written_is_found_before(
     os.mkfifo(tmp_path / "pipe")
     before = sorted(tmp_path.iterdir())
     with pytest.raises(CaseError, match="-o: found") as refused:
-        require_writable(tmp_path / name, "-o", replace=False)
+        require_writable(tmp_path / name, "-o", replace=False, endings=(".nc",))
     assert part in str(refused.value)
     assert sorted(tmp_path.iterdir()) == before
-    assert require_writable(tmp_path / "there.nc", "-o", replace=True)
+    assert require_writable(tmp_path / "there.nc", "-o", replace=True, endings=(".nc",))
 
 
 @posix

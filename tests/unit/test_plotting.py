@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from tests.fake_solution import fake_description, fake_solution
 from toothspace import api
@@ -12,7 +13,7 @@ from toothspace.model.path_category import OUTLET_PORT
 from toothspace.plotting.catalogue import FIGURES, FigureEntry, available_figures
 from toothspace.plotting.section import fluid_cells, turned_section
 from toothspace.plotting.style import figure_to_svg, save_figure
-from toothspace.plotting.windows import opening_area, opening_windows
+from toothspace.plotting.windows import one_chamber, opening_area, opening_windows
 from toothspace.results.events import Event
 from toothspace.results.solution import Solution
 
@@ -127,6 +128,20 @@ def test_a_ring_is_drawn_with_its_hole() -> None:
         assert ring.geom_type == "Polygon"
         assert len(ring.interiors) == 1
         assert len(ring.exterior.coords) < 400
+
+
+def test_a_chamber_that_turns_slower_than_the_shaft_is_shown_over_its_whole_turn() -> None:
+    description = api.describe(api.load_case(CASES / "crescent_pump.toml"))
+    shaft_angle = np.linspace(0.0, 2.0 * np.pi, 721)
+    data = xr.Dataset(coords={"shaft_angle": shaft_angle})
+    own = [f.phases + f.angle_ratio * shaft_angle[:, None] for f in description.families]
+    columns = np.mod(np.concatenate(own, axis=1), 2.0 * np.pi)
+    for family in description.families:
+        angle, sample, column = one_chamber(data, description, family)
+        assert angle == pytest.approx(columns[sample, column])
+        assert angle[0] < 0.01
+        assert angle[-1] > 2.0 * np.pi - 0.02
+        assert np.diff(angle).max() < 0.02
 
 
 def test_opening_windows_enclose_the_open_area() -> None:

@@ -17,6 +17,8 @@ from toothspace.machines.crescent.describe import describe
 from toothspace.machines.crescent.export import export_profiles
 from toothspace.machines.crescent.filler import filler_edges, filler_outline
 from toothspace.machines.crescent.flow_paths import filler_cover
+from toothspace.machines.crescent.parameters import NotchParameters
+from toothspace.machines.crescent.summary import sealed_teeth
 from toothspace.model.description import FlowPath, MachineDescription
 from toothspace.results.solution import Solution
 
@@ -257,6 +259,12 @@ def _write_teeth(ring: Path, target: Path) -> None:
         ("ring", {"tip_diameter": 80e-3}, "machine.ring.tip_diameter: found 80 mm"),
         ("ring", {"tooth_count": 12}, "machine.ring"),
         ("ring", {"root_diameter": 125e-3}, "machine.ring.root_diameter"),
+        ("ring", {"tooth_count": 14}, "ring.root_diameter: found 112 mm, allowed .* to 110"),
+        (
+            "filler",
+            {"notch": NotchParameters(length=0.02, width=0.06, depth=1e-3)},
+            "notch.width: found 60 mm, allowed at most .* of 49.26 mm",
+        ),
         ("ring", {"profile_shift": -0.9}, "machine.ring"),
         ("pinion", {"tip_diameter": 100e-3}, "machine.pinion.tip_diameter"),
         ("pinion", {"center_distance": 0.03, "normal_backlash": None}, "center_distance: found 30"),
@@ -269,3 +277,15 @@ def test_gears_that_cannot_be_are_refused(
     broken = replace(spec, **{part: replace(getattr(spec, part), **changes)})
     with pytest.raises(GeometryError, match=message):
         assemble(broken)
+
+
+def test_a_tooth_at_the_notch_does_not_seal() -> None:
+    spec = crescent()
+    notch = NotchParameters(length=0.2, width=1e-3, depth=1e-3)
+    without, along = (
+        assemble(replace(spec, filler=replace(spec.filler, notch=one))) for one in (None, notch)
+    )
+    own = assemble(spec)
+    pitch = 2.0 * np.pi * own.tip_radii[0] / 13
+    assert sealed_teeth(without, 0) - sealed_teeth(own, 0) == pytest.approx(0.02 / pitch)
+    assert [sealed_teeth(along, gear) for gear in (0, 1)] == [0.0, 0.0]

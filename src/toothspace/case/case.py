@@ -325,8 +325,9 @@ def _overlaid(document: Document, values: Mapping[str, Any]) -> Document:
         tables = with_values(document.tables, values)
     except KeyRuleError as error:
         raise document.refuse(error.problems) from error
-    kept = {key: place for key, place in document.places.items() if key not in values}
-    return Document(document.label, tables, kept)
+    # a value from elsewhere stands in no line
+    nowhere = dict.fromkeys(values, (document.label, 0))
+    return Document(document.label, tables, {**document.places, **nowhere})
 
 
 def _made(

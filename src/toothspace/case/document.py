@@ -15,6 +15,7 @@ from toothspace.core.errors import CaseError
 from toothspace.core.files import read_bytes
 from toothspace.core.frozen import Points
 from toothspace.core.keys import KeyRuleError, Problem, shown
+from toothspace.library import shipped_folder
 
 BASE = "base"
 """Key at the top of a case file: the case file that it is based on."""
@@ -102,12 +103,19 @@ def read_document(path: Path, label: str) -> Document:
 
 def _read_text(path: Path, label: str) -> str:
     place = f"{label}: case file"
-    content = read_bytes(path, place, "an existing TOML file", _LARGEST_FILE)
+    allowed = "an existing TOML file"
+    if _is_shipped(path):
+        allowed += f", or {path.stem}, the shipped case"
+    content = read_bytes(path, place, allowed, _LARGEST_FILE)
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         found = f"byte {error.start} that is not UTF-8"
         raise CaseError(f"{label}: encoding: found {found}, allowed text in UTF-8") from error
+
+
+def _is_shipped(path: Path) -> bool:
+    return path.stem in {one.stem for one in shipped_folder("cases").glob("*.toml")}
 
 
 def parse_document(text: str, label: str, folder: Path = Path(), depth: int = 0) -> Document:
@@ -162,7 +170,10 @@ def _on_base(own: Document, folder: Path, depth: int) -> Document:
     path = folder / given["file"]
     if not path.is_file():
         found = f"{shown(given['file'])}, which is no file"
-        raise own.refuse([Problem(BASE, found, "a case file, relative to this one")])
+        allowed = "a case file, relative to this one"
+        if _is_shipped(path):
+            allowed += f"; 'toothspace init {path.stem}' copies the shipped one"
+        raise own.refuse([Problem(BASE, found, allowed)])
     below = parse_document(_read_text(path, str(path)), str(path), path.parent, depth + 1)
     found_tables = _in_folder(below.tables, path.parent)
     for left_out in given.get("without", []):

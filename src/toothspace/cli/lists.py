@@ -27,7 +27,7 @@ def init(
 
 
 def cases(as_json: Json = False) -> None:
-    """List the shipped cases, which 'run' and 'init' know by name."""
+    """List the shipped cases, which every command knows by name."""
     from toothspace.case.shipped import shipped_cases
 
     output.write(shipped_cases(), as_json=as_json)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 _EXPORT_FORMATS = ("dxf", "stl", "step", "txt")
 _FILE_UNITS = ("mm", "m", "um", "in")
-_PICTURE_SUFFIXES = (".png", ".svg", ".pdf")
+_PICTURES = (".png", ".svg", ".pdf")
 
 
 def geometry(
@@ -52,9 +52,10 @@ def geometry(
         raise CaseError(f"{case_file}: --export: found {export!r}, allowed {allowed}")
     case = load(case_file, overrides)
     plots = [] if plot is None else [plot, plot.with_stem(f"{plot.stem}_openings")]
-    for path, option in ((tables, "-o"), *((picture, "--plot") for picture in plots)):
-        if path is not None:
-            require_writable(path, option, replace=force)
+    if tables is not None:
+        require_writable(tables, "-o", replace=force, endings=(".nc",))
+    for picture in plots:
+        require_writable(picture, "--plot", replace=force, endings=_PICTURES)
     from toothspace import api
     from toothspace.results.tables import save_tables, save_tables_txt
 
@@ -85,7 +86,10 @@ def _put(folder: Path, option: str, force: bool, write: Callable[[Path], object]
     with tempfile.TemporaryDirectory(dir=folder) as name:
         write(Path(name))
         drafts = sorted(Path(name).iterdir())
-        targets = [require_writable(folder / one.name, option, replace=force) for one in drafts]
+        targets = [
+            require_writable(folder / one.name, option, replace=force, endings=(one.suffix,))
+            for one in drafts
+        ]
         for draft, target in zip(drafts, targets, strict=True):
             draft.replace(target)
     return targets
@@ -143,12 +147,10 @@ def gear(
         raise CaseError(f"{file}: --unit: found {unit!r}, allowed {allowed}")
     if axis not in (None, *AXES):
         raise CaseError(f"{file}: --axis: found {axis!r}, allowed {', '.join(AXES)}")
-    for path, option in ((plot, "--plot"), (case, "--case")):
-        if path is not None:
-            require_writable(path, option, replace=force)
-    if plot is not None and plot.suffix.lower() not in _PICTURE_SUFFIXES:
-        allowed = ", ".join(_PICTURE_SUFFIXES)
-        raise CaseError(f"--plot: found the ending {plot.suffix!r}, allowed {allowed}")
+    if plot is not None:
+        require_writable(plot, "--plot", replace=force, endings=_PICTURES)
+    if case is not None:
+        require_writable(case, "--case", replace=force, endings=(".toml",))
     height = None if plane is None else read_quantity("--plane", plane, "mm")
     request = SectionRequest(axis, height)
     try:

@@ -16,7 +16,9 @@ from toothspace.core.status import Status
 if TYPE_CHECKING:
     from toothspace.case import Case
 
-CaseFile = Annotated[Path, typer.Argument(metavar="CASE.toml", help="Case file.")]
+CaseFile = Annotated[
+    Path, typer.Argument(metavar="CASE.toml", help="Case file, or name of a shipped case.")
+]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 Force = Annotated[bool, typer.Option("--force", help="Replace files that exist.")]
 Overrides = Annotated[

@@ -35,10 +35,12 @@ def report(
 ) -> None:
     """Write the report of a result: a self-contained HTML page or a PDF document."""
     from toothspace.core.signals import column_names, read_columns
-    from toothspace.report import write_report
+    from toothspace.report import ENDINGS, write_report
     from toothspace.results.io import load_solution
 
-    target = require_writable(page or result.with_suffix(".html"), "-o", replace=force)
+    target = require_writable(
+        page or result.with_suffix(".html"), "-o", replace=force, endings=ENDINGS
+    )
     overlay = None
     if measured:
         names = column_names(measured)
@@ -58,7 +60,9 @@ def compare(
     force: Force = False,
 ) -> None:
     """Put two results side by side: keys, numbers, causes of loss."""
-    target = None if page is None else require_writable(page, "-o", replace=force)
+    target = (
+        None if page is None else require_writable(page, "-o", replace=force, endings=(".html",))
+    )
     from toothspace.report.comparison import Comparison
     from toothspace.results.io import load_solution
 
@@ -91,7 +95,7 @@ def validate(
     from toothspace.report.validation_book import summary_of, write_book
     from toothspace.validation.book import examine_all, selected
 
-    target, claims = require_writable(book, "-o", replace=force), selected(only)
+    target, claims = require_writable(book, "-o", replace=force, endings=(".html",)), selected(only)
     with output.progress("validate:") as progress:
         examined = examine_all(claims, "short" if short else "full", progress)
     write_book(examined, target)

@@ -67,7 +67,9 @@ def run(
         if getattr(case, table) is not None:
             allowed = f"with 'toothspace {table}' only"
             raise CaseError(f"{case_file}: {table}: found a stand-alone {table}, allowed {allowed}")
-    target = require_writable(result or Path(f"{case_file.stem}.nc"), "-o", replace=force)
+    target = require_writable(
+        result or Path(f"{case_file.stem}.nc"), "-o", replace=force, endings=(".nc",)
+    )
     from toothspace import api
     from toothspace.simulation.presets import unused_tables
 
@@ -166,7 +168,11 @@ def _film_command(table: str, meaning: str) -> Callable[..., int]:
         overrides: Overrides = None,
         force: Force = False,
     ) -> int:
-        target = None if fields is None else require_writable(fields, "-o", replace=force)
+        target = (
+            None
+            if fields is None
+            else require_writable(fields, "-o", replace=force, endings=(".nc", ".vts"))
+        )
         case = load(case_file, overrides)
         if getattr(case, table) is None:
             raise CaseError(f"{case_file}: {table}: found nothing, allowed a table [{table}]")
@@ -221,7 +227,7 @@ def reduce(
     force: Force = False,
 ) -> int:
     """Solve the films of a machine and reduce them to tables for the lumped preset."""
-    target = require_writable(tables_file, "-o", replace=force)
+    target = require_writable(tables_file, "-o", replace=force, endings=(".nc",))
     case = load(case_file, overrides)
     from toothspace.core.netcdf import write_dataset
     from toothspace.studies.reduce import reduce_films, reduce_summary
@@ -262,7 +268,7 @@ def fmu(
     force: Force = False,
 ) -> int:
     """Write a machine as a functional mock-up unit for simulators of systems (FMI 2.0)."""
-    target = require_writable(unit, "-o", replace=force)
+    target = require_writable(unit, "-o", replace=force, endings=(".fmu",))
     case = load(case_file, overrides)
     from toothspace.fmi.export import export_fmu
 

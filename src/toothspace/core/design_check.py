@@ -40,18 +40,23 @@ class DesignCheck:
     of_drawing: bool = False
 
     @property
+    def shown_value(self) -> str:
+        """Value with its unit."""
+        unit = "" if self.unit in {"", "1", "-"} else f" {self.unit}"
+        return f"{self.value:.4g}{unit}"
+
+    @property
     def sentence(self) -> str:
         """What was found, what is allowed and why."""
         name = self.name.replace("_", " ")
-        unit = "" if self.unit in {"", "1", "-"} else f" {self.unit}"
-        found = f"{name[:1].upper()}{name[1:]} is {self.value:.4g}{unit}"
+        found = f"{name[:1].upper()}{name[1:]} is {self.shown_value}"
         return f"{found}, allowed {self.allowed}. {self.reason}"
 
 
 def warnings_of(checks: Iterable[DesignCheck]) -> list[str]:
     """One line for every check that failed."""
     return [
-        f"{check.name}: {check.value:.4g} {check.unit}, allowed {check.allowed}"
+        f"{check.name}: {check.shown_value}, allowed {check.allowed}"
         for check in checks
         if not check.passed
     ]

@@ -149,7 +149,20 @@ def write_whole(file: FileIO, content: memoryview | bytes) -> None:
         rest = rest[file.write(rest) :]
 
 
-def require_writable(target: Path, option: str, *, replace: bool) -> Path:
+def require_ending(target: Path, label: str, endings: tuple[str, ...]) -> None:
+    """Refuse a file name whose ending promises another format than what is written.
+
+    Raises
+    ------
+    CaseError
+        If its ending is none of those given.
+    """
+    if target.suffix.lower() not in endings:
+        found = f"the ending {target.suffix!r}" if target.suffix else "a name without ending"
+        raise CaseError(f"{target}: {label}: found {found}, allowed {', '.join(endings)}")
+
+
+def require_writable(target: Path, option: str, *, replace: bool, endings: tuple[str, ...]) -> Path:
     """Return a file that can be written; nothing is left behind.
 
     Parameters
@@ -160,12 +173,14 @@ def require_writable(target: Path, option: str, *, replace: bool) -> Path:
         What asked for it, for the message.
     replace : bool
         Whether a file that exists may be replaced.
+    endings : tuple of str
+        Endings of the formats that are written, as ``.nc``.
 
     Raises
     ------
     CaseError
-        If it is a folder, its folder is missing or refuses files, its name is too long, or it
-        exists and must be kept.
+        If it is a folder, its folder is missing or refuses files, its name is too long, it
+        exists and must be kept, or it has another ending.
     """
     try:
         if target.is_dir():
@@ -185,6 +200,7 @@ def require_writable(target: Path, option: str, *, replace: bool) -> Path:
         reason = getattr(error, "strerror", None) or str(error)
         found = f"{reason!r} on writing"
         raise CaseError(f"{target}: {option}: found {found}, allowed a writable place") from error
+    require_ending(target, option, endings)
     return target
 
 

@@ -182,5 +182,5 @@ def _check(
 ) -> None:
     # comparisons are false for NaN
     if not (low < value <= high if open_low else low <= value <= high):
-        bound = "above" if open_low else "from"
-        raise GeometryError(f"{key}: found {value:g} {unit}, allowed {bound} {low:g} to {high:.4g}")
+        bounds = f"above {low:g} up to" if open_low else f"from {low:g} to"
+        raise GeometryError(f"{key}: found {value:g} {unit}, allowed {bounds} {high:.4g} {unit}")

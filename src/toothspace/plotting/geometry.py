@@ -80,7 +80,7 @@ def groove_timing(description: MachineDescription) -> Figure:
                     place = (k + 0.22 * (j - 0.5 * (len(shown) - 1)) - 0.1, 0.2)
                     rows.broken_barh([(first, width)], place, color=category.colour)
     rows.set_yticks(range(family.count), [str(k) for k in range(family.count)])
-    rows.set_ylabel(f"{readable(family.name)} space (number)")
+    rows.set_ylabel(f"{readable(family.name).removesuffix(' space')} space (number)")
     rows.set_title("Openings of every tooth space")
     rows.grid(visible=False, axis="y")
     angle_axis(rows)

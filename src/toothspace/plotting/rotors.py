@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from toothspace.core.types import Array, IntArray
+from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
 from toothspace.plotting.style import (
     BLUE,
@@ -19,6 +19,7 @@ from toothspace.plotting.style import (
     new_figure,
     styled,
 )
+from toothspace.plotting.windows import one_chamber
 from toothspace.results.ripple import high_pass, whole_revolutions
 from toothspace.results.solution import Solution
 from toothspace.results.tooth_contacts import LOADED_SHARE, tooth_forces
@@ -35,7 +36,8 @@ _TURN = 2.0 * np.pi
 def pocket_cycle(solution: Solution, description: MachineDescription) -> Figure:
     """Pressure, volume and open port areas of one pocket over the outer rotor's angle."""
     data = solution.data
-    degrees, sample, chamber = _one_pocket(solution, description)
+    angle, sample, chamber = one_chamber(data, description, description.families[0])
+    degrees = np.degrees(angle)
     figure = new_figure(7.2, 5.6)
     pressure, volume, area = figure.subplots(3, 1, sharex=True)
     pressure.plot(degrees, np.asarray(data["chamber_pressure"])[sample, chamber] / _BAR, color=BLUE)
@@ -49,30 +51,6 @@ def pocket_cycle(solution: Solution, description: MachineDescription) -> Figure:
     area.legend(loc="upper right", ncols=2)
     angle_axis(area, "Angle of the outer rotor (deg)")
     return figure
-
-
-def _one_pocket(
-    solution: Solution, description: MachineDescription
-) -> tuple[Array, IntArray, IntArray]:
-    """Angles of a pocket over its turn with the sample and the pocket that show them.
-
-    In one turn of the shaft a pocket does not come round; the ones behind it, which are alike,
-    show the rest.
-    """
-    family, angle = description.families[0], np.asarray(solution.data["shaft_angle"])
-    last = np.flatnonzero(angle >= angle[-1] - _TURN)
-    step = family.angle_ratio * float(np.median(np.diff(angle)))
-    own = np.mod(family.phases + family.angle_ratio * angle[last, None], family.volume.period)
-    found: list[tuple[float, int, int]] = []
-    shown = np.zeros(round(family.volume.period / step) + 1, dtype=bool)
-    for chamber in range(family.count):
-        places = np.round(own[:, chamber] / step).astype(int)
-        new = np.flatnonzero(~shown[places])
-        found += [(own[k, chamber], int(last[k]), chamber) for k in new]
-        shown[places] = True
-    found.sort()
-    degrees, sample, column = zip(*found, strict=True)
-    return np.degrees(degrees), np.array(sample), np.array(column)
 
 
 @styled

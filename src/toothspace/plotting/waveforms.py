@@ -20,7 +20,7 @@ from toothspace.plotting.style import (
     readable,
     styled,
 )
-from toothspace.plotting.windows import opening_windows, openings_of
+from toothspace.plotting.windows import one_chamber, opening_windows, openings_of
 from toothspace.results.ripple import (
     AGREEMENT,
     pulsating_side,
@@ -53,11 +53,15 @@ def chamber_pressure_over_turn(
             axes.set(title="Pressure of the first chamber", ylabel="Pressure (bar)")
             angle_axis(axes, span=float(degrees[-1]))
             continue
-        angle, pressure, gas = _over_own_angle(solution, description, family)
-        axes.plot(angle, pressure, color=BLUE)
-        if gas is not None and float(np.max(gas)) > 0.1:
+        angle, sample, column = one_chamber(solution.data, description, family)
+        pressure = np.asarray(solution.data["chamber_pressure"])[sample, column] / _BAR
+        axes.plot(np.degrees(angle), pressure, color=BLUE)
+        gas = np.zeros_like(pressure)
+        if "chamber_gas_fraction" in solution.data:
+            gas = np.asarray(solution.data["chamber_gas_fraction"])[sample, column]
+        if float(np.max(gas)) > 0.1:
             twin = axes.twinx()
-            twin.fill_between(angle, 100.0 * gas, color=GREEN, alpha=0.2, linewidth=0.0)
+            twin.fill_between(np.degrees(angle), 100.0 * gas, color=GREEN, alpha=0.2, linewidth=0.0)
             twin.set_ylim(0.0, 100.0)
             twin.set_ylabel("Gas and vapour (vol %)", color=GREEN)
             twin.grid(visible=False)
@@ -66,22 +70,6 @@ def chamber_pressure_over_turn(
         angle_axis(axes, f"Angle of the {readable(family.name).lower()} chamber (deg)", span)
         axes.set(ylabel="Pressure (bar)", title=readable(family.name))
     return figure
-
-
-def _over_own_angle(
-    solution: Solution, description: MachineDescription, family: ChamberFamily
-) -> tuple[Array, Array, Array | None]:
-    """Samples of the first chamber that has them all, in the order of its own angle."""
-    column = description.chamber_labels.index(f"{family.name}_0")
-    shaft_angle = np.asarray(solution.data["shaft_angle"])
-    turn = shaft_angle >= shaft_angle[-1] - family.volume.period / family.angle_ratio
-    own = np.mod(family.phases[0] + family.angle_ratio * shaft_angle[turn], family.volume.period)
-    order = np.argsort(own)
-    pressure = np.asarray(solution.data["chamber_pressure"])[turn, column] / _BAR
-    gas = None
-    if "chamber_gas_fraction" in solution.data:
-        gas = np.asarray(solution.data["chamber_gas_fraction"])[turn, column][order]
-    return np.degrees(own[order]), pressure[order], gas
 
 
 def _mark_windows(axes: Axes, description: MachineDescription, family: ChamberFamily) -> None:

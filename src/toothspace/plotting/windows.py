@@ -1,10 +1,11 @@
-"""Where a chamber is open to ports and grooves, over its own table angle."""
+"""A chamber over its own table angle: where it is open to ports and grooves, and its samples."""
 
 from __future__ import annotations
 
 import numpy as np
+import xarray as xr
 
-from toothspace.core.types import Array
+from toothspace.core.types import Array, IntArray
 from toothspace.model.description import ChamberFamily, MachineDescription
 from toothspace.model.path_category import OPENINGS, PathCategory
 
@@ -55,3 +56,38 @@ def opening_windows(
         (float(angle[start]), float(angle[end - 1]))
         for start, end in zip(edges[::2], edges[1::2], strict=True)
     ]
+
+
+def one_chamber(
+    data: xr.Dataset, description: MachineDescription, family: ChamberFamily
+) -> tuple[Array, IntArray, IntArray]:
+    """Angles of a chamber over its turn with the sample and the chamber that show them.
+
+    In one turn of the shaft a chamber may not come round; the ones behind it, which are alike,
+    show the rest.
+
+    Returns
+    -------
+    ndarray
+        Table angle of the chamber, ascending. [rad]
+    ndarray
+        Samples along the shaft angle.
+    ndarray
+        Columns of the chambers.
+    """
+    shaft_angle = np.asarray(data["shaft_angle"])
+    last = np.flatnonzero(shaft_angle >= shaft_angle[-1] - 2.0 * np.pi)
+    first = description.chamber_labels.index(f"{family.name}_0")
+    step = abs(family.angle_ratio) * float(np.median(np.diff(shaft_angle)))
+    own = family.phases + family.angle_ratio * shaft_angle[last, None]
+    own = np.mod(own, family.volume.period)
+    found: list[tuple[float, int, int]] = []
+    shown = np.zeros(round(family.volume.period / step) + 1, dtype=bool)
+    for chamber in range(family.count):
+        places = np.round(own[:, chamber] / step).astype(int)
+        new = np.flatnonzero(~shown[places])
+        found += [(own[k, chamber], int(last[k]), first + chamber) for k in new]
+        shown[places] = True
+    found.sort()
+    angle, sample, column = zip(*found, strict=True)
+    return np.array(angle), np.array(sample), np.array(column)

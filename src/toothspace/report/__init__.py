@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from toothspace.report.html import report_html, write_report
+from toothspace.report.html import ENDINGS, report_html, write_report
 
-__all__ = ["report_html", "write_report"]
+__all__ = ["ENDINGS", "report_html", "write_report"]

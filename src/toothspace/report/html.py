@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from toothspace.core.constants import ZERO_CELSIUS
-from toothspace.core.files import path_of, write_text
+from toothspace.core.files import path_of, require_ending, write_text
 from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
 from toothspace.plotting.catalogue import FigureEntry, available_figures
@@ -29,6 +29,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Measured = Mapping[str, Array]
+
+ENDINGS = (".html", ".htm", ".pdf")
+"""Names of a report end on one of these."""
 
 _KEY_NUMBERS = (
     "mean_flow_L_per_min",
@@ -81,15 +84,21 @@ def write_report(
     solution : Solution
         Result, complete or not.
     path : str or Path
-        File to write: a PDF document where it ends on ``.pdf``, else an HTML page.
+        File to write: an HTML page, or a PDF document where it ends on ``.pdf``.
     description : MachineDescription, optional
         The machine, for its section, design rules, volumes and openings; rebuilt from the
         case in the result if it is not given.
     measured : mapping, optional
         ``time`` [s] and measured ``shaft_speed`` [rad/s] or ``pressure_difference`` [Pa], laid
         over a run over time.
+
+    Raises
+    ------
+    CaseError
+        If the file has another ending.
     """
     target = path_of(path, "report", "a file to write")
+    require_ending(target, "report", ENDINGS)
     target.parent.mkdir(parents=True, exist_ok=True)
     note = ""
     if description is None:

@@ -21,6 +21,7 @@ from toothspace.case.stand_alone import (
 )
 from toothspace.core.compiled import compile_seconds
 from toothspace.core.errors import CaseError
+from toothspace.core.files import require_ending
 from toothspace.core.status import Status
 from toothspace.films.field_files import FilmSolution, save_film, save_film_vtk
 from toothspace.films.journal.bearing import JournalBearing
@@ -71,9 +72,8 @@ def solve(
 
     ``describe`` gives the machine of a case, for a film on its faces.
     """
-    if fields is not None and fields.suffix.lower() not in FILE_SUFFIXES:
-        allowed = ", ".join(FILE_SUFFIXES)
-        raise CaseError(f"-o: found the ending {fields.suffix!r}, allowed {allowed}")
+    if fields is not None:
+        require_ending(fields, "-o", tuple(FILE_SUFFIXES))
     started = time.perf_counter() - compile_seconds()
     assert keys is not None
     film, heat = _heated(case, keys, _film_at(case, keys, describe))

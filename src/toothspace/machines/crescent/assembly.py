@@ -118,6 +118,12 @@ def assemble(spec: CrescentParameters) -> CrescentAssembly:
     require_rim("machine.ring.outer_diameter", spec.ring.outer_diameter, root)
     shaft = spec.journal_bearings.diameter
     require_shaft_below("machine.journal_bearings.diameter", shaft, pinion.root_radius)
+    notch, width = spec.filler.notch, spec.pinion.face_width
+    if notch is not None and notch.width > width:
+        raise GeometryError(
+            f"machine.filler.notch.width: found {notch.width * 1e3:g} mm, allowed at most the face "
+            f"width of {width * 1e3:g} mm"
+        )
     loaded_is_left, grooves = spec.mode == "pump", spec.relief_grooves
     first, second = teeth[0].tip_radius, -teeth[1].tip_radius
     if not second - first < distance < first + second:
@@ -174,7 +180,7 @@ def involute_pair(spec: CrescentParameters) -> InternalPair:
         message = str(error)
         if message.startswith("tip_rounding"):
             message = message.replace("tip_rounding", "root_fillet", 1)
-        elif message.startswith("tip_diameter") and "where the tooth is pointed" in message:
+        elif message.startswith("tip_diameter") and "end of the involute" not in message:
             message = message.replace("tip_diameter", "root_diameter", 1).replace("tooth", "space")
         raise GeometryError(f"machine.ring.{message}") from error
     try:

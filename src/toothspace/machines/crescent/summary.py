@@ -54,9 +54,11 @@ def geometry_summary(
 
 
 def sealed_teeth(assembly: CrescentAssembly, gear: int) -> float:
-    """Mean number of teeth of a gear that seal at the filler at a time. [-]."""
-    span = filler_edges(assembly, gear).span - abs(assembly.teeth[gear].land_angle)
-    return span * assembly.counts[gear] / (2.0 * np.pi)
+    """Mean number of teeth of a gear that seal at the filler beside its notch. [-]."""
+    notch, tooth = assembly.spec.filler.notch, assembly.teeth[gear]
+    open_end = 0.0 if notch is None else notch.length / abs(tooth.tip_radius)
+    span = filler_edges(assembly, gear).span - open_end - abs(tooth.land_angle)
+    return max(span, 0.0) * assembly.counts[gear] / (2.0 * np.pi)
 
 
 def tip_clearance(pair: InternalPair) -> float:
