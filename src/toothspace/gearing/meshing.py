@@ -237,19 +237,15 @@ def path_of_contact(gears: MeshedGears) -> tuple[float, float]:
     pitch = 2.0 * mesh.half_pitch
     reach = mesh.lens_drive + 2.0 * pitch
     angles = np.linspace(-reach, reach, _SAMPLES)
-    gap = _complete_gap(facing_throats(gears.teeth, mesh, gears.loaded_is_left, angles))
-    neighbours = [
-        _complete_gap(facing_throats(gears.teeth, mesh, gears.loaded_is_left, angles + shift))
-        for shift in (-pitch, pitch)
+    sides = [
+        facing_throats(gears.teeth, mesh, gears.loaded_is_left, angles + shift)
+        for shift in (0.0, -pitch, pitch)
     ]
+    gap, *neighbours = (np.where(side.weight >= 1.0, side.gap, _NO_THROAT) for side in sides)
     least = np.minimum(gap, np.minimum(*neighbours))
     tolerance = CONTACT_TOLERANCE * abs(mesh.pitch_radii[0])
     touching = angles[(gap < _NO_THROAT) & (gap <= least + tolerance)]
     return float(touching[0]), float(touching[-1])
-
-
-def _complete_gap(side: Throats) -> Array:
-    return np.where(side.weight >= 1.0, side.gap, _NO_THROAT)
 
 
 def load_share(gears: MeshedGears, angles: Array) -> Array:

@@ -92,7 +92,6 @@ from toothspace.numerics.ndf_types import FROM_STATE
 from toothspace.numerics.periodic_table import PeriodicTable, stack_tables
 from toothspace.numerics.roots import root_between
 
-_CONTACT_COLUMNS = 7
 _SLOWEST_SPEED = 1.0
 
 
@@ -142,7 +141,10 @@ def assemble(
 ) -> System:
     """Build the arrays of a machine at a condition."""
     free = _free_motions(description, condition)
-    motion_map = _motion_map(description, condition, free)
+    mesh = rigid_mesh(description, condition)
+    motion_map = np.ascontiguousarray(np.eye(len(description.motions))[:, free])
+    if mesh:
+        motion_map[mesh.motion] = np.asarray(mesh.coefficients)[free]
     paths = description.paths
     places = node_places(description, condition)
     if condition.load_area > 0.0:
@@ -211,11 +213,10 @@ def assemble(
         **_work(sizes),
     )
     arrays.contact[:, CONTACT_STATE:] = contacts.data
-    pattern, basis = _pattern(arrays), _basis(arrays)
+    pattern = _pattern(arrays)
     _join_circuit(arrays, pattern)
-    return System(
-        description, condition, arrays, pattern, basis, tuple(free), motion_map, categories
-    )
+    moving, basis = tuple(free), _basis(arrays)
+    return System(description, condition, arrays, pattern, basis, moving, motion_map, categories)
 
 
 def _free_motions(description: MachineDescription, condition: OperatingCondition) -> list[int]:
@@ -230,18 +231,6 @@ def _free_motions(description: MachineDescription, condition: OperatingCondition
         if k != tied and (turning or (held_radially and condition.radial_motion)):
             free.append(k)
     return free
-
-
-def _motion_map(
-    description: MachineDescription, condition: OperatingCondition, free: list[int]
-) -> Array:
-    mesh = rigid_mesh(description, condition)
-    matrix = np.zeros((len(description.motions), len(free)))
-    for column, k in enumerate(free):
-        matrix[k, column] = 1.0
-        if mesh:
-            matrix[mesh.motion, column] = mesh.coefficients[k]
-    return matrix
 
 
 def _sizes(
@@ -416,7 +405,10 @@ def _pattern(arrays: SystemArrays) -> BoolArray:
     for j, index in enumerate(arrays.path_index):
         a = int(index[NODE_A])
         moved = _moved(arrays, int(arrays.paths.table[j]), HEIGHT_BY_MOTION)
-        for b in _partners(index):
+        first, count = int(index[NODE_B]), 1
+        if index[PARTNER_SHIFT] != 0:
+            first, count = int(index[FAMILY_FIRST]), int(index[FAMILY_COUNT])
+        for b in range(first, first + count):
             pattern[np.ix_([*rows[a], *rows[b]], [*columns[a], *columns[b], *moved])] = True
     for d in range(size.dynamic):
         pattern[size.gas + d, size.mass + d] = True
@@ -480,16 +472,6 @@ def _rows(arrays: SystemArrays, node: int) -> list[int]:
     return [port + MASS, port + GAS_MASS]
 
 
-def _partners(index: IntArray) -> list[int]:
-    if index[PARTNER_SHIFT] == 0:
-        return [int(index[NODE_B])]
-    first, count = int(index[FAMILY_FIRST]), int(index[FAMILY_COUNT])
-    return list(range(first, first + count))
-
-
-_TOLERANCE = 1e-14
-
-
 def inlet_gas_fraction(pressure: float, residence_time: float, law: FluidLaw) -> float:
     """Mass fraction of free gas of the fluid that enters the machine.
 
@@ -515,4 +497,4 @@ def inlet_gas_fraction(pressure: float, residence_time: float, law: FluidLaw) ->
     highest = 1.1 * law.total_gas_mass_fraction + law.nuclei_mass_fraction
     if excess(0.0) <= 0.0 or excess(highest) >= 0.0:
         return feed
-    return root_between(excess, 0.0, highest, _TOLERANCE * highest)
+    return root_between(excess, 0.0, highest, 1e-14 * highest)

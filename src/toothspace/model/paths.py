@@ -97,6 +97,12 @@ def path_arrays(
     counts = [path.count for path in paths]
     node_a = drain_joined(description, np.concatenate([path.nodes_a for path in paths]))
     node_b = drain_joined(description, np.concatenate([path.nodes_b for path in paths]))
+    family_first, family_count = node_b.copy(), np.ones_like(node_b)
+    start = 0
+    for family in description.families:
+        inside = (node_b >= start) & (node_b < start + family.count)
+        family_first[inside], family_count[inside] = start, family.count
+        start += family.count
     index = np.column_stack(
         [
             np.repeat([_KINDS[path.kind] for path in paths], counts),
@@ -104,7 +110,8 @@ def path_arrays(
             node_a,
             node_b,
             node_b,
-            *_families_of(description, node_b),
+            family_first,
+            family_count,
             np.repeat([path.partner_shift for path in paths], counts),
         ]
     ).astype(np.int64)
@@ -137,14 +144,3 @@ def drain_joined(description: MachineDescription, nodes: IntArray) -> IntArray:
         "external": description.drain_node,
     }[description.drain]
     return np.where(nodes == description.drain_node, target, nodes).astype(np.int64)
-
-
-def _families_of(description: MachineDescription, nodes: IntArray) -> tuple[IntArray, IntArray]:
-    first = np.zeros_like(nodes)
-    count = np.ones_like(nodes)
-    start = 0
-    for family in description.families:
-        inside = (nodes >= start) & (nodes < start + family.count)
-        first[inside], count[inside] = start, family.count
-        start += family.count
-    return first, count

@@ -137,7 +137,10 @@ def _draw_section(
         _fill(axes, region, facecolor=colour, edgecolor=colour, linewidth=0.4)
     _draw_bodies(axes, description, shaft_angle)
     _fill(axes, fixed_parts(description), facecolor=LIGHT, edgecolor=INK, linewidth=0.6)
-    _draw_grooves(axes, description)
+    for name, outline in description.outlines.items():
+        if "groove" in name:
+            closed = np.vstack([outline, outline[:1]]) * _MM
+            axes.plot(*closed.T, color=INK, linewidth=0.8, linestyle=(0, (4, 2)))
     axes.set_aspect("equal")
     axes.set_axis_off()
 
@@ -242,13 +245,6 @@ def _draw_sense(axes: Axes, center: Array, radius: float, speed_ratio: float) ->
     )
 
 
-def _draw_grooves(axes: Axes, description: MachineDescription) -> None:
-    for name, outline in description.outlines.items():
-        if "groove" in name:
-            closed = np.vstack([outline, outline[:1]]) * _MM
-            axes.plot(*closed.T, color=INK, linewidth=0.8, linestyle=(0, (4, 2)))
-
-
 def _fill(axes: Axes, region: Any, **style: Any) -> None:
     """Draw a polygon with holes, or several."""
     from matplotlib.patches import PathPatch
@@ -258,9 +254,6 @@ def _fill(axes: Axes, region: Any, **style: Any) -> None:
     for polygon in getattr(region, "geoms", [region]):
         if polygon.is_empty or polygon.geom_type != "Polygon":
             continue
-        rings = [
-            np.asarray(polygon.exterior.coords),
-            *(np.asarray(r.coords) for r in polygon.interiors),
-        ]
+        rings = [np.asarray(ring.coords) for ring in (polygon.exterior, *polygon.interiors)]
         paths = [Path(_MM * ring[:, :2], closed=True) for ring in rings]
         axes.add_patch(PathPatch(Path.make_compound_path(*paths), **style))
