@@ -158,13 +158,12 @@ def own_teeth(
         rotations[gear] * at_nodes[gear] - _sections(assembly, flanks, spaces[gear], gear)
         for gear in (0, 1)
     )
-    tips = _tips(gears[0], 0, first), _tips(gears[1], 1, first)
-    return OwnTeeth(turn, gaps, (drive, driven), tips)
-
-
-def _tips(gear: Gear, number: int, count: int) -> Array:
-    tip = np.zeros(count) if gear.deviations is None else gear.deviations.tip
-    return np.array([tip[_measured(number, k + 1, count)] for k in range(count)])
+    measured = [np.zeros(first) if g.deviations is None else g.deviations.tip for g in gears]
+    drive_tips, driven_tips = (
+        tip[[_measured(gear, k + 1, first) for k in range(first)]]
+        for gear, tip in enumerate(measured)
+    )
+    return OwnTeeth(turn, gaps, (drive, driven), (drive_tips, driven_tips))
 
 
 def _measured(gear: int, tooth: int, count: int) -> int:

@@ -262,23 +262,18 @@ def export_contacts(path: Path, contacts: tuple[LobeContact, ...]) -> None:
         for number, contact in enumerate(contacts):
             file.write(f"# contact {number}, {contact.copies} copies one pitch apart\n")
             file.write("# " + " ".join(COLUMNS) + "\n")
-            np.savetxt(file, _exported(contact)[contact.near], fmt="%.9e")
+            angle = np.arange(contact.gap.size) * (contact.period / contact.gap.size)
+            columns = [
+                angle,
+                contact.gap,
+                contact.gap_rate,
+                contact.normal,
+                contact.outer_point,
+                contact.lever,
+                contact.radius_inner,
+                contact.radius_outer,
+                contact.sliding,
+                contact.rolling_sum,
+            ]
+            np.savetxt(file, np.column_stack(columns)[contact.near], fmt="%.9e")
             file.write("\n")
-
-
-def _exported(contact: LobeContact) -> Array:
-    angle = np.arange(contact.gap.size) * (contact.period / contact.gap.size)
-    return np.column_stack(
-        [
-            angle,
-            contact.gap,
-            contact.gap_rate,
-            contact.normal,
-            contact.outer_point,
-            contact.lever,
-            contact.radius_inner,
-            contact.radius_outer,
-            contact.sliding,
-            contact.rolling_sum,
-        ]
-    )
