@@ -31,12 +31,7 @@ from toothspace.gearing.closest_points import (
     project,
     refined,
 )
-from toothspace.gearing.tooth import (
-    Flank,
-    flank_curvature,
-    flank_length,
-    flank_swept_area,
-)
+from toothspace.gearing.tooth import Flank, flank_curvature, flank_length, flank_swept_area
 
 _STEP = 2e-5
 _COLUMNS = 23
@@ -359,13 +354,7 @@ def _throat_rows(drive: Flank, driven: Flank, mesh: Mesh, angles: Array) -> Arra
 
 @inlined
 def _velocities(
-    drive: Flank,
-    driven: Flank,
-    mesh: Mesh,
-    window: Window,
-    angle: float,
-    near: Closest,
-    row: Array,
+    drive: Flank, driven: Flank, mesh: Mesh, window: Window, angle: float, near: Closest, row: Array
 ) -> None:
     after1, after2 = _placements(drive, mesh, angle + _STEP)
     before1, before2 = _placements(drive, mesh, angle - _STEP)

@@ -78,13 +78,7 @@ from toothspace.model.lateral_table import LOAD_STATES
 from toothspace.model.ledger import FRICTION_MECHANISMS, GAS_MASS, MASS, PORT_NODES, THROTTLING
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.path_category import PathCategory
-from toothspace.model.paths import (
-    by_kind,
-    circuit_orifices,
-    load_orifice,
-    path_arrays,
-    path_tables,
-)
+from toothspace.model.paths import by_kind, circuit_orifices, load_orifice, path_arrays, path_tables
 from toothspace.model.quasi_static import bush_positions
 from toothspace.model.tables import OPEN, make_members, pack_tables
 from toothspace.model.walls import wall_volume
@@ -340,10 +334,7 @@ def _drive(
 
 
 def _nodes(
-    description: MachineDescription,
-    fluid: FluidLaw,
-    condition: OperatingCondition,
-    sizes: Sizes,
+    description: MachineDescription, fluid: FluidLaw, condition: OperatingCondition, sizes: Sizes
 ) -> Array:
     node = np.zeros((sizes.nodes, NODE_COLUMNS))
     ports = node[sizes.chambers : sizes.chambers + len(PORT_NODES)]

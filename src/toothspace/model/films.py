@@ -37,9 +37,7 @@ class JournalData:
 
 
 def journal_data(
-    description: MachineDescription,
-    free: list[int],
-    bush: Mapping[str, tuple[float, float]],
+    description: MachineDescription, free: list[int], bush: Mapping[str, tuple[float, float]]
 ) -> JournalData:
     """Collect the data of the bearings whose bodies are free to move."""
     journals = [j for j in description.journals if j.body in bush]

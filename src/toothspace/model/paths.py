@@ -89,9 +89,7 @@ def _path_table(path: FlowPath, geometry: PeriodicTable, motion_map: Array) -> P
 
 
 def path_arrays(
-    description: MachineDescription,
-    paths: Sequence[FlowPath],
-    categories: Sequence[PathCategory],
+    description: MachineDescription, paths: Sequence[FlowPath], categories: Sequence[PathCategory]
 ) -> dict[str, Any]:
     """Integer and real columns of every path as compiled code reads them, first of each kind."""
     counts = [path.count for path in paths]

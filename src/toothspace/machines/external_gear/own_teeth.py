@@ -15,7 +15,7 @@ from typing import final
 import numpy as np
 
 from toothspace.core.errors import GeometryError
-from toothspace.core.types import Array, IntArray
+from toothspace.core.types import Array
 from toothspace.gearing.mesh_split import Throats
 from toothspace.gearing.meshing import LARGEST_OVERLAP, driven_lever, overlap_error
 from toothspace.gearing.numbering import FULL_TURN, Numbering
@@ -142,7 +142,13 @@ def own_teeth(
     ahead = (phases * spaces[0].angles.size / FULL_TURN for phases in numbering.space_phases)
     shifts = [np.rint(nodes).astype(np.int64) for nodes in ahead]
     loaded = 0 if assembly.loaded_is_left else 1
-    turn = _turn(throats[loaded], lost[loaded], levers[loaded], shifts[0])
+    side, lever = throats[loaded], levers[loaded]
+    touching = side.weight >= 1.0
+    sign = float(np.sign(lever[touching][0]))
+    safe = np.where(touching, lever, 1.0)
+    needed = np.where(touching, (lost[loaded] - side.gap) / safe, -sign * np.inf)
+    over_shaft = [np.roll(row, -shift) for row, shift in zip(needed, shifts[0], strict=True)]
+    turn = sign * np.max(sign * np.array(over_shaft), axis=0)
     at_nodes = [np.array([np.roll(turn, shift) for shift in own]) for own in shifts]
     left, right = (
         side.gap + np.where(side.weight > 0.0, lever * at_nodes[0] - narrowed, 0.0)
@@ -205,14 +211,6 @@ def _narrowed(
         drive = flanks[0].at(flank, _measured(0, k + (1 if flank == 0 else 0), count), near)
         rows.append(np.asarray(drive + flanks[1].at(flank, _measured(1, k, count), far)))
     return np.array(rows)
-
-
-def _turn(side: Throats, lost: Array, lever: Array, shifts: IntArray) -> Array:
-    complete = side.weight >= 1.0
-    sign = float(np.sign(lever[complete][0]))
-    needed = np.where(complete, (lost - side.gap) / np.where(complete, lever, 1.0), -sign * np.inf)
-    over_shaft = np.array([np.roll(row, -shift) for row, shift in zip(needed, shifts, strict=True)])
-    return np.asarray(sign * np.max(sign * over_shaft, axis=0))
 
 
 def _sections(

@@ -41,19 +41,10 @@ _SPEED_NODES = 2
 _MOST_KINDS = 12
 
 COLUMNS = (
-    "outer_angle[rad]",
-    "gap[m]",
-    "gap_rate[m/rad]",
-    "normal_x[-]",
-    "normal_y[-]",
-    "point_x[m]",
-    "point_y[m]",
-    "lever[m]",
-    "radius_inner[m]",
-    "radius_outer[m]",
-    "sliding[m/rad]",
+    "outer_angle[rad]", "gap[m]", "gap_rate[m/rad]", "normal_x[-]", "normal_y[-]", "point_x[m]",
+    "point_y[m]", "lever[m]", "radius_inner[m]", "radius_outer[m]", "sliding[m/rad]",
     "rolling_sum[m/rad]",
-)
+)  # fmt: skip
 """Columns of the exported table; angle, rate and speeds per angle of the outer rotor."""
 
 
