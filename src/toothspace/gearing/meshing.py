@@ -159,9 +159,7 @@ def facing_throats(teeth: tuple[Tooth, Tooth], mesh: Mesh, is_left: bool, angles
 def driven_lever(side: Throats, mesh: Mesh) -> Array:
     """Derivative of the gap with respect to the driven gear's right-handed rotation. [m/rad]."""
     x, y = side.driven.point.T
-    return np.asarray(
-        -side.normal[:, 0] * (y - mesh.center_distance) + side.normal[:, 1] * x, dtype=float
-    )
+    return np.asarray(side.normal[:, 1] * x - side.normal[:, 0] * (y - mesh.center_distance))
 
 
 def smallest_gap(teeth: tuple[Tooth, Tooth], mesh: Mesh, is_left: bool) -> tuple[float, float]:

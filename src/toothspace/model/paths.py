@@ -34,12 +34,11 @@ def load_orifice(node: int, load: int, area: float) -> FlowPath:
 
 def circuit_orifices(circuit: CircuitNetwork, places: Mapping[str, int]) -> tuple[FlowPath, ...]:
     """Return the orifices of a circuit as flow paths."""
-    return tuple(
-        _orifice(
-            f"circuit_orifice_{k}", CIRCUIT_ORIFICE, (places[o.node_a], places[o.node_b]), o.area
-        )
-        for k, o in enumerate(circuit.orifices)
-    )
+    found = []
+    for k, orifice in enumerate(circuit.orifices):
+        ends = places[orifice.node_a], places[orifice.node_b]
+        found.append(_orifice(f"circuit_orifice_{k}", CIRCUIT_ORIFICE, ends, orifice.area))
+    return tuple(found)
 
 
 def _orifice(name: str, category: PathCategory, ends: tuple[int, int], area: float) -> FlowPath:

@@ -206,15 +206,9 @@ def _name_port(
     within = f"port_{port}" in description.outlines
     light = within or float(np.dot(colour[:3], (0.3, 0.6, 0.1))) > 0.5
     far = far + 0.5 * wall if within else far
-    axes.text(
-        (-far if left else far) * _MM,
-        0.5 * (low + high) * _MM,
-        port,
-        ha="left" if left != within else "right",
-        va="center",
-        fontsize=8,
-        color=INK if light else "white",
-    )
+    x, y = (-far if left else far) * _MM, 0.5 * (low + high) * _MM
+    side, ink = "left" if left != within else "right", INK if light else "white"
+    axes.text(x, y, port, ha=side, va="center", fontsize=8, color=ink)
 
 
 def _draw_bodies(axes: Axes, description: MachineDescription, shaft_angle: float) -> None:

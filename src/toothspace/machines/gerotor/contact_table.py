@@ -235,10 +235,7 @@ def _rolling(rotors: Rotors, columns: dict[str, Array], closed: bool, nodes: int
     along = -moved[:, 0] * normal[:, 1] + moved[:, 1] * normal[:, 0]
     arm = columns["inner_point"] + [0.0, rotors.eccentricity]
     speeds = np.sum((point + rotors.turns * arm) * normal, axis=1)
-    return np.asarray(
-        np.maximum(np.abs(speeds - 2.0 * along), _RADIUS_RANGE[0] * rotors.eccentricity),
-        dtype=float,
-    )
+    return np.maximum(np.abs(speeds - 2.0 * along), _RADIUS_RANGE[0] * rotors.eccentricity)
 
 
 def export_contacts(path: Path, contacts: tuple[LobeContact, ...]) -> None:
