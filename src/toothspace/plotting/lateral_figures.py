@@ -32,21 +32,26 @@ class StudyFigure:
 
 def hysteresis_figures(data: xr.Dataset) -> list[StudyFigure]:
     """Return loops of position, film, leakage and torque, and maps of the films."""
-    caption = (
+    positions = (
+        "Position of the bearing, mean film, leakage and torque loss beside the gears over "
+        "the outlet pressure: full line up, broken line down."
+    )
+    contact = (
         "Smallest film, load that asperities carry, largest wear indicator and friction in the "
         "housing: full line up, broken line down."
     )
-    return [
-        StudyFigure(
-            "positions",
-            "Position of the bearing, mean film, leakage and torque loss beside the gears over "
-            "the outlet pressure: full line up, broken line down.",
-            loops(data),
-        ),
-        StudyFigure("contact", caption, loops(data, CONTACT_PANELS)),
-        *_friction(data),
-        *film_figures(data),
+    found = [
+        StudyFigure("positions", positions, loops(data)),
+        StudyFigure("contact", contact, loops(data, CONTACT_PANELS)),
     ]
+    if "friction_curve_force_N" in data:
+        caption = (
+            "Friction in the housing over the velocity of the bearing at the point with the "
+            "largest one: other coefficients (left), other breakaway speeds (right). Dotted: the "
+            "set-valued law, which holds the bearing at rest up to the breakaway force."
+        )
+        found.append(StudyFigure("friction_law", caption, friction_lines(data)))
+    return [*found, *film_figures(data)]
 
 
 def film_figures(data: xr.Dataset) -> list[StudyFigure]:
@@ -66,17 +71,6 @@ def film_figures(data: xr.Dataset) -> list[StudyFigure]:
         )
         found.append(StudyFigure("wear", caption, point_maps(data, WEAR)))
     return found
-
-
-def _friction(data: xr.Dataset) -> list[StudyFigure]:
-    if "friction_curve_force_N" not in data:
-        return []
-    caption = (
-        "Friction in the housing over the velocity of the bearing at the point with the largest "
-        "one: other coefficients (left), other breakaway speeds (right). Dotted: the set-valued "
-        "law, which holds the bearing at rest up to the breakaway force."
-    )
-    return [StudyFigure("friction_law", caption, friction_lines(data))]
 
 
 def nose_figures(data: xr.Dataset) -> list[StudyFigure]:

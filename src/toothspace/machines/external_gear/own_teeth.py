@@ -184,12 +184,8 @@ def _flanks(gear: Gear, profile: GearProfile) -> _Flanks:
     height = np.zeros((2, count, len(radius)))
     if given is not None and profile.involute is not None:
         roll = np.sqrt(np.maximum(radius**2 - profile.involute.base_radius**2, 0.0))
-        height = np.array(
-            [
-                [np.interp(roll, given.roll_length, row) for row in side]
-                for side in (given.left, given.right)
-            ]
-        )
+        for side, rows in enumerate((given.left, given.right)):
+            height[side] = [np.interp(roll, given.roll_length, row) for row in rows]
     step = np.hypot(*np.diff(outline, axis=0).T)
     slices = 0.5 * (height[..., 1:] + height[..., :-1]) * step
     section = np.concatenate([np.zeros((2, count, 1)), np.cumsum(slices, axis=-1)], axis=-1)
