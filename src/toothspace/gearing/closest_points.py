@@ -11,12 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toothspace.core.compiled import inlined
-from toothspace.gearing.tooth import (
-    Flank,
-    flank_length,
-    flank_point,
-    flank_tangent,
-)
+from toothspace.gearing.tooth import Flank, flank_length, flank_point, flank_tangent
 
 FREE, FIRST_AT_CORNER, SECOND_AT_CORNER = 0, 1, 2
 """How the closest points lie: common normal, or one of them at its flank's tip corner."""

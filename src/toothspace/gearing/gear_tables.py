@@ -36,15 +36,9 @@ CONTOUR_SUFFIXES = (".txt", ".csv", ".dxf")
 GROOVE_DEPTH = 1.5e-3
 """Depth of a groove where none is given. [m]"""
 TOOTH_KEYS = (
-    "tooth_count",
-    "module",
-    "pressure_angle",
-    "profile_shift",
-    "dedendum",
-    "tool_tip_radius",
-    "tip_diameter",
-    "tip_rounding",
-)
+    "tooth_count", "module", "pressure_angle", "profile_shift", "dedendum", "tool_tip_radius",
+    "tip_diameter", "tip_rounding",
+)  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)

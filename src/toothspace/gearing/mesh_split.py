@@ -31,12 +31,7 @@ from toothspace.gearing.closest_points import (
     project,
     refined,
 )
-from toothspace.gearing.tooth import (
-    Flank,
-    flank_curvature,
-    flank_length,
-    flank_swept_area,
-)
+from toothspace.gearing.tooth import Flank, flank_curvature, flank_length, flank_swept_area
 
 _STEP = 2e-5
 _COLUMNS = 23
@@ -262,22 +257,10 @@ def _ends(
     corner1 = first.angle - 0.5 * np.pi + drive.corner_angle
     corner2 = -(second.angle + 0.5 * np.pi) - driven.corner_angle
     cusp = (cusp_x, cusp_y)
-    in1 = _inward(
-        drive,
-        first,
-        cusp,
-        drive.tip_radius * (sign * corner1 - mesh.lens_drive),
-        near.first,
-        progress,
-    )
-    in2 = _inward(
-        driven,
-        second,
-        cusp,
-        driven.tip_radius * (sign * corner2 - mesh.lens_driven),
-        near.second,
-        progress,
-    )
+    excess1 = drive.tip_radius * (sign * corner1 - mesh.lens_drive)
+    excess2 = driven.tip_radius * (sign * corner2 - mesh.lens_driven)
+    in1 = _inward(drive, first, cusp, excess1, near.first, progress)
+    in2 = _inward(driven, second, cusp, excess2, near.second, progress)
     along1, along2 = corner1, corner2
     if in1 >= 0.0:
         x1, y1 = placed_point(drive, first, flank_length(drive) - in1)
@@ -359,13 +342,7 @@ def _throat_rows(drive: Flank, driven: Flank, mesh: Mesh, angles: Array) -> Arra
 
 @inlined
 def _velocities(
-    drive: Flank,
-    driven: Flank,
-    mesh: Mesh,
-    window: Window,
-    angle: float,
-    near: Closest,
-    row: Array,
+    drive: Flank, driven: Flank, mesh: Mesh, window: Window, angle: float, near: Closest, row: Array
 ) -> None:
     after1, after2 = _placements(drive, mesh, angle + _STEP)
     before1, before2 = _placements(drive, mesh, angle - _STEP)

@@ -159,9 +159,7 @@ def facing_throats(teeth: tuple[Tooth, Tooth], mesh: Mesh, is_left: bool, angles
 def driven_lever(side: Throats, mesh: Mesh) -> Array:
     """Derivative of the gap with respect to the driven gear's right-handed rotation. [m/rad]."""
     x, y = side.driven.point.T
-    return np.asarray(
-        -side.normal[:, 0] * (y - mesh.center_distance) + side.normal[:, 1] * x, dtype=float
-    )
+    return np.asarray(side.normal[:, 1] * x - side.normal[:, 0] * (y - mesh.center_distance))
 
 
 def smallest_gap(teeth: tuple[Tooth, Tooth], mesh: Mesh, is_left: bool) -> tuple[float, float]:
@@ -237,19 +235,15 @@ def path_of_contact(gears: MeshedGears) -> tuple[float, float]:
     pitch = 2.0 * mesh.half_pitch
     reach = mesh.lens_drive + 2.0 * pitch
     angles = np.linspace(-reach, reach, _SAMPLES)
-    gap = _complete_gap(facing_throats(gears.teeth, mesh, gears.loaded_is_left, angles))
-    neighbours = [
-        _complete_gap(facing_throats(gears.teeth, mesh, gears.loaded_is_left, angles + shift))
-        for shift in (-pitch, pitch)
+    sides = [
+        facing_throats(gears.teeth, mesh, gears.loaded_is_left, angles + shift)
+        for shift in (0.0, -pitch, pitch)
     ]
+    gap, *neighbours = (np.where(side.weight >= 1.0, side.gap, _NO_THROAT) for side in sides)
     least = np.minimum(gap, np.minimum(*neighbours))
     tolerance = CONTACT_TOLERANCE * abs(mesh.pitch_radii[0])
     touching = angles[(gap < _NO_THROAT) & (gap <= least + tolerance)]
     return float(touching[0]), float(touching[-1])
-
-
-def _complete_gap(side: Throats) -> Array:
-    return np.where(side.weight >= 1.0, side.gap, _NO_THROAT)
 
 
 def load_share(gears: MeshedGears, angles: Array) -> Array:

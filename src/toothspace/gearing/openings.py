@@ -6,7 +6,6 @@ from collections.abc import Mapping
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from toothspace.core.types import Array
 from toothspace.gearing.outlines import space_outlines
@@ -111,20 +110,14 @@ def groove_openings(
     for name, groove in polygons.items():
         table = np.zeros((spaces.angles.size, 2))
         overlap = shapely.intersection(shapes, shapely.Polygon(groove))
-        table[near] = _opening(overlap, depth)
+        bounds = np.nan_to_num(shapely.bounds(overlap))
+        there = shapely.area(overlap) > _LEAST_AREA
+        area, perimeter = shapely.area(overlap)[there], shapely.length(overlap)[there]
+        passage = depth * (bounds[there, 3] - bounds[there, 1])
+        series = area * passage / np.hypot(area, passage)
+        table[near[there]] = np.column_stack([series, 4.0 * area / perimeter])
         found[name] = table
     return found
-
-
-def _opening(overlap: NDArray[np.object_], depth: float) -> Array:
-    area, perimeter = shapely.area(overlap), shapely.length(overlap)
-    bounds = np.nan_to_num(shapely.bounds(overlap))
-    channel = depth * (bounds[:, 3] - bounds[:, 1])
-    there = area > _LEAST_AREA
-    safe, passage = np.where(there, area, 1.0), np.where(there, channel, 1.0)
-    series = safe * passage / np.hypot(safe, passage)
-    diameter = 4.0 * safe / np.where(there, perimeter, 1.0)
-    return np.column_stack([np.where(there, series, 0.0), np.where(there, diameter, 0.0)])
 
 
 def _reach(spaces: Spaces, groove: Array) -> float:

@@ -119,9 +119,8 @@ class RingGear:
 
     def _fillet(self, u: Array) -> Array:
         form, rounding = self.form, self.space.tip_rounding
-        start = polar(
-            np.array([form.tip_form_radius]), np.asarray(self.half_angle(form.tip_form_radius))
-        )[0]
+        end = np.array([form.tip_form_radius])
+        start = polar(end, np.asarray(self.half_angle(end)))[0]
         turn = np.pi / self.tooth_count - form.tip_half_angle
         center = polar(self.root_radius - rounding, np.array([turn]))[0]
         first = float(np.arctan2(*(start - center)[::-1]))

@@ -155,17 +155,10 @@ def area_by_motion(spaces: Spaces) -> Array:
     other = wall_ends(spaces, spaces.left, False), wall_ends(spaces, spaces.right, False)
     drive, driven = (own, other) if spaces.is_drive else (other, own)
     center = np.array([0.0, spaces.mesh.center_distance])
-    turned = -0.5 * (_square(driven[1] - center) - _square(driven[0] - center))
-    return np.column_stack([*_translation(*drive), *_translation(*driven), turned])
-
-
-def _translation(start: Array, end: Array) -> tuple[Array, Array]:
-    return end[:, 1] - start[:, 1], start[:, 0] - end[:, 0]
+    near, far = (np.sum((end - center) ** 2, axis=1) for end in driven)
+    (drive_x, drive_y), (driven_x, driven_y) = ((end - start).T for start, end in (drive, driven))
+    return np.column_stack([drive_y, -drive_x, driven_y, -driven_x, -0.5 * (far - near)])
 
 
 def _cross(a: Array, b: Array) -> Array:
     return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
-
-
-def _square(a: Array) -> Array:
-    return np.sum(a * a, axis=1)

@@ -78,40 +78,19 @@ CONTACT_COLUMNS = 21
 ) = range(8)  # fmt: skip
 MOTION_COLUMNS = 8
 
-# Columns of ``journal``.
+# Columns of ``journal``; the number of loads with a friction curve and the sense of rotation of
+# a driven body are zero of others, the viscosity is over that of the fluid.
 (
-    MOTION_X,
-    MOTION_Y,
-    BEARINGS,
-    RADIUS,
-    LENGTH,
-    JOURNAL_CLEARANCE,
-    SPEED_RATIO,
-    BUSH_X,
-    BUSH_Y,
-    BOUNDARY_FRICTION,
-    ROTATION,
-    FILM_MAP,
-    FILM_X,
-    FILM_Y,
-    CURVES,  # loads with a friction curve, zero without
-    DRIVEN_SENSE,  # sense of rotation of a driven body, zero of any other
-    JOURNAL_VISCOSITY,  # over that of the fluid
-) = range(17)
+    MOTION_X, MOTION_Y, BEARINGS, RADIUS, LENGTH, JOURNAL_CLEARANCE, SPEED_RATIO, BUSH_X, BUSH_Y,
+    BOUNDARY_FRICTION, ROTATION, FILM_MAP, FILM_X, FILM_Y, CURVES, DRIVEN_SENSE, JOURNAL_VISCOSITY,
+) = range(17)  # fmt: skip
 JOURNAL_COLUMNS = 17
 
-# Columns of ``friction_curves``, one row per bearing and load
+# Columns of ``friction_curves``, one row per bearing and load; the load is a logarithm.
 (
-    CURVE_LOAD,  # logarithm of the load on one bearing
-    CURVE_BOUNDARY,
-    CURVE_DECAY,
-    CURVE_RISE,
-    CURVE_TRANSITION,
-    CURVE_OFFSET,
-    CURVE_LINE,
-) = range(7)
+    CURVE_LOAD, CURVE_BOUNDARY, CURVE_DECAY, CURVE_RISE, CURVE_TRANSITION, CURVE_OFFSET, CURVE_LINE,
+) = range(7)  # fmt: skip
 CURVE_COLUMNS = 7
-
 
 # Columns of ``drive``: what turns the shaft. Direction is the sense in which friction lets it
 # slide (+1, -1), or zero while it sticks or while its speed is prescribed at zero. Driven are
@@ -130,7 +109,6 @@ DRIVE_COLUMNS = 25
     PARAMETER_3, PARAMETER_4, ELEMENT_FLOW, ELEMENT_BY_A, ELEMENT_BY_B,
 ) = range(12)  # fmt: skip
 ELEMENT_COLUMNS = 12
-ELEMENT_PARAMETERS = 4
 
 
 @passed_by_address

@@ -78,13 +78,7 @@ from toothspace.model.lateral_table import LOAD_STATES
 from toothspace.model.ledger import FRICTION_MECHANISMS, GAS_MASS, MASS, PORT_NODES, THROTTLING
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.path_category import PathCategory
-from toothspace.model.paths import (
-    by_kind,
-    circuit_orifices,
-    load_orifice,
-    path_arrays,
-    path_tables,
-)
+from toothspace.model.paths import by_kind, circuit_orifices, load_orifice, path_arrays, path_tables
 from toothspace.model.quasi_static import bush_positions
 from toothspace.model.tables import OPEN, make_members, pack_tables
 from toothspace.model.walls import wall_volume
@@ -92,7 +86,6 @@ from toothspace.numerics.ndf_types import FROM_STATE
 from toothspace.numerics.periodic_table import PeriodicTable, stack_tables
 from toothspace.numerics.roots import root_between
 
-_CONTACT_COLUMNS = 7
 _SLOWEST_SPEED = 1.0
 
 
@@ -142,7 +135,10 @@ def assemble(
 ) -> System:
     """Build the arrays of a machine at a condition."""
     free = _free_motions(description, condition)
-    motion_map = _motion_map(description, condition, free)
+    mesh = rigid_mesh(description, condition)
+    motion_map = np.ascontiguousarray(np.eye(len(description.motions))[:, free])
+    if mesh:
+        motion_map[mesh.motion] = np.asarray(mesh.coefficients)[free]
     paths = description.paths
     places = node_places(description, condition)
     if condition.load_area > 0.0:
@@ -211,11 +207,10 @@ def assemble(
         **_work(sizes),
     )
     arrays.contact[:, CONTACT_STATE:] = contacts.data
-    pattern, basis = _pattern(arrays), _basis(arrays)
+    pattern = _pattern(arrays)
     _join_circuit(arrays, pattern)
-    return System(
-        description, condition, arrays, pattern, basis, tuple(free), motion_map, categories
-    )
+    moving, basis = tuple(free), _basis(arrays)
+    return System(description, condition, arrays, pattern, basis, moving, motion_map, categories)
 
 
 def _free_motions(description: MachineDescription, condition: OperatingCondition) -> list[int]:
@@ -230,18 +225,6 @@ def _free_motions(description: MachineDescription, condition: OperatingCondition
         if k != tied and (turning or (held_radially and condition.radial_motion)):
             free.append(k)
     return free
-
-
-def _motion_map(
-    description: MachineDescription, condition: OperatingCondition, free: list[int]
-) -> Array:
-    mesh = rigid_mesh(description, condition)
-    matrix = np.zeros((len(description.motions), len(free)))
-    for column, k in enumerate(free):
-        matrix[k, column] = 1.0
-        if mesh:
-            matrix[mesh.motion, column] = mesh.coefficients[k]
-    return matrix
 
 
 def _sizes(
@@ -351,10 +334,7 @@ def _drive(
 
 
 def _nodes(
-    description: MachineDescription,
-    fluid: FluidLaw,
-    condition: OperatingCondition,
-    sizes: Sizes,
+    description: MachineDescription, fluid: FluidLaw, condition: OperatingCondition, sizes: Sizes
 ) -> Array:
     node = np.zeros((sizes.nodes, NODE_COLUMNS))
     ports = node[sizes.chambers : sizes.chambers + len(PORT_NODES)]
@@ -416,7 +396,10 @@ def _pattern(arrays: SystemArrays) -> BoolArray:
     for j, index in enumerate(arrays.path_index):
         a = int(index[NODE_A])
         moved = _moved(arrays, int(arrays.paths.table[j]), HEIGHT_BY_MOTION)
-        for b in _partners(index):
+        first, count = int(index[NODE_B]), 1
+        if index[PARTNER_SHIFT] != 0:
+            first, count = int(index[FAMILY_FIRST]), int(index[FAMILY_COUNT])
+        for b in range(first, first + count):
             pattern[np.ix_([*rows[a], *rows[b]], [*columns[a], *columns[b], *moved])] = True
     for d in range(size.dynamic):
         pattern[size.gas + d, size.mass + d] = True
@@ -480,16 +463,6 @@ def _rows(arrays: SystemArrays, node: int) -> list[int]:
     return [port + MASS, port + GAS_MASS]
 
 
-def _partners(index: IntArray) -> list[int]:
-    if index[PARTNER_SHIFT] == 0:
-        return [int(index[NODE_B])]
-    first, count = int(index[FAMILY_FIRST]), int(index[FAMILY_COUNT])
-    return list(range(first, first + count))
-
-
-_TOLERANCE = 1e-14
-
-
 def inlet_gas_fraction(pressure: float, residence_time: float, law: FluidLaw) -> float:
     """Mass fraction of free gas of the fluid that enters the machine.
 
@@ -515,4 +488,4 @@ def inlet_gas_fraction(pressure: float, residence_time: float, law: FluidLaw) ->
     highest = 1.1 * law.total_gas_mass_fraction + law.nuclei_mass_fraction
     if excess(0.0) <= 0.0 or excess(highest) >= 0.0:
         return feed
-    return root_between(excess, 0.0, highest, _TOLERANCE * highest)
+    return root_between(excess, 0.0, highest, 1e-14 * highest)

@@ -170,11 +170,7 @@ def add_asperity_force(s: SystemArrays, j: int, ex: float, ey: float) -> None:
 
 @kernel
 def hold_back(
-    s: SystemArrays,
-    state: Array,
-    j: int,
-    place: tuple[float, float],
-    force: tuple[float, ...],
+    s: SystemArrays, state: Array, j: int, place: tuple[float, float], force: tuple[float, ...]
 ) -> None:
     """Friction torque of one bearing on a body that turns on its own, with derivatives."""
     journal = s.journal

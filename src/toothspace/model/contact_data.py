@@ -85,9 +85,7 @@ def held_by_contacts(description: MachineDescription, condition: OperatingCondit
 
 
 def contact_parts(
-    description: MachineDescription,
-    condition: OperatingCondition,
-    motion_map: Array,
+    description: MachineDescription, condition: OperatingCondition, motion_map: Array
 ) -> ContactParts:
     """Collect the arrays of all contacts that carry load."""
     contacts = loaded_contacts(description, condition)

@@ -386,17 +386,11 @@ class MachineDescription:
 
     def to_dataset(self) -> xr.Dataset:
         """Collect all tables over their angles, outlines and summary in one dataset."""
-        numbers = {
-            key: float(value)
-            for key, value in self.geometry_summary.items()
-            if isinstance(value, int | float)
-        }
-        attributes: dict[str, str | float] = {
-            "machine": self.name,
-            "mode": self.mode,
-            "displacement": self.displacement,
-            **numbers,
-        }
+        attributes: dict[str, str | float] = {"machine": self.name, "mode": self.mode}
+        attributes["displacement"] = self.displacement
+        for key, value in self.geometry_summary.items():
+            if isinstance(value, int | float):
+                attributes[key] = float(value)
         return tables_dataset(self.angle_tables(), self.outlines, attributes)
 
     def angle_tables(self) -> list[AngleTable]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 from typing import Any, final
 
 import numpy as np
@@ -36,14 +37,14 @@ class JournalData:
 
 
 def journal_data(
-    description: MachineDescription,
-    free: list[int],
-    bush: Mapping[str, tuple[float, float]],
+    description: MachineDescription, free: list[int], bush: Mapping[str, tuple[float, float]]
 ) -> JournalData:
     """Collect the data of the bearings whose bodies are free to move."""
     journals = [j for j in description.journals if j.body in bush]
     maps, places = _film_maps(journals)
     bodies = {body.name: body for body in description.bodies}
+    turning = ((place, description.motions[k]) for place, k in enumerate(free))
+    rotations = {motion.body: place for place, motion in turning if motion.axis == "rotation"}
     span = max((1.0 + 4.0 * j.roughness / j.radial_clearance for j in journals), default=1.0)
     rows = [
         (
@@ -56,7 +57,7 @@ def journal_data(
             bodies[j.body].speed_ratio,
             *bush[j.body],
             j.boundary_friction,
-            _rotation(description, free, j.body),
+            rotations.get(j.body, -1),
             place,
             0.0,
             0.0,
@@ -93,17 +94,12 @@ def _film_maps(journals: list[LumpedJournalBearing]) -> tuple[list[JournalMap], 
     """Different film maps, and which of them each bearing uses."""
     maps: dict[Any, JournalMap] = {}
     for journal in journals:
-        key = _map_key(journal)
-        if key in maps:
-            continue
         shape = _journal_map(_slenderness(journal))
         if journal.solved is not None:
             shape = shape._replace(nodes=journal.solved.force_nodes)
-        maps[key] = shape
-    keys = list(maps)
-    return list(maps.values()) or [_journal_map(1.0)], [
-        keys.index(_map_key(journal)) for journal in journals
-    ]
+        maps[_map_key(journal)] = shape
+    places = [list(maps).index(_map_key(journal)) for journal in journals]
+    return list(maps.values()) or [_journal_map(1.0)], places
 
 
 @lru_cache(maxsize=8)
@@ -122,15 +118,6 @@ def _slenderness(journal: LumpedJournalBearing) -> float:
     if journal.end_condition == "no_flow":
         return LONG
     return round(journal.length / journal.diameter, 9)
-
-
-def _rotation(description: MachineDescription, free: list[int], body: str) -> int:
-    """Place of a body's rotation among the free motions, or -1."""
-    for place, k in enumerate(free):
-        motion = description.motions[k]
-        if motion.body == body and motion.axis == "rotation":
-            return place
-    return -1
 
 
 def _asperity_tables(journal: LumpedJournalBearing, span: float) -> tuple[Array, Array, Array]:
@@ -202,14 +189,10 @@ def lateral_torque_coefficient(description: MachineDescription) -> float:
 def lateral_asperity_share(description: MachineDescription) -> float:
     """Part of the lateral film torque at the shaft that touching asperities cause. [-]."""
     ratio = {body.name: body.speed_ratio for body in description.bodies}
-    parts = np.array(
-        [
-            (ratio[f.body] ** 2 * f.faces * lateral_face_torque(f), f.asperity_share)
-            for f in description.laterals
-        ]
-    ).reshape(-1, 2)
-    total = float(parts[:, 0].sum())
-    return float(parts.prod(axis=1).sum()) / total if total > 0.0 else 0.0
+    films = description.laterals
+    torques = [ratio[film.body] ** 2 * film.faces * lateral_face_torque(film) for film in films]
+    touching = sum(t * film.asperity_share for t, film in zip(torques, films, strict=True))
+    return touching / sum(torques) if sum(torques) > 0.0 else 0.0
 
 
 def lateral_drag(description: MachineDescription) -> dict[str, float]:
@@ -224,10 +207,9 @@ def lateral_face_torque(film: LumpedLateralFilm) -> float:
     """Torque of the film on one face per viscosity and speed of the body. [m3]."""
     if film.drag is not None:
         return film.viscosity_ratio * film.drag
-    full = lateral_film_torque(
-        1.0, 1.0, film.inner_radius, film.root_radius, film.height, film.tilt
-    )
-    ring = lateral_film_torque(
-        1.0, 1.0, film.root_radius, film.outer_radius, film.height, film.tilt
+    radii = film.inner_radius, film.root_radius, film.outer_radius
+    full, ring = (
+        lateral_film_torque(1.0, 1.0, low, high, film.height, film.tilt)
+        for low, high in pairwise(radii)
     )
     return float(film.viscosity_ratio * (full + film.tooth_area_fraction * ring))

@@ -105,16 +105,6 @@ def _linear(table: Mapping[str, Any], temperature: float) -> float:
     return float(table["at_20_degC"] + table["per_kelvin"] * (temperature - 20.0 - ZERO_CELSIUS))
 
 
-def _vapour_pressure(table: Mapping[str, Any], temperature: float) -> float:
-    law = clausius_clapeyron_pressure(
-        temperature,
-        table["pressure"],
-        table["at_degC"] + ZERO_CELSIUS,
-        table["evaporation_temperature"],
-    )
-    return float(max(law, table["floor"]))
-
-
 def library_liquid(name: str, temperature: float) -> LiquidState:
     """Return the properties of a library fluid at a temperature.
 
@@ -137,20 +127,21 @@ def library_liquid(name: str, temperature: float) -> LiquidState:
         allowed = f"{low:g} to {high:g} degC for {name}"
         raise CaseError(f"fluid.temperature: found {celsius:g} degC, allowed {allowed}")
     density = float(table["density"]["intercept"] + table["density"]["slope"] * temperature)
-    modulus, slope = (
-        _linear(table["bulk_modulus"], temperature),
-        table["bulk_modulus"]["per_pressure"],
-    )
+    modulus = _linear(table["bulk_modulus"], temperature)
+    slope = table["bulk_modulus"]["per_pressure"]
     a = 1.0 / modulus
     state = (density, a, 0.5 * a * (slope - 1.0))
     viscosity, barus = _viscosity_pair(table["viscosity"], temperature, state)
+    vapour = table["vapour"]
+    known = vapour["pressure"], vapour["at_degC"] + ZERO_CELSIUS
+    boiling = clausius_clapeyron_pressure(temperature, *known, vapour["evaporation_temperature"])
     return LiquidState(
         density=density,
         bulk_modulus=modulus,
         bulk_modulus_slope=slope,
         dynamic_viscosity=viscosity,
         pressure_viscosity=barus,
-        vapour_pressure=_vapour_pressure(table["vapour"], temperature),
+        vapour_pressure=float(max(boiling, vapour["floor"])),
         specific_heat_capacity=_linear(table["thermal"], temperature),
         dissolved_air_fraction=float(table["air"]["dissolved_fraction"]),
     )

@@ -23,12 +23,7 @@ from toothspace.core.frozen import Columns
 from toothspace.core.types import Array
 from toothspace.core.units import compatible, to_si
 
-REQUIRED = {
-    "temperature": "K",
-    "pressure": "Pa",
-    "density": "kg/m^3",
-    "dynamic_viscosity": "Pa s",
-}
+REQUIRED = {"temperature": "K", "pressure": "Pa", "density": "kg/m^3", "dynamic_viscosity": "Pa s"}
 """Columns that a table must have, and the unit they are read in."""
 
 OPTIONAL = {"vapour_pressure": "Pa", "specific_heat_capacity": "J/(kg K)"}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import takewhile
 from typing import NamedTuple
 
 import numpy as np
@@ -26,20 +27,14 @@ _SAMPLES = 16
 
 def with_lateral_leakage(description: MachineDescription, factor: float) -> MachineDescription:
     """Raise the lateral and drain gaps so that they leak by a factor more. [-]."""
-    paths = tuple(
-        replace(p, geometry=_scaled(p.geometry, factor ** (1.0 / 3.0)))
-        if p.category in LATERAL_PATHS
-        else p
-        for p in description.paths
-    )
-    return replace(description, paths=paths)
-
-
-def _scaled(table: PeriodicTable, factor: float) -> PeriodicTable:
-    values, slopes = table.values.copy(), table.slopes.copy()
-    values[:, 0] *= factor
-    slopes[:, 0] *= factor
-    return PeriodicTable(table.period, values, slopes)
+    scale = np.array([factor ** (1.0 / 3.0), 1.0, 1.0])
+    paths = list(description.paths)
+    for k, path in enumerate(paths):
+        if path.category in LATERAL_PATHS:
+            table = path.geometry
+            raised = PeriodicTable(table.period, table.values * scale, table.slopes * scale)
+            paths[k] = replace(path, geometry=raised)
+    return replace(description, paths=tuple(paths))
 
 
 def chamber_pressures(
@@ -128,11 +123,8 @@ def load_table(
     Over the table angle of the family, on the nodes of its volume.
     """
     angles, weights = loads
-    first = 0
-    for other in description.families:
-        if other is family:
-            break
-        first += other.count
+    before = takewhile(lambda other: other is not family, description.families)
+    first = sum(other.count for other in before)
     period = family.volume.period
     theta = np.mod(family.phases + family.angle_ratio * angles[:, None], period).ravel()
     own = weights[:, first : first + family.count].reshape(-1, 2)

@@ -264,11 +264,8 @@ def update_flows(s: SystemArrays, speed: float) -> None:
         if carries(s) and path[j, CONDUCTANCE] > 0.0:
             linear = carried_flow(s, j, flow)
             flow, by_pressure = line_of_flow(s, j, linear)
-        path[j, LINE_FLOW], path[j, LINE_DROP], path[j, LINE_SLOPE] = (
-            flow,
-            path[j, DROP],
-            by_pressure,
-        )
+        path[j, LINE_FLOW], path[j, LINE_DROP] = flow, path[j, DROP]
+        path[j, LINE_SLOPE] = by_pressure
         path[j, SENSE] = many * linear + path[j, DRAG] * speed
         path[j, VOLUME_FLOW] = many * flow + path[j, DRAG] * speed
         path[j, FLOW_BY_PRESSURE] = many * by_pressure

@@ -34,12 +34,11 @@ def load_orifice(node: int, load: int, area: float) -> FlowPath:
 
 def circuit_orifices(circuit: CircuitNetwork, places: Mapping[str, int]) -> tuple[FlowPath, ...]:
     """Return the orifices of a circuit as flow paths."""
-    return tuple(
-        _orifice(
-            f"circuit_orifice_{k}", CIRCUIT_ORIFICE, (places[o.node_a], places[o.node_b]), o.area
-        )
-        for k, o in enumerate(circuit.orifices)
-    )
+    found = []
+    for k, orifice in enumerate(circuit.orifices):
+        ends = places[orifice.node_a], places[orifice.node_b]
+        found.append(_orifice(f"circuit_orifice_{k}", CIRCUIT_ORIFICE, ends, orifice.area))
+    return tuple(found)
 
 
 def _orifice(name: str, category: PathCategory, ends: tuple[int, int], area: float) -> FlowPath:
@@ -89,14 +88,18 @@ def _path_table(path: FlowPath, geometry: PeriodicTable, motion_map: Array) -> P
 
 
 def path_arrays(
-    description: MachineDescription,
-    paths: Sequence[FlowPath],
-    categories: Sequence[PathCategory],
+    description: MachineDescription, paths: Sequence[FlowPath], categories: Sequence[PathCategory]
 ) -> dict[str, Any]:
     """Integer and real columns of every path as compiled code reads them, first of each kind."""
     counts = [path.count for path in paths]
     node_a = drain_joined(description, np.concatenate([path.nodes_a for path in paths]))
     node_b = drain_joined(description, np.concatenate([path.nodes_b for path in paths]))
+    family_first, family_count = node_b.copy(), np.ones_like(node_b)
+    start = 0
+    for family in description.families:
+        inside = (node_b >= start) & (node_b < start + family.count)
+        family_first[inside], family_count[inside] = start, family.count
+        start += family.count
     index = np.column_stack(
         [
             np.repeat([_KINDS[path.kind] for path in paths], counts),
@@ -104,7 +107,8 @@ def path_arrays(
             node_a,
             node_b,
             node_b,
-            *_families_of(description, node_b),
+            family_first,
+            family_count,
             np.repeat([path.partner_shift for path in paths], counts),
         ]
     ).astype(np.int64)
@@ -137,14 +141,3 @@ def drain_joined(description: MachineDescription, nodes: IntArray) -> IntArray:
         "external": description.drain_node,
     }[description.drain]
     return np.where(nodes == description.drain_node, target, nodes).astype(np.int64)
-
-
-def _families_of(description: MachineDescription, nodes: IntArray) -> tuple[IntArray, IntArray]:
-    first = np.zeros_like(nodes)
-    count = np.ones_like(nodes)
-    start = 0
-    for family in description.families:
-        inside = (nodes >= start) & (nodes < start + family.count)
-        first[inside], count[inside] = start, family.count
-        start += family.count
-    return first, count

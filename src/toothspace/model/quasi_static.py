@@ -37,7 +37,10 @@ def quasi_static_pressures(
     matrix = np.zeros((nodes, nodes))
     open_length = _OPEN_LENGTH * float(np.cbrt(description.displacement))
     for path in description.paths:
-        _add_path(matrix, path, shaft_angle, open_length)
+        geometry = path.geometry(path.phases + path.angle_ratio * shaft_angle)
+        conductance = path.multiplicity * _conductance(path, geometry, open_length)
+        np.add.at(matrix, (path.nodes_a, path.nodes_b), conductance)
+        np.add.at(matrix, (path.nodes_b, path.nodes_a), conductance)
     chambers = description.chamber_count
     ports = condition.port_pressures(description.drain)
     diagonal = np.diag(matrix[:chambers].sum(axis=1) + 1e-30)
@@ -79,13 +82,6 @@ def mean_force(description: MachineDescription, condition: OperatingCondition) -
             total += pressure[start : start + family.count] @ family.volume_by_motion(angles)
             start += family.count
     return total / _ANGLES
-
-
-def _add_path(matrix: Array, path: FlowPath, shaft_angle: float, open_length: float) -> None:
-    geometry = path.geometry(path.phases + path.angle_ratio * shaft_angle)
-    conductance = path.multiplicity * _conductance(path, geometry, open_length)
-    np.add.at(matrix, (path.nodes_a, path.nodes_b), conductance)
-    np.add.at(matrix, (path.nodes_b, path.nodes_a), conductance)
 
 
 def _conductance(path: FlowPath, geometry: Array, open_length: float) -> Array:

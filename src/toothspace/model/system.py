@@ -66,11 +66,7 @@ from toothspace.model.drive import (
 )
 from toothspace.model.fluid_column import fill_column_rates, fill_column_weights
 from toothspace.model.friction import book_friction, mesh_force
-from toothspace.model.lateral_lookup import (
-    fill_film_rates,
-    fill_film_weights,
-    update_lateral_films,
-)
+from toothspace.model.lateral_lookup import fill_film_rates, fill_film_weights, update_lateral_films
 from toothspace.model.ledger import (
     COUPLING,
     GAS_MASS,

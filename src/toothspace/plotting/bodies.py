@@ -25,9 +25,12 @@ def journal_orbits(solution: Solution, description: MachineDescription | None = 
     for (circle, orbit), body in zip(grid.T, bodies, strict=True):
         position = solution.data["body_position"].sel(body=body)
         x, y = (1e6 * np.asarray(position.sel(axis=axis)) for axis in ("x", "y"))
+        seat = np.zeros(2)
+        if "seat_position" in solution.data:
+            seat = 1e6 * np.asarray(solution.data["seat_position"].sel(body=body, axis=["x", "y"]))
         for journal in () if description is None else description.journals:
             if journal.body == body:
-                _clearance_circle(circle, _seat(solution, body), 1e6 * journal.radial_clearance)
+                _clearance_circle(circle, seat, 1e6 * journal.radial_clearance)
         for axes in (circle, orbit):
             axes.plot(x, y, color=BLUE, linewidth=1.2)
             axes.plot(
@@ -54,12 +57,6 @@ def _clearance_circle(axes: Axes, seat: Array, clearance: float) -> None:
     axes.plot(*seat[:, None], "+", color=GREY, markersize=8)
 
 
-def _seat(solution: Solution, body: str) -> Array:
-    if "seat_position" not in solution.data:
-        return np.zeros(2)
-    return 1e6 * np.asarray(solution.data["seat_position"].sel(body=body, axis=["x", "y"]))
-
-
 def _bodies(solution: Solution, name: str) -> list[str]:
     """Return the bodies that move, or all of them if none does."""
     array = solution.data[name]
@@ -81,7 +78,9 @@ def casing_wear(solution: Solution, description: MachineDescription | None = Non
     for k, (body, color) in enumerate(zip(bodies, CYCLE, strict=False)):
         values = np.asarray(depth.sel(body=body))
         polar = figure.add_subplot(grid[0, k], projection="polar")
-        direction = _casing_direction(solution, body, angle)
+        # from x towards y about the gear's axis; the first gear turns from x to y
+        first = body == str(solution.data["body"].values[0])
+        direction = angle - 0.5 * np.pi if first else 0.5 * np.pi - angle
         closed = np.append(direction, direction[0]), np.append(values, values[0])
         polar.plot(*closed, color=color)
         polar.fill(*closed, color=color, alpha=0.15)
@@ -100,12 +99,6 @@ def casing_wear(solution: Solution, description: MachineDescription | None = Non
     )
     linear.legend(loc="upper right")
     return figure
-
-
-def _casing_direction(solution: Solution, body: str, angle: Array) -> Array:
-    """Direction from the gear's axis, from x towards y; the first gear turns from x to y."""
-    first = body == str(solution.data["body"].values[0])
-    return angle - 0.5 * np.pi if first else 0.5 * np.pi - angle
 
 
 @styled

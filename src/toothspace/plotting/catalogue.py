@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, final
+from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
@@ -25,7 +25,7 @@ from toothspace.results.tooth_contacts import has_tooth_contacts
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    Draw = Callable[[Solution, MachineDescription | None], Figure]
+    Draw = Callable[[Solution, Any], Figure]
 
 
 _TURN = 2.0 * np.pi
@@ -68,21 +68,13 @@ class FigureEntry:
     rotors: bool | None = None
 
 
-def _of_machine(draw: Callable[[Solution, MachineDescription], Figure]) -> Draw:
-    def drawn(solution: Solution, description: MachineDescription | None) -> Figure:
-        assert description is not None
-        return draw(solution, description)
-
-    return drawn
-
-
 FIGURES: tuple[FigureEntry, ...] = (
     FigureEntry(
         "gear_section",
         "Section with the pressure of every tooth space at four angles within one tooth pitch. "
         "Dashed: relief grooves.",
         "pressure",
-        _of_machine(section.gear_section),
+        section.gear_section,
         ("chamber_pressure",),
         needs_machine=True,
         sampled="steady",
@@ -100,7 +92,7 @@ FIGURES: tuple[FigureEntry, ...] = (
         "pocket_cycle",
         "Pressure, volume and open port areas of one pocket over a turn of the outer rotor.",
         "pressure",
-        _of_machine(rotors.pocket_cycle),
+        rotors.pocket_cycle,
         ("chamber_pressure", "chamber_volume", "opening_area"),
         needs_machine=True,
         sampled="turn",
@@ -161,7 +153,7 @@ FIGURES: tuple[FigureEntry, ...] = (
         "Shaft torque over a turn: as it is, and high-pass filtered as measurements are shown, "
         "without what a shaft that whirls adds.",
         "ripple",
-        _of_machine(rotors.torque_ripple),
+        rotors.torque_ripple,
         ("shaft_torque",),
         needs_machine=True,
         sampled="turn",
@@ -179,7 +171,7 @@ FIGURES: tuple[FigureEntry, ...] = (
         "volumes",
         "Volume of a tooth space and its exact derivative. The smallest volume is in the mesh.",
         "geometry",
-        _of_machine(lambda _, machine: geometry.volumes(machine)),
+        lambda _, machine: geometry.volumes(machine),
         needs_machine=True,
     ),
     FigureEntry(
@@ -187,14 +179,14 @@ FIGURES: tuple[FigureEntry, ...] = (
         "Groove timing: ports and grooves that every tooth space is open to over one turn, and "
         "openings with the trapped volume where it is smallest.",
         "geometry",
-        _of_machine(lambda _, machine: geometry.groove_timing(machine)),
+        lambda _, machine: geometry.groove_timing(machine),
         needs_machine=True,
     ),
     FigureEntry(
         "openings",
         "Open area from a tooth space to ports and relief grooves.",
         "geometry",
-        _of_machine(lambda _, machine: geometry.openings(machine)),
+        lambda _, machine: geometry.openings(machine),
         needs_machine=True,
     ),
     FigureEntry(
@@ -225,7 +217,7 @@ FIGURES: tuple[FigureEntry, ...] = (
         "tooth_contact_forces",
         "Contact force of every tooth of the outer rotor, and how many are loaded at a time.",
         "bodies",
-        _of_machine(rotors.tooth_contact_forces),
+        rotors.tooth_contact_forces,
         ("contact_force",),
         needs_machine=True,
         sampled="steady",
@@ -236,7 +228,7 @@ FIGURES: tuple[FigureEntry, ...] = (
         "Contact force over the place of a tooth, the largest pocket at the top. Single-contact "
         "theory has each tooth carry over one pitch.",
         "bodies",
-        _of_machine(rotors.contact_span),
+        rotors.contact_span,
         ("contact_force",),
         needs_machine=True,
         sampled="turn",

@@ -13,7 +13,6 @@ from toothspace.results.ripple import high_pass
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 TORQUE_STAGES = (
@@ -67,17 +66,13 @@ def torque_stages(shaft_angle: Array, torques: dict[str, Array], means: list[flo
     waveform.set_ylabel("Shaft torque (N m)")
     waveform.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, fontsize=7.5)
     angle_axis(waveform, span=float(degrees[-1]))
-    _mean_bars(bars, means, shown)
-    return figure
-
-
-def _mean_bars(axes: Axes, means: list[float], shown: list[tuple[str, str, str]]) -> None:
-    axes.bar(range(len(means)), means, color=[color for _, _, color in shown])
+    bars.bar(range(len(means)), means, color=[color for _, _, color in shown])
     for k, value in enumerate(means):
-        axes.text(k, value, f"{value:.3g}", ha="center", va="bottom", fontsize=7.5)
-    axes.set_ylim(0.9 * min(means), 1.03 * max(means))
-    axes.set_xticks([])
-    axes.set_title("Mean", fontweight="normal", fontsize=9)
+        bars.text(k, value, f"{value:.3g}", ha="center", va="bottom", fontsize=7.5)
+    bars.set_ylim(0.9 * min(means), 1.03 * max(means))
+    bars.set_xticks([])
+    bars.set_title("Mean", fontweight="normal", fontsize=9)
+    return figure
 
 
 @styled

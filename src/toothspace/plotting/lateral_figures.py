@@ -13,7 +13,6 @@ from toothspace.plotting.style import BLUE, CYCLE, GREY, INK, ORANGE, new_figure
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 
@@ -33,21 +32,26 @@ class StudyFigure:
 
 def hysteresis_figures(data: xr.Dataset) -> list[StudyFigure]:
     """Return loops of position, film, leakage and torque, and maps of the films."""
-    caption = (
+    positions = (
+        "Position of the bearing, mean film, leakage and torque loss beside the gears over "
+        "the outlet pressure: full line up, broken line down."
+    )
+    contact = (
         "Smallest film, load that asperities carry, largest wear indicator and friction in the "
         "housing: full line up, broken line down."
     )
-    return [
-        StudyFigure(
-            "positions",
-            "Position of the bearing, mean film, leakage and torque loss beside the gears over "
-            "the outlet pressure: full line up, broken line down.",
-            loops(data),
-        ),
-        StudyFigure("contact", caption, loops(data, CONTACT_PANELS)),
-        *_friction(data),
-        *film_figures(data),
+    found = [
+        StudyFigure("positions", positions, loops(data)),
+        StudyFigure("contact", contact, loops(data, CONTACT_PANELS)),
     ]
+    if "friction_curve_force_N" in data:
+        caption = (
+            "Friction in the housing over the velocity of the bearing at the point with the "
+            "largest one: other coefficients (left), other breakaway speeds (right). Dotted: the "
+            "set-valued law, which holds the bearing at rest up to the breakaway force."
+        )
+        found.append(StudyFigure("friction_law", caption, friction_lines(data)))
+    return [*found, *film_figures(data)]
 
 
 def film_figures(data: xr.Dataset) -> list[StudyFigure]:
@@ -67,17 +71,6 @@ def film_figures(data: xr.Dataset) -> list[StudyFigure]:
         )
         found.append(StudyFigure("wear", caption, point_maps(data, WEAR)))
     return found
-
-
-def _friction(data: xr.Dataset) -> list[StudyFigure]:
-    if "friction_curve_force_N" not in data:
-        return []
-    caption = (
-        "Friction in the housing over the velocity of the bearing at the point with the largest "
-        "one: other coefficients (left), other breakaway speeds (right). Dotted: the set-valued "
-        "law, which holds the bearing at rest up to the breakaway force."
-    )
-    return [StudyFigure("friction_law", caption, friction_lines(data))]
 
 
 def nose_figures(data: xr.Dataset) -> list[StudyFigure]:
@@ -104,8 +97,12 @@ CONTACT_PANELS = (
 def loops(data: xr.Dataset, panels: tuple[tuple[str, str], ...] = POSITION_PANELS) -> Figure:
     """Four numbers over the outlet pressure, the way down apart from the way up."""
     figure = new_figure(7.2, 5.4)
+    pressure = data["outlet_pressure_bar"].values
+    top = int(np.argmax(pressure))
     for axes, (name, label) in zip(np.ravel(figure.subplots(2, 2)), panels, strict=True):
-        _loop(axes, data, name)
+        up, down = data[name].values[: top + 1], data[name].values[top:]
+        axes.plot(pressure[: top + 1], up, "-o", color=BLUE, ms=4, label="up")
+        axes.plot(pressure[top:], down, "--o", color=ORANGE, ms=4, mfc="white", label="down")
         axes.set(ylabel=label, xlabel="Outlet pressure (bar)")
     if panels is POSITION_PANELS and "measured_relative_position_um" in data:
         # measured positions are relative: they begin where the computed ones do
@@ -115,13 +112,6 @@ def loops(data: xr.Dataset, panels: tuple[tuple[str, str], ...] = POSITION_PANEL
         figure.axes[0].plot(pressure, position, ":x", color=INK, ms=5, lw=0.8, label="measured")
     figure.axes[0].legend()
     return figure
-
-
-def _loop(axes: Axes, data: xr.Dataset, name: str) -> None:
-    pressure, value = data["outlet_pressure_bar"].values, data[name].values
-    top = int(np.argmax(pressure))
-    axes.plot(pressure[: top + 1], value[: top + 1], "-o", color=BLUE, ms=4, label="up")
-    axes.plot(pressure[top:], value[top:], "--o", color=ORANGE, ms=4, mfc="white", label="down")
 
 
 @styled
@@ -144,13 +134,9 @@ def friction_lines(data: xr.Dataset) -> Figure:
     figure.axes[0].set_ylabel("Friction in the housing (N)")
     held = float(data["breakaway_force_N"].max())
     coulomb = held / BREAKAWAY_RATIO
-    figure.axes[0].plot(
-        [velocity[0], 0.0, 0.0, 0.0, 0.0, velocity[-1]],
-        [-coulomb, -coulomb, -held, held, coulomb, coulomb],
-        ":",
-        color=INK,
-        lw=0.9,
-    )
+    places = [velocity[0], 0.0, 0.0, 0.0, 0.0, velocity[-1]]
+    forces = [-coulomb, -coulomb, -held, held, coulomb, coulomb]
+    figure.axes[0].plot(places, forces, ":", color=INK, lw=0.9)
     return figure
 
 

@@ -93,10 +93,14 @@ def ledger_waterfall(solution: Solution, description: MachineDescription | None 
     supplied = next(row for row in rows if row.kind == "supplied")
     delivered = next(row for row in rows if row.kind == "delivered")
     causes = sorted(loss_causes(solution.ledger), key=lambda entry: -entry.power)
-    steps = _grouped(
-        [(f"{c.cause}, {c.label}", c.power) for c in causes]
-        + [(r.label, r.power) for r in rows if r.kind == "stored"]
-    )
+    powers = [(f"{c.cause}, {c.label}", c.power) for c in causes]
+    powers += [(row.label, row.power) for row in rows if row.kind == "stored"]
+    # steps above 2 % of all, the others in one
+    least = 0.02 * sum(abs(power) for _, power in powers)
+    steps = [(readable(name), power) for name, power in powers if abs(power) > least]
+    rest = sum(power for _, power in powers if abs(power) <= least)
+    if rest != 0.0:
+        steps.append(("Others", rest))
     figure = new_figure(7.2, 4.2)
     axes = figure.subplots()
     _draw_waterfall(axes, supplied, steps, delivered)
@@ -109,22 +113,11 @@ def ledger_waterfall(solution: Solution, description: MachineDescription | None 
     return figure
 
 
-def _grouped(steps: Sequence[tuple[str, float]]) -> list[tuple[str, float]]:
-    """Steps above 2 % of all, the others in one."""
-    least = 0.02 * sum(abs(power) for _, power in steps)
-    large = [(readable(name), power) for name, power in steps if abs(power) > least]
-    rest = sum(power for _, power in steps if abs(power) <= least)
-    return [*large, ("Others", rest)] if rest != 0.0 else large
-
-
 def _draw_waterfall(
     axes: Axes, supplied: LedgerRow, steps: Sequence[tuple[str, float]], delivered: LedgerRow
 ) -> None:
-    names = [
-        f"Supplied ({supplied.label})",
-        *(n for n, _ in steps),
-        f"Delivered ({delivered.label})",
-    ]
+    ends = f"Supplied ({supplied.label})", f"Delivered ({delivered.label})"
+    names = [ends[0], *(name for name, _ in steps), ends[1]]
     drops = np.array([power for _, power in steps])
     level = supplied.power - np.concatenate([[0.0], np.cumsum(drops)])
     bottoms = np.concatenate([[0.0], level[1:], [0.0]])

@@ -90,23 +90,18 @@ def contact_span(solution: Solution, description: MachineDescription) -> Figure:
     middle = 0.5 * (bins[:-1] + bins[1:])
     threshold = LOADED_SHARE * found.mean_total
     axes.bar(middle, np.where(mean > threshold, mean, 0.0), width=bins[1], color=BLUE)
-    _single_pitch(axes, middle, mean, found.force.shape[1])
+    # one pitch about the centre of the load: what one tooth after the other would need
+    center, half = float(np.angle(np.sum(mean * np.exp(1j * middle)))), np.pi / found.force.shape[1]
+    arc = np.linspace(center - half, center + half, 40)
+    radius = np.full(arc.size, 1.1 * float(mean.max()))
+    axes.plot(arc, radius, color=ORANGE, linewidth=3.0, label="one pitch")
+    axes.plot([], [], color=BLUE, linewidth=5.0, label="contact force (N)")
+    axes.set_ylim(0.0, 1.25 * float(mean.max()) or 1.0)
     axes.set_title(f"Loaded over {found.span():.2f} pitches")
     axes.set_rlabel_position(180.0)
     axes.set_xticks(np.radians(range(0, 360, 45)))
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, -0.18), ncols=2)
     return figure
-
-
-def _single_pitch(axes: PolarAxes, middle: Array, mean: Array, teeth: int) -> None:
-    """Mark one pitch about the centre of the load: what one tooth after the other would need."""
-    center = float(np.angle(np.sum(mean * np.exp(1j * middle))))
-    half = np.pi / teeth
-    arc = np.linspace(center - half, center + half, 40)
-    radius = 1.1 * float(mean.max())
-    axes.plot(arc, np.full(arc.size, radius), color=ORANGE, linewidth=3.0, label="one pitch")
-    axes.plot([], [], color=BLUE, linewidth=5.0, label="contact force (N)")
-    axes.set_ylim(0.0, 1.25 * float(mean.max()) or 1.0)
 
 
 @styled

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from toothspace.core.types import Array
 from toothspace.model.description import Body, MachineDescription
 from toothspace.plotting.style import GREY, INK, LIGHT, METAL, PRESSURE_COLOURS, new_figure, styled
 from toothspace.results.solution import Solution
@@ -81,6 +80,7 @@ def gear_section(
     Figure
         One panel per angle.
     """
+    from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
     angle = np.asarray(solution.data["shaft_angle"])
@@ -98,7 +98,16 @@ def gear_section(
     for axes in panels[len(fractions) :]:
         axes.remove()
     peaks = float(solution.data["chamber_pressure"].max()) > top_of_scale(solution)
-    _colour_bar(figure, list(panels[: len(fractions)]), scale, peaks=peaks)
+    bar = figure.colorbar(
+        ScalarMappable(scale, PRESSURE_COLOURS),
+        ax=list(panels[: len(fractions)]),
+        shrink=0.6,
+        aspect=30,
+        pad=0.02,
+        extend="max" if peaks else "neither",
+    )
+    bar.set_label("Absolute pressure (bar)")
+    bar.outline.set_visible(False)
     return figure
 
 
@@ -106,16 +115,6 @@ def top_of_scale(solution: Solution) -> float:
     """Pressure of the darkest colour; short peaks beyond 1.5 port pressures share it. [Pa]."""
     ports = max(float(solution.data[f"{port}_pressure"].max()) for port in ("inlet", "outlet"))
     return min(float(solution.data["chamber_pressure"].max()), 1.5 * ports)
-
-
-def _colour_bar(figure: Figure, panels: Sequence[Axes], scale: Normalize, *, peaks: bool) -> None:
-    from matplotlib.cm import ScalarMappable
-
-    mappable = ScalarMappable(scale, PRESSURE_COLOURS)
-    extend = "max" if peaks else "neither"
-    bar = figure.colorbar(mappable, ax=list(panels), shrink=0.6, aspect=30, pad=0.02, extend=extend)
-    bar.set_label("Absolute pressure (bar)")
-    bar.outline.set_visible(False)
 
 
 def _draw_section(
@@ -137,7 +136,10 @@ def _draw_section(
         _fill(axes, region, facecolor=colour, edgecolor=colour, linewidth=0.4)
     _draw_bodies(axes, description, shaft_angle)
     _fill(axes, fixed_parts(description), facecolor=LIGHT, edgecolor=INK, linewidth=0.6)
-    _draw_grooves(axes, description)
+    for name, outline in description.outlines.items():
+        if "groove" in name:
+            closed = np.vstack([outline, outline[:1]]) * _MM
+            axes.plot(*closed.T, color=INK, linewidth=0.8, linestyle=(0, (4, 2)))
     axes.set_aspect("equal")
     axes.set_axis_off()
 
@@ -204,15 +206,9 @@ def _name_port(
     within = f"port_{port}" in description.outlines
     light = within or float(np.dot(colour[:3], (0.3, 0.6, 0.1))) > 0.5
     far = far + 0.5 * wall if within else far
-    axes.text(
-        (-far if left else far) * _MM,
-        0.5 * (low + high) * _MM,
-        port,
-        ha="left" if left != within else "right",
-        va="center",
-        fontsize=8,
-        color=INK if light else "white",
-    )
+    x, y = (-far if left else far) * _MM, 0.5 * (low + high) * _MM
+    side, ink = "left" if left != within else "right", INK if light else "white"
+    axes.text(x, y, port, ha=side, va="center", fontsize=8, color=ink)
 
 
 def _draw_bodies(axes: Axes, description: MachineDescription, shaft_angle: float) -> None:
@@ -227,26 +223,14 @@ def _draw_bodies(axes: Axes, description: MachineDescription, shaft_angle: float
             axes.plot(*((circle + center) * _MM), color=GREY, linewidth=0.7)
         mark = _MM * np.asarray(body.center)
         axes.plot(*mark, "+", color=INK, markersize=5, markeredgewidth=0.7)
-        _draw_sense(axes, mark, 0.3 * _MM * _tip_radius(description, 0), body.speed_ratio)
-
-
-def _draw_sense(axes: Axes, center: Array, radius: float, speed_ratio: float) -> None:
-    """Arc with an arrow head in the sense of rotation."""
-    turn = np.radians(np.linspace(20.0, 160.0, 40)) * (1.0 if speed_ratio > 0.0 else -1.0)
-    turn += 0.0 if speed_ratio > 0.0 else np.pi
-    arc = center[:, None] + radius * np.array([np.cos(turn), np.sin(turn)])
-    axes.plot(*arc[:, :-3], color=INK, linewidth=0.9)
-    arrow = {"arrowstyle": "-|>", "color": INK, "linewidth": 0.9, "shrinkA": 0, "shrinkB": 0}
-    axes.annotate(
-        "", xy=(arc[0, -1], arc[1, -1]), xytext=(arc[0, -4], arc[1, -4]), arrowprops=arrow
-    )
-
-
-def _draw_grooves(axes: Axes, description: MachineDescription) -> None:
-    for name, outline in description.outlines.items():
-        if "groove" in name:
-            closed = np.vstack([outline, outline[:1]]) * _MM
-            axes.plot(*closed.T, color=INK, linewidth=0.8, linestyle=(0, (4, 2)))
+        # arc with an arrow head in the sense of rotation
+        turn = np.radians(np.linspace(20.0, 160.0, 40))
+        turn = turn if body.speed_ratio > 0.0 else np.pi - turn
+        radius = 0.3 * _MM * _tip_radius(description, 0)
+        arc = mark[:, None] + radius * np.array([np.cos(turn), np.sin(turn)])
+        axes.plot(*arc[:, :-3], color=INK, linewidth=0.9)
+        arrow = {"arrowstyle": "-|>", "color": INK, "linewidth": 0.9, "shrinkA": 0, "shrinkB": 0}
+        axes.annotate("", tuple(arc[:, -1]), tuple(arc[:, -4]), arrowprops=arrow)
 
 
 def _fill(axes: Axes, region: Any, **style: Any) -> None:
@@ -258,9 +242,6 @@ def _fill(axes: Axes, region: Any, **style: Any) -> None:
     for polygon in getattr(region, "geoms", [region]):
         if polygon.is_empty or polygon.geom_type != "Polygon":
             continue
-        rings = [
-            np.asarray(polygon.exterior.coords),
-            *(np.asarray(r.coords) for r in polygon.interiors),
-        ]
+        rings = [np.asarray(ring.coords) for ring in (polygon.exterior, *polygon.interiors)]
         paths = [Path(_MM * ring[:, :2], closed=True) for ring in rings]
         axes.add_patch(PathPatch(Path.make_compound_path(*paths), **style))

@@ -47,10 +47,8 @@ def speed_and_pressure(
         supply = np.asarray(solution.data["supply_speed"]) * _PER_MINUTE
         speed.plot(time, supply, color=GREY, linewidth=1.0, linestyle="--", label="Supply pump")
     _band(pressure, solution, "pressure_difference", 1.0 / _BAR, BLUE)
-    for axes, name, factor in (
-        (speed, "shaft_speed", _PER_MINUTE),
-        (pressure, "pressure_difference", 1.0 / _BAR),
-    ):
+    rows = (speed, "shaft_speed", _PER_MINUTE), (pressure, "pressure_difference", 1.0 / _BAR)
+    for axes, name, factor in rows:
         if measured and name in measured:
             axes.plot(measured["time"], factor * measured[name], color=INK, label="Measured")
     pressure.set(ylabel="Pressure difference (bar)", xlabel="Time (s)")

@@ -122,11 +122,11 @@ def figure_to_svg(figure: Figure) -> str:
     with mpl.rc_context(_RC):  # type: ignore[arg-type]
         figure.savefig(buffer, format="svg", metadata={"Date": None})
     text = buffer.getvalue()
-    return re.sub(r' d="[^"]*"', _shortened, text[text.index("<svg") :])
 
+    def shortened(outline: re.Match[str]) -> str:
+        return re.sub(r"(\.\d\d)\d+", r"\1", outline.group())
 
-def _shortened(outline: re.Match[str]) -> str:
-    return re.sub(r"(\.\d\d)\d+", r"\1", outline.group())
+    return re.sub(r' d="[^"]*"', shortened, text[text.index("<svg") :])
 
 
 @contextmanager

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -79,13 +79,8 @@ def _mark_windows(axes: Axes, description: MachineDescription, family: ChamberFa
     for k, category in enumerate(shown):
         level = low - (k + 1) * step
         for start, end in opening_windows(description, family, category):
-            axes.plot(
-                np.degrees([start, end]),
-                [level, level],
-                color=category.colour,
-                linewidth=4.0,
-                solid_capstyle="butt",
-            )
+            place = np.degrees([start, end]), [level, level]
+            axes.plot(*place, color=category.colour, linewidth=4.0, solid_capstyle="butt")
         label = readable(category.label)
         axes.plot([], [], color=category.colour, linewidth=4.0, label=label)
     axes.set_yticks([tick for tick in axes.get_yticks() if 0.0 <= tick <= high])
@@ -116,17 +111,10 @@ def bearing_force_spectra(
 ) -> Figure:
     """Force of the journal bearings on every body that they carry over one turn, its spectrum."""
     data = solution.data
-    signals = [
-        (
-            np.linalg.norm(np.asarray(data["journal_force"].sel(body=body)), axis=1) / 1e3,
-            label,
-            color,
-        )
-        for body, label, color in (
-            (body, f"{readable(str(body))} (kN)", color)
-            for body, color in zip(data["journal"].values, (BLUE, ORANGE, GREEN), strict=False)
-        )
-    ]
+    signals = []
+    for body, color in zip(data["journal"].values, (BLUE, ORANGE, GREEN), strict=False):
+        force = np.linalg.norm(np.asarray(data["journal_force"].sel(body=body)), axis=1)
+        signals.append((force / 1e3, f"{readable(str(body))} (kN)", color))
     return _waves_and_spectra(solution, description, "Bearing forces over one turn", signals)
 
 
@@ -149,13 +137,10 @@ def _waves_and_spectra(
     angle_axis(grid[-1][0])
     grid[-1][1].set_xlabel("Shaft order (-)")
     hertz = float(np.mean(solution.data["shaft_speed"])) / (2.0 * np.pi)
-    top = grid[0][1].secondary_xaxis("top", functions=(_times(hertz), _times(1.0 / hertz)))
+    scales = (lambda order: order * hertz), (lambda frequency: frequency / hertz)
+    top = grid[0][1].secondary_xaxis("top", functions=scales)
     top.set_xlabel("Frequency (Hz)")
     return figure
-
-
-def _times(factor: float) -> Callable[[Array], Array]:
-    return lambda values: values * factor
 
 
 def _waveform(axes: Axes, angle: Array, signal: Array, label: str, color: str) -> None:

@@ -63,18 +63,16 @@ class SampleStream:
         found = {}
         for name, value in rows.items():
             dimensions = [_TIME if d == SAMPLE else d for d in variable(name).dimensions]
-            found[name] = xr.Variable(dimensions, self._column(name, value))
+            column = value
+            if self._stored:
+                # rows on disk and in memory as one array
+                shape = (self._stored, *value.shape[1:])
+                stored = np.memmap(self._files[name], dtype=value.dtype, mode="r", shape=shape)
+                column = stored if not len(value) else np.concatenate([stored, value])
+            found[name] = xr.Variable(dimensions, column)
         for file in self._files.values():
             file.close()
         return found
-
-    def _column(self, name: str, value: Array) -> Array:
-        """Rows on disk and in memory as one array."""
-        if not self._stored:
-            return value
-        shape = (self._stored, *value.shape[1:])
-        stored = np.memmap(self._files[name], dtype=value.dtype, mode="r", shape=shape)
-        return stored if not len(value) else np.concatenate([stored, value])
 
     def _store(self) -> None:
         rows = self._merged()

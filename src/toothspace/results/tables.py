@@ -9,7 +9,6 @@ import numpy as np
 
 from toothspace.core.files import write_text
 from toothspace.core.types import Array
-from toothspace.model.angle_tables import AngleTable
 from toothspace.model.description import MachineDescription
 
 
@@ -42,23 +41,21 @@ def save_tables_txt(description: MachineDescription, folder: str | Path) -> list
     """
     target = Path(folder)
     target.mkdir(parents=True, exist_ok=True)
-    files = [_write_table(table, target) for table in description.angle_tables()]
+    files = []
+    for table in description.angle_tables():
+        header = [
+            f"{table.meaning} {table.name}",
+            f"table angle = phase + {table.angle_ratio:.9g} * shaft angle",
+            "phase of each member [rad]: " + " ".join(f"{phase:.9g}" for phase in table.phases),
+            "  ".join(f"{column.name} [{column.units}]" for column in table.columns),
+        ]
+        values = np.column_stack([column.values for column in table.columns])
+        path = target / f"{table.name}.txt"
+        files.append(_write_table_text(path, values, "\n".join(header)))
     for name, points in description.outlines.items():
         path = target / f"outline_{name}.txt"
         files.append(_write_table_text(path, points, f"outline of {name}\nx [m]  y [m]"))
     return files
-
-
-def _write_table(table: AngleTable, folder: Path) -> Path:
-    header = [
-        f"{table.meaning} {table.name}",
-        f"table angle = phase + {table.angle_ratio:.9g} * shaft angle",
-        "phase of each member [rad]: " + " ".join(f"{phase:.9g}" for phase in table.phases),
-        "  ".join(f"{column.name} [{column.units}]" for column in table.columns),
-    ]
-    path = folder / f"{table.name}.txt"
-    values = np.column_stack([column.values for column in table.columns])
-    return _write_table_text(path, values, "\n".join(header))
 
 
 def _write_table_text(path: Path, values: Array, header: str) -> Path:

@@ -110,9 +110,7 @@ def contact_azimuth(
     ndarray
         Angle, counter-clockwise. [rad]
     """
-    x, y, rotation = (
-        description.motion_index(pair.body_b, axis) for axis in ("x", "y", "rotation")
-    )
+    x, y, rotation = (description.motion_index(pair.body_b, a) for a in ("x", "y", "rotation"))
     assert pair.slip_by_motion is not None
     own = phase + pair.angle_ratio * angle
     gap, slip = pair.gap_by_motion(own), pair.slip_by_motion(own)

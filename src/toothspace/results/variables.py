@@ -138,16 +138,9 @@ _ROWS: tuple[tuple[str, str, str, str], ...] = (
 )  # fmt: skip
 
 WITH_EXTREMES = (
-    "shaft_speed",
-    "shaft_torque",
-    "pressure_difference",
-    "inlet_pressure",
-    "outlet_pressure",
-    "node_pressure",
-    "chamber_pressure",
-    "contact_force",
-    "coupling_torque",
-)
+    "shaft_speed", "shaft_torque", "pressure_difference", "inlet_pressure", "outlet_pressure",
+    "node_pressure", "chamber_pressure", "contact_force", "coupling_torque",
+)  # fmt: skip
 """Variables of which a run over time also keeps the lowest and the highest value of each row."""
 
 
@@ -169,23 +162,11 @@ VARIABLES: Mapping[str, Variable] = _variables()
 """All result variables by name."""
 
 CHANNELS = (
-    "node_pressure",
-    "chamber_pressure",
-    "chamber_gas_fraction",
-    "chamber_vapour_fraction",
-    "body_position",
-    "body_velocity",
-    "body_rotation",
-    "body_force",
-    "body_moment",
-    "journal_force",
-    "journal_eccentricity_ratio",
-    "journal_film_height",
-    "contact_force",
-    "contact_gap",
-    "torque_loss",
-    "power_loss",
-)
+    "node_pressure", "chamber_pressure", "chamber_gas_fraction", "chamber_vapour_fraction",
+    "body_position", "body_velocity", "body_rotation", "body_force", "body_moment",
+    "journal_force", "journal_eccentricity_ratio", "journal_film_height",
+    "contact_force", "contact_gap", "torque_loss", "power_loss",
+)  # fmt: skip
 """Variables with several values in each sample, of which a run over time may keep some."""
 
 LABELS: Mapping[str, tuple[str, ...]] = {

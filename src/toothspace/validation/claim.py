@@ -94,9 +94,8 @@ def close(
 ) -> ComparedValue:
     """Value that may deviate by a part of the published one, or by a margin in its unit."""
     width = max(rel * abs(published), margin)
-    return ComparedValue(
-        name, float(ours), unit, published - width, published + width, float(published)
-    )
+    low, high = published - width, published + width
+    return ComparedValue(name, float(ours), unit, low, high, float(published))
 
 
 def within(
@@ -248,9 +247,7 @@ class Examined:
         """``pass`` if every number and curve does."""
         if self.claim.measure is None:
             return "cannot be had"
-        parts: tuple[ComparedValue | ComparedCurve, ...] = (
-            *self.finding.values,
-            *self.finding.curves,
-        )
-        passed = bool(parts) and all(part.verdict == "pass" for part in parts)
+        verdicts = [value.verdict for value in self.finding.values]
+        verdicts += [curve.verdict for curve in self.finding.curves]
+        passed = bool(verdicts) and all(verdict == "pass" for verdict in verdicts)
         return "pass" if passed and not self.trouble else "fail"

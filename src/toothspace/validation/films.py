@@ -161,19 +161,15 @@ def _lund(effort: Effort) -> Evidence:
         error = np.abs(found - table) / np.maximum(0.06 * np.abs(table), 0.02)
         worst = max(worst, float(error.max()))
     published, ours = rows["eps"][list(picked)], np.array(eccentricities)
-    largest, text = (
-        np.abs(ours - published).max(),
-        "largest error of K and B over max(6 % of itself, 0.02)",
-    )
+    largest = np.abs(ours - published).max()
+    text = "largest error of K and B over max(6 % of itself, 0.02)"
     axes = "published eccentricity ratio", "eccentricity ratio"
     curve = ComparedCurve("Equilibrium", *axes, published, ours, published, tolerance=0.01)
-    return Evidence(
-        (
-            within("largest error of the eccentricity ratio", largest, "-", "table", 0.0, 0.01),
-            within(text, worst, "-", "table", 0.0, 1.0),
-        ),
-        (curve,),
+    values = (
+        within("largest error of the eccentricity ratio", largest, "-", "table", 0.0, 0.01),
+        within(text, worst, "-", "table", 0.0, 1.0),
     )
+    return Evidence(values, (curve,))
 
 
 def _elrod(effort: Effort) -> Evidence:
@@ -232,13 +228,11 @@ def _bertocchi(effort: Effort) -> Evidence:
     rms = float(np.sqrt(np.mean((found - published) ** 2)))
     title, axes = "Pressure along the centre line", ("place over length", "pressure (MPa)")
     curve = ComparedCurve(title, *axes, film.x / pad.length, along, published, place)
-    return Evidence(
-        (
-            close("peak pressure", along.max(), peak, "MPa", rel=0.03),
-            within("root mean square deviation over the peak", rms / peak, "-", "curve", 0.0, 0.03),
-        ),
-        (curve,),
+    values = (
+        close("peak pressure", along.max(), peak, "MPa", rel=0.03),
+        within("root mean square deviation over the peak", rms / peak, "-", "curve", 0.0, 0.03),
     )
+    return Evidence(values, (curve,))
 
 
 def _comsol(effort: Effort) -> Evidence:
@@ -258,16 +252,9 @@ def _comsol(effort: Effort) -> Evidence:
     film = bearing.equilibrium(load=(0.0, -40e3), shaft_speed=10000.0 * np.pi / 30.0)
     pressure = film.pressure[:, 10] / 1e5
     published, peak = rows["p_bar"], float(rows["p_bar"].max())
-    curve = ComparedCurve(
-        "Pressure in the mid plane",
-        "angle (deg)",
-        "pressure (bar)",
-        np.degrees(film.angle) % 360.0,
-        pressure,
-        published,
-        rows["phi_deg"],
-        tolerance=0.07 * peak,
-    )
+    title, axes = "Pressure in the mid plane", ("angle (deg)", "pressure (bar)")
+    found, known = (np.degrees(film.angle) % 360.0, pressure), (published, rows["phi_deg"])
+    curve = ComparedCurve(title, *axes, *found, *known, tolerance=0.07 * peak)
     return Evidence((close("peak pressure", pressure.max(), peak, "bar", rel=0.05),), (curve,))
 
 

@@ -63,39 +63,28 @@ def _positions(study: LateralStudy) -> Array:
 
 
 def _curves(study: LateralStudy) -> tuple[ComparedCurve, ...]:
-    pressure = np.array(study.outlet_pressures) / 1e5
-    # a small offset keeps the way down apart when the curve is drawn over the pressure
+    along = np.arange(len(study.outlet_pressures), dtype=float)
+    rows = ("position", _positions(study)), ("mean film", _films(study))
     return tuple(
         ComparedCurve(
-            f"{name}, way up then down",
-            "point along the loop",
-            f"{name} (um)",
-            np.arange(pressure.size, dtype=float),
-            values,
+            f"{name}, way up then down", "point along the loop", f"{name} (um)", along, values
         )
-        for name, values in (("position", _positions(study)), ("mean film", _films(study)))
+        for name, values in rows
     )
-
-
-def _length(
-    name: str, ours: float, words: str, low: float = 0.0, high: float = np.inf
-) -> ComparedValue:
-    """Length in micrometres against what the source says of it."""
-    return within(name, ours, "um", words, low, high)
 
 
 def _loop_values(study: LateralStudy) -> list[ComparedValue]:
     largest, words = _films(study).max(), "of the order of 3 um"
     return [
         holds("all points found", study.status is Status.DONE, "seven points or five"),
-        _length("largest mean film", largest, words, high=LARGEST_FILM),
+        within("largest mean film", largest, "um", words, 0.0, LARGEST_FILM),
     ]
 
 
 def _between_legs(positions: Array, words: str) -> ComparedValue:
     top = positions.size // 2
     gap = np.max(positions[top:][::-1] - positions[: top + 1])
-    return _length("largest gap between the legs, position", gap, words, MOVED)
+    return within("largest gap between the legs, position", gap, "um", words, MOVED)
 
 
 def _first_set(effort: Effort) -> Evidence:
@@ -108,26 +97,20 @@ def _first_set(effort: Effort) -> Evidence:
     higher = "gap heights of the second leg are higher at the same pressure"
     for k in range(top):
         step = f"film growth from step {k + 1} to {k + 2}"
-        values.append(_length(step, up[k + 1] - up[k], thicker, 1e-3))
+        values.append(within(step, up[k + 1] - up[k], "um", thicker, 1e-3))
         step = f"second leg above first at step {k + 1}"
-        values.append(_length(step, down[k] - up[k], higher, 1e-3))
+        values.append(within(step, down[k] - up[k], "um", higher, 1e-3))
     values.append(_between_legs(_positions(study), "Fig. 22: a loop"))
     shown = "Figs. 15 to 21: films of both interfaces"
-    for side, mean in _by_side(study).items():
+    sides = np.array([str(name).partition("_")[0] for name in study.points[0].films])
+    gaps = np.array([point.numbers.gaps for point in study.points]) * 1e6
+    for side in dict.fromkeys(sides.tolist()):
+        mean = gaps[:, sides == side].mean(axis=1)
         values += [
-            _length(f"{side} side: film at point {k + 1}", film, shown)
+            within(f"{side} side: film at point {k + 1}", film, "um", shown, 0.0)
             for k, film in enumerate(mean)
         ]
     return Evidence(tuple(values), _curves(study), study.dataset())
-
-
-def _by_side(study: LateralStudy) -> dict[str, Array]:
-    """Mean film of each side of the gears at every point. [um]."""
-    sides = [str(name).partition("_")[0] for name in study.points[0].films]
-    gaps = np.array([point.numbers.gaps for point in study.points]) * 1e6
-    return {
-        side: gaps[:, [own == side for own in sides]].mean(axis=1) for side in dict.fromkeys(sides)
-    }
 
 
 def _statements(study: LateralStudy) -> bool:
@@ -175,7 +158,7 @@ def _second_set(effort: Effort) -> Evidence:
     values = _loop_values(study)
     for k in range(positions.size // 2):
         step = f"rise of position from step {k + 1} to {k + 2}"
-        values.append(_length(step, positions[k + 1] - positions[k], trend, 1e-3))
+        values.append(within(step, positions[k + 1] - positions[k], "um", trend, 1e-3))
     values.append(_between_legs(positions, "Fig. 23: a loop"))
     return Evidence(tuple(values), _curves(study), study.dataset())
 
@@ -195,10 +178,10 @@ def _nose_pressure(effort: Effort) -> Evidence:
     none, most = "no influence at the highest outlet pressure", max(*ranges[:2], MOVED)
     values = (
         holds("all points found", study.status is Status.DONE, "fifteen points"),
-        _length(f"{text} OC1", ranges[0], words, MOVED),
-        _length(f"{text} OC2", ranges[1], words, MOVED),
-        _length(f"{text} OC3", ranges[2], none, high=MOVED),
-        _length("change by speed, OC1 to OC2", speed, "speed is secondary", high=float(most)),
+        within(f"{text} OC1", ranges[0], "um", words, MOVED),
+        within(f"{text} OC2", ranges[1], "um", words, MOVED),
+        within(f"{text} OC3", ranges[2], "um", none, 0.0, MOVED),
+        within("change by speed, OC1 to OC2", speed, "um", "speed is secondary", 0.0, float(most)),
     )
     return Evidence(values, curves)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -14,6 +15,7 @@ from toothspace.validation.claim import (
     Effort,
     Evidence,
     ValidationSource,
+    close,
     within,
 )
 from toothspace.validation.resources import solved
@@ -97,15 +99,8 @@ def _temperature(numbers: dict[str, Any]) -> ComparedValue:
 
 
 def _ripple(numbers: dict[str, Any], kinematic: float) -> tuple[ComparedValue, ...]:
-    flow = ComparedValue(
-        "flow ripple",
-        float(numbers["flow_ripple_percent"]),
-        "%",
-        0.5 * kinematic,
-        1.5 * kinematic,
-        kinematic,
-        "kinematic ripple of single-flank sealing",
-    )
+    flow = close("flow ripple", numbers["flow_ripple_percent"], kinematic, "%", rel=0.5)
+    flow = replace(flow, words="kinematic ripple of single-flank sealing")
     pressure = float(numbers["pressure_ripple_bar"])
     if not pressure:
         return (flow,)
@@ -142,16 +137,10 @@ def _beside_measured(case: str) -> tuple[ComparedCurve, ...]:
     """Volumetric efficiency at the points of the measured pump; its size forbids a verdict."""
     curves = []
     for speed, (pressures, measured) in HYDRECO_1919.items():
-        found = [
-            solved(
-                case,
-                "operating_point.outlet_load=fixed_pressure",
-                f'operating_point.shaft_speed="{speed} rpm"',
-                f'operating_point.outlet_pressure="{pressure + 1.0} bar"',
-                _COARSE,
-            ).summary()["volumetric_efficiency"]
-            for pressure in pressures
-        ]
+        held = case, "operating_point.outlet_load=fixed_pressure", _COARSE
+        at_speed = *held, f'operating_point.shaft_speed="{speed} rpm"'
+        outlets = [f'operating_point.outlet_pressure="{p + 1.0} bar"' for p in pressures]
+        found = [solved(*at_speed, p).summary()["volumetric_efficiency"] for p in outlets]
         title = f"Volumetric efficiency at {speed} rpm beside a far larger pump"
         axes = "pressure difference (bar)", "volumetric efficiency"
         points = np.array(pressures), np.array(found, dtype=float), np.array(measured)
@@ -164,26 +153,17 @@ def _map(effort: Effort) -> Evidence:
     speeds = (500.0, 1500.0, 3000.0) if effort == "full" else (1500.0, 3000.0)
     values, curves = [], []
     for speed in speeds:
-        found = [
-            float(
-                solved(
-                    "egm12_motor",
-                    f'operating_point.shaft_speed="{speed} rpm"',
-                    f'operating_point.inlet_pressure="{pressure + 1.0} bar"',
-                    _COARSE,
-                ).summary()["overall_efficiency"]
-            )
-            for pressure in pressures
-        ]
+        at_speed = "egm12_motor", f'operating_point.shaft_speed="{speed} rpm"', _COARSE
+        inlets = [f'operating_point.inlet_pressure="{p + 1.0} bar"' for p in pressures]
+        found = [float(solved(*at_speed, p).summary()["overall_efficiency"]) for p in inlets]
         title, words = f"overall efficiency at {speed:g} rpm", "the motor turns its load"
         values += [
             within(f"{title}, {p:g} bar", e, "-", words, 1e-3, 1.0)
             for p, e in zip(pressures, found, strict=True)
         ]
         axes = "pressure difference (bar)", "efficiency"
-        curves.append(
-            ComparedCurve(title.capitalize(), *axes, np.array(pressures), np.array(found))
-        )
+        points = np.array(pressures), np.array(found)
+        curves.append(ComparedCurve(title.capitalize(), *axes, *points))
     return Evidence(tuple(values), tuple(curves))
 
 

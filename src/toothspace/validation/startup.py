@@ -58,12 +58,8 @@ def _over_time(solution: Solution) -> tuple[ComparedCurve, ...]:
     time = np.asarray(data["time"])
     speed = np.asarray(data["shaft_speed"]) * 30.0 / np.pi
     pressure = np.asarray(data["pressure_difference"]) / 1e5
-    return (
-        ComparedCurve("Fan speed over time", "time (s)", "speed (rpm)", time, speed),
-        ComparedCurve(
-            "Pressure difference over time", "time (s)", "pressure (bar)", time, pressure
-        ),
-    )
+    rows = ("Fan speed", "speed (rpm)", speed), ("Pressure difference", "pressure (bar)", pressure)
+    return tuple(ComparedCurve(f"{n} over time", "time (s)", y, time, v) for n, y, v in rows)
 
 
 def _ratio_over_speed(effort: Effort) -> Evidence:

@@ -57,11 +57,10 @@ def lateral_balance(assembly: Assembly, numbering: Numbering) -> LateralBalance:
         high = _behind_a_chord(face, block.high_pressure)
     gears = FaceOfGear(assembly, numbering, 0), FaceOfGear(assembly, numbering, 1)
     ports = {"inlet": numbering.inlet, "outlet": numbering.outlet, "external": numbering.drain}
-    faces = [FaceOfGear(assembly, numbering, gear) for gear in (0, 1)]
     return LateralBalance(
         arrangement=cast(Any, block.arrangement),
         motion=cast(Any, block.keys.motion),
-        interfaces=tuple(_interface(assembly, face, side) for side in _SIDES for face in faces),
+        interfaces=tuple(_interface(assembly, face, side) for side in _SIDES for face in gears),
         floating=_floating(assembly, block),
         high_node=ports["outlet" if keys.mode == "pump" else "inlet"],
         low_node=ports[keys.drain_node],

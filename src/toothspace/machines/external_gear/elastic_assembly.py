@@ -180,13 +180,9 @@ class ElasticAssembly:
             for k, share in self._springs_on(part).items():
                 size = share * own.keys.springs[k].force
                 found.append(BodyLoad(name, f"spring_{k}", "constant", factor=size))
-        if carries_journals(self.assembly, own.length):
-            found += self._radial_loads(part)
-        return found
-
-    def _radial_loads(self, part: _BlockPart) -> list[BodyLoad]:
-        """Journal forces on the bores and what holds against them."""
-        found, name = [], part.name
+        if not carries_journals(self.assembly, own.length):
+            return found
+        # journal forces on the bores and what holds against them
         for gear in (0, 1) if part.half is None else (part.half,):
             label = BODIES[gear].removesuffix("_gear")
             for axis, source in _AXES:

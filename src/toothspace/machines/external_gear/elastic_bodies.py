@@ -181,32 +181,20 @@ def bearing_body(
     size, back = size or MeshSize(), back or BackLoads()
     unit, section = assembly.profiles[0].tip_radius, bearing_section(assembly, half)
     up = 1.0 if side == "floating" else -1.0
-    patch = _SPRING_RADIUS * unit
-    loads = _back_loads(section, patch, back, "top" if side == "floating" else "bottom")
+    loads = _back_loads(section, _SPRING_RADIUS * unit, back, "top" if up > 0.0 else "bottom")
+    film_side: Literal["top", "bottom"] = "bottom" if up > 0.0 else "top"
     if carries_journals(assembly, length):
         gears = (0, 1) if half is None else (half,)
         loads += radial_loads(assembly, sorted((0.0, up * length)), gears)
-    support = Support("bottom", section)
+    parts = _bearing_parts(assembly, section, up * length)
     return ElasticBody(
-        shape=SweptShape(
-            _bearing_parts(assembly, section, up * length),
-            size.edge_length * unit,
-            size.layer_height * unit,
-        ),
+        shape=SweptShape(parts, size.edge_length * unit, size.layer_height * unit),
         elastic_modulus=material.elastic_modulus,
         poisson_ratio=material.poisson_ratio,
         density=material.density,
-        films=(
-            PlaneSurface(
-                "face",
-                "bottom" if side == "floating" else "top",
-                section,
-                size.node_spacing * unit,
-                0.0,
-            ),
-        ),
+        films=(PlaneSurface("face", film_side, section, size.node_spacing * unit, 0.0),),
         loads=tuple(loads),
-        supports=() if side == "floating" else (support,),
+        supports=() if side == "floating" else (Support("bottom", section),),
     )
 
 
@@ -232,8 +220,11 @@ def _back_loads(
     section: shapely.Polygon, radius: float, back: BackLoads, side: Literal["top", "bottom"]
 ) -> list[Load]:
     loads: list[Load] = [AreaPressure(name, side, area) for name, area in back.areas.items()]
+    room = section.buffer(-radius)
     for name, place in back.points.items():
-        patch = _nearest(section, place, radius).buffer(radius)
+        # a spring over a bore rests on its rim
+        way = shapely.shortest_line(room, shapely.Point(*place))
+        patch = shapely.line_interpolate_point(way, 0.0).buffer(radius)
         loads.append(AreaPressure(name, side, patch, per_area=False))
     for name, line in back.lines.items():
         band = shapely.buffer(line, 0.5 * radius, cap_style="flat")
@@ -241,12 +232,6 @@ def _back_loads(
     for name, region in back.patches.items():
         loads.append(AreaPressure(name, side, region, per_area=False))
     return loads
-
-
-def _nearest(section: shapely.Polygon, place: tuple[float, float], radius: float) -> shapely.Point:
-    """Place of a patch on the face: a spring over a bore rests on its rim."""
-    room = section.buffer(-radius)
-    return shapely.line_interpolate_point(shapely.shortest_line(room, shapely.Point(*place)), 0.0)
 
 
 def radial_loads(

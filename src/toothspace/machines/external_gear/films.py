@@ -147,9 +147,15 @@ class FaceOfGear:
         mate = self.sections[1 - self.gear].contains(shaft_angle, x, y) & (body == NO_BODY)
         lens = np.flatnonzero((self._in_lens(x, y) & (body == NO_BODY)).ravel())
         if lens.size:
-            flat = node.ravel()
-            flat[lens] = self._lens_nodes(shaft_angle, x.ravel()[lens], y.ravel()[lens], flat[lens])
-            node = flat.reshape(x.shape)
+            # chambers between the teeth in mesh, cut where the throats are
+            places, within = (x.ravel()[lens], y.ravel()[lens]), node.ravel()[lens]
+            for chamber, outline in self._mesh_spaces(shaft_angle):
+                shape = shapely.Polygon(outline)
+                if not shape.is_valid:
+                    shape = shape.buffer(0.0)
+                shapely.prepare(shape)
+                within[shapely.contains_xy(shape, *places)] = chamber
+            node.flat[lens] = within
         return FaceCells(node, np.where(mate, 1, body))
 
     def own_angle(self, shaft_angle: float, x: Array, y: Array) -> Array:
@@ -179,34 +185,20 @@ class FaceOfGear:
         angle = own + self.own.tooth_angle(shaft_angle)
         x, y = radius * np.cos(angle), radius * np.sin(angle) + self.own.center[1]
         node = self.spaces.nodes[self.spaces.nearest(shaft_angle, x, y)]
+        # chambers between the teeth in mesh that touch the flank there
         meshing = self._in_lens(x, y)
-        node[meshing] = self._nearest(shaft_angle, x[meshing], y[meshing], node[meshing])
-        return node
-
-    def _nearest(self, shaft_angle: float, x: Array, y: Array, default: IntArray) -> IntArray:
-        """Chambers between the teeth in mesh that touch places on a flank."""
-        points, node = shapely.points(x, y), default.copy()
-        closest = np.full(x.shape, _ON_FLANK)
+        points, touched = shapely.points(x[meshing], y[meshing]), node[meshing]
+        closest = np.full(touched.shape, _ON_FLANK)
         for chamber, outline in self._mesh_spaces(shaft_angle):
             away = shapely.distance(shapely.LineString(outline), points)
-            node[away < closest] = chamber
+            touched[away < closest] = chamber
             closest = np.minimum(away, closest)
+        node[meshing] = touched
         return node
 
     def _in_lens(self, x: Array, y: Array) -> BoolArray:
         mate = self.sections[1 - self.gear]
         return np.asarray(mate.polar(x, y)[0] <= mate.profile.tip_radius)
-
-    def _lens_nodes(self, shaft_angle: float, x: Array, y: Array, default: IntArray) -> IntArray:
-        """Chambers between the teeth in mesh, cut where the throats are."""
-        node = default.copy()
-        for chamber, outline in self._mesh_spaces(shaft_angle):
-            shape = shapely.Polygon(outline)
-            if not shape.is_valid:
-                shape = shape.buffer(0.0)
-            shapely.prepare(shape)
-            node[shapely.contains_xy(shape, x, y)] = chamber
-        return node
 
     def _mesh_spaces(self, shaft_angle: float) -> list[tuple[int, Array]]:
         assembly, found = self.assembly, list[tuple[int, Array]]()

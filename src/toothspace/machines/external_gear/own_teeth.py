@@ -15,7 +15,7 @@ from typing import final
 import numpy as np
 
 from toothspace.core.errors import GeometryError
-from toothspace.core.types import Array, IntArray
+from toothspace.core.types import Array
 from toothspace.gearing.mesh_split import Throats
 from toothspace.gearing.meshing import LARGEST_OVERLAP, driven_lever, overlap_error
 from toothspace.gearing.numbering import FULL_TURN, Numbering
@@ -142,7 +142,13 @@ def own_teeth(
     ahead = (phases * spaces[0].angles.size / FULL_TURN for phases in numbering.space_phases)
     shifts = [np.rint(nodes).astype(np.int64) for nodes in ahead]
     loaded = 0 if assembly.loaded_is_left else 1
-    turn = _turn(throats[loaded], lost[loaded], levers[loaded], shifts[0])
+    side, lever = throats[loaded], levers[loaded]
+    touching = side.weight >= 1.0
+    sign = float(np.sign(lever[touching][0]))
+    safe = np.where(touching, lever, 1.0)
+    needed = np.where(touching, (lost[loaded] - side.gap) / safe, -sign * np.inf)
+    over_shaft = [np.roll(row, -shift) for row, shift in zip(needed, shifts[0], strict=True)]
+    turn = sign * np.max(sign * np.array(over_shaft), axis=0)
     at_nodes = [np.array([np.roll(turn, shift) for shift in own]) for own in shifts]
     left, right = (
         side.gap + np.where(side.weight > 0.0, lever * at_nodes[0] - narrowed, 0.0)
@@ -158,13 +164,12 @@ def own_teeth(
         rotations[gear] * at_nodes[gear] - _sections(assembly, flanks, spaces[gear], gear)
         for gear in (0, 1)
     )
-    tips = _tips(gears[0], 0, first), _tips(gears[1], 1, first)
-    return OwnTeeth(turn, gaps, (drive, driven), tips)
-
-
-def _tips(gear: Gear, number: int, count: int) -> Array:
-    tip = np.zeros(count) if gear.deviations is None else gear.deviations.tip
-    return np.array([tip[_measured(number, k + 1, count)] for k in range(count)])
+    measured = [np.zeros(first) if g.deviations is None else g.deviations.tip for g in gears]
+    drive_tips, driven_tips = (
+        tip[[_measured(gear, k + 1, first) for k in range(first)]]
+        for gear, tip in enumerate(measured)
+    )
+    return OwnTeeth(turn, gaps, (drive, driven), (drive_tips, driven_tips))
 
 
 def _measured(gear: int, tooth: int, count: int) -> int:
@@ -179,12 +184,8 @@ def _flanks(gear: Gear, profile: GearProfile) -> _Flanks:
     height = np.zeros((2, count, len(radius)))
     if given is not None and profile.involute is not None:
         roll = np.sqrt(np.maximum(radius**2 - profile.involute.base_radius**2, 0.0))
-        height = np.array(
-            [
-                [np.interp(roll, given.roll_length, row) for row in side]
-                for side in (given.left, given.right)
-            ]
-        )
+        for side, rows in enumerate((given.left, given.right)):
+            height[side] = [np.interp(roll, given.roll_length, row) for row in rows]
     step = np.hypot(*np.diff(outline, axis=0).T)
     slices = 0.5 * (height[..., 1:] + height[..., :-1]) * step
     section = np.concatenate([np.zeros((2, count, 1)), np.cumsum(slices, axis=-1)], axis=-1)
@@ -206,14 +207,6 @@ def _narrowed(
         drive = flanks[0].at(flank, _measured(0, k + (1 if flank == 0 else 0), count), near)
         rows.append(np.asarray(drive + flanks[1].at(flank, _measured(1, k, count), far)))
     return np.array(rows)
-
-
-def _turn(side: Throats, lost: Array, lever: Array, shifts: IntArray) -> Array:
-    complete = side.weight >= 1.0
-    sign = float(np.sign(lever[complete][0]))
-    needed = np.where(complete, (lost - side.gap) / np.where(complete, lever, 1.0), -sign * np.inf)
-    over_shaft = np.array([np.roll(row, -shift) for row, shift in zip(needed, shifts, strict=True)])
-    return np.asarray(sign * np.max(sign * over_shaft, axis=0))
 
 
 def _sections(

@@ -44,16 +44,6 @@ from toothspace.machines.shared_tables import (
 )
 from toothspace.model.description import StartupFriction
 
-PROFILE_KEYS = (
-    "profile_unit",
-    "profile_layer",
-    "profile_axis",
-    "profile_plane",
-    "profile_body",
-    "profile_part",
-)
-"""Keys that say how one file is read."""
-
 DEVIATION_SUFFIXES = (".csv", ".mka")
 OUTLETS = ("+x", "-x", "+y", "-y", "+z", "-z")
 
@@ -65,6 +55,8 @@ _READ_FROM = {
     "profile_body": _STL + _STEP,
     "profile_part": _STEP,
 }
+PROFILE_KEYS = ("profile_unit", *_READ_FROM)
+"""Keys that say how one file is read."""
 
 
 def forbid_unread(gear: GearParameters | DrivenGearParameters) -> None:

@@ -81,13 +81,8 @@ def trapped_volumes(assembly: Assembly, spaces: tuple[Spaces, Spaces]) -> tuple[
     return float(area[0] * width), float(area.min() * width)
 
 
-def profile_quality(assembly: Assembly, trapped: float) -> dict[str, object]:
+def profile_quality(assembly: Assembly) -> dict[str, object]:
     """Form error of profiles from files and its effect; nothing for generated gears.
-
-    Parameters
-    ----------
-    trapped : float
-        Trapped volume of the mesh. [m3]
 
     Returns
     -------
@@ -112,10 +107,10 @@ def profile_quality(assembly: Assembly, trapped: float) -> dict[str, object]:
             * max(max(abs(f.left.slope), abs(f.right.slope)) for f in fits),
             "fit_residual_um": 1e6 * max(fit.flank.residual for fit in fits),
         }
-    return numbers | _as_drawn(assembly, trapped)
+    return numbers | _as_drawn(assembly)
 
 
-def _as_drawn(assembly: Assembly, trapped: float) -> dict[str, object]:
+def _as_drawn(assembly: Assembly) -> dict[str, object]:
     # the same machine with rigid flanks as in the outline: the other end of the interval
     spec = assembly.spec
     drawn = replace(spec, drive=_drawn(spec.drive), driven=_drawn(spec.driven))

@@ -59,7 +59,7 @@ def geometry_summary(
         "flow_ripple_percent": 100.0 * flow_ripple(assembly),
         "trapped_volume_mm3": trapped * 1e9,
         "dead_volume_mm3": dead * 1e9,
-        **profile_quality(assembly, trapped),
+        **profile_quality(assembly),
         "warnings": warnings_of(checks),
     }
 

@@ -145,7 +145,11 @@ def mesh_chain(assembly: Assembly, spaces: tuple[Spaces, Spaces]) -> MeshChain:
     # the trailing throat of a drive space, then the leading one of the drive space behind
     passages = [_rows(spaces[0], count, turn + gear, 0) for turn, gear in order[:-1]]
     throats = [_throat(assembly, side) for side in (spaces[0].left, spaces[0].right)]
-    growth = [_growth(assembly, side) for side in spaces]
+    growth = []
+    for side in spaces:
+        area, step = section_areas(side), 2.0 * np.pi / side.angles.size
+        rate = (np.roll(area, -1) - np.roll(area, 1)) / (2.0 * step)
+        growth.append(assembly.face_width * rate * side.angle_ratio)
     ports = [_ports(assembly, side) for side in spaces]
 
     def gathered(port: str) -> Way:
@@ -172,13 +176,6 @@ def _columns(ways: list[Way], rows: list[IntArray]) -> Way:
         np.column_stack([way.area[at] for way, at in pairs]),
         np.column_stack([way.conductance[at] for way, at in pairs]),
     )
-
-
-def _growth(assembly: Assembly, spaces: Spaces) -> Array:
-    area = section_areas(spaces)
-    step = 2.0 * np.pi / spaces.angles.size
-    rate = (np.roll(area, -1) - np.roll(area, 1)) / (2.0 * step)
-    return np.asarray(assembly.face_width * rate * spaces.angle_ratio, dtype=float)
 
 
 def _ports(assembly: Assembly, spaces: Spaces) -> dict[str, Way]:

@@ -36,28 +36,15 @@ def bodies(parameters: GerotorParameters, pocket: Pockets) -> tuple[Body, Body]:
     rotors, width = pocket.rotors, parameters.rotors.face_width
     density = library_material(parameters.rotors.material, "machine.rotors.material").density
     radius = 0.5 * parameters.housing.outer_rotor_diameter
-    inner = density * width * signed_area(rotors.inner)
+    mass = density * width * signed_area(rotors.inner)
     rim = density * width * (np.pi * radius**2 - signed_area(rotors.outer))
-    polar = 0.5 * np.pi * radius**4 - polar_moment(rotors.outer)
+    inertia = density * width * polar_moment(rotors.inner)
+    rim_inertia = density * width * (0.5 * np.pi * radius**4 - polar_moment(rotors.outer))
+    center, ratio = (0.0, -rotors.eccentricity), pocket.angle_ratio
+    wetted, rim_wetted = (width * closed_length(c) for c in (rotors.inner, rotors.outer))
     return (
-        Body(
-            "inner_rotor",
-            (0.0, -rotors.eccentricity),
-            1.0,
-            float(inner),
-            density * width * polar_moment(rotors.inner),
-            "shaft",
-            width * closed_length(rotors.inner),
-        ),
-        Body(
-            "outer_rotor",
-            (0.0, 0.0),
-            pocket.angle_ratio,
-            float(rim),
-            density * width * polar,
-            "driven",
-            width * closed_length(rotors.outer),
-        ),
+        Body(BODIES[0], center, 1.0, float(mass), inertia, "shaft", wetted),
+        Body(BODIES[1], (0.0, 0.0), ratio, float(rim), rim_inertia, "driven", rim_wetted),
     )
 
 

@@ -41,19 +41,10 @@ _SPEED_NODES = 2
 _MOST_KINDS = 12
 
 COLUMNS = (
-    "outer_angle[rad]",
-    "gap[m]",
-    "gap_rate[m/rad]",
-    "normal_x[-]",
-    "normal_y[-]",
-    "point_x[m]",
-    "point_y[m]",
-    "lever[m]",
-    "radius_inner[m]",
-    "radius_outer[m]",
-    "sliding[m/rad]",
+    "outer_angle[rad]", "gap[m]", "gap_rate[m/rad]", "normal_x[-]", "normal_y[-]", "point_x[m]",
+    "point_y[m]", "lever[m]", "radius_inner[m]", "radius_outer[m]", "sliding[m/rad]",
     "rolling_sum[m/rad]",
-)
+)  # fmt: skip
 """Columns of the exported table; angle, rate and speeds per angle of the outer rotor."""
 
 
@@ -244,10 +235,7 @@ def _rolling(rotors: Rotors, columns: dict[str, Array], closed: bool, nodes: int
     along = -moved[:, 0] * normal[:, 1] + moved[:, 1] * normal[:, 0]
     arm = columns["inner_point"] + [0.0, rotors.eccentricity]
     speeds = np.sum((point + rotors.turns * arm) * normal, axis=1)
-    return np.asarray(
-        np.maximum(np.abs(speeds - 2.0 * along), _RADIUS_RANGE[0] * rotors.eccentricity),
-        dtype=float,
-    )
+    return np.maximum(np.abs(speeds - 2.0 * along), _RADIUS_RANGE[0] * rotors.eccentricity)
 
 
 def export_contacts(path: Path, contacts: tuple[LobeContact, ...]) -> None:
@@ -262,23 +250,18 @@ def export_contacts(path: Path, contacts: tuple[LobeContact, ...]) -> None:
         for number, contact in enumerate(contacts):
             file.write(f"# contact {number}, {contact.copies} copies one pitch apart\n")
             file.write("# " + " ".join(COLUMNS) + "\n")
-            np.savetxt(file, _exported(contact)[contact.near], fmt="%.9e")
+            angle = np.arange(contact.gap.size) * (contact.period / contact.gap.size)
+            columns = [
+                angle,
+                contact.gap,
+                contact.gap_rate,
+                contact.normal,
+                contact.outer_point,
+                contact.lever,
+                contact.radius_inner,
+                contact.radius_outer,
+                contact.sliding,
+                contact.rolling_sum,
+            ]
+            np.savetxt(file, np.column_stack(columns)[contact.near], fmt="%.9e")
             file.write("\n")
-
-
-def _exported(contact: LobeContact) -> Array:
-    angle = np.arange(contact.gap.size) * (contact.period / contact.gap.size)
-    return np.column_stack(
-        [
-            angle,
-            contact.gap,
-            contact.gap_rate,
-            contact.normal,
-            contact.outer_point,
-            contact.lever,
-            contact.radius_inner,
-            contact.radius_outer,
-            contact.sliding,
-            contact.rolling_sum,
-        ]
-    )

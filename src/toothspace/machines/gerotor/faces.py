@@ -109,10 +109,28 @@ def shared_faces(
     count, shaft = pocket.rotors.outer_tooth_count, shaft_radius(parameters, pocket)
     kidneys = ((count + 1, ports.contours["inlet"]), (count + 2, ports.contours["outlet"]))
     opposite = kidneys if parameters.ports.covers == "both" else ()
-    rim, lateral = _rim_film(parameters, count), parameters.lateral
+    housing, rotors, lateral = parameters.housing, parameters.rotors, parameters.lateral
+    rim = RimFilm(
+        body="outer_rotor",
+        radius=0.5 * housing.outer_rotor_diameter,
+        length=rotors.face_width,
+        clearance=housing.radial_clearance,
+        roughness=float(np.hypot(rotors.roughness, housing.roughness)),
+        open_ends=housing.end_condition == "pressure",
+        chamber=count,
+    )
     outer_radii = (float(np.hypot(*pocket.rotors.inner.T).max()), rim.radius)
     inner_radii = (shaft, float(np.hypot(*pocket.rotors.outer.T).min()))
     centers = ((0.0, -pocket.rotors.eccentricity), (0.0, 0.0))
+    own = library_material(rotors.material, "machine.rotors.material")
+    cover = library_material(HOUSING_MATERIAL, "")
+    surfaces = FaceSurfaces(
+        moving_roughness=rotors.roughness,
+        resting_roughness=housing.roughness,
+        effective_modulus=reduced_modulus(own, cover),
+        hardness=min(own.hardness, cover.hardness),
+        correlation_length=CORRELATION_LENGTH,
+    )
     covers = tuple(
         FilmFace(
             bodies=tuple(map(FaceBody, BODIES, centers, outer_radii, inner_radii)),
@@ -130,7 +148,7 @@ def shared_faces(
             recesses=np.array([node for node, _ in kidneys]),
             inner_node=count + 3,
             sectors=-(-_SECTORS // count),
-            surfaces=_surfaces(parameters),
+            surfaces=surfaces,
         )
         for gap, recesses in zip(lateral.side_gaps, (kidneys, opposite), strict=True)
     )
@@ -140,29 +158,4 @@ def shared_faces(
         families=(family,),
         replaced=("lateral", "drain", "rim", "film_end"),
         motion=cast(Any, "none" if lateral.position == "given" else lateral.motion or "full"),
-    )
-
-
-def _surfaces(parameters: GerotorParameters) -> FaceSurfaces:
-    own = library_material(parameters.rotors.material, "machine.rotors.material")
-    cover = library_material(HOUSING_MATERIAL, "")
-    return FaceSurfaces(
-        moving_roughness=parameters.rotors.roughness,
-        resting_roughness=parameters.housing.roughness,
-        effective_modulus=reduced_modulus(own, cover),
-        hardness=min(own.hardness, cover.hardness),
-        correlation_length=CORRELATION_LENGTH,
-    )
-
-
-def _rim_film(parameters: GerotorParameters, count: int) -> RimFilm:
-    housing, rotors = parameters.housing, parameters.rotors
-    return RimFilm(
-        body="outer_rotor",
-        radius=0.5 * housing.outer_rotor_diameter,
-        length=rotors.face_width,
-        clearance=housing.radial_clearance,
-        roughness=float(np.hypot(rotors.roughness, housing.roughness)),
-        open_ends=housing.end_condition == "pressure",
-        chamber=count,
     )

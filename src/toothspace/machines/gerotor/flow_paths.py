@@ -67,7 +67,22 @@ def flow_paths(
     if housing.end_condition != "wall":
         paths.append(ring.to_node("rim", RIM, to_film, count, multiplicity=_FACES))
     if housing.end_condition == "pressure":
-        paths.append(_film_end(parameters, count))
+        # axial ends of the film round the outer rotor, a chamber of its own, to the drain;
+        # mean pressure to either end: a quarter of the width is the mean way out
+        around, way = np.pi * housing.outer_rotor_diameter, 0.25 * parameters.rotors.face_width
+        row = np.array([housing.radial_clearance, around, way])
+        film_end = FlowPath(
+            name="film_end",
+            category=RIM,
+            kind="parallel_gap",
+            nodes_a=np.array([count]),
+            nodes_b=np.array([count + 3]),
+            angle_ratio=1.0,
+            phases=np.zeros(1),
+            geometry=monotone_table(FULL_TURN, np.tile(row, (4, 1))),
+            multiplicity=_FACES,
+        )
+        paths.append(film_end)
     return tuple(paths)
 
 
@@ -180,25 +195,3 @@ def lateral_path(parameters: GerotorParameters, pocket: Pockets) -> FlowPath:
     thickness = (ring - cavities) / (rotors.outer_tooth_count * height)
     row = np.array([side_gap(parameters), height + float(np.ptp(inner)), thickness])
     return _ring(pocket).over_lands("lateral", LATERAL, row, multiplicity=_FACES)
-
-
-def _film_end(parameters: GerotorParameters, film: int) -> FlowPath:
-    """Axial ends of the film round the outer rotor, a chamber of its own, to the drain."""
-    housing = parameters.housing
-    # mean pressure to either end: a quarter of the width is the mean way out
-    row = np.array([
-        housing.radial_clearance,
-        np.pi * housing.outer_rotor_diameter,
-        0.25 * parameters.rotors.face_width,
-    ])  # fmt: skip
-    return FlowPath(
-        name="film_end",
-        category=RIM,
-        kind="parallel_gap",
-        nodes_a=np.array([film]),
-        nodes_b=np.array([film + 3]),
-        angle_ratio=1.0,
-        phases=np.zeros(1),
-        geometry=monotone_table(FULL_TURN, np.tile(row, (4, 1))),
-        multiplicity=_FACES,
-    )

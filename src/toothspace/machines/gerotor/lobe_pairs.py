@@ -52,13 +52,23 @@ def _pair(
     settings, ratio = parameters.contact, rotors.speed_ratio
     material = library_material(parameters.rotors.material, "machine.rotors.material")
     moved = motions(parameters)
+    columns = [
+        contact.gap,
+        np.zeros_like(contact.gap),
+        contact.radius_inner,
+        contact.radius_outer,
+        ratio * contact.sliding,
+        ratio * contact.rolling_sum,
+    ]
+    geometry = monotone_table(contact.period, np.column_stack(columns))
+    geometry.slopes[:, 0] = np.where(contact.near, contact.gap_rate, 0.0)
     return ContactPair(
         name=name,
         body_a=BODIES[0],
         body_b=BODIES[1],
         angle_ratio=ratio,
         phases=np.asarray(contact.pitch * np.arange(contact.copies), dtype=float),
-        geometry=_geometry(contact, ratio),
+        geometry=geometry,
         gap_by_motion=_by_motion(rotors, contact, moved, along=False),
         slip_by_motion=_by_motion(rotors, contact, moved, along=True),
         width=parameters.rotors.face_width,
@@ -94,20 +104,6 @@ def contact_ratio(pairs: tuple[ContactPair, ...], clearance: float) -> float:
 def half_lobe(rotors: Rotors) -> float:
     """Half thickness of an outer lobe on the pitch circle: how deep contacts deform. [m]."""
     return 0.5 * np.pi * rotors.eccentricity
-
-
-def _geometry(contact: LobeContact, ratio: float) -> PeriodicTable:
-    columns = [
-        contact.gap,
-        np.zeros_like(contact.gap),
-        contact.radius_inner,
-        contact.radius_outer,
-        ratio * contact.sliding,
-        ratio * contact.rolling_sum,
-    ]
-    table = monotone_table(contact.period, np.column_stack(columns))
-    table.slopes[:, 0] = np.where(contact.near, contact.gap_rate, 0.0)
-    return table
 
 
 def _by_motion(

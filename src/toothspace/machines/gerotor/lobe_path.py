@@ -13,10 +13,7 @@ import numpy as np
 
 from toothspace.core.types import Array
 from toothspace.geometry.curve import polar, turned
-from toothspace.machines.gerotor.contact_search import (
-    distance_to_inner,
-    nearest_place,
-)
+from toothspace.machines.gerotor.contact_search import distance_to_inner, nearest_place
 from toothspace.machines.gerotor.profiles import Rotors, trochoid_of
 from toothspace.machines.gerotor.rotor_parameters import RotorParameters
 

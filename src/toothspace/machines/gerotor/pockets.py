@@ -121,9 +121,7 @@ def _area_rate(rotors: Rotors, path: LobePath, half_pitch_nodes: int) -> Array:
     inner = np.sum((path.point - rotors.inner_center) ** 2, axis=1)
     outer = np.sum(path.point**2, axis=1)
     swept = 0.5 * (inner - rotors.speed_ratio * outer)
-    return np.asarray(
-        np.roll(swept, -half_pitch_nodes) - np.roll(swept, half_pitch_nodes), dtype=float
-    )
+    return np.roll(swept, -half_pitch_nodes) - np.roll(swept, half_pitch_nodes)
 
 
 def _integrated(parameters: RotorParameters, rotors: Rotors, count: int, rate: Array) -> Array:
