@@ -68,6 +68,7 @@ CAPABILITIES: dict[str, tuple[str, ...]] = {
     "bodies that lift and tilt between covers": (
         "simulation/lateral/between_covers.py", "films/lateral/resting_covers.py",
     ),
+    "flows of paths carried in slow machines": ("model/carried_flows.py",),
     "internal gears with crescent": ("machines/crescent/*", "gearing/ring_*"),
 }  # fmt: skip
 """What was added since, as patterns of its files below the package; the first that fits counts."""

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from toothspace.core.types import Array
 from toothspace.model.description import MachineDescription
 from toothspace.plotting.style import (
     BLUE,
