@@ -6,11 +6,10 @@ import pytest
 
 from tests.fuzz import READERS, VERDICTS, fuzz
 
-FEW = {"solid": 2, "outline": 30}
-"""Inputs of readers that take longer, of which a process of its own reads solids."""
+FEW = {"solid": 2, "outline": 30, "result": 15}
+"""Inputs of readers that take longer: processes of their own read solids and try results."""
 
 
-@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 @pytest.mark.parametrize("name", READERS)
 def test_every_damaged_input_is_read_or_refused_in_words(name: str) -> None:
     fuzz(name, FEW.get(name, 60))

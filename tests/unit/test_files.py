@@ -154,7 +154,7 @@ def test_a_file_in_which_reading_never_ends_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """With this byte turned over and no checksum, HDF5 goes round and round in an attribute."""
-    monkeypatch.setattr(netcdf, "_LEAST_WAIT", 4.0)
+    monkeypatch.setattr(netcdf, "_LEAST_WAIT", 2.0)
     small = xr.Dataset({"a": ("x", np.arange(4.0))}, attrs={"title": "t", "machine": "m"})
     content = bytearray(bytes(small.to_netcdf(engine="h5netcdf")))
     content[355] ^= 0xFF
