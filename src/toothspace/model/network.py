@@ -260,17 +260,29 @@ def update_flows(s: SystemArrays, speed: float) -> None:
         flow, by_pressure, by_conductance = inertial_laminar_flow(
             path[j, DROP], path[j, CONDUCTANCE], path[j, OPENING], path[j, INFLOW_DENSITY]
         )
-        linear = flow
-        if carries(s) and path[j, CONDUCTANCE] > 0.0:
-            linear = carried_flow(s, j, flow)
-            flow, by_pressure = line_of_flow(s, j, linear)
-        path[j, LINE_FLOW], path[j, LINE_DROP] = flow, path[j, DROP]
-        path[j, LINE_SLOPE] = by_pressure
-        path[j, SENSE] = many * linear + path[j, DRAG] * speed
         path[j, VOLUME_FLOW] = many * flow + path[j, DRAG] * speed
+        path[j, SENSE] = path[j, VOLUME_FLOW]
         path[j, FLOW_BY_PRESSURE] = many * by_pressure
         by_height = by_conductance * path[j, BY_HEIGHT] + path[j, DRAG_BY_HEIGHT]
         path[j, FLOW_BY_HEIGHT] = many * by_height
+    if carries(s):
+        carry_flows_on(s, speed)
+
+
+@kernel
+def carry_flows_on(s: SystemArrays, speed: float) -> None:
+    """Flow of every path on the tangent at the flow of the linear equations."""
+    path, data = s.path, s.open_data
+    for j in range(s.paths.open[-1]):
+        if path[j, CONDUCTANCE] > 0.0:
+            many, drag = data[j, MULTIPLICITY], path[j, DRAG] * speed
+            linear = carried_flow(s, j, many, drag)
+            flow, by_pressure = line_of_flow(s, j, linear)
+            path[j, LINE_FLOW], path[j, LINE_SLOPE] = flow, by_pressure
+            path[j, LINE_DROP] = path[j, DROP]
+            path[j, SENSE] = many * linear + drag
+            path[j, VOLUME_FLOW] = many * flow + drag
+            path[j, FLOW_BY_PRESSURE] = many * by_pressure
 
 
 @kernel
@@ -306,8 +318,8 @@ def shift_flows(s: SystemArrays) -> None:
         a, b = index[j, NODE_A], index[j, PRESENT_B]
         change = node[a, PRESSURE] - node[b, PRESSURE] - path[j, DROP]
         path[j, DROP] += change
-        path[j, LAST_FLOW] = path[j, LINE_FLOW] + path[j, LINE_SLOPE] * change
         path[j, VOLUME_FLOW] += path[j, FLOW_BY_PRESSURE] * change
+        path[j, LAST_FLOW] = path[j, VOLUME_FLOW]
         source = a if path[j, VOLUME_FLOW] > 0.0 else b
         path[j, FLOW] = node[source, DENSITY] * path[j, VOLUME_FLOW]
 
