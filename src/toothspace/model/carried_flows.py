@@ -86,12 +86,12 @@ def carry_volumes(s: SystemArrays) -> None:
 
 
 @kernel
-def carried_flow(s: SystemArrays, j: int, many: float, drag: float) -> float:
+def carried_flow(s: SystemArrays, j: int, multiplicity: float, drag: float) -> float:
     """Flow of one gap of an open path by the linear equations, or of the last step. [m3/s]."""
     path = s.path[j]
     if s.origin[0] == FROM_LAST_STEP:
         last = path[LAST_FLOW] if path[LAST_FLOW] != 0.0 else path[VOLUME_FLOW]
-        return float((last - drag) / many)
+        return float((last - drag) / multiplicity)
     a, b = s.open_index[j, NODE_A], s.open_index[j, PRESENT_B]
     drop = s.node[a, CARRIED_PRESSURE] - s.node[b, CARRIED_PRESSURE]
     return float(path[LINE_FLOW] + path[LINE_SLOPE] * (drop - path[LINE_DROP]))

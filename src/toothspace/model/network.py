@@ -266,11 +266,11 @@ def update_flows(s: SystemArrays, speed: float) -> None:
         by_height = by_conductance * path[j, BY_HEIGHT] + path[j, DRAG_BY_HEIGHT]
         path[j, FLOW_BY_HEIGHT] = many * by_height
     if carries(s):
-        carry_flows_on(s, speed)
+        update_carried_flows(s, speed)
 
 
 @kernel
-def carry_flows_on(s: SystemArrays, speed: float) -> None:
+def update_carried_flows(s: SystemArrays, speed: float) -> None:
     """Flow of every path on the tangent at the flow of the linear equations."""
     path, data = s.path, s.open_data
     for j in range(s.paths.open[-1]):
