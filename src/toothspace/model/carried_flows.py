@@ -9,7 +9,7 @@ the other. With the flow as an unknown of its own [1]_ the law reads
     Q_{n+1} = Q_n + \frac{\Delta p_{n+1} - \Phi(Q_n)}{\Phi'(Q_n)} .
 
 Flows then balance after the first linear solution, and drops follow them. Which end a flow comes
-from is told by the flow of the linear solution. The first one begins with that of the last step.
+from follows from the linear solution. The first one begins with that of the last step.
 A converged iteration gives the same flows as the law of drops.
 
 References
