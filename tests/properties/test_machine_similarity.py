@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.tank_circuit import pump_between_tanks
 from toothspace import api
 from toothspace.case import Case
 from toothspace.core import units
@@ -146,9 +147,7 @@ def pump_that_turns(sense: int, backlash: str) -> Case:
     both sides of the centre line: enclosed fluid would measure the flank gaps to the micrometre.
     """
     suction, delivery = ("inlet", "outlet")[::sense]
-    speed = f"{1500 * sense} rpm"
-    tables = api.load_case(CASES / "egm12_pump.toml").to_dict()
-    del tables["operating_point"]
+    tables = pump_between_tanks(f"{1500 * sense} rpm", "60 ms", high=delivery)
     machine = tables["machine"]
     machine["drain"] = suction
     machine["gears"]["normal_backlash"] = backlash
@@ -156,14 +155,6 @@ def pump_that_turns(sense: int, backlash: str) -> Case:
         "radial_clearance": "20 um", f"{suction}_angle": "70 deg", f"{delivery}_angle": "55 deg",
     }  # fmt: skip
     machine["relief_grooves"] |= {"closing_side_offset": "1 mm", "opening_side_offset": "1 mm"}
-    tables["circuit"] = {
-        "duration": "60 ms",
-        "initial_shaft_speed": speed,
-        "connections": [[f"machine.{suction}", "low"], [f"machine.{delivery}", "high"]],
-        "low": {"kind": "tank", "pressure": "1 bar"},
-        "high": {"kind": "tank", "pressure": "100 bar"},
-        "spin": {"kind": "speed_source", "speed": [["0 s", speed]]},
-    }
     tables["run"] = {"mesh": "elastic", "time_samples": 600, "relative_tolerance": 1e-6}
     return Case.from_dict(tables, CASES)
 

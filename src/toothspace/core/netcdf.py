@@ -86,9 +86,13 @@ def read_dataset(path: str | Path) -> xr.Dataset:
                     place, engine="h5netcdf", decode_times=False, decode_timedelta=False
                 )
             )
-    except (KeyError, TypeError, ValueError):  # contents that are no table of numbers and texts
-        pass
-    raise CaseError(f"{path}: found a file that cannot be read as one, allowed a NetCDF file")
+    except Exception as error:  # HDF5 without the layout of NetCDF fails anywhere in the libraries
+        raise _unreadable(path) from error
+    raise _unreadable(path)
+
+
+def _unreadable(path: str | Path) -> CaseError:
+    return CaseError(f"{path}: found a file that cannot be read as one, allowed a NetCDF file")
 
 
 def _is_as_written(path: Path) -> bool | None:

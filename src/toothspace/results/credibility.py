@@ -5,13 +5,16 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
-from xarray import DataArray, Dataset
 
 from toothspace.core.status import Status
 from toothspace.model.description import DesignCheck
 from toothspace.results.solution import Solution
+
+if TYPE_CHECKING:
+    from xarray import DataArray, Dataset
 
 BALANCE_LIMITS = {"mass_balance_error": 1e-6, "energy_balance_error": 1e-4}
 """Balance errors above which a result is not to be trusted. [-]"""
