@@ -79,15 +79,15 @@ def direct(case: Case, speed: float, bar: float) -> ts.Solution:
 
 
 @pytest.mark.parametrize(
-    ("speed", "bar", "within"),
+    ("speed", "bar", "within", "kept"),
     [
-        (SPEEDS[0], PRESSURES[1], (1e-6, 1e-6)),  # a grid point: the error of the ledger
-        (1150.0, 105.0, (1e-3, 1e-2)),  # between: of means, and of the loss, their difference
+        (SPEEDS[0], PRESSURES[1], (1e-6, 1e-6), 1e-9),  # a grid point: the error of the ledger
+        (1150.0, 105.0, (1e-3, 1e-2), 1e-3),  # between: of means, and of the loss, their difference
     ],
     ids=["grid point", "between"],
 )
 def test_powers_and_flows_are_those_of_a_run(
-    case: Case, folder: Path, speed: float, bar: float, within: tuple[float, float]
+    case: Case, folder: Path, speed: float, bar: float, within: tuple[float, float], kept: float
 ) -> None:
     found, solution = means(folder, speed, bar), direct(case, speed, bar)
     ledger, data = solution.ledger, solution.data
@@ -107,6 +107,8 @@ def test_powers_and_flows_are_those_of_a_run(
     # what goes in comes out or is lost, at any point
     balance = found["shaft_power"] - found["hydraulic_power"] - found["power_loss"]
     assert abs(balance) < 1e-12 * found["shaft_power"]
-    # mass is kept too, though flows are tabulated as volumes
+    # mass is kept too, though flows are tabulated as volumes: what enters leaves or is stored,
+    # for a run repeats itself within its tolerance only
     masses = [found[f"{p}_flow_rate"] * float(data[f"{p}_density"]) for p in ("inlet", "outlet")]
-    assert masses[0] == pytest.approx(masses[1], rel=within[0])
+    stored = ledger.mass["stored_change"] / ledger.duration
+    assert masses[0] == pytest.approx(masses[1] + stored, rel=kept)
