@@ -99,7 +99,13 @@ def _elastic(grooves: tuple[Groove, ...]) -> Found:
     flat = np.zeros_like(film.gap.centre)
     points = PlanePoints(flat, flat, (flat, flat), (flat, flat))
     plane = PlaneFilm(
-        film.grid, film.gap, points, FilmFluid(VISCOSITY), 0.0, CAVITATION["jfo"], film.mesh.weight
+        film.grid,
+        film.gap,
+        FilmFluid(VISCOSITY),
+        0.0,
+        CAVITATION["jfo"],
+        points=points,
+        weight=film.mesh.weight,
     )
     angle, level = (a.ravel() for a in np.meshgrid(film.mesh.angle, film.mesh.axial, indexing="ij"))
     cells = np.column_stack([RADIUS * np.cos(angle), RADIUS * np.sin(angle), level])

@@ -321,11 +321,11 @@ def solve_face(
     film = PlaneFilm(
         _film_grid(grid, law, boundary, former),
         _gap_field(grid, face_motion, deformation),
-        grid.points,
         law.fluid,
         law.cavitation_pressure,
         CAVITATION[law.cavitation],
-        law=law.law,
+        law.law,
+        points=grid.points,
     )
     density = law.fluid.density(np.full(deformation.distant.shape, law.cavitation_pressure))
     carrier = law.fluid.carrier(density)

@@ -13,11 +13,8 @@ from toothspace.core.errors import CaseError
 from toothspace.core.status import Status
 from toothspace.core.types import Array
 from toothspace.films.reynolds.equation import FilmGrid, GapField, ring_grid
-from toothspace.films.reynolds.fluid import FilmFluid
 from toothspace.films.reynolds.linearised import pressure_responses
 from toothspace.films.reynolds.rough_surfaces import (
-    SMOOTH,
-    FlowLaw,
     RoughSurfaces,
     contact_field,
     mean_gap,
@@ -32,7 +29,7 @@ from toothspace.films.reynolds.state import (
     relative_error,
     solve_state,
 )
-from toothspace.numerics.complementarity import Constraint, face_flows, residual
+from toothspace.numerics.complementarity import face_flows, residual
 from toothspace.numerics.linear_system import PRESCRIBED
 
 
@@ -78,21 +75,15 @@ def polar_grid(rows: int, rim: Array) -> FilmGrid:
 
 
 @final
-@dataclass(frozen=True)
-class PlaneFilm:
+@dataclass(frozen=True, kw_only=True)
+class PlaneFilm(FilmProblem):
     """Discrete film between two faces; force axis z.
 
     ``weight`` is 2 if the film is half of a mirrored one (mirror plane y = 0), else 1.
     """
 
-    grid: FilmGrid
-    gap: GapField
     points: PlanePoints
-    fluid: FilmFluid
-    cavitation_pressure: float
-    constraint: Constraint
     weight: float = 1.0
-    law: FlowLaw = SMOOTH
 
 
 @final
@@ -280,10 +271,7 @@ def solve_plane(film: PlaneFilm, history: FilmHistory | None = None) -> PlaneSol
     lowest = float(min(film.gap.centre.min(), film.gap.face_x.min(), film.gap.face_y.min()))
     if lowest <= 0.0 and film.law.roughness == 0.0:
         raise CaseError(f"film: found a smallest gap of {lowest:.3g} m, allowed are open gaps")
-    problem = FilmProblem(
-        film.grid, film.gap, film.fluid, film.cavitation_pressure, film.constraint, film.law
-    )
-    state = solve_state(problem, history=memory(problem, history))
+    state = solve_state(film, history=memory(film, history))
     return PlaneSolution(**vars(state), film=film)
 
 

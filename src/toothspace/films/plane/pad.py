@@ -154,9 +154,8 @@ class Pad:
         weight = 2.0 if half else 1.0
         constraint = CAVITATION[self.cavitation]
         law = SMOOTH if self.surfaces is None else self.surfaces.flow_law(1.0)
-        return PlaneFilm(
-            grid, gap, points, self.fluid, self.cavitation_pressure, constraint, weight, law
-        )
+        problem = grid, gap, self.fluid, self.cavitation_pressure, constraint, law
+        return PlaneFilm(*problem, points=points, weight=weight)
 
     def _lines(self, half: bool) -> tuple[Array, Array, Array, Array]:
         """Centres and faces along x and y; an odd middle lane is cut in half."""

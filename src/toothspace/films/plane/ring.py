@@ -151,11 +151,11 @@ class LateralFilm:
         return PlaneFilm(
             self._metric(rim, shaft_speed),
             gap,
-            polar_points(angle, face_angle, radius, rim),
             self.fluid,
             self.cavitation_pressure,
             CAVITATION[self.cavitation],
-            law=SMOOTH if self.surfaces is None else self.surfaces.flow_law(1.0),
+            SMOOTH if self.surfaces is None else self.surfaces.flow_law(1.0),
+            points=polar_points(angle, face_angle, radius, rim),
         )
 
     def _rims(self) -> Array:

@@ -13,7 +13,7 @@ from toothspace.core.status import Status
 from toothspace.core.types import Array, IntArray
 from toothspace.films.reynolds.equation import FilmGrid, FluidField, GapField, film_balance
 from toothspace.films.reynolds.fluid import FilmFluid
-from toothspace.films.reynolds.rough_surfaces import FlowLaw, mean_gap
+from toothspace.films.reynolds.rough_surfaces import SMOOTH, FlowLaw, mean_gap
 from toothspace.numerics.acceleration import Mixing
 from toothspace.numerics.complementarity import (
     ComplementaritySolution,
@@ -51,7 +51,8 @@ class FilmHistory:
     """Time that has passed since. [s]"""
 
 
-class FilmProblem(NamedTuple):
+@dataclass(frozen=True)
+class FilmProblem:
     """What is solved: grid, gap, liquid, walls and cavitation."""
 
     grid: FilmGrid
@@ -59,7 +60,7 @@ class FilmProblem(NamedTuple):
     fluid: FilmFluid
     cavitation_pressure: float  # [Pa]
     constraint: Constraint
-    law: FlowLaw
+    law: FlowLaw = SMOOTH
 
 
 @dataclass(frozen=True)
