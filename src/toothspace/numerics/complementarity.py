@@ -90,34 +90,24 @@ def _face_terms(
 
 
 @inlined
-def balance_row(
+def neighbour_terms(
     b: CellBalance,
     place: tuple[int, int],
-    own: int,
     kinds: tuple[int, int, int, int],
     known: tuple[float, float, float, float],
-) -> tuple[float, float, float, float, float, float]:
-    """Coefficients west, south, centre, north and east of a free cell, and its right-hand side.
+) -> tuple[tuple[float, float, float, float], tuple[float, float, float, float], float]:
+    """Coefficients of the neighbours of a cell, what each delivers, and all that leaves it if full.
 
-    ``kinds`` and ``known`` are kinds and potentials of its neighbours in the same order.
+    ``kinds`` and ``known`` are kinds and potentials of the neighbours west, south, north and east.
     """
     i, j = place
     gx, gy, cx, cy = b.conductance_x, b.conductance_y, b.advection_x, b.advection_y
-    west, out, gain = _face_terms(gx[i, j], -cx[i, j], kinds[0], known[0])
-    leaving, supply = b.storage[i, j] + out, b.source[i, j] + gain
-    south, out, gain = _face_terms(gy[i, j], -cy[i, j], kinds[1], known[1])
-    leaving, supply = leaving + out, supply + gain
-    north, out, gain = _face_terms(gy[i, j + 1], cy[i, j + 1], kinds[2], known[2])
-    leaving, supply = leaving + out, supply + gain
-    east, out, gain = _face_terms(gx[i + 1, j], cx[i + 1, j], kinds[3], known[3])
-    leaving, supply = leaving + out, supply + gain
-    if own == 0:
-        size = gx[i, j] + gx[i + 1, j] + gy[i, j] + gy[i, j + 1]
-        return west, south, size, north, east, supply - leaving
-    if leaving <= 0.0:
-        # nothing leaves the cell, so it fills up: the next pass takes it as saturated
-        return 0.0, 0.0, 1.0, 0.0, 0.0, 2.0
-    return west, south, leaving, north, east, supply
+    west, leaving_west, from_west = _face_terms(gx[i, j], -cx[i, j], kinds[0], known[0])
+    south, leaving_south, from_south = _face_terms(gy[i, j], -cy[i, j], kinds[1], known[1])
+    north, leaving_north, from_north = _face_terms(gy[i, j + 1], cy[i, j + 1], kinds[2], known[2])
+    east, leaving_east, from_east = _face_terms(gx[i + 1, j], cx[i + 1, j], kinds[3], known[3])
+    leaving = b.storage[i, j] + leaving_west + leaving_south + leaving_north + leaving_east
+    return (west, south, north, east), (from_west, from_south, from_north, from_east), leaving
 
 
 @njit(nogil=True)
@@ -132,17 +122,24 @@ def assemble(b: CellBalance, kind: IntArray) -> tuple[Array, Array]:
     for i in range(rows):
         for j in range(lanes):
             r, p, q = i * lanes + j, i + 1, j + 1
+            size = gx[i, j] + gx[i + 1, j] + gy[i, j] + gy[i, j + 1]
             if kind[i, j] == 2:
                 # scaled as a balance, so that residual norms compare flows with flows
-                size = gx[i, j] + gx[i + 1, j] + gy[i, j] + gy[i, j + 1]
                 stencil[r, 2] = size if size > 0.0 else 1.0
                 rhs[r] = stencil[r, 2] * known[p, q]
                 continue
             round_it = kinds[p - 1, q], kinds[p, q - 1], kinds[p, q + 1], kinds[p + 1, q]
             given = known[p - 1, q], known[p, q - 1], known[p, q + 1], known[p + 1, q]
-            row = balance_row(b, (i, j), kind[i, j], round_it, given)
-            stencil[r, 0], stencil[r, 1], stencil[r, 2] = row[0], row[1], row[2]
-            stencil[r, 3], stencil[r, 4], rhs[r] = row[3], row[4], row[5]
+            sides, gains, leaving = neighbour_terms(b, (i, j), round_it, given)
+            supply = b.source[i, j] + gains[0] + gains[1] + gains[2] + gains[3]
+            if kind[i, j] == 0:
+                leaving, supply = size, supply - leaving
+            elif leaving <= 0.0:
+                # nothing leaves the cell, so it fills up: the next pass takes it as saturated
+                stencil[r, 2], rhs[r] = 1.0, 2.0
+                continue
+            stencil[r, 0], stencil[r, 1], stencil[r, 2] = sides[0], sides[1], leaving
+            stencil[r, 3], stencil[r, 4], rhs[r] = sides[2], sides[3], supply
     return stencil, rhs
 
 

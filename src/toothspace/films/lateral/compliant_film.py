@@ -26,8 +26,8 @@ from toothspace.films.reynolds.linearised import solved_responses
 from toothspace.numerics.block_elimination import block_system
 from toothspace.numerics.complementarity import (
     ComplementaritySolution,
-    balance_row,
     exchange_kinds,
+    neighbour_terms,
 )
 from toothspace.numerics.linear_system import (
     PRESCRIBED,
@@ -118,8 +118,8 @@ def _assemble(
         for j in range(lanes):
             r = i * lanes + j
             own = kind[i, j]
+            size = gx[i, j] + gx[i + 1, j] + gy[i, j] + gy[i, j + 1]
             if own == 2:
-                size = gx[i, j] + gx[i + 1, j] + gy[i, j] + gy[i, j + 1]
                 centre = size if size > 0.0 else 1.0
                 stencil[r, 0], stencil[r, 1], stencil[r, 3], stencil[r, 4] = 0.0, 0.0, 0.0, 0.0
                 stencil[r, 2] = centre
@@ -137,8 +137,14 @@ def _assemble(
             below = b.prescribed[i, j - 1] if j > 0 else b.south[i]
             above = b.prescribed[i, j + 1] if j < lanes - 1 else b.north[i]
             known = b.prescribed[w, j], below, above, b.prescribed[e, j]
-            row = balance_row(b, (i, j), own, (kw, ks, kn, ke), known)
-            west, south, leaving, north, east, supply = row
+            sides, gains, leaving = neighbour_terms(b, (i, j), (kw, ks, kn, ke), known)
+            west, south, north, east = sides
+            supply = b.source[i, j] + gains[0] + gains[3] + gains[1] + gains[2]
+            if own == 0:
+                leaving, supply = size, supply - leaving
+            elif leaving <= 0.0:
+                # nothing leaves the cell, so it fills up: the next pass takes it as saturated
+                west, south, north, east, leaving, supply = 0.0, 0.0, 0.0, 0.0, 1.0, 2.0
             left = west * unknown[rw] + south * xs + leaving * unknown[r] + north * xn
             right[r] = supply - left - east * unknown[re]
             # faces of the first index
