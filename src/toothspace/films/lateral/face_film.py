@@ -24,7 +24,6 @@ from toothspace.films.plane.film import PlaneFilm, PlaneSolution, rigid_change
 from toothspace.films.reynolds.cavitation import CAVITATION
 from toothspace.films.reynolds.equation import FilmGrid, FluidField, GapField, film_balance
 from toothspace.films.reynolds.fluid import FilmFluid
-from toothspace.films.reynolds.linearised import pressure_responses
 from toothspace.films.reynolds.rough_surfaces import (
     NO_CONTACT,
     SMOOTH,
@@ -197,22 +196,12 @@ class FaceFilm:
 
         [Pa per unit] The residual is no smaller than ``accuracy`` of the right-hand side.
         """
-        plane, fluid = self.plane, self.law.fluid
         accuracy = max(accuracy, self.law.accuracy.linear)
         if self.solution.found is not None:
             responses = compliant_responses(self.solution, changes, accuracy)
         else:
-            responses = pressure_responses(
-                plane.film.grid,
-                plane.film.gap,
-                fluid.carrier(plane.fluid.density),
-                plane.film.law,
-                plane.balance,
-                plane.fields,
-                changes,
-                relative_tolerance=accuracy,
-            )
-        stretch = fluid.stretch(plane.pressure)
+            responses = self.plane.reduced_responses(changes, accuracy)
+        stretch = self.law.fluid.stretch(self.plane.pressure)
         # change of the asperity pressure with an opening of the undeformed gap [Pa/m]
         touch = self.solution.contact_slope * self.solution.gap_slope
         found = []
