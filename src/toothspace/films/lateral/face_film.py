@@ -298,7 +298,7 @@ def solve_face(
 
     Parameters
     ----------
-    grid, law, around
+    grid, law, boundary
         Where, of what and between which boundaries.
     face_motion : FaceMotion
         Lift and rotations of the upper face about the own axis, and their rates.

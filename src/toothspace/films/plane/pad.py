@@ -12,7 +12,6 @@ import numpy as np
 from toothspace.core.constants import ATMOSPHERIC_PRESSURE
 from toothspace.core.errors import CaseError
 from toothspace.core.types import Array
-from toothspace.films.journal.geometry import wall_stress
 from toothspace.films.plane.film import (
     FaceSolution,
     PlaneFilm,
@@ -23,7 +22,7 @@ from toothspace.films.plane.film import (
 from toothspace.films.reynolds.cavitation import CAVITATION
 from toothspace.films.reynolds.equation import FilmGrid, GapField
 from toothspace.films.reynolds.fluid import FilmFluid
-from toothspace.films.reynolds.rough_surfaces import SMOOTH, RoughSurfaces
+from toothspace.films.reynolds.rough_surfaces import SMOOTH, RoughSurfaces, wall_stress
 from toothspace.films.reynolds.state import FilmHistory
 
 GapFunction = Callable[[Array, Array], Array]
