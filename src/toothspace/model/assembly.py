@@ -131,8 +131,8 @@ def assemble(
     seated = with_lateral_leakage(description, table.seat_factor) if table else description
     bush = bush_positions(seated, condition, motion_map, free)
     journals = journal_data(description, free, bush)
-    sizes = _sizes(description, condition, len(free), paths)
-    sizes = sizes._replace(journals=journals.rows.shape[0], **contacts.counts)
+    counts = {"motions": len(free), "journals": len(journals.rows), **contacts.counts}
+    sizes = _sizes(description, condition, paths, counts)
     drive = _drive(description, condition, free)
     elements, schedule = circuit_rows(condition.circuit, places, drive, condition.schedules)
     arrays = SystemArrays(
@@ -167,13 +167,13 @@ def assemble(
         friction_curves=journals.curves,
         lateral=lateral_lookup(description, sizes.nodes, loads),
         node=np.asfortranarray(_nodes(description, fluid, condition, sizes)),
+        contact=contacts.data,
         motion=motion_rows(description, condition, free),
         drive=drive,
         elements=elements,
         schedule=schedule,
         **_work(sizes),
     )
-    arrays.contact[:, col.CONTACT_STATE :] = contacts.data
     pattern = _pattern(arrays)
     _join_circuit(arrays, pattern)
     moving, basis = tuple(free), _basis(arrays)
@@ -197,10 +197,10 @@ def _free_motions(description: MachineDescription, condition: OperatingCondition
 def _sizes(
     description: MachineDescription,
     condition: OperatingCondition,
-    motions: int,
     paths: tuple[FlowPath, ...],
+    counts: dict[str, int],
 ) -> Sizes:
-    chambers = description.chamber_count
+    chambers, motions = description.chamber_count, counts["motions"]
     dynamic = int(np.max(_dynamic_index(description, condition))) + 1
     column = 2 + 2 * dynamic + 2 * motions
     film = column + column_states(condition.circuit)
@@ -211,10 +211,7 @@ def _sizes(
         nodes=len(node_places(description, condition)) + chambers,
         dynamic=dynamic,
         paths=sum(path.count for path in paths),
-        motions=motions,
-        journals=0,
-        contacts=0,
-        compliant=0,
+        **counts,
         mass=2,
         gas=2 + dynamic,
         position=2 + 2 * dynamic,
@@ -343,7 +340,6 @@ def _work(sizes: Sizes) -> dict[str, Any]:
         "path_values": np.zeros((col.HEIGHT_BY_MOTION + sizes.motions, sizes.paths)).T,
         # room for two at least: fewer would be another layout, to be compiled once more
         "contact_values": np.zeros((2, gap_channels, max(sizes.contacts, 2))).transpose(0, 2, 1),
-        "contact": np.zeros((sizes.contacts, col.CONTACT_COLUMNS)),
         "film_slopes": np.zeros((2, sizes.motions, sizes.motions)),
         "torque": np.zeros(len(FRICTION_MECHANISMS) + 1),
         "table_angle": np.array([np.nan]),

@@ -90,28 +90,26 @@ def contact_parts(
         tables=tables,
         pairs=contacts,
         gate=col.POSSIBLE if compliant else OPEN,
-        data=np.array(rows, dtype=float).reshape(count, 11),
+        data=np.array(rows, dtype=float).reshape(count, col.CONTACT_COLUMNS),
         counts={"contacts": count, "compliant": count if compliant else 0},
     )
 
 
-def _constants(contact: ContactPair) -> tuple[float, ...]:
-    """Constants of ``contact`` in their order."""
-    onset = contact.roughness if contact.onset is None else contact.onset
-    speed = contact.approach_speed
-    return (
-        contact.effective_modulus,
-        contact.roughness,
-        contact.boundary_friction,
-        contact.limiting_shear,
-        contact.width,
-        onset,
-        0.0 if speed is None else impact_damping(contact.restitution, speed),
-        float(contact.law in ("pereira", "linear")),
-        FRICTION_MECHANISMS.index(contact.friction_account),
-        float(contact.squeeze_film),
-        impact_damping(contact.restitution, 1.0) if speed is None else 0.0,
-    )
+def _constants(contact: ContactPair) -> Array:
+    """Row of a contact in which nothing acts yet."""
+    row, speed = np.zeros(col.CONTACT_COLUMNS), contact.approach_speed
+    row[col.PAIR_MODULUS], row[col.PAIR_ROUGHNESS] = contact.effective_modulus, contact.roughness
+    row[col.PAIR_BOUNDARY], row[col.PAIR_LIMIT] = contact.boundary_friction, contact.limiting_shear
+    row[col.PAIR_WIDTH] = contact.width
+    row[col.PAIR_ONSET] = contact.roughness if contact.onset is None else contact.onset
+    row[col.PAIR_POWER_LAW] = contact.law in ("pereira", "linear")
+    row[col.PAIR_ACCOUNT] = FRICTION_MECHANISMS.index(contact.friction_account)
+    row[col.PAIR_SQUEEZE] = contact.squeeze_film
+    if speed is None:
+        row[col.PAIR_LOSS] = impact_damping(contact.restitution, 1.0)
+    else:
+        row[col.PAIR_DAMPING] = impact_damping(contact.restitution, speed)
+    return row
 
 
 def compliant_table(contact: ContactPair, motion_map: Array) -> PeriodicTable:
