@@ -227,23 +227,19 @@ def load_derivatives(
     Returns an array of 4 rows (force x, y, moment x, y) and, for every direction, one column
     per position and then one per speed. [N or N m over m, rad, m/s, rad/s]
     """
-    changes = [
-        journal_gap(field.mesh, 0.0, _unit_motion(k, of_speed))
+    still, units = np.zeros(4), np.eye(4)[list(directions)]
+    motions = [
+        MotionState(still, unit) if of_speed else MotionState(unit, still)
         for of_speed in speeds
-        for k in directions
+        for unit in units
     ]
+    changes = [journal_gap(field.mesh, 0.0, motion) for motion in motions]
     responses = field.responses(changes, relative_tolerance)
     columns = []
     for response, change in zip(responses, changes, strict=True):
         touch = 0.0 if field.contact is None else field.contact.slope * change.centre
         columns.append(journal_load(field.mesh, response + touch, field.film.grid.area))
     return np.array(columns).T
-
-
-def _unit_motion(direction: int, speeds: bool) -> MotionState:
-    unit = np.zeros(4)
-    unit[direction] = 1.0
-    return MotionState(np.zeros(4), unit) if speeds else MotionState(unit, np.zeros(4))
 
 
 def solve_motion(

@@ -9,7 +9,7 @@ from typing import NamedTuple, final
 
 import numpy as np
 
-from toothspace.core.compiled import inlined, njit
+from toothspace.core.compiled import njit
 from toothspace.core.status import Status
 from toothspace.core.types import Array, BoolArray
 from toothspace.films.lateral.compliant_film import (
@@ -365,12 +365,6 @@ def _stiff(
     return CompliantSolution(plane, contact, slope, np.ones_like(contact), fields.kind)
 
 
-@inlined
-def _height(motion: Array, x: float, y: float) -> float:
-    """Height of a plane with a lift and rotations about x and y. [m]."""
-    return float(motion[0] + motion[1] * y - motion[2] * x)
-
-
 @njit(nogil=True)
 def _overstep(change: Array, film: BoolArray, gap: Array, roughness: float) -> float:
     most = 0.0
@@ -401,9 +395,9 @@ def _gap_field(grid: FaceGrid, face_motion: FaceMotion, deformation: FaceDeforma
 
 @njit(nogil=True)
 def _plane(x: Array, y: Array, motion: Array) -> Array:
-    """Heights of a plane at given places. [m]."""
+    """Heights of a plane with a lift and rotations about x and y. [m]."""
     out = np.empty(x.shape)
     for i in range(x.shape[0]):
         for j in range(x.shape[1]):
-            out[i, j] = _height(motion, x[i, j], y[i, j])
+            out[i, j] = motion[0] + motion[1] * y[i, j] - motion[2] * x[i, j]
     return out
