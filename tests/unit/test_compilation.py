@@ -16,6 +16,7 @@ import pytest
 
 from toothspace import api
 from toothspace.core.compilation import decorators, notice
+from toothspace.core.compilation.cache import _with_imports
 from toothspace.core.compilation.notice import Notice, reachable
 from toothspace.core.compilation.records import RecordAddress
 from toothspace.core.compiled import inlined, kernel, njit, passed_by_address
@@ -153,6 +154,11 @@ def test_the_cache_follows_content_not_place_or_time(tmp_path: Path) -> None:
     changed = elsewhere / "toothspace" / "numerics" / "vectors.py"
     changed.write_text(changed.read_text() + "\nMORE = 1\n")
     assert run_python(USE, cache, elsewhere) == "5.0 0"
+
+
+def test_an_entry_depends_on_modules_that_are_imported_as_such() -> None:
+    """The columns of the arrays, which kernels read as ``col.PRESSURE``, are constants in it."""
+    assert "model.arrays" in _with_imports({"model.walls"})
 
 
 @pytest.mark.parametrize("damage", [b"", b"no entry", None])

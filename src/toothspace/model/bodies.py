@@ -25,42 +25,8 @@ from toothspace.closures.journal_friction import (
 )
 from toothspace.core.compiled import kernel
 from toothspace.core.types import Array
-from toothspace.model.arrays import (
-    BEARINGS,
-    BOUNDARY_FRICTION,
-    BUSH_X,
-    BUSH_Y,
-    CHANNEL_MOTION,
-    CURVE_BOUNDARY,
-    CURVE_DECAY,
-    CURVE_LINE,
-    CURVE_LOAD,
-    CURVE_OFFSET,
-    CURVE_RISE,
-    CURVE_TRANSITION,
-    CURVES,
-    DIRECTION,
-    DRIVEN_FRICTION,
-    DRIVEN_SENSE,
-    FADE,
-    FILM_FORCE,
-    FILM_MAP,
-    FILM_X,
-    FILM_Y,
-    JOURNAL_CLEARANCE,
-    JOURNAL_VISCOSITY,
-    LATERAL_DRAG,
-    LENGTH,
-    MOTION_RATIO,
-    MOTION_X,
-    MOTION_Y,
-    PRESSURE,
-    PRESSURE_FORCE,
-    RADIUS,
-    ROTATION,
-    SPEED_RATIO,
-    SystemArrays,
-)
+from toothspace.model import arrays as col
+from toothspace.model.arrays import SystemArrays
 from toothspace.model.lateral_table import ASPERITY_STRESS, DRAG_STRESS, SHEAR_RATIO
 from toothspace.model.ledger import FRICTION, JOURNAL_ASPERITY, JOURNAL_VISCOUS
 
@@ -78,8 +44,8 @@ def update_pressure_forces(s: SystemArrays) -> None:
     for k in range(size.motions):
         force = 0.0
         for i in range(size.chambers):
-            force += node[i, PRESSURE] * values[i, CHANNEL_MOTION + k]
-        motion[k, PRESSURE_FORCE] = force
+            force += node[i, col.PRESSURE] * values[i, col.CHANNEL_MOTION + k]
+        motion[k, col.PRESSURE_FORCE] = force
 
 
 @kernel
@@ -104,19 +70,19 @@ def update_film_forces(s: SystemArrays, state: Array) -> None:
     viscosity = s.fluid.dynamic_viscosity
     update_lateral_drag(s, state)
     for j in range(size.journals):
-        kx, ky = int(journal[j, MOTION_X]), int(journal[j, MOTION_Y])
-        ex = state[size.position + kx] - journal[j, BUSH_X]
-        ey = state[size.position + ky] - journal[j, BUSH_Y]
+        kx, ky = int(journal[j, col.MOTION_X]), int(journal[j, col.MOTION_Y])
+        ex = state[size.position + kx] - journal[j, col.BUSH_X]
+        ey = state[size.position + ky] - journal[j, col.BUSH_Y]
         vx, vy = state[size.velocity + kx], state[size.velocity + ky]
-        speed, c = journal[j, SPEED_RATIO] * state[1], journal[j, JOURNAL_CLEARANCE]
-        scale = journal[j, BEARINGS] * viscosity * journal[j, JOURNAL_VISCOSITY]
-        scale *= journal[j, LENGTH] * (journal[j, RADIUS] / c) ** 3
-        nodes = s.film.nodes[int(journal[j, FILM_MAP])]
+        speed, c = journal[j, col.SPEED_RATIO] * state[1], journal[j, col.JOURNAL_CLEARANCE]
+        scale = journal[j, col.BEARINGS] * viscosity * journal[j, col.JOURNAL_VISCOSITY]
+        scale *= journal[j, col.LENGTH] * (journal[j, col.RADIUS] / c) ** 3
+        nodes = s.film.nodes[int(journal[j, col.FILM_MAP])]
         film = JournalMap(nodes, s.film.logarithm_step, s.film.length_over_diameter)
         force = journal_force(ex, ey, vx, vy, speed, c, scale, film)
-        journal[j, FILM_X], journal[j, FILM_Y] = force[0], force[1]
-        motion[kx, FILM_FORCE] += force[0]
-        motion[ky, FILM_FORCE] += force[1]
+        journal[j, col.FILM_X], journal[j, col.FILM_Y] = force[0], force[1]
+        motion[kx, col.FILM_FORCE] += force[0]
+        motion[ky, col.FILM_FORCE] += force[1]
         slopes[0, kx, kx] += force[2]
         slopes[0, kx, ky] += force[3]
         slopes[1, kx, kx] += force[4]
@@ -126,7 +92,7 @@ def update_film_forces(s: SystemArrays, state: Array) -> None:
         slopes[1, ky, kx] += force[8]
         slopes[1, ky, ky] += force[9]
         add_asperity_force(s, j, ex, ey)
-        if journal[j, ROTATION] >= 0.0:
+        if journal[j, col.ROTATION] >= 0.0:
             hold_back(s, state, j, (ex, ey), force)
 
 
@@ -134,14 +100,14 @@ def update_film_forces(s: SystemArrays, state: Array) -> None:
 def update_lateral_drag(s: SystemArrays, state: Array) -> None:
     """Start the film forces with the torque of the lateral films on bodies free to turn."""
     motion, slopes, size, now = s.motion, s.film_slopes, s.size, s.lateral.now
-    stress = s.drive[DIRECTION] * (now[DRAG_STRESS] + now[ASPERITY_STRESS])
+    stress = s.drive[col.DIRECTION] * (now[DRAG_STRESS] + now[ASPERITY_STRESS])
     for k in range(size.motions):
         for m in range(size.motions):
             slopes[0, k, m] = slopes[1, k, m] = 0.0
-        drag = motion[k, LATERAL_DRAG] * s.fluid.dynamic_viscosity * now[SHEAR_RATIO]
-        turning = motion[k, MOTION_RATIO] * state[1] + state[size.velocity + k]
-        held = motion[k, LATERAL_DRAG] * motion[k, MOTION_RATIO] * stress
-        motion[k, FILM_FORCE] = -drag * turning - held
+        drag = motion[k, col.LATERAL_DRAG] * s.fluid.dynamic_viscosity * now[SHEAR_RATIO]
+        turning = motion[k, col.MOTION_RATIO] * state[1] + state[size.velocity + k]
+        held = motion[k, col.LATERAL_DRAG] * motion[k, col.MOTION_RATIO] * stress
+        motion[k, col.FILM_FORCE] = -drag * turning - held
         slopes[1, k, k] = -drag
 
 
@@ -149,8 +115,8 @@ def update_lateral_drag(s: SystemArrays, state: Array) -> None:
 def add_asperity_force(s: SystemArrays, j: int, ex: float, ey: float) -> None:
     """Push the journal back where asperities touch."""
     journal, motion, slopes = s.journal, s.motion, s.film_slopes
-    kx, ky = int(journal[j, MOTION_X]), int(journal[j, MOTION_Y])
-    c = journal[j, JOURNAL_CLEARANCE]
+    kx, ky = int(journal[j, col.MOTION_X]), int(journal[j, col.MOTION_Y])
+    c = journal[j, col.JOURNAL_CLEARANCE]
     distance = math.sqrt(ex * ex + ey * ey)
     if distance < SMALL_RATIO * c:
         return
@@ -158,10 +124,10 @@ def add_asperity_force(s: SystemArrays, j: int, ex: float, ey: float) -> None:
     force, slope = asperity_value(s.asperity, j, FORCE, span, distance / c)
     nx, ny = ex / distance, ey / distance
     radial, tangential = slope / c, force / distance
-    motion[kx, FILM_FORCE] -= force * nx
-    motion[ky, FILM_FORCE] -= force * ny
-    journal[j, FILM_X] -= force * nx
-    journal[j, FILM_Y] -= force * ny
+    motion[kx, col.FILM_FORCE] -= force * nx
+    motion[ky, col.FILM_FORCE] -= force * ny
+    journal[j, col.FILM_X] -= force * nx
+    journal[j, col.FILM_Y] -= force * ny
     slopes[0, kx, kx] -= radial * nx * nx + tangential * ny * ny
     slopes[0, kx, ky] -= (radial - tangential) * nx * ny
     slopes[0, ky, kx] -= (radial - tangential) * nx * ny
@@ -174,19 +140,20 @@ def hold_back(
 ) -> None:
     """Friction torque of one bearing on a body that turns on its own, with derivatives."""
     journal = s.journal
-    k, kx, ky = int(journal[j, ROTATION]), int(journal[j, MOTION_X]), int(journal[j, MOTION_Y])
+    k, kx = int(journal[j, col.ROTATION]), int(journal[j, col.MOTION_X])
+    ky = int(journal[j, col.MOTION_Y])
     ex, ey = place
     viscous, asperity = journal_torques(s, state, j)
-    turning = np.sign(journal[j, SPEED_RATIO]) * s.drive[DIRECTION]
-    s.motion[k, FILM_FORCE] -= turning * (viscous + asperity)
-    if journal[j, CURVES] > 0:
+    turning = np.sign(journal[j, col.SPEED_RATIO]) * s.drive[col.DIRECTION]
+    s.motion[k, col.FILM_FORCE] -= turning * (viscous + asperity)
+    if journal[j, col.CURVES] > 0:
         add_curve_slopes(s, state, j, turning)
         return
-    c, radius = journal[j, JOURNAL_CLEARANCE], journal[j, RADIUS]
+    c, radius = journal[j, col.JOURNAL_CLEARANCE], journal[j, col.RADIUS]
     distance = math.sqrt(ex * ex + ey * ey) + SMALL_RATIO * c
     ratio = distance / c
     _, by_ratio = asperity_value(s.asperity, j, LOAD, s.constant.asperity_range, ratio)
-    growth = journal[j, BOUNDARY_FRICTION] * radius * by_ratio
+    growth = journal[j, col.BOUNDARY_FRICTION] * radius * by_ratio
     if ratio < HIGHEST_FILM_RATIO:
         shear = viscous - turning * journal_pressure_torque(ex, ey, force[0], force[1])
         solved, rise = asperity_value(s.asperity, j, SHEAR, s.constant.asperity_range, ratio)
@@ -210,26 +177,27 @@ def journal_torques(s: SystemArrays, state: Array, j: int) -> tuple[float, float
     :func:`curve_torques` instead.
     """
     journal, size = s.journal, s.size
-    if journal[j, CURVES] > 0:
-        force = math.sqrt(journal[j, FILM_X] ** 2 + journal[j, FILM_Y] ** 2)
+    if journal[j, col.CURVES] > 0:
+        force = math.sqrt(journal[j, col.FILM_X] ** 2 + journal[j, col.FILM_Y] ** 2)
         return curve_torques(s, state, j, force)
-    kx, ky = int(journal[j, MOTION_X]), int(journal[j, MOTION_Y])
-    ex = state[size.position + kx] - journal[j, BUSH_X]
-    ey = state[size.position + ky] - journal[j, BUSH_Y]
-    c, radius = journal[j, JOURNAL_CLEARANCE], journal[j, RADIUS]
+    kx, ky = int(journal[j, col.MOTION_X]), int(journal[j, col.MOTION_Y])
+    ex = state[size.position + kx] - journal[j, col.BUSH_X]
+    ey = state[size.position + ky] - journal[j, col.BUSH_Y]
+    c, radius = journal[j, col.JOURNAL_CLEARANCE], journal[j, col.RADIUS]
     ratio = math.sqrt(ex * ex + ey * ey) / c
     limited = min(ratio, HIGHEST_FILM_RATIO)
-    speed = abs(journal[j, SPEED_RATIO] * state[1])
-    turning = np.sign(journal[j, SPEED_RATIO]) * s.drive[DIRECTION]
-    viscosity = s.fluid.dynamic_viscosity * journal[j, JOURNAL_VISCOSITY]
-    shear = journal[j, BEARINGS] * journal_shear_torque(
-        limited, speed, viscosity, radius, journal[j, LENGTH], c
+    speed = abs(journal[j, col.SPEED_RATIO] * state[1])
+    turning = np.sign(journal[j, col.SPEED_RATIO]) * s.drive[col.DIRECTION]
+    viscosity = s.fluid.dynamic_viscosity * journal[j, col.JOURNAL_VISCOSITY]
+    shear = journal[j, col.BEARINGS] * journal_shear_torque(
+        limited, speed, viscosity, radius, journal[j, col.LENGTH], c
     )
     solved, _ = asperity_value(s.asperity, j, SHEAR, s.constant.asperity_range, ratio)
     shear *= solved
-    moment = turning * journal_pressure_torque(ex, ey, journal[j, FILM_X], journal[j, FILM_Y])
+    fx, fy = journal[j, col.FILM_X], journal[j, col.FILM_Y]
+    moment = turning * journal_pressure_torque(ex, ey, fx, fy)
     load, _ = asperity_value(s.asperity, j, LOAD, s.constant.asperity_range, ratio)
-    return shear + moment, journal[j, BOUNDARY_FRICTION] * load * radius
+    return shear + moment, journal[j, col.BOUNDARY_FRICTION] * load * radius
 
 
 @kernel
@@ -245,11 +213,11 @@ def curve_torques(s: SystemArrays, state: Array, j: int, force: float) -> tuple[
     term that fades with S counts as friction of asperities.
     """
     row = s.journal[j]
-    radius = row[RADIUS]
-    speed = abs(row[SPEED_RATIO] * state[1])
-    load, clearance = max(force, LEAST_FORCE) / row[BEARINGS], row[JOURNAL_CLEARANCE]
-    viscosity = s.fluid.dynamic_viscosity * row[JOURNAL_VISCOSITY]
-    number = sommerfeld_number(speed, load, viscosity, radius, row[LENGTH], clearance)
+    radius = row[col.RADIUS]
+    speed = abs(row[col.SPEED_RATIO] * state[1])
+    load, clearance = max(force, LEAST_FORCE) / row[col.BEARINGS], row[col.JOURNAL_CLEARANCE]
+    viscosity = s.fluid.dynamic_viscosity * row[col.JOURNAL_VISCOSITY]
+    number = sommerfeld_number(speed, load, viscosity, radius, row[col.LENGTH], clearance)
     lower, share = _curve_place(s, j, load)
     film, boundary = 0.0, 0.0
     for k, part in ((lower, 1.0 - share), (lower + 1, share)):
@@ -257,13 +225,13 @@ def curve_torques(s: SystemArrays, state: Array, j: int, force: float) -> tuple[
             curve = s.friction_curves[j, k]
             film += part * film_friction_term(
                 number,
-                curve[CURVE_RISE],
-                curve[CURVE_TRANSITION],
-                curve[CURVE_OFFSET],
-                curve[CURVE_LINE],
+                curve[col.CURVE_RISE],
+                curve[col.CURVE_TRANSITION],
+                curve[col.CURVE_OFFSET],
+                curve[col.CURVE_LINE],
             )
             boundary += part * boundary_friction_term(
-                number, curve[CURVE_BOUNDARY], curve[CURVE_DECAY]
+                number, curve[col.CURVE_BOUNDARY], curve[col.CURVE_DECAY]
             )
     return film * max(force, LEAST_FORCE) * radius, boundary * force * radius
 
@@ -271,16 +239,16 @@ def curve_torques(s: SystemArrays, state: Array, j: int, force: float) -> tuple[
 @kernel
 def _curve_place(s: SystemArrays, j: int, load: float) -> tuple[int, float]:
     """Friction curve below a load on one bearing [N], and the share of the next one. [-]."""
-    curves, last = s.friction_curves, int(s.journal[j, CURVES]) - 1
+    curves, last = s.friction_curves, int(s.journal[j, col.CURVES]) - 1
     wanted = math.log(load)
-    if last == 0 or wanted <= curves[j, 0, CURVE_LOAD]:
+    if last == 0 or wanted <= curves[j, 0, col.CURVE_LOAD]:
         return 0, 0.0
-    if wanted >= curves[j, last, CURVE_LOAD]:
+    if wanted >= curves[j, last, col.CURVE_LOAD]:
         return last, 0.0
     k = 0
-    while wanted > curves[j, k + 1, CURVE_LOAD]:
+    while wanted > curves[j, k + 1, col.CURVE_LOAD]:
         k += 1
-    low, high = curves[j, k, CURVE_LOAD], curves[j, k + 1, CURVE_LOAD]
+    low, high = curves[j, k, col.CURVE_LOAD], curves[j, k + 1, col.CURVE_LOAD]
     return k, (wanted - low) / (high - low)
 
 
@@ -288,8 +256,9 @@ def _curve_place(s: SystemArrays, j: int, load: float) -> tuple[int, float]:
 def add_curve_slopes(s: SystemArrays, state: Array, j: int, turning: float) -> None:
     """Derivatives of the torque of a friction curve on a body that turns on its own."""
     journal, slopes = s.journal, s.film_slopes
-    k, kx, ky = int(journal[j, ROTATION]), int(journal[j, MOTION_X]), int(journal[j, MOTION_Y])
-    fx, fy = journal[j, FILM_X], journal[j, FILM_Y]
+    k, kx = int(journal[j, col.ROTATION]), int(journal[j, col.MOTION_X])
+    ky = int(journal[j, col.MOTION_Y])
+    fx, fy = journal[j, col.FILM_X], journal[j, col.FILM_Y]
     force = max(math.sqrt(fx * fx + fy * fy), LEAST_FORCE)
     step = 1e-4 * force
     film, boundary = curve_torques(s, state, j, force + step)
@@ -305,22 +274,22 @@ def add_curve_slopes(s: SystemArrays, state: Array, j: int, turning: float) -> N
 def book_journal_friction(s: SystemArrays, state: Array, ledger: Array) -> float:
     """Add journal losses to the ledger; return their torque at the shaft. [N m]."""
     journal, size = s.journal, s.size
-    total, share = 0.0, s.drive[DIRECTION] * s.drive[FADE]
-    s.drive[DRIVEN_FRICTION] = 0.0
+    total, share = 0.0, s.drive[col.DIRECTION] * s.drive[col.FADE]
+    s.drive[col.DRIVEN_FRICTION] = 0.0
     for j in range(size.journals):
         viscous, asperity = journal_torques(s, state, j)
         viscous, asperity = share * viscous, share * asperity
-        ratio = abs(journal[j, SPEED_RATIO])
+        ratio = abs(journal[j, col.SPEED_RATIO])
         turning = ratio * state[1]
-        if journal[j, ROTATION] >= 0.0:
-            ahead = state[size.velocity + int(journal[j, ROTATION])]
-            turning += np.sign(journal[j, SPEED_RATIO]) * ahead
-        squeeze = journal[j, FILM_X] * state[size.velocity + int(journal[j, MOTION_X])]
-        squeeze += journal[j, FILM_Y] * state[size.velocity + int(journal[j, MOTION_Y])]
+        if journal[j, col.ROTATION] >= 0.0:
+            ahead = state[size.velocity + int(journal[j, col.ROTATION])]
+            turning += np.sign(journal[j, col.SPEED_RATIO]) * ahead
+        squeeze = journal[j, col.FILM_X] * state[size.velocity + int(journal[j, col.MOTION_X])]
+        squeeze += journal[j, col.FILM_Y] * state[size.velocity + int(journal[j, col.MOTION_Y])]
         s.torque[JOURNAL_VISCOUS] += ratio * viscous
         s.torque[JOURNAL_ASPERITY] += ratio * asperity
         ledger[FRICTION + JOURNAL_VISCOUS] += viscous * turning - squeeze
         ledger[FRICTION + JOURNAL_ASPERITY] += asperity * turning
         total += ratio * (viscous + asperity)
-        s.drive[DRIVEN_FRICTION] -= journal[j, DRIVEN_SENSE] * (viscous + asperity)
+        s.drive[col.DRIVEN_FRICTION] -= journal[j, col.DRIVEN_SENSE] * (viscous + asperity)
     return total

@@ -15,7 +15,7 @@ from toothspace.closures.contact_rough import asperity_pressure
 from toothspace.closures.friction import lateral_film_torque
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array
-from toothspace.model.arrays import CURVE_COLUMNS, JOURNAL_COLUMNS
+from toothspace.model import arrays as col
 from toothspace.model.description import LumpedJournalBearing, LumpedLateralFilm, MachineDescription
 
 _INTERVALS = 240
@@ -68,7 +68,7 @@ def journal_data(
         for j, place in zip(journals, places, strict=True)
     ]
     return JournalData(
-        rows=np.array(rows, dtype=float).reshape(len(journals), JOURNAL_COLUMNS),
+        rows=np.array(rows, dtype=float).reshape(len(journals), col.JOURNAL_COLUMNS),
         asperity=np.array([_asperity_tables(j, span) for j in journals]).reshape(
             len(journals), 3, _INTERVALS, 4
         ),
@@ -81,10 +81,11 @@ def journal_data(
 def _friction_curves(journals: list[LumpedJournalBearing]) -> Array:
     """Friction curves over the load, one block per bearing, unused rows empty."""
     rows = [
-        np.empty((0, CURVE_COLUMNS)) if j.friction is None else j.friction.rows for j in journals
+        np.empty((0, col.CURVE_COLUMNS)) if j.friction is None else j.friction.rows
+        for j in journals
     ]
     longest = max((len(one) for one in rows), default=0)
-    curves = np.zeros((len(journals), max(longest, 1), CURVE_COLUMNS))
+    curves = np.zeros((len(journals), max(longest, 1), col.CURVE_COLUMNS))
     for block, one in zip(curves, rows, strict=True):
         block[: len(one)] = one
     return curves
