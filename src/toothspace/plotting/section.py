@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from toothspace.core.types import Array
+from toothspace.geometry.polygon import enclosed
 from toothspace.model.description import Body, MachineDescription
 from toothspace.plotting.style import GREY, INK, LIGHT, METAL, PRESSURE_COLOURS, new_figure, styled
 from toothspace.results.solution import Solution
@@ -24,11 +26,10 @@ _WALL = 0.08  # drawn thickness of the housing over its height
 
 def turned_section(description: MachineDescription, body: Body, shaft_angle: float) -> Any:
     """Section of a body in the frame of the machine at a shaft angle, a ring with its hole. [m]."""
-    import shapely
     from shapely.affinity import rotate, translate
 
     # the two sides of the cut through a ring coincide before it is turned
-    section = shapely.Polygon(description.outlines[body.name]).buffer(0.0)
+    (section,) = enclosed([description.outlines[body.name]])
     turn = body.speed_ratio * shaft_angle
     return translate(rotate(section, turn, origin=(0.0, 0.0), use_radians=True), *body.center)
 
@@ -48,11 +49,8 @@ def fluid_cells(description: MachineDescription, shaft_angle: float) -> list[Any
     list of shapely geometry
         Areas that they fill. [m]
     """
-    import shapely
-
     assert description.chamber_outlines is not None
-    outlines = description.chamber_outlines(shaft_angle)
-    return [shapely.Polygon(outline).buffer(0.0) for outline in outlines]
+    return list(enclosed(description.chamber_outlines(shaft_angle)))
 
 
 def recess_outlines(description: MachineDescription) -> dict[str, Array]:
@@ -161,7 +159,7 @@ def housing_region(description: MachineDescription) -> Any:
     """Wall of the housing around the bores, for drawing. [m]."""
     import shapely
 
-    casing = shapely.make_valid(shapely.Polygon(description.outlines["casing"]))
+    (casing,) = enclosed([description.outlines["casing"]])
     bore = casing.union(_discs(description))
     wall = _WALL * float(np.ptp(description.outlines["casing"][:, 1]))
     ducts = [port_region(description, port) for port in ("inlet", "outlet")]
@@ -203,7 +201,7 @@ def port_region(description: MachineDescription, port: str) -> Any:
     far = float(np.max(np.abs(casing[:, 0]))) + _WALL * float(np.ptp(casing[:, 1]))
     limits = (-far, 0.0) if port == "inlet" else (0.0, far)
     duct = shapely.box(limits[0], middle - half, limits[1], middle + half)
-    bore = shapely.make_valid(shapely.Polygon(casing))
+    (bore,) = enclosed([casing])
     side = bore.intersection(shapely.box(limits[0], low, limits[1], high))
     return duct.union(side).difference(_discs(description))
 

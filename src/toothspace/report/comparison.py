@@ -148,7 +148,7 @@ class Comparison:
 
 
 def shown_change(name: str, first: float, second: float) -> str:
-    """Difference of a number as share of the first or as factor, else its unit if that is not its own.
+    """Difference of a number as share of the first, as factor, or the unit of the difference.
 
     Parameters
     ----------

@@ -11,7 +11,7 @@ import shapely
 from toothspace.core.errors import GeometryError
 from toothspace.core.types import Array
 from toothspace.geometry.curve import polar, turned
-from toothspace.geometry.polygon import load_polygons
+from toothspace.geometry.polygon import enclosed, load_polygons
 from toothspace.machines.gerotor.parameters import PortContourParameters
 from toothspace.machines.gerotor.pockets import FULL_TURN, Pockets
 
@@ -133,8 +133,8 @@ def openings(ports: Ports, pocket: Pockets, port: str) -> Array:
     kidney = shapely.Polygon(ports.contours[port])
     shapely.prepare(kidney)
     table = np.zeros((pocket.place.size, 2))
-    for node in range(pocket.place.size):
-        shape = shapely.make_valid(shapely.Polygon(pocket_polygon(pocket, node)))
+    shapes = enclosed([pocket_polygon(pocket, node) for node in range(pocket.place.size)])
+    for node, shape in enumerate(shapes):
         cut = shapely.intersection(kidney, shape)
         if cut.area > _LEAST_AREA:
             table[node] = cut.area, 4.0 * cut.area / cut.length
