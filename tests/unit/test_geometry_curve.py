@@ -93,7 +93,7 @@ def test_wrong_polygons_are_refused(points, found):
 
 @pytest.mark.parametrize("place", range(7))
 def test_an_outline_that_crosses_itself_keeps_its_area(place):
-    # a loop at the highest point, from which the sense of a ring is read
+    # a loop of the other sense at the highest point
     crossed = np.array([[0, 0], [2, 0], [2, 2], [0.9, 2.1], [1, 2.2], [1.1, 2.1], [0, 2]])
     (shape,) = enclosed([np.roll(crossed, place, axis=0)])
     assert shape.is_valid

@@ -70,14 +70,16 @@ def enclosed(outlines: Sequence[Array]) -> Any:
     Returns
     -------
     ndarray of shapely geometry
-        Polygons, several for an outline that is pinched.
+        Polygons, several for an outline that is pinched, without loops of the other sense.
     """
     import shapely
 
     shapes = np.array([shapely.Polygon(outline) for outline in outlines], dtype=object)
-    crossed = ~shapely.is_valid(shapes)
-    # a buffer alone may take a crossed outline for its own hole and leave nothing of it
-    shapes[crossed] = shapely.buffer(shapely.make_valid(shapes[crossed]), 0.0)
+    crossed = np.flatnonzero(~shapely.is_valid(shapes))
+    given, shapes[crossed] = shapes[crossed], shapely.buffer(shapes[crossed], 0.0)
+    # where points coincide but for rounding, the buffer may leave nothing
+    lost = shapely.area(shapes[crossed]) < 0.5 * shapely.area(given)
+    shapes[crossed[lost]] = shapely.buffer(shapely.make_valid(given[lost]), 0.0)
     return shapes
 
 
