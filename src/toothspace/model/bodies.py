@@ -7,6 +7,9 @@ films, their touching asperities and an external force:
 
     M \ddot q = \sum_i p_i \frac{\partial V_i}{\partial q} + F_{film}(e, \dot e)
         - F_{asp}(|e|)\, \frac{e}{|e|} + F_{ext}, \qquad e = q - q_{bush} .
+
+Where bearing blocks move in the housing, :math:`q_{bush}` is their own motion: they take the
+reaction of the bearings that they carry, and have a film and asperities round them.
 """
 
 from __future__ import annotations
@@ -30,6 +33,8 @@ from toothspace.model.arrays import (
     BOUNDARY_FRICTION,
     BUSH_X,
     BUSH_Y,
+    CARRIER_X,
+    CARRIER_Y,
     CHANNEL_MOTION,
     CURVE_BOUNDARY,
     CURVE_DECAY,
@@ -100,34 +105,89 @@ def asperity_value(
 @kernel
 def update_film_forces(s: SystemArrays, state: Array) -> None:
     """Forces of all journal bearings on the free motions, with derivatives."""
-    journal, motion, slopes, size = s.journal, s.motion, s.film_slopes, s.size
+    journal, size = s.journal, s.size
     viscosity = s.fluid.dynamic_viscosity
     update_lateral_drag(s, state)
     for j in range(size.journals):
-        kx, ky = int(journal[j, MOTION_X]), int(journal[j, MOTION_Y])
-        ex = state[size.position + kx] - journal[j, BUSH_X]
-        ey = state[size.position + ky] - journal[j, BUSH_Y]
-        vx, vy = state[size.velocity + kx], state[size.velocity + ky]
+        ex, ey = journal_place(s, state, j)
+        vx, vy = journal_velocity(s, state, j)
         speed, c = journal[j, SPEED_RATIO] * state[1], journal[j, JOURNAL_CLEARANCE]
         scale = journal[j, BEARINGS] * viscosity * journal[j, JOURNAL_VISCOSITY]
         scale *= journal[j, LENGTH] * (journal[j, RADIUS] / c) ** 3
         nodes = s.film.nodes[int(journal[j, FILM_MAP])]
         film = JournalMap(nodes, s.film.logarithm_step, s.film.length_over_diameter)
         force = journal_force(ex, ey, vx, vy, speed, c, scale, film)
-        journal[j, FILM_X], journal[j, FILM_Y] = force[0], force[1]
-        motion[kx, FILM_FORCE] += force[0]
-        motion[ky, FILM_FORCE] += force[1]
-        slopes[0, kx, kx] += force[2]
-        slopes[0, kx, ky] += force[3]
-        slopes[1, kx, kx] += force[4]
-        slopes[1, kx, ky] += force[5]
-        slopes[0, ky, kx] += force[6]
-        slopes[0, ky, ky] += force[7]
-        slopes[1, ky, kx] += force[8]
-        slopes[1, ky, ky] += force[9]
+        journal[j, FILM_X] = journal[j, FILM_Y] = 0.0
+        push(s, j, force[0], force[1])
+        stiffen(s, j, 0, (force[2], force[3], force[6], force[7]))
+        stiffen(s, j, 1, (force[4], force[5], force[8], force[9]))
         add_asperity_force(s, j, ex, ey)
         if journal[j, ROTATION] >= 0.0:
             hold_back(s, state, j, (ex, ey), force)
+
+
+@kernel
+def journal_place(s: SystemArrays, state: Array, j: int) -> tuple[float, float]:
+    """Displacement of a journal from the middle of its bearing. [m]."""
+    journal, first = s.journal[j], s.size.position
+    ex = state[first + int(journal[MOTION_X])] - journal[BUSH_X]
+    ey = state[first + int(journal[MOTION_Y])] - journal[BUSH_Y]
+    if journal[CARRIER_X] >= 0.0:
+        ex -= state[first + int(journal[CARRIER_X])]
+        ey -= state[first + int(journal[CARRIER_Y])]
+    return ex, ey
+
+
+@kernel
+def journal_velocity(s: SystemArrays, state: Array, j: int) -> tuple[float, float]:
+    """Velocity of a journal relative to its bearing. [m/s]."""
+    journal, first = s.journal[j], s.size.velocity
+    vx, vy = state[first + int(journal[MOTION_X])], state[first + int(journal[MOTION_Y])]
+    if journal[CARRIER_X] >= 0.0:
+        vx -= state[first + int(journal[CARRIER_X])]
+        vy -= state[first + int(journal[CARRIER_Y])]
+    return vx, vy
+
+
+@kernel
+def push(s: SystemArrays, j: int, fx: float, fy: float) -> None:
+    """Add a force on a journal, and its reaction on what carries the bearing. [N]."""
+    journal, motion = s.journal[j], s.motion
+    journal[FILM_X] += fx
+    journal[FILM_Y] += fy
+    motion[int(journal[MOTION_X]), FILM_FORCE] += fx
+    motion[int(journal[MOTION_Y]), FILM_FORCE] += fy
+    if journal[CARRIER_X] >= 0.0:
+        motion[int(journal[CARRIER_X]), FILM_FORCE] -= fx
+        motion[int(journal[CARRIER_Y]), FILM_FORCE] -= fy
+
+
+@kernel
+def stiffen(s: SystemArrays, j: int, order: int, by: tuple[float, float, float, float]) -> None:
+    """Add derivatives of a force on a journal: x by x, x by y, y by x, y by y."""
+    journal, slopes = s.journal[j], s.film_slopes[order]
+    own = int(journal[MOTION_X]), int(journal[MOTION_Y])
+    for row in range(2):
+        for column in range(2):
+            slope = by[2 * row + column]
+            slopes[own[row], own[column]] += slope
+            if journal[CARRIER_X] >= 0.0:
+                carrier = int(journal[CARRIER_X]), int(journal[CARRIER_Y])
+                slopes[own[row], carrier[column]] -= slope
+                slopes[carrier[row], own[column]] -= slope
+                slopes[carrier[row], carrier[column]] += slope
+
+
+@kernel
+def resist(s: SystemArrays, j: int, order: int, by_x: float, by_y: float) -> None:
+    """Take derivatives by the place of a journal from the torque on a body that turns alone."""
+    journal = s.journal[j]
+    row = s.film_slopes[order, int(journal[ROTATION])]
+    row[int(journal[MOTION_X])] -= by_x
+    row[int(journal[MOTION_Y])] -= by_y
+    if journal[CARRIER_X] >= 0.0:
+        row[int(journal[CARRIER_X])] += by_x
+        row[int(journal[CARRIER_Y])] += by_y
 
 
 @kernel
@@ -148,9 +208,7 @@ def update_lateral_drag(s: SystemArrays, state: Array) -> None:
 @kernel
 def add_asperity_force(s: SystemArrays, j: int, ex: float, ey: float) -> None:
     """Push the journal back where asperities touch."""
-    journal, motion, slopes = s.journal, s.motion, s.film_slopes
-    kx, ky = int(journal[j, MOTION_X]), int(journal[j, MOTION_Y])
-    c = journal[j, JOURNAL_CLEARANCE]
+    c = s.journal[j, JOURNAL_CLEARANCE]
     distance = math.sqrt(ex * ex + ey * ey)
     if distance < SMALL_RATIO * c:
         return
@@ -158,14 +216,10 @@ def add_asperity_force(s: SystemArrays, j: int, ex: float, ey: float) -> None:
     force, slope = asperity_value(s.asperity, j, FORCE, span, distance / c)
     nx, ny = ex / distance, ey / distance
     radial, tangential = slope / c, force / distance
-    motion[kx, FILM_FORCE] -= force * nx
-    motion[ky, FILM_FORCE] -= force * ny
-    journal[j, FILM_X] -= force * nx
-    journal[j, FILM_Y] -= force * ny
-    slopes[0, kx, kx] -= radial * nx * nx + tangential * ny * ny
-    slopes[0, kx, ky] -= (radial - tangential) * nx * ny
-    slopes[0, ky, kx] -= (radial - tangential) * nx * ny
-    slopes[0, ky, ky] -= radial * ny * ny + tangential * nx * nx
+    push(s, j, -force * nx, -force * ny)
+    xx, yy = radial * nx * nx + tangential * ny * ny, radial * ny * ny + tangential * nx * nx
+    xy = (radial - tangential) * nx * ny
+    stiffen(s, j, 0, (-xx, -xy, -xy, -yy))
 
 
 @kernel
@@ -173,8 +227,7 @@ def hold_back(
     s: SystemArrays, state: Array, j: int, place: tuple[float, float], force: tuple[float, ...]
 ) -> None:
     """Friction torque of one bearing on a body that turns on its own, with derivatives."""
-    journal = s.journal
-    k, kx, ky = int(journal[j, ROTATION]), int(journal[j, MOTION_X]), int(journal[j, MOTION_Y])
+    journal, k = s.journal, int(s.journal[j, ROTATION])
     ex, ey = place
     viscous, asperity = journal_torques(s, state, j)
     turning = np.sign(journal[j, SPEED_RATIO]) * s.drive[DIRECTION]
@@ -192,11 +245,14 @@ def hold_back(
         solved, rise = asperity_value(s.asperity, j, SHEAR, s.constant.asperity_range, ratio)
         growth += shear * (ratio / (1.0 - ratio * ratio) + rise / solved)
     growth *= turning / (c * distance)
-    slopes = s.film_slopes
-    slopes[0, k, kx] -= growth * ex + 0.5 * (force[1] + ex * force[6] - ey * force[2])
-    slopes[0, k, ky] -= growth * ey + 0.5 * (ex * force[7] - ey * force[3] - force[0])
-    slopes[1, k, kx] -= 0.5 * (ex * force[8] - ey * force[4])
-    slopes[1, k, ky] -= 0.5 * (ex * force[9] - ey * force[5])
+    resist(
+        s,
+        j,
+        0,
+        growth * ex + 0.5 * (force[1] + ex * force[6] - ey * force[2]),
+        growth * ey + 0.5 * (ex * force[7] - ey * force[3] - force[0]),
+    )
+    resist(s, j, 1, 0.5 * (ex * force[8] - ey * force[4]), 0.5 * (ex * force[9] - ey * force[5]))
 
 
 @kernel
@@ -209,13 +265,11 @@ def journal_torques(s: SystemArrays, state: Array, j: int) -> tuple[float, float
     full one, plus :func:`journal_pressure_torque`. A bearing with a friction curve has
     :func:`curve_torques` instead.
     """
-    journal, size = s.journal, s.size
+    journal = s.journal
     if journal[j, CURVES] > 0:
         force = math.sqrt(journal[j, FILM_X] ** 2 + journal[j, FILM_Y] ** 2)
         return curve_torques(s, state, j, force)
-    kx, ky = int(journal[j, MOTION_X]), int(journal[j, MOTION_Y])
-    ex = state[size.position + kx] - journal[j, BUSH_X]
-    ey = state[size.position + ky] - journal[j, BUSH_Y]
+    ex, ey = journal_place(s, state, j)
     c, radius = journal[j, JOURNAL_CLEARANCE], journal[j, RADIUS]
     ratio = math.sqrt(ex * ex + ey * ey) / c
     limited = min(ratio, HIGHEST_FILM_RATIO)
@@ -288,7 +342,7 @@ def _curve_place(s: SystemArrays, j: int, load: float) -> tuple[int, float]:
 def add_curve_slopes(s: SystemArrays, state: Array, j: int, turning: float) -> None:
     """Derivatives of the torque of a friction curve on a body that turns on its own."""
     journal, slopes = s.journal, s.film_slopes
-    k, kx, ky = int(journal[j, ROTATION]), int(journal[j, MOTION_X]), int(journal[j, MOTION_Y])
+    kx, ky = int(journal[j, MOTION_X]), int(journal[j, MOTION_Y])
     fx, fy = journal[j, FILM_X], journal[j, FILM_Y]
     force = max(math.sqrt(fx * fx + fy * fy), LEAST_FORCE)
     step = 1e-4 * force
@@ -296,27 +350,27 @@ def add_curve_slopes(s: SystemArrays, state: Array, j: int, turning: float) -> N
     less_film, less_boundary = curve_torques(s, state, j, force - step)
     growth = turning * (film + boundary - less_film - less_boundary) / (2.0 * step)
     for order in range(2):
-        for m in (kx, ky):
-            rise = (fx * slopes[order, kx, m] + fy * slopes[order, ky, m]) / force
-            slopes[order, k, m] -= growth * rise
+        rise_x = (fx * slopes[order, kx, kx] + fy * slopes[order, ky, kx]) / force
+        rise_y = (fx * slopes[order, kx, ky] + fy * slopes[order, ky, ky]) / force
+        resist(s, j, order, growth * rise_x, growth * rise_y)
 
 
 @kernel
 def book_journal_friction(s: SystemArrays, state: Array, ledger: Array) -> float:
     """Add journal losses to the ledger; return their torque at the shaft. [N m]."""
-    journal, size = s.journal, s.size
+    journal = s.journal
     total, share = 0.0, s.drive[DIRECTION] * s.drive[FADE]
     s.drive[DRIVEN_FRICTION] = 0.0
-    for j in range(size.journals):
+    for j in range(s.size.journals):
         viscous, asperity = journal_torques(s, state, j)
         viscous, asperity = share * viscous, share * asperity
         ratio = abs(journal[j, SPEED_RATIO])
         turning = ratio * state[1]
         if journal[j, ROTATION] >= 0.0:
-            ahead = state[size.velocity + int(journal[j, ROTATION])]
+            ahead = state[s.size.velocity + int(journal[j, ROTATION])]
             turning += np.sign(journal[j, SPEED_RATIO]) * ahead
-        squeeze = journal[j, FILM_X] * state[size.velocity + int(journal[j, MOTION_X])]
-        squeeze += journal[j, FILM_Y] * state[size.velocity + int(journal[j, MOTION_Y])]
+        vx, vy = journal_velocity(s, state, j)
+        squeeze = journal[j, FILM_X] * vx + journal[j, FILM_Y] * vy
         s.torque[JOURNAL_VISCOUS] += ratio * viscous
         s.torque[JOURNAL_ASPERITY] += ratio * asperity
         ledger[FRICTION + JOURNAL_VISCOUS] += viscous * turning - squeeze

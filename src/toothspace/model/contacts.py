@@ -53,7 +53,9 @@ from toothspace.model.arrays import (
     PAIR_ROUGHNESS,
     PAIR_SQUEEZE,
     PAIR_WIDTH,
+    PORT_AREA,
     POSSIBLE,
+    PRESSURE,
     PRESSURE_FORCE,
     ROLLING,
     SLIDING,
@@ -73,7 +75,18 @@ def motion_force(s: SystemArrays, k: int) -> float:
     """Sum of all generalised forces on a free motion. [N] or [N m]."""
     motion = s.motion
     force = motion[k, PRESSURE_FORCE] + motion[k, FILM_FORCE]
-    return force + motion[k, CONTACT_LOAD] + motion[k, EXTERNAL_FORCE]
+    return force + motion[k, CONTACT_LOAD] + outer_force(s, k)
+
+
+@kernel
+def outer_force(s: SystemArrays, k: int) -> float:
+    """Force from outside on a free motion: given load and port pressures on blocks. [N]."""
+    force = s.motion[k, EXTERNAL_FORCE]
+    if s.motion[k, PORT_AREA] != 0.0:
+        inlet = s.size.chambers
+        drop = s.node[inlet, PRESSURE] - s.node[inlet + 1, PRESSURE]
+        force += s.motion[k, PORT_AREA] * drop
+    return force
 
 
 @kernel

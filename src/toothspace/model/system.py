@@ -10,12 +10,9 @@ from toothspace.model.arrays import (
     ADDED_FRICTION,
     BREAKAWAY,
     BREAKAWAY_SPEED,
-    BUSH_X,
-    BUSH_Y,
     CLEARANCE,
     DIRECTION,
     DRIVING_TORQUE,
-    EXTERNAL_FORCE,
     FREE,
     GAS_RATE,
     HOLDING_TORQUE,
@@ -24,8 +21,6 @@ from toothspace.model.arrays import (
     MASS_RATE,
     MOTION_MASS,
     MOTION_RATIO,
-    MOTION_X,
-    MOTION_Y,
     PAIR_ONSET,
     PRESSURE,
     PRESSURE_BY_MASS,
@@ -36,6 +31,7 @@ from toothspace.model.arrays import (
 )
 from toothspace.model.bodies import (
     book_journal_friction,
+    journal_place,
     update_film_forces,
     update_pressure_forces,
 )
@@ -53,6 +49,7 @@ from toothspace.model.contacts import (
     contact_gap,
     motion_force,
     note_approach,
+    outer_force,
     update_contacts,
 )
 from toothspace.model.drive import (
@@ -191,7 +188,7 @@ def book_rates(s: SystemArrays, state: Array, rate: Array) -> None:
     ledger[GAS_RELAXATION] = gas_relaxation(s, state)
     book_circuit(s, state, ledger)
     for k in range(s.size.motions):
-        ledger[RADIAL_LOAD] += s.motion[k, EXTERNAL_FORCE] * state[s.size.velocity + k]
+        ledger[RADIAL_LOAD] += outer_force(s, k) * state[s.size.velocity + k]
     book_shaft(s, state, ledger)
 
 
@@ -328,8 +325,7 @@ def fill_event_values(s: SystemArrays, t: float, state: Array, values: Array) ->
     for i in range(size.chambers):
         values[i] = (node[i, PRESSURE] - onset) / onset
     for j in range(size.journals):
-        ex = state[size.position + int(journal[j, MOTION_X])] - journal[j, BUSH_X]
-        ey = state[size.position + int(journal[j, MOTION_Y])] - journal[j, BUSH_Y]
+        ex, ey = journal_place(s, state, j)
         distance = math.sqrt(ex * ex + ey * ey)
         values[size.chambers + j] = 1.0 - distance / journal[j, JOURNAL_CLEARANCE]
     first = size.chambers + size.journals

@@ -9,6 +9,8 @@ from toothspace.core.types import Array
 from toothspace.model.arrays import (
     BUSH_X,
     BUSH_Y,
+    CARRIER_X,
+    CARRIER_Y,
     CHANNEL_MOTION,
     CLEARANCE,
     CONTACT_LOAD,
@@ -70,11 +72,20 @@ def _place_bodies(system: System, state: Array) -> None:
         return
     force = mean_force(system.description, system.condition) @ system.motion_map
     for journal in system.arrays.journal:
+        if journal[CARRIER_X] >= 0.0:
+            force[int(journal[CARRIER_X])] += force[int(journal[MOTION_X])]
+            force[int(journal[CARRIER_Y])] += force[int(journal[MOTION_Y])]
+    # what carries others stands last
+    for journal in system.arrays.journal[::-1]:
         kx, ky = int(journal[MOTION_X]), int(journal[MOTION_Y])
+        x, y = journal[BUSH_X], journal[BUSH_Y]
+        if journal[CARRIER_X] >= 0.0:
+            x += state[size.position + int(journal[CARRIER_X])]
+            y += state[size.position + int(journal[CARRIER_Y])]
         load = max(float(np.hypot(force[kx], force[ky])), 1e-12)
         reach = _START_ECCENTRICITY * journal[JOURNAL_CLEARANCE]
-        state[size.position + kx] = journal[BUSH_X] + reach * force[kx] / load
-        state[size.position + ky] = journal[BUSH_Y] + reach * force[ky] / load
+        state[size.position + kx] = x + reach * force[kx] / load
+        state[size.position + ky] = y + reach * force[ky] / load
 
 
 def _turn_into_contact(system: System, state: Array, pressure: Array) -> None:
