@@ -7,6 +7,9 @@ films, their touching asperities and an external force:
 
     M \ddot q = \sum_i p_i \frac{\partial V_i}{\partial q} + F_{film}(e, \dot e)
         - F_{asp}(|e|)\, \frac{e}{|e|} + F_{ext}, \qquad e = q - q_{bush} .
+
+Where bearing blocks move in the housing, :math:`q_{bush}` is their own motion: they take the
+reaction of the bearings that they carry, and have a film and asperities round them.
 """
 
 from __future__ import annotations
@@ -66,34 +69,89 @@ def asperity_value(
 @kernel
 def update_film_forces(s: SystemArrays, state: Array) -> None:
     """Forces of all journal bearings on the free motions, with derivatives."""
-    journal, motion, slopes, size = s.journal, s.motion, s.film_slopes, s.size
+    journal, size = s.journal, s.size
     viscosity = s.fluid.dynamic_viscosity
     update_lateral_drag(s, state)
     for j in range(size.journals):
-        kx, ky = int(journal[j, col.MOTION_X]), int(journal[j, col.MOTION_Y])
-        ex = state[size.position + kx] - journal[j, col.BUSH_X]
-        ey = state[size.position + ky] - journal[j, col.BUSH_Y]
-        vx, vy = state[size.velocity + kx], state[size.velocity + ky]
+        ex, ey = journal_place(s, state, j)
+        vx, vy = journal_velocity(s, state, j)
         speed, c = journal[j, col.SPEED_RATIO] * state[1], journal[j, col.JOURNAL_CLEARANCE]
         scale = journal[j, col.BEARINGS] * viscosity * journal[j, col.JOURNAL_VISCOSITY]
         scale *= journal[j, col.LENGTH] * (journal[j, col.RADIUS] / c) ** 3
         nodes = s.film.nodes[int(journal[j, col.FILM_MAP])]
         film = JournalMap(nodes, s.film.logarithm_step, s.film.length_over_diameter)
         force = journal_force(ex, ey, vx, vy, speed, c, scale, film)
-        journal[j, col.FILM_X], journal[j, col.FILM_Y] = force[0], force[1]
-        motion[kx, col.FILM_FORCE] += force[0]
-        motion[ky, col.FILM_FORCE] += force[1]
-        slopes[0, kx, kx] += force[2]
-        slopes[0, kx, ky] += force[3]
-        slopes[1, kx, kx] += force[4]
-        slopes[1, kx, ky] += force[5]
-        slopes[0, ky, kx] += force[6]
-        slopes[0, ky, ky] += force[7]
-        slopes[1, ky, kx] += force[8]
-        slopes[1, ky, ky] += force[9]
+        journal[j, col.FILM_X] = journal[j, col.FILM_Y] = 0.0
+        push(s, j, force[0], force[1])
+        stiffen(s, j, 0, (force[2], force[3], force[6], force[7]))
+        stiffen(s, j, 1, (force[4], force[5], force[8], force[9]))
         add_asperity_force(s, j, ex, ey)
         if journal[j, col.ROTATION] >= 0.0:
             hold_back(s, state, j, (ex, ey), force)
+
+
+@kernel
+def journal_place(s: SystemArrays, state: Array, j: int) -> tuple[float, float]:
+    """Displacement of a journal from the middle of its bearing. [m]."""
+    journal, first = s.journal[j], s.size.position
+    ex = state[first + int(journal[col.MOTION_X])] - journal[col.BUSH_X]
+    ey = state[first + int(journal[col.MOTION_Y])] - journal[col.BUSH_Y]
+    if journal[col.CARRIER_X] >= 0.0:
+        ex -= state[first + int(journal[col.CARRIER_X])]
+        ey -= state[first + int(journal[col.CARRIER_Y])]
+    return ex, ey
+
+
+@kernel
+def journal_velocity(s: SystemArrays, state: Array, j: int) -> tuple[float, float]:
+    """Velocity of a journal relative to its bearing. [m/s]."""
+    journal, first = s.journal[j], s.size.velocity
+    vx, vy = state[first + int(journal[col.MOTION_X])], state[first + int(journal[col.MOTION_Y])]
+    if journal[col.CARRIER_X] >= 0.0:
+        vx -= state[first + int(journal[col.CARRIER_X])]
+        vy -= state[first + int(journal[col.CARRIER_Y])]
+    return vx, vy
+
+
+@kernel
+def push(s: SystemArrays, j: int, fx: float, fy: float) -> None:
+    """Add a force on a journal, and its reaction on what carries the bearing. [N]."""
+    journal, motion = s.journal[j], s.motion
+    journal[col.FILM_X] += fx
+    journal[col.FILM_Y] += fy
+    motion[int(journal[col.MOTION_X]), col.FILM_FORCE] += fx
+    motion[int(journal[col.MOTION_Y]), col.FILM_FORCE] += fy
+    if journal[col.CARRIER_X] >= 0.0:
+        motion[int(journal[col.CARRIER_X]), col.FILM_FORCE] -= fx
+        motion[int(journal[col.CARRIER_Y]), col.FILM_FORCE] -= fy
+
+
+@kernel
+def stiffen(s: SystemArrays, j: int, order: int, by: tuple[float, float, float, float]) -> None:
+    """Add derivatives of a force on a journal: x by x, x by y, y by x, y by y."""
+    journal, slopes = s.journal[j], s.film_slopes[order]
+    own = int(journal[col.MOTION_X]), int(journal[col.MOTION_Y])
+    for row in range(2):
+        for column in range(2):
+            slope = by[2 * row + column]
+            slopes[own[row], own[column]] += slope
+            if journal[col.CARRIER_X] >= 0.0:
+                carrier = int(journal[col.CARRIER_X]), int(journal[col.CARRIER_Y])
+                slopes[own[row], carrier[column]] -= slope
+                slopes[carrier[row], own[column]] -= slope
+                slopes[carrier[row], carrier[column]] += slope
+
+
+@kernel
+def resist(s: SystemArrays, j: int, order: int, by_x: float, by_y: float) -> None:
+    """Take derivatives by the place of a journal from the torque on a body that turns alone."""
+    journal = s.journal[j]
+    row = s.film_slopes[order, int(journal[col.ROTATION])]
+    row[int(journal[col.MOTION_X])] -= by_x
+    row[int(journal[col.MOTION_Y])] -= by_y
+    if journal[col.CARRIER_X] >= 0.0:
+        row[int(journal[col.CARRIER_X])] += by_x
+        row[int(journal[col.CARRIER_Y])] += by_y
 
 
 @kernel
@@ -114,9 +172,7 @@ def update_lateral_drag(s: SystemArrays, state: Array) -> None:
 @kernel
 def add_asperity_force(s: SystemArrays, j: int, ex: float, ey: float) -> None:
     """Push the journal back where asperities touch."""
-    journal, motion, slopes = s.journal, s.motion, s.film_slopes
-    kx, ky = int(journal[j, col.MOTION_X]), int(journal[j, col.MOTION_Y])
-    c = journal[j, col.JOURNAL_CLEARANCE]
+    c = s.journal[j, col.JOURNAL_CLEARANCE]
     distance = math.sqrt(ex * ex + ey * ey)
     if distance < SMALL_RATIO * c:
         return
@@ -124,14 +180,10 @@ def add_asperity_force(s: SystemArrays, j: int, ex: float, ey: float) -> None:
     force, slope = asperity_value(s.asperity, j, FORCE, span, distance / c)
     nx, ny = ex / distance, ey / distance
     radial, tangential = slope / c, force / distance
-    motion[kx, col.FILM_FORCE] -= force * nx
-    motion[ky, col.FILM_FORCE] -= force * ny
-    journal[j, col.FILM_X] -= force * nx
-    journal[j, col.FILM_Y] -= force * ny
-    slopes[0, kx, kx] -= radial * nx * nx + tangential * ny * ny
-    slopes[0, kx, ky] -= (radial - tangential) * nx * ny
-    slopes[0, ky, kx] -= (radial - tangential) * nx * ny
-    slopes[0, ky, ky] -= radial * ny * ny + tangential * nx * nx
+    push(s, j, -force * nx, -force * ny)
+    xx, yy = radial * nx * nx + tangential * ny * ny, radial * ny * ny + tangential * nx * nx
+    xy = (radial - tangential) * nx * ny
+    stiffen(s, j, 0, (-xx, -xy, -xy, -yy))
 
 
 @kernel
@@ -139,9 +191,7 @@ def hold_back(
     s: SystemArrays, state: Array, j: int, place: tuple[float, float], force: tuple[float, ...]
 ) -> None:
     """Friction torque of one bearing on a body that turns on its own, with derivatives."""
-    journal = s.journal
-    k, kx = int(journal[j, col.ROTATION]), int(journal[j, col.MOTION_X])
-    ky = int(journal[j, col.MOTION_Y])
+    journal, k = s.journal, int(s.journal[j, col.ROTATION])
     ex, ey = place
     viscous, asperity = journal_torques(s, state, j)
     turning = np.sign(journal[j, col.SPEED_RATIO]) * s.drive[col.DIRECTION]
@@ -159,11 +209,14 @@ def hold_back(
         solved, rise = asperity_value(s.asperity, j, SHEAR, s.constant.asperity_range, ratio)
         growth += shear * (ratio / (1.0 - ratio * ratio) + rise / solved)
     growth *= turning / (c * distance)
-    slopes = s.film_slopes
-    slopes[0, k, kx] -= growth * ex + 0.5 * (force[1] + ex * force[6] - ey * force[2])
-    slopes[0, k, ky] -= growth * ey + 0.5 * (ex * force[7] - ey * force[3] - force[0])
-    slopes[1, k, kx] -= 0.5 * (ex * force[8] - ey * force[4])
-    slopes[1, k, ky] -= 0.5 * (ex * force[9] - ey * force[5])
+    resist(
+        s,
+        j,
+        0,
+        growth * ex + 0.5 * (force[1] + ex * force[6] - ey * force[2]),
+        growth * ey + 0.5 * (ex * force[7] - ey * force[3] - force[0]),
+    )
+    resist(s, j, 1, 0.5 * (ex * force[8] - ey * force[4]), 0.5 * (ex * force[9] - ey * force[5]))
 
 
 @kernel
@@ -176,13 +229,11 @@ def journal_torques(s: SystemArrays, state: Array, j: int) -> tuple[float, float
     full one, plus :func:`journal_pressure_torque`. A bearing with a friction curve has
     :func:`curve_torques` instead.
     """
-    journal, size = s.journal, s.size
+    journal = s.journal
     if journal[j, col.CURVES] > 0:
         force = math.sqrt(journal[j, col.FILM_X] ** 2 + journal[j, col.FILM_Y] ** 2)
         return curve_torques(s, state, j, force)
-    kx, ky = int(journal[j, col.MOTION_X]), int(journal[j, col.MOTION_Y])
-    ex = state[size.position + kx] - journal[j, col.BUSH_X]
-    ey = state[size.position + ky] - journal[j, col.BUSH_Y]
+    ex, ey = journal_place(s, state, j)
     c, radius = journal[j, col.JOURNAL_CLEARANCE], journal[j, col.RADIUS]
     ratio = math.sqrt(ex * ex + ey * ey) / c
     limited = min(ratio, HIGHEST_FILM_RATIO)
@@ -256,8 +307,7 @@ def _curve_place(s: SystemArrays, j: int, load: float) -> tuple[int, float]:
 def add_curve_slopes(s: SystemArrays, state: Array, j: int, turning: float) -> None:
     """Derivatives of the torque of a friction curve on a body that turns on its own."""
     journal, slopes = s.journal, s.film_slopes
-    k, kx = int(journal[j, col.ROTATION]), int(journal[j, col.MOTION_X])
-    ky = int(journal[j, col.MOTION_Y])
+    kx, ky = int(journal[j, col.MOTION_X]), int(journal[j, col.MOTION_Y])
     fx, fy = journal[j, col.FILM_X], journal[j, col.FILM_Y]
     force = max(math.sqrt(fx * fx + fy * fy), LEAST_FORCE)
     step = 1e-4 * force
@@ -265,27 +315,27 @@ def add_curve_slopes(s: SystemArrays, state: Array, j: int, turning: float) -> N
     less_film, less_boundary = curve_torques(s, state, j, force - step)
     growth = turning * (film + boundary - less_film - less_boundary) / (2.0 * step)
     for order in range(2):
-        for m in (kx, ky):
-            rise = (fx * slopes[order, kx, m] + fy * slopes[order, ky, m]) / force
-            slopes[order, k, m] -= growth * rise
+        rise_x = (fx * slopes[order, kx, kx] + fy * slopes[order, ky, kx]) / force
+        rise_y = (fx * slopes[order, kx, ky] + fy * slopes[order, ky, ky]) / force
+        resist(s, j, order, growth * rise_x, growth * rise_y)
 
 
 @kernel
 def book_journal_friction(s: SystemArrays, state: Array, ledger: Array) -> float:
     """Add journal losses to the ledger; return their torque at the shaft. [N m]."""
-    journal, size = s.journal, s.size
+    journal = s.journal
     total, share = 0.0, s.drive[col.DIRECTION] * s.drive[col.FADE]
     s.drive[col.DRIVEN_FRICTION] = 0.0
-    for j in range(size.journals):
+    for j in range(s.size.journals):
         viscous, asperity = journal_torques(s, state, j)
         viscous, asperity = share * viscous, share * asperity
         ratio = abs(journal[j, col.SPEED_RATIO])
         turning = ratio * state[1]
         if journal[j, col.ROTATION] >= 0.0:
-            ahead = state[size.velocity + int(journal[j, col.ROTATION])]
+            ahead = state[s.size.velocity + int(journal[j, col.ROTATION])]
             turning += np.sign(journal[j, col.SPEED_RATIO]) * ahead
-        squeeze = journal[j, col.FILM_X] * state[size.velocity + int(journal[j, col.MOTION_X])]
-        squeeze += journal[j, col.FILM_Y] * state[size.velocity + int(journal[j, col.MOTION_Y])]
+        vx, vy = journal_velocity(s, state, j)
+        squeeze = journal[j, col.FILM_X] * vx + journal[j, col.FILM_Y] * vy
         s.torque[JOURNAL_VISCOUS] += ratio * viscous
         s.torque[JOURNAL_ASPERITY] += ratio * asperity
         ledger[FRICTION + JOURNAL_VISCOUS] += viscous * turning - squeeze

@@ -16,6 +16,7 @@ from toothspace.machines.external_gear.loads import (
     MOTIONS,
     bodies,
     flank_pair,
+    free_blocks,
     journal_bearings,
     outlines,
 )
@@ -78,6 +79,7 @@ def describe(spec: ExternalGearSpec, nodes: int = DEFAULT_NODES) -> MachineDescr
         contacts=contacts,
         mesh=rigid_mesh(assembly),
         seal_torque=spec.seal_torque,
+        free_blocks=free_blocks(assembly),
         startup=None if keys.startup is None else keys.startup.friction,
         port_volumes=(keys.inlet.volume, keys.outlet.volume),
         drain=keys.drain_node,
