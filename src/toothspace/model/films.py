@@ -12,7 +12,7 @@ import numpy as np
 
 from toothspace.closures.bearing_map import JournalMap, build_journal_map
 from toothspace.closures.contact_rough import asperity_pressure
-from toothspace.closures.friction import lateral_film_torque
+from toothspace.closures.gap_flow import lateral_film_torque
 from toothspace.core.compiled import njit
 from toothspace.core.types import Array
 from toothspace.model import arrays as col
