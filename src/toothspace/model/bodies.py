@@ -70,6 +70,11 @@ FORCE, LOAD, SHEAR = 0, 1, 2
 LEAST_FORCE = 1e-3
 """Force on a journal below which its friction is that of this force. [N]"""
 
+CREEP_SPEED, LEAST_CREEP = 1e-3, 1e-6
+"""Sliding speeds over which touching surfaces turn their friction round: regularisation. [m/s]"""
+CREEP_SHARE = 0.25
+"""Most that the first of them may be of the mean sliding speed. [-]"""
+
 
 @kernel
 def update_pressure_forces(s: SystemArrays) -> None:
@@ -108,7 +113,7 @@ def update_film_forces(s: SystemArrays, state: Array) -> None:
         ex = state[size.position + kx] - journal[j, BUSH_X]
         ey = state[size.position + ky] - journal[j, BUSH_Y]
         vx, vy = state[size.velocity + kx], state[size.velocity + ky]
-        speed, c = journal[j, SPEED_RATIO] * state[1], journal[j, JOURNAL_CLEARANCE]
+        speed, c = own_speed(s, state, j), journal[j, JOURNAL_CLEARANCE]
         scale = journal[j, BEARINGS] * viscosity * journal[j, JOURNAL_VISCOSITY]
         scale *= journal[j, LENGTH] * (journal[j, RADIUS] / c) ** 3
         nodes = s.film.nodes[int(journal[j, FILM_MAP])]
@@ -169,67 +174,118 @@ def add_asperity_force(s: SystemArrays, j: int, ex: float, ey: float) -> None:
 
 
 @kernel
+def own_speed(s: SystemArrays, state: Array, j: int) -> float:
+    """Angular speed of the body in a bearing. [rad/s]."""
+    speed, k = s.journal[j, SPEED_RATIO] * state[1], int(s.journal[j, ROTATION])
+    return float(speed + state[s.size.velocity + k]) if k >= 0 else float(speed)
+
+
+@kernel
+def sliding_sense(s: SystemArrays, state: Array, j: int) -> tuple[float, float]:
+    r"""Sense in which the surfaces of a bearing slide, -1 to 1, and its slope by speed. [s/rad].
+
+    Notes
+    -----
+    That of the shaft, but for a body that turns on its own with :math:`\dot q`:
+
+    .. math:: \operatorname{sgn}(i\,\omega) + \tanh\frac{i\,\omega + \dot q}{\omega_c}
+        - \tanh\frac{i\,\omega}{\omega_c}
+
+    so that friction brings it to rest, at a creeping speed :math:`\omega_c`, but never turns it
+    backwards.
+    """
+    journal = s.journal
+    mean, radius = journal[j, SPEED_RATIO] * state[1], journal[j, RADIUS]
+    sense = np.sign(journal[j, SPEED_RATIO]) * s.drive[DIRECTION]
+    if journal[j, ROTATION] < 0.0:
+        return sense, 0.0
+    creep = max(min(CREEP_SPEED / radius, CREEP_SHARE * abs(mean)), LEAST_CREEP / radius)
+    now = math.tanh(own_speed(s, state, j) / creep)
+    sense += now - math.tanh(mean / creep)
+    return min(max(sense, -1.0), 1.0), (1.0 - now * now) / creep
+
+
+@kernel
 def hold_back(
     s: SystemArrays, state: Array, j: int, place: tuple[float, float], force: tuple[float, ...]
 ) -> None:
     """Friction torque of one bearing on a body that turns on its own, with derivatives."""
-    journal = s.journal
+    journal, slopes = s.journal, s.film_slopes
     k, kx, ky = int(journal[j, ROTATION]), int(journal[j, MOTION_X]), int(journal[j, MOTION_Y])
     ex, ey = place
+    # the film is dragged along by the body's own speed
+    slopes[1, kx, k] += 0.5 * (ey * force[4] - ex * force[5])
+    slopes[1, ky, k] += 0.5 * (ey * force[8] - ex * force[9])
     viscous, asperity = journal_torques(s, state, j)
-    turning = np.sign(journal[j, SPEED_RATIO]) * s.drive[DIRECTION]
-    s.motion[k, FILM_FORCE] -= turning * (viscous + asperity)
+    s.motion[k, FILM_FORCE] -= viscous + asperity
+    sense, by_speed = sliding_sense(s, state, j)
     if journal[j, CURVES] > 0:
-        add_curve_slopes(s, state, j, turning)
+        add_curve_slopes(s, state, j, sense, by_speed)
         return
     c, radius = journal[j, JOURNAL_CLEARANCE], journal[j, RADIUS]
     distance = math.sqrt(ex * ex + ey * ey) + SMALL_RATIO * c
     ratio = distance / c
-    _, by_ratio = asperity_value(s.asperity, j, LOAD, s.constant.asperity_range, ratio)
-    growth = journal[j, BOUNDARY_FRICTION] * radius * by_ratio
+    load, by_ratio = asperity_value(s.asperity, j, LOAD, s.constant.asperity_range, ratio)
+    drag = shear_drag(s, j, ratio)
+    touching = journal[j, BOUNDARY_FRICTION] * radius
+    growth = sense * touching * by_ratio
     if ratio < HIGHEST_FILM_RATIO:
-        shear = viscous - turning * journal_pressure_torque(ex, ey, force[0], force[1])
         solved, rise = asperity_value(s.asperity, j, SHEAR, s.constant.asperity_range, ratio)
+        shear = drag * own_speed(s, state, j)
         growth += shear * (ratio / (1.0 - ratio * ratio) + rise / solved)
-    growth *= turning / (c * distance)
-    slopes = s.film_slopes
+    growth *= 1.0 / (c * distance)
     slopes[0, k, kx] -= growth * ex + 0.5 * (force[1] + ex * force[6] - ey * force[2])
     slopes[0, k, ky] -= growth * ey + 0.5 * (ex * force[7] - ey * force[3] - force[0])
     slopes[1, k, kx] -= 0.5 * (ex * force[8] - ey * force[4])
     slopes[1, k, ky] -= 0.5 * (ex * force[9] - ey * force[5])
+    slopes[1, k, k] -= drag + by_speed * touching * load
+    slopes[1, k, k] -= 0.5 * (ex * slopes[1, ky, k] - ey * slopes[1, kx, k])
+
+
+@kernel
+def shear_drag(s: SystemArrays, j: int, ratio: float) -> float:
+    """Torque of viscous shear over speed of the journals of one body. [N m s/rad].
+
+    :func:`journal_shear_torque` times 1, or times the shear of a solved film over that of the
+    full one.
+    """
+    row = s.journal[j]
+    viscosity = s.fluid.dynamic_viscosity * row[JOURNAL_VISCOSITY]
+    shear = row[BEARINGS] * journal_shear_torque(
+        min(ratio, HIGHEST_FILM_RATIO),
+        1.0,
+        viscosity,
+        row[RADIUS],
+        row[LENGTH],
+        row[JOURNAL_CLEARANCE],
+    )
+    solved, _ = asperity_value(s.asperity, j, SHEAR, s.constant.asperity_range, ratio)
+    return float(shear * solved)
 
 
 @kernel
 def journal_torques(s: SystemArrays, state: Array, j: int) -> tuple[float, float]:
-    r"""Viscous and asperity friction torque on the journals of one body, both positive. [N m].
+    r"""Viscous and asperity friction torque on the journals of one body, against its speed. [N m].
 
     Notes
     -----
-    :func:`journal_shear_torque` times 1, or times the shear of a solved film over that of the
-    full one, plus :func:`journal_pressure_torque`. A bearing with a friction curve has
-    :func:`curve_torques` instead.
+    :func:`shear_drag` times the speed plus :func:`journal_pressure_torque`, and boundary friction
+    of the load on asperities. A bearing with a friction curve has :func:`curve_torques` instead.
     """
     journal, size = s.journal, s.size
+    sense, _ = sliding_sense(s, state, j)
     if journal[j, CURVES] > 0:
         force = math.sqrt(journal[j, FILM_X] ** 2 + journal[j, FILM_Y] ** 2)
-        return curve_torques(s, state, j, force)
+        film, boundary = curve_torques(s, state, j, force)
+        return sense * film, sense * boundary
     kx, ky = int(journal[j, MOTION_X]), int(journal[j, MOTION_Y])
     ex = state[size.position + kx] - journal[j, BUSH_X]
     ey = state[size.position + ky] - journal[j, BUSH_Y]
-    c, radius = journal[j, JOURNAL_CLEARANCE], journal[j, RADIUS]
-    ratio = math.sqrt(ex * ex + ey * ey) / c
-    limited = min(ratio, HIGHEST_FILM_RATIO)
-    speed = abs(journal[j, SPEED_RATIO] * state[1])
-    turning = np.sign(journal[j, SPEED_RATIO]) * s.drive[DIRECTION]
-    viscosity = s.fluid.dynamic_viscosity * journal[j, JOURNAL_VISCOSITY]
-    shear = journal[j, BEARINGS] * journal_shear_torque(
-        limited, speed, viscosity, radius, journal[j, LENGTH], c
-    )
-    solved, _ = asperity_value(s.asperity, j, SHEAR, s.constant.asperity_range, ratio)
-    shear *= solved
-    moment = turning * journal_pressure_torque(ex, ey, journal[j, FILM_X], journal[j, FILM_Y])
+    ratio = math.sqrt(ex * ex + ey * ey) / journal[j, JOURNAL_CLEARANCE]
+    shear = shear_drag(s, j, ratio) * own_speed(s, state, j)
+    moment = journal_pressure_torque(ex, ey, journal[j, FILM_X], journal[j, FILM_Y])
     load, _ = asperity_value(s.asperity, j, LOAD, s.constant.asperity_range, ratio)
-    return shear + moment, journal[j, BOUNDARY_FRICTION] * load * radius
+    return shear + moment, sense * journal[j, BOUNDARY_FRICTION] * load * journal[j, RADIUS]
 
 
 @kernel
@@ -246,7 +302,7 @@ def curve_torques(s: SystemArrays, state: Array, j: int, force: float) -> tuple[
     """
     row = s.journal[j]
     radius = row[RADIUS]
-    speed = abs(row[SPEED_RATIO] * state[1])
+    speed = abs(own_speed(s, state, j))
     load, clearance = max(force, LEAST_FORCE) / row[BEARINGS], row[JOURNAL_CLEARANCE]
     viscosity = s.fluid.dynamic_viscosity * row[JOURNAL_VISCOSITY]
     number = sommerfeld_number(speed, load, viscosity, radius, row[LENGTH], clearance)
@@ -285,7 +341,9 @@ def _curve_place(s: SystemArrays, j: int, load: float) -> tuple[int, float]:
 
 
 @kernel
-def add_curve_slopes(s: SystemArrays, state: Array, j: int, turning: float) -> None:
+def add_curve_slopes(
+    s: SystemArrays, state: Array, j: int, sense: float, by_speed: float
+) -> None:
     """Derivatives of the torque of a friction curve on a body that turns on its own."""
     journal, slopes = s.journal, s.film_slopes
     k, kx, ky = int(journal[j, ROTATION]), int(journal[j, MOTION_X]), int(journal[j, MOTION_Y])
@@ -294,7 +352,8 @@ def add_curve_slopes(s: SystemArrays, state: Array, j: int, turning: float) -> N
     step = 1e-4 * force
     film, boundary = curve_torques(s, state, j, force + step)
     less_film, less_boundary = curve_torques(s, state, j, force - step)
-    growth = turning * (film + boundary - less_film - less_boundary) / (2.0 * step)
+    growth = sense * (film + boundary - less_film - less_boundary) / (2.0 * step)
+    slopes[1, k, k] -= by_speed * (film + boundary)
     for order in range(2):
         for m in (kx, ky):
             rise = (fx * slopes[order, kx, m] + fy * slopes[order, ky, m]) / force
@@ -305,16 +364,14 @@ def add_curve_slopes(s: SystemArrays, state: Array, j: int, turning: float) -> N
 def book_journal_friction(s: SystemArrays, state: Array, ledger: Array) -> float:
     """Add journal losses to the ledger; return their torque at the shaft. [N m]."""
     journal, size = s.journal, s.size
-    total, share = 0.0, s.drive[DIRECTION] * s.drive[FADE]
+    total = 0.0
     s.drive[DRIVEN_FRICTION] = 0.0
     for j in range(size.journals):
+        ratio, rotation = journal[j, SPEED_RATIO], int(journal[j, ROTATION])
+        share = 0.0 if rotation < 0 and s.drive[DIRECTION] == 0.0 else s.drive[FADE]
         viscous, asperity = journal_torques(s, state, j)
         viscous, asperity = share * viscous, share * asperity
-        ratio = abs(journal[j, SPEED_RATIO])
-        turning = ratio * state[1]
-        if journal[j, ROTATION] >= 0.0:
-            ahead = state[size.velocity + int(journal[j, ROTATION])]
-            turning += np.sign(journal[j, SPEED_RATIO]) * ahead
+        turning = own_speed(s, state, j)
         squeeze = journal[j, FILM_X] * state[size.velocity + int(journal[j, MOTION_X])]
         squeeze += journal[j, FILM_Y] * state[size.velocity + int(journal[j, MOTION_Y])]
         s.torque[JOURNAL_VISCOUS] += ratio * viscous
@@ -322,5 +379,5 @@ def book_journal_friction(s: SystemArrays, state: Array, ledger: Array) -> float
         ledger[FRICTION + JOURNAL_VISCOUS] += viscous * turning - squeeze
         ledger[FRICTION + JOURNAL_ASPERITY] += asperity * turning
         total += ratio * (viscous + asperity)
-        s.drive[DRIVEN_FRICTION] -= journal[j, DRIVEN_SENSE] * (viscous + asperity)
+        s.drive[DRIVEN_FRICTION] -= abs(journal[j, DRIVEN_SENSE]) * (viscous + asperity)
     return total
