@@ -214,8 +214,10 @@ def hold_back(
     k, kx, ky = int(journal[j, ROTATION]), int(journal[j, MOTION_X]), int(journal[j, MOTION_Y])
     ex, ey = place
     # the film is dragged along by the body's own speed
-    slopes[1, kx, k] += 0.5 * (ey * force[4] - ex * force[5])
-    slopes[1, ky, k] += 0.5 * (ey * force[8] - ex * force[9])
+    x_by_speed = 0.5 * (ey * force[4] - ex * force[5])
+    y_by_speed = 0.5 * (ey * force[8] - ex * force[9])
+    slopes[1, kx, k] += x_by_speed
+    slopes[1, ky, k] += y_by_speed
     viscous, asperity = journal_torques(s, state, j)
     s.motion[k, FILM_FORCE] -= viscous + asperity
     sense, by_speed = sliding_sense(s, state, j)
@@ -239,7 +241,7 @@ def hold_back(
     slopes[1, k, kx] -= 0.5 * (ex * force[8] - ey * force[4])
     slopes[1, k, ky] -= 0.5 * (ex * force[9] - ey * force[5])
     slopes[1, k, k] -= drag + by_speed * touching * load
-    slopes[1, k, k] -= 0.5 * (ex * slopes[1, ky, k] - ey * slopes[1, kx, k])
+    slopes[1, k, k] -= 0.5 * (ex * y_by_speed - ey * x_by_speed)
 
 
 @kernel
@@ -341,9 +343,7 @@ def _curve_place(s: SystemArrays, j: int, load: float) -> tuple[int, float]:
 
 
 @kernel
-def add_curve_slopes(
-    s: SystemArrays, state: Array, j: int, sense: float, by_speed: float
-) -> None:
+def add_curve_slopes(s: SystemArrays, state: Array, j: int, sense: float, by_speed: float) -> None:
     """Derivatives of the torque of a friction curve on a body that turns on its own."""
     journal, slopes = s.journal, s.film_slopes
     k, kx, ky = int(journal[j, ROTATION]), int(journal[j, MOTION_X]), int(journal[j, MOTION_Y])
