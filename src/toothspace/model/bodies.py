@@ -39,6 +39,11 @@ FORCE, LOAD, SHEAR = 0, 1, 2
 LEAST_FORCE = 1e-3
 """Force on a journal below which its friction is that of this force. [N]"""
 
+CREEP_SPEED, LEAST_CREEP = 1e-3, 1e-6
+"""Sliding speeds over which touching surfaces turn their friction round: regularisation. [m/s]"""
+CREEP_SHARE = 0.25
+"""Most that the first of them may be of the mean sliding speed. [-]"""
+
 
 @kernel
 def update_pressure_forces(s: SystemArrays) -> None:
@@ -75,7 +80,7 @@ def update_film_forces(s: SystemArrays, state: Array) -> None:
     for j in range(size.journals):
         ex, ey = journal_place(s, state, j)
         vx, vy = journal_velocity(s, state, j)
-        speed, c = journal[j, col.SPEED_RATIO] * state[1], journal[j, col.JOURNAL_CLEARANCE]
+        speed, c = own_speed(s, state, j), journal[j, col.JOURNAL_CLEARANCE]
         scale = journal[j, col.BEARINGS] * viscosity * journal[j, col.JOURNAL_VISCOSITY]
         scale *= journal[j, col.LENGTH] * (journal[j, col.RADIUS] / c) ** 3
         nodes = s.film.nodes[int(journal[j, col.FILM_MAP])]
@@ -155,6 +160,18 @@ def resist(s: SystemArrays, j: int, order: int, by_x: float, by_y: float) -> Non
 
 
 @kernel
+def turn(s: SystemArrays, j: int, x_by_speed: float, y_by_speed: float) -> None:
+    """Add derivatives of a force on a journal by the speed of a body that turns on its own."""
+    journal, slopes = s.journal[j], s.film_slopes[1]
+    k = int(journal[col.ROTATION])
+    slopes[int(journal[col.MOTION_X]), k] += x_by_speed
+    slopes[int(journal[col.MOTION_Y]), k] += y_by_speed
+    if journal[col.CARRIER_X] >= 0.0:
+        slopes[int(journal[col.CARRIER_X]), k] -= x_by_speed
+        slopes[int(journal[col.CARRIER_Y]), k] -= y_by_speed
+
+
+@kernel
 def update_lateral_drag(s: SystemArrays, state: Array) -> None:
     """Start the film forces with the torque of the lateral films on bodies free to turn."""
     motion, slopes, size, now = s.motion, s.film_slopes, s.size, s.lateral.now
@@ -187,28 +204,66 @@ def add_asperity_force(s: SystemArrays, j: int, ex: float, ey: float) -> None:
 
 
 @kernel
+def own_speed(s: SystemArrays, state: Array, j: int) -> float:
+    """Angular speed of the body in a bearing. [rad/s]."""
+    speed, k = s.journal[j, col.SPEED_RATIO] * state[1], int(s.journal[j, col.ROTATION])
+    return float(speed + state[s.size.velocity + k]) if k >= 0 else float(speed)
+
+
+@kernel
+def sliding_sense(s: SystemArrays, state: Array, j: int) -> tuple[float, float]:
+    r"""Sense in which the surfaces of a bearing slide, -1 to 1, and its slope by speed. [s/rad].
+
+    Notes
+    -----
+    That of the shaft, but for a body that turns on its own with :math:`\dot q`:
+
+    .. math:: \operatorname{sgn}(i\,\omega) + \tanh\frac{i\,\omega + \dot q}{\omega_c}
+        - \tanh\frac{i\,\omega}{\omega_c}
+
+    so that friction brings it to rest, at a creeping speed :math:`\omega_c`, but never turns it
+    backwards.
+    """
+    journal = s.journal
+    mean, radius = journal[j, col.SPEED_RATIO] * state[1], journal[j, col.RADIUS]
+    sense = np.sign(journal[j, col.SPEED_RATIO]) * s.drive[col.DIRECTION]
+    if journal[j, col.ROTATION] < 0.0:
+        return sense, 0.0
+    creep = max(min(CREEP_SPEED / radius, CREEP_SHARE * abs(mean)), LEAST_CREEP / radius)
+    now = math.tanh(own_speed(s, state, j) / creep)
+    sense += now - math.tanh(mean / creep)
+    return min(max(sense, -1.0), 1.0), (1.0 - now * now) / creep
+
+
+@kernel
 def hold_back(
     s: SystemArrays, state: Array, j: int, place: tuple[float, float], force: tuple[float, ...]
 ) -> None:
     """Friction torque of one bearing on a body that turns on its own, with derivatives."""
     journal, k = s.journal, int(s.journal[j, col.ROTATION])
     ex, ey = place
+    # the film is dragged along by the body's own speed
+    x_by_speed = 0.5 * (ey * force[4] - ex * force[5])
+    y_by_speed = 0.5 * (ey * force[8] - ex * force[9])
+    turn(s, j, x_by_speed, y_by_speed)
     viscous, asperity = journal_torques(s, state, j)
-    turning = np.sign(journal[j, col.SPEED_RATIO]) * s.drive[col.DIRECTION]
-    s.motion[k, col.FILM_FORCE] -= turning * (viscous + asperity)
+    s.motion[k, col.FILM_FORCE] -= viscous + asperity
+    sense, by_speed = sliding_sense(s, state, j)
     if journal[j, col.CURVES] > 0:
-        add_curve_slopes(s, state, j, turning)
+        add_curve_slopes(s, state, j, sense, by_speed)
         return
     c, radius = journal[j, col.JOURNAL_CLEARANCE], journal[j, col.RADIUS]
     distance = math.sqrt(ex * ex + ey * ey) + SMALL_RATIO * c
     ratio = distance / c
-    _, by_ratio = asperity_value(s.asperity, j, LOAD, s.constant.asperity_range, ratio)
-    growth = journal[j, col.BOUNDARY_FRICTION] * radius * by_ratio
+    load, by_ratio = asperity_value(s.asperity, j, LOAD, s.constant.asperity_range, ratio)
+    drag = shear_drag(s, j, ratio)
+    touching = journal[j, col.BOUNDARY_FRICTION] * radius
+    growth = sense * touching * by_ratio
     if ratio < HIGHEST_FILM_RATIO:
-        shear = viscous - turning * journal_pressure_torque(ex, ey, force[0], force[1])
         solved, rise = asperity_value(s.asperity, j, SHEAR, s.constant.asperity_range, ratio)
+        shear = drag * own_speed(s, state, j)
         growth += shear * (ratio / (1.0 - ratio * ratio) + rise / solved)
-    growth *= turning / (c * distance)
+    growth *= 1.0 / (c * distance)
     resist(
         s,
         j,
@@ -217,38 +272,52 @@ def hold_back(
         growth * ey + 0.5 * (ex * force[7] - ey * force[3] - force[0]),
     )
     resist(s, j, 1, 0.5 * (ex * force[8] - ey * force[4]), 0.5 * (ex * force[9] - ey * force[5]))
+    s.film_slopes[1, k, k] -= drag + by_speed * touching * load
+    s.film_slopes[1, k, k] -= 0.5 * (ex * y_by_speed - ey * x_by_speed)
+
+
+@kernel
+def shear_drag(s: SystemArrays, j: int, ratio: float) -> float:
+    """Torque of viscous shear over speed of the journals of one body. [N m s/rad].
+
+    :func:`journal_shear_torque` times 1, or times the shear of a solved film over that of the
+    full one.
+    """
+    row = s.journal[j]
+    viscosity = s.fluid.dynamic_viscosity * row[col.JOURNAL_VISCOSITY]
+    shear = row[col.BEARINGS] * journal_shear_torque(
+        min(ratio, HIGHEST_FILM_RATIO),
+        1.0,
+        viscosity,
+        row[col.RADIUS],
+        row[col.LENGTH],
+        row[col.JOURNAL_CLEARANCE],
+    )
+    solved, _ = asperity_value(s.asperity, j, SHEAR, s.constant.asperity_range, ratio)
+    return float(shear * solved)
 
 
 @kernel
 def journal_torques(s: SystemArrays, state: Array, j: int) -> tuple[float, float]:
-    r"""Viscous and asperity friction torque on the journals of one body, both positive. [N m].
+    r"""Viscous and asperity friction torque on the journals of one body, against its speed. [N m].
 
     Notes
     -----
-    :func:`journal_shear_torque` times 1, or times the shear of a solved film over that of the
-    full one, plus :func:`journal_pressure_torque`. A bearing with a friction curve has
-    :func:`curve_torques` instead.
+    :func:`shear_drag` times the speed plus :func:`journal_pressure_torque`, and boundary friction
+    of the load on asperities. A bearing with a friction curve has :func:`curve_torques` instead.
     """
     journal = s.journal
+    sense, _ = sliding_sense(s, state, j)
     if journal[j, col.CURVES] > 0:
         force = math.sqrt(journal[j, col.FILM_X] ** 2 + journal[j, col.FILM_Y] ** 2)
-        return curve_torques(s, state, j, force)
+        film, boundary = curve_torques(s, state, j, force)
+        return sense * film, sense * boundary
     ex, ey = journal_place(s, state, j)
-    c, radius = journal[j, col.JOURNAL_CLEARANCE], journal[j, col.RADIUS]
-    ratio = math.sqrt(ex * ex + ey * ey) / c
-    limited = min(ratio, HIGHEST_FILM_RATIO)
-    speed = abs(journal[j, col.SPEED_RATIO] * state[1])
-    turning = np.sign(journal[j, col.SPEED_RATIO]) * s.drive[col.DIRECTION]
-    viscosity = s.fluid.dynamic_viscosity * journal[j, col.JOURNAL_VISCOSITY]
-    shear = journal[j, col.BEARINGS] * journal_shear_torque(
-        limited, speed, viscosity, radius, journal[j, col.LENGTH], c
-    )
-    solved, _ = asperity_value(s.asperity, j, SHEAR, s.constant.asperity_range, ratio)
-    shear *= solved
-    fx, fy = journal[j, col.FILM_X], journal[j, col.FILM_Y]
-    moment = turning * journal_pressure_torque(ex, ey, fx, fy)
+    ratio = math.sqrt(ex * ex + ey * ey) / journal[j, col.JOURNAL_CLEARANCE]
+    shear = shear_drag(s, j, ratio) * own_speed(s, state, j)
+    moment = journal_pressure_torque(ex, ey, journal[j, col.FILM_X], journal[j, col.FILM_Y])
     load, _ = asperity_value(s.asperity, j, LOAD, s.constant.asperity_range, ratio)
-    return shear + moment, journal[j, col.BOUNDARY_FRICTION] * load * radius
+    return shear + moment, sense * journal[j, col.BOUNDARY_FRICTION] * load * journal[j, col.RADIUS]
 
 
 @kernel
@@ -265,7 +334,7 @@ def curve_torques(s: SystemArrays, state: Array, j: int, force: float) -> tuple[
     """
     row = s.journal[j]
     radius = row[col.RADIUS]
-    speed = abs(row[col.SPEED_RATIO] * state[1])
+    speed = abs(own_speed(s, state, j))
     load, clearance = max(force, LEAST_FORCE) / row[col.BEARINGS], row[col.JOURNAL_CLEARANCE]
     viscosity = s.fluid.dynamic_viscosity * row[col.JOURNAL_VISCOSITY]
     number = sommerfeld_number(speed, load, viscosity, radius, row[col.LENGTH], clearance)
@@ -304,7 +373,7 @@ def _curve_place(s: SystemArrays, j: int, load: float) -> tuple[int, float]:
 
 
 @kernel
-def add_curve_slopes(s: SystemArrays, state: Array, j: int, turning: float) -> None:
+def add_curve_slopes(s: SystemArrays, state: Array, j: int, sense: float, by_speed: float) -> None:
     """Derivatives of the torque of a friction curve on a body that turns on its own."""
     journal, slopes = s.journal, s.film_slopes
     kx, ky = int(journal[j, col.MOTION_X]), int(journal[j, col.MOTION_Y])
@@ -313,7 +382,9 @@ def add_curve_slopes(s: SystemArrays, state: Array, j: int, turning: float) -> N
     step = 1e-4 * force
     film, boundary = curve_torques(s, state, j, force + step)
     less_film, less_boundary = curve_torques(s, state, j, force - step)
-    growth = turning * (film + boundary - less_film - less_boundary) / (2.0 * step)
+    growth = sense * (film + boundary - less_film - less_boundary) / (2.0 * step)
+    k = int(journal[j, col.ROTATION])
+    slopes[1, k, k] -= by_speed * (film + boundary)
     for order in range(2):
         rise_x = (fx * slopes[order, kx, kx] + fy * slopes[order, ky, kx]) / force
         rise_y = (fx * slopes[order, kx, ky] + fy * slopes[order, ky, ky]) / force
@@ -324,16 +395,14 @@ def add_curve_slopes(s: SystemArrays, state: Array, j: int, turning: float) -> N
 def book_journal_friction(s: SystemArrays, state: Array, ledger: Array) -> float:
     """Add journal losses to the ledger; return their torque at the shaft. [N m]."""
     journal = s.journal
-    total, share = 0.0, s.drive[col.DIRECTION] * s.drive[col.FADE]
+    total = 0.0
     s.drive[col.DRIVEN_FRICTION] = 0.0
     for j in range(s.size.journals):
+        ratio, rotation = journal[j, col.SPEED_RATIO], int(journal[j, col.ROTATION])
+        share = 0.0 if rotation < 0 and s.drive[col.DIRECTION] == 0.0 else s.drive[col.FADE]
         viscous, asperity = journal_torques(s, state, j)
         viscous, asperity = share * viscous, share * asperity
-        ratio = abs(journal[j, col.SPEED_RATIO])
-        turning = ratio * state[1]
-        if journal[j, col.ROTATION] >= 0.0:
-            ahead = state[s.size.velocity + int(journal[j, col.ROTATION])]
-            turning += np.sign(journal[j, col.SPEED_RATIO]) * ahead
+        turning = own_speed(s, state, j)
         vx, vy = journal_velocity(s, state, j)
         squeeze = journal[j, col.FILM_X] * vx + journal[j, col.FILM_Y] * vy
         s.torque[JOURNAL_VISCOUS] += ratio * viscous
@@ -341,5 +410,5 @@ def book_journal_friction(s: SystemArrays, state: Array, ledger: Array) -> float
         ledger[FRICTION + JOURNAL_VISCOUS] += viscous * turning - squeeze
         ledger[FRICTION + JOURNAL_ASPERITY] += asperity * turning
         total += ratio * (viscous + asperity)
-        s.drive[col.DRIVEN_FRICTION] -= journal[j, col.DRIVEN_SENSE] * (viscous + asperity)
+        s.drive[col.DRIVEN_FRICTION] -= abs(journal[j, col.DRIVEN_SENSE]) * (viscous + asperity)
     return total
