@@ -35,6 +35,7 @@ from toothspace.model.arrays import (
     PARAMETER_4,
     PARTNER_SHIFT,
     PATH_COLUMNS,
+    PORT_AREA,
     PRECHARGE,
     PRESSURE,
     REST_VOLUME,
@@ -399,6 +400,8 @@ def _pattern(arrays: SystemArrays) -> BoolArray:
         moved = _moved(arrays, int(arrays.chambers.table[i]), CHANNEL_MOTION)
         velocities = [column + size.velocity - size.position for column in moved]
         pattern[np.ix_(velocities, columns[i])] = True
+    pressed = size.velocity + np.flatnonzero(arrays.motion[:, PORT_AREA])
+    pattern[np.ix_(pressed, [*columns[size.chambers], *columns[size.chambers + 1]])] = True
     return pattern
 
 
