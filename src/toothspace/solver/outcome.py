@@ -389,7 +389,8 @@ def _journal_values(history: History, position: Array, names: list[str]) -> dict
     values = {"journal_eccentricity_ratio": ratio, "seat_position": seat}
     for body, journal in zip(journal_bodies(system), system.arrays.journal, strict=False):
         b, clearance = names.index(body), journal[JOURNAL_CLEARANCE]
-        middle = seat[b, :2] = journal[BUSH_X], journal[BUSH_Y]
+        middle = journal[[BUSH_X, BUSH_Y]]
+        seat[b, :2] = middle
         if journal[CARRIER_X] >= 0.0:
             places = [first + int(journal[CARRIER_X]), first + int(journal[CARRIER_Y])]
             moving = np.zeros((position.shape[0], 3))
