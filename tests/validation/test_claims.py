@@ -12,8 +12,8 @@ LONG = 0.1
 
 def _marked(claim):
     marks = [pytest.mark.slow] if claim.minutes > LONG else []
-    if claim.shortfall:
-        marks.append(pytest.mark.xfail(reason=claim.shortfall, strict=True))
+    if claim.reason:
+        marks.append(pytest.mark.xfail(reason=claim.reason, strict=True))
     return pytest.param(claim, id=claim.key, marks=marks)
 
 

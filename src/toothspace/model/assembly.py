@@ -362,6 +362,8 @@ def _pattern(arrays: SystemArrays) -> BoolArray:
         moved = _moved(arrays, int(arrays.chambers.table[i]), col.CHANNEL_MOTION)
         velocities = [column + size.velocity - size.position for column in moved]
         pattern[np.ix_(velocities, columns[i])] = True
+    pressed = [size.velocity + int(k) for k in np.flatnonzero(arrays.motion[:, col.PORT_AREA])]
+    pattern[np.ix_(pressed, [*columns[size.chambers], *columns[size.chambers + 1]])] = True
     return pattern
 
 

@@ -87,9 +87,9 @@ def update_film_forces(s: SystemArrays, state: Array) -> None:
         film = JournalMap(nodes, s.film.logarithm_step, s.film.length_over_diameter)
         force = journal_force(ex, ey, vx, vy, speed, c, scale, film)
         journal[j, col.FILM_X] = journal[j, col.FILM_Y] = 0.0
-        push(s, j, force[0], force[1])
-        stiffen(s, j, 0, (force[2], force[3], force[6], force[7]))
-        stiffen(s, j, 1, (force[4], force[5], force[8], force[9]))
+        add_force(s, j, force[0], force[1])
+        add_slopes(s, j, 0, (force[2], force[3], force[6], force[7]))
+        add_slopes(s, j, 1, (force[4], force[5], force[8], force[9]))
         add_asperity_force(s, j, ex, ey)
         if journal[j, col.ROTATION] >= 0.0:
             hold_back(s, state, j, (ex, ey), force)
@@ -119,20 +119,20 @@ def journal_velocity(s: SystemArrays, state: Array, j: int) -> tuple[float, floa
 
 
 @kernel
-def push(s: SystemArrays, j: int, fx: float, fy: float) -> None:
+def add_force(s: SystemArrays, j: int, force_x: float, force_y: float) -> None:
     """Add a force on a journal, and its reaction on what carries the bearing. [N]."""
     journal, motion = s.journal[j], s.motion
-    journal[col.FILM_X] += fx
-    journal[col.FILM_Y] += fy
-    motion[int(journal[col.MOTION_X]), col.FILM_FORCE] += fx
-    motion[int(journal[col.MOTION_Y]), col.FILM_FORCE] += fy
+    journal[col.FILM_X] += force_x
+    journal[col.FILM_Y] += force_y
+    motion[int(journal[col.MOTION_X]), col.FILM_FORCE] += force_x
+    motion[int(journal[col.MOTION_Y]), col.FILM_FORCE] += force_y
     if journal[col.CARRIER_X] >= 0.0:
-        motion[int(journal[col.CARRIER_X]), col.FILM_FORCE] -= fx
-        motion[int(journal[col.CARRIER_Y]), col.FILM_FORCE] -= fy
+        motion[int(journal[col.CARRIER_X]), col.FILM_FORCE] -= force_x
+        motion[int(journal[col.CARRIER_Y]), col.FILM_FORCE] -= force_y
 
 
 @kernel
-def stiffen(s: SystemArrays, j: int, order: int, by: tuple[float, float, float, float]) -> None:
+def add_slopes(s: SystemArrays, j: int, order: int, by: tuple[float, float, float, float]) -> None:
     """Add derivatives of a force on a journal: x by x, x by y, y by x, y by y."""
     journal, slopes = s.journal[j], s.film_slopes[order]
     own = int(journal[col.MOTION_X]), int(journal[col.MOTION_Y])
@@ -148,7 +148,7 @@ def stiffen(s: SystemArrays, j: int, order: int, by: tuple[float, float, float, 
 
 
 @kernel
-def resist(s: SystemArrays, j: int, order: int, by_x: float, by_y: float) -> None:
+def add_torque_slopes(s: SystemArrays, j: int, order: int, by_x: float, by_y: float) -> None:
     """Take derivatives by the place of a journal from the torque on a body that turns alone."""
     journal = s.journal[j]
     row = s.film_slopes[order, int(journal[col.ROTATION])]
@@ -160,7 +160,7 @@ def resist(s: SystemArrays, j: int, order: int, by_x: float, by_y: float) -> Non
 
 
 @kernel
-def turn(s: SystemArrays, j: int, x_by_speed: float, y_by_speed: float) -> None:
+def add_speed_slopes(s: SystemArrays, j: int, x_by_speed: float, y_by_speed: float) -> None:
     """Add derivatives of a force on a journal by the speed of a body that turns on its own."""
     journal, slopes = s.journal[j], s.film_slopes[1]
     k = int(journal[col.ROTATION])
@@ -197,10 +197,10 @@ def add_asperity_force(s: SystemArrays, j: int, ex: float, ey: float) -> None:
     force, slope = asperity_value(s.asperity, j, FORCE, span, distance / c)
     nx, ny = ex / distance, ey / distance
     radial, tangential = slope / c, force / distance
-    push(s, j, -force * nx, -force * ny)
+    add_force(s, j, -force * nx, -force * ny)
     xx, yy = radial * nx * nx + tangential * ny * ny, radial * ny * ny + tangential * nx * nx
     xy = (radial - tangential) * nx * ny
-    stiffen(s, j, 0, (-xx, -xy, -xy, -yy))
+    add_slopes(s, j, 0, (-xx, -xy, -xy, -yy))
 
 
 @kernel
@@ -245,7 +245,7 @@ def hold_back(
     # the film is dragged along by the body's own speed
     x_by_speed = 0.5 * (ey * force[4] - ex * force[5])
     y_by_speed = 0.5 * (ey * force[8] - ex * force[9])
-    turn(s, j, x_by_speed, y_by_speed)
+    add_speed_slopes(s, j, x_by_speed, y_by_speed)
     viscous, asperity = journal_torques(s, state, j)
     s.motion[k, col.FILM_FORCE] -= viscous + asperity
     sense, by_speed = sliding_sense(s, state, j)
@@ -264,14 +264,16 @@ def hold_back(
         shear = drag * own_speed(s, state, j)
         growth += shear * (ratio / (1.0 - ratio * ratio) + rise / solved)
     growth *= 1.0 / (c * distance)
-    resist(
+    add_torque_slopes(
         s,
         j,
         0,
         growth * ex + 0.5 * (force[1] + ex * force[6] - ey * force[2]),
         growth * ey + 0.5 * (ex * force[7] - ey * force[3] - force[0]),
     )
-    resist(s, j, 1, 0.5 * (ex * force[8] - ey * force[4]), 0.5 * (ex * force[9] - ey * force[5]))
+    add_torque_slopes(
+        s, j, 1, 0.5 * (ex * force[8] - ey * force[4]), 0.5 * (ex * force[9] - ey * force[5])
+    )
     s.film_slopes[1, k, k] -= drag + by_speed * touching * load
     s.film_slopes[1, k, k] -= 0.5 * (ex * y_by_speed - ey * x_by_speed)
 
@@ -388,7 +390,7 @@ def add_curve_slopes(s: SystemArrays, state: Array, j: int, sense: float, by_spe
     for order in range(2):
         rise_x = (fx * slopes[order, kx, kx] + fy * slopes[order, ky, kx]) / force
         rise_y = (fx * slopes[order, kx, ky] + fy * slopes[order, ky, ky]) / force
-        resist(s, j, order, growth * rise_x, growth * rise_y)
+        add_torque_slopes(s, j, order, growth * rise_x, growth * rise_y)
 
 
 @kernel

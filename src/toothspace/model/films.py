@@ -56,7 +56,7 @@ def journal_data(
     rotations = {motion.body: place for place, motion in turning if motion.axis == "rotation"}
     span = max((1.0 + 4.0 * j.roughness / j.radial_clearance for j in journals), default=1.0)
     on = (len(free), len(free) + 1) if blocks else (-1, -1)
-    rows = [
+    rows: list[tuple[float, ...]] = [
         (
             free.index(description.motion_index(j.body, "x")),
             free.index(description.motion_index(j.body, "y")),

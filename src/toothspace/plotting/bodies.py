@@ -29,6 +29,9 @@ def journal_orbits(solution: Solution, description: MachineDescription | None = 
         seat = np.zeros(2)
         if "seat_position" in solution.data:
             seat = 1e6 * np.asarray(solution.data["seat_position"].sel(body=body, axis=["x", "y"]))
+        if "block_position" in solution.data:
+            moving = np.asarray(solution.data["block_position"].sel(axis=["x", "y"]))
+            seat = 1e6 * moving.mean(axis=0)
         title = readable(body)
         for journal in () if description is None else description.journals:
             if journal.body == body:

@@ -153,8 +153,8 @@ def _bodies(solution: Solution) -> Iterator[str]:
             yield (
                 f"The bearing blocks of {str(body).replace('_', ' ')} lean against the side away "
                 "from their mean load: they are seated once, for pressures at rest. Set "
-                "machine.mode to the way the machine runs; with oil so thick that wedges at the "
-                "teeth carry the gear, compare a run without [machine.bearing_blocks]."
+                "machine.mode to the way the machine runs, or let them follow their load, "
+                'machine.bearing_blocks.motion = "free".'
             )
 
 

@@ -370,7 +370,8 @@ def _journal_values(history: History, position: Array, names: list[str]) -> dict
     values = {"journal_eccentricity_ratio": ratio, "seat_position": seat}
     for body, journal in zip(journal_bodies(system), system.arrays.journal, strict=False):
         b, clearance = names.index(body), journal[col.JOURNAL_CLEARANCE]
-        middle = seat[b, :2] = journal[col.BUSH_X], journal[col.BUSH_Y]
+        middle = journal[[col.BUSH_X, col.BUSH_Y]]
+        seat[b, :2] = middle
         if journal[col.CARRIER_X] >= 0.0:
             places = [first + int(journal[col.CARRIER_X]), first + int(journal[col.CARRIER_Y])]
             moving = np.zeros((position.shape[0], 3))

@@ -212,7 +212,7 @@ class Claim:
         the numbers cannot be had.
     minutes : float
         Rough duration of the full computation on one core. [min]
-    shortfall : str
+    reason : str
         Why this version does not meet it; empty where it does.
     """
 
@@ -222,7 +222,7 @@ class Claim:
     tolerance: str
     measure: Callable[[Effort], Evidence] | None
     minutes: float = 0.2
-    shortfall: str = ""
+    reason: str = ""
 
 
 @final

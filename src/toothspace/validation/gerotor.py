@@ -218,7 +218,7 @@ CLAIMS = (
         "A tooth is loaded above 1 % of the mean total force; 5 % of the turn for hand-over.",
         _teeth,
         0.3,
-        shortfall=(
+        reason=(
             "The film round the rotor holds it, and with 40 um at the tips one tooth "
             "at a time is enough to turn it."
         ),
@@ -229,7 +229,7 @@ CLAIMS = (
         "Fig. 15: contact spans nearly twice the angle of single-contact theory.",
         "15 %: read from words.",
         _span,
-        shortfall=(
+        reason=(
             "The film round the rotor holds it, and with 40 um at the tips one tooth "
             "at a time is enough to turn it."
         ),

@@ -220,7 +220,7 @@ CLAIMS = (
         "A move counts from 0.05 um on.",
         _nose_pressure,
         15.0,
-        shortfall=(
+        reason=(
             "Friction of the casing holds the bearing at OC2 and not at OC1; between "
             "them speed decides."
         ),

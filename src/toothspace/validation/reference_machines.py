@@ -179,7 +179,7 @@ CLAIMS = (
         _RANGES,
         partial(_egm12, "egm12_motor"),
         0.3,
-        shortfall=(
+        reason=(
             "The closed form of the faces keeps a film of 8 um at any pressure; with "
             "solved films the motor is in range (egm12_motor_reduced)."
         ),
@@ -191,7 +191,7 @@ CLAIMS = (
         _RANGES,
         partial(_egm12, "egm12_pump"),
         0.3,
-        shortfall=(
+        reason=(
             "The closed form of the faces keeps a film of 8 um at any pressure; with "
             "solved films the motor is in range (egm12_motor_reduced)."
         ),
@@ -220,7 +220,7 @@ CLAIMS = (
         _RANGES,
         _fuel,
         0.5,
-        shortfall=(
+        reason=(
             "A space fills through its two ends, which are too small for its growth "
             "at this speed and inlet pressure: vapour in the mesh."
         ),
@@ -238,7 +238,7 @@ CLAIMS = (
         "The same at 767 rpm, 40 bar.",
         "0.85 to 0.90 published below 100 bar; the upper end is own judgement.",
         partial(_gerotor, "gerotor_cycloidal", 0.85, 0.93),
-        shortfall=(
+        reason=(
             "40 um at the tips leak more at 767 rpm and 40 bar than the measured "
             "pumps, which are larger and faster."
         ),

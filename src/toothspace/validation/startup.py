@@ -152,7 +152,7 @@ CLAIMS = (
         "15 %: read from words.",
         _ratio,
         3.0,
-        shortfall=(
+        reason=(
             "Swings of the line after breakaway count as running pressure; the rubber "
             "of the hose, which would damp them, is not published."
         ),
@@ -164,7 +164,7 @@ CLAIMS = (
         "15 %: read from words; 12 % of breakaway: ripple of the torque over the start angle.",
         _ratio_over_speed,
         3.0,
-        shortfall=(
+        reason=(
             "Swings of the line after breakaway count as running pressure; the rubber "
             "of the hose, which would damp them, is not published."
         ),
@@ -194,7 +194,7 @@ CLAIMS = (
         "Sign alone.",
         _cold,
         4.0,
-        shortfall=(
+        reason=(
             "The moment that breaks away is given at one temperature, and friction by "
             "Eq 2.7 falls as oil thickens."
         ),
@@ -207,7 +207,7 @@ CLAIMS = (
         "Sign alone, of the table of the motor whose balanced area is calibrated to the published "
         "gaps of 5 to 12 um.",
         _lateral_torque,
-        shortfall="Films thicker than the 8 um of the closed form shear less.",
+        reason="Films thicker than the 8 um of the closed form shear less.",
     ),
     Claim(
         "startup_fig_10",
