@@ -192,6 +192,17 @@ def test_no_page_is_an_orphan() -> None:
     assert {p.resolve() for p in PAGES} - reached == set()
 
 
+def test_tests_that_pages_name_exist() -> None:
+    texts = {p.name: p.read_text(encoding="utf-8") for p in REPOSITORY.glob("tests/**/test_*.py")}
+    named = {
+        (page.stem, m[1], m[2])
+        for page in PAGES
+        for m in re.finditer(r"\b(test_\w+\.py)(?:::(\w+))?", page.read_text(encoding="utf-8"))
+    }
+    assert len(named) > 20
+    assert {n for n in named if f"def {n[2] or 'test_'}" not in texts.get(n[1], "")} == set()
+
+
 def printed_numbers(text: str) -> dict[str, float]:
     rows = (line.split() for line in text.splitlines())
     return {r[0]: float(r[1]) for r in rows if len(r) > 1 and re.match(r"-?\d[\d.e+-]*$", r[1])}

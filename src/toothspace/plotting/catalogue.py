@@ -71,8 +71,8 @@ class FigureEntry:
 FIGURES: tuple[FigureEntry, ...] = (
     FigureEntry(
         "gear_section",
-        "Section with the pressure of every tooth space at four angles within one tooth pitch. "
-        "Dashed: relief grooves.",
+        "Section with the pressure of every chamber at four angles within one tooth pitch. "
+        "Dashed: relief grooves, and ports in the covers.",
         "pressure",
         section.gear_section,
         ("chamber_pressure",),

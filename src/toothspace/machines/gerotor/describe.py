@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from toothspace.core.design_check import warnings_of
+from toothspace.geometry.curve import outline_with_hole
 from toothspace.machines.gerotor.bodies import (
     bodies,
     film_by_motion,
@@ -22,7 +23,7 @@ from toothspace.machines.gerotor.flow_paths import flow_paths, pocket_phases
 from toothspace.machines.gerotor.lobe_pairs import contact_ratio, rotor_contacts
 from toothspace.machines.gerotor.parameters import GerotorParameters
 from toothspace.machines.gerotor.pockets import FULL_TURN, Pockets, area_by_motion, pockets
-from toothspace.machines.gerotor.ports import ports_of
+from toothspace.machines.gerotor.ports import PocketOutlines, ports_of
 from toothspace.machines.gerotor.profiles import rotors_from
 from toothspace.machines.gerotor.summary import design_checks, geometry_summary
 from toothspace.machines.gerotor.timing import timing_of
@@ -64,6 +65,9 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
     # the pockets feed the film through the faces of the outer rotor
     share = smooth_table(FULL_TURN, film_by_motion(spec, pocket)[:, columns])
     fed = replace(family, volume_by_motion=sum_of_tables(family.volume_by_motion, share))
+    shapes = outlines(spec, pocket, ports)
+    bore = shapes["casing"]
+    rim_circle = bore * rim / (rim + 2.0 * spec.housing.radial_clearance)
     walls = spec.housing.end_condition == "wall"  # the solved film of the faces feeds the rim
     ratio = contact_ratio(contacts, float(np.median(pocket.path.gap)))
     return MachineDescription(
@@ -82,7 +86,8 @@ def describe(spec: GerotorParameters, nodes: int = DEFAULT_NODES) -> MachineDesc
         port_volumes=(spec.inlet.volume, spec.outlet.volume),
         drain=spec.drain_node,
         drain_pressure=spec.drain_pressure or 1e5,
-        outlines=outlines(spec, pocket, ports),
+        outlines=shapes,
+        chamber_outlines=PocketOutlines(pocket, outline_with_hole(bore, rim_circle)),
         geometry_summary=geometry_summary(spec, pocket, timing)
         | {"contact_ratio": ratio, "warnings": warnings_of(checks)},
         checks=checks,
