@@ -29,6 +29,7 @@ from toothspace.model.arrays import (
     GAS_VOLUME,
     HEIGHT_BY_MOTION,
     KNOTS,
+    LEAST_VOLUME,
     NODE_A,
     NODE_B,
     NODE_COLUMNS,
@@ -87,6 +88,8 @@ from toothspace.numerics.periodic_table import PeriodicTable, stack_tables
 from toothspace.numerics.roots import root_between
 
 _SLOWEST_SPEED = 1.0
+_LEAST_VOLUME = 1e-4
+"""Volume that stays in a chamber whose walls meet, over the largest of its family. [-]"""
 
 
 @final
@@ -337,6 +340,8 @@ def _nodes(
     description: MachineDescription, fluid: FluidLaw, condition: OperatingCondition, sizes: Sizes
 ) -> Array:
     node = np.zeros((sizes.nodes, NODE_COLUMNS))
+    largest = [np.full(f.count, f.volume.values[:, 0].max()) for f in description.families]
+    node[: sizes.chambers, LEAST_VOLUME] = _LEAST_VOLUME * np.concatenate(largest)
     ports = node[sizes.chambers : sizes.chambers + len(PORT_NODES)]
     ports[:, PRESSURE] = (
         condition.inlet_pressure,

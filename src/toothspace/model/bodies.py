@@ -59,6 +59,7 @@ from toothspace.model.arrays import (
     RADIUS,
     ROTATION,
     SPEED_RATIO,
+    VOLUME_SHARE,
     SystemArrays,
 )
 from toothspace.model.lateral_table import ASPERITY_STRESS, DRAG_STRESS, SHEAR_RATIO
@@ -83,7 +84,7 @@ def update_pressure_forces(s: SystemArrays) -> None:
     for k in range(size.motions):
         force = 0.0
         for i in range(size.chambers):
-            force += node[i, PRESSURE] * values[i, CHANNEL_MOTION + k]
+            force += node[i, PRESSURE] * node[i, VOLUME_SHARE] * values[i, CHANNEL_MOTION + k]
         motion[k, PRESSURE_FORCE] = force
 
 

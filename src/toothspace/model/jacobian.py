@@ -39,9 +39,11 @@ from toothspace.model.arrays import (
     GAP_BY_MOTION,
     GAS,
     HEIGHT_BY_MOTION,
+    LEAST_VOLUME,
     MOTION_MASS,
     NODE_A,
     PRESENT_B,
+    PRESSURE,
     PRESSURE_BY_GAS,
     PRESSURE_BY_MASS,
     PRESSURE_BY_VOLUME,
@@ -49,6 +51,7 @@ from toothspace.model.arrays import (
     SLOPE,
     VALUE,
     VOLUME,
+    VOLUME_SHARE,
     SystemArrays,
 )
 from toothspace.model.circuit import update_elements
@@ -181,13 +184,19 @@ def add_gas_exchange(s: SystemArrays, state: Array, matrix: Array) -> None:
 
 @kernel
 def add_pressure_forces(s: SystemArrays, matrix: Array) -> None:
-    """Derivatives of the pressure forces on the motions with respect to all chambers' states."""
+    """Derivatives of the pressure forces on the motions by pressures, and by closing chambers."""
     node, values, size = s.node, s.chamber_values, s.size
     for i in range(size.chambers):
-        d = s.dynamic_index[i]
+        d, share = s.dynamic_index[i], node[i, VOLUME_SHARE]
         for k in range(size.motions):
             area = values[i, CHANNEL_MOTION + k] / s.motion[k, MOTION_MASS]
-            matrix[size.velocity + k, size.mass + d] += area * node[i, PRESSURE_BY_MASS]
+            by_mass = area * share * node[i, PRESSURE_BY_MASS]
+            matrix[size.velocity + k, size.mass + d] += by_mass
+            if 0.0 < share < 1.0:
+                bend = 0.5 * area * node[i, PRESSURE] / node[i, LEAST_VOLUME]
+                for m in range(size.motions):
+                    by_place = bend * values[i, CHANNEL_MOTION + m]
+                    matrix[size.velocity + k, size.position + m] += by_place
 
 
 @kernel
