@@ -12,13 +12,20 @@ from tests.contact_machine import RATIO, contact_machine
 from tests.iteration_matrices import assert_iteration_agrees
 from tests.reference_formulas.full_jacobian import jacobian
 from toothspace.closures.bearing_map import build_journal_map, journal_force
-from toothspace.model.arrays import FILM_FORCE
+from toothspace.model.arrays import (
+    CHANNEL_MOTION,
+    FILM_FORCE,
+    LEAST_VOLUME,
+    PRESSURE,
+    PRESSURE_FORCE,
+    VOLUME,
+)
 from toothspace.model.assembly import System, assemble
 from toothspace.model.bodies import CREEP_SPEED, journal_torques
 from toothspace.model.fluid import GasModel, fluid_law
 from toothspace.model.operating_point import OperatingCondition
 from toothspace.model.system import right_hand_side
-from toothspace.solver.compiled_model import observe
+from toothspace.solver.compiled_model import evaluate_state, observe
 from toothspace.solver.cyclic import History, RunPlan, march_revolutions
 from toothspace.solver.initial import start_state
 from toothspace.solver.outcome import window_ledger
@@ -72,9 +79,13 @@ def test_contacts_hand_the_load_over(history: History) -> None:
 def test_jacobian_is_the_derivative_of_the_rates(history: History) -> None:
     """Central differences by every position and velocity, at the sample of largest force."""
     system = history.system
-    arrays, size = system.arrays, system.arrays.size
-    force = observe(arrays, history.states).contact_force
+    force = observe(system.arrays, history.states).contact_force
     state = history.states[int(np.argmax(force.max(axis=1)))]
+    assert_derivatives(system, state)
+
+
+def assert_derivatives(system: System, state: Any) -> None:
+    arrays, size = system.arrays, system.arrays.size
     matrix = np.zeros((size.total, size.core))
     jacobian(0.0, state, arrays, matrix)
     assert_iteration_agrees(system, state)
@@ -89,6 +100,55 @@ def test_jacobian_is_the_derivative_of_the_rates(history: History) -> None:
             expected = ((up - down) / (2.0 * step))[size.velocity : size.core]
             found = matrix[size.velocity : size.core, column]
             assert found == pytest.approx(expected, abs=2e-3 * np.abs(expected).max())
+
+
+def closing_ring(share: float) -> tuple[System, Any]:
+    """The ring system with volumes of a share of twice the least one."""
+    system = ring_system()
+    state = start_state(system)
+    evaluate_state(system.arrays, state)
+    node = system.arrays.node[: system.arrays.size.chambers]
+    node[:, LEAST_VOLUME] = 0.5 * node[:, VOLUME] / share
+    return system, state
+
+
+def test_a_closing_chamber_keeps_its_virtual_work() -> None:
+    """Force on each motion: sum of p dV/dq of the volumes that the pressures follow from."""
+    system, state = closing_ring(0.6)
+    arrays, size = system.arrays, system.arrays.size
+    evaluate_state(arrays, state)
+    force, pressure = (
+        arrays.motion[:, PRESSURE_FORCE].copy(),
+        arrays.node[: size.chambers, PRESSURE].copy(),
+    )
+    for k, motion in enumerate(system.free_motions):
+        step = 1e3 * STEPS[system.description.motions[motion].axis]
+        volumes = []
+        for sign in (1.0, -1.0):
+            moved = state.copy()
+            moved[size.position + k] += sign * step
+            evaluate_state(arrays, moved)
+            volumes.append(arrays.node[: size.chambers, VOLUME].copy())
+        work = pressure @ (volumes[0] - volumes[1]) / (2.0 * step)
+        assert force[k] == pytest.approx(work, rel=1e-6, abs=1e-6 * np.abs(force).max())
+
+
+def test_a_chamber_between_overlapping_contacts_keeps_its_least_volume() -> None:
+    """Its pressure hardly acts on the bodies any more."""
+    system, state = closing_ring(1e-3)
+    arrays, size = system.arrays, system.arrays.size
+    evaluate_state(arrays, state)
+    node = arrays.node[: size.chambers]
+    np.testing.assert_allclose(node[:, VOLUME], node[:, LEAST_VOLUME], rtol=2e-6)
+    areas = arrays.chamber_values[:, CHANNEL_MOTION : CHANNEL_MOTION + size.motions]
+    np.testing.assert_allclose(
+        arrays.motion[:, PRESSURE_FORCE], 1e-3 * node[:, PRESSURE] @ areas, atol=1e-12
+    )
+
+
+def test_jacobian_of_closing_chambers() -> None:
+    """The slope of the volume changes with the positions."""
+    assert_derivatives(*closing_ring(0.6))
 
 
 def test_walls_at_the_ends_make_a_long_bearing() -> None:

@@ -25,9 +25,9 @@ from toothspace.model.tables import Members, TableBank
     VOLUME, VOLUME_RATE, PRESSURE, PRESSURE_BY_MASS, PRESSURE_BY_GAS, PRESSURE_BY_VOLUME, GAS,
     DENSITY, LIQUID_ENTHALPY, GAS_ENTHALPY, MASS_RATE, GAS_RATE, EXCHANGE_RATE,
     EXCHANGE_BY_PRESSURE, EXCHANGE_BY_GAS, ROOT_VISCOSITY, REST_VOLUME, WALL_COMPLIANCE,
-    GAS_VOLUME, PRECHARGE, GAS_EXPONENT, WALL_SLOPE, CARRIED_PRESSURE,
-) = range(23)  # fmt: skip
-NODE_COLUMNS = 23
+    GAS_VOLUME, PRECHARGE, GAS_EXPONENT, WALL_SLOPE, CARRIED_PRESSURE, LEAST_VOLUME, VOLUME_SHARE,
+) = range(25)  # fmt: skip
+NODE_COLUMNS = 25
 
 # Columns of ``path``: what flows through a path. The line is its flow by the drop as linear
 # equations have it, of one of its multiple gaps; the sense is that of the flow they led to.

@@ -58,6 +58,8 @@ from toothspace.numerics.periodic_table import PeriodicTable, stack_tables
 from toothspace.numerics.roots import root_between
 
 _SLOWEST_SPEED = 1.0
+_LEAST_VOLUME = 1e-4
+"""Volume that stays in a chamber whose walls meet, over the largest of its family. [-]"""
 
 
 @final
@@ -290,6 +292,8 @@ def _nodes(
     description: MachineDescription, fluid: FluidLaw, condition: OperatingCondition, sizes: Sizes
 ) -> Array:
     node = np.zeros((sizes.nodes, col.NODE_COLUMNS))
+    largest = [np.full(f.count, f.volume.values[:, 0].max()) for f in description.families]
+    node[: sizes.chambers, col.LEAST_VOLUME] = _LEAST_VOLUME * np.concatenate(largest)
     ports = node[sizes.chambers : sizes.chambers + len(PORT_NODES)]
     ports[:, col.PRESSURE] = (
         condition.inlet_pressure,

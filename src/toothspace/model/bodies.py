@@ -52,7 +52,11 @@ def update_pressure_forces(s: SystemArrays) -> None:
     for k in range(size.motions):
         force = 0.0
         for i in range(size.chambers):
-            force += node[i, col.PRESSURE] * values[i, col.CHANNEL_MOTION + k]
+            force += (
+                node[i, col.PRESSURE]
+                * node[i, col.VOLUME_SHARE]
+                * values[i, col.CHANNEL_MOTION + k]
+            )
         motion[k, col.PRESSURE_FORCE] = force
 
 

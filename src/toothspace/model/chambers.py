@@ -8,6 +8,10 @@ Mass balance of node i with mass flows :math:`\dot m` into it, and pressure from
     p_i = p\!\left(\frac{V_i}{m_i}, \frac{m_{g,i}}{m_i}\right), \qquad
     V_i = V_{0,i}(\theta) + \sum_k \frac{\partial V_i}{\partial q_k} q_k .
 
+Where contacts overlap elastically, this V of a small chamber between them goes down to zero and
+below, the overlap counted in. A least volume e stays: :math:`e\,(1 + (V/2e)^2)` below 2 e, and e
+for a negative V. Forces on bodies and the rate of the volume take its slope by V.
+
 Mass, not pressure, is the state: sums over chambers and ports are then kept to round-off.
 """
 
@@ -35,8 +39,11 @@ def update_volumes(s: SystemArrays, state: Array) -> None:
             q = state[size.position + k]
             volume += values[i, col.CHANNEL_MOTION + k] * q
             slope += slopes[i, col.CHANNEL_MOTION + k] * q
-        node[i, col.VOLUME] = volume
-        node[i, col.VOLUME_RATE] = slope
+        least = node[i, col.LEAST_VOLUME]
+        share = min(max(0.5 * volume / least, 0.0), 1.0)
+        node[i, col.VOLUME_SHARE] = share
+        node[i, col.VOLUME] = max(volume, least * (1.0 + share * share))
+        node[i, col.VOLUME_RATE] = share * slope
 
 
 @kernel
@@ -48,6 +55,7 @@ def update_pressures(s: SystemArrays, state: Array) -> None:
     node, size, fluid, dynamic = s.node, s.size, s.fluid, s.dynamic_index
     for i in range(size.chambers):
         update_pressure(node, i, state[size.mass + i], state[size.gas + i], fluid)
+        node[i, col.PRESSURE_BY_VOLUME] *= node[i, col.VOLUME_SHARE]
     for i in range(size.chambers, size.nodes):
         d = dynamic[i]
         if d < 0:

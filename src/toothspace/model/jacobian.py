@@ -150,13 +150,19 @@ def add_gas_exchange(s: SystemArrays, state: Array, matrix: Array) -> None:
 
 @kernel
 def add_pressure_forces(s: SystemArrays, matrix: Array) -> None:
-    """Derivatives of the pressure forces on the motions by the states of chambers and ports."""
+    """Derivatives of the pressure forces on the motions by pressures, and by closing chambers."""
     node, values, size = s.node, s.chamber_values, s.size
     for i in range(size.chambers):
-        d = s.dynamic_index[i]
+        d, share = s.dynamic_index[i], node[i, col.VOLUME_SHARE]
         for k in range(size.motions):
             area = values[i, col.CHANNEL_MOTION + k] / s.motion[k, col.MOTION_MASS]
-            matrix[size.velocity + k, size.mass + d] += area * node[i, col.PRESSURE_BY_MASS]
+            by_mass = area * share * node[i, col.PRESSURE_BY_MASS]
+            matrix[size.velocity + k, size.mass + d] += by_mass
+            if 0.0 < share < 1.0:
+                bend = 0.5 * area * node[i, col.PRESSURE] / node[i, col.LEAST_VOLUME]
+                for m in range(size.motions):
+                    by_place = bend * values[i, col.CHANNEL_MOTION + m]
+                    matrix[size.velocity + k, size.position + m] += by_place
     for k in range(size.motions):
         area = s.motion[k, col.PORT_AREA] / s.motion[k, col.MOTION_MASS]
         for port in range(2):
